@@ -1,0 +1,85 @@
+"""weft: example-based texture synthesis.
+
+>>> import numpy as np, weft
+>>> sample = np.random.default_rng(0).integers(0, 255, (64, 64, 3), np.uint8)
+>>> weft.synthesize(sample, (96, 128), method="quilting", seed=7).image.shape
+(96, 128, 3)
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from weft.canvas import Canvas
+    from weft.errors import (
+        CancelledError,
+        FileError,
+        InvalidInputError,
+        UnsupportedError,
+        WeftError,
+    )
+    from weft.exemplar import Exemplar
+    from weft.io import read_image, write_image
+    from weft.method import METHODS, Method
+    from weft.methods.patch_sampling import PatchSampling
+    from weft.methods.quilting import Quilting
+    from weft.synthesis import Synthesis
+    from weft.tasks.fill import fill
+    from weft.tasks.synthesize import load_exemplar, synthesize
+
+__version__ = "0.1.0"
+
+_HOME = {
+    "METHODS": "method",
+    "Canvas": "canvas",
+    "CancelledError": "errors",
+    "Exemplar": "exemplar",
+    "FileError": "errors",
+    "InvalidInputError": "errors",
+    "Method": "method",
+    "PatchSampling": "methods.patch_sampling",
+    "Quilting": "methods.quilting",
+    "Synthesis": "synthesis",
+    "UnsupportedError": "errors",
+    "WeftError": "errors",
+    "fill": "tasks.fill",
+    "load_exemplar": "tasks.synthesize",
+    "read_image": "io",
+    "synthesize": "tasks.synthesize",
+    "write_image": "io",
+}
+
+__all__ = [
+    "METHODS",
+    "CancelledError",
+    "Canvas",
+    "Exemplar",
+    "FileError",
+    "InvalidInputError",
+    "Method",
+    "PatchSampling",
+    "Quilting",
+    "Synthesis",
+    "UnsupportedError",
+    "WeftError",
+    "fill",
+    "load_exemplar",
+    "read_image",
+    "synthesize",
+    "write_image",
+]
+
+
+def __getattr__(name: str) -> Any:
+    if name not in _HOME:
+        raise AttributeError(f"module 'weft' has no attribute '{name}'")
+    from importlib import import_module
+
+    value = getattr(import_module("weft." + _HOME[name]), name)
+    globals()[name] = value
+    return value
+
+
+def __dir__() -> list[str]:
+    return sorted([*globals(), *__all__])

@@ -1,0 +1,111 @@
+"""What to make: a size, what wraps around, and what is known already."""
+
+from __future__ import annotations
+
+import numbers
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from weft.errors import InvalidInputError
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+#: The most pixels that a canvas may have; more is taken for a mistake.
+MAX_PIXELS = 2**30
+
+
+@dataclass(frozen=True, eq=False)
+class Canvas:
+    """The place to fill.
+
+    Parameters
+    ----------
+    height, width : int
+        In pixels, 1 or more, together at most `MAX_PIXELS`.
+    wrap : (bool, bool)
+        Whether the vertical and the horizontal axis are to repeat without a seam.
+    known : array (H, W) or (H, W, C), optional
+        Pixels that are there already, in the sample's dtype and channels.
+    hole : bool array (H, W), optional
+        True where `known` is to be filled; needed with `known`.
+    known_from : (int, int), optional
+        Row and column of the canvas's corner in the sample, when the known pixels are part of it.
+
+    Raises
+    ------
+    InvalidInputError
+        If a size is out of range, or `known` and `hole` do not fit it.
+
+    Examples
+    --------
+    >>> Canvas(4, 6, wrap=(False, True)).shape
+    (4, 6)
+    """
+
+    height: int
+    width: int
+    wrap: tuple[bool, bool] = (False, False)
+    known: NDArray[Any] | None = None
+    hole: NDArray[np.bool_] | None = None
+    known_from: tuple[int, int] | None = None
+
+    def __post_init__(self) -> None:
+        for name in ("height", "width"):
+            value = getattr(self, name)
+            if not isinstance(value, numbers.Integral) or isinstance(value, bool) or value < 1:
+                raise InvalidInputError(f"{name} is {value!r}; it must be an integer of 1 or more")
+            object.__setattr__(self, name, int(value))
+        if self.height * self.width > MAX_PIXELS:
+            raise InvalidInputError(
+                f"{self.width}x{self.height} is more than {MAX_PIXELS} pixels at once; "
+                "make a tileable piece and repeat it, or several pieces"
+            )
+        if (self.known is None) != (self.hole is None):
+            raise InvalidInputError("known pixels and hole go together: give both or neither")
+        if self.known is not None and self.hole is not None:
+            object.__setattr__(self, "hole", np.ascontiguousarray(self.hole, bool))
+            for name, value in (("known", self.known), ("hole", self.hole)):
+                if value.shape[:2] != self.shape:
+                    raise InvalidInputError(
+                        f"{name} is {value.shape[1]}x{value.shape[0]}, "
+                        f"the canvas is {self.width}x{self.height}"
+                    )
+
+    @property
+    def shape(self) -> tuple[int, int]:
+        """Height and width."""
+        return self.height, self.width
+
+
+def as_canvas(size: Canvas | int | tuple[int, int], tileable: bool | str = False) -> Canvas:
+    """Make a Canvas from a size (height, width), or one number for a square.
+
+    Parameters
+    ----------
+    size : Canvas, int or (int, int)
+        A Canvas is returned as it is, and then `tileable` must not be given.
+    tileable : bool or {"x", "y"}
+        Which axes are to repeat without a seam.
+
+    Examples
+    --------
+    >>> as_canvas((4, 6), tileable="x").wrap
+    (False, True)
+    """
+    wraps = {False: (False, False), True: (True, True), "x": (False, True), "y": (True, False)}
+    if tileable not in wraps:
+        raise InvalidInputError(f"tileable is {tileable!r}; it must be True, False, 'x' or 'y'")
+    if isinstance(size, Canvas):
+        if tileable:
+            raise InvalidInputError("give wrap to the Canvas instead of tileable beside it")
+        return size
+    if isinstance(size, numbers.Integral):
+        size = (int(size), int(size))
+    try:
+        height, width = size
+    except (TypeError, ValueError):
+        raise InvalidInputError(f"size is {size!r}; it must be (height, width)") from None
+    return Canvas(height, width, wraps[tileable])

@@ -1,0 +1,223 @@
+"""What a method is: a frozen dataclass of parameters that knows its ranges and what it supports."""
+
+from __future__ import annotations
+
+import dataclasses
+import math
+import numbers
+from collections.abc import Iterator, Mapping
+from typing import TYPE_CHECKING, Any, ClassVar, Protocol
+
+from weft.errors import InvalidInputError, UnsupportedError, did_you_mean
+
+if TYPE_CHECKING:
+    import numpy as np
+
+    from weft.canvas import Canvas
+    from weft.exemplar import Exemplar
+    from weft.progress import ProgressCallback
+    from weft.synthesis import Synthesis
+
+#: Canvas kinds that a method may declare in `supports`, in words for messages.
+CANVAS_KINDS = {
+    "wrap": "tileable output",
+    "known": "hole filling",
+    "guide": "following a guide",
+    "many": "several samples",
+    "random_access": "windows of an endless plane",
+}
+
+
+def parameter(
+    default: Any,
+    help: str,
+    *,
+    low: float | None = None,
+    high: float | None = None,
+    unit: str = "",
+    choices: tuple[str, ...] = (),
+    default_text: str = "",
+    needs: tuple[str, tuple[str, ...]] | None = None,
+) -> Any:
+    """Declare a field of a method.
+
+    Parameters
+    ----------
+    default : object
+        None means that it follows from the sample; say how in `default_text`.
+    help : str
+        One line.
+    low, high : float, optional
+        Inclusive bounds.
+    unit : str
+        Of the value, for people.
+    choices : tuple of str
+        The allowed values of a text.
+    default_text : str
+        What None stands for.
+    needs : (field, values), optional
+        The parameter does something only while `field` has one of these values; setting it
+        otherwise is refused, not ignored.
+    """
+    return dataclasses.field(
+        default=default,
+        metadata={
+            "help": help,
+            "low": low,
+            "high": high,
+            "unit": unit,
+            "choices": choices,
+            "default_text": default_text,
+            "needs": needs,
+        },
+    )
+
+
+class Model(Protocol):
+    """What `Method.fit` returns: immutable, picklable, good for any number of outputs."""
+
+    exemplar: Exemplar
+    method: Method
+
+    def sample(
+        self,
+        size: Canvas | int | tuple[int, int],
+        *,
+        seed: int | np.random.Generator | None = None,
+        tileable: bool | str = False,
+        threads: int | None = None,
+        progress: ProgressCallback | None = None,
+    ) -> Synthesis:
+        """Make one output."""
+        ...
+
+
+@dataclasses.dataclass(frozen=True)
+class Method:
+    """Base of all methods; its fields are declared with `parameter`.
+
+    Raises
+    ------
+    InvalidInputError
+        If a value is of the wrong type, out of its bounds, or without effect.
+    """
+
+    slug: ClassVar[str]
+    title: ClassVar[str]
+    paper: ClassVar[str]
+    supports: ClassVar[frozenset[str]] = frozenset()
+
+    def __post_init__(self) -> None:
+        for field in dataclasses.fields(self):
+            _check(field, getattr(self, field.name))
+            needs = field.metadata["needs"]
+            if needs and getattr(self, field.name) != field.default:
+                if getattr(self, needs[0]) not in needs[1]:
+                    allowed = " or ".join(f"'{v}'" for v in needs[1])
+                    raise InvalidInputError(
+                        f"{field.name} has no effect unless {needs[0]} is {allowed}"
+                    )
+
+    def fit(self, exemplar: Exemplar) -> Model:
+        """Analyse a sample; the result makes any number of outputs from it."""
+        raise TypeError(f"{type(self).__name__} does not define fit")
+
+    def require(self, canvas: Canvas) -> None:
+        """Raise `UnsupportedError` if the canvas is of a kind that the method does not do."""
+        wanted = {"wrap": any(canvas.wrap), "known": canvas.known is not None}
+        for kind, want in wanted.items():
+            if want and kind not in self.supports:
+                able = [slug for slug in METHODS if kind in METHODS[slug].supports]
+                raise UnsupportedError(
+                    f"{self.slug} does not do {CANVAS_KINDS[kind]}; these do: {', '.join(able)}"
+                )
+
+    def describe(self) -> dict[str, Any]:
+        """Return slug and parameters as plain values, for files and messages."""
+        return {"method": self.slug, **dataclasses.asdict(self)}
+
+
+def _check(field: dataclasses.Field[Any], value: Any) -> None:
+    meta, name = field.metadata, field.name
+    if value is None and field.default is None:
+        return
+    if meta["choices"]:
+        if value not in meta["choices"]:
+            known = meta["choices"]
+            raise InvalidInputError(f"{name} is {value!r}{did_you_mean(str(value), known)}")
+        return
+    whole = "int" in str(field.type)
+    kind = numbers.Integral if whole else numbers.Real
+    if not isinstance(value, kind) or isinstance(value, bool) or math.isnan(value):
+        wanted = "an integer" if whole else "a number"
+        raise InvalidInputError(f"{name} is {value!r}; it must be {wanted}")
+    low, high = meta["low"], meta["high"]
+    if (low is not None and value < low) or (high is not None and value > high):
+        raise InvalidInputError(f"{name} is {value}; it must be {bounds(field)}")
+
+
+def bounds(field: dataclasses.Field[Any]) -> str:
+    """The allowed values of a field in words."""
+    low, high, choices = (field.metadata[k] for k in ("low", "high", "choices"))
+    if choices:
+        return ", ".join(choices)
+    if low is not None and high is not None:
+        return f"from {low:g} to {high:g}"
+    return f"{low:g} or more" if low is not None else f"at most {high:g}" if high is not None else ""
+
+
+class _Registry(Mapping[str, type[Method]]):
+    """Slug to class; a method's module is imported when it is asked for."""
+
+    def __init__(self, **names: str) -> None:
+        self._names = {key.replace("_", "-"): name for key, name in names.items()}
+
+    def __getitem__(self, slug: str) -> type[Method]:
+        if slug not in self._names:
+            raise InvalidInputError(f"unknown method '{slug}'{did_you_mean(slug, self._names)}")
+        from importlib import import_module
+
+        module = import_module("weft.methods." + slug.replace("-", "_"))
+        found: type[Method] = getattr(module, self._names[slug])
+        return found
+
+    def __contains__(self, slug: object) -> bool:
+        return slug in self._names
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(self._names)
+
+    def __len__(self) -> int:
+        return len(self._names)
+
+
+#: Every method by its slug.
+METHODS: Mapping[str, type[Method]] = _Registry(
+    patch_sampling="PatchSampling",
+    quilting="Quilting",
+)
+
+
+def make_method(method: str | Method, parameters: Mapping[str, Any]) -> Method:
+    """Return the method of that slug with these parameters.
+
+    Raises
+    ------
+    InvalidInputError
+        For an unknown method, parameter or value, with the nearest right name.
+
+    Examples
+    --------
+    >>> make_method("quilting", {"patch_size": 24}).patch_size
+    24
+    """
+    if isinstance(method, Method):
+        return dataclasses.replace(method, **parameters) if parameters else method
+    if not isinstance(method, str):
+        raise InvalidInputError(f"method is {method!r}; it must be a name or a Method")
+    cls = METHODS[method]
+    known = [field.name for field in dataclasses.fields(cls)]
+    for name in parameters:
+        if name not in known:
+            raise InvalidInputError(f"{method} has no parameter '{name}'{did_you_mean(name, known)}")
+    return cls(**parameters)

@@ -1,0 +1,169 @@
+"""The boundary zone of a patch: what is compared, and with what weights the patch is laid.
+
+Section 2.1 and 2.2 of the paper draw three configurations for plain scan order (Fig. 3 b to d) and
+two more for tileable output (Fig. 5). They and every shape that a hole gives follow from one rule:
+the zone is whatever is known within the boundary width of something unknown.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+_MOST_BLOCKS = 96
+
+
+@dataclass(frozen=True, eq=False)
+class BoundaryZone:
+    """One configuration of known and unknown pixels in a window.
+
+    Attributes
+    ----------
+    weight : uint16 array (rows, columns)
+        Weight in 1/256 that the patch is laid with: 256 where nothing was known, falling through
+        the zone, 0 where the canvas stays.
+    runs : int32 array (n, 4)
+        The zone as runs of pixels (upright?, v, u, length): tall ones for tall parts.
+    blocks : int32 array (n, 2)
+        Upper left corners (v, u) of square blocks inside the zone, for the low resolution.
+    side : int
+        Side of the blocks.
+    bands : int32 array (7,)
+        Depth, rows, columns, and whether there is a band at the left, top, right and bottom.
+    area : int
+        Pixels in the zone.
+    """
+
+    weight: NDArray[np.uint16]
+    runs: NDArray[np.int32]
+    blocks: NDArray[np.int32]
+    side: int
+    bands: NDArray[np.int32]
+    area: int
+
+
+def boundary_zone(
+    known: NDArray[np.bool_],
+    width: int,
+    *,
+    frozen: NDArray[np.bool_] | None = None,
+    block_side: int = 4,
+    paste: bool = False,
+    core: tuple[int, int] | None = None,
+) -> BoundaryZone:
+    """Work out the zone of a window.
+
+    Parameters
+    ----------
+    known : bool array (rows, columns)
+        What of the window is on the canvas already.
+    width : int
+        Boundary width w_E in pixels.
+    frozen : bool array (rows, columns), optional
+        Known pixels that must stay as they are.
+    block_side : int
+        Largest side of the low-resolution blocks, a power of two.
+    paste : bool
+        Replace the whole zone instead of blending in it.
+    core : (int, int), optional
+        Lay only this pixel (section 2.5: pixel-based sampling).
+    """
+    distance = _distance_to(~known, width)
+    zone = known & (distance <= width)
+    weight = np.where(zone & ~paste, (256 * (width + 1 - distance)) // (width + 1), 256)
+    weight[known & ~zone] = 0
+    if frozen is not None:
+        weight[frozen] = 0
+    if core is not None:
+        weight[:] = 0
+        weight[core] = 256
+    side = 1
+    while side * 2 <= min(block_side, width):
+        side *= 2
+    blocks = _tile(zone, side)
+    while side > 1 and len(blocks) * side * side * 2 < zone.sum():
+        side //= 2
+        blocks = _tile(zone, side)
+    if len(blocks) > _MOST_BLOCKS:
+        blocks = blocks[np.linspace(0, len(blocks) - 1, _MOST_BLOCKS).astype(int)]
+    rows, columns = known.shape
+    depth = min(width, rows, columns)
+    sides = (zone[:, :depth], zone[:depth], zone[:, columns - depth :], zone[rows - depth :])
+    return BoundaryZone(
+        weight=weight.astype(np.uint16),
+        runs=_runs(zone),
+        blocks=blocks.astype(np.int32),
+        side=side,
+        bands=np.array([depth, rows, columns, *(s.any() for s in sides)], np.int32),
+        area=int(zone.sum()),
+    )
+
+
+def _distance_to(target: NDArray[np.bool_], most: int) -> NDArray[np.int32]:
+    """Chebyshev distance to the nearest target pixel, `most + 1` if there is none that near."""
+    distance = np.where(target, 0, most + 1).astype(np.int32)
+    reached = target
+    for step in range(1, most + 1):
+        wide = reached.copy()
+        wide[1:] |= reached[:-1]
+        wide[:-1] |= reached[1:]
+        reached = wide.copy()
+        reached[:, 1:] |= wide[:, :-1]
+        reached[:, :-1] |= wide[:, 1:]
+        distance[reached & (distance > step)] = step
+    return distance
+
+
+def _run_lengths(mask: NDArray[np.bool_]) -> NDArray[np.int64]:
+    """For each pixel the length of the row run that it lies in, 0 outside."""
+    start, stop, row = _row_runs(mask)
+    lengths = np.zeros(mask.shape, np.int64)
+    flat = lengths.ravel()
+    for a, b, r in zip(start, stop, row, strict=True):
+        flat[r * mask.shape[1] + a : r * mask.shape[1] + b] = b - a
+    return lengths
+
+
+def _row_runs(
+    mask: NDArray[np.bool_],
+) -> tuple[NDArray[np.int64], NDArray[np.int64], NDArray[np.int64]]:
+    padded = np.zeros((mask.shape[0], mask.shape[1] + 2), np.int8)
+    padded[:, 1:-1] = mask
+    change = np.diff(padded, axis=1)
+    row, start = np.nonzero(change == 1)
+    stop = np.nonzero(change == -1)[1]
+    return start, stop, row
+
+
+def _runs(zone: NDArray[np.bool_]) -> NDArray[np.int32]:
+    """Cover the zone with runs, each pixel along the direction in which its part is longer."""
+    flat = _run_lengths(zone) >= _run_lengths(zone.T).T
+    start, stop, row = _row_runs(zone & flat)
+    lying = np.stack([0 * row, row, start, stop - start], axis=1)
+    start, stop, column = _row_runs((zone & ~flat).T)
+    upright = np.stack([0 * column + 1, start, column, stop - start], axis=1)
+    return np.concatenate([lying, upright]).astype(np.int32)
+
+
+def _tile(zone: NDArray[np.bool_], side: int) -> NDArray[np.int64]:
+    """Blocks inside the zone that together cover it, each mostly pixels of its own."""
+    if side == 1:
+        return np.argwhere(zone)
+    total = np.zeros((zone.shape[0] + 1, zone.shape[1] + 1), np.int64)
+    total[1:, 1:] = zone.cumsum(0).cumsum(1)
+    inside = (
+        total[side:, side:] - total[:-side, side:] - total[side:, :-side] + total[:-side, :-side]
+    ) == side * side
+    left = zone.copy()
+    chosen = []
+    for v, u in np.argwhere(inside).tolist():
+        own = left[v : v + side, u : u + side]
+        if 2 * np.count_nonzero(own) >= side * side:
+            chosen.append((v, u))
+            own[:] = False
+    return np.array(chosen, np.int64).reshape(-1, 2)

@@ -1,0 +1,83 @@
+"""Principal components of boundary zones (section 3.3), in integers.
+
+The components are rounded to integers and so are the coordinates. A matrix product of integers is
+exact in floating point as long as no sum passes 2**24, whatever the order of summation; so the
+coordinates, and with them the candidates, are the same on every machine and thread count.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+_MOST = 48  # components; keeps a sum of squares in the kernel under 2**31
+_LEARN = 4096  # windows that the components are learnt from
+_NORM = 2047  # longest vector of coordinates
+
+
+@dataclass(frozen=True, eq=False)
+class ZonePCA:
+    """Coordinates of all windows of a sample in the main components of their boundary zones.
+
+    Attributes
+    ----------
+    basis : int16 array (D, K)
+        Components, scaled and rounded.
+    offset : int32 array (D,)
+        What is subtracted from a product with `basis`.
+    shift : int
+        Right shift, with rounding, that brings coordinates to their range.
+    features : int16 array (D, n)
+        Coordinates of the windows; one component is one row.
+    """
+
+    basis: NDArray[np.int16]
+    offset: NDArray[np.int32]
+    shift: int
+    features: NDArray[np.int16]
+
+
+def fit_pca(windows: NDArray[np.uint8], variance: float, most: int = _MOST) -> ZonePCA:
+    """Find the components of the columns of `windows`, and all columns' coordinates.
+
+    Parameters
+    ----------
+    windows : uint8 array (K, n)
+        One column for each window, from `QuadtreePyramid.windows`.
+    variance : float
+        Share of the variance to keep; the paper keeps 0.97.
+    most : int
+        The most components to keep.
+    """
+    size, count = windows.shape
+    learn = windows[:, np.linspace(0, count - 1, min(count, _LEARN)).astype(np.int64)]
+    learn = learn.astype(np.float64)
+    # Integers in float64: the products and sums are exact, so every machine gets this matrix.
+    scatter = learn.shape[1] * (learn @ learn.T) - np.outer(learn.sum(axis=1), learn.sum(axis=1))
+    power, vectors = np.linalg.eigh(scatter)
+    power, vectors = power[::-1].clip(0), vectors[:, ::-1]
+    reached = np.cumsum(power) >= variance * power.sum()
+    keep = min(int(np.argmax(reached)) + 1, most, size)
+    vectors = vectors[:, :keep].T
+    largest = np.abs(vectors).argmax(axis=1)
+    vectors = vectors * np.sign(vectors[np.arange(keep), largest])[:, None]
+    unit = min(2000.0, 0.95 * 2**24 / (255 * size**0.5))
+    basis = np.ascontiguousarray(np.rint(vectors * unit), np.int16)
+    weights = basis.astype(np.float32)
+    raw = np.empty((keep, count), np.int32)
+    for start in range(0, count, 8192):
+        part = windows[:, start : start + 8192].astype(np.float32)
+        raw[:, start : start + 8192] = weights @ part
+    offset = ((raw.max(axis=1) + raw.min(axis=1)) // 2).astype(np.int32)
+    raw -= offset[:, None]
+    longest = float(np.sqrt((raw.astype(np.float64) ** 2).sum(axis=0).max()))
+    shift = 0
+    while longest / 2**shift > _NORM:
+        shift += 1
+    features = ((raw + ((1 << shift) >> 1)) >> shift).astype(np.int16)
+    return ZonePCA(basis, offset, shift, np.ascontiguousarray(features))

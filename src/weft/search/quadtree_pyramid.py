@@ -1,0 +1,77 @@
+"""The quadtree pyramid of section 3.2: every window has a counterpart at low resolution.
+
+The paper halves the resolution and keeps all four shifts at each level, so level 3 is 16 small
+pictures. They are the pixels of one picture of means, sorted: the mean of the block that starts at
+(y, x) belongs to shift (y % 4, x % 4). Any block side and any stride between windows is a sorting
+of the same kind, and rows of one shift are contiguous, as the kernel wants them.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+
+class QuadtreePyramid:
+    """Means over blocks at every pixel of a sample, sorted by shift.
+
+    Parameters
+    ----------
+    pixels : uint8 array (H, W, C)
+        The sample as it is matched.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> pyramid = QuadtreePyramid(np.full((8, 8, 1), 9, np.uint8))
+    >>> pyramid.nodes(side=4, stride=2).shape  # channels, shifts, shifts, rows, columns
+    (1, 2, 2, 3, 3)
+    """
+
+    def __init__(self, pixels: NDArray[np.uint8]) -> None:
+        self.pixels = pixels
+        self._nodes: dict[tuple[int, int], NDArray[np.uint8]] = {}
+
+    def nodes(self, side: int, stride: int) -> NDArray[np.uint8]:
+        """Return (channel, shift y, shift x, row, column): means of side x side blocks, rounded.
+
+        Parameters
+        ----------
+        side : int
+            Side of the blocks, a power of two; the paper's level 3 is 4.
+        stride : int
+            Pixels between the windows that will be looked at.
+        """
+        if (side, stride) not in self._nodes:
+            total = self.pixels.astype(np.uint32).transpose(2, 0, 1)
+            step = 1
+            while step < side:
+                total = total[:, :-step] + total[:, step:]
+                total = total[:, :, :-step] + total[:, :, step:]
+                step *= 2
+            means = ((total + side * side // 2) // (side * side)).astype(np.uint8)
+            channels, rows, columns = means.shape
+            means = np.pad(means, ((0, 0), (0, -rows % stride), (0, -columns % stride)))
+            sorted_ = means.reshape(
+                channels, means.shape[1] // stride, stride, means.shape[2] // stride, stride
+            ).transpose(0, 2, 4, 1, 3)
+            self._nodes[side, stride] = np.ascontiguousarray(sorted_)
+        return self._nodes[side, stride]
+
+    def windows(
+        self, blocks: NDArray[np.int32], side: int, stride: int, rows: int, columns: int
+    ) -> NDArray[np.uint8]:
+        """Return (blocks * channels, rows * columns): every window's blocks, as the kernel orders.
+
+        `rows` and `columns` count windows at the stride.
+        """
+        nodes = self.nodes(side, stride)
+        found = np.empty((len(blocks), nodes.shape[0], rows, columns), np.uint8)
+        for k, (v, u) in enumerate(blocks.tolist()):
+            i, j = v // stride, u // stride
+            found[k] = nodes[:, v % stride, u % stride, i : i + rows, j : j + columns]
+        return found.reshape(-1, rows * columns)

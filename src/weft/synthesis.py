@@ -1,0 +1,396 @@
+"""The answer to the question which sample pixel goes where; pictures are rendered from it."""
+
+from __future__ import annotations
+
+import json
+from functools import cached_property
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from weft import _compositing
+from weft.canvas import Canvas
+from weft.errors import FileError, InvalidInputError
+from weft.exemplar import Exemplar, check_pixels
+
+if TYPE_CHECKING:
+    import os
+
+    from numpy.typing import NDArray
+
+    #: (top, left, height, width) in output pixels.
+    Window = tuple[int, int, int, int]
+
+_FORMAT = 1
+_LAYERS = 4
+_BAND = 256
+
+
+class Synthesis:
+    """Patches of the sample laid over each other in order.
+
+    A patch says where its window comes from and which weights it is laid with; that is all there
+    is, so a result of any size takes little more memory than its picture, and can be replayed on
+    any map that is aligned with the sample.
+
+    Parameters
+    ----------
+    canvas : Canvas
+        What was made.
+    placements : int32 array (n, 5)
+        y and x of a patch on the canvas, y and x of its source, and its row of `weights`.
+    weights : uint16 array (zones, rows, columns)
+        Weight of the new pixel in 1/256.
+    cuts : uint16 array (n, 2 * (rows + columns)) or (0, 0)
+        For each patch its own first and last columns and rows, where seams are cut instead of
+        feathered.
+    sample_shape : (int, int)
+        Height and width of the sample.
+    exemplar : Exemplar, optional
+        The sample; not there after `load` without one.
+    known_from : (int, int), optional
+        Where in the sample the canvas's known pixels are, when it is the same picture.
+    provenance : dict
+        Method, parameters and seed.
+    picture : array, optional
+        The finished picture, when making it was part of the work.
+    """
+
+    def __init__(
+        self,
+        canvas: Canvas,
+        placements: NDArray[np.int32],
+        weights: NDArray[np.uint16],
+        cuts: NDArray[np.uint16],
+        *,
+        sample_shape: tuple[int, int],
+        exemplar: Exemplar | None,
+        known_from: tuple[int, int] | None = None,
+        provenance: dict[str, Any] | None = None,
+        picture: NDArray[Any] | None = None,
+    ) -> None:
+        self.canvas, self.exemplar = canvas, exemplar
+        self.placements, self.weights, self.cuts = placements, weights, cuts
+        self.sample_shape, self.known_from = sample_shape, known_from
+        self.provenance = provenance or {}
+        if picture is not None:
+            self.__dict__["image"] = picture
+
+    @property
+    def shape(self) -> tuple[int, int]:
+        """Height and width of the output."""
+        return self.canvas.shape
+
+    @cached_property
+    def image(self) -> NDArray[Any]:
+        """The output: (H, W) or (H, W, C) in the sample's dtype."""
+        if self.exemplar is None:
+            raise InvalidInputError("this result was loaded without its sample; render a map of it")
+        return self.render(self.exemplar)
+
+    @property
+    def maps(self) -> dict[str, NDArray[Any]]:
+        """The sample's maps, replayed at the same coordinates."""
+        if self.exemplar is None:
+            raise InvalidInputError("this result was loaded without its sample; render its maps")
+        return {name: self.render(pixels) for name, pixels in self.exemplar.maps.items()}
+
+    @property
+    def source(self) -> NDArray[np.int32]:
+        """Where each pixel comes from: (H, W, 2), row and column in the sample.
+
+        Where patches are mixed, the one with the largest share; -1 for a known pixel that is not
+        in the sample.
+        """
+        result = np.empty((*self.shape, 2), np.int32)
+        for top in range(0, self.shape[0], _BAND):
+            rows = min(_BAND, self.shape[0] - top)
+            result[top : top + rows] = self.layers((top, 0, rows, self.shape[1]))[0][:, :, 0]
+        return result
+
+    def layers(self, window: Window | None = None) -> tuple[NDArray[Any], NDArray[Any]]:
+        """Coordinates and weights of everything that shows in a window.
+
+        Parameters
+        ----------
+        window : (top, left, height, width), optional
+            In output pixels; the whole output by default.
+
+        Returns
+        -------
+        coordinates : int32 array (h, w, 4, 2)
+            Row and column in the sample, heaviest layer first; -1 where there is none.
+        shares : float32 array (h, w, 4)
+            Sum to 1 with the known pixels' own share.
+        """
+        window = self._check_window(window)
+        top, left, height, width = window
+        patch = np.full((height, width, _LAYERS), -1, np.int32)
+        share = np.zeros((height, width, _LAYERS), np.float32)
+        _compositing.layer_all(
+            patch, share, top, left, *self.shape, self.placements, self.weights, self.cuts
+        )
+        y = np.arange(top, top + height)[:, None, None]
+        x = np.arange(left, left + width)[None, :, None]
+        at = self.placements[patch]
+        source_y = ((y - at[..., 0]) % self.shape[0] + at[..., 2]) % self.sample_shape[0]
+        source_x = ((x - at[..., 1]) % self.shape[1] + at[..., 3]) % self.sample_shape[1]
+        coordinates = np.stack([source_y, source_x], axis=-1).astype(np.int32)
+        coordinates[(patch < 0) | (share == 0)] = -1
+        if self.known_from is not None and self.canvas.hole is not None:
+            known = ~self.canvas.hole[top : top + height, left : left + width]
+            oy, ox = self.known_from
+            own = np.stack(np.broadcast_arrays(y[..., 0] + oy, x[..., 0] + ox), axis=-1)
+            coordinates[known, 0] = own[known]
+            share[known, 0] = 1
+        return coordinates, share
+
+    def render(
+        self,
+        other: Exemplar | NDArray[Any] | None = None,
+        *,
+        background: NDArray[Any] | None = None,
+        window: Window | None = None,
+    ) -> NDArray[Any]:
+        """Lay the same patches with the pixels of another picture that is aligned with the sample.
+
+        Parameters
+        ----------
+        other : Exemplar or array, optional
+            Of the sample's size or an integer multiple of it, any dtype and channel count; the
+            sample itself by default.
+        background : array, optional
+            For a filled hole whose surroundings are not part of the sample: the same surroundings
+            in `other`'s kind.
+        window : (top, left, height, width), optional
+            Render only this part, in output pixels.
+
+        Returns
+        -------
+        array
+            In the dtype of `other`, at its multiple of the output's size.
+
+        Raises
+        ------
+        InvalidInputError
+            If `other` does not fit the sample, or known pixels have nothing to come from.
+
+        Examples
+        --------
+        >>> import numpy as np, weft
+        >>> sample = np.arange(64 * 64 * 3, dtype=np.uint16).reshape(64, 64, 3)
+        >>> result = weft.synthesize(sample, (80, 96), seed=1)
+        >>> result.render(np.zeros((128, 128), np.float32)).shape
+        (160, 192)
+        """
+        whole = window is None
+        top, left, height, width = self._check_window(window)
+        own = other is None or other is self.exemplar
+        given = self.exemplar if other is None else other
+        if given is None:
+            raise InvalidInputError("this result was loaded without its sample; give a map of it")
+        if isinstance(given, Exemplar):
+            pixels, alpha = given.pixels, given.alpha
+        else:
+            pixels = check_pixels(given, "map")
+            alpha = pixels.ndim == 3 and pixels.shape[2] in (2, 4)
+        scale = pixels.shape[0] // self.sample_shape[0]
+        if pixels.shape[:2] != (scale * self.sample_shape[0], scale * self.sample_shape[1]):
+            raise InvalidInputError(
+                f"map is {pixels.shape[1]}x{pixels.shape[0]}; it must be the sample's "
+                f"{self.sample_shape[1]}x{self.sample_shape[0]} or an integer multiple of it"
+            )
+        out = np.empty((height * scale, width * scale, *pixels.shape[2:]), pixels.dtype)
+        if self.canvas.hole is not None:
+            base = self._base(pixels, scale, own, background)
+            rows = slice(top * scale, (top + height) * scale)
+            out[:] = base[rows, left * scale : (left + width) * scale]
+        _compositing.paste_all(
+            out.reshape(*out.shape[:2], -1),
+            pixels.reshape(*pixels.shape[:2], -1),
+            top,
+            left,
+            *self.shape,
+            self.placements,
+            self.weights,
+            self.cuts,
+            scale,
+            alpha,
+        )
+        if own and whole:
+            self.__dict__.setdefault("image", out)
+        return out
+
+    def _base(
+        self, pixels: NDArray[Any], scale: int, own: bool, background: NDArray[Any] | None
+    ) -> NDArray[Any]:
+        """What is under the patches where pixels were known."""
+        size = (self.shape[0] * scale, self.shape[1] * scale)
+        if background is not None:
+            background = check_pixels(background, "background")
+        elif own and self.canvas.known is not None:
+            background = self.canvas.known
+        elif self.known_from is not None:
+            y, x = (k * scale for k in self.known_from)
+            background = pixels[y : y + size[0], x : x + size[1]]
+        else:
+            raise InvalidInputError(
+                "the known pixels are not part of the sample; give their map as background"
+            )
+        if background.shape != (*size, *pixels.shape[2:]) or background.dtype != pixels.dtype:
+            raise InvalidInputError(
+                f"background is {background.shape} {background.dtype}; it must be "
+                f"{(*size, *pixels.shape[2:])} {pixels.dtype}"
+            )
+        return background
+
+    def _check_window(self, window: Window | None) -> Window:
+        if window is None:
+            return (0, 0, *self.shape)
+        top, left, height, width = window
+        if min(top, left) < 0 or min(height, width) < 1:
+            raise InvalidInputError(f"window is {window}; it must be inside the output")
+        if top + height > self.shape[0] or left + width > self.shape[1]:
+            raise InvalidInputError(
+                f"window {window} leaves the output, which is {self.shape[0]} high "
+                f"and {self.shape[1]} wide"
+            )
+        return window
+
+    def draw(self, what: str = "sources") -> NDArray[np.uint8]:
+        """Draw the result itself.
+
+        Parameters
+        ----------
+        what : {"sources", "seams", "error"}
+            False colours by source position (red to the right, green downwards); the picture's
+            seams in red over its grey version; or how much overlapping patches differ, black for
+            not at all.
+
+        Returns
+        -------
+        uint8 array (H, W, 3)
+        """
+        if what == "sources":
+            scale = 255 / np.maximum(np.array(self.sample_shape) - 1, 1)
+            source = self.source
+            colour = np.full((*self.shape, 3), 96, np.uint8)
+            colour[..., 1::-1] = np.rint(np.maximum(source, 0) * scale)
+            colour[source[..., 0] < 0] = 0
+            return colour
+        if what not in ("seams", "error"):
+            raise InvalidInputError(f"cannot draw {what!r}; known: sources, seams, error")
+        picture = _grey(self.image)
+        if what == "seams":
+            y, x = np.indices(self.shape)
+            shift = (self.source - np.stack([y, x], axis=-1)) % self.sample_shape
+            seam = np.zeros(self.shape, bool)
+            seam[1:] |= (shift[1:] != shift[:-1]).any(axis=-1)
+            seam[:, 1:] |= (shift[:, 1:] != shift[:, :-1]).any(axis=-1)
+            colour = np.repeat(picture[..., None], 3, axis=2)
+            colour[seam] = (255, 0, 0)
+            return colour
+        whole = Synthesis(  # the overlaps before they were cut
+            self.canvas,
+            self.placements,
+            self.weights,
+            self.cuts[:0],
+            sample_shape=self.sample_shape,
+            exemplar=self.exemplar,
+        )
+        assert self.exemplar is not None
+        coordinates, share = whole.layers()
+        grey = _grey(self.exemplar.pixels).astype(np.int16)
+        values = grey[coordinates[..., 0], coordinates[..., 1]]
+        both = (share[..., :2] > 0).all(axis=-1)
+        error = np.abs(values[..., 0] - values[..., 1]) * both
+        return np.repeat(error[..., None].astype(np.uint8), 3, axis=2)
+
+    def save(self, path: str | os.PathLike[str]) -> None:
+        """Write everything but the pictures to a compressed `.npz` file."""
+        from weft.io import atomic
+
+        about = {
+            "format": _FORMAT,
+            "shape": self.shape,
+            "wrap": self.canvas.wrap,
+            "sample_shape": self.sample_shape,
+            "known_from": self.known_from,
+            "provenance": self.provenance,
+        }
+        arrays = {"placements": self.placements, "weights": self.weights, "cuts": self.cuts}
+        if self.canvas.hole is not None:
+            arrays["hole"] = np.packbits(self.canvas.hole, axis=1)
+        with atomic(path) as temporary, open(temporary, "wb") as file:
+            np.savez_compressed(file, about=np.array(json.dumps(about)), **arrays)
+
+    @classmethod
+    def load(
+        cls,
+        path: str | os.PathLike[str],
+        exemplar: Exemplar | None = None,
+        known: NDArray[Any] | None = None,
+    ) -> Synthesis:
+        """Read what `save` wrote.
+
+        Parameters
+        ----------
+        path : str or path
+            The `.npz` file.
+        exemplar : Exemplar, optional
+            The sample, if `image` is wanted.
+        known : array, optional
+            The surroundings of a filled hole, likewise.
+
+        Raises
+        ------
+        FileError
+            If the file is missing, damaged, or something else.
+        """
+        try:
+            with np.load(path, allow_pickle=False) as file:
+                about = json.loads(str(file["about"]))
+                placements, weights, cuts = (file[k] for k in ("placements", "weights", "cuts"))
+                hole = file["hole"] if "hole" in file else None
+        except FileNotFoundError:
+            raise FileError(f"{os_name(path)} does not exist") from None
+        except Exception as error:  # numpy and zipfile raise many kinds for a damaged file
+            raise FileError(f"{os_name(path)} is not a saved weft result: {error}") from None
+        if about.get("format") != _FORMAT:
+            raise FileError(f"{os_name(path)} has format {about.get('format')}, not {_FORMAT}")
+        height, width = about["shape"]
+        canvas = Canvas(height, width, tuple(about["wrap"]))
+        if hole is not None:
+            hole = np.unpackbits(hole, axis=1, count=width).astype(bool)
+            nothing = np.broadcast_to(np.uint8(0), (height, width))
+            canvas = Canvas(height, width, canvas.wrap, nothing if known is None else known, hole)
+            if known is None:
+                object.__setattr__(canvas, "known", None)
+        return cls(
+            canvas,
+            placements,
+            weights,
+            cuts,
+            sample_shape=tuple(about["sample_shape"]),
+            exemplar=exemplar,
+            known_from=tuple(about["known_from"]) if about["known_from"] else None,
+            provenance=about["provenance"],
+        )
+
+
+def os_name(path: str | os.PathLike[str]) -> str:
+    """The path as a text for messages."""
+    import os
+
+    return os.fsdecode(path)
+
+
+def _grey(pixels: NDArray[Any]) -> NDArray[np.uint8]:
+    levels = pixels.reshape(*pixels.shape[:2], -1)
+    if levels.shape[2] in (2, 4):
+        levels = levels[..., :-1]
+    grey = levels.mean(axis=2)
+    if pixels.dtype != np.uint8:
+        low, high = float(grey.min()), float(grey.max())
+        grey = (grey - low) * (255 / ((high - low) or 1))
+    return np.rint(grey).astype(np.uint8)

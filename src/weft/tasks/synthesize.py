@@ -1,0 +1,144 @@
+"""Make a picture of any size from a sample."""
+
+from __future__ import annotations
+
+import os
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from weft.errors import InvalidInputError
+from weft.exemplar import Exemplar
+from weft.method import Method, make_method
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    from weft.canvas import Canvas
+    from weft.progress import ProgressCallback
+    from weft.random import Seed
+    from weft.synthesis import Synthesis
+
+    #: A path, "sample:NAME", an array, a PIL image or an Exemplar.
+    Sample = str | os.PathLike[str] | NDArray[Any] | Exemplar | Any
+
+#: Stems that mean the picture that a set of maps is matched on, most telling first.
+COLOUR_NAMES = ("albedo", "basecolor", "base_color", "diffuse", "color", "colour", "col", "diff")
+
+
+def synthesize(
+    sample: Sample,
+    size: Canvas | int | tuple[int, int],
+    *,
+    method: str | Method = "patch-sampling",
+    seed: Seed = None,
+    tileable: bool | str = False,
+    threads: int | None = None,
+    progress: ProgressCallback | None = None,
+    **parameters: Any,
+) -> Synthesis:
+    """Make as much of a material as is needed from a small sample of it.
+
+    Parameters
+    ----------
+    sample : path, array, PIL image or Exemplar
+        The material; a folder is a set of aligned maps, "sample:NAME" one that ships with weft.
+    size : int, (int, int) or Canvas
+        Height and width of the output in pixels.
+    method : str or Method
+        A name in `weft.METHODS`, or a method with its parameters.
+    seed : int, numpy Generator or None
+        The same seed gives the same bytes, whatever the number of threads.
+    tileable : bool or {"x", "y"}
+        Axes that are to repeat without a seam.
+    threads : int, optional
+        At most so many.
+    progress : callable, optional
+        See `weft.progress.ProgressCallback`.
+    **parameters
+        Of the method.
+
+    Returns
+    -------
+    Synthesis
+        With the picture as `image`.
+
+    Raises
+    ------
+    InvalidInputError
+        If an argument is out of range or the sample cannot be used.
+    UnsupportedError
+        If the method does not do this kind of canvas.
+    FileError
+        If the sample cannot be read.
+
+    Examples
+    --------
+    >>> import weft
+    >>> weft.synthesize("sample:pebbles", (240, 320), seed=7).image.shape
+    (240, 320, 3)
+    """
+    chosen = make_method(method, parameters)
+    model = chosen.fit(load_exemplar(sample))
+    return model.sample(size, seed=seed, tileable=tileable, threads=threads, progress=progress)
+
+
+def load_exemplar(sample: Sample, **options: Any) -> Exemplar:
+    """Make an Exemplar of whatever shows a material.
+
+    Parameters
+    ----------
+    sample : path, array, PIL image or Exemplar
+        A folder of aligned maps is matched on the one named albedo, basecolor, diffuse or color,
+        else on the first; "sample:NAME" is one that ships with weft.
+    **options
+        For `Exemplar` (mask, tileable, alpha, maps).
+
+    Raises
+    ------
+    FileError
+        If a file cannot be read.
+    InvalidInputError
+        If the pixels cannot be used.
+
+    Examples
+    --------
+    >>> sorted(load_exemplar("sample:stone_wall").maps)
+    ['ao', 'height', 'normal', 'roughness']
+    """
+    if isinstance(sample, Exemplar):
+        if options:
+            raise InvalidInputError(f"the sample is an Exemplar already; give it {list(options)[0]}")
+        return sample
+    if isinstance(sample, (str, os.PathLike)):
+        from weft import io
+
+        path = os.fspath(sample)
+        if io.is_folder(path):
+            return _load_maps(path, options)
+        picture = io.read_image(path)
+        return Exemplar(
+            picture.pixels,
+            **{"alpha": picture.alpha, "icc": picture.icc, "name": os.path.basename(path)} | options,
+        )
+    if hasattr(sample, "getbands"):  # a PIL image, without importing PIL
+        if sample.mode in ("P", "1", "PA"):
+            sample = sample.convert("RGBA" if "transparency" in sample.info else "RGB")
+        options = {"alpha": sample.mode in ("LA", "RGBA"), "name": "image"} | options
+        pixels = np.asarray(sample)
+        if pixels.dtype.kind == "i":  # Pillow's modes I and I;16
+            pixels = pixels.astype(np.uint16)
+        return Exemplar(pixels, **options)
+    return Exemplar(np.asarray(sample), **options)
+
+
+def _load_maps(folder: str, options: dict[str, Any]) -> Exemplar:
+    from weft import io
+
+    pictures = io.read_maps(folder)
+    names = sorted(pictures)
+    ranked = [n for word in COLOUR_NAMES for n in names if word in n.lower()]
+    main = pictures.pop((ranked or names)[0])
+    maps = {name: picture.pixels for name, picture in pictures.items()}
+    about = {"alpha": main.alpha, "icc": main.icc, "name": (ranked or names)[0], "maps": maps}
+    return Exemplar(main.pixels, **about | options)
