@@ -12,10 +12,9 @@ suffix  pixel types written    channels
 .webp   uint8, lossless        RGB, RGBA; grey is stored as RGB
 .bmp    uint8                  grey or RGB
 .exr    float                  any number, with alpha or without
-.jxl    uint8, uint16          grey, RGB, RGBA; grey with alpha as RGBA
 ======  =====================  =========================================
 
-Radiance ``.hdr`` is only read. Reading goes by the content of a file, not by its name. The path
+JPEG XL and Radiance HDR are only read. Reading goes by the content of a file, not by its name. The path
 ``sample:NAME`` names a picture, or a folder of maps, that ships with weft.
 """
 
@@ -35,7 +34,7 @@ from weft.errors import FileError, InvalidInputError, did_you_mean
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-    Path = str | os.PathLike[str]
+    StrPath = str | os.PathLike[str]
 
 MAX_PIXELS = 2**28
 """The default limit on the width times height of a picture that is read."""
@@ -74,24 +73,24 @@ class _Format:
 
 # TIFF and EXR record the present unless told another date, and no two runs would give equal bytes.
 _DATE = ("DateTime", "1980:01:01 00:00:00")
+_PLAIN = ("oiio:ColorSpace", "unknown")
 # One PNG filter takes two thirds of the time of libpng's choice among five, and the files are as
-# small; WebP and JPEG XL at their own effort take 30 and 9 times as long for 1 % less.
+# small. WebP at its own effort takes 30 times as long for 1 % less. A TIFF predictor for floats is
+# more than many readers know. An unknown colour space keeps sRGB tags off maps and wide gamuts.
 _FORMATS = {
     ".png": _Format("png", ("uint8", "uint16"), 1_000_000,
-                    options=(("png:compressionLevel", 3), ("png:filter", 128))),
-    ".jpg": _Format("jpeg", ("uint8",), 65_500, alpha=False,
-                    options=(("compression", "jpeg:95"), ("jpeg:subsampling", "4:4:4"))),
+                    options=(("png:compressionLevel", 3), ("png:filter", 128), _PLAIN)),
+    ".jpg": _Format("jpeg", ("uint8",), 65_500, alpha=False, options=(
+                    ("compression", "jpeg:95"), ("jpeg:subsampling", "4:4:4"), _PLAIN)),
     ".tif": _Format("tiff", ("uint8", "uint16", "float32"), 2**20, (),
-                    options=(("compression", "zip"), _DATE)),
+                    options=(("compression", "zip"), ("tiff:predictor", 1), _DATE)),
     ".webp": _Format("webp", ("uint8",), 16_383, widen=(1, 2),
                      options=(("compression", "lossless"), ("webp:method", 0))),
     ".bmp": _Format("bmp", ("uint8",), 65_535, alpha=False),
     ".exr": _Format("openexr", ("float32",), 2**20, (), options=(("compression", "zip"), _DATE)),
-    ".jxl": _Format("jpegxl", ("uint8", "uint16"), 2**20, widen=(2,),
-                    options=(("jpegxl:effort", 3),)),
 }  # fmt: skip
 _FORMATS |= {".jpeg": _FORMATS[".jpg"], ".tiff": _FORMATS[".tif"]}
-_READABLE = (*_FORMATS, ".hdr")
+_READABLE = (*_FORMATS, ".jxl", ".hdr")
 
 
 @dataclass(frozen=True, eq=False)
@@ -116,7 +115,7 @@ class Picture:
     path: str
 
 
-def read_image(path: Path, *, max_pixels: int | None = MAX_PIXELS) -> Picture:
+def read_image(path: StrPath, *, max_pixels: int | None = MAX_PIXELS) -> Picture:
     """Read a picture.
 
     Half and double floats become float32; palettes and fewer than 8 bits become uint8. The EXIF
@@ -139,15 +138,18 @@ def read_image(path: Path, *, max_pixels: int | None = MAX_PIXELS) -> Picture:
     name, given = _locate(path)
     kind = _kind(name, given)
     oiio = _oiio()
-    # Some readers decode while they open, so the library must know the limit before; a pixel of
-    # four floats takes 16 bytes.
-    oiio.attribute("limits:imagesize_MB", 0 if max_pixels is None else -(-max_pixels // 2**16))
+    # Some readers decode while they open, so the library must know the limit before. Four floats
+    # are 16 bytes; the floor is for pictures of few pixels and many channels.
+    limit = 0 if max_pixels is None else max(256, -(-max_pixels // 2**16))
+    oiio.attribute("limits:imagesize_MB", limit)
     hint = oiio.ImageSpec()
     hint["oiio:UnassociatedAlpha"] = 1
     try:
         source = oiio.ImageInput.open(name, hint)
         if source is None:
-            raise _error(given, "cannot read", oiio.geterror())
+            problem = oiio.geterror()
+            large = f"is larger than max_pixels = {max_pixels}"
+            raise _error(given, large if "imagesize_MB" in problem else "cannot read", problem)
         # The reader that goes with the suffix is asked first, and some claim any file.
         if source.format_name() != kind:
             raise _error(given, f"is a {kind} picture under the name of another format; rename it")
@@ -156,8 +158,6 @@ def read_image(path: Path, *, max_pixels: int | None = MAX_PIXELS) -> Picture:
         pixels = source.read_image(0, 0, 0, spec.nchannels, _READ_AS[str(spec.format)])
         problem = source.geterror()
         source.close()
-    except TypeError:
-        raise _error(given, "the name is not valid UTF-8; rename the file") from None
     except MemoryError:
         raise _error(given, "does not fit in memory") from None
     # Readers hand out what they have of a damaged file, so the message counts, not the pixels.
@@ -170,7 +170,7 @@ def read_image(path: Path, *, max_pixels: int | None = MAX_PIXELS) -> Picture:
 
 
 def write_image(
-    path: Path, pixels: NDArray[Any], *, alpha: bool = False, icc: bytes | None = None
+    path: StrPath, pixels: NDArray[Any], *, alpha: bool = False, icc: bytes | None = None
 ) -> None:
     """Write a picture; the file appears whole or not at all.
 
@@ -199,8 +199,8 @@ def write_image(
     """
     check_output(path, pixels, alpha=alpha)
     form = _FORMATS[_suffix(os.fsdecode(path))]
-    pixels = pixels.astype(np.float32) if pixels.dtype.kind == "f" else pixels
-    pixels = np.ascontiguousarray(np.atleast_3d(pixels))
+    native = np.float32 if pixels.dtype.kind == "f" else pixels.dtype.newbyteorder("=")
+    pixels = np.ascontiguousarray(np.atleast_3d(pixels), native)
     if pixels.shape[2] in form.widen:
         pixels = np.concatenate([pixels[..., :1]] * 2 + [pixels], axis=2)
     if alpha and form.name == "openexr":
@@ -209,15 +209,16 @@ def write_image(
         # On a full disk PNG reports success, JPEG ends the process and WebP crashes, so room is
         # made sure of first. Noise can grow by an eighth.
         _reserve(temporary, pixels.nbytes * 5 // 4 + len(icc or b"") + 2**16)
-        profiles = (icc, None) if _fits(icc, pixels.shape[2] - alpha) else (None,)
-        problems = (_encode(temporary, form, pixels, alpha, profile) for profile in profiles)
-        problem = next((text for text in problems if not text), "the encoder failed")
+        profile = icc if _fits(icc, pixels.shape[2] - alpha) else None
+        problem = _encode(temporary, form, pixels, alpha, profile)
+        if problem and profile is not None:  # libpng is stricter about them than we are
+            problem = _encode(temporary, form, pixels, alpha, None)
         if problem:
             raise _error(path, "cannot write", problem)
 
 
 def check_output(
-    path: Path,
+    path: StrPath,
     like: NDArray[Any] | None = None,
     *,
     alpha: bool = False,
@@ -264,7 +265,7 @@ def check_output(
         _check_fit(_show(given), _FORMATS[suffix], like, alpha)
 
 
-def read_mask(path: Path, *, max_pixels: int | None = MAX_PIXELS) -> NDArray[np.bool_]:
+def read_mask(path: StrPath, *, max_pixels: int | None = MAX_PIXELS) -> NDArray[np.bool_]:
     """Read a picture as an ``(H, W)`` mask.
 
     A pixel is True where any colour channel reaches half of the range: 128, 32768 or 0.5. Alpha is
@@ -280,7 +281,7 @@ def read_mask(path: Path, *, max_pixels: int | None = MAX_PIXELS) -> NDArray[np.
     return np.asarray((pixels >= half).any(axis=2))
 
 
-def read_maps(folder: Path, *, max_pixels: int | None = MAX_PIXELS) -> dict[str, Picture]:
+def read_maps(folder: StrPath, *, max_pixels: int | None = MAX_PIXELS) -> dict[str, Picture]:
     """Read all pictures of a folder, or of ``sample:NAME``: the maps of one material.
 
     They are sorted by their names without suffix. Hidden files, folders and files of other suffixes
@@ -305,7 +306,7 @@ def read_maps(folder: Path, *, max_pixels: int | None = MAX_PIXELS) -> dict[str,
 
 
 @contextmanager
-def atomic(path: Path) -> Iterator[str]:
+def atomic(path: StrPath) -> Iterator[str]:
     """Give a temporary path beside `path` that replaces it when the block ends well.
 
     It is an empty file with the same suffix. On any exception it is removed, and `path` is as it
@@ -344,7 +345,7 @@ def sample_path(name: str) -> str:
     return os.path.join(_SAMPLES, samples[name])
 
 
-def is_folder(path: Path) -> bool:
+def is_folder(path: StrPath) -> bool:
     """Return whether the path is a folder, or names a sample that is a folder of maps."""
     given = os.fsdecode(path)
     known = not given.startswith("sample:") or given.removeprefix("sample:") in _samples()
@@ -352,7 +353,7 @@ def is_folder(path: Path) -> bool:
 
 
 def _samples() -> dict[str, str]:
-    names = (file for file in os.listdir(_SAMPLES) if not file.endswith(".csv"))
+    names = (file for file in os.listdir(_SAMPLES) if not file.startswith((".", "_", "MANIFEST")))
     return {os.path.splitext(file)[0]: file for file in names}
 
 
@@ -362,7 +363,7 @@ def _oiio() -> Any:
     return OpenImageIO
 
 
-def _locate(path: Path) -> tuple[str, str]:
+def _locate(path: StrPath) -> tuple[str, str]:
     """Return the path on disk, and the path as it was given."""
     given = os.fsdecode(path)
     return (sample_path(given) if given.startswith("sample:") else given), given
@@ -371,7 +372,9 @@ def _locate(path: Path) -> tuple[str, str]:
 def _target(given: str) -> str:
     """Return the path that a write ends at, through symbolic links."""
     try:
-        return os.path.realpath(given)
+        target = os.path.realpath(given)
+        target.encode()  # the library takes no other names
+        return target
     except (OSError, ValueError) as error:
         raise _error(given, "is not a usable path", error) from None
 
@@ -387,6 +390,7 @@ def _kind(name: str, given: str) -> str:
             raise _error(given, "is a folder; name a picture in it")
         if os.path.exists(name) and not os.path.isfile(name):
             raise _error(given, "is not a regular file")
+        name.encode()  # the library takes no other names
         with open(name, "rb") as file:
             head = file.read(16)
             if head.startswith(_PNG):
@@ -428,7 +432,7 @@ def _check_spec(spec: Any, given: str, max_pixels: int | None) -> None:
     area = max(spec.width * spec.height, spec.tile_width * spec.tile_height)
     if max_pixels is not None and area > max_pixels:
         size = f"{spec.width} x {spec.height} pixels"
-        raise _error(given, f"{size} are more than the limit of {max_pixels}")
+        raise _error(given, f"{size} are more than max_pixels = {max_pixels}")
     for space in map(spec.get_string_attribute, ("tiff:ColorSpace", "jpeg:ColorSpace")):
         if space in ("CMYK", "YCCK", "CIELAB", "ICCLAB", "ITULAB"):
             raise _error(given, f"holds {space} colours; convert it to RGB first")
@@ -436,6 +440,8 @@ def _check_spec(spec: Any, given: str, max_pixels: int | None) -> None:
         raise _error(given, "is a deep or volume picture; weft reads flat ones")
     if str(spec.format) not in _READ_AS:
         raise _error(given, f"holds {spec.format} pixels; weft reads uint8, uint16 and float")
+    if str(spec.format) == "double" and spec.tile_width:  # OpenImageIO 3.2 reads them wrong
+        raise _error(given, "holds tiled float64 pixels; store them as float32 or untiled")
 
 
 def _straight(pixels: NDArray[Any], spec: Any, kind: str) -> tuple[NDArray[Any], bool]:
@@ -452,7 +458,7 @@ def _straight(pixels: NDArray[Any], spec: Any, kind: str) -> tuple[NDArray[Any],
             np.divide(colour, cover, out=colour, where=cover > 0)
         else:
             top, part = np.uint32(np.iinfo(pixels.dtype).max), np.maximum(cover, 1).astype("u4")
-            whole = np.minimum((colour * top + part // 2) // part, top)
+            whole = np.minimum((colour.astype("u4") * top + part // 2) // part, top)
             colour = np.where(cover > 0, whole, colour).astype(pixels.dtype)
     return np.concatenate([colour, cover], axis=2), True
 
@@ -488,7 +494,7 @@ def _check_fit(given: str, form: _Format, pixels: NDArray[Any], alpha: bool) -> 
         what = f"{dtype} pixels of {colours} channel{'s'[: colours > 1]}{' and alpha' * alpha}"
         problem = f"'{suffix}' cannot hold {what}; use {', '.join(able)}"
     elif max(shape[:2]) > form.side:
-        problem = f"'{suffix}' holds up to {form.side} pixels a side, not {max(shape[:2])}; use .tif"
+        problem = f"'{suffix}' holds at most {form.side} pixels a side, not {max(shape[:2])}"
     else:
         return
     raise InvalidInputError(f"{given}: {problem}")
@@ -525,21 +531,18 @@ def _encode(path: str, form: _Format, pixels: NDArray[Any], alpha: bool, icc: by
         kind = oiio.TypeDesc(oiio.UINT8, oiio.SCALAR, oiio.NOSEMANTICS, len(icc))
         spec.attribute("ICCProfile", kind, np.frombuffer(icc, np.uint8))
     file = oiio.ImageOutput.create(form.name)
-    try:
-        done = file.open(path, spec) and file.write_image(pixels) and file.close()
-    except TypeError:
-        return "the name of the folder is not valid UTF-8"
+    done = file.open(path, spec) and file.write_image(pixels) and file.close()
     return "" if done else file.geterror() or "the encoder failed"
 
 
-def _error(path: Path, what: str, why: object = "") -> FileError:
+def _error(path: StrPath, what: str, why: object = "") -> FileError:
     """Return a one-line error, whatever the library had to say."""
     if isinstance(why, OSError) and why.strerror:
         why = why.strerror
     lines = str(why).strip().splitlines()
-    return FileError(f"{_show(os.fsdecode(path))}: {what}" + (f": {lines[0]}" if lines else ""))
+    return FileError(f"{_show(os.fsdecode(path))}: {what}{': '.join(['', *lines[:1]])}")
 
 
 def _show(path: str) -> str:
     """Return a path that prints on one line."""
-    return "".join(c if c.isprintable() else ascii(c)[1:-1] for c in path)
+    return "".join(c if c.isprintable() else ascii(c)[1:-1] for c in path) or "''"

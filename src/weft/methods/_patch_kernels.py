@@ -38,6 +38,7 @@ def limit_of(
 def choose(
     count: cython.Py_ssize_t,
     keys: cython.longlong[::1],
+    barred: cython.uchar[::1],
     energy: cython.longlong,
     tolerance: cython.double,
     relative: cython.bint,
@@ -46,17 +47,27 @@ def choose(
 ) -> cython.Py_ssize_t:
     """Draw one of the candidates within the tolerance; the nearest if none is."""
     i: cython.Py_ssize_t
-    best: cython.Py_ssize_t = 0
+    best: cython.Py_ssize_t = -1
+    free: cython.Py_ssize_t = -1
     within: cython.longlong = 0
     limit: cython.double
     total: cython.double = 0
     target: cython.double
-    for i in range(1, count):
-        if keys[i] < keys[best]:
-            best = i
-    limit = limit_of(energy, keys[best], tolerance, relative)
     for i in range(count):
-        if keys[i] < limit or (relative and keys[i] <= limit):
+        if best < 0 or keys[i] < keys[best]:
+            best = i
+        if not barred[i] and (free < 0 or keys[i] < keys[free]):
+            free = i
+    limit = limit_of(energy, keys[best], tolerance, relative)
+    # Variety is worth a somewhat worse match, not a bad one.
+    if free < 0 or (keys[free] > 4 * keys[best] and keys[free] > limit):
+        for i in range(count):
+            barred[i] = 0
+    else:
+        best = free
+        limit = limit_of(energy, keys[best], tolerance, relative)
+    for i in range(count):
+        if not barred[i] and (keys[i] < limit or (relative and keys[i] <= limit)):
             within += 1
             if weighted and limit > 0:
                 total += 1 - (keys[i] / limit) ** 0.5
@@ -65,18 +76,54 @@ def choose(
     if weighted and total > 0:
         target = total * (bits >> 11) * (1.0 / 9007199254740992.0)
         for i in range(count):
-            if keys[i] < limit:
+            if not barred[i] and keys[i] < limit:
                 target -= 1 - (keys[i] / limit) ** 0.5
                 if target < 0:
                     return i
         return best
     within = cython.cast(cython.longlong, ((bits >> 32) * within) >> 32)
     for i in range(count):
-        if keys[i] < limit or (relative and keys[i] <= limit):
+        if not barred[i] and (keys[i] < limit or (relative and keys[i] <= limit)):
             if within == 0:
                 return i
             within -= 1
     return best
+
+
+@cython.cfunc
+@cython.nogil
+@cython.exceptval(check=False)
+def bar_repeats(
+    count: cython.Py_ssize_t,
+    places: cython.int[::1],
+    width: cython.Py_ssize_t,
+    y: cython.Py_ssize_t,
+    x: cython.Py_ssize_t,
+    placed: cython.int[:, ::1],
+    around: cython.const[cython.int][:, ::1],
+    p: cython.Py_ssize_t,
+    reach: cython.Py_ssize_t,
+    barred: cython.uchar[::1],
+) -> cython.void:
+    """Mark candidates that would show again what a patch around shows, unless they continue it."""
+    i: cython.Py_ssize_t
+    k: cython.Py_ssize_t
+    n: cython.Py_ssize_t
+    dy: cython.Py_ssize_t
+    dx: cython.Py_ssize_t
+    for i in range(count):
+        barred[i] = 0
+        for k in range(around.shape[1]):
+            n = around[p, k]
+            if n < 0:
+                continue
+            dy = places[i] // width - placed[n, 2]
+            dx = places[i] % width - placed[n, 3]
+            if dy == y - placed[n, 0] and dx == x - placed[n, 1]:
+                continue
+            if -reach < dy < reach and -reach < dx < reach:
+                barred[i] = 1
+                break
 
 
 @cython.cfunc
@@ -162,6 +209,9 @@ def sample_patches(
     relative: cython.bint,
     weighted: cython.bint,
     bits: cython.const[cython.ulonglong][::1],
+    placed: cython.int[:, ::1],
+    around: cython.const[cython.int][:, ::1],
+    reach: cython.Py_ssize_t,
     placements: cython.int[:, ::1],
     cuts: cython.ushort[:, ::1],
     query: cython.uchar[::1],
@@ -171,12 +221,15 @@ def sample_patches(
     total: cython.longlong[::1],
     keys: cython.longlong[::1],
     places: cython.int[::1],
+    barred: cython.uchar[::1],
     cost: cython.longlong[:, ::1],
 ):
     """Fill in the source of each placement, in order, and lay its patch on the canvas.
 
     Every patch of a call has the same zone. `placements` comes with (y, x, -, -, zone) and leaves
-    with the source position in the middle; the last eight arrays are scratch.
+    with the source position in the middle; the last nine arrays are scratch.
+    `around` names for each patch the earlier ones of `placed` whose content it should not repeat
+    within `reach` pixels.
     """
     p: cython.Py_ssize_t
     i: cython.Py_ssize_t
@@ -239,11 +292,16 @@ def sample_patches(
                             bound = limit_of(energy, best, tolerance, relative) + 1
                             if bound < best:
                                 bound = best
+                            if reach > 0 and bound < 5.0 * best:
+                                bound = 5.0 * best  # `choose` may take a worse one for variety
                     if nodes.shape[1] > 1:
                         count = climb(
                             pixels, turned, usable, runs, query, nodes.shape[1], count, keys, places
                         )
-                chosen = places[choose(count, keys, energy, tolerance, relative, weighted, bits[p])]
+                bar_repeats(count, places, width, y, x, placed, around, p, reach, barred)
+                chosen = places[
+                    choose(count, keys, barred, energy, tolerance, relative, weighted, bits[p])
+                ]
             sy = chosen // width
             sx = chosen % width
             placements[p, 2] = cython.cast(cython.int, sy)

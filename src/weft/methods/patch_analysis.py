@@ -77,6 +77,13 @@ class PatchMethod(Method):
         high=10.0,
     )
 
+    repeat_distance: float = parameter(
+        0.5,
+        "sources of patches near each other keep this far apart, in patches; 0 is the papers' way",
+        low=0.0,
+        high=10.0,
+    )
+
     def rule(self) -> tuple[float, bool, bool]:
         """Tolerance, whether it is relative to the best candidate, whether similarity weighs."""
         raise TypeError(f"{type(self).__name__} does not define rule")

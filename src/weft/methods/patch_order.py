@@ -31,6 +31,19 @@ def patch_starts(length: int, size: int, overlap: int, wrap: bool) -> list[int]:
     return [j * (length - size) // count for j in range(count + 1)]
 
 
+#: Patches, as (rows up, columns right), that are always laid before a patch and lie around it.
+_EARLIER = [(0, -2), (0, -1)] + [(-1, k) for k in (-2, -1, 0, 1)] + [(-2, k) for k in range(-2, 3)]
+
+
+def patches_around(rows: int, columns: int) -> NDArray[np.int32]:
+    """Numbers of the earlier patches around each patch of the grid, -1 for none: (n, 11)."""
+    i, j = np.indices((rows, columns)).reshape(2, -1, 1)
+    di, dj = np.array(_EARLIER).T
+    i, j = i + di, j + dj
+    inside = (i >= 0) & (j >= 0) & (j < columns)
+    return np.ascontiguousarray(np.where(inside, i * columns + j, -1), np.int32)
+
+
 def wavefronts(rows: int, columns: int, length: int) -> Iterator[list[tuple[int, int, int]]]:
     """Cut the grid of patches into pieces of rows, and group those that do not need each other.
 

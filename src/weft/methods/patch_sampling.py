@@ -13,7 +13,7 @@ from weft.errors import InvalidInputError
 from weft.method import parameter
 from weft.methods import _patch_kernels
 from weft.methods.patch_analysis import PatchAnalysis, PatchMethod, SearchStructure
-from weft.methods.patch_order import patch_starts, spiral, wavefronts
+from weft.methods.patch_order import patch_starts, patches_around, spiral, wavefronts
 from weft.progress import Progress, ProgressCallback
 from weft.random import draw, seed_number
 from weft.search.boundary_zone import BoundaryZone
@@ -181,6 +181,8 @@ class _Run:
         grid = np.meshgrid(*starts, indexing="ij")
         self.placements[:, :2] = np.stack(grid, axis=-1).reshape(-1, 2)
         bits = draw(self.seed, "patch", *np.indices((rows, columns))).ravel()
+        if self.method.repeat_distance > 0:
+            self.around = patches_around(rows, columns)
         zones = {
             (i, j): self._grid_zone(starts, i, j)
             for i in {0, min(1, rows - 1), rows - 1}
@@ -355,6 +357,7 @@ class _Run:
 
     def _allocate(self, count: int) -> None:
         self.placements = np.zeros((count, 5), np.int32)
+        self.around = np.zeros((count, 0), np.int32)
         if self.method.seam == "cut" and not self.model.pixelwise:
             self.cuts = np.zeros((count, 2 * sum(self.window)), np.uint16)
 
@@ -426,6 +429,9 @@ class _Run:
             relative,
             weighted,
             bits[first:last],
+            self.placements,
+            self.around[first:last],
+            round(method.repeat_distance * model.patch_size),
             placements,
             self.cuts[first:last],
             np.empty(zone.area * channels, np.uint8),
@@ -435,5 +441,6 @@ class _Run:
             np.empty(columns, np.int64),
             np.empty(room, np.int64),
             np.empty(room, np.int32),
+            np.empty(room, np.uint8),
             np.empty((max(weight.shape), int(zone.bands[0])), np.int64),
         )
