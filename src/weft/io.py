@@ -14,8 +14,8 @@ suffix  pixel types written    channels
 .exr    float                  any number, with alpha or without
 ======  =====================  =========================================
 
-JPEG XL and Radiance HDR are only read. Reading goes by the content of a file, not by its name. The path
-``sample:NAME`` names a picture, or a folder of maps, that ships with weft.
+JPEG XL and Radiance HDR are only read. Reading goes by the content of a file, not by its name. The
+path ``sample:NAME`` names a picture, or a folder of maps, that ships with weft.
 """
 
 from __future__ import annotations
@@ -147,7 +147,7 @@ def read_image(path: StrPath, *, max_pixels: int | None = MAX_PIXELS) -> Picture
     try:
         source = oiio.ImageInput.open(name, hint)
         if source is None:
-            problem = oiio.geterror()
+            problem = _complaint(oiio)
             large = f"is larger than max_pixels = {max_pixels}"
             raise _error(given, large if "imagesize_MB" in problem else "cannot read", problem)
         # The reader that goes with the suffix is asked first, and some claim any file.
@@ -156,7 +156,7 @@ def read_image(path: StrPath, *, max_pixels: int | None = MAX_PIXELS) -> Picture
         spec = source.spec()
         _check_spec(spec, given, max_pixels)
         pixels = source.read_image(0, 0, 0, spec.nchannels, _READ_AS[str(spec.format)])
-        problem = source.geterror()
+        problem = _complaint(source)
         source.close()
     except MemoryError:
         raise _error(given, "does not fit in memory") from None
@@ -200,11 +200,12 @@ def write_image(
     check_output(path, pixels, alpha=alpha)
     form = _FORMATS[_suffix(os.fsdecode(path))]
     native = np.float32 if pixels.dtype.kind == "f" else pixels.dtype.newbyteorder("=")
-    pixels = np.ascontiguousarray(np.atleast_3d(pixels), native)
+    with np.errstate(all="ignore"):  # infinities are as good as any other value
+        pixels = np.ascontiguousarray(np.atleast_3d(pixels), native)
+        if alpha and form.name == "openexr":
+            pixels = np.concatenate([pixels[..., :-1] * pixels[..., -1:], pixels[..., -1:]], axis=2)
     if pixels.shape[2] in form.widen:
         pixels = np.concatenate([pixels[..., :1]] * 2 + [pixels], axis=2)
-    if alpha and form.name == "openexr":
-        pixels = np.concatenate([pixels[..., :-1] * pixels[..., -1:], pixels[..., -1:]], axis=2)
     with atomic(path) as temporary:
         # On a full disk PNG reports success, JPEG ends the process and WebP crashes, so room is
         # made sure of first. Noise can grow by an eighth.
@@ -455,7 +456,8 @@ def _straight(pixels: NDArray[Any], spec: Any, kind: str) -> tuple[NDArray[Any],
     colour, cover = np.delete(pixels, place, axis=2), pixels[..., place : place + 1]
     if kind in ("tiff", "openexr") and not spec.get_int_attribute("oiio:UnassociatedAlpha"):
         if pixels.dtype.kind == "f":
-            np.divide(colour, cover, out=colour, where=cover > 0)
+            with np.errstate(all="ignore"):
+                np.divide(colour, cover, out=colour, where=cover > 0)
         else:
             top, part = np.uint32(np.iinfo(pixels.dtype).max), np.maximum(cover, 1).astype("u4")
             whole = np.minimum((colour.astype("u4") * top + part // 2) // part, top)
@@ -532,7 +534,15 @@ def _encode(path: str, form: _Format, pixels: NDArray[Any], alpha: bool, icc: by
         spec.attribute("ICCProfile", kind, np.frombuffer(icc, np.uint8))
     file = oiio.ImageOutput.create(form.name)
     done = file.open(path, spec) and file.write_image(pixels) and file.close()
-    return "" if done else file.geterror() or "the encoder failed"
+    return "" if done else _complaint(file) or "the encoder failed"
+
+
+def _complaint(source: Any) -> str:
+    """Take the library's error, which is printed at the end of the process if nobody does."""
+    try:
+        return str(source.geterror())
+    except UnicodeDecodeError:  # it quotes the damaged file
+        return "unknown error"
 
 
 def _error(path: StrPath, what: str, why: object = "") -> FileError:

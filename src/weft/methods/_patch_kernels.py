@@ -19,6 +19,10 @@ BLOCKS = cython.declare(cython.int, 1)
 FEATURES = cython.declare(cython.int, 2)
 GIVEN = cython.declare(cython.int, 3)
 
+# Marks of `bar_repeats`.
+REPEATS = cython.declare(cython.int, 1)
+CONTINUES = cython.declare(cython.int, 2)
+
 
 @cython.cfunc
 @cython.nogil
@@ -48,6 +52,7 @@ def choose(
     """Draw one of the candidates within the tolerance; the nearest if none is."""
     i: cython.Py_ssize_t
     best: cython.Py_ssize_t = -1
+    near: cython.Py_ssize_t = -1
     free: cython.Py_ssize_t = -1
     within: cython.longlong = 0
     limit: cython.double
@@ -56,13 +61,17 @@ def choose(
     for i in range(count):
         if best < 0 or keys[i] < keys[best]:
             best = i
+        if barred[i] < CONTINUES and (near < 0 or keys[i] < keys[near]):
+            near = i
         if not barred[i] and (free < 0 or keys[i] < keys[free]):
             free = i
+    if near >= 0:
+        best = near
     limit = limit_of(energy, keys[best], tolerance, relative)
     # Variety is worth a somewhat worse match, not a bad one.
     if free < 0 or (keys[free] > 4 * keys[best] and keys[free] > limit):
         for i in range(count):
-            barred[i] = 0
+            barred[i] = 0 if barred[i] < CONTINUES or near < 0 else CONTINUES
     else:
         best = free
         limit = limit_of(energy, keys[best], tolerance, relative)
@@ -103,9 +112,14 @@ def bar_repeats(
     around: cython.const[cython.int][:, ::1],
     p: cython.Py_ssize_t,
     reach: cython.Py_ssize_t,
+    leave: cython.bint,
     barred: cython.uchar[::1],
 ) -> cython.void:
-    """Mark candidates that would show again what a patch around shows, unless they continue it."""
+    """Mark candidates that would show again what a patch around shows.
+
+    One that continues a patch around as in the sample shows nothing twice, but must `leave` it now
+    and then, or large pieces of the sample are copied.
+    """
     i: cython.Py_ssize_t
     k: cython.Py_ssize_t
     n: cython.Py_ssize_t
@@ -120,9 +134,12 @@ def bar_repeats(
             dy = places[i] // width - placed[n, 2]
             dx = places[i] % width - placed[n, 3]
             if dy == y - placed[n, 0] and dx == x - placed[n, 1]:
+                if leave:
+                    barred[i] = CONTINUES
+                    break
                 continue
             if -reach < dy < reach and -reach < dx < reach:
-                barred[i] = 1
+                barred[i] = REPEATS
                 break
 
 
@@ -298,7 +315,7 @@ def sample_patches(
                         count = climb(
                             pixels, turned, usable, runs, query, nodes.shape[1], count, keys, places
                         )
-                bar_repeats(count, places, width, y, x, placed, around, p, reach, barred)
+                bar_repeats(count, places, width, y, x, placed, around, p, reach, bits[p] & 1, barred)
                 chosen = places[
                     choose(count, keys, barred, energy, tolerance, relative, weighted, bits[p])
                 ]

@@ -33,6 +33,8 @@ class PatchMethod(Method):
     """What patch-based sampling and image quilting have in common."""
 
     supports: ClassVar[frozenset[str]] = frozenset({"wrap", "known"})
+    #: Boundary width over patch size, where none is given.
+    zone_share: ClassVar[float] = 0.1
 
     patch_size: int | None = parameter(
         None,
@@ -49,7 +51,7 @@ class PatchMethod(Method):
         "width w_E of the boundary zone that must match",
         low=1,
         unit="px",
-        default_text="a sixth of the patch",
+        default_text="a tenth of the patch, 4 or more",
     )
     search: str = parameter(
         "pca",
@@ -126,7 +128,7 @@ class PatchAnalysis:
         self.patch_size = method.patch_size or max(1, round(method.randomness * shorter))
         self.pixelwise = self.patch_size == 1
         self.boundary_width = method.boundary_width or (
-            4 if self.pixelwise else max(1, round(self.patch_size / 6))
+            4 if self.pixelwise else min(max(4, round(method.zone_share * self.patch_size)), self.patch_size // 2)
         )
         if method.boundary_width is None and self.pixelwise:
             self.boundary_width = max(1, min(4, (shorter - 1) // 2))

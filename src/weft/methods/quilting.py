@@ -32,6 +32,15 @@ class Quilting(PatchMethod):
         "Proceedings of SIGGRAPH 2001"
     )
 
+    zone_share: ClassVar[float] = 1 / 6
+
+    boundary_width: int | None = parameter(
+        None,
+        "width of the overlap that must match and that is cut",
+        low=1,
+        unit="px",
+        default_text="a sixth of the patch, 4 or more",
+    )
     tolerance: float = parameter(
         0.1, "candidates may be this much worse than the best, relatively", low=0.0
     )

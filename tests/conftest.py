@@ -1,0 +1,27 @@
+"""Shared by all tests: the import path of `reference` and settled hypothesis runs."""
+
+import sys
+from pathlib import Path
+
+import hypothesis
+import numpy as np
+import pytest
+
+sys.path.insert(0, str(Path(__file__).parent))
+
+# The same examples everywhere and every time, however slow the machine.
+hypothesis.settings.register_profile(
+    "weft",
+    deadline=None,
+    derandomize=True,
+    database=None,
+    max_examples=25,
+    suppress_health_check=[hypothesis.HealthCheck.too_slow],
+)
+hypothesis.settings.load_profile("weft")
+
+
+@pytest.fixture
+def rng() -> np.random.Generator:
+    """Made-up pictures, the same in every run."""
+    return np.random.default_rng(20010703)

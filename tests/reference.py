@@ -1,0 +1,577 @@
+"""Slow, obvious twins of weft's kernels and orderings, written from the definitions.
+
+"Section", "equation" and "figure" are those of Liang, Liu, Xu, Guo and Shum (2001), Real-time
+texture synthesis by patch-based sampling. Nothing here is clever, nothing is shared with the
+package but the random bits (`weft.random.draw`), the bytes that matching looks at
+(`Exemplar.matching`, which has tests of its own) and the nouns.
+"""
+
+from __future__ import annotations
+
+import itertools
+import math
+
+import numpy as np
+
+from weft.random import draw
+
+SIDES = ("left", "top", "right", "bottom")
+
+
+# Boundary zones (sections 2.1 and 2.2)
+
+
+def distance_to_unknown(known):
+    """Chebyshev distance of every pixel of a window to the nearest unknown one; inf without."""
+    unknown = np.argwhere(~known)
+    distance = np.full(known.shape, np.inf)
+    for v, u in itertools.product(*map(range, known.shape)):
+        for a, b in unknown:
+            distance[v, u] = min(distance[v, u], max(abs(v - a), abs(u - b)))
+    return distance
+
+
+def zone_of(known, width):
+    """The band of width w_E along the border: known, and that near something unknown."""
+    return known & (distance_to_unknown(known) <= width)
+
+
+def zone_weights(known, width, frozen=None, paste=False):
+    """Weights in 1/256: all for the new pixel outside the zone, falling evenly through it."""
+    zone, distance = zone_of(known, width), distance_to_unknown(known)
+    weights = np.zeros(known.shape, int)
+    for v, u in itertools.product(*map(range, known.shape)):
+        if not known[v, u]:
+            weights[v, u] = 256
+        elif zone[v, u]:
+            share = (width + 1 - distance[v, u]) / (width + 1)
+            weights[v, u] = 256 if paste else math.floor(256 * share + 1e-9)
+        if frozen is not None and frozen[v, u]:
+            weights[v, u] = 0
+    return weights
+
+
+def zone_distance(a, b):
+    """Equation (2): a and b are (A, channels), the zone's pixels on either side."""
+    a, b = np.asarray(a, float), np.asarray(b, float)
+    return math.sqrt(((a - b) ** 2).sum() / len(a))
+
+
+def largest_distance(canvas, epsilon):
+    """d_max of section 2.4 for the zone's pixels on the canvas, (A, channels)."""
+    canvas = np.asarray(canvas, float)
+    return epsilon * math.sqrt((canvas**2).sum() / len(canvas))
+
+
+# The random choice (equation (1), steps 2 to 4 of section 2.2)
+
+
+def pick(bits, count):
+    """One of `count` with even chances, by the upper half of the 64 random bits."""
+    return (int(bits) >> 32) * count >> 32
+
+
+def psi_b(distances, d_max):
+    """Equation (1), and step 3: the nearest where it is empty. Indices, in order."""
+    matching = [i for i, d in enumerate(distances) if d < d_max]
+    return matching or [int(np.argmin(distances))]
+
+
+def similarity_weights(distances, d_max):
+    """The normalised similarity factors alpha_i of section 2.1."""
+    alpha = np.array([1 - d / d_max for d in distances])
+    return alpha / alpha.sum()
+
+
+def choose(keys, marks, energy, bits, *, epsilon=None, tolerance=None, similarity=False):
+    """Index of the candidate drawn.
+
+    Parameters
+    ----------
+    keys : list of int
+        A d**2 of each candidate: whole numbers, so that nothing hangs on rounding.
+    marks : list of str
+        "" for a candidate as any other, "repeats" and "continues" as `mark_repeats` says.
+    energy : int
+        A d_max**2 / epsilon**2.
+    epsilon, tolerance : float
+        One of the two: the rule of patch-based sampling or that of image quilting.
+    """
+
+    def limit(best):
+        if epsilon is not None:
+            return energy * epsilon * epsilon
+        return best * (1 + tolerance) * (1 + tolerance)
+
+    def within(i, bound):
+        return keys[i] < bound if epsilon is not None else keys[i] <= bound
+
+    def nearest(of):
+        return min(of, key=lambda i: (keys[i], i))
+
+    everything = list(range(len(keys)))
+    eligible = [i for i in everything if marks[i] != "continues"] or everything
+    fresh = [i for i in everything if not marks[i]]
+    best = nearest(eligible)
+    bound = limit(keys[best])
+    if fresh:
+        good = keys[nearest(fresh)]
+        if good <= 4 * keys[best] or good <= bound:
+            eligible, best = fresh, nearest(fresh)
+            bound = limit(keys[best])
+    matching = [i for i in eligible if within(i, bound)]
+    if not matching:
+        return best
+    if similarity and bound > 0:
+        alpha = [1 - math.sqrt(keys[i] / bound) for i in matching]
+        total = 0.0
+        for a in alpha:
+            total += a
+        if total > 0:
+            left = total * (int(bits) >> 11) * 2.0**-53
+            for i, a in zip(matching, alpha, strict=True):
+                left -= a
+                if left < 0:
+                    return i
+            return best
+    return matching[pick(bits, len(matching))]
+
+
+def mark_repeats(corner, places, around, reach, leave):
+    """Which candidates would show again what a patch laid nearby shows.
+
+    `around` lists (y, x, source y, source x) of earlier patches. A source within `reach` of one of
+    theirs repeats it, unless it goes on exactly as the sample does, which `leave` forbids too.
+    """
+    marks = []
+    for sy, sx in places:
+        mark = ""
+        for y, x, oy, ox in around:
+            if (sy - oy, sx - ox) == (corner[0] - y, corner[1] - x):
+                if leave:
+                    mark = "continues"
+                    break
+            elif max(abs(sy - oy), abs(sx - ox)) < reach:
+                mark = "repeats"
+                break
+        marks.append(mark)
+    return marks
+
+
+# Low resolution (sections 3.2 and 3.3)
+
+
+def quadtree_children(image):
+    """The four half-resolution children of an image, by shift (figure 9 b), with exact means."""
+    image = np.asarray(image, float)
+    children = {}
+    for dy, dx in itertools.product((0, 1), repeat=2):
+        rows, columns = (image.shape[0] - dy) // 2, (image.shape[1] - dx) // 2
+        child = np.zeros((rows, columns))
+        for i, j in itertools.product(range(rows), range(columns)):
+            block = image[2 * i + dy : 2 * i + dy + 2, 2 * j + dx : 2 * j + dx + 2]
+            child[i, j] = block.sum() / 4
+        children[dy, dx] = child
+    return children
+
+
+def quadtree_level(image, level):
+    """Level 1 is the image, 2 its four children, 3 their 16; keys are shifts in the image."""
+    nodes = {(0, 0): np.asarray(image, float)}
+    for n in range(level - 1):
+        nodes = {
+            (v + 2**n * dy, u + 2**n * dx): child
+            for (v, u), node in nodes.items()
+            for (dy, dx), child in quadtree_children(node).items()
+        }
+    return nodes
+
+
+def block_mean(pixels, y, x, side):
+    """Mean of a block per channel, halves up; rows and columns wrap."""
+    height, width = pixels.shape[:2]
+    rows, columns = [(y + k) % height for k in range(side)], [(x + k) % width for k in range(side)]
+    total = pixels[np.ix_(rows, columns)].astype(int).sum(axis=(0, 1))
+    return (2 * total + side * side) // (2 * side * side)
+
+
+def block_distances(pixels, blocks, side, query, usable, stride):
+    """{window: squared distance of its block means to the query's} for every stride-th window."""
+    found = {}
+    for y, x in np.argwhere(usable):
+        if y % stride or x % stride:
+            continue
+        means = np.concatenate([block_mean(pixels, y + v, x + u, side) for v, u in blocks])
+        found[int(y), int(x)] = int(((means - query) ** 2).sum())
+    return found
+
+
+def feature_distances(features, query):
+    """Squared distance of each column of `features` to the query."""
+    return [sum((int(f) - int(q)) ** 2 for f, q in zip(c, query, strict=True)) for c in features.T]
+
+
+# Seams
+
+
+def path_by_exhaustion(cost):
+    """The cheapest path from the first row to the last, one step aside a row at most.
+
+    Of equally cheap ones, the one that, read backwards, stays nearest to the first column.
+    """
+    rows, columns = cost.shape
+    best = None
+    for path in itertools.product(range(columns), repeat=rows):
+        if any(abs(a - b) > 1 for a, b in itertools.pairwise(path)):
+            continue
+        key = (sum(int(cost[i, k]) for i, k in enumerate(path)), path[::-1])
+        if best is None or key < best:
+            best = key
+    return list(best[1][::-1])
+
+
+def path_by_programming(cost):
+    """The same path by dynamic programming."""
+    rows, columns = cost.shape
+    table = [[int(c) for c in cost[0]]]
+    for i in range(1, rows):
+        table.append(
+            [
+                int(cost[i, k]) + min(table[-1][max(k - 1, 0) : min(k + 2, columns)])
+                for k in range(columns)
+            ]
+        )
+    path = [min(range(columns), key=lambda k: (table[-1][k], k))]
+    for i in range(rows - 2, -1, -1):
+        near = range(max(path[0] - 1, 0), min(path[0] + 2, columns))
+        path.insert(0, min(near, key=lambda k: (table[i][k], k)))
+    return path
+
+
+def cut_sides(canvas_window, new_window, weights, zone, width, rows=None, columns=None):
+    """{side: path}: how many pixels of each line, counted from that side, stay the older ones.
+
+    A window's sides that touch the zone have a band each; what is not blended costs nothing.
+    """
+    height, length = zone.shape
+    depth = min(width, height, length)
+    error = ((canvas_window.astype(int) - new_window.astype(int)) ** 2).sum(axis=2)
+    error[(weights == 0) | (weights == 256)] = 0
+    turned = {
+        "left": (error, zone),
+        "top": (error.T, zone.T),
+        "right": (error[:, ::-1], zone[:, ::-1]),
+        "bottom": (error[::-1].T, zone[::-1].T),
+    }
+    return {
+        side: path_by_programming(e[:, :depth])
+        for side, (e, z) in turned.items()
+        if z[:, :depth].any()
+    }
+
+
+def cut_row(paths, rows, columns):
+    """The paths as `Synthesis.cuts` stores them: first and past-the-last own columns and rows."""
+    first_column, last_column = [0] * rows, [columns] * rows
+    first_row, last_row = [0] * columns, [rows] * columns
+    for i, k in enumerate(paths.get("left", ())):
+        first_column[i] = k
+    for i, k in enumerate(paths.get("right", ())):
+        last_column[i] = columns - k
+    for i, k in enumerate(paths.get("top", ())):
+        first_row[i] = k
+    for i, k in enumerate(paths.get("bottom", ())):
+        last_row[i] = rows - k
+    return np.array(first_column + last_column + first_row + last_row, np.uint16)
+
+
+def cut_weights(weights, cut):
+    """The weights in force: in the zone all or nothing, on either side of the paths."""
+    rows, columns = weights.shape
+    first_column, last_column, first_row, last_row = np.split(
+        cut.astype(int), np.cumsum([rows, rows, columns])
+    )
+    result = weights.copy()
+    for v, u in itertools.product(range(rows), range(columns)):
+        if 0 < weights[v, u] < 256:
+            own = first_column[v] <= u < last_column[v] and first_row[u] <= v < last_row[u]
+            result[v, u] = 256 if own else 0
+    return result
+
+
+# Compositing
+
+
+def blend_pixel(old, new, weight, alpha=False):
+    """Mix two pixels, (channels,), of one dtype; whole numbers round halves up."""
+    if weight == 0:
+        return old.copy()
+    if weight == 256:
+        return new.copy()
+    result = old.copy()
+    whole = old.dtype.kind == "u"
+    colours = len(old) - 1 if alpha else len(old)
+    if whole:
+        o, n = [int(k) for k in old], [int(k) for k in new]
+        for k in range(len(old)):
+            result[k] = (o[k] * (256 - weight) + n[k] * weight + 128) // 256
+        if alpha:
+            a, b = (256 - weight) * o[-1], weight * n[-1]
+            for k in range(colours):
+                result[k] = (
+                    (2 * (a * o[k] + b * n[k]) + a + b) // (2 * (a + b)) if a + b else n[k]
+                )
+        return result
+    for k in range(len(old)):
+        result[k] = float(old[k]) + float(new[k] - old[k]) * (weight / 256)
+    if alpha:
+        a, b = (256 - weight) * float(old[-1]), weight * float(new[-1])
+        share = b / (a + b) if a + b else 1.0
+        for k in range(colours):
+            result[k] = float(old[k]) + float(new[k] - old[k]) * share
+    return result
+
+
+def paste_all(out, source, top, left, shape, placements, weights, cuts, scale=1, alpha=False):
+    """Replay placements over `out`, (rows, columns, channels), in place."""
+    height, width = shape
+    sample_height, sample_width = source.shape[0] // scale, source.shape[1] // scale
+    for p, (y, x, sy, sx, zone) in enumerate(placements.tolist()):
+        mask = weights[zone].astype(int)
+        if len(cuts):
+            mask = cut_weights(mask, cuts[p])
+        for v, u in itertools.product(*map(range, mask.shape)):
+            cy, cx = (y + v) % height - top, (x + u) % width - left
+            fy, fx = (sy + v) % sample_height, (sx + u) % sample_width
+            for r, q in itertools.product(range(scale), repeat=2):
+                row, column = cy * scale + r, cx * scale + q
+                if 0 <= row < out.shape[0] and 0 <= column < out.shape[1]:
+                    new = source[fy * scale + r, fx * scale + q]
+                    out[row, column] = blend_pixel(out[row, column], new, int(mask[v, u]), alpha)
+
+
+def layers(window, shape, placements, weights, cuts, most=4):
+    """{(row, column): [(patch, share), …]}, heaviest first, of what shows in a window."""
+    top, left, rows, columns = window
+    found = {(i, j): [] for i in range(rows) for j in range(columns)}
+    for p, (y, x, _, _, zone) in enumerate(placements.tolist()):
+        mask = weights[zone].astype(int)
+        if len(cuts):
+            mask = cut_weights(mask, cuts[p])
+        for v, u in itertools.product(*map(range, mask.shape)):
+            at = ((y + v) % shape[0] - top, (x + u) % shape[1] - left)
+            if at not in found or mask[v, u] == 0:
+                continue
+            new = np.float32(mask[v, u]) / np.float32(256)
+            older = [(k, np.float32(s * (np.float32(1) - new))) for k, s in found[at]]
+            older = older[: most - 1]
+            ahead = [entry for entry in older if entry[1] >= new]
+            found[at] = ahead + [(p, new)] + older[len(ahead) :]
+    return {at: [e for e in entries if e[1] > 0] for at, entries in found.items()}
+
+
+# Orders
+
+
+def patch_starts(length, size, overlap, wrap):
+    """As few patches as cover an axis with at least the overlap, spread evenly."""
+    if not wrap and length <= size:
+        return [0]
+    count = 2 if wrap else 1
+    while True:
+        # `count` patches, and without wrapping one more at the end
+        span = length if wrap else length - size
+        starts = [j * span // count for j in range(count + (not wrap))]
+        gap = max(span - (j * span // count) for j in [count - 1]) if wrap else 0
+        steps = [b - a for a, b in itertools.pairwise(starts)] + ([gap] if wrap else [])
+        if max(steps) <= size - overlap:
+            return starts
+        count += 1
+
+
+# Patch-based sampling as a whole
+
+#: Earlier patches of the grid that lie around one, as (rows, columns) away, in the order they ask.
+AROUND = [(0, -2), (0, -1), *((-1, k) for k in range(-2, 2)), *((-2, k) for k in range(-2, 3))]
+
+
+def sample_exhaustive(exemplar, method, canvas, seed, *, corners=None, finish=True):
+    """Steps 1 to 6 of section 2.2, by looking at every window of the sample for every patch.
+
+    Parameters
+    ----------
+    method : PatchSampling or Quilting
+        With patch_size and boundary_width given.
+    corners : list of (int, int), optional
+        Where windows go, in order; needed for a canvas with holes.
+    finish : bool
+        Also make the picture (step 6).
+
+    Returns
+    -------
+    placements : list of (y, x, source y, source x)
+    picture : array or None
+    """
+    size, width = method.patch_size, method.boundary_width
+    pixelwise = size == 1
+    window = [2 * width + 1] * 2 if pixelwise else [min(size, n) for n in canvas.shape]
+    centre = (width, width)
+    sample = exemplar.matching(method.edge_weight).astype(int)
+    places = _windows_of(exemplar, window)
+    stack = np.array([_at(sample, place, window) for place in places])
+    buffer = np.zeros((*canvas.shape, sample.shape[2]), int)
+    laid = np.zeros(canvas.shape, bool)
+    holes = canvas.hole is not None
+    if holes:
+        buffer[:] = exemplar.as_matching(canvas.known, method.edge_weight)
+        laid = ~canvas.hole
+    frozen = laid.copy()
+    rule = (
+        {"tolerance": method.tolerance}
+        if method.slug == "quilting"
+        else {"epsilon": method.epsilon, "similarity": method.choice == "similarity"}
+    )
+    placements, records = [], []
+    for number, (step, corner, known) in enumerate(_steps(method, canvas, window, corners, laid)):
+        rows = [(corner[0] + v) % canvas.shape[0] for v in range(window[0])]
+        columns = [(corner[1] + u) % canvas.shape[1] for u in range(window[1])]
+        here = np.ix_(rows, columns)
+        inside = _inside(canvas, corner, window)
+        if known is None:
+            known = laid[here] & inside
+        zone = zone_of(known, width)
+        if holes:
+            bits = draw(seed, "patch", number)
+        else:
+            bits = draw(seed, "patch", *step)
+        wanted = buffer[here][zone]
+        if not zone.any() or math.inf in rule.values():
+            chosen = pick(bits, len(places))
+        else:
+            keys = ((stack[:, zone] - wanted) ** 2).sum(axis=(1, 2)).tolist()
+            marks = [""] * len(places)
+            if method.repeat_distance > 0 and not pixelwise and not holes:
+                grid = {s: p for s, p in zip(_grid_steps(method, canvas), placements, strict=False)}
+                around = [(step[0] + a, step[1] + b) for a, b in AROUND]
+                marks = mark_repeats(
+                    corner,
+                    places,
+                    [grid[k] for k in around if k in grid],
+                    round(method.repeat_distance * size),
+                    int(bits) & 1,
+                )
+            chosen = choose(keys, marks, int((wanted**2).sum()), bits, **rule)
+        source = places[chosen]
+        weights = zone_weights(
+            known, width, frozen[here] & inside if holes else None, method.blend == "none"
+        )
+        if pixelwise:
+            weights[:] = 0
+            weights[centre] = 256
+        final = weights
+        if method.blend == "cut" and not pixelwise:
+            paths = cut_sides(buffer[here], stack[chosen], weights, zone, width)
+            final = cut_weights(weights, cut_row(paths, *weights.shape))
+        now = np.where(weights > 0, 256, 0) if method.blend == "feather-at-end" else final
+        for v, u in itertools.product(*map(range, now.shape)):
+            if now[v, u]:
+                at = rows[v], columns[u]
+                old = buffer[at].astype(np.uint8)
+                new = stack[chosen, v, u].astype(np.uint8)
+                buffer[at] = blend_pixel(old, new, int(now[v, u]))
+                laid[at] = True
+        if pixelwise:
+            placements.append((*corner, *source))
+        else:
+            placements.append((*corner, *source))
+        records.append((corner, source, final))
+    if pixelwise:
+        placements = [
+            ((y + width) % canvas.shape[0], (x + width) % canvas.shape[1], a + width, b + width)
+            for y, x, a, b in placements
+        ]
+    placements = [
+        (y, x, a % exemplar.shape[0], b % exemplar.shape[1]) for y, x, a, b in placements
+    ]
+    return placements, _finish(exemplar, canvas, records) if finish else None
+
+
+def _finish(exemplar, canvas, records):
+    """Step 6: blending, with the sample's own pixels."""
+    pixels = exemplar.pixels.reshape(*exemplar.shape, -1)
+    picture = np.zeros((*canvas.shape, pixels.shape[2]), pixels.dtype)
+    if canvas.known is not None:
+        picture[:] = canvas.known.reshape(picture.shape)
+    for (y, x), (sy, sx), weights in records:
+        for v, u in itertools.product(*map(range, weights.shape)):
+            if weights[v, u]:
+                at = (y + v) % canvas.shape[0], (x + u) % canvas.shape[1]
+                new = pixels[(sy + v) % exemplar.shape[0], (sx + u) % exemplar.shape[1]]
+                picture[at] = blend_pixel(picture[at], new, int(weights[v, u]), exemplar.alpha)
+    return picture.reshape(*canvas.shape, *exemplar.pixels.shape[2:])
+
+
+def _windows_of(exemplar, window):
+    """Upper left corners of the sample's windows (edge handling of section 2.4)."""
+    usable = np.ones(exemplar.shape, bool) if exemplar.mask is None else exemplar.mask
+    found = []
+    for y, x in itertools.product(*map(range, exemplar.shape)):
+        fits = y + window[0] <= exemplar.shape[0] and x + window[1] <= exemplar.shape[1]
+        if (fits or exemplar.tileable) and _at(usable, (y, x), window).all():
+            found.append((y, x))
+    return found
+
+
+def _at(pixels, corner, window):
+    rows = [(corner[0] + v) % pixels.shape[0] for v in range(window[0])]
+    columns = [(corner[1] + u) % pixels.shape[1] for u in range(window[1])]
+    return pixels[np.ix_(rows, columns)]
+
+
+def _inside(canvas, corner, window):
+    """Which pixels of a window are on the canvas: all of them along axes that wrap."""
+    inside = np.ones(window, bool)
+    for axis in (0, 1):
+        if not canvas.wrap[axis]:
+            at = corner[axis] + np.arange(window[axis])
+            inside &= np.expand_dims((at >= 0) & (at < canvas.shape[axis]), 1 - axis)
+    return inside
+
+
+def _grid_starts(method, canvas):
+    return [
+        patch_starts(n, min(method.patch_size, n), min(method.boundary_width, n - 1), wrap)
+        if n > 1
+        else ([0, 0] if wrap else [0])
+        for n, wrap in zip(canvas.shape, canvas.wrap, strict=True)
+    ]
+
+
+def _grid_steps(method, canvas):
+    rows, columns = (len(starts) for starts in _grid_starts(method, canvas))
+    return list(itertools.product(range(rows), range(columns)))
+
+
+def _steps(method, canvas, window, corners, laid):
+    """(numbers for the random bits, corner, what is known or None for what was laid)."""
+    width = method.boundary_width
+    if corners is not None:
+        for corner in corners:
+            yield None, corner, None
+    elif method.patch_size == 1:
+        for y, x in itertools.product(*map(range, canvas.shape)):
+            yield (y, x), (y - width, x - width), None
+    else:
+        starts = _grid_starts(method, canvas)
+        for i, j in _grid_steps(method, canvas):
+            y, x = starts[0][i], starts[1][j]
+            known = np.zeros(window, bool)  # figures 3 and 5
+            if i > 0:
+                known[:width] = True
+            if j > 0:
+                known[:, :width] = True
+            if canvas.wrap[0] and i > 0 and y + window[0] > canvas.shape[0]:
+                known[canvas.shape[0] - y :] = True
+            if canvas.wrap[1] and j > 0 and x + window[1] > canvas.shape[1]:
+                known[:, canvas.shape[1] - x :] = True
+            yield (i, j), (y, x), known
