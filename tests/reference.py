@@ -15,20 +15,16 @@ import numpy as np
 
 from weft.random import draw
 
-SIDES = ("left", "top", "right", "bottom")
-
-
 # Boundary zones (sections 2.1 and 2.2)
 
 
 def distance_to_unknown(known):
     """Chebyshev distance of every pixel of a window to the nearest unknown one; inf without."""
     unknown = np.argwhere(~known)
-    distance = np.full(known.shape, np.inf)
-    for v, u in itertools.product(*map(range, known.shape)):
-        for a, b in unknown:
-            distance[v, u] = min(distance[v, u], max(abs(v - a), abs(u - b)))
-    return distance
+    if not len(unknown):
+        return np.full(known.shape, np.inf)
+    away = np.abs(np.argwhere(np.ones_like(known))[:, None] - unknown[None])
+    return away.max(axis=2).min(axis=1).reshape(known.shape)
 
 
 def zone_of(known, width):
@@ -248,7 +244,7 @@ def path_by_programming(cost):
     return path
 
 
-def cut_sides(canvas_window, new_window, weights, zone, width, rows=None, columns=None):
+def cut_sides(canvas_window, new_window, weights, zone, width):
     """{side: path}: how many pixels of each line, counted from that side, stay the older ones.
 
     A window's sides that touch the zone have a band each; what is not blended costs nothing.
@@ -377,15 +373,12 @@ def patch_starts(length, size, overlap, wrap):
     """As few patches as cover an axis with at least the overlap, spread evenly."""
     if not wrap and length <= size:
         return [0]
+    span = length if wrap else length - size
     count = 2 if wrap else 1
     while True:
-        # `count` patches, and without wrapping one more at the end
-        span = length if wrap else length - size
-        starts = [j * span // count for j in range(count + (not wrap))]
-        gap = max(span - (j * span // count) for j in [count - 1]) if wrap else 0
-        steps = [b - a for a, b in itertools.pairwise(starts)] + ([gap] if wrap else [])
-        if max(steps) <= size - overlap:
-            return starts
+        ends = [j * span // count for j in range(count + 1)]  # a wrapped axis ends where it starts
+        if max(b - a for a, b in itertools.pairwise(ends)) <= size - overlap:
+            return ends[:-1] if wrap else ends
         count += 1
 
 
@@ -480,10 +473,7 @@ def sample_exhaustive(exemplar, method, canvas, seed, *, corners=None, finish=Tr
                 new = stack[chosen, v, u].astype(np.uint8)
                 buffer[at] = blend_pixel(old, new, int(now[v, u]))
                 laid[at] = True
-        if pixelwise:
-            placements.append((*corner, *source))
-        else:
-            placements.append((*corner, *source))
+        placements.append((*corner, *source))
         records.append((corner, source, final))
     if pixelwise:
         placements = [

@@ -19,6 +19,9 @@ BLOCKS = cython.declare(cython.int, 1)
 FEATURES = cython.declare(cython.int, 2)
 GIVEN = cython.declare(cython.int, 3)
 
+# A patch that repeats nothing may have this times the squared distance of one that does.
+VARIETY = cython.declare(cython.double, 1.7)
+
 # Marks of `bar_repeats`.
 REPEATS = cython.declare(cython.int, 1)
 CONTINUES = cython.declare(cython.int, 2)
@@ -68,8 +71,7 @@ def choose(
     if near >= 0:
         best = near
     limit = limit_of(energy, keys[best], tolerance, relative)
-    # Variety is worth a somewhat worse match, not a bad one.
-    if free < 0 or (keys[free] > 4 * keys[best] and keys[free] > limit):
+    if free < 0 or keys[free] > VARIETY * keys[best]:
         for i in range(count):
             barred[i] = 0 if barred[i] < CONTINUES or near < 0 else CONTINUES
     else:
@@ -297,6 +299,9 @@ def sample_patches(
                         count = given.shape[0]
                         for i in range(count):
                             places[i] = given[i]
+                    bar_repeats(
+                        count, places, width, y, x, placed, around, p, reach, bits[p] & 1, barred
+                    )
                     best = -1
                     bound = -1
                     for i in range(count):
@@ -304,13 +309,13 @@ def sample_patches(
                             pixels, turned, places[i] // width, places[i] % width, runs, query,
                             cython.cast(cython.longlong, bound),
                         )  # fmt: skip
-                        if best < 0 or keys[i] < best:
-                            best = keys[i]
-                            bound = limit_of(energy, best, tolerance, relative) + 1
-                            if bound < best:
-                                bound = best
-                            if reach > 0 and bound < 5.0 * best:
-                                bound = 5.0 * best  # `choose` may take a worse one for variety
+                        if barred[i] < CONTINUES and (best < 0 or keys[i] < best):
+                            best = keys[i]  # the worst that `choose` may take from here on
+                            bound = VARIETY * best if reach > 0 else best
+                            bound = max(bound, limit_of(energy, best, tolerance, relative))
+                            if relative:
+                                bound *= (1 + tolerance) * (1 + tolerance)
+                            bound += 1
                     if nodes.shape[1] > 1:
                         count = climb(
                             pixels, turned, usable, runs, query, nodes.shape[1], count, keys, places

@@ -44,7 +44,7 @@ class PatchMethod(Method):
         default_text="randomness x the sample's shorter side",
     )
     randomness: float = parameter(
-        0.25, "lambda: patch size over the sample's shorter side", low=0.001, high=1.0
+        0.3, "lambda: patch size over the sample's shorter side", low=0.001, high=1.0
     )
     boundary_width: int | None = parameter(
         None,

@@ -23,14 +23,21 @@ if TYPE_CHECKING:
     from weft.random import Seed
     from weft.tasks.synthesize import Sample
 
+    #: A path, a PIL image or a bool array (H, W), True where the photo is to be filled.
     Mask = str | os.PathLike[str] | NDArray[np.bool_] | Any
 
-#: Usable pixels around the holes that patches are taken from; a search through more takes longer
-#: and finds what looks less and less like the place.
+#: Usable pixels around the holes that patches are taken from. More make it slower, and what is
+#: further away looks less like the place.
 NEIGHBOURHOOD = 2**20
 _CELL = 16  # pixels a side; the neighbourhood grows by whole cells
-#: Patches of a hole: a share of the photo's shorter side, from the least to the most, in pixels.
-_PATCH = (1 / 10, 12, 48)
+
+#: What differs from a method's own defaults where a hole is filled, chosen by eye on bricks, tiles,
+#: boards, pebbles, leaves and lawn. Known pixels cannot be blended, so the best match is taken; and
+#: the wider a zone of an irregular material, the more its best match is a dull, blurred place.
+FILL_DEFAULTS: dict[str, Any] = {"boundary_width": 2, "epsilon": 0.02}
+#: Patch sizes; a hole gets the largest of which it holds a square _LEAP times as wide.
+_SIZES = (128, 96, 64, 48)
+_LEAP = 2.5
 
 
 def fill(
@@ -48,18 +55,19 @@ def fill(
     """Fill the holes of a photo; every other pixel stays exactly as it is.
 
     Patches come from the million pixels nearest to the holes (`NEIGHBOURHOOD`), or from `sample`.
-    A photo with aligned maps is matched on all of them, and all of them are filled.
+    A photo with aligned maps is matched on all of them, and all of them are filled alike: see
+    `Synthesis.maps`.
 
     Parameters
     ----------
     photo : path, array, PIL image or Exemplar
-        What has holes; its pixels inside them do not matter but must be finite.
-    mask : path or bool array (H, W)
-        True, in a file white, where the photo is to be filled.
+        What has holes; what their pixels look like does not matter.
+    mask : path, PIL image or bool array (H, W)
+        True, in a picture white, where the photo is to be filled.
     sample : path, array, PIL image or Exemplar, optional
         Take patches from this instead of the photo; of the photo's dtype and channels.
     method : str or Method
-        A name in `weft.METHODS` that supports known pixels, or a method with its parameters.
+        A name in `weft.METHODS`, or a method with its parameters.
     seed : int, numpy Generator or None
         The same seed gives the same bytes.
     tileable : bool or {"x", "y"}
@@ -67,10 +75,11 @@ def fill(
     threads : int, optional
         At most so many.
     progress : callable, optional
-        See `weft.progress.ProgressCallback`; the preview shows the neighbourhood of the holes.
+        See `weft.progress.ProgressCallback`; the preview shows the surroundings of the holes.
     **parameters
-        Of the method. Without `patch_size` and `randomness` patches are a tenth of the photo's
-        shorter side, 12 to 48 pixels, less where no such window is free of holes.
+        Of the method. By default `boundary_width` is 2, `epsilon` 0.02, and `patch_size` 48 to
+        128 pixels, about two fifths of how wide the holes are; at most a fifth of the photo's
+        shorter side, and less where the holes leave few windows of that size.
 
     Returns
     -------
@@ -100,49 +109,160 @@ def fill(
     seed = seed_number(seed)
     whole = load_exemplar(photo)
     hole = _load_hole(mask, whole)
-    wrap = as_canvas(whole.shape, tileable).wrap
     source = whole if sample is None else _load_sample(sample, whole)
-    known_from = (0, 0) if sample is None else None
-    canvas = Canvas(*whole.shape, wrap, known=whole.pixels, hole=hole, known_from=known_from)
+    inside = sample is None
+    canvas = Canvas(
+        *whole.shape,
+        as_canvas(whole.shape, tileable).wrap,
+        known=whole.pixels,
+        hole=hole,
+        known_from=(0, 0) if inside else None,
+    )
     chosen.require(canvas)
     if not hole.any():
         return _result(canvas, source, chosen, seed)
-    if sample is None and hole.all():
+    if inside and hole.all():
         raise InvalidInputError(
-            f"the mask covers all of {whole.name}: nothing to learn from, give sample="
+            f"the mask covers all of {whole.name}, so there is nothing to learn from; "
+            "give a sample to fill it from"
         )
-    usable = ~hole if sample is None else np.ones(source.shape, bool)
-    if sample is None and whole.mask is not None:
-        usable &= whole.mask
-    chosen = _with_patch_size(chosen, hole, usable, wrap, source)
-    near, rows, columns = _neighbourhood(hole, usable if sample is None else None, wrap, chosen)
-    local = np.ix_(rows, columns)
+    usable = ~hole if inside else np.ones(source.shape, bool)
+    if source.mask is not None:
+        usable &= source.mask
+    given = set(parameters) if isinstance(method, str) else None
+    chosen = _settle_share(chosen, source)
+    reach = 2 * max(_SIZES[0], getattr(chosen, "patch_size", None) or 0)
+    region = _Region(hole, canvas.wrap, usable if inside else None, reach)
+    if inside:
+        usable = region.crop(usable) & region.near
+    chosen = _with_defaults(chosen, given, region.crop(hole), usable)
+
     place = Exemplar(
-        _blank(whole.pixels[local], hole[local]),
-        maps={k: _blank(v[local], hole[local]) for k, v in whole.maps.items()} if not sample else {},
+        region.crop(whole.pixels, blank=hole),
+        maps={key: region.crop(value, blank=hole) for key, value in whole.maps.items()},
         alpha=whole.alpha,
     )
-    # Distances are taken on bytes anyway, and on bytes maps take part in known pixels too.
-    if sample is None:
+    # On bytes, which distances are taken on anyway, the maps have a say about known pixels too.
+    if inside:
         levels = place.matching()
-        analysed = Exemplar(
-            levels, mask=usable[local] & near[local], alpha=False, name=whole.name
+        near = Exemplar(
+            levels,
+            mask=usable,
+            tileable=whole.tileable and region.whole,
+            alpha=False,
+            name=whole.name,
         )
     else:
         plain = Exemplar(source.pixels, alpha=source.alpha)
         levels = plain.as_matching(place.pixels)
-        analysed = Exemplar(
-            plain.matching(), mask=source.mask, tileable=source.tileable, alpha=False,
+        near = Exemplar(
+            plain.matching(),
+            mask=usable,
+            tileable=source.tileable,
+            alpha=False,
             name=source.name,
-        )  # fmt: skip
-    wraps = (wrap[0] and len(rows) == hole.shape[0], wrap[1] and len(columns) == hole.shape[1])
-    part = Canvas(*levels.shape[:2], wraps, known=levels, hole=hole[local], known_from=known_from)
-    made = chosen.fit(analysed).sample(part, seed=seed, threads=threads, progress=progress)
+        )
+    part = Canvas(
+        levels.shape[0],
+        levels.shape[1],
+        region.wrap,
+        known=levels,
+        hole=region.crop(hole),
+        known_from=canvas.known_from,
+    )
+    made = chosen.fit(near).sample(part, seed=seed, threads=threads, progress=progress)
     placements = made.placements.copy()
-    placements[:, :2] = (placements[:, :2] + (rows[0], columns[0])) % whole.shape
-    if sample is None:
-        placements[:, 2:4] = (placements[:, 2:4] + (rows[0], columns[0])) % whole.shape
+    placements[:, :2] = (placements[:, :2] + region.corner) % whole.shape
+    if inside:
+        placements[:, 2:4] = (placements[:, 2:4] + region.corner) % whole.shape
     return _result(canvas, source, chosen, seed, placements, made.weights, made.cuts)
+
+
+class _Region:
+    """The part of a photo that filling its holes looks at.
+
+    Parameters
+    ----------
+    hole : bool array (H, W)
+    wrap : (bool, bool)
+        Axes along which the photo repeats.
+    usable : bool array (H, W) or None
+        Pixels to learn from; None if that is somewhere else.
+    reach : int
+        Look at least so far around the holes, in pixels.
+    """
+
+    def __init__(
+        self,
+        hole: NDArray[np.bool_],
+        wrap: tuple[bool, bool],
+        usable: NDArray[np.bool_] | None,
+        reach: int,
+    ) -> None:
+        cells = _in_cells(hole) > 0
+        supply = np.zeros(cells.shape, np.int64) if usable is None else _in_cells(usable)
+        steps = -(-reach // _CELL)
+        near = _grow(cells, steps, wrap)
+        if usable is not None:
+            while not near.all():
+                wider = _grow(near, max(1, steps // 8), wrap)
+                if supply[wider].sum() > NEIGHBOURHOOD:
+                    break
+                near = wider
+        near = near.repeat(_CELL, 0).repeat(_CELL, 1)[: hole.shape[0], : hole.shape[1]]
+        spans = [_span(np.any(near, axis=1 - axis), wrap[axis]) for axis in (0, 1)]
+        self._rows, self._columns = (
+            np.arange(start, start + length) % full
+            for (start, length), full in zip(spans, hole.shape, strict=True)
+        )
+        full = [length == side for (_, length), side in zip(spans, hole.shape, strict=True)]
+        self.whole = all(full)
+        self.wrap = (wrap[0] and full[0], wrap[1] and full[1])
+        self.corner = (int(self._rows[0]), int(self._columns[0]))
+        self.near = self.crop(near)
+
+    def crop(self, pixels: NDArray[Any], blank: NDArray[np.bool_] | None = None) -> NDArray[Any]:
+        """Cut the region out; `blank` pixels get the value of another one."""
+        part: NDArray[Any] = pixels[self._rows[:, None], self._columns]
+        if blank is not None:
+            # What marks a hole, such as white, must not stretch the range of values.
+            empty = self.crop(blank)
+            if not empty.all():
+                part[empty] = part[np.unravel_index(int(empty.argmin()), empty.shape)]
+        return part
+
+
+def _in_cells(mask: NDArray[np.bool_]) -> NDArray[np.int64]:
+    """Count the True pixels in each cell."""
+    for axis in (0, 1):
+        starts = np.arange(0, mask.shape[axis], _CELL)
+        mask = np.add.reduceat(mask, starts, axis=axis, dtype=np.int64)
+    return mask  # type: ignore[return-value]
+
+
+def _grow(cells: NDArray[np.bool_], steps: int, wrap: tuple[bool, bool]) -> NDArray[np.bool_]:
+    """Add all cells at most `steps` away along both axes."""
+    for axis in (0, 1):
+        length = cells.shape[axis]
+        steps_here = min(steps, length)
+        pads = [(0, 0), (0, 0)]
+        pads[axis] = (steps_here + 1, steps_here)
+        total = np.pad(cells, pads, mode="wrap" if wrap[axis] else "constant").cumsum(axis)
+        ends = np.arange(2 * steps_here + 1, length + 2 * steps_here + 1)
+        cells = total.take(ends, axis) > total.take(ends - 2 * steps_here - 1, axis)
+    return cells
+
+
+def _span(taken: NDArray[np.bool_], wraps: bool) -> tuple[int, int]:
+    """Start and length of the shortest stretch that holds everything taken."""
+    at = np.flatnonzero(taken)
+    if not wraps:
+        return int(at[0]), int(at[-1] - at[0] + 1)
+    gaps = np.diff(at, append=at[0] + len(taken))
+    widest = int(gaps.argmax())
+    if gaps[widest] == 1:
+        return 0, len(taken)
+    return int(at[(widest + 1) % len(at)]), int(len(taken) - gaps[widest] + 1)
 
 
 def _result(
@@ -171,8 +291,9 @@ def _load_hole(mask: Mask, photo: Exemplar) -> NDArray[np.bool_]:
         from weft.io import read_mask
 
         mask = read_mask(mask)
-    hole = np.asarray(mask)
-    if hole.ndim != 2 or hole.dtype != bool:
+    image: Any = mask
+    hole = np.asarray(image.convert("L")) > 127 if hasattr(mask, "getbands") else np.asarray(mask)
+    if hole.dtype != bool or hole.ndim != 2:
         raise InvalidInputError(
             f"mask is {hole.dtype} with {hole.ndim} dimensions; it must be boolean with 2, "
             "True where the photo is to be filled"
@@ -188,35 +309,62 @@ def _load_hole(mask: Mask, photo: Exemplar) -> NDArray[np.bool_]:
 def _load_sample(sample: Sample, photo: Exemplar) -> Exemplar:
     if photo.maps:
         raise InvalidInputError(
-            f"{photo.name} has maps, which are filled from itself alone; leave out sample"
+            f"{photo.name} has maps, and they can be filled from itself alone; leave out sample"
         )
     source = load_exemplar(sample)
     kinds = [f"{e.pixels.dtype} with {e.channels} channels" for e in (source, photo)]
-    if kinds[0] != kinds[1] or source.pixels.ndim != photo.pixels.ndim:
+    if kinds[0] != kinds[1]:
         raise InvalidInputError(
             f"{source.name} is {kinds[0]}, {photo.name} is {kinds[1]}; they must be equal"
         )
     return source
 
 
-def _with_patch_size(
-    method: Method,
-    hole: NDArray[np.bool_],
-    usable: NDArray[np.bool_],
-    wrap: tuple[bool, bool],
-    source: Exemplar,
-) -> Method:
-    """Settle the patch size of a method that has one and was not given it."""
-    fields = {field.name: field.default for field in dataclasses.fields(method)}
-    if "patch_size" not in fields or getattr(method, "patch_size", None) is not None:
+def _settle_share(method: Method, source: Exemplar) -> Method:
+    """Turn a share of the sample that was asked for into pixels, as only a part is looked at."""
+    defaults = {field.name: field.default for field in dataclasses.fields(method)}
+    share = getattr(method, "randomness", None)
+    if share == defaults.get("randomness") or getattr(method, "patch_size", 0) is not None:
         return method
-    share: float = getattr(method, "randomness", 0.0)
-    if share != fields.get("randomness", 0.0):
-        size = max(1, round(share * min(source.shape)))
-        return dataclasses.replace(method, patch_size=size)  # type: ignore[call-arg]
-    least = 2 * (getattr(method, "boundary_width", None) or 1)
-    size = round(min(max(_PATCH[0] * min(hole.shape), _PATCH[1]), _PATCH[2]))
-    size = min(size, *source.shape, *hole.shape)
-    while size > max(least, 2) and not _has_window(usable, size):
-        size = max(size * 2 // 3, least)
-    return dataclasses.replace(method, patch_size=max(size, least))  # type: ignore[call-arg]
+    size = max(1, round(share * min(source.shape)))  # type: ignore[operator]
+    return dataclasses.replace(method, patch_size=size)  # type: ignore[call-arg]
+
+
+def _with_defaults(
+    method: Method, given: set[str] | None, hole: NDArray[np.bool_], usable: NDArray[np.bool_]
+) -> Method:
+    """Set what was not `given`; of a ready Method (None) only what it leaves open."""
+    known = {field.name for field in dataclasses.fields(method)}
+    new: dict[str, Any] = {}
+    size = getattr(method, "patch_size", None)
+    if "patch_size" in known and size is None:
+        size = new["patch_size"] = _patch_size(
+            hole, usable, 2 * (getattr(method, "boundary_width", None) or 1)
+        )
+    if getattr(method, "boundary_width", 0) is None and size and size > 1:
+        new["boundary_width"] = min(FILL_DEFAULTS["boundary_width"], size // 2)
+    if "epsilon" in known and given is not None and "epsilon" not in given:
+        new["epsilon"] = FILL_DEFAULTS["epsilon"]
+    return dataclasses.replace(method, **new)
+
+
+def _patch_size(hole: NDArray[np.bool_], usable: NDArray[np.bool_], least: int) -> int:
+    fits = (s for s in _SIZES if s == _SIZES[-1] or _windows(hole, round(_LEAP * s)))
+    size: int = max(min(next(fits), min(*hole.shape, *usable.shape) // 5), least)
+    enough = np.count_nonzero(usable) // 4
+    while size > least:
+        # With few windows to choose from none of them matches.
+        if _windows(usable, size) > (enough if size > 8 else 0):
+            break
+        size = max(size * 3 // 4, least)
+    return size
+
+
+def _windows(mask: NDArray[np.bool_], side: int) -> int:
+    """Count the square windows that are True all over."""
+    if side > min(mask.shape):
+        return 0
+    total = np.zeros((mask.shape[0] + 1, mask.shape[1] + 1), np.int64)
+    total[1:, 1:] = mask.cumsum(0).cumsum(1)
+    inside = total[side:, side:] - total[:-side, side:] - total[side:, :-side]
+    return int(np.count_nonzero(inside + total[:-side, :-side] == side * side))

@@ -12,9 +12,12 @@ from weft.exemplar import Exemplar
 from weft.method import Method, make_method
 
 if TYPE_CHECKING:
+    from collections.abc import Mapping
+
     from numpy.typing import NDArray
 
     from weft.canvas import Canvas
+    from weft.io import Picture
     from weft.progress import ProgressCallback
     from weft.random import Seed
     from weft.synthesis import Synthesis
@@ -108,37 +111,43 @@ def load_exemplar(sample: Sample, **options: Any) -> Exemplar:
     """
     if isinstance(sample, Exemplar):
         if options:
-            raise InvalidInputError(f"the sample is an Exemplar already; give it {list(options)[0]}")
+            raise InvalidInputError(
+                f"the sample is an Exemplar; give {next(iter(options))} to that"
+            )
         return sample
     if isinstance(sample, (str, os.PathLike)):
         from weft import io
 
         path = os.fspath(sample)
         if io.is_folder(path):
-            return _load_maps(path, options)
+            return exemplar_of_maps(io.read_maps(path), **options)
         picture = io.read_image(path)
-        return Exemplar(
-            picture.pixels,
-            **{"alpha": picture.alpha, "icc": picture.icc, "name": os.path.basename(path)} | options,
-        )
-    if hasattr(sample, "getbands"):  # a PIL image, without importing PIL
-        if sample.mode in ("P", "1", "PA"):
-            sample = sample.convert("RGBA" if "transparency" in sample.info else "RGB")
-        options = {"alpha": sample.mode in ("LA", "RGBA"), "name": "image"} | options
-        pixels = np.asarray(sample)
+        return exemplar_of_maps({os.path.basename(path): picture}, **options)
+    image: Any = sample
+    if hasattr(image, "getbands"):  # a PIL image, without importing PIL
+        if image.mode in ("P", "1", "PA"):
+            image = image.convert("RGBA" if "transparency" in image.info else "RGB")
+        about: dict[str, Any] = {"alpha": image.mode in ("LA", "RGBA"), "name": "image"}
+        pixels = np.asarray(image)
         if pixels.dtype.kind == "i":  # Pillow's modes I and I;16
             pixels = pixels.astype(np.uint16)
-        return Exemplar(pixels, **options)
-    return Exemplar(np.asarray(sample), **options)
+        return Exemplar(pixels, **about | options)
+    return Exemplar(np.asarray(image), **options)
 
 
-def _load_maps(folder: str, options: dict[str, Any]) -> Exemplar:
-    from weft import io
+def exemplar_of_maps(pictures: Mapping[str, Picture], **options: Any) -> Exemplar:
+    """Make an Exemplar of the aligned maps that `weft.io.read_maps` found.
 
-    pictures = io.read_maps(folder)
+    Parameters
+    ----------
+    pictures : mapping of str to Picture
+        By name; the most telling name (see `COLOUR_NAMES`) becomes the pixels.
+    **options
+        For `Exemplar`.
+    """
     names = sorted(pictures)
-    ranked = [n for word in COLOUR_NAMES for n in names if word in n.lower()]
-    main = pictures.pop((ranked or names)[0])
-    maps = {name: picture.pixels for name, picture in pictures.items()}
-    about = {"alpha": main.alpha, "icc": main.icc, "name": (ranked or names)[0], "maps": maps}
+    name = ([n for word in COLOUR_NAMES for n in names if word in n.lower()] or names)[0]
+    maps = {key: picture.pixels for key, picture in pictures.items() if key != name}
+    main = pictures[name]
+    about: dict[str, Any] = {"alpha": main.alpha, "icc": main.icc, "name": name, "maps": maps}
     return Exemplar(main.pixels, **about | options)

@@ -1,0 +1,304 @@
+"""The command line; what the options of a method are, its dataclass says."""
+
+from __future__ import annotations
+
+import os
+import sys
+from time import perf_counter
+from typing import TYPE_CHECKING, Any
+
+from weft.errors import InvalidInputError, WeftError, did_you_mean
+from weft.options import Parser, add_limits, parameters_of, parse_size, parse_task
+from weft.terminal import Bar, Outputs, Stopped, run, say
+
+if TYPE_CHECKING:
+    import argparse
+
+    from weft.exemplar import Exemplar
+    from weft.io import Picture
+    from weft.synthesis import Synthesis
+
+_ABOUT = """\
+usage: weft COMMAND ...      (weft COMMAND --help says more)
+
+  synth     make a picture of any size from a sample of a material
+  fill      fill holes of a photo
+  replay    lay a saved result again with another map of the same sample
+  methods   list the methods, or the parameters of one
+  samples   list the samples that ship with weft
+
+  weft synth sample:bricks -o wall.png --size 1024x768
+  weft synth brick.png -o tile.png --size 512 --tileable --seed 7
+  weft fill photo.png --mask hole.png -o whole.png
+  weft --version
+"""
+_SYNTH = """\
+examples:
+  weft synth brick.png -o wall.png --size 1024x768 --save-source wall.npz
+  weft synth brick.png -o tile.png --size 512 --tileable --seed 7
+  weft synth stone_wall/ -o big/ --size 2048        a folder of aligned maps
+  weft synth brick.png -o wall.png --method quilting --patch-size 48
+"""
+_FILL_ABOUT = """\
+Fill holes of a photo; all other pixels stay as they are. Patch size, boundary width and epsilon are
+chosen for holes where they are not given.\
+"""
+_FILL = """\
+examples:
+  weft fill photo.png --mask hole.png -o whole.png
+  weft fill photo.png --mask hole.png -o whole.png --sample grass.png
+  weft fill stone_wall/ --mask hole.png -o whole/   a folder of aligned maps
+"""
+_REPLAY = """\
+examples:
+  weft replay wall.npz normal_16bit.png -o wall_normal.png
+  weft replay filled.npz height.exr -o filled_height.exr --background photo_height.exr
+"""
+
+
+def main(argv: list[str] | None = None) -> int:
+    """Run a command.
+
+    Parameters
+    ----------
+    argv : list of str, optional
+        Arguments; those of the process by default.
+
+    Returns
+    -------
+    int
+        The exit code: 0, 2 after an error, 130 after Ctrl-C, 143 after SIGTERM.
+    """
+    if "numpy" not in sys.modules:
+        # The matrix products here are small; threads for them take longer to start than they save.
+        os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
+    try:
+        arguments = sys.argv[1:] if argv is None else argv
+        if not arguments:
+            raise InvalidInputError("a command is missing; weft --help lists them")
+        name = arguments[0]
+        if name in ("-h", "--help", "help"):
+            print(_ABOUT, end="")
+        elif name in ("-V", "--version"):
+            from weft import __version__
+
+            print(f"weft {__version__}")
+        elif name in _COMMANDS:
+            _COMMANDS[name](arguments[1:])
+        else:
+            what = "option" if name.startswith("-") else "command"
+            raise InvalidInputError(f"unknown {what} '{name}'{did_you_mean(name, _COMMANDS)}")
+        return 0
+    except SystemExit as end:  # argparse after --help
+        return int(end.code or 0)
+    except (KeyboardInterrupt, Stopped) as end:
+        say("stopped; nothing was written")
+        return end.code if isinstance(end, Stopped) else 130
+    except MemoryError as error:
+        say(f"error: not enough memory{f' ({error})' if str(error) else ''}; make it smaller")
+    except WeftError as error:
+        hint = "; --allow-huge takes it anyway" if "max_pixels" in str(error) else ""
+        say(f"error: {error}{hint}")
+    except OSError as error:
+        say(f"error: {error}")
+    return 2
+
+
+def _load(path: str, args: argparse.Namespace) -> tuple[Exemplar, dict[str, Picture]]:
+    """Read a picture, or a folder of maps, and what each one was stored as."""
+    from weft import io
+    from weft.tasks.synthesize import exemplar_of_maps
+
+    limit = None if args.allow_huge else io.MAX_PIXELS
+    if io.is_folder(path):
+        pictures = io.read_maps(path, max_pixels=limit)
+    else:
+        pictures = {os.path.basename(path): io.read_image(path, max_pixels=limit)}
+    return exemplar_of_maps(pictures), pictures
+
+
+def _open(
+    path: str, args: argparse.Namespace, outputs: Outputs
+) -> tuple[Exemplar, dict[str, Picture], dict[str, str]]:
+    """Read the sample, and say where each of its pictures goes; all is checked before any work."""
+    from weft import io
+
+    folder = io.is_folder(path)
+    if args.save_source is not None:
+        io.check_output(args.save_source, suffixes=(".npz",))
+    if folder:
+        outputs.make_folder(args.output)
+    else:
+        io.check_output(args.output)
+    exemplar, pictures = _load(path, args)
+    targets = {}
+    for name, picture in pictures.items():
+        file = os.path.basename(picture.path)
+        targets[name] = os.path.join(args.output, file) if folder else args.output
+        io.check_output(targets[name], picture.pixels, alpha=picture.alpha)
+    return exemplar, pictures, targets
+
+
+def _write(
+    result: Synthesis,
+    exemplar: Exemplar,
+    pictures: dict[str, Picture],
+    targets: dict[str, str],
+    args: argparse.Namespace,
+    outputs: Outputs,
+) -> None:
+    from weft.exemplar import Exemplar
+    from weft.io import write_image
+
+    for name, picture in pictures.items():
+        if name == exemplar.name:
+            pixels = result.image
+        else:
+            pixels = result.render(Exemplar(picture.pixels, alpha=picture.alpha, name=name))
+        temporary = outputs.add(targets[name])
+        write_image(temporary, pixels, alpha=picture.alpha, icc=picture.icc)
+    if args.save_source is not None:
+        result.save(outputs.add(args.save_source))
+
+
+def _report(args: argparse.Namespace, result: Synthesis, what: str, start: float) -> str:
+    used, took = result.provenance, perf_counter() - start
+    patch = used.get("patch_size") or max(result.weights.shape[1:])
+    hole = result.canvas.hole
+    area = result.shape[0] * result.shape[1] if hole is None else int(hole.sum())
+    return (
+        f"{what} {args.output} with {used['method']}, patch size {patch}, seed {used['seed']}, "
+        f"in {took:.2f} s ({area / took / 1e6:.3g} megapixels/s)"
+    )
+
+
+def _finish(message: str, quiet: bool) -> None:
+    if not quiet:
+        say(message)
+
+
+def _settings(args: argparse.Namespace, bar: Bar) -> dict[str, Any]:
+    """What all tasks take; a seed that is drawn here is short enough to be typed again."""
+    seed = int.from_bytes(os.urandom(4), "little") if args.seed is None else args.seed
+    tileable = True if args.tileable == "xy" else args.tileable or False
+    return {"seed": seed, "tileable": tileable, "threads": args.threads, "progress": bar}
+
+
+def _synth(argv: list[str]) -> None:
+    start = perf_counter()
+    parser = Parser("synth", "Make a picture of any size from a sample of a material.", _SYNTH)
+    parser.add_argument("sample", metavar="SAMPLE", help="picture, folder of maps, or sample:NAME")
+    parser.add_argument("--size", metavar="WxH|N", help="in pixels; default: twice the sample's")
+    args, method, parameters = parse_task(parser, argv)
+    size = None if args.size is None else parse_size(args.size, args.allow_huge)
+    chosen = method(**parameters)
+
+    def work(bar: Bar, outputs: Outputs) -> str:
+        from weft.tasks.synthesize import synthesize
+
+        exemplar, pictures, targets = _open(args.sample, args, outputs)
+        size_made = size or (2 * exemplar.shape[0], 2 * exemplar.shape[1])
+        result = synthesize(exemplar, size_made, method=chosen, **_settings(args, bar))
+        _write(result, exemplar, pictures, targets, args, outputs)
+        what = f"made {result.shape[1]}x{result.shape[0]}"
+        return _report(args, result, what, start)
+
+    _finish(run(work, args.quiet), args.quiet)
+
+
+def _fill(argv: list[str]) -> None:
+    start = perf_counter()
+    parser = Parser("fill", _FILL_ABOUT, _FILL)
+    parser.add_argument("photo", metavar="PHOTO", help="picture, folder of maps, or sample:NAME")
+    parser.add_argument("--mask", metavar="M", required=True, help="picture, white where to fill")
+    parser.add_argument("--sample", metavar="S", help="learn from this picture, not from the photo")
+    args, method, parameters = parse_task(parser, argv)
+    method(**parameters)  # finds wrong values before anything is read
+
+    def work(bar: Bar, outputs: Outputs) -> str:
+        from weft import io
+        from weft.tasks.fill import fill
+
+        photo, pictures, targets = _open(args.photo, args, outputs)
+        mask = io.read_mask(args.mask, max_pixels=None if args.allow_huge else io.MAX_PIXELS)
+        sample = None if args.sample is None else _load(args.sample, args)[0]
+        result = fill(
+            photo, mask, sample=sample, method=args.method, **_settings(args, bar), **parameters
+        )
+        _write(result, photo, pictures, targets, args, outputs)
+        if not mask.any():
+            return f"the mask covers nothing; {args.output} is the photo unchanged"
+        return _report(args, result, f"filled {int(mask.sum())} pixels of", start)
+
+    _finish(run(work, args.quiet), args.quiet)
+
+
+def _replay(argv: list[str]) -> None:
+    start = perf_counter()
+    parser = Parser("replay", "Lay a saved result again with another map of its sample.", _REPLAY)
+    add = parser.add_argument
+    add("source", metavar="F.npz", help="what --save-source saved")
+    add("map", metavar="MAP", help="of the sample's size, or an integer multiple of it")
+    add("-o", "--output", metavar="OUT", required=True, help="file to write")
+    add("--background", metavar="PHOTO", help="this map of a photo that another sample filled")
+    add_limits(parser)
+    args = parser.parse(argv)
+
+    def work(bar: Bar, outputs: Outputs) -> str:
+        from weft import io
+        from weft.exemplar import Exemplar
+        from weft.synthesis import Synthesis
+
+        io.check_output(args.output)
+        result = Synthesis.load(args.source)
+        limit = None if args.allow_huge else io.MAX_PIXELS
+        picture = io.read_image(args.map, max_pixels=limit)
+        io.check_output(args.output, picture.pixels, alpha=picture.alpha)
+        given = Exemplar(picture.pixels, alpha=picture.alpha, name=os.path.basename(args.map))
+        around = None
+        if args.background is not None:
+            around = io.read_image(args.background, max_pixels=limit).pixels
+        pixels = result.render(given, background=around)
+        io.write_image(outputs.add(args.output), pixels, alpha=picture.alpha, icc=picture.icc)
+        took = perf_counter() - start
+        return f"made {pixels.shape[1]}x{pixels.shape[0]} {args.output} in {took:.2f} s"
+
+    _finish(run(work, args.quiet), args.quiet)
+
+
+def _methods(argv: list[str]) -> None:
+    parser = Parser("methods", "List the methods, or the parameters of one.", "")
+    parser.add_argument("method", metavar="NAME", nargs="?")
+    name = parser.parse(argv).method
+    from weft.method import CANVAS_KINDS, METHODS
+
+    if name is None:
+        for slug, cls in METHODS.items():
+            kinds = ", ".join(text for kind, text in CANVAS_KINDS.items() if kind in cls.supports)
+            print(f"{slug:16}  {cls.title:22}  {kinds}")
+        return
+    cls = METHODS[name]
+    print(f"{cls.title}\n{cls.paper}\n")
+    for field, values in parameters_of(cls):
+        print(f"--{field.name.replace('_', '-')}\n    {field.metadata['help']}\n    {values}")
+
+
+def _samples(argv: list[str]) -> None:
+    Parser("samples", "List the samples that ship with weft.", "").parse(argv)
+    from weft import io
+
+    for name in io.sample_names():
+        folder = "  (a folder of aligned maps)" if io.is_folder(f"sample:{name}") else ""
+        print(f"sample:{name}{folder}")
+
+
+_COMMANDS = {
+    "synth": _synth,
+    "fill": _fill,
+    "replay": _replay,
+    "methods": _methods,
+    "samples": _samples,
+}
+
+if __name__ == "__main__":
+    sys.exit(main())

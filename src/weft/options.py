@@ -1,0 +1,129 @@
+"""What the command line understands; the options of a method are those of its dataclass."""
+
+from __future__ import annotations
+
+import argparse
+from typing import TYPE_CHECKING, Any, NoReturn
+
+from weft.errors import InvalidInputError, did_you_mean
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+    from weft.method import Method
+
+_HUGE = 2**28  # pixels
+
+
+class Parser(argparse.ArgumentParser):
+    """An ArgumentParser whose errors are one line."""
+
+    def __init__(self, command: str, description: str, examples: str) -> None:
+        super().__init__(
+            f"weft {command}",
+            description=description,
+            epilog=examples,
+            allow_abbrev=False,
+            formatter_class=argparse.RawDescriptionHelpFormatter,
+        )
+
+    def error(self, message: str) -> NoReturn:
+        raise InvalidInputError(message)
+
+    def parse(self, argv: list[str]) -> argparse.Namespace:
+        """Parse all arguments; an unknown option is answered with the nearest known one."""
+        found, left = self.parse_known_args(argv)
+        for word in left:
+            if word.startswith("-"):
+                known = [o for o in self._option_string_actions if o.startswith("--")]
+                near = did_you_mean(word.split("=")[0], known)
+                raise InvalidInputError(f"unknown option '{word}'{near}")
+        if left:
+            raise InvalidInputError(f"unexpected argument '{left[0]}'")
+        return found
+
+
+def add_limits(parser: Parser) -> None:
+    """Add the options of every command that makes pictures."""
+    text = f"take pictures of more than {_HUGE} pixels"
+    parser.add_argument("--allow-huge", action="store_true", help=text)
+    parser.add_argument("--quiet", action="store_true", help="print errors only")
+
+
+def parse_task(
+    parser: Parser, argv: list[str]
+) -> tuple[argparse.Namespace, type[Method], dict[str, Any]]:
+    """Parse what all tasks take, and the parameters of the chosen method."""
+    add = parser.add_argument
+    add("-o", "--output", metavar="OUT", required=True, help="file, or folder, to write")
+    add("--method", default="patch-sampling", metavar="NAME", help="see 'weft methods'")
+    add("--seed", type=int, metavar="N", help="the same seed gives the same bytes")
+    text = "repeats without a seam, along both axes or one"
+    add("--tileable", nargs="?", choices=("xy", "x", "y"), metavar="x|y", help=text)
+    add("--save-source", metavar="F.npz", help="where each pixel comes from, for 'weft replay'")
+    add("--threads", type=int, metavar="N", help="use at most so many")
+    add_limits(parser)
+    # A bare --tileable must not take the file name that follows it.
+    pairs = zip(argv, [*argv[1:], ""], strict=False)
+    argv = [a if a != "--tileable" or b in ("x", "y") else "--tileable=xy" for a, b in pairs]
+    chooser = argparse.ArgumentParser(add_help=False, allow_abbrev=False, exit_on_error=False)
+    chooser.add_argument("--method", default="patch-sampling", nargs="?")
+    name = chooser.parse_known_args(argv)[0].method or ""
+    from weft.method import METHODS
+
+    method = METHODS[name]
+    group = parser.add_argument_group(f"parameters of {name}")
+    for field, values in parameters_of(method):
+        kind: Any = {"int": int, "float": float}.get(str(field.type).split(" ")[0], str)
+        text = f"{field.metadata['help']}; {values}"
+        group.add_argument(
+            "--" + field.name.replace("_", "-"),
+            dest="parameter_" + field.name,
+            type=kind,
+            metavar=field.metadata["unit"].upper() or ("TEXT" if kind is str else "N"),
+            help=text.replace("%", "%%"),
+        )
+    args = parser.parse(argv)
+    if args.threads is not None and args.threads < 1:
+        raise InvalidInputError(f"--threads is {args.threads}; it must be 1 or more")
+    if args.seed is not None and not 0 <= args.seed < 2**64:
+        raise InvalidInputError(f"--seed is {args.seed}; it must be from 0 to 2**64 - 1")
+    given = {
+        name.removeprefix("parameter_"): value
+        for name, value in vars(args).items()
+        if name.startswith("parameter_") and value is not None
+    }
+    return args, method, given
+
+
+def parameters_of(method: type[Method]) -> Iterator[tuple[Any, str]]:
+    """Give each field of a method, and its range and default in words."""
+    from dataclasses import fields
+
+    from weft.method import bounds
+
+    for field in fields(method):
+        unit = f" {field.metadata['unit']}" if field.metadata["unit"] else ""
+        default = field.metadata["default_text"]
+        if field.default is not None:
+            number = isinstance(field.default, float)
+            default = f"{field.default:g}{unit}" if number else f"{field.default}{unit}"
+        yield field, f"{bounds(field)}{unit}; default: {default}"
+
+
+def parse_size(text: str, huge: bool) -> tuple[int, int]:
+    """Height and width from 'WxH' or 'N'."""
+    try:
+        sides = [int(side) for side in text.lower().split("x")]
+        width, height = sides * 2 if len(sides) == 1 else sides
+    except ValueError:
+        raise InvalidInputError(
+            f"--size is '{text}'; it must be WxH or N, such as 640x480"
+        ) from None
+    if min(height, width) < 1:
+        raise InvalidInputError(f"--size is '{text}'; both sides must be 1 or more")
+    if height * width > _HUGE and not huge:
+        raise InvalidInputError(
+            f"--size is '{text}', more than {_HUGE} pixels; --allow-huge makes it anyway"
+        )
+    return height, width

@@ -1,0 +1,129 @@
+"""The place to fill."""
+
+import numpy as np
+import pytest
+
+import weft
+from weft.canvas import MAX_PIXELS, Canvas, as_canvas
+from weft.errors import InvalidInputError
+
+KNOWN, HOLE = np.zeros((4, 6, 3), np.uint8), np.ones((4, 6), bool)
+
+
+def test_sizes():
+    assert as_canvas(5).shape == (5, 5)
+    assert as_canvas(np.int32(5)).shape == (5, 5)
+    assert as_canvas((4, 6)).shape == (4, 6)
+    assert as_canvas([4, 6]).shape == (4, 6)
+    assert as_canvas(np.array([4, 6])).shape == (4, 6)
+    assert Canvas(np.int64(4), 6).shape == (4, 6) and type(Canvas(np.int64(4), 6).height) is int
+    canvas = Canvas(4, 6)
+    assert as_canvas(canvas) is canvas
+
+
+@pytest.mark.parametrize(
+    "tileable, wrap",
+    [
+        (False, (False, False)),
+        (True, (True, True)),
+        ("x", (False, True)),
+        ("y", (True, False)),
+    ],
+)
+def test_wrapping(tileable, wrap):
+    assert as_canvas((4, 6), tileable).wrap == wrap
+
+
+@pytest.mark.parametrize(
+    "size",
+    [0, -1, (0, 5), (5, -2), (4.0, 6), 3.5, "12", (1, 2, 3), (1,), (), None, "ab", (True, 5), True,
+     float("nan"), MAX_PIXELS + 1, (2**20, 2**20), 10**40],
+)  # fmt: skip
+def test_bad_sizes_are_refused(size):
+    with pytest.raises(InvalidInputError):
+        as_canvas(size)
+
+
+@pytest.mark.parametrize("tileable", ["xy", "no", None, 2, [True], (True, False)])
+def test_bad_tileable_is_refused(tileable):
+    with pytest.raises(InvalidInputError, match="tileable is"):
+        as_canvas(5, tileable)
+
+
+def test_tileable_beside_a_canvas_is_refused():
+    with pytest.raises(InvalidInputError, match="give wrap to the Canvas"):
+        as_canvas(Canvas(4, 6), True)
+
+
+def test_the_message_names_size_and_limit():
+    with pytest.raises(InvalidInputError, match=f"1048576x1048576 is more than {MAX_PIXELS}"):
+        Canvas(2**20, 2**20)
+    with pytest.raises(InvalidInputError, match="height is -3; it must be an integer of 1 or more"):
+        Canvas(-3, 5)
+
+
+def test_known_and_hole_go_together():
+    with pytest.raises(InvalidInputError, match="go together"):
+        Canvas(4, 6, known=KNOWN)
+    with pytest.raises(InvalidInputError, match="go together"):
+        Canvas(4, 6, hole=HOLE)
+    with pytest.raises(InvalidInputError, match="known is 6x4, the canvas is 6x5"):
+        Canvas(5, 6, known=KNOWN, hole=np.ones((5, 6), bool))
+    with pytest.raises(InvalidInputError, match="hole is 5x4"):
+        Canvas(4, 6, known=KNOWN, hole=HOLE[:, :5])
+    assert Canvas(4, 6, known=KNOWN, hole=HOLE.astype(np.uint8)).hole.dtype == bool
+
+
+@pytest.mark.parametrize("hole", [HOLE[..., None], HOLE.tolist()])
+def test_odd_holes_work_or_are_refused(hole):
+    """A mask with a channel axis, as image libraries give it, and a list of lists."""
+    try:
+        canvas = Canvas(4, 6, known=KNOWN, hole=hole)
+    except weft.WeftError:
+        return
+    assert canvas.hole.shape == (4, 6)
+
+
+SAMPLE = np.random.default_rng(0).integers(0, 256, (24, 24, 3), np.uint8)
+
+
+@pytest.mark.parametrize(
+    "known",
+    [
+        np.zeros((20, 20, 3), np.uint16),
+        np.zeros((20, 20, 3), np.float32),
+        np.zeros((20, 20, 4), np.uint8),
+        np.zeros((20, 20), np.uint8),
+        np.zeros((20, 20, 3), bool),
+        np.zeros((20, 20, 3), int).tolist(),
+    ],
+    ids=["uint16", "float", "alpha", "grey", "bool", "list"],
+)
+def test_known_pixels_must_be_of_the_samples_kind(known):
+    hole = np.zeros((20, 20), bool)
+    hole[5:9, 5:9] = True
+    with pytest.raises(InvalidInputError, match="known"):
+        weft.synthesize(SAMPLE, Canvas(20, 20, known=known, hole=hole), seed=1, patch_size=6)
+
+
+def test_known_pixels_must_be_finite():
+    known, hole = np.zeros((20, 20, 3)), np.zeros((20, 20), bool)
+    known[0, 0], hole[5:9, 5:9] = np.nan, True
+    with pytest.raises(InvalidInputError, match="NaN"):
+        canvas = Canvas(20, 20, known=known, hole=hole)
+        weft.synthesize(SAMPLE / 255, canvas, seed=1, patch_size=6)
+
+
+@pytest.mark.parametrize("known_from", [(-1, 0), (0, 5), (10, 10)])
+def test_known_from_must_lie_in_the_sample(known_from):
+    hole = np.zeros((20, 20), bool)
+    hole[5:9, 5:9] = True
+    canvas = Canvas(20, 20, known=SAMPLE[:20, :20], hole=hole, known_from=known_from)
+    with pytest.raises(InvalidInputError):
+        weft.synthesize(SAMPLE, canvas, seed=1, patch_size=6)
+
+
+@pytest.mark.parametrize("wrap", [True, (True,), "yes", None, (1, 0, 1)])
+def test_bad_wrap_is_refused(wrap):
+    with pytest.raises(InvalidInputError, match="wrap"):
+        Canvas(4, 6, wrap)

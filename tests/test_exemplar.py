@@ -1,0 +1,214 @@
+"""The sample: what is accepted, and the bytes that distances are taken on."""
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from weft import Exemplar
+from weft.errors import InvalidInputError
+
+GREY = np.arange(64, dtype=np.uint8).reshape(8, 8)
+
+
+@pytest.mark.parametrize("dtype", [np.uint8, np.uint16, np.float32, np.float64])
+@pytest.mark.parametrize("channels", [None, 1, 2, 3, 4, 5])
+def test_pixels_are_kept_as_they_are(rng, dtype, channels):
+    shape = (5, 7) if channels is None else (5, 7, channels)
+    pixels = (rng.random(shape) * 200).astype(dtype)
+    exemplar = Exemplar(pixels)
+    assert exemplar.pixels.dtype == dtype and np.array_equal(exemplar.pixels, pixels)
+    assert exemplar.shape == (5, 7)
+    assert exemplar.channels == (channels or 1)
+    assert exemplar.alpha == (channels in (2, 4))
+    matching = exemplar.matching()
+    assert matching.shape == (5, 7, channels or 1)
+    assert matching.dtype == np.uint8 and matching.flags.c_contiguous
+
+
+def test_views_are_made_contiguous(rng):
+    pixels = rng.integers(0, 256, (10, 12, 3)).astype(np.uint8)
+    assert Exemplar(pixels[::-2, 1:, ::-1]).pixels.flags.c_contiguous
+    assert np.array_equal(Exemplar(pixels[::-2, 1:]).pixels, pixels[::-2, 1:])
+
+
+def test_plain_bytes_match_on_themselves(rng):
+    pixels = rng.integers(90, 95, (6, 6, 3)).astype(np.uint8)
+    assert np.array_equal(Exemplar(pixels).matching(), pixels)
+
+
+@pytest.mark.parametrize(
+    "pixels, says",
+    [
+        (np.zeros((4, 4), bool), "boolean; multiply by 255"),
+        (np.zeros((4, 4), np.int64), "int64; supported: uint8"),
+        (np.zeros((4, 4), np.float16), "float16"),
+        (np.zeros((4, 4), complex), "complex128"),
+        (np.zeros((4, 4), object), "object"),
+        (np.zeros(4, np.uint8), "1 dimensions"),
+        (np.zeros((2, 2, 2, 2), np.uint8), "4 dimensions"),
+        (np.zeros((0, 4), np.uint8), "empty"),
+        (np.zeros((4, 0, 3), np.uint8), "empty"),
+        (np.zeros((4, 4, 0), np.uint8), "empty"),
+        (np.full((4, 4), np.nan, np.float32), "NaN or infinity"),
+        (np.full((4, 4), -np.inf), "NaN or infinity"),
+        (None, "dtype object"),
+        ("text", "dtype"),
+    ],
+)
+def test_bad_pixels_are_refused(pixels, says):
+    with pytest.raises(InvalidInputError, match=says):
+        Exemplar(pixels)
+
+
+def test_bad_companions_are_refused():
+    with pytest.raises(InvalidInputError, match="mask is 4x8"):
+        Exemplar(GREY, mask=np.ones((8, 4), bool))
+    with pytest.raises(InvalidInputError, match="no usable pixel"):
+        Exemplar(GREY, mask=np.zeros((8, 8), bool))
+    with pytest.raises(InvalidInputError, match="map 'normal' is 8x4"):
+        Exemplar(GREY, maps={"normal": np.zeros((4, 8, 3), np.uint8)})
+    with pytest.raises(InvalidInputError, match="height contains NaN"):
+        Exemplar(GREY, maps={"height": np.full((8, 8), np.nan)})
+    with pytest.raises(InvalidInputError, match="one channel"):
+        Exemplar(GREY, alpha=True)
+
+
+def test_messages_use_the_name():
+    with pytest.raises(InvalidInputError, match=r"brick\.png is empty"):
+        Exemplar(np.zeros((0, 3), np.uint8), name="brick.png")
+
+
+def wide(rng, channels=3):
+    """A picture whose bytes span the range, as photos do."""
+    pixels = rng.integers(0, 256, (12, 12, channels)).astype(np.uint8)
+    pixels[0, 0], pixels[0, 1] = 0, 255
+    return pixels
+
+
+PICTURES = {
+    "wide": lambda p: p,
+    "dark": lambda p: p // 4,
+    "narrow": lambda p: 200 + p // 8,
+}
+
+
+@pytest.mark.parametrize("kind", PICTURES)
+def test_sixteen_bits_match_as_eight(rng, kind):
+    pixels = PICTURES[kind](wide(rng)).astype(np.uint8)
+    deep = Exemplar(pixels.astype(np.uint16) * 257)
+    assert np.array_equal(deep.matching(), Exemplar(pixels).matching())
+
+
+@pytest.mark.parametrize("dtype", [np.float32, np.float64])
+@pytest.mark.parametrize("kind", PICTURES)
+def test_floats_match_as_eight_bits(rng, kind, dtype):
+    pixels = PICTURES[kind](wide(rng)).astype(np.uint8)
+    assert np.array_equal(
+        Exemplar((pixels / 255).astype(dtype)).matching(), Exemplar(pixels).matching()
+    )
+
+
+@pytest.mark.parametrize("kind", PICTURES)
+def test_alpha_of_any_depth_matches_the_same(rng, kind):
+    pixels = PICTURES[kind](wide(rng, 4)).astype(np.uint8)
+    eight = Exemplar(pixels).matching()
+    assert np.array_equal(Exemplar(pixels.astype(np.uint16) * 257).matching(), eight)
+    assert np.array_equal(Exemplar(pixels / 255).matching(), eight)
+
+
+def test_the_colour_of_clear_pixels_does_not_count(rng):
+    pixels = wide(rng, 4)
+    pixels[3:6, :, 3] = 0
+    other = pixels.copy()
+    other[3:6, :, :3] = 255 - other[3:6, :, :3]
+    assert np.array_equal(Exemplar(pixels).matching(), Exemplar(other).matching())
+    other[0, 5, 3] ^= 255
+    assert not np.array_equal(Exemplar(pixels).matching(), Exemplar(other).matching())
+
+
+def test_alpha_beyond_one_is_opaque(rng):
+    """Floats may hold anything; bytes must not wrap around."""
+    pixels = wide(rng, 4) / 255
+    pixels[..., 3] = 1.0
+    over = pixels.copy()
+    over[4:, :, 3] = 1.75
+    assert np.array_equal(Exemplar(over).matching(), Exemplar(pixels).matching())
+
+
+@given(st.floats(-1e6, 1e6), st.floats(1e-3, 1e6), st.integers(0, 99))
+def test_any_float_range_is_ordered_bytes(offset, spread, seed):
+    """Brighter stays brighter or equal, and the range is used."""
+    values = np.random.default_rng(seed).random((10, 10)) * spread + offset
+    matching = Exemplar(values).matching()[..., 0]
+    order = np.argsort(values, axis=None)
+    assert (np.diff(matching.ravel()[order].astype(int)) >= 0).all()
+    assert int(matching.max()) - int(matching.min()) >= 60
+
+
+@pytest.mark.parametrize("value", [0.0, 1.0, -5.0, 1e30, 1e-30])
+def test_constant_floats_are_constant_bytes(value):
+    assert len(np.unique(Exemplar(np.full((4, 4), value)).matching())) == 1
+
+
+def test_brightness_ratios_survive_depth(rng):
+    """A tolerance relative to the canvas means the same: no offset is taken off."""
+    pixels = rng.random((20, 20)) * 8 + 1  # linear light, nothing near black
+    matching = Exemplar(pixels).matching()[..., 0].astype(float)
+    ratio = matching / pixels[..., 0] if pixels.ndim == 3 else matching / pixels
+    assert np.abs(ratio / ratio.mean() - 1).max() < 0.05
+
+
+def test_maps_take_part_and_weigh_as_much_as_the_picture(rng):
+    pixels = wide(rng)
+    height = rng.integers(0, 256, (12, 12)).astype(np.uint8)
+    one = Exemplar(pixels, maps={"height": height}).matching()
+    assert one.shape == (12, 12, 4)
+    assert np.array_equal(one[..., :3], pixels)
+    assert np.array_equal(one[..., 3], np.minimum(np.rint(height * 3**0.5), 255))
+    two = Exemplar(pixels, maps={"a": height, "b": height}).matching()
+    assert np.array_equal(two[..., 3], np.minimum(np.rint(height * (3 / 2) ** 0.5), 255))
+
+
+def test_maps_of_any_depth_match_the_same(rng):
+    pixels, normal = wide(rng), wide(rng)
+    eight = Exemplar(pixels, maps={"normal": normal}).matching()
+    deep = Exemplar(pixels, maps={"normal": normal.astype(np.uint16) * 257}).matching()
+    assert np.array_equal(deep, eight)
+
+
+def test_edges_are_where_the_brightness_changes():
+    pixels = np.zeros((9, 10, 3), np.uint8)
+    pixels[:, 5:] = 100
+    edges = Exemplar(pixels).matching(1.0)
+    assert edges.shape == (9, 10, 4)
+    assert np.array_equal(edges[..., :3], pixels)
+    assert edges[:, [4, 5], 3].tolist() == [[50, 50]] * 9  # central differences
+    assert edges[:, [0, 1, 2, 3, 6, 7, 8, 9], 3].max() == 0
+    assert np.array_equal(Exemplar(pixels).matching(2.0)[..., 3], 2 * edges[..., 3])
+    assert Exemplar(pixels[:1]).matching(1.0).shape == (1, 10, 4)
+
+
+def test_known_pixels_are_mapped_as_the_samples_own(rng):
+    for pixels in (wide(rng), wide(rng, 4), rng.random((12, 12)) * 3):
+        exemplar = Exemplar(pixels)
+        assert np.array_equal(exemplar.as_matching(pixels), exemplar.matching())
+        assert np.array_equal(exemplar.as_matching(pixels[3:7]), exemplar.matching()[3:7])
+
+
+def test_matching_is_made_once(rng):
+    exemplar = Exemplar(wide(rng))
+    assert exemplar.matching(1.0) is exemplar.matching(1.0)
+    assert exemplar.matching(1.0) is not exemplar.matching(0.0)
+
+
+@pytest.mark.parametrize("dtype", [">u2", ">f4", ">f8"])
+def test_either_byte_order(rng, dtype):
+    """Files of other machines arrive as arrays of the other byte order."""
+    import weft
+
+    pixels = (rng.random((24, 24)) * 60000).astype(dtype)
+    native = pixels.astype(pixels.dtype.newbyteorder("="))
+    one = weft.synthesize(pixels, 40, seed=1, patch_size=8)
+    other = weft.synthesize(native, 40, seed=1, patch_size=8)
+    assert np.array_equal(one.image, other.image)

@@ -1,0 +1,94 @@
+"""The approximate kd-tree of section 3.1."""
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+import weft
+from weft.errors import UnsupportedError
+from weft.search.kdtree import KDTree
+
+
+def distances(points, query):
+    return ((points.astype(int) - query.astype(int)) ** 2).sum(axis=1)
+
+
+@given(st.integers(0, 10**6), st.integers(1, 300), st.integers(1, 12), st.integers(1, 50))
+def test_neighbours_are_within_the_allowed_error(seed, count, dimensions, wanted):
+    rng = np.random.default_rng(seed)
+    points = rng.integers(-50, 50, (count, dimensions)).astype(np.int16)
+    places = rng.permutation(1000)[:count].astype(np.int32)
+    query = rng.integers(-50, 50, dimensions).astype(np.int16)
+    found = KDTree(points, places, 0.5).nearest(query, wanted)
+    assert len(found) == len(set(found.tolist())) == min(wanted, count)
+    assert set(found.tolist()) <= set(places.tolist())
+    row = {int(p): n for n, p in enumerate(places)}
+    got = np.sort(distances(points, query)[[row[p] for p in found.tolist()]]) ** 0.5
+    true = np.sort(distances(points, query))[: len(found)] ** 0.5
+    assert (got <= 1.5 * true + 1e-9).all()
+
+
+@given(st.integers(0, 10**6), st.integers(1, 40))
+def test_without_error_they_are_the_nearest(seed, wanted):
+    rng = np.random.default_rng(seed)
+    points = rng.integers(-9, 9, (200, 4)).astype(np.int16)
+    query = rng.integers(-9, 9, 4).astype(np.int16)
+    found = KDTree(points, np.arange(200, dtype=np.int32), 0.0).nearest(query, wanted)
+    every = distances(points, query)
+    assert sorted(every[found].tolist()) == sorted(every.tolist())[:wanted]
+
+
+def test_equal_points_make_a_tree():
+    """Sliding midpoint splits cannot part them; the tree must still end."""
+    tree = KDTree(np.zeros((500, 7), np.int16), np.arange(500, dtype=np.int32), 0.5)
+    assert len(set(tree.nearest(np.ones(7, np.int16), 40).tolist())) == 40
+
+
+def test_without_scipy_the_error_says_what_to_install(monkeypatch):
+    import sys
+
+    monkeypatch.setitem(sys.modules, "scipy.spatial", None)
+    with pytest.raises(UnsupportedError, match=r"pip install 'weft\[kdtree\]'"):
+        KDTree(np.zeros((1, 1), np.int16), np.zeros(1, np.int32), 0.5)
+
+
+@pytest.mark.parametrize("search", ["kdtree", "kdtree-pca"])
+def test_pictures_from_a_tree_match_about_as_well(search):
+    """The paper's own accelerations lose little: boundaries fit nearly as in the full search."""
+    exemplar = weft.Exemplar(weft.load_exemplar("sample:grass").pixels[:72, :72])
+
+    def mismatch(search):
+        method = weft.PatchSampling(
+            patch_size=20, boundary_width=4, epsilon=0, search=search, repeat_distance=0,
+            blend="none",
+        )  # fmt: skip
+        return _seam_error(method.fit(exemplar).sample((120, 120), seed=4))
+
+    worst = mismatch_of_pasting(exemplar)
+    full, tree = mismatch("exhaustive"), mismatch(search)
+    assert tree - full < 0.25 * (worst - full)
+
+
+def mismatch_of_pasting(exemplar):
+    method = weft.PatchSampling(
+        patch_size=20, boundary_width=4, epsilon=float("inf"), repeat_distance=0, blend="none"
+    )
+    return _seam_error(method.fit(exemplar).sample((120, 120), seed=4))
+
+
+def _seam_error(result):
+    """Mean squared difference between what a patch lays over and what it lays."""
+    layered = weft.Synthesis(
+        result.canvas,
+        result.placements,
+        np.full_like(result.weights, 128),
+        result.cuts[:0],
+        sample_shape=result.sample_shape,
+        exemplar=result.exemplar,
+    )
+    coordinates, shares = layered.layers()
+    both = (shares[..., :2] > 0).all(axis=-1)
+    pixels = result.exemplar.pixels.reshape(*result.sample_shape, -1).astype(float)
+    values = pixels[coordinates[..., 0], coordinates[..., 1]]
+    return float(((values[..., 0, :] - values[..., 1, :]) ** 2)[both].mean())

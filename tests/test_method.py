@@ -1,0 +1,205 @@
+"""Methods: parameters that know their ranges, capabilities, the registry."""
+
+import dataclasses
+import importlib
+import math
+
+import numpy as np
+import pytest
+
+import weft
+from weft.errors import InvalidInputError, UnsupportedError
+from weft.method import CANVAS_KINDS, METHODS, Method, bounds, make_method, parameter
+
+EVERY = list(METHODS)
+FIELDS = [(slug, f) for slug in EVERY for f in dataclasses.fields(METHODS[slug])]
+named = pytest.mark.parametrize("slug, field", FIELDS, ids=[f"{s}-{f.name}" for s, f in FIELDS])
+
+
+def others(slug, field):
+    """Values of other fields under which this one may be set."""
+    needs = field.metadata["needs"]
+    return {needs[0]: needs[1][0]} if needs else {}
+
+
+@pytest.mark.parametrize("slug", EVERY)
+def test_the_slug_is_one_guess_everywhere(slug):
+    cls = METHODS[slug]
+    assert cls.slug == slug
+    assert cls.__module__ == "weft.methods." + slug.replace("-", "_")
+    assert getattr(importlib.import_module(cls.__module__), cls.__name__) is cls
+    assert getattr(weft, cls.__name__) is cls
+    assert cls.title and cls.paper and "\n" not in cls.title
+    assert cls.__doc__ and "Examples" in cls.__doc__
+
+
+@pytest.mark.parametrize("slug", EVERY)
+def test_it_is_a_frozen_dataclass_that_works_with_its_defaults(slug):
+    method = METHODS[slug]()
+    assert dataclasses.is_dataclass(method)
+    with pytest.raises(dataclasses.FrozenInstanceError):
+        method.seed = 1
+    assert method == METHODS[slug]() and hash(method) == hash(METHODS[slug]())
+    assert method.supports <= set(CANVAS_KINDS)
+    about = method.describe()
+    assert about.pop("method") == slug
+    assert METHODS[slug](**about) == method
+
+
+@named
+def test_metadata_is_complete(slug, field):
+    meta = field.metadata
+    assert meta["help"] and "\n" not in meta["help"] and len(meta["help"]) <= 100
+    assert not meta["help"].endswith(".")
+    if field.default is None:
+        assert meta["default_text"], "say what None stands for"
+    if "str" in str(field.type):
+        assert meta["choices"] and field.default in meta["choices"]
+        assert meta["low"] is None and meta["high"] is None
+    else:
+        assert not meta["choices"]
+        assert meta["low"] is not None
+        if field.default is not None:
+            assert meta["low"] <= field.default
+            assert meta["high"] is None or field.default <= meta["high"]
+    assert bounds(field)
+    if meta["needs"]:
+        other, values = meta["needs"]
+        (found,) = [f for f in dataclasses.fields(METHODS[slug]) if f.name == other]
+        assert set(values) <= set(found.metadata["choices"])
+
+
+@named
+def test_bounds_are_enforced(slug, field):
+    cls, meta, more = METHODS[slug], field.metadata, others(slug, field)
+    if meta["choices"]:
+        for value in meta["choices"]:
+            assert getattr(cls(**{field.name: value}), field.name) == value
+        for value in ("no-such-choice", 1, None, True):
+            with pytest.raises(InvalidInputError, match=f"{field.name} is "):
+                cls(**{field.name: value})
+        return
+    whole = "int" in str(field.type)
+    for end, step in (("low", -1), ("high", 1)):
+        if meta[end] is None:
+            continue
+        assert getattr(cls(**{field.name: meta[end]}, **more), field.name) == meta[end]
+        outside = meta[end] + step if whole else np.nextafter(meta[end], step * math.inf)
+        with pytest.raises(InvalidInputError) as caught:
+            cls(**{field.name: outside}, **more)
+        message = str(caught.value)
+        assert message.startswith(f"{field.name} is ") and bounds(field) in message
+    bad = ["12", True, math.nan, [1], 1j] + ([1.5, math.inf] if whole else [])
+    bad += [None] if field.default is not None else []
+    for value in bad:
+        with pytest.raises(InvalidInputError, match=f"^{field.name} "):
+            cls(**{field.name: value}, **more)
+
+
+@named
+def test_numpy_numbers_are_numbers(slug, field):
+    meta = field.metadata
+    if meta["choices"]:
+        return
+    value = meta["low"]
+    kinds = (np.int32, np.int64) if "int" in str(field.type) else (np.float32, np.float64)
+    for kind in kinds:
+        if float(kind(value)) >= value:
+            METHODS[slug](**{field.name: kind(value)}, **others(slug, field))
+
+
+@named
+def test_a_parameter_without_effect_is_refused(slug, field):
+    needs = field.metadata["needs"]
+    if not needs:
+        return
+    other, values = needs
+    (switch,) = [f for f in dataclasses.fields(METHODS[slug]) if f.name == other]
+    low = field.metadata["low"]
+    for choice in switch.metadata["choices"]:
+        if choice in values:
+            METHODS[slug](**{other: choice, field.name: low})
+        else:
+            with pytest.raises(InvalidInputError, match=f"{field.name} has no effect unless"):
+                METHODS[slug](**{other: choice, field.name: low})
+            METHODS[slug](**{other: choice, field.name: field.default})
+
+
+@pytest.mark.parametrize("wrong, right", [("quiltin", "quilting"), ("patch_sampling", "patch-sam")])
+def test_unknown_methods_name_the_nearest(wrong, right):
+    with pytest.raises(InvalidInputError, match=f"unknown method '{wrong}'; did you mean '{right}"):
+        METHODS[wrong]
+    with pytest.raises(InvalidInputError, match="did you mean"):
+        weft.synthesize(np.zeros((9, 9), np.uint8), 9, method=wrong)
+
+
+def test_quite_unknown_methods_list_all():
+    with pytest.raises(InvalidInputError, match="known: " + ", ".join(sorted(EVERY))):
+        METHODS["zzz"]
+
+
+def test_the_registry_is_a_mapping():
+    assert len(METHODS) == len(list(METHODS)) == len(dict(METHODS))
+    assert "quilting" in METHODS and "zzz" not in METHODS and 5 not in METHODS
+    assert METHODS.get("zzz") is None
+    assert METHODS.get("quilting") is weft.Quilting
+
+
+@pytest.mark.parametrize("slug", EVERY)
+def test_unknown_parameters_and_values_name_the_nearest(slug):
+    with pytest.raises(InvalidInputError, match="no parameter 'patchsize'; did you mean 'patch_si"):
+        make_method(slug, {"patchsize": 3})
+    with pytest.raises(InvalidInputError, match="blend is 'feathr'; did you mean 'feather'"):
+        make_method(slug, {"blend": "feathr"})
+
+
+def test_make_method():
+    method = weft.Quilting(patch_size=9)
+    assert make_method(method, {}) is method
+    assert make_method(method, {"blend": "none"}) == weft.Quilting(patch_size=9, blend="none")
+    for wrong in (3, None, weft.Quilting):
+        with pytest.raises(InvalidInputError, match="must be a name or a Method"):
+            make_method(wrong, {})
+
+
+def test_unknown_parameters_beside_a_method_are_refused_too():
+    with pytest.raises(InvalidInputError, match="patchsize"):
+        make_method(weft.Quilting(), {"patchsize": 3})
+
+
+@dataclasses.dataclass(frozen=True)
+class Humble(Method):
+    """Supports nothing but plain canvases."""
+
+    slug = "humble"
+    title = "Humble"
+    paper = "none"
+    size: int = parameter(3, "of something", low=1)
+
+
+def test_unsupported_canvases_are_refused_with_those_that_can():
+    known, hole = np.zeros((4, 4), np.uint8), np.ones((4, 4), bool)
+    method = Humble()
+    method.require(weft.Canvas(4, 4))
+    for canvas, kind in (
+        (weft.Canvas(4, 4, (True, False)), "tileable output"),
+        (weft.Canvas(4, 4, (False, True)), "tileable output"),
+        (weft.Canvas(4, 4, known=known, hole=hole), "hole filling"),
+    ):
+        with pytest.raises(UnsupportedError) as caught:
+            method.require(canvas)
+        message = str(caught.value)
+        assert message.startswith(f"humble does not do {kind}; these do: ")
+        assert all(slug in message for slug in EVERY)
+
+
+def test_fit_must_be_defined():
+    with pytest.raises(TypeError, match="Humble does not define fit"):
+        Humble().fit(weft.Exemplar(np.zeros((4, 4), np.uint8)))
+
+
+def test_errors_are_what_python_programs_expect():
+    assert issubclass(weft.InvalidInputError, ValueError)
+    assert issubclass(weft.FileError, OSError)
+    for kind in (weft.InvalidInputError, weft.FileError, weft.UnsupportedError):
+        assert issubclass(kind, weft.WeftError)

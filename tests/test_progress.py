@@ -1,0 +1,100 @@
+"""Progress: counts, stages, previews and cancelling."""
+
+import numpy as np
+import pytest
+
+import weft
+from weft.errors import CancelledError
+from weft.progress import Progress
+
+
+def test_counts_and_passes_everything_on():
+    seen = []
+    progress = Progress(lambda *given: seen.append(given), 5, "patches", "preview")
+    for steps in (1, 0, 4):
+        progress.advance(steps)
+    assert seen == [
+        (1, 5, "patches", "preview"),
+        (1, 5, "patches", "preview"),
+        (5, 5, "patches", "preview"),
+    ]
+
+
+@pytest.mark.parametrize("answer", [None, True, 0, "", []])
+def test_only_false_cancels(answer):
+    progress = Progress(lambda *_: answer, 1, "patches", lambda: None)
+    progress.advance(1)
+    assert progress.done == 1
+
+
+def test_false_cancels_with_a_message():
+    progress = Progress(lambda *_: False, 9, "patches", lambda: None)
+    with pytest.raises(CancelledError, match="cancelled after 3 of 9 patches"):
+        progress.advance(3)
+
+
+def test_nobody_need_listen():
+    progress = Progress(None, 3, "patches", lambda: None)
+    progress.advance(3)
+    assert progress.done == 3
+
+
+SAMPLE = np.random.default_rng(1).integers(0, 256, (40, 40, 3), np.uint8)
+
+
+def canvas_of(kind):
+    if kind == "hole":
+        hole = np.zeros((40, 40), bool)
+        hole[10:30, 5:20] = True
+        known = SAMPLE.copy()
+        known[hole] = 0
+        return weft.Canvas(40, 40, known=known, hole=hole)
+    return weft.Canvas(60, 50, (kind == "wrapped",) * 2)
+
+
+@pytest.mark.parametrize("method", list(weft.METHODS))
+@pytest.mark.parametrize("kind", ["plain", "wrapped", "hole"])
+@pytest.mark.parametrize("patch_size", [1, 12])
+def test_every_run_counts_up_to_its_total(method, kind, patch_size):
+    seen, previews = [], []
+
+    def callback(done, total, stage, preview):
+        seen.append((done, total, stage))
+        if len(seen) in (1, 3):
+            previews.append(preview())
+
+    model = weft.METHODS[method](patch_size=patch_size).fit(weft.Exemplar(SAMPLE))
+    canvas = canvas_of(kind)
+    result = model.sample(canvas, seed=1, progress=callback)
+    done = [d for d, _, _ in seen]
+    assert done == sorted(done) and done[0] > 0
+    assert done[-1] == seen[-1][1]
+    assert len({(total, stage) for _, total, stage in seen}) == 1
+    for preview in previews:
+        assert preview.shape[:2] == canvas.shape
+        assert preview.dtype == np.uint8
+    assert not np.array_equal(previews[0], result.image)  # it shows a picture in the making
+    # Nobody's listening changes nothing.
+    assert np.array_equal(model.sample(canvas, seed=1).image, result.image)
+
+
+@pytest.mark.parametrize("threads", [1, 4])
+def test_cancelling_stops_at_once(threads):
+    calls = []
+
+    def callback(done, total, stage, preview):
+        calls.append(done)
+        return len(calls) < 3
+
+    model = weft.PatchSampling(patch_size=8).fit(weft.Exemplar(SAMPLE))
+    with pytest.raises(CancelledError):
+        model.sample((400, 400), seed=1, threads=threads, progress=callback)
+    assert len(calls) == 3
+
+
+def test_an_error_in_the_callback_comes_through():
+    def callback(*_):
+        raise ZeroDivisionError
+
+    with pytest.raises(ZeroDivisionError):
+        weft.synthesize(SAMPLE, 60, seed=1, progress=callback)

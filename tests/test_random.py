@@ -1,0 +1,119 @@
+"""Random bits: the contract between a seed and the bytes that it makes."""
+
+import itertools
+
+import numpy as np
+import pytest
+
+from weft.errors import InvalidInputError
+from weft.random import draw, seed_number
+
+MASK = 2**64 - 1
+
+
+def splitmix(state):
+    """SplitMix64's step on Python's own integers (Steele, Lea and Flood, 2014)."""
+    state = (state + 0x9E3779B97F4A7C15) & MASK
+    state = ((state ^ (state >> 30)) * 0xBF58476D1CE4E5B9) & MASK
+    state = ((state ^ (state >> 27)) * 0x94D049BB133111EB) & MASK
+    return state ^ (state >> 31)
+
+
+def test_the_mixing_function_is_splitmix64():
+    """The first outputs of SplitMix64 seeded with 0 and 1234567, as published with it."""
+    from weft.random import _mix
+
+    assert int(_mix(np.array([0], np.uint64))[0]) == 0xE220A8397B1DCDAF
+    assert int(_mix(np.array([1234567], np.uint64))[0]) == 6457827717110365317
+    for state in (1, 2**63, MASK):
+        assert int(_mix(np.array([state], np.uint64))[0]) == splitmix(state)
+
+
+def test_places_broadcast():
+    y, x = np.indices((3, 4))
+    whole = draw(7, "patch", y, x)
+    assert whole.shape == (3, 4) and whole.dtype == np.uint64
+    for i, j in itertools.product(range(3), range(4)):
+        assert draw(7, "patch", i, j).shape == ()
+        assert draw(7, "patch", i, j) == whole[i, j]
+    assert np.array_equal(draw(7, "patch", y[:, :1], x[:1]), whole)
+
+
+def test_any_integer_type_and_sign_is_a_place():
+    for dtype in (np.int8, np.int32, np.int64, np.uint8):
+        assert draw(1, "a", np.array(5, dtype)) == draw(1, "a", 5)
+    assert draw(1, "a", -1) != draw(1, "a", 1)
+    assert len({int(draw(1, "a", k)) for k in range(-500, 500)}) == 1000
+
+
+def test_order_does_not_matter():
+    forwards = draw(3, "patch", np.arange(100))
+    backwards = draw(3, "patch", np.arange(100)[::-1])
+    assert np.array_equal(forwards, backwards[::-1])
+
+
+@pytest.mark.parametrize(
+    "one, other",
+    [
+        ((1, "patch", 3, 4), (2, "patch", 3, 4)),
+        ((1, "patch", 3, 4), (1, "patch", 4, 3)),
+        ((1, "patch", 3, 4), (1, "hole", 3, 4)),
+        ((1, "patch", 3), (1, "patch", 3, 0)),
+        ((1, "patch", 0), (1, "patch", 0, 0)),
+        ((4, "a", 0), (7, "b", 0)),  # seeds that differ as the purposes' letters do
+        ((1, "ab", 1), (1, "a", ord("b"), 1)),  # a place that spells the rest of a purpose
+    ],
+)
+def test_different_questions_have_different_answers(one, other):
+    assert draw(*one) != draw(*other)
+
+
+def test_bits_are_even_and_independent():
+    """Every bit is set half of the time and no two bits or neighbours go together (6 sigma)."""
+    y, x = np.indices((128, 128))
+    words = draw(11, "patch", y, x)
+    bits = np.unpackbits(words.view(np.uint8).reshape(128, 128, 8), axis=-1).astype(float)
+    bits = bits.reshape(128, 128, 64) - 0.5
+    sigma = 0.5 / 128
+    assert np.abs(bits.mean(axis=(0, 1))).max() < 6 * sigma
+    signs = 2 * bits.reshape(-1, 64)
+    correlation = signs.T @ signs / len(signs) - np.eye(64)
+    assert np.abs(correlation).max() < 6 / 128
+    for other in (
+        draw(12, "patch", y, x),
+        draw(11, "other", y, x),
+        draw(11, "patch", y + 1, x),
+        draw(11, "patch", y, x + 1),
+        draw(11, "patch", x, y + 1000),
+    ):
+        same = np.unpackbits((words ^ other).view(np.uint8)).astype(float)
+        assert abs(same.mean() - 0.5) < 6 * 0.5 / len(same) ** 0.5
+
+
+def test_seed_numbers():
+    assert seed_number(0) == 0
+    assert seed_number(MASK) == MASK
+    assert seed_number(np.int64(5)) == 5 and isinstance(seed_number(np.int64(5)), int)
+    assert seed_number(np.uint64(MASK)) == MASK
+    one, other = np.random.default_rng(1), np.random.default_rng(1)
+    assert seed_number(one) == seed_number(other)
+    assert seed_number(one) != seed_number(np.random.default_rng(1))  # it moved on
+    assert seed_number(None) != seed_number(None)
+
+
+@pytest.mark.parametrize("seed", [-1, 2**64, 1.0, "7", True, [1], np.nan])
+def test_bad_seeds_are_refused(seed):
+    with pytest.raises(InvalidInputError, match="seed is"):
+        seed_number(seed)
+
+
+def test_frozen_values():
+    """These must never change: people keep seeds, not pictures."""
+    assert [int(k) for k in draw(7, "patch", 3, [0, 4])] == FROZEN[7]
+    assert [int(k) for k in draw(MASK, "patch", -1, [0, 4])] == FROZEN[MASK]
+
+
+FROZEN = {
+    7: [9432801723962283577, 8670040086152182082],
+    MASK: [8241072286635779152, 2980539489935497110],
+}
