@@ -5,6 +5,8 @@ The kernels are Python files in Cython's pure Python mode, compiled in place of 
 """
 
 import os
+import platform
+import shutil
 import sys
 
 import setuptools
@@ -21,6 +23,7 @@ CHECKS = os.environ.get("WEFT_CHECKS") == "1"
 MSVC = sys.platform == "win32"
 # No contraction into fused multiply-adds: floating point must give the same bytes on every machine.
 FLAGS = ["/O2"] if MSVC else ["-O3", "-ffp-contract=off", "-fno-math-errno", "-Wno-unused-function"]
+AVX2 = "/arch:AVX2" if MSVC else "-mavx2"
 
 
 class BuildKernels(build_ext):
@@ -40,16 +43,21 @@ class BuildKernels(build_ext):
                 "  Windows          the package 'Build Tools for Visual Studio' (C++ workload)\n"
             ) from error
 
+    def copy_extensions_to_source(self):
+        for extension in self.extensions:  # an editable install has no folder for AVX2 yet
+            inplace = self._get_inplace_equivalent(self.get_finalized_command("build_py"), extension)
+            os.makedirs(os.path.dirname(inplace[0]), exist_ok=True)
+        super().copy_extensions_to_source()
 
-setuptools.setup(
-    cmdclass={"build_ext": BuildKernels},
-    ext_modules=cythonize(
+
+def kernels():
+    """Every kernel for any processor, and on x86-64 once more for those with AVX2 (weft/_cpu.py)."""
+    plain = cythonize(
         [
             setuptools.Extension(
                 name,
                 [f"src/{name.replace('.', '/')}.py"],
                 extra_compile_args=FLAGS + os.environ.get("WEFT_CFLAGS", "").split(),
-                define_macros=[("CYTHON_WITHOUT_ASSERTIONS", "0" if CHECKS else "1")],
             )
             for name in KERNELS
         ],
@@ -61,8 +69,25 @@ setuptools.setup(
             "wraparound": False,
             "cdivision": True,
             "initializedcheck": CHECKS,
-            "overflowcheck": False,
             "freethreading_compatible": True,
         },
-    ),
-)
+    )
+    if CHECKS or platform.machine() not in ("x86_64", "AMD64"):
+        return plain
+    fast = []
+    for extension in plain:
+        source = extension.sources[0]
+        copy = source.replace("build/cython", "build/avx2", 1)  # or the object files would collide
+        os.makedirs(os.path.dirname(copy), exist_ok=True)
+        shutil.copy(source, copy)
+        fast.append(
+            setuptools.Extension(
+                extension.name.replace("weft.", "weft._avx2.", 1),
+                [copy],
+                extra_compile_args=[*extension.extra_compile_args, AVX2],
+            )
+        )
+    return plain + fast
+
+
+setuptools.setup(cmdclass={"build_ext": BuildKernels}, ext_modules=kernels())

@@ -15,6 +15,9 @@ import numpy as np
 
 from weft.random import draw
 
+#: A source that repeats nothing may have this times the squared distance of one that does.
+VARIETY = 1.7
+
 # Boundary zones (sections 2.1 and 2.2)
 
 
@@ -111,8 +114,7 @@ def choose(keys, marks, energy, bits, *, epsilon=None, tolerance=None, similarit
     best = nearest(eligible)
     bound = limit(keys[best])
     if fresh:
-        good = keys[nearest(fresh)]
-        if good <= 4 * keys[best] or good <= bound:
+        if keys[nearest(fresh)] <= VARIETY * keys[best]:
             eligible, best = fresh, nearest(fresh)
             bound = limit(keys[best])
     matching = [i for i in eligible if within(i, bound)]
@@ -314,9 +316,7 @@ def blend_pixel(old, new, weight, alpha=False):
         if alpha:
             a, b = (256 - weight) * o[-1], weight * n[-1]
             for k in range(colours):
-                result[k] = (
-                    (2 * (a * o[k] + b * n[k]) + a + b) // (2 * (a + b)) if a + b else n[k]
-                )
+                result[k] = (2 * (a * o[k] + b * n[k]) + a + b) // (2 * (a + b)) if a + b else n[k]
         return result
     for k in range(len(old)):
         result[k] = float(old[k]) + float(new[k] - old[k]) * (weight / 256)
@@ -480,9 +480,7 @@ def sample_exhaustive(exemplar, method, canvas, seed, *, corners=None, finish=Tr
             ((y + width) % canvas.shape[0], (x + width) % canvas.shape[1], a + width, b + width)
             for y, x, a, b in placements
         ]
-    placements = [
-        (y, x, a % exemplar.shape[0], b % exemplar.shape[1]) for y, x, a, b in placements
-    ]
+    placements = [(y, x, a % exemplar.shape[0], b % exemplar.shape[1]) for y, x, a, b in placements]
     return placements, _finish(exemplar, canvas, records) if finish else None
 
 

@@ -141,9 +141,7 @@ def test_distances_are_equation_2(known, width, channels, data):
     corners = [(0, 0), (2, 4), (1, 2)]
     query = np.empty(zone.area * channels, np.uint8)
     turned = np.ascontiguousarray(pixels.transpose(1, 0, 2))
-    keys, energy = _kernels.zone_distances(
-        canvas, y, x, pixels, turned, zone.runs, corners, query
-    )
+    keys, energy = _kernels.zone_distances(canvas, y, x, pixels, turned, zone.runs, corners, query)
     mask = reference.zone_of(known, width)
     at = np.ix_((y + np.arange(rows)) % (rows + 3), (x + np.arange(columns)) % (columns + 2))
     there = canvas[at][mask].astype(int)
@@ -165,8 +163,6 @@ def test_distances_of_long_zones_do_not_overflow():
     black, white = np.zeros((200, 300, 3), np.uint8), np.full((200, 300, 3), 255, np.uint8)
     turned = np.ascontiguousarray(white.transpose(1, 0, 2))
     query = np.empty(zone.area * 3, np.uint8)
-    keys, energy = _kernels.zone_distances(
-        black, 0, 0, white, turned, zone.runs, [(0, 0)], query
-    )
+    keys, energy = _kernels.zone_distances(black, 0, 0, white, turned, zone.runs, [(0, 0)], query)
     assert keys == [zone.area * 3 * 255**2] and keys[0] > 2**31
     assert energy == 0

@@ -13,7 +13,9 @@ from weft.seams import _kernels
 SIDES = ("left", "top", "right", "bottom")
 
 
-@given(arrays(np.int64, st.tuples(st.integers(1, 6), st.integers(1, 4)), elements=st.integers(0, 5)))
+@given(
+    arrays(np.int64, st.tuples(st.integers(1, 6), st.integers(1, 4)), elements=st.integers(0, 5))
+)
 def test_the_twins_agree(cost):
     assert reference.path_by_programming(cost) == reference.path_by_exhaustion(cost)
 

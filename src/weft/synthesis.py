@@ -8,10 +8,14 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from weft import _compositing
+import weft
+from weft._cpu import prefer_fast_kernels
 from weft.canvas import Canvas
 from weft.errors import FileError, InvalidInputError
 from weft.exemplar import Exemplar, check_pixels
+
+prefer_fast_kernels("weft", weft.__path__)
+from weft import _compositing  # noqa: E402
 
 if TYPE_CHECKING:
     import os
@@ -132,7 +136,8 @@ class Synthesis:
         )
         y = np.arange(top, top + height)[:, None, None]
         x = np.arange(left, left + width)[None, :, None]
-        at = self.placements[patch]
+        # There is always a row to point at, though nothing shows of it.
+        at = np.resize(self.placements, (max(len(self.placements), 1), 5))[patch]
         source_y = ((y - at[..., 0]) % self.shape[0] + at[..., 2]) % self.sample_shape[0]
         source_x = ((x - at[..., 1]) % self.shape[1] + at[..., 3]) % self.sample_shape[1]
         coordinates = np.stack([source_y, source_x], axis=-1).astype(np.int32)

@@ -293,16 +293,31 @@ def nearest_by_features(
     j: cython.Py_ssize_t
     q: cython.short
     diff: cython.short
+    next_q: cython.short
+    next_diff: cython.short
     row: cython.p_const_short
+    next_row: cython.p_const_short
     count: cython.Py_ssize_t = 0
     worst: cython.longlong = 0
     for start in range(0, at.shape[0], 1024):
         n = min(1024, at.shape[0] - start)
         for j in range(n):
             total[j] = 0
-        for d in range(features.shape[0]):
+        for d in range(0, features.shape[0] - 1, 2):  # two at a time halve the traffic of sums
             row = cython.address(features[d, start])
+            next_row = cython.address(features[d + 1, start])
             q = query[d]
+            next_q = query[d + 1]
+            for j in range(n):
+                diff = row[j] - q
+                next_diff = next_row[j] - next_q
+                total[j] += (
+                    cython.cast(cython.int, diff) * diff
+                    + cython.cast(cython.int, next_diff) * next_diff
+                )
+        if features.shape[0] % 2:
+            row = cython.address(features[features.shape[0] - 1, start])
+            q = query[features.shape[0] - 1]
             for j in range(n):
                 diff = row[j] - q
                 total[j] += cython.cast(cython.int, diff) * diff

@@ -34,7 +34,8 @@ _CELL = 16  # pixels a side; the neighbourhood grows by whole cells
 #: What differs from a method's own defaults where a hole is filled, chosen by eye on bricks, tiles,
 #: boards, pebbles, leaves and lawn. Known pixels cannot be blended, so the best match is taken; and
 #: the wider a zone of an irregular material, the more its best match is a dull, blurred place.
-FILL_DEFAULTS: dict[str, Any] = {"boundary_width": 2, "epsilon": 0.02}
+#: As holes take few patches, more candidates cost little.
+FILL_DEFAULTS: dict[str, Any] = {"boundary_width": 2, "epsilon": 0.02, "candidates": 400}
 #: Patch sizes; a hole gets the largest of which it holds a square _LEAP times as wide.
 _SIZES = (128, 96, 64, 48)
 _LEAP = 2.5
@@ -77,9 +78,9 @@ def fill(
     progress : callable, optional
         See `weft.progress.ProgressCallback`; the preview shows the surroundings of the holes.
     **parameters
-        Of the method. By default `boundary_width` is 2, `epsilon` 0.02, and `patch_size` 48 to
-        128 pixels, about two fifths of how wide the holes are; at most a fifth of the photo's
-        shorter side, and less where the holes leave few windows of that size.
+        Of the method. By default `boundary_width` is 2, `epsilon` 0.02, `candidates` 400, and
+        `patch_size` 48 to 128 pixels, about two fifths of how wide the holes are; at most a fifth
+        of the photo's shorter side, and less where the holes leave few windows of that size.
 
     Returns
     -------
@@ -343,8 +344,10 @@ def _with_defaults(
         )
     if getattr(method, "boundary_width", 0) is None and size and size > 1:
         new["boundary_width"] = min(FILL_DEFAULTS["boundary_width"], size // 2)
-    if "epsilon" in known and given is not None and "epsilon" not in given:
-        new["epsilon"] = FILL_DEFAULTS["epsilon"]
+    # An exhaustive search takes no number of candidates.
+    for name, others in (("epsilon", set()), ("candidates", {"search"})):
+        if name in known and given is not None and not given & {name, *others}:
+            new[name] = FILL_DEFAULTS[name]
     return dataclasses.replace(method, **new)
 
 
