@@ -1,7 +1,12 @@
 """Shared by all tests: the import path of `reference` and settled hypothesis runs."""
 
+import os
 import sys
 from pathlib import Path
+
+# Small matrices on a busy machine: threads of BLAS only wait for each other. That their number
+# changes no byte is tested where it belongs, in processes of its own.
+os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 
 import hypothesis
 import numpy as np

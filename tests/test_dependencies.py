@@ -22,7 +22,7 @@ LEVELS = [
     ["exemplar", "canvas", "_compositing"],
     ["io"],
     ["progress", "random"],
-    ["errors"],
+    ["errors", "_cpu"],
 ]
 LEVEL = {name: n for n, names in enumerate(reversed(LEVELS)) for name in names}
 # Parts of one level that have nothing to do with each other.

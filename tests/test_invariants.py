@@ -12,6 +12,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 import weft
+from weft import _compositing
 
 METHODS = list(weft.METHODS)
 WRAPS = {"plain": (False, False), "x": (False, True), "y": (True, False), "xy": (True, True)}
@@ -185,26 +186,26 @@ def test_small_wrapped_canvases_have_no_seam_inside_either(method, size, boundar
 
 
 def _unseen_borders(result, width):
-    """Pixel pairs across a border that the later patch was laid over without looking."""
+    """Neighbouring pixels whose patches meet outside the zone that the later one was matched in."""
     height, length = result.shape
-    laid = np.full(result.shape, -1)
+    owner = np.full((height, length, 4), -1, np.int32)
+    share = np.zeros((height, length, 4), np.float32)
+    plan = result.placements, result.weights, result.cuts
+    _compositing.layer_all(owner, share, 0, 0, height, length, *plan)
+    owner = owner[..., 0]
+
+    def looked(patch, y, x):
+        top, left, _, _, zone = result.placements[patch].tolist()
+        v, u = (y - top) % height, (x - left) % length
+        weight = result.weights[zone]
+        return v < weight.shape[0] and u < weight.shape[1] and 0 < weight[v, u] < 256
+
     count = 0
-    for p, (y, x, _, _, zone) in enumerate(result.placements.tolist()):
-        weight = result.weights[zone].astype(int)
-        rows = (y + np.arange(weight.shape[0])) % height
-        columns = (x + np.arange(weight.shape[1])) % length
-        before = laid[np.ix_(rows, columns)] >= 0
-        # Of its outermost lines, those that lie on older pixels must be in the zone or left alone.
-        for line, outside in (
-            ((0, slice(None)), ((y - 1) % height, columns)),
-            ((-1, slice(None)), ((y + weight.shape[0]) % height, columns)),
-            ((slice(None), 0), (rows, (x - 1) % length)),
-            ((slice(None), -1), (rows, (x + weight.shape[1]) % length)),
-        ):
-            older = laid[outside] >= 0
-            count += int((before[line] & older & (weight[line] == 256)).sum())
-        here = np.ix_(rows, columns)
-        laid[here] = np.where(weight > 0, p, laid[here])
+    for y, x in np.ndindex(height, length):
+        for other in (((y + 1) % height, x), (y, (x + 1) % length)):
+            later = max(owner[y, x], owner[other])
+            if owner[y, x] != owner[other]:
+                count += not (looked(later, y, x) or looked(later, *other))
     return count
 
 
@@ -221,8 +222,11 @@ def test_the_same_seed_the_same_bytes(method, kind, blend):
     again = make(method, pixels.copy(), kind, blend=blend)
     assert np.array_equal(first.placements, again.placements)
     assert np.array_equal(first.image, again.image)
-    other = make(method, pixels, kind, blend=blend, seed=8)
-    assert not np.array_equal(first.image, other.image)
+    # A tolerance that lets several patches in, or the nearest is the only one to draw.
+    wide = {"epsilon": 2.0} if method == "patch-sampling" else {"tolerance": 1.0}
+    one = make(method, pixels, kind, blend=blend, **wide)
+    other = make(method, pixels, kind, blend=blend, seed=8, **wide)
+    assert not np.array_equal(one.image, other.image)
 
 
 @every_method

@@ -412,7 +412,7 @@ def _kind(name: str, given: str) -> str:
 
 def _check_png(file: IO[bytes], given: str) -> None:
     """Find damage before libpng does, which prints to the terminal before it reports."""
-    size, position, kind = os.fstat(file.fileno()).st_size, len(_PNG), b""
+    size, position, kind, seen = os.fstat(file.fileno()).st_size, len(_PNG), b"", set()
     while kind != b"IEND":
         file.seek(position)
         head = file.read(8)
@@ -425,6 +425,9 @@ def _check_png(file: IO[bytes], given: str) -> None:
         if not header or zlib.crc32(body, zlib.crc32(kind)) != check:
             raise _error(given, "the file is damaged")
         position += 12 + length
+        seen.add(kind)
+    if b"IDAT" not in seen:
+        raise _error(given, "the file is damaged")
 
 
 def _check_spec(spec: Any, given: str, max_pixels: int | None) -> None:

@@ -25,6 +25,7 @@ if TYPE_CHECKING:
 SEARCHES = {"exhaustive": 0, "quadtree": 1, "pca": 2, "kdtree": 3, "kdtree-pca": 3}
 _TREE_ERROR = 0.5  # of the approximate kd-tree search
 _POSITIONS = 16384  # windows that the default search looks at; more are thinned out first
+_MOST_NUMBERS = 288  # of the low resolution that describe one zone
 _NO_PCA = (np.zeros((1, 1), np.int16), np.zeros(1, np.int32), 0, np.zeros((1, 1), np.int16))
 
 
@@ -153,6 +154,8 @@ class PatchAnalysis:
         self.turned = np.ascontiguousarray(self.pixels.transpose(1, 0, 2))
         self.mask = mask
         self.pyramid = QuadtreePyramid(self.pixels)
+        #: The paper's third level is 4; single pixels need every neighbor.
+        self.block_side = 4 if method.search != "pca" else 1 if self.pixelwise else 16
         self._structures: dict[tuple[Any, ...], SearchStructure] = {}
         self._usable(self.window, self.window)
         if not self.pixelwise:
@@ -196,7 +199,8 @@ class PatchAnalysis:
                 known,
                 self.boundary_width,
                 frozen=frozen,
-                block_side=16 if self.method.search == "pca" else 4,  # the paper's third level is 4
+                block_side=self.block_side,
+                most_blocks=max(16, _MOST_NUMBERS // self.pixels.shape[2]),
                 paste=self.method.seam == "none",
                 core=(self.boundary_width, self.boundary_width) if self.pixelwise else None,
             )

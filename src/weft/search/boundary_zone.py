@@ -15,8 +15,6 @@ import numpy as np
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-_MOST_BLOCKS = 96
-
 
 @dataclass(frozen=True, eq=False)
 class BoundaryZone:
@@ -53,6 +51,7 @@ def boundary_zone(
     *,
     frozen: NDArray[np.bool_] | None = None,
     block_side: int = 4,
+    most_blocks: int = 96,
     paste: bool = False,
     core: tuple[int, int] | None = None,
 ) -> BoundaryZone:
@@ -68,6 +67,8 @@ def boundary_zone(
         Known pixels that must stay as they are.
     block_side : int
         Largest side of the low-resolution blocks, a power of two.
+    most_blocks : int
+        The most blocks to keep; more are thinned out evenly.
     paste : bool
         Replace the whole zone instead of blending in it.
     core : (int, int), optional
@@ -89,15 +90,15 @@ def boundary_zone(
     while side > 1 and len(blocks) * side * side * 2 < zone.sum():
         side //= 2
         blocks = _tile(zone, side)
-    if len(blocks) > _MOST_BLOCKS:
-        blocks = blocks[np.linspace(0, len(blocks) - 1, _MOST_BLOCKS).astype(int)]
+    if len(blocks) > most_blocks:
+        blocks = blocks[np.linspace(0, len(blocks) - 1, most_blocks).astype(int)]
     rows, columns = known.shape
     depth = min(width, rows, columns)
     sides = (zone[:, :depth], zone[:depth], zone[:, columns - depth :], zone[rows - depth :])
     return BoundaryZone(
         weight=weight.astype(np.uint16),
         runs=_runs(zone),
-        blocks=blocks.astype(np.int32),
+        blocks=np.ascontiguousarray(blocks, np.int32),
         side=side,
         bands=np.array([depth, rows, columns, *(s.any() for s in sides)], np.int32),
         area=int(zone.sum()),
@@ -147,7 +148,7 @@ def _runs(zone: NDArray[np.bool_]) -> NDArray[np.int32]:
     lying = np.stack([0 * row, row, start, stop - start], axis=1)
     start, stop, column = _row_runs((zone & ~flat).T)
     upright = np.stack([0 * column + 1, start, column, stop - start], axis=1)
-    return np.concatenate([lying, upright]).astype(np.int32)
+    return np.ascontiguousarray(np.concatenate([lying, upright]), np.int32)
 
 
 def _tile(zone: NDArray[np.bool_], side: int) -> NDArray[np.int64]:
