@@ -12,7 +12,6 @@ import itertools
 import math
 
 import numpy as np
-
 from weft.random import draw
 
 #: A source that repeats nothing may have this times the squared distance of one that does.
@@ -113,10 +112,9 @@ def choose(keys, marks, energy, bits, *, epsilon=None, tolerance=None, similarit
     fresh = [i for i in everything if not marks[i]]
     best = nearest(eligible)
     bound = limit(keys[best])
-    if fresh:
-        if keys[nearest(fresh)] <= VARIETY * keys[best]:
-            eligible, best = fresh, nearest(fresh)
-            bound = limit(keys[best])
+    if fresh and keys[nearest(fresh)] <= VARIETY * keys[best]:
+        eligible, best = fresh, nearest(fresh)
+        bound = limit(keys[best])
     matching = [i for i in eligible if within(i, bound)]
     if not matching:
         return best

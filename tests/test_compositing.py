@@ -2,11 +2,11 @@
 
 import numpy as np
 import pytest
-import reference
 from hypothesis import given
 from hypothesis import strategies as st
-
 from weft import _compositing
+
+import reference
 
 DTYPES = (np.uint8, np.uint16, np.float32, np.float64)
 

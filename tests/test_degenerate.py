@@ -4,7 +4,6 @@ import itertools
 
 import numpy as np
 import pytest
-
 import weft
 
 METHODS = list(weft.METHODS)

@@ -4,7 +4,6 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-
 from weft import Exemplar
 from weft.errors import InvalidInputError
 

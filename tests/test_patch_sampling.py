@@ -5,14 +5,14 @@ import os
 
 import numpy as np
 import pytest
-import reference
-from hypothesis import given
-from hypothesis import strategies as st
-
 import weft
 import weft.methods.patch_sampling
+from hypothesis import given
+from hypothesis import strategies as st
 from weft.methods.patch_order import patch_starts, patches_around, spiral, wavefronts
 from weft.random import draw
+
+import reference
 
 BLENDS = ("feather", "feather-at-end", "cut", "none")
 WRAPS = list(itertools.product([False, True], repeat=2))

@@ -2,7 +2,6 @@
 
 import numpy as np
 import pytest
-
 import weft
 from weft.errors import CancelledError
 from weft.progress import Progress

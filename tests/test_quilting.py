@@ -4,11 +4,11 @@ import itertools
 
 import numpy as np
 import pytest
-import reference
+import weft
 from hypothesis import given
 from hypothesis import strategies as st
 
-import weft
+import reference
 
 
 @pytest.mark.parametrize("blend", ["cut", "feather", "feather-at-end", "none"])
@@ -73,7 +73,13 @@ def test_the_tolerance_holds_for_every_search(rng, search):
     Sources that repeat are avoided here, so that the limit can rise after the measuring.
     """
     sample = (rng.integers(0, 256, (40, 40)) // 32 * 32).astype(np.uint8)
-    kind = dict(patch_size=10, boundary_width=3, tolerance=1.0, repeat_distance=1.0, blend="none")
+    kind = {
+        "patch_size": 10,
+        "boundary_width": 3,
+        "tolerance": 1.0,
+        "repeat_distance": 1.0,
+        "blend": "none",
+    }
     method = weft.Quilting(search=search, candidates=800, **kind)
     result = method.fit(weft.Exemplar(sample)).sample((10, 200), seed=1)
     windows = np.lib.stride_tricks.sliding_window_view(sample.astype(int), (10, 10))

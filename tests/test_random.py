@@ -4,7 +4,6 @@ import itertools
 
 import numpy as np
 import pytest
-
 from weft.errors import InvalidInputError
 from weft.random import draw, seed_number
 

@@ -7,12 +7,12 @@ import sys
 
 import numpy as np
 import pytest
-import reference
+import weft
 from hypothesis import given
 from hypothesis import strategies as st
-
-import weft
 from weft.errors import FileError, InvalidInputError
+
+import reference
 
 SAMPLE = np.random.default_rng(5).integers(0, 256, (30, 34, 3)).astype(np.uint8)
 BLENDS = ("feather", "feather-at-end", "cut", "none")
@@ -125,6 +125,15 @@ def test_layers_say_what_the_picture_is_made_of(blend):
         assert set(np.unique(shares)) == {0.0, 1.0}
 
 
+@pytest.mark.parametrize("wrap", [(False, False), (True, True)])
+@pytest.mark.parametrize("size", [(24, 41), (31, 45)])
+def test_shares_sum_to_one_with_the_widest_boundary(wrap, size):
+    """Half of a patch: three patches meet along each axis, nine in a corner."""
+    method = weft.PatchSampling(patch_size=16, boundary_width=8)
+    result = method.fit(weft.Exemplar(SAMPLE)).sample(weft.Canvas(*size, wrap), seed=1)
+    assert np.allclose(result.layers()[1].sum(axis=2), 1, atol=1e-6)
+
+
 def test_layers_are_the_slow_twins():
     result = make()
     window = (6, 4, 20, 23)
@@ -155,7 +164,7 @@ def test_known_pixels_of_a_filled_photo():
     assert np.array_equal(result.image[~hole], SAMPLE[2:28, 3:33][~hole])
     y, x = np.nonzero(~hole)
     assert np.array_equal(result.source[y, x], np.stack([y + 2, x + 3], axis=1))
-    coordinates, shares = result.layers()
+    _coordinates, shares = result.layers()
     assert (shares[y, x, 0] == 1).all() and (shares[y, x, 1:] == 0).all()
     assert np.allclose(shares.sum(axis=2), 1, atol=1e-6)
     normals = np.arange(30 * 34, dtype=np.uint16).reshape(30, 34)
@@ -304,7 +313,11 @@ def test_damaged_files_are_refused(tmp_path, what):
     make().save(path)
     damage(path, **DAMAGE[what])
     done = subprocess.run(
-        [sys.executable, "-c", LOAD, str(path)], capture_output=True, text=True, timeout=60
+        [sys.executable, "-c", LOAD, str(path)],
+        check=False,
+        capture_output=True,
+        text=True,
+        timeout=60,
     )
     assert done.returncode == 0, done.stderr[-300:] or f"died of signal {-done.returncode}"
     assert done.stdout.startswith("refused:")
