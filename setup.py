@@ -1,16 +1,17 @@
 """The compiled part of the build; everything else is in pyproject.toml.
 
-The kernels are Python files in Cython's pure Python mode, compiled in place of themselves.
-``WEFT_CHECKS=1`` builds them with bounds and overflow checks, to run the test suite against.
+The kernels are Python files in Cython's pure Python mode. With ``WEFT_CHECKS=1`` they are built
+with checks of bounds and of integer overflow instead of for speed, to run the tests against.
 """
 
 import os
 import platform
 import shutil
 import sys
+import tempfile
+from pathlib import Path
 
 import setuptools
-from Cython.Build import cythonize
 from setuptools.command.build_ext import build_ext
 
 KERNELS = [
@@ -20,28 +21,83 @@ KERNELS = [
     "weft.methods._patch_kernels",
 ]
 CHECKS = os.environ.get("WEFT_CHECKS") == "1"
+BASE = "build/checks" if CHECKS else "build/plain"  # apart, or one would take the other's objects
 MSVC = sys.platform == "win32"
-# No contraction into fused multiply-adds: floating point must give the same bytes on every machine.
-FLAGS = ["/O2"] if MSVC else ["-O3", "-ffp-contract=off", "-fno-math-errno", "-Wno-unused-function"]
-AVX2 = "/arch:AVX2" if MSVC else "-mavx2"
+# No contraction into fused multiply-adds: floating point must give the same bytes everywhere.
+FLAGS = ["-O3", "-g0", "-ffp-contract=off", "-fno-math-errno", "-Wno-unused-function"]
+AVX2 = ["-mavx2"]
+if MSVC:
+    FLAGS, AVX2 = ["/O2", "/fp:precise"], ["/arch:AVX2"]
+elif sys.platform == "darwin":
+    AVX2 = ["-Xarch_x86_64", "-mavx2"]  # also for a Python of both architectures
+FAST = not CHECKS and platform.machine() in ("x86_64", "AMD64")
+
+NO_COMPILER = """
+
+weft needs a C compiler, and this one could not build a module for Python:
+
+  {error}
+
+Install a compiler and run the same command again:
+
+  Debian, Ubuntu   apt-get install gcc libc6-dev python3-dev
+  Fedora, RHEL     dnf install gcc python3-devel
+  Arch             pacman -S gcc
+  Alpine           apk add gcc musl-dev python3-dev
+  macOS            xcode-select --install
+  Windows          winget install Microsoft.VisualStudio.2022.BuildTools, with its C++ workload
+"""
 
 
 class BuildKernels(build_ext):
-    """build_ext whose failure says what to install."""
+    """Turns the kernels into C and compiles them, all processors at work."""
+
+    def finalize_options(self):
+        super().finalize_options()
+        self.parallel = self.parallel or os.cpu_count()
 
     def build_extensions(self):
-        try:
-            super().build_extensions()
-        except Exception as error:
-            compiler = getattr(self.compiler, "compiler", None) or ["a C compiler"]
-            raise SystemExit(
-                f"\nweft could not compile its kernels with '{compiler[0]}': {error}\n"
-                "weft needs a C compiler. Install one and run the same command again:\n"
-                "  Debian, Ubuntu   apt-get install gcc libc6-dev python3-dev\n"
-                "  Fedora           dnf install gcc python3-devel\n"
-                "  macOS            xcode-select --install\n"
-                "  Windows          the package 'Build Tools for Visual Studio' (C++ workload)\n"
-            ) from error
+        self.try_compiler()
+        self.write_c()
+        super().build_extensions()
+
+    def try_compiler(self):
+        """Compile and link nothing, so that a missing compiler is not met by a page of output."""
+        with tempfile.TemporaryDirectory() as folder:
+            source = Path(folder, "nothing.c")
+            source.write_text("#include <Python.h>\nint PyInit_nothing(void) { return 0; }\n")
+            try:
+                objects = self.compiler.compile([str(source)], output_dir=folder)
+                self.compiler.link_shared_object(objects, str(Path(folder, "nothing.so")))
+            except Exception as error:  # each kind of compiler has its own
+                raise SystemExit(NO_COMPILER.format(error=error)) from None
+
+    def write_c(self):
+        from Cython.Build import cythonize
+
+        cythonize(
+            [setuptools.Extension(name, [python_file(name)]) for name in KERNELS],
+            build_dir=f"{BASE}/c",
+            nthreads=os.cpu_count() or 1,
+            show_all_warnings=False,
+            compiler_directives={
+                "language_level": 3,
+                "boundscheck": CHECKS,
+                "overflowcheck": CHECKS,
+                "initializedcheck": CHECKS,
+                "wraparound": False,
+                "cdivision": True,
+                "freethreading_compatible": True,
+            },
+        )
+        for extension in self.extensions:
+            source = Path(BASE, "c", extension.sources[0]).with_suffix(".c")
+            if extension.name.startswith("weft._avx2."):  # a copy, or their objects would collide
+                copy = Path(BASE, "avx2", extension.sources[0]).with_suffix(".c")
+                copy.parent.mkdir(parents=True, exist_ok=True)
+                shutil.copy2(source, copy)
+                source = copy
+            extension.sources = [str(source)]
 
     def copy_extensions_to_source(self):
         for extension in self.extensions:  # an editable install has no folder for AVX2 yet
@@ -50,44 +106,29 @@ class BuildKernels(build_ext):
         super().copy_extensions_to_source()
 
 
-def kernels():
-    """Every kernel for any processor, and on x86-64 once more for those with AVX2 (weft/_cpu.py)."""
-    plain = cythonize(
-        [
-            setuptools.Extension(
-                name,
-                [f"src/{name.replace('.', '/')}.py"],
-                extra_compile_args=FLAGS + os.environ.get("WEFT_CFLAGS", "").split(),
-            )
-            for name in KERNELS
-        ],
-        build_dir="build/cython",
-        nthreads=os.cpu_count() or 1,
-        compiler_directives={
-            "language_level": 3,
-            "boundscheck": CHECKS,
-            "wraparound": False,
-            "cdivision": True,
-            "initializedcheck": CHECKS,
-            "freethreading_compatible": True,
-        },
+def python_file(name):
+    """The source of a kernel."""
+    return f"src/{name.replace('.', '/')}.py"
+
+
+def extension(name, kernel, flags):
+    """A module to compile from a kernel; its declarations travel with it in the source archive."""
+    source = Path(python_file(kernel))
+    declarations = [str(file) for file in [source.with_suffix(".pxd")] if file.exists()]
+    return setuptools.Extension(
+        name, [str(source)], depends=declarations, extra_compile_args=flags
     )
-    if CHECKS or platform.machine() not in ("x86_64", "AMD64"):
-        return plain
-    fast = []
-    for extension in plain:
-        source = extension.sources[0]
-        copy = source.replace("build/cython", "build/avx2", 1)  # or the object files would collide
-        os.makedirs(os.path.dirname(copy), exist_ok=True)
-        shutil.copy(source, copy)
-        fast.append(
-            setuptools.Extension(
-                extension.name.replace("weft.", "weft._avx2.", 1),
-                [copy],
-                extra_compile_args=[*extension.extra_compile_args, AVX2],
-            )
-        )
-    return plain + fast
 
 
-setuptools.setup(cmdclass={"build_ext": BuildKernels}, ext_modules=kernels())
+if __name__ == "__main__":  # processes that Cython starts import this file
+    modules = [extension(name, name, FLAGS) for name in KERNELS]
+    if FAST:  # and once more for processors with AVX2, see weft/_cpu.py
+        modules += [
+            extension(name.replace("weft.", "weft._avx2.", 1), name, FLAGS + AVX2)
+            for name in KERNELS
+        ]
+    setuptools.setup(
+        cmdclass={"build_ext": BuildKernels},
+        ext_modules=modules,
+        options={"build": {"build_base": BASE}},
+    )

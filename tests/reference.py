@@ -17,6 +17,31 @@ from weft.random import draw
 #: A source that repeats nothing may have this times the squared distance of one that does.
 VARIETY = 1.7
 
+#: Patches of a hole that one more should not repeat: so many, the latest laid.
+NEARBY = 11
+#: What a step of a path costs where the patch cannot show: more than any path where it can.
+OUTSIDE = 2**44
+
+# Random bits
+
+
+def splitmix(state):
+    """SplitMix64's step on Python's own integers (Steele, Lea and Flood, 2014)."""
+    mask = 2**64 - 1
+    state = (state + 0x9E3779B97F4A7C15) & mask
+    state = ((state ^ (state >> 30)) * 0xBF58476D1CE4E5B9) & mask
+    state = ((state ^ (state >> 27)) * 0x94D049BB133111EB) & mask
+    return state ^ (state >> 31)
+
+
+def random_bits(seed, purpose, *place):
+    """The 64 bits of one place: seed, the purpose's bytes, 0xff and coordinates, mixed in turn."""
+    state = splitmix(seed)
+    for word in (*purpose.encode(), 0xFF, *place):
+        state = splitmix(state ^ (word & (2**64 - 1)))  # negative ones in two's complement
+    return state
+
+
 # Boundary zones (sections 2.1 and 2.2)
 
 
@@ -43,7 +68,7 @@ def zone_weights(known, width, frozen=None, paste=False):
             weights[v, u] = 256
         elif zone[v, u]:
             share = (width + 1 - distance[v, u]) / (width + 1)
-            weights[v, u] = 256 if paste else math.floor(256 * share + 1e-9)
+            weights[v, u] = 256 if paste else max(1, math.floor(256 * share + 1e-9))
         if frozen is not None and frozen[v, u]:
             weights[v, u] = 0
     return weights
@@ -244,41 +269,59 @@ def path_by_programming(cost):
     return path
 
 
-def cut_sides(canvas_window, new_window, weights, zone, width):
-    """{side: path}: how many pixels of each line, counted from that side, stay the older ones.
+def box_of(weights):
+    """(top, left, bottom, right) of where a patch can show; all of the window if it cannot."""
+    shown = np.argwhere(weights > 0)
+    if not len(shown):
+        return (0, 0, *weights.shape)
+    return (*shown.min(axis=0).tolist(), *(shown.max(axis=0) + 1).tolist())
 
-    A window's sides that touch the zone have a band each; what is not blended costs nothing.
+
+def band_depth(weights, width, hole=False):
+    """How far bands reach into the box: the zone's width, or in a hole half of the shorter side."""
+    top, left, bottom, right = box_of(weights)
+    shorter = min(bottom - top, right - left)
+    return max(min(width, shorter), shorter // 2) if hole else min(width, shorter)
+
+
+def cut_sides(canvas_window, new_window, weights, zone, width, hole=False):
+    """{side: {line: position}}: for each row or column of the box where the older pixels end.
+
+    A side of the box has a band if the zone is there. A step of its path costs the squared
+    difference where pixels are blended, nothing where none was known, and as good as never goes
+    where the canvas stays.
     """
-    height, length = zone.shape
-    depth = min(width, height, length)
-    error = ((canvas_window.astype(int) - new_window.astype(int)) ** 2).sum(axis=2)
-    error[(weights == 0) | (weights == 256)] = 0
-    turned = {
-        "left": (error, zone),
-        "top": (error.T, zone.T),
-        "right": (error[:, ::-1], zone[:, ::-1]),
-        "bottom": (error[::-1].T, zone[::-1].T),
+    top, left, bottom, right = box_of(weights)
+    depth = band_depth(weights, width, hole)
+    cost = ((canvas_window.astype(int) - new_window.astype(int)) ** 2).sum(axis=2)
+    cost[weights == 0] = OUTSIDE
+    cost[weights == 256] = 0
+    cost, there = cost[top:bottom, left:right], zone[top:bottom, left:right]
+    turned = {  # so that each border lies to the left
+        "left": (cost, there, top, lambda k: left + k),
+        "top": (cost.T, there.T, left, lambda k: top + k),
+        "right": (cost[:, ::-1], there[:, ::-1], top, lambda k: right - k),
+        "bottom": (cost[::-1].T, there[::-1].T, left, lambda k: bottom - k),
     }
     return {
-        side: path_by_programming(e[:, :depth])
-        for side, (e, z) in turned.items()
+        side: {first + i: at(k) for i, k in enumerate(path_by_programming(c[:, :depth]))}
+        for side, (c, z, first, at) in turned.items()
         if z[:, :depth].any()
     }
 
 
 def cut_row(paths, rows, columns):
     """The paths as `Synthesis.cuts` stores them: first and past-the-last own columns and rows."""
-    first_column, last_column = [0] * rows, [columns] * rows
-    first_row, last_row = [0] * columns, [rows] * columns
-    for i, k in enumerate(paths.get("left", ())):
-        first_column[i] = k
-    for i, k in enumerate(paths.get("right", ())):
-        last_column[i] = columns - k
-    for i, k in enumerate(paths.get("top", ())):
-        first_row[i] = k
-    for i, k in enumerate(paths.get("bottom", ())):
-        last_row[i] = rows - k
-    return np.array(first_column + last_column + first_row + last_row, np.uint16)
+    lines = {
+        "left": [0] * rows,
+        "right": [columns] * rows,
+        "top": [0] * columns,
+        "bottom": [rows] * columns,
+    }
+    for side, path in paths.items():
+        for i, k in path.items():
+            lines[side][i] = k
+    return np.concatenate([*lines.values()]).astype(np.uint16)
 
 
 def cut_weights(weights, cut):
@@ -407,6 +450,8 @@ def sample_exhaustive(exemplar, method, canvas, seed, *, corners=None, finish=Tr
     pixelwise = size == 1
     window = [2 * width + 1] * 2 if pixelwise else [min(size, n) for n in canvas.shape]
     centre = (width, width)
+    if not pixelwise:
+        width = zone_width(method, canvas)
     sample = exemplar.matching(method.edge_weight).astype(int)
     places = _windows_of(exemplar, window)
     stack = np.array([_at(sample, place, window) for place in places])
@@ -441,13 +486,18 @@ def sample_exhaustive(exemplar, method, canvas, seed, *, corners=None, finish=Tr
         else:
             keys = ((stack[:, zone] - wanted) ** 2).sum(axis=(1, 2)).tolist()
             marks = [""] * len(places)
-            if method.repeat_distance > 0 and not pixelwise and not holes:
-                grid = {s: p for s, p in zip(_grid_steps(method, canvas), placements, strict=False)}
-                around = [(step[0] + a, step[1] + b) for a, b in AROUND]
+            if method.repeat_distance > 0 and not pixelwise:
+                if holes:
+                    around = laid_nearby(corner, placements, window)
+                else:
+                    steps = _grid_steps(method, canvas)
+                    grid = {s: p for s, p in zip(steps, placements, strict=False)}
+                    asked = [(step[0] + a, step[1] + b) for a, b in AROUND]
+                    around = [grid[k] for k in asked if k in grid]
                 marks = mark_repeats(
                     corner,
                     places,
-                    [grid[k] for k in around if k in grid],
+                    around,
                     round(method.repeat_distance * size),
                     int(bits) & 1,
                 )
@@ -461,7 +511,7 @@ def sample_exhaustive(exemplar, method, canvas, seed, *, corners=None, finish=Tr
             weights[centre] = 256
         final = weights
         if method.blend == "cut" and not pixelwise:
-            paths = cut_sides(buffer[here], stack[chosen], weights, zone, width)
+            paths = cut_sides(buffer[here], stack[chosen], weights, zone, width, holes)
             final = cut_weights(weights, cut_row(paths, *weights.shape))
         now = np.where(weights > 0, 256, 0) if method.blend == "feather-at-end" else final
         for v, u in itertools.product(*map(range, now.shape)):
@@ -480,6 +530,28 @@ def sample_exhaustive(exemplar, method, canvas, seed, *, corners=None, finish=Tr
         ]
     placements = [(y, x, a % exemplar.shape[0], b % exemplar.shape[1]) for y, x, a, b in placements]
     return placements, _finish(exemplar, canvas, records) if finish else None
+
+
+def laid_nearby(corner, placements, window):
+    """In a hole: the latest few patches whose corners are within two windows along both axes."""
+    near = [
+        p
+        for p in placements
+        if abs(p[0] - corner[0]) < 2 * window[0] and abs(p[1] - corner[1]) < 2 * window[1]
+    ]
+    return near[-NEARBY:]
+
+
+def zone_width(method, canvas):
+    """w_E of a run: at most a quarter of the window along an axis that wraps.
+
+    The last patch of a wrapped row has a zone at either end, and room must be left between them.
+    """
+    width = method.boundary_width
+    for n, wrap in zip(canvas.shape, canvas.wrap, strict=True):
+        if wrap:
+            width = min(width, min(method.patch_size, n) // 4)
+    return max(width, 1)
 
 
 def _finish(exemplar, canvas, records):
@@ -525,8 +597,9 @@ def _inside(canvas, corner, window):
 
 
 def _grid_starts(method, canvas):
+    width = zone_width(method, canvas)
     return [
-        patch_starts(n, min(method.patch_size, n), min(method.boundary_width, n - 1), wrap)
+        patch_starts(n, min(method.patch_size, n), min(width, n - 1, method.patch_size - 1), wrap)
         if n > 1
         else ([0, 0] if wrap else [0])
         for n, wrap in zip(canvas.shape, canvas.wrap, strict=True)
@@ -541,6 +614,8 @@ def _grid_steps(method, canvas):
 def _steps(method, canvas, window, corners, laid):
     """(numbers for the random bits, corner, what is known or None for what was laid)."""
     width = method.boundary_width
+    if method.patch_size > 1:
+        width = zone_width(method, canvas)
     if corners is not None:
         for corner in corners:
             yield None, corner, None

@@ -61,11 +61,12 @@ def test_the_message_names_size_and_limit():
         Canvas(-3, 5)
 
 
-def test_known_and_hole_go_together():
-    with pytest.raises(InvalidInputError, match="go together"):
+def test_known_pixels_need_a_hole_and_a_method_needs_both():
+    with pytest.raises(InvalidInputError, match="known pixels need a hole"):
         Canvas(4, 6, known=KNOWN)
-    with pytest.raises(InvalidInputError, match="go together"):
-        Canvas(4, 6, hole=HOLE)
+    model = weft.PatchSampling(patch_size=2).fit(weft.Exemplar(KNOWN))
+    with pytest.raises(InvalidInputError, match="a hole but no known pixels"):
+        model.sample(Canvas(4, 6, hole=HOLE))
     with pytest.raises(InvalidInputError, match="known is 6x4, the canvas is 6x5"):
         Canvas(5, 6, known=KNOWN, hole=np.ones((5, 6), bool))
     with pytest.raises(InvalidInputError, match="hole is 5x4"):

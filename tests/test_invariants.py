@@ -258,7 +258,7 @@ def test_a_model_does_not_remember(method):
 @every_kind
 @pytest.mark.parametrize("blend", BLENDS)
 def test_threads_change_nothing(method, kind, blend):
-    from weft.methods.patch_sampling import _THREADS_FROM
+    from weft.methods.patch_pasting import _THREADS_FROM
 
     exemplar = weft.Exemplar(noise((40, 41, 3)))
     model = weft.METHODS[method](patch_size=8, boundary_width=2, blend=blend).fit(exemplar)

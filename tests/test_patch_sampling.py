@@ -6,7 +6,7 @@ import os
 import numpy as np
 import pytest
 import weft
-import weft.methods.patch_sampling
+import weft.methods.patch_pasting
 from hypothesis import given
 from hypothesis import strategies as st
 from weft.methods.patch_order import patch_starts, patches_around, spiral, wavefronts
@@ -430,7 +430,7 @@ def test_threads_never_overtake_a_patch_that_overlaps(
             groups.append(group)
             yield group
 
-    monkeypatch.setattr(weft.methods.patch_sampling, "wavefronts", note)
+    monkeypatch.setattr(weft.methods.patch_pasting, "wavefronts", note)
     method = weft.PatchSampling(
         patch_size=size, boundary_width=overlap, epsilon=float("inf"), blend=blend
     )

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from weft.errors import InvalidInputError
+from weft.exemplar import check_pixels
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -30,7 +31,8 @@ class Canvas:
     known : array (H, W) or (H, W, C), optional
         Pixels that are there already, in the sample's dtype and channels.
     hole : bool array (H, W), optional
-        True where `known` is to be filled; needed with `known`.
+        True where `known` is to be filled; needed with `known`. Alone it describes a result whose
+        known pixels are not at hand.
     known_from : (int, int), optional
         Row and column of the canvas's corner in the sample, when the known pixels are part of it.
 
@@ -63,12 +65,19 @@ class Canvas:
                 f"{self.width}x{self.height} is more than {MAX_PIXELS} pixels at once; "
                 "make a tileable piece and repeat it, or several pieces"
             )
-        if (self.known is None) != (self.hole is None):
-            raise InvalidInputError("known pixels and hole go together: give both or neither")
-        if self.known is not None and self.hole is not None:
+        wrap = self.wrap
+        if not (isinstance(wrap, tuple) and len(wrap) == 2 and {*map(type, wrap)} == {bool}):
+            raise InvalidInputError(f"wrap is {wrap!r}; it must be two booleans (vertical, horizontal)")
+        if self.hole is None and self.known is not None:
+            raise InvalidInputError("known pixels need a hole, which says where there are none")
+        if self.hole is not None:
             object.__setattr__(self, "hole", np.ascontiguousarray(self.hole, bool))
+            if self.hole.ndim != 2:
+                raise InvalidInputError(f"hole has shape {self.hole.shape}; it must be (H, W)")
+            if self.known is not None:
+                object.__setattr__(self, "known", check_pixels(self.known, "known"))
             for name, value in (("known", self.known), ("hole", self.hole)):
-                if value.shape[:2] != self.shape:
+                if value is not None and value.shape[:2] != self.shape:
                     raise InvalidInputError(
                         f"{name} is {value.shape[1]}x{value.shape[0]}, "
                         f"the canvas is {self.width}x{self.height}"
@@ -96,13 +105,13 @@ def as_canvas(size: Canvas | int | tuple[int, int], tileable: bool | str = False
     (False, True)
     """
     wraps = {False: (False, False), True: (True, True), "x": (False, True), "y": (True, False)}
-    if tileable not in wraps:
+    if not isinstance(tileable, (bool, str)) or tileable not in wraps:
         raise InvalidInputError(f"tileable is {tileable!r}; it must be True, False, 'x' or 'y'")
     if isinstance(size, Canvas):
         if tileable:
             raise InvalidInputError("give wrap to the Canvas instead of tileable beside it")
         return size
-    if isinstance(size, numbers.Integral):
+    if isinstance(size, numbers.Integral) and not isinstance(size, bool):
         size = (int(size), int(size))
     try:
         height, width = size

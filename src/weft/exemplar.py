@@ -123,9 +123,9 @@ class Exemplar:
         pixels = pixels.reshape(*pixels.shape[:2], -1)
         if self.alpha:
             top = {"u": 255 if pixels.dtype == np.uint8 else 65535, "f": 1}[pixels.dtype.kind]
-            clear = pixels[..., -1:] / top
+            clear = np.clip(pixels[..., -1:] / top, 0, 1)
             levels = _to_bytes(pixels[..., :-1], _scale(self.pixels[..., :-1])) * clear
-            levels = np.concatenate([levels, np.clip(clear, 0, 1) * 255], axis=2)
+            levels = np.concatenate([levels, clear * 255], axis=2)
             result = np.rint(levels).astype(np.uint8)
         elif pixels.dtype == np.uint8:
             result = pixels
@@ -151,7 +151,7 @@ def check_pixels(pixels: NDArray[Any], name: str) -> NDArray[Any]:
         raise InvalidInputError(f"{name} is empty: its shape is {pixels.shape}")
     if pixels.dtype.kind == "f" and not np.isfinite(pixels).all():
         raise InvalidInputError(f"{name} contains NaN or infinity; replace them first")
-    return np.ascontiguousarray(pixels)
+    return np.ascontiguousarray(pixels, pixels.dtype.newbyteorder("="))
 
 
 def _size(pixels: NDArray[Any]) -> str:
@@ -169,11 +169,11 @@ def _scale(pixels: NDArray[Any]) -> tuple[float, float]:
         # A few specular pixels of an HDR picture must not turn the rest black.
         low, high = (float(q) for q in np.quantile(pixels, (0.001, 0.999)))
         full = 1.0
-    if 0 <= low and full / 2 <= high <= full:
-        high = full  # the same bytes as the 8-bit version of the picture
+    if 0 <= low and high <= full and high - low >= full / 8:
+        return 0.0, full  # the same bytes as the 8-bit version of the picture
     if 0 <= low < 0.75 * high:
         low = 0.0
-    return low, high if high > low else low + 1.0
+    return low, high if high > low else low + max(1.0, abs(low))
 
 
 def _to_bytes(pixels: NDArray[Any], scale: tuple[float, float]) -> NDArray[np.float64]:

@@ -124,6 +124,8 @@ class Method:
 
     def require(self, canvas: Canvas) -> None:
         """Raise `UnsupportedError` if the canvas is of a kind that the method does not do."""
+        if canvas.hole is not None and canvas.known is None:
+            raise InvalidInputError("the canvas has a hole but no known pixels around it")
         wanted = {"wrap": any(canvas.wrap), "known": canvas.known is not None}
         for kind, want in wanted.items():
             if want and kind not in self.supports:
@@ -211,13 +213,12 @@ def make_method(method: str | Method, parameters: Mapping[str, Any]) -> Method:
     >>> make_method("quilting", {"patch_size": 24}).patch_size
     24
     """
-    if isinstance(method, Method):
-        return dataclasses.replace(method, **parameters) if parameters else method
-    if not isinstance(method, str):
+    if not isinstance(method, (str, Method)):
         raise InvalidInputError(f"method is {method!r}; it must be a name or a Method")
-    cls = METHODS[method]
+    cls = METHODS[method] if isinstance(method, str) else type(method)
     known = [field.name for field in dataclasses.fields(cls)]
     for name in parameters:
         if name not in known:
-            raise InvalidInputError(f"{method} has no parameter '{name}'{did_you_mean(name, known)}")
-    return cls(**parameters)
+            near = did_you_mean(name, known)
+            raise InvalidInputError(f"{cls.slug} has no parameter '{name}'{near}")
+    return cls(**parameters) if isinstance(method, str) else dataclasses.replace(method, **parameters)

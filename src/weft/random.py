@@ -77,8 +77,8 @@ def draw(seed: int, purpose: str, *place: NDArray[np.integer] | int) -> NDArray[
     >>> bool(draw(7, "patch", 3, 4) == draw(7, "patch", [0, 3], [1, 4])[1])
     True
     """
-    state = np.array([seed], np.uint64)
-    for byte in purpose.encode():
+    state = _mix(np.array([seed], np.uint64))
+    for byte in purpose.encode() + b"\xff":  # no purpose goes on as another one or as a place
         state = _mix(state ^ np.uint64(byte))
     for coordinate in place:
         state = _mix(state ^ np.asarray(coordinate).astype(np.int64).view(np.uint64))

@@ -125,7 +125,7 @@ class Synthesis:
         coordinates : int32 array (h, w, 4, 2)
             Row and column in the sample, heaviest layer first; -1 where there is none.
         shares : float32 array (h, w, 4)
-            Sum to 1 with the known pixels' own share.
+            Sum to 1, or are 0 for a known pixel that is not in the sample.
         """
         window = self._check_window(window)
         top, left, height, width = window
@@ -142,6 +142,8 @@ class Synthesis:
         source_x = ((x - at[..., 1]) % self.shape[1] + at[..., 3]) % self.sample_shape[1]
         coordinates = np.stack([source_y, source_x], axis=-1).astype(np.int32)
         coordinates[(patch < 0) | (share == 0)] = -1
+        total = share.sum(axis=2, keepdims=True)  # below 1 where more patches meet than are kept
+        share /= np.where(total > 0, total, 1)
         if self.known_from is not None and self.canvas.hole is not None:
             known = ~self.canvas.hole[top : top + height, left : left + width]
             oy, ox = self.known_from
@@ -357,20 +359,18 @@ class Synthesis:
                 about = json.loads(str(file["about"]))
                 placements, weights, cuts = (file[k] for k in ("placements", "weights", "cuts"))
                 hole = file["hole"] if "hole" in file else None
+            if about["format"] != _FORMAT:
+                raise ValueError(f"its format is {about['format']}, not {_FORMAT}")
+            height, width = about["shape"]
+            canvas = Canvas(height, width, tuple(about["wrap"]))
+            _check_saved(about, canvas, placements, weights, cuts, hole)
         except FileNotFoundError:
             raise FileError(f"{os_name(path)} does not exist") from None
         except Exception as error:  # numpy and zipfile raise many kinds for a damaged file
             raise FileError(f"{os_name(path)} is not a saved weft result: {error}") from None
-        if about.get("format") != _FORMAT:
-            raise FileError(f"{os_name(path)} has format {about.get('format')}, not {_FORMAT}")
-        height, width = about["shape"]
-        canvas = Canvas(height, width, tuple(about["wrap"]))
         if hole is not None:
             hole = np.unpackbits(hole, axis=1, count=width).astype(bool)
-            nothing = np.broadcast_to(np.uint8(0), (height, width))
-            canvas = Canvas(height, width, canvas.wrap, nothing if known is None else known, hole)
-            if known is None:
-                object.__setattr__(canvas, "known", None)
+            canvas = Canvas(height, width, canvas.wrap, known, hole)
         return cls(
             canvas,
             placements,
@@ -381,6 +381,35 @@ class Synthesis:
             known_from=tuple(about["known_from"]) if about["known_from"] else None,
             provenance=about["provenance"],
         )
+
+
+def _check_saved(
+    about: dict[str, Any],
+    canvas: Canvas,
+    placements: NDArray[Any],
+    weights: NDArray[Any],
+    cuts: NDArray[Any],
+    hole: NDArray[Any] | None,
+) -> None:
+    """Raise ValueError unless the kernels may trust these arrays."""
+    if [a.dtype for a in (placements, weights, cuts)] != [np.int32, np.uint16, np.uint16]:
+        raise ValueError("its arrays have other types")
+    if placements.shape[1:] != (5,) or weights.ndim != 3 or cuts.ndim != 2:
+        raise ValueError("its arrays have other shapes")
+    if (weights > 256).any():
+        raise ValueError("its weights are above 256")
+    if cuts.size and cuts.shape != (len(placements), 2 * sum(weights.shape[1:])):
+        raise ValueError("its cuts do not fit its patches")
+    if hole is not None and hole.shape != (canvas.height, -(-canvas.width // 8)):
+        raise ValueError("its hole does not fit its size")
+    below = (*canvas.shape, *about["sample_shape"], len(weights))
+    if len(placements) and ((placements < 0) | (placements >= np.array(below))).any():
+        raise ValueError("its patches lie outside")
+    known_from = about["known_from"]
+    if known_from is not None:
+        ends = np.add(known_from, canvas.shape)
+        if min(known_from) < 0 or (ends > about["sample_shape"]).any():
+            raise ValueError("its known pixels lie outside the sample")
 
 
 def os_name(path: str | os.PathLike[str]) -> str:

@@ -2,6 +2,7 @@
 """The kernel that chooses and lays a run of patches; compiled by Cython, see setup.py."""
 
 import cython
+from cython.cimports.libc.math import sqrt
 from cython.cimports.weft._compositing import paste
 from cython.cimports.weft.search._kernels import (
     block_means,
@@ -81,14 +82,14 @@ def choose(
         if not barred[i] and (keys[i] < limit or (relative and keys[i] <= limit)):
             within += 1
             if weighted and limit > 0:
-                total += 1 - (keys[i] / limit) ** 0.5
+                total += 1 - sqrt(keys[i] / limit)
     if within == 0:
         return best
     if weighted and total > 0:
         target = total * (bits >> 11) * (1.0 / 9007199254740992.0)
         for i in range(count):
             if not barred[i] and keys[i] < limit:
-                target -= 1 - (keys[i] / limit) ** 0.5
+                target -= 1 - sqrt(keys[i] / limit)
                 if target < 0:
                     return i
         return best

@@ -128,18 +128,19 @@ class PatchAnalysis:
         shorter = min(exemplar.shape)
         self.patch_size = method.patch_size or max(1, round(method.randomness * shorter))
         self.pixelwise = self.patch_size == 1
-        self.boundary_width = method.boundary_width or (
-            4 if self.pixelwise else min(max(4, round(method.zone_share * self.patch_size)), self.patch_size // 2)
-        )
-        if method.boundary_width is None and self.pixelwise:
-            self.boundary_width = max(1, min(4, (shorter - 1) // 2))
+        if self.pixelwise:
+            width = max(1, min(4, (shorter - 1) // 2))
+        else:
+            width = max(4, round(method.zone_share * self.patch_size))
+            width = min(width, self.patch_size // 2)
+        self.boundary_width = method.boundary_width or width
         self.window = 2 * self.boundary_width + 1 if self.pixelwise else self.patch_size
         if not self.pixelwise and self.boundary_width > self.patch_size // 2:
             raise InvalidInputError(
                 f"boundary_width is {self.boundary_width}; it must be at most half of the patch, "
                 f"{self.patch_size // 2}"
             )
-        if self.window > shorter and not exemplar.tileable:
+        if self.window > shorter:
             raise InvalidInputError(
                 f"{exemplar.name} is {exemplar.shape[1]}x{exemplar.shape[0]}, smaller than the "
                 f"window of {self.window}; the largest that fits is {shorter}"
@@ -157,59 +158,83 @@ class PatchAnalysis:
         #: The paper's third level is 4; single pixels need every neighbor.
         self.block_side = 4 if method.search != "pca" else 1 if self.pixelwise else 16
         self._structures: dict[tuple[Any, ...], SearchStructure] = {}
-        self._usable(self.window, self.window)
-        if not self.pixelwise:
-            for left, top in ((True, False), (False, True), (True, True)):
-                known = np.zeros((self.window, self.window), bool)
-                known[:, : self.boundary_width] |= left
-                known[: self.boundary_width] |= top
-                self.structure(known, often=True)
-        elif method.search != "exhaustive":
-            known = np.zeros((self.window, self.window), bool)
-            known.ravel()[: known.size // 2] = True
-            self.structure(known, often=True)
+        self._usable: dict[tuple[int, int], NDArray[np.uint8]] = {}
+        self._positions: dict[tuple[int, int], NDArray[np.int32]] = {}
+        self.usable(self.window, self.window)
+        if exemplar.mask is None:  # a sample with a mask is more likely to fill its own hole
+            self._analyse()
 
-    def _usable(self, rows: int, columns: int) -> NDArray[np.uint8]:
+    def _analyse(self) -> None:
+        """Make the structures that most patches of a new picture will ask."""
+        known = np.zeros((self.window, self.window), bool)
+        if self.pixelwise:
+            known.ravel()[: known.size // 2] = True
+            self.structure(known.copy(), often=True)
+            return
+        for left, top in ((True, False), (False, True), (True, True)):
+            known[:] = False
+            known[:, : self.boundary_width] |= left
+            known[: self.boundary_width] |= top
+            self.structure(known.copy(), often=True)
+
+    def usable(self, rows: int, columns: int) -> NDArray[np.uint8]:
         """Mark the upper left corners of windows that lie in the usable part of the sample."""
+        if (rows, columns) in self._usable:
+            return self._usable[rows, columns]
+        height, width = self.exemplar.shape
         bad = np.zeros((self.mask.shape[0] + 1, self.mask.shape[1] + 1), np.int64)
         bad[1:, 1:] = (~self.mask).cumsum(0).cumsum(1)
         inside = bad[rows:, columns:] - bad[:-rows, columns:] - bad[rows:, :-columns]
-        usable = (inside + bad[:-rows, :-columns] == 0).astype(np.uint8)
+        inside = inside + bad[:-rows, :-columns]
+        # A sample that tiles is padded: beyond its own size windows come a second time.
+        usable = np.ascontiguousarray(inside[:height, :width] == 0, np.uint8)
         if not usable.any():
             raise InvalidInputError(
                 f"no {columns}x{rows} window lies in the usable part of {self.exemplar.name}; "
                 f"use a smaller patch_size (now {self.patch_size})"
             )
+        self._usable[rows, columns] = usable
         return usable
+
+    def positions(self, rows: int, columns: int) -> NDArray[np.int32]:
+        """Return the usable windows' numbers."""
+        if (rows, columns) not in self._positions:
+            usable = self.usable(rows, columns)
+            self._positions[rows, columns] = np.flatnonzero(usable).astype(np.int32)
+        return self._positions[rows, columns]
 
     def structure(
         self,
         known: NDArray[np.bool_],
         frozen: NDArray[np.bool_] | None = None,
         *,
+        width: int | None = None,
         often: bool = False,
     ) -> SearchStructure:
         """Return the search structure for a window of which this is known, made on first use.
 
-        `often` says that many patches will ask, so that an analysis pays.
+        `often` says that many patches will ask, so that an analysis pays; structures for holes,
+        with `frozen` pixels, are each asked once and not kept.
         """
-        key = (known.shape, known.tobytes(), b"" if frozen is None else frozen.tobytes())
-        if key not in self._structures:
-            zone = boundary_zone(
-                known,
-                self.boundary_width,
-                frozen=frozen,
-                block_side=self.block_side,
-                most_blocks=max(16, _MOST_NUMBERS // self.pixels.shape[2]),
-                paste=self.method.seam == "none",
-                core=(self.boundary_width, self.boundary_width) if self.pixelwise else None,
-            )
-            usable = self._usable(*known.shape)
-            self._structures[key] = SearchStructure(self, zone, usable, often)
-        return self._structures[key]
+        key = (known.shape, known.tobytes(), width, often)
+        if frozen is None and key in self._structures:
+            return self._structures[key]
+        zone = boundary_zone(
+            known,
+            width or self.boundary_width,
+            frozen=frozen,
+            block_side=self.block_side,
+            most_blocks=max(16, _MOST_NUMBERS // self.pixels.shape[2]),
+            paste=self.method.seam == "none",
+            core=(self.boundary_width, self.boundary_width) if self.pixelwise else None,
+        )
+        structure = SearchStructure(self, zone, self.usable(*known.shape), often)
+        if frozen is None:
+            self._structures[key] = structure
+        return structure
 
     def __getstate__(self) -> dict[str, Any]:
-        return self.__dict__ | {"_structures": {}}
+        return self.__dict__ | {"_structures": {}, "_usable": {}, "_positions": {}}
 
 
 class SearchStructure:
@@ -221,10 +246,11 @@ class SearchStructure:
         method = model.method
         search = method.search
         self.zone, self.usable = zone, usable
-        self.positions = np.flatnonzero(usable).astype(np.int32)
+        self.positions = model.positions(*zone.weight.shape)
         self.stride, self.search = 1, SEARCHES[search]
         self.pca = ZonePCA(*_NO_PCA)
         self.tree: KDTree | None = None
+        self.projected = "pca" in search
         if zone.area == 0 or method.rule()[0] == float("inf"):  # chaos mosaic needs no search
             self.search = SEARCHES["exhaustive"]
         elif search == "pca":
@@ -239,7 +265,8 @@ class SearchStructure:
         coarse = usable[:: self.stride, :: self.stride]
         take = np.flatnonzero(coarse)
         if len(take) == 0:
-            self.search = SEARCHES["quadtree"]
+            self.search, self.stride = SEARCHES["quadtree"], 1
+            self.nodes = model.pyramid.nodes(zone.side, 1)
             return
         windows = model.pyramid.windows(zone.blocks, zone.side, self.stride, *coarse.shape)
         windows = windows if len(take) == coarse.size else windows[:, take]
@@ -261,7 +288,7 @@ class SearchStructure:
         assert self.tree is not None
         query = np.empty(len(self.zone.blocks) * buffer.shape[2], np.int32)
         _kernels.zone_means(buffer, y, x, self.zone.blocks, self.zone.side, query)
-        if self.pca.features.size > 1:
+        if self.projected:
             means, query = query, np.empty(len(self.pca.basis), np.int16)
             _kernels.coordinates(self.pca.basis, self.pca.offset, self.pca.shift, means, query)
         return self.tree.nearest(query, wanted)

@@ -44,18 +44,21 @@ def patches_around(rows: int, columns: int) -> NDArray[np.int32]:
     return np.ascontiguousarray(np.where(inside, i * columns + j, -1), np.int32)
 
 
-def wavefronts(rows: int, columns: int, length: int) -> Iterator[list[tuple[int, int, int]]]:
+def wavefronts(
+    rows: int, columns: int, length: int, reach: int = 1
+) -> Iterator[list[tuple[int, int, int]]]:
     """Cut the grid of patches into pieces of rows, and group those that do not need each other.
 
-    Each group is a list of (row, first column, last column + 1). A patch needs its left, upper
-    left, upper and upper right neighbour; so pieces start one patch further left from row to row,
-    and piece c of row i needs pieces c - 1 of its own row and up to c of the row above.
+    Each group is a list of (row, first column, last column + 1). A patch needs those to its left,
+    and in the row above those up to `reach` columns to its right, which it overlaps. So pieces
+    start `reach` patches further left from row to row, and piece c of row i needs piece c - 1 of
+    its own row and pieces up to c of the row above.
     """
-    pieces = -(-(columns + rows) // length)
+    pieces = -(-(columns + rows * reach) // length)
     for front in range(rows + pieces):
         group = []
         for row in range(max(0, front - pieces + 1), min(rows, front + 1)):
-            first = (front - row) * length - row % length
+            first = (front - row) * length - row * reach
             first, last = max(first, 0), min(first + length, columns)
             if first < last:
                 group.append((row, first, last))

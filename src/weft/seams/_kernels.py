@@ -3,6 +3,9 @@
 
 import cython
 
+# More than any path of real differences: 2**16 pixels of 2**10 channels.
+OUTSIDE = cython.declare(cython.longlong, 1 << 44)
+
 
 @cython.cfunc
 @cython.inline
@@ -44,16 +47,21 @@ def cut_bands(
 ) -> cython.void:
     """Find the minimum-error path along each band of the zone, by dynamic programming.
 
-    `bands` is (depth, rows, columns, left, top, right, bottom): how deep a band is, the window's
-    extent, and which sides have one. Ties go to the pixel nearest to the window's border. A pixel
-    outside the zone costs nothing, for nothing is blended there. Row `p` of `cuts` is as `paste` reads it.
+    `bands` is (depth, top, left, bottom, right, and whether there is a band at the left, top,
+    right and bottom): the box that the patch can show in, and how far into it a band reaches. Ties
+    go to the pixel nearest to the box's border. Where the patch cannot show a path does not go if
+    it can help it; where nothing was known it costs nothing. Row `p` of `cuts` is as `paste`
+    reads it.
     """
     depth: cython.Py_ssize_t = bands[0]
     full_rows: cython.Py_ssize_t = weights.shape[1]
     full_columns: cython.Py_ssize_t = weights.shape[2]
-    rows: cython.Py_ssize_t = bands[1]
-    columns: cython.Py_ssize_t = bands[2]
+    top: cython.Py_ssize_t = bands[1]
+    left: cython.Py_ssize_t = bands[2]
+    bottom: cython.Py_ssize_t = bands[3]
+    right: cython.Py_ssize_t = bands[4]
     side: cython.Py_ssize_t
+    first: cython.Py_ssize_t
     length: cython.Py_ssize_t
     i: cython.Py_ssize_t
     k: cython.Py_ssize_t
@@ -70,20 +78,23 @@ def cut_bands(
         cuts[p, 2 * full_rows + u] = 0
         cuts[p, 2 * full_rows + full_columns + u] = cython.cast(cython.ushort, full_rows)
     for side in range(4):
-        if not bands[3 + side]:
+        if not bands[5 + side]:
             continue
         upright = side == 0 or side == 2
-        length = rows if upright else columns
+        first = top if upright else left
+        length = bottom - top if upright else right - left
         for i in range(length):
             for k in range(depth):
                 if upright:
-                    v = i
-                    u = k if side == 0 else columns - 1 - k
+                    v = top + i
+                    u = left + k if side == 0 else right - 1 - k
                 else:
-                    u = i
-                    v = k if side == 1 else rows - 1 - k
+                    u = left + i
+                    v = top + k if side == 1 else bottom - 1 - k
                 cost[i, k] = 0
-                if 0 < weights[0, v, u] < 256:
+                if weights[0, v, u] == 0:
+                    cost[i, k] = OUTSIDE
+                elif weights[0, v, u] < 256:
                     cost[i, k] = band_error(
                         canvas, pixels, (y + v) % canvas.shape[0], (x + u) % canvas.shape[1],
                         sy + v, sx + u,
@@ -108,13 +119,15 @@ def cut_bands(
                 if k + 1 < depth and cost[i, k + 1] < cost[i, best]:
                     best = k + 1
             if side == 0:
-                cuts[p, i] = cython.cast(cython.ushort, best)
+                cuts[p, first + i] = cython.cast(cython.ushort, left + best)
             elif side == 1:
-                cuts[p, 2 * full_rows + i] = cython.cast(cython.ushort, best)
+                cuts[p, 2 * full_rows + first + i] = cython.cast(cython.ushort, top + best)
             elif side == 2:
-                cuts[p, full_rows + i] = cython.cast(cython.ushort, columns - best)
+                cuts[p, full_rows + first + i] = cython.cast(cython.ushort, right - best)
             else:
-                cuts[p, 2 * full_rows + full_columns + i] = cython.cast(cython.ushort, rows - best)
+                cuts[p, 2 * full_rows + full_columns + first + i] = cython.cast(
+                    cython.ushort, bottom - best
+                )
 
 
 def find_cuts(canvas, pixels, y, x, sy, sx, weights, bands, cost, cuts, p):

@@ -6,7 +6,6 @@ width and machine gives the same one.
 """
 
 import cython
-from cython.cimports.libc.string import memcpy
 
 
 @cython.cfunc

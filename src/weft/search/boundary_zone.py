@@ -31,8 +31,9 @@ class BoundaryZone:
         Upper left corners (v, u) of square blocks inside the zone, for the low resolution.
     side : int
         Side of the blocks.
-    bands : int32 array (7,)
-        Depth, rows, columns, and whether there is a band at the left, top, right and bottom.
+    bands : int32 array (9,)
+        Where minimum-error paths run: how deep, the box (top, left, bottom, right) that the patch
+        can show in, and whether there is a band at its left, top, right and bottom.
     area : int
         Pixels in the zone.
     """
@@ -76,7 +77,8 @@ def boundary_zone(
     """
     distance = _distance_to(~known, width)
     zone = known & (distance <= width)
-    weight = np.where(zone & ~paste, (256 * (width + 1 - distance)) // (width + 1), 256)
+    falling = np.maximum((256 * (width + 1 - distance)) // (width + 1), 1)
+    weight = np.where(zone & ~paste, falling, 256)
     weight[known & ~zone] = 0
     if frozen is not None:
         weight[frozen] = 0
@@ -92,15 +94,22 @@ def boundary_zone(
         blocks = _tile(zone, side)
     if len(blocks) > most_blocks:
         blocks = blocks[np.linspace(0, len(blocks) - 1, most_blocks).astype(int)]
-    rows, columns = known.shape
-    depth = min(width, rows, columns)
-    sides = (zone[:, :depth], zone[:depth], zone[:, columns - depth :], zone[rows - depth :])
+    shown_rows, shown_columns = (np.flatnonzero((weight > 0).any(axis=a)) for a in (1, 0))
+    box = (0, 0, *known.shape)
+    if len(shown_rows):
+        box = (shown_rows[0], shown_columns[0], shown_rows[-1] + 1, shown_columns[-1] + 1)
+    top, left, bottom, right = (int(k) for k in box)
+    depth = min(width, bottom - top, right - left)
+    if frozen is not None:  # a hole's zone follows its outline, anywhere in the window
+        depth = max(depth, min(bottom - top, right - left) // 2)
+    shown = zone[top:bottom, left:right]
+    sides = (shown[:, :depth], shown[:depth], shown[:, -depth:], shown[-depth:])
     return BoundaryZone(
         weight=weight.astype(np.uint16),
         runs=_runs(zone),
         blocks=np.ascontiguousarray(blocks, np.int32),
         side=side,
-        bands=np.array([depth, rows, columns, *(s.any() for s in sides)], np.int32),
+        bands=np.array([depth, top, left, bottom, right, *(s.any() for s in sides)], np.int32),
         area=int(zone.sum()),
     )
 
@@ -162,9 +171,10 @@ def _tile(zone: NDArray[np.bool_], side: int) -> NDArray[np.int64]:
     ) == side * side
     left = zone.copy()
     chosen = []
-    for v, u in np.argwhere(inside).tolist():
-        own = left[v : v + side, u : u + side]
-        if 2 * np.count_nonzero(own) >= side * side:
-            chosen.append((v, u))
-            own[:] = False
+    for own_share in (side * side, side * side // 2):  # whole blocks first
+        for v, u in np.argwhere(inside).tolist():
+            own = left[v : v + side, u : u + side]
+            if np.count_nonzero(own) >= own_share:
+                chosen.append((v, u))
+                own[:] = False
     return np.array(chosen, np.int64).reshape(-1, 2)

@@ -62,7 +62,8 @@ def fit_pca(windows: NDArray[np.uint8], variance: float, most: int = _MOST) -> Z
     power, vectors = np.linalg.eigh(scatter)
     power, vectors = power[::-1].clip(0), vectors[:, ::-1]
     reached = np.cumsum(power) >= variance * power.sum()
-    keep = min(int(np.argmax(reached)) + 1, most, size)
+    needed = int(np.argmax(reached)) + 1 if reached.any() else size
+    keep = min(needed, most, size)
     vectors = vectors[:, :keep].T
     largest = np.abs(vectors).argmax(axis=1)
     vectors = vectors * np.sign(vectors[np.arange(keep), largest])[:, None]
