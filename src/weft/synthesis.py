@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
@@ -11,7 +10,7 @@ import numpy as np
 import weft
 from weft._cpu import prefer_fast_kernels
 from weft.canvas import Canvas
-from weft.errors import FileError, InvalidInputError
+from weft.errors import InvalidInputError
 from weft.exemplar import Exemplar, check_pixels
 
 prefer_fast_kernels("weft", weft.__path__)
@@ -25,7 +24,6 @@ if TYPE_CHECKING:
     #: (top, left, height, width) in output pixels.
     Window = tuple[int, int, int, int]
 
-_FORMAT = 1
 _LAYERS = 4
 _BAND = 256
 
@@ -89,15 +87,21 @@ class Synthesis:
     def image(self) -> NDArray[Any]:
         """The output: (H, W) or (H, W, C) in the sample's dtype."""
         if self.exemplar is None:
-            raise InvalidInputError("this result was loaded without its sample; render a map of it")
+            raise InvalidInputError(
+                "this result was loaded without its sample; render a map of it"
+            )
         return self.render(self.exemplar)
 
     @property
     def maps(self) -> dict[str, NDArray[Any]]:
         """The sample's maps, replayed at the same coordinates."""
         if self.exemplar is None:
-            raise InvalidInputError("this result was loaded without its sample; render its maps")
-        return {name: self.render(pixels) for name, pixels in self.exemplar.maps.items()}
+            raise InvalidInputError(
+                "this result was loaded without its sample; render its maps"
+            )
+        return {
+            name: self.render(pixels) for name, pixels in self.exemplar.maps.items()
+        }
 
     @property
     def source(self) -> NDArray[np.int32]:
@@ -109,7 +113,9 @@ class Synthesis:
         result = np.empty((*self.shape, 2), np.int32)
         for top in range(0, self.shape[0], _BAND):
             rows = min(_BAND, self.shape[0] - top)
-            result[top : top + rows] = self.layers((top, 0, rows, self.shape[1]))[0][:, :, 0]
+            result[top : top + rows] = self.layers((top, 0, rows, self.shape[1]))[0][
+                :, :, 0
+            ]
         return result
 
     def layers(self, window: Window | None = None) -> tuple[NDArray[Any], NDArray[Any]]:
@@ -132,17 +138,30 @@ class Synthesis:
         patch = np.full((height, width, _LAYERS), -1, np.int32)
         share = np.zeros((height, width, _LAYERS), np.float32)
         _compositing.layer_all(
-            patch, share, top, left, *self.shape, self.placements, self.weights, self.cuts
+            patch,
+            share,
+            top,
+            left,
+            *self.shape,
+            self.placements,
+            self.weights,
+            self.cuts,
         )
         y = np.arange(top, top + height)[:, None, None]
         x = np.arange(left, left + width)[None, :, None]
         # There is always a row to point at, though nothing shows of it.
         at = np.resize(self.placements, (max(len(self.placements), 1), 5))[patch]
-        source_y = ((y - at[..., 0]) % self.shape[0] + at[..., 2]) % self.sample_shape[0]
-        source_x = ((x - at[..., 1]) % self.shape[1] + at[..., 3]) % self.sample_shape[1]
+        source_y = ((y - at[..., 0]) % self.shape[0] + at[..., 2]) % self.sample_shape[
+            0
+        ]
+        source_x = ((x - at[..., 1]) % self.shape[1] + at[..., 3]) % self.sample_shape[
+            1
+        ]
         coordinates = np.stack([source_y, source_x], axis=-1).astype(np.int32)
         coordinates[(patch < 0) | (share == 0)] = -1
-        total = share.sum(axis=2, keepdims=True)  # below 1 where more patches meet than are kept
+        total = share.sum(
+            axis=2, keepdims=True
+        )  # below 1 where more patches meet than are kept
         share /= np.where(total > 0, total, 1)
         if self.known_from is not None and self.canvas.hole is not None:
             known = ~self.canvas.hole[top : top + height, left : left + width]
@@ -195,14 +214,19 @@ class Synthesis:
         own = other is None or other is self.exemplar
         given = self.exemplar if other is None else other
         if given is None:
-            raise InvalidInputError("this result was loaded without its sample; give a map of it")
+            raise InvalidInputError(
+                "this result was loaded without its sample; give a map of it"
+            )
         if isinstance(given, Exemplar):
             pixels, alpha = given.pixels, given.alpha
         else:
             pixels = check_pixels(given, "map")
             alpha = pixels.ndim == 3 and pixels.shape[2] in (2, 4)
         scale = pixels.shape[0] // self.sample_shape[0]
-        if pixels.shape[:2] != (scale * self.sample_shape[0], scale * self.sample_shape[1]):
+        if pixels.shape[:2] != (
+            scale * self.sample_shape[0],
+            scale * self.sample_shape[1],
+        ):
             raise InvalidInputError(
                 f"map is {pixels.shape[1]}x{pixels.shape[0]}; it must be the sample's "
                 f"{self.sample_shape[1]}x{self.sample_shape[0]} or an integer multiple of it"
@@ -229,7 +253,11 @@ class Synthesis:
         return out
 
     def _base(
-        self, pixels: NDArray[Any], scale: int, own: bool, background: NDArray[Any] | None
+        self,
+        pixels: NDArray[Any],
+        scale: int,
+        own: bool,
+        background: NDArray[Any] | None,
     ) -> NDArray[Any]:
         """What is under the patches where pixels were known."""
         size = (self.shape[0] * scale, self.shape[1] * scale)
@@ -244,7 +272,10 @@ class Synthesis:
             raise InvalidInputError(
                 "the known pixels are not part of the sample; give their map as background"
             )
-        if background.shape != (*size, *pixels.shape[2:]) or background.dtype != pixels.dtype:
+        if (
+            background.shape != (*size, *pixels.shape[2:])
+            or background.dtype != pixels.dtype
+        ):
             raise InvalidInputError(
                 f"background is {background.shape} {background.dtype}; it must be "
                 f"{(*size, *pixels.shape[2:])} {pixels.dtype}"
@@ -286,7 +317,9 @@ class Synthesis:
             colour[source[..., 0] < 0] = 0
             return colour
         if what not in ("seams", "error"):
-            raise InvalidInputError(f"cannot draw {what!r}; known: sources, seams, error")
+            raise InvalidInputError(
+                f"cannot draw {what!r}; known: sources, seams, error"
+            )
         picture = _grey(self.image)
         if what == "seams":
             y, x = np.indices(self.shape)
@@ -315,21 +348,9 @@ class Synthesis:
 
     def save(self, path: str | os.PathLike[str]) -> None:
         """Write everything but the pictures to a compressed `.npz` file."""
-        from weft.io import atomic
+        from weft.saved import write_result
 
-        about = {
-            "format": _FORMAT,
-            "shape": self.shape,
-            "wrap": self.canvas.wrap,
-            "sample_shape": self.sample_shape,
-            "known_from": self.known_from,
-            "provenance": self.provenance,
-        }
-        arrays = {"placements": self.placements, "weights": self.weights, "cuts": self.cuts}
-        if self.canvas.hole is not None:
-            arrays["hole"] = np.packbits(self.canvas.hole, axis=1)
-        with atomic(path) as temporary, open(temporary, "wb") as file:
-            np.savez_compressed(file, about=np.array(json.dumps(about)), **arrays)
+        write_result(path, self)
 
     @classmethod
     def load(
@@ -354,69 +375,9 @@ class Synthesis:
         FileError
             If the file is missing, damaged, or something else.
         """
-        try:
-            with np.load(path, allow_pickle=False) as file:
-                about = json.loads(str(file["about"]))
-                placements, weights, cuts = (file[k] for k in ("placements", "weights", "cuts"))
-                hole = file["hole"] if "hole" in file else None
-            if about["format"] != _FORMAT:
-                raise ValueError(f"its format is {about['format']}, not {_FORMAT}")
-            height, width = about["shape"]
-            canvas = Canvas(height, width, tuple(about["wrap"]))
-            _check_saved(about, canvas, placements, weights, cuts, hole)
-        except FileNotFoundError:
-            raise FileError(f"{os_name(path)} does not exist") from None
-        except Exception as error:  # numpy and zipfile raise many kinds for a damaged file
-            raise FileError(f"{os_name(path)} is not a saved weft result: {error}") from None
-        if hole is not None:
-            hole = np.unpackbits(hole, axis=1, count=width).astype(bool)
-            canvas = Canvas(height, width, canvas.wrap, known, hole)
-        return cls(
-            canvas,
-            placements,
-            weights,
-            cuts,
-            sample_shape=tuple(about["sample_shape"]),
-            exemplar=exemplar,
-            known_from=tuple(about["known_from"]) if about["known_from"] else None,
-            provenance=about["provenance"],
-        )
+        from weft.saved import read_result
 
-
-def _check_saved(
-    about: dict[str, Any],
-    canvas: Canvas,
-    placements: NDArray[Any],
-    weights: NDArray[Any],
-    cuts: NDArray[Any],
-    hole: NDArray[Any] | None,
-) -> None:
-    """Raise ValueError unless the kernels may trust these arrays."""
-    if [a.dtype for a in (placements, weights, cuts)] != [np.int32, np.uint16, np.uint16]:
-        raise ValueError("its arrays have other types")
-    if placements.shape[1:] != (5,) or weights.ndim != 3 or cuts.ndim != 2:
-        raise ValueError("its arrays have other shapes")
-    if (weights > 256).any():
-        raise ValueError("its weights are above 256")
-    if cuts.size and cuts.shape != (len(placements), 2 * sum(weights.shape[1:])):
-        raise ValueError("its cuts do not fit its patches")
-    if hole is not None and hole.shape != (canvas.height, -(-canvas.width // 8)):
-        raise ValueError("its hole does not fit its size")
-    below = (*canvas.shape, *about["sample_shape"], len(weights))
-    if len(placements) and ((placements < 0) | (placements >= np.array(below))).any():
-        raise ValueError("its patches lie outside")
-    known_from = about["known_from"]
-    if known_from is not None:
-        ends = np.add(known_from, canvas.shape)
-        if min(known_from) < 0 or (ends > about["sample_shape"]).any():
-            raise ValueError("its known pixels lie outside the sample")
-
-
-def os_name(path: str | os.PathLike[str]) -> str:
-    """The path as a text for messages."""
-    import os
-
-    return os.fsdecode(path)
+        return cls(**read_result(path, known), exemplar=exemplar)
 
 
 def _grey(pixels: NDArray[Any]) -> NDArray[np.uint8]:
