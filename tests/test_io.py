@@ -1245,11 +1245,11 @@ def test_interrupt_leaves_the_old_file(tmp_path):
         import os, signal, sys
         import numpy as np
         from weft import io
-        real = io._encode
+        real = io.encode
         def encode(*args):
             os.kill(os.getpid(), signal.SIGINT)
             return real(*args)
-        io._encode = encode
+        io.encode = encode
         try:
             io.write_image(sys.argv[1], np.zeros((50, 50), "u1"))
         except KeyboardInterrupt:

@@ -1,0 +1,115 @@
+"""Results on disk: coordinates, weights and cuts, but no pictures."""
+
+from __future__ import annotations
+
+import json
+import os
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from weft.canvas import Canvas
+from weft.errors import FileError
+from weft.io import atomic
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    from weft.synthesis import Synthesis
+
+_FORMAT = 1
+
+
+def write_result(path: str | os.PathLike[str], result: Synthesis) -> None:
+    """Write a result to a compressed `.npz` file; nothing is left behind if that fails."""
+    about = {
+        "format": _FORMAT,
+        "shape": result.shape,
+        "wrap": result.canvas.wrap,
+        "sample_shape": result.sample_shape,
+        "known_from": result.known_from,
+        "provenance": result.provenance,
+    }
+    arrays = {
+        "placements": result.placements,
+        "weights": result.weights,
+        "cuts": result.cuts,
+    }
+    if result.canvas.hole is not None:
+        arrays["hole"] = np.packbits(result.canvas.hole, axis=1)
+    with atomic(path) as temporary, open(temporary, "wb") as file:
+        np.savez_compressed(file, about=np.array(json.dumps(about)), **arrays)  # type: ignore[arg-type]
+
+
+def read_result(
+    path: str | os.PathLike[str], known: NDArray[Any] | None
+) -> dict[str, Any]:
+    """Return the arguments of the `Synthesis` that was written, all but its exemplar.
+
+    Raises
+    ------
+    FileError
+        If the file is missing, damaged, or something else.
+    """
+    name = os.fsdecode(path)
+    try:
+        with np.load(path, allow_pickle=False) as file:
+            about = json.loads(str(file["about"]))
+            placements, weights, cuts = (
+                file[k] for k in ("placements", "weights", "cuts")
+            )
+            hole = file.get("hole")
+        if about["format"] != _FORMAT:
+            raise ValueError(f"its format is {about['format']}, not {_FORMAT}")
+        height, width = about["shape"]
+        canvas = Canvas(height, width, tuple(about["wrap"]))
+        _check_saved(about, canvas, placements, weights, cuts, hole)
+    except FileNotFoundError:
+        raise FileError(f"{name} does not exist") from None
+    except Exception as error:  # noqa: BLE001  numpy and zipfile raise many kinds for a damaged file
+        raise FileError(f"{name} is not a saved weft result: {error}") from None
+    if hole is not None:
+        hole = np.unpackbits(hole, axis=1, count=width).astype(bool)
+        canvas = Canvas(height, width, canvas.wrap, known, hole)
+    return {
+        "canvas": canvas,
+        "placements": placements,
+        "weights": weights,
+        "cuts": cuts,
+        "sample_shape": tuple(about["sample_shape"]),
+        "known_from": tuple(about["known_from"]) if about["known_from"] else None,
+        "provenance": about["provenance"],
+    }
+
+
+def _check_saved(
+    about: dict[str, Any],
+    canvas: Canvas,
+    placements: NDArray[Any],
+    weights: NDArray[Any],
+    cuts: NDArray[Any],
+    hole: NDArray[Any] | None,
+) -> None:
+    """Raise ValueError unless the kernels may trust these arrays."""
+    if [a.dtype for a in (placements, weights, cuts)] != [
+        np.int32,
+        np.uint16,
+        np.uint16,
+    ]:
+        raise ValueError("its arrays have other types")
+    if placements.shape[1:] != (5,) or weights.ndim != 3 or cuts.ndim != 2:
+        raise ValueError("its arrays have other shapes")
+    if (weights > 256).any():
+        raise ValueError("its weights are above 256")
+    if cuts.size and cuts.shape != (len(placements), 2 * sum(weights.shape[1:])):
+        raise ValueError("its cuts do not fit its patches")
+    if hole is not None and hole.shape != (canvas.height, -(-canvas.width // 8)):
+        raise ValueError("its hole does not fit its size")
+    below = (*canvas.shape, *about["sample_shape"], len(weights))
+    if len(placements) and ((placements < 0) | (placements >= np.array(below))).any():
+        raise ValueError("its patches lie outside")
+    known_from = about["known_from"]
+    if known_from is not None:
+        ends = np.add(known_from, canvas.shape)
+        if min(known_from) < 0 or (ends > about["sample_shape"]).any():
+            raise ValueError("its known pixels lie outside the sample")
