@@ -63,6 +63,57 @@ def test_blocks_lie_in_the_zone(known, width, block_side):
     assert (len(zone.blocks) > 0) == bool(expected.any())
 
 
+@given(masks, widths, st.sampled_from([1, 2, 4, 8]))
+def test_blocks_share_little(known, width, block_side):
+    """Whole blocks first, then those that are at least half new, until there are no more."""
+    zone = boundary_zone(known, width, block_side=block_side, most_blocks=10**6)
+    side = zone.side
+    seen, shares = np.zeros(known.shape, bool), []
+    for v, u in zone.blocks.tolist():
+        own = seen[v : v + side, u : u + side]
+        shares.append(np.count_nonzero(~own))
+        own[:] = True
+    whole = [share == side * side for share in shares]
+    assert whole == sorted(whole, reverse=True)
+    assert all(2 * share >= side * side for share in shares)
+    expected = reference.zone_of(known, width)
+    for v, u in np.argwhere(expected).tolist():
+        block = expected[v : v + side, u : u + side]
+        if block.shape == (side, side) and block.all():
+            left = np.count_nonzero(~seen[v : v + side, u : u + side])
+            assert 2 * left < side * side or side == 1 and left == 0
+    assert len(zone.blocks) * side * side * 2 >= expected.sum()
+
+
+@pytest.mark.parametrize("most", [1, 5, 16, 1000])
+def test_blocks_are_thinned_out_evenly(most):
+    known = np.zeros((64, 64), bool)
+    known[:, :4] = known[:4] = True
+    every = boundary_zone(known, 4, most_blocks=10**6).blocks.tolist()
+    some = boundary_zone(known, 4, most_blocks=most).blocks.tolist()
+    assert len(some) == min(most, len(every))
+    kept = [every.index(block) for block in some]
+    assert kept == sorted(set(kept))
+    if 1 < most < len(every):
+        gaps = np.diff(kept)
+        assert kept[0] == 0 and kept[-1] == len(every) - 1 and gaps.max() - gaps.min() <= 1
+
+
+@given(masks, widths, st.booleans(), st.booleans(), st.data())
+def test_bands_lie_along_the_box_that_the_patch_shows_in(known, width, hole, paste, data):
+    frozen = data.draw(arrays(bool, known.shape)) & known if hole else None
+    zone = boundary_zone(known, width, frozen=frozen, paste=paste)
+    weights = reference.zone_weights(known, width, frozen, paste)
+    top, left, bottom, right = reference.box_of(weights)
+    depth = reference.band_depth(weights, width, hole)
+    assert zone.bands[:5].tolist() == [depth, top, left, bottom, right]
+    if hole:
+        assert depth >= min(bottom - top, right - left) // 2
+    there = reference.zone_of(known, width)[top:bottom, left:right]
+    sides = there[:, :depth], there[:depth], there[:, -depth:], there[-depth:]
+    assert zone.bands[5:].tolist() == [int(s.any()) for s in sides]
+
+
 def test_blocks_cover_most_of_the_zones_of_the_paper():
     for left, top in ((True, False), (False, True), (True, True)):
         known = np.zeros((64, 64), bool)
@@ -89,11 +140,11 @@ def test_configurations_of_figure_3(left, top, bands):
     known[: 3 * top] = True
     zone = boundary_zone(known, 3)
     # A band's sides are those that its pixels reach: the left band also ends at top and bottom.
-    assert zone.bands[:3].tolist() == [3, 12, 12]
+    assert zone.bands[:5].tolist() == [3, 0, 0, 12, 12]
     touches = reference.zone_of(known, 3)
     sides = touches[:, :3], touches[:3], touches[:, 9:], touches[9:]
-    assert zone.bands[3:].tolist() == [int(s.any()) for s in sides]
-    assert [a for a, b in zip(zone.bands[3:], bands, strict=True) if b] == [1] * sum(bands)
+    assert zone.bands[5:].tolist() == [int(s.any()) for s in sides]
+    assert [a for a, b in zip(zone.bands[5:], bands, strict=True) if b] == [1] * sum(bands)
     assert zone.area == known.sum()
     assert zone.weight[known].max() < 256
     assert zone.weight[~known].min() == 256

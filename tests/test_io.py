@@ -1174,7 +1174,7 @@ def test_atomic_replaces_and_removes(tmp_path):
 def test_a_failing_encoder_leaves_no_trace(tmp_path, monkeypatch):
     path = tmp_path / "a.png"
     path.write_bytes(b"old")
-    monkeypatch.setattr(io, "_encode", lambda *_: "it broke\nand more")
+    monkeypatch.setattr(io, "encode", lambda *_: "it broke\nand more")
     text = fails(path, "cannot write", lambda p: io.write_image(p, noise((4, 4))))
     assert text.endswith("cannot write: it broke")
     assert files_in(tmp_path) == ["a.png"]

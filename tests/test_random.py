@@ -4,18 +4,14 @@ import itertools
 
 import numpy as np
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
 from weft.errors import InvalidInputError
 from weft.random import draw, seed_number
 
+import reference
+
 MASK = 2**64 - 1
-
-
-def splitmix(state):
-    """SplitMix64's step on Python's own integers (Steele, Lea and Flood, 2014)."""
-    state = (state + 0x9E3779B97F4A7C15) & MASK
-    state = ((state ^ (state >> 30)) * 0xBF58476D1CE4E5B9) & MASK
-    state = ((state ^ (state >> 27)) * 0x94D049BB133111EB) & MASK
-    return state ^ (state >> 31)
 
 
 def test_the_mixing_function_is_splitmix64():
@@ -25,7 +21,16 @@ def test_the_mixing_function_is_splitmix64():
     assert int(_mix(np.array([0], np.uint64))[0]) == 0xE220A8397B1DCDAF
     assert int(_mix(np.array([1234567], np.uint64))[0]) == 6457827717110365317
     for state in (1, 2**63, MASK):
-        assert int(_mix(np.array([state], np.uint64))[0]) == splitmix(state)
+        assert int(_mix(np.array([state], np.uint64))[0]) == reference.splitmix(state)
+
+
+@given(
+    st.integers(0, MASK),
+    st.text(max_size=8),
+    st.lists(st.integers(-(2**63), 2**63 - 1), max_size=4),
+)
+def test_it_is_the_slow_twin(seed, purpose, place):
+    assert int(draw(seed, purpose, *place)) == reference.random_bits(seed, purpose, *place)
 
 
 def test_places_broadcast():
@@ -61,10 +66,27 @@ def test_order_does_not_matter():
         ((1, "patch", 0), (1, "patch", 0, 0)),
         ((4, "a", 0), (7, "b", 0)),  # seeds that differ as the purposes' letters do
         ((1, "ab", 1), (1, "a", ord("b"), 1)),  # a place that spells the rest of a purpose
+        ((1, "ab", 1), (1, "a", ord("b"), 0xFF, 1)),
+        ((1, "a"), (1, "", ord("a"))),
+        ((1, "a", 0xFF), (1, "a")),
+        ((1, "\xff", 1), (1, "", 0xC3, 0xBF, 1)),
+        ((0, "a", 0), (3, "b", 3)),  # both differ by the same bits
     ],
 )
 def test_different_questions_have_different_answers(one, other):
     assert draw(*one) != draw(*other)
+
+
+def test_no_two_small_questions_collide():
+    """Small numbers everywhere, which is what people ask with."""
+    place = np.arange(-8, 32)
+    answers = {
+        int(bits)
+        for seed in range(64)
+        for purpose in ("", "a", "b", "c", "aa", "ab", "patch")
+        for bits in (*draw(seed, purpose, place), *draw(seed, purpose, place, 1))
+    }
+    assert len(answers) == 64 * 7 * 2 * len(place)
 
 
 def test_bits_are_even_and_independent():

@@ -24,11 +24,29 @@ def kernel_cuts(canvas, pixels, corner, source, zone):
     rows, columns = zone.weight.shape
     cuts = np.full((2, 2 * (rows + columns)), 9999, np.uint16)
     cost = np.empty((max(rows, columns), int(zone.bands[0])), np.int64)
+    assert zone.bands.dtype == np.int32 and zone.bands.shape == (9,)
     _kernels.find_cuts(
         canvas, pixels, *corner, *source, zone.weight[None], zone.bands, cost, cuts, 1
     )
     assert (cuts[0] == 9999).all()  # only its own row
     return cuts[1]
+
+
+def compare(known, width, frozen, levels, rng):
+    rows, columns = known.shape
+    canvas = rng.integers(0, levels, (15, 14, 2)).astype(np.uint8)
+    pixels = rng.integers(0, levels, (16, 17, 2)).astype(np.uint8)
+    corner = int(rng.integers(0, 15)), int(rng.integers(0, 14))
+    source = int(rng.integers(0, 17 - rows)), int(rng.integers(0, 18 - columns))
+    zone = boundary_zone(known, width, frozen=frozen)
+    at = np.ix_((corner[0] + np.arange(rows)) % 15, (corner[1] + np.arange(columns)) % 14)
+    new = pixels[source[0] : source[0] + rows, source[1] : source[1] + columns]
+    weights, mask = reference.zone_weights(known, width, frozen), reference.zone_of(known, width)
+    paths = reference.cut_sides(canvas[at], new, weights, mask, width, frozen is not None)
+    expected = reference.cut_row(paths, rows, columns)
+    cut = kernel_cuts(canvas, pixels, corner, source, zone)
+    assert np.array_equal(cut, expected)
+    return weights, cut
 
 
 @given(
@@ -46,17 +64,52 @@ def test_cuts_follow_the_cheapest_paths(rows, columns, width, sides, levels, see
     known[:width] |= "top" in sides
     known[:, -width:] |= "right" in sides
     known[-width:] |= "bottom" in sides
-    canvas = rng.integers(0, levels, (15, 14, 2)).astype(np.uint8)
-    pixels = rng.integers(0, levels, (16, 17, 2)).astype(np.uint8)
-    corner = int(rng.integers(0, 15)), int(rng.integers(0, 14))
-    source = int(rng.integers(0, 17 - rows)), int(rng.integers(0, 18 - columns))
-    zone = boundary_zone(known, width)
-    at = np.ix_((corner[0] + np.arange(rows)) % 15, (corner[1] + np.arange(columns)) % 14)
-    new = pixels[source[0] : source[0] + rows, source[1] : source[1] + columns]
-    weights, mask = reference.zone_weights(known, width), reference.zone_of(known, width)
-    paths = reference.cut_sides(canvas[at], new, weights, mask, width)
-    expected = reference.cut_row(paths, rows, columns)
-    assert np.array_equal(kernel_cuts(canvas, pixels, corner, source, zone), expected)
+    compare(known, width, None, levels, rng)
+
+
+masks = arrays(bool, st.tuples(st.integers(1, 12), st.integers(1, 12)))
+
+
+@given(masks, st.integers(1, 5), st.booleans(), st.sampled_from([2, 4, 256]), st.data())
+def test_cuts_of_any_zone(known, width, hole, levels, data):
+    """Holes of any outline, with pixels that must stay."""
+    frozen = data.draw(arrays(bool, known.shape)) & known if hole else None
+    rng = np.random.default_rng(data.draw(st.integers(0, 2**30)))
+    compare(known, width, frozen, levels, rng)
+
+
+@pytest.mark.parametrize("seed", range(5))
+def test_a_hole_in_the_middle_of_a_window_is_cut_along_its_outline(seed):
+    """What is laid of a hole's patch starts anywhere in the window; paths run there."""
+    rng = np.random.default_rng(seed)
+    known = np.ones((12, 12), bool)
+    known[5:10, 4:9] = False
+    laid = known.copy()  # an earlier patch of the hole, laid already
+    laid[:, :] &= np.indices((12, 12))[1] < 7
+    zone_known = known | laid
+    zone_known[5:10, 4:7] = True
+    weights, cut = compare(zone_known, 3, known, 256, rng)
+    final = reference.cut_weights(weights, cut)
+    assert (final[known] == 0).all() and (final[~zone_known] == 256).all()
+    assert set(np.unique(final)) == {0, 256}
+    mixed = (weights > 0) & (weights < 256)
+    assert mixed.any()
+    assert set(np.unique(final[mixed])) == {0, 256}, "the path runs through the overlap"
+
+
+def test_paths_keep_to_where_the_patch_shows():
+    """A step that shows nothing costs more than any that does, however long and bright."""
+    known = np.zeros((9, 9), bool)
+    known[:, :6] = True
+    zone = boundary_zone(known, 3)
+    assert zone.bands.tolist() == [3, 0, 3, 9, 9, 1, 1, 0, 1]
+    frozen = np.zeros((9, 9), bool)
+    frozen[:, 3] = True
+    frozen[4, 3:5] = True  # a step aside
+    zone = boundary_zone(known, 3, frozen=frozen)
+    black, white = np.zeros((9, 9, 1), np.uint8), np.full((9, 9, 1), 255, np.uint8)
+    cut = kernel_cuts(black, white, (0, 0), (0, 0), zone)
+    assert all(zone.weight[v, cut[v]] > 0 for v in range(9))
 
 
 def test_the_path_finds_the_place_where_patches_agree():
@@ -71,7 +124,7 @@ def test_the_path_finds_the_place_where_patches_agree():
         pixels[v, u] = 200
     # Only the left side has a band that is longer than it is deep.
     bands = zone.bands.copy()
-    bands[3:] = 1, 0, 0, 0
+    bands[5:] = 1, 0, 0, 0
     cuts = np.zeros((1, 2 * (6 + 8)), np.uint16)
     cost = np.empty((8, 4), np.int64)
     _kernels.find_cuts(canvas, pixels, 0, 0, 0, 0, zone.weight[None], bands, cost, cuts, 0)
@@ -96,7 +149,7 @@ def test_costs_of_long_bands_do_not_overflow():
     zone = boundary_zone(known, 1)
     canvas, pixels = np.zeros((length, 2, 1), np.uint8), np.full((length, 2, 1), 255, np.uint8)
     bands = zone.bands.copy()
-    bands[3:] = 1, 0, 0, 0
+    bands[5:] = 1, 0, 0, 0
     cost = np.empty((length, 1), np.int64)
     cuts = np.zeros((1, 2 * (length + 2)), np.uint16)
     _kernels.find_cuts(canvas, pixels, 0, 0, 0, 0, zone.weight[None], bands, cost, cuts, 0)
