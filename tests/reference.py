@@ -404,7 +404,10 @@ def layers(window, shape, placements, weights, cuts, most=4):
             older = older[: most - 1]
             ahead = [entry for entry in older if entry[1] >= new]
             found[at] = ahead + [(p, new)] + older[len(ahead) :]
-    return {at: [e for e in entries if e[1] > 0] for at, entries in found.items()}
+    for at, entries in found.items():
+        total = sum(s for _, s in entries) or 1  # less than 1 where one was dropped
+        found[at] = [(p, s / total) for p, s in entries if s > 0]
+    return found
 
 
 # Orders

@@ -88,8 +88,20 @@ def wide(rng, channels=3):
 PICTURES = {
     "wide": lambda p: p,
     "dark": lambda p: p // 4,
-    "narrow": lambda p: 200 + p // 8,
+    "bright": lambda p: 200 + p // 5,
+    "an eighth": lambda p: 100 + p // 7,
 }
+
+
+FAINT = {
+    "narrow": lambda p: 200 + p // 16,
+    "nearly black": lambda p: p // 64,
+    "two levels": lambda p: 90 + p // 128,
+}
+
+
+# The bytes of all depths are the same for pictures whose values span an eighth of the range or
+# more. Narrower ones are stretched where the depth can tell more than 8 bits do.
 
 
 @pytest.mark.parametrize("kind", PICTURES)
@@ -114,6 +126,23 @@ def test_alpha_of_any_depth_matches_the_same(rng, kind):
     eight = Exemplar(pixels).matching()
     assert np.array_equal(Exemplar(pixels.astype(np.uint16) * 257).matching(), eight)
     assert np.array_equal(Exemplar(pixels / 255).matching(), eight)
+
+
+@pytest.mark.parametrize("kind", FAINT)
+@pytest.mark.parametrize("dtype", [np.uint16, np.float32, np.float64])
+def test_faint_pictures_are_stretched(rng, kind, dtype):
+    """What 16 bits tell apart there, 8 bits could not."""
+    import weft
+
+    faint = FAINT[kind](wide(rng)).astype(np.uint8)
+    deep = faint.astype(np.uint16) * 257 if dtype == np.uint16 else (faint / 255).astype(dtype)
+    matching = Exemplar(deep).matching()
+    order = np.argsort(faint, axis=None, kind="stable")
+    assert (np.diff(matching.ravel()[order].astype(int)) >= 0).all()
+    assert np.ptp(matching) >= 4 * np.ptp(faint) and matching.max() > 200
+    result = weft.synthesize(deep, 30, seed=1, patch_size=5, blend="none")
+    source = result.source
+    assert np.array_equal(result.image, deep[source[..., 0], source[..., 1]])
 
 
 def test_the_colour_of_clear_pixels_does_not_count(rng):

@@ -316,7 +316,10 @@ def test_dtype_and_channels_are_kept(method, kind, dtype, channels):
 @every_kind
 @pytest.mark.parametrize("name", ["pebbles", "wood"])
 def test_depth_does_not_change_what_goes_where(method, kind, name):
-    """The 16-bit and the floating version of an 8-bit picture have its source map."""
+    """The 16-bit and the floating version of an 8-bit picture have its source map.
+
+    For samples whose values span an eighth of the range or more; see test_exemplar.py.
+    """
     pixels = weft.load_exemplar(f"sample:{name}").pixels[:60, :60]
     eight = make(method, pixels, kind, patch_size=16)
     deep = make(method, pixels.astype(np.uint16) * 257, kind, patch_size=16)

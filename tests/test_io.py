@@ -1395,7 +1395,7 @@ PICTURES = ["bricks", "grass", "leaves", "pebbles", "tiles", "weave", "wood"]
 
 
 def test_samples():
-    assert io.sample_names() == sorted([*PICTURES, "stone_wall"])
+    assert io.sample_names() == sorted([*PICTURES, "stone_wall", "hole"])
     for name in PICTURES:
         picture = io.read_image(f"sample:{name}")
         assert picture.path == f"sample:{name}"
@@ -1407,6 +1407,9 @@ def test_samples():
     assert io.is_folder("sample:stone_wall")
     maps = io.read_maps("sample:stone_wall")
     assert list(maps) == ["albedo", "ao", "height", "normal", "roughness"]
+    one = io.read_image("sample:stone_wall/normal")
+    np.testing.assert_array_equal(one.pixels, maps["normal"].pixels)
+    assert 0.05 < io.read_mask("sample:hole").mean() < 0.3
     assert {m.pixels.shape[:2] for m in maps.values()} == {(256, 256)}
 
 

@@ -154,7 +154,7 @@ def test_unknown_parameters_and_values_name_the_nearest(slug):
 
 def test_make_method():
     method = weft.Quilting(patch_size=9)
-    assert make_method(method, {}) is method
+    assert make_method(method, {}) == method
     assert make_method(method, {"blend": "none"}) == weft.Quilting(patch_size=9, blend="none")
     for wrong in (3, None, weft.Quilting):
         with pytest.raises(InvalidInputError, match="must be a name or a Method"):

@@ -144,7 +144,7 @@ def test_layers_are_the_slow_twins():
             y, x, sy, sx, _ = result.placements[p].tolist()
             at = ((6 + i - y) % 40 + sy) % 30, ((4 + j - x) % 45 + sx) % 34
             assert tuple(coordinates[i, j, n]) == at
-            assert shares[i, j, n] == share
+            assert shares[i, j, n] == pytest.approx(share, abs=1e-6)
 
 
 def test_source_is_the_heaviest_layer():

@@ -331,12 +331,15 @@ def atomic(path: StrPath) -> Iterator[str]:
 
 
 def sample_names() -> list[str]:
-    """Return the names of the samples that ship with weft, sorted."""
-    return sorted(_samples())
+    """Return the names of the samples that ship with weft, sorted, a set of maps as one."""
+    return sorted(name for name in _samples() if "/" not in name)
 
 
 def sample_path(name: str) -> str:
-    """Return the path of a shipped sample, a picture or a folder, by NAME or ``sample:NAME``."""
+    """Return the path of a shipped sample by NAME or ``sample:NAME``.
+
+    It is a picture or a folder of maps; ``FOLDER/MAP`` names one of these.
+    """
     name, samples = name.removeprefix("sample:"), _samples()
     if name not in samples:
         raise FileError(
@@ -355,11 +358,9 @@ def is_folder(path: StrPath) -> bool:
 
 
 def _samples() -> dict[str, str]:
-    names = (
-        file
-        for file in os.listdir(_SAMPLES)
-        if not file.startswith((".", "_", "MANIFEST"))
-    )
+    names = [file for file in os.listdir(_SAMPLES) if not file.startswith((".", "_", "MANIFEST"))]
+    for folder in [name for name in names if "." not in name]:
+        names += [f"{folder}/{file}" for file in os.listdir(os.path.join(_SAMPLES, folder))]
     return {os.path.splitext(file)[0]: file for file in names}
 
 

@@ -1,0 +1,99 @@
+"""Kernels for the processor at hand and for any: the same bytes."""
+
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+import weft
+
+FOLDER = Path(weft.__file__).parent
+SCRIPT = """
+import hashlib, sys
+import numpy as np
+import weft
+import weft._compositing, weft.methods._patch_kernels, weft.search._kernels, weft.seams._kernels
+
+kernels = [m for m in sys.modules.values() if (m.__name__ or "").startswith("weft")
+           and m.__name__.endswith(("_kernels", "_compositing"))]
+print(*sorted({"avx2" if "_avx2" in m.__file__ else "baseline" for m in kernels}), len(kernels))
+pebbles = weft.load_exemplar("sample:pebbles").pixels[:90, :85]
+y, x = np.indices((70, 75))
+hole = (y - 30) ** 2 + (x - 35) ** 2 < 300
+known = pebbles[:70, 5:80].copy()
+known[hole] = 0
+alpha = np.concatenate([pebbles, pebbles[..., :1]], axis=2)
+samples = {"bytes": pebbles, "grey": pebbles[..., 0].copy(), "alpha": alpha,
+           "deep": pebbles.astype(np.uint16) * 257, "real": (pebbles / 255).astype(np.float32)}
+canvases = {"plain": weft.Canvas(100, 111), "tileable": weft.Canvas(100, 111, (True, True)),
+            "hole": weft.Canvas(70, 75, known=known, hole=hole)}
+for method in weft.METHODS:
+    for search in ("exhaustive", "quadtree", "pca", "kdtree", "kdtree-pca"):
+        for name, sample in samples.items():
+            for kind, canvas in canvases.items():
+                if search != "pca" and name != "bytes" or kind == "hole" and name != "bytes":
+                    continue
+                for blend in ("feather", "feather-at-end", "cut"):
+                    if blend == "feather-at-end" and search != "pca":
+                        continue
+                    kind_of = weft.METHODS[method](patch_size=19, search=search, blend=blend)
+                    result = kind_of.fit(weft.Exemplar(sample)).sample(canvas, seed=3)
+                    whole = hashlib.sha256()
+                    parts = [result.image, result.placements, result.cuts, *result.layers()]
+                    for part in (*parts, result.render(sample.repeat(2, 0).repeat(2, 1),
+                                 background=None if kind != "hole" else known.repeat(2, 0).repeat(2, 1))):
+                        whole.update(np.ascontiguousarray(part).tobytes())
+                    print(method, search, name, kind, blend, whole.hexdigest())
+"""
+
+
+def run(**environment):
+    done = subprocess.run(
+        [sys.executable, "-c", SCRIPT],
+        env={k: v for k, v in os.environ.items() if k != "WEFT_KERNELS"} | environment,
+        capture_output=True,
+        check=False,
+        text=True,
+    )
+    assert done.returncode == 0, done.stderr
+    first, *lines = done.stdout.splitlines()
+    return first, lines
+
+
+def fast():
+    """Whether this machine and this build have kernels of both kinds."""
+    try:
+        from numpy._core._multiarray_umath import __cpu_features__ as features
+    except ImportError:
+        return False
+    return bool(features.get("AVX2")) and (FOLDER / "_avx2").is_dir()
+
+
+@pytest.mark.skipif(not fast(), reason="no AVX2 here, or not built for it")
+def test_kernels_of_both_kinds_make_the_same_bytes():
+    """Both methods, every kind of canvas, search, depth and seam."""
+    kind, expected = run(WEFT_KERNELS="baseline")
+    assert kind == "baseline 4"
+    kind, found = run()
+    assert kind == "avx2 4"
+    assert len(found) > 80
+    assert found == expected
+
+
+def test_the_baseline_can_be_asked_for():
+    """It works on its own, whatever the machine."""
+    script = (
+        "import weft._compositing as c, weft, numpy as np;"
+        "print('_avx2' in c.__file__);"
+        "weft.synthesize(np.zeros((20, 20), np.uint8), 30, seed=1)"
+    )
+    done = subprocess.run(
+        [sys.executable, "-c", script],
+        env=os.environ | {"WEFT_KERNELS": "baseline"},
+        capture_output=True,
+        check=False,
+        text=True,
+    )
+    assert done.stdout.strip() == "False", done.stderr
