@@ -363,8 +363,8 @@ def table1(trials: int = 5) -> Table:
     """Table I: analysis and synthesis time of each search, 128x128 to 200x200."""
     notes = f"""
 Table I: 200x200 from 128x128, patches of 32 px, zones of 4 px; means of {trials} trials with each
-of {len(SAMPLES)} samples, all searches of a trial in turn. The paper's times are of a 667 MHz PC and
-means of 500 trials. "x" is how many times shorter synthesis is than with the exhaustive search.
+of {len(SAMPLES)} samples, all searches of a trial in turn. The paper's times are of a 667 MHz PC
+and means of 500 trials. "x" is how many times shorter synthesis is than with the exhaustive search.
 """
     searches = ("exhaustive", "quadtree", "kdtree", "kdtree-pca", "pca")
     method = {s: weft.PatchSampling(patch_size=32, search=s, **PAPER) for s in searches}

@@ -404,10 +404,7 @@ def layers(window, shape, placements, weights, cuts, most=4):
             older = older[: most - 1]
             ahead = [entry for entry in older if entry[1] >= new]
             found[at] = ahead + [(p, new)] + older[len(ahead) :]
-    for at, entries in found.items():
-        total = sum(s for _, s in entries) or 1  # less than 1 where one was dropped
-        found[at] = [(p, s / total) for p, s in entries if s > 0]
-    return found
+    return {at: [e for e in entries if e[1] > 0] for at, entries in found.items()}
 
 
 # Orders
@@ -494,7 +491,7 @@ def sample_exhaustive(exemplar, method, canvas, seed, *, corners=None, finish=Tr
                     around = laid_nearby(corner, placements, window)
                 else:
                     steps = _grid_steps(method, canvas)
-                    grid = {s: p for s, p in zip(steps, placements, strict=False)}
+                    grid = dict(zip(steps, placements, strict=False))
                     asked = [(step[0] + a, step[1] + b) for a, b in AROUND]
                     around = [grid[k] for k in asked if k in grid]
                 marks = mark_repeats(

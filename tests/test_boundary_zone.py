@@ -81,7 +81,7 @@ def test_blocks_share_little(known, width, block_side):
         block = expected[v : v + side, u : u + side]
         if block.shape == (side, side) and block.all():
             left = np.count_nonzero(~seen[v : v + side, u : u + side])
-            assert 2 * left < side * side or side == 1 and left == 0
+            assert 2 * left < side * side or (side == 1 and left == 0)
     assert len(zone.blocks) * side * side * 2 >= expected.sum()
 
 

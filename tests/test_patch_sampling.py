@@ -2,6 +2,7 @@
 
 import itertools
 import os
+import pickle
 
 import numpy as np
 import pytest
@@ -113,6 +114,30 @@ def test_wide_boundaries(rng, size, width, wrap, shape):
 
 
 @pytest.mark.parametrize("wrap", WRAPS)
+@pytest.mark.parametrize(
+    "size, width", [(8, 4), (9, 4), (12, 6), (24, 12), (24, 5), (4, 2), (3, 1)]
+)
+def test_zones_on_either_side_of_a_patch_do_not_meet(rng, size, width, wrap):
+    """A wrapped row's last patch has a zone at both ends; new pixels must join them to the rest."""
+    exemplar = weft.Exemplar(made_up(rng, (size + 3, size + 4)))
+    method = weft.PatchSampling(
+        patch_size=size, boundary_width=width, epsilon=float("inf"), repeat_distance=0
+    )
+    model = method.fit(exemplar)
+    for length in [*range(size, 2 * size + 2), 5 * size, 7 * size + 1]:
+        canvas = weft.Canvas(length, length + 3, wrap)
+        result = model.sample(canvas, seed=1, threads=1)
+        used = reference.zone_width(method, canvas)
+        assert used == width if not any(wrap) else used == max(1, min(width, size // 4))
+        for zone in set(result.placements[:, 4].tolist()):
+            new = result.weights[zone] == 256
+            assert new.any(axis=0).sum() >= used and new.any(axis=1).sum() >= used
+            # One block: the zone's own parts are on its outside.
+            rows, columns = (np.flatnonzero(new.any(axis=a)) for a in (1, 0))
+            assert new[rows[0] : rows[-1] + 1, columns[0] : columns[-1] + 1].all()
+
+
+@pytest.mark.parametrize("wrap", WRAPS)
 @pytest.mark.parametrize("width", [1, 2, 3])
 def test_patches_of_one_pixel(rng, wrap, width):
     """Section 2.5: pixel-based nonparametric sampling with a window of 2 w_E + 1."""
@@ -158,6 +183,47 @@ def test_holes(rng, shape, wrap, patch_size, blend):
     result = compare(sampling(patch_size=patch_size, blend=blend), exemplar, canvas)
     assert np.array_equal(result.image[~hole], known[~hole])
     assert (result.source[hole] >= 0).all(), "all of the hole is filled"
+
+
+@pytest.mark.parametrize("wrap", [(False, False), (True, True)])
+@pytest.mark.parametrize("repeat_distance", [0.0, 0.5, 1.5])
+@pytest.mark.parametrize("blend", ["feather", "cut"])
+@pytest.mark.parametrize("kind", [weft.PatchSampling, weft.Quilting])
+def test_large_holes_keep_sources_apart(rng, wrap, repeat_distance, blend, kind):
+    """Enough patches that some are further than two windows and more than eleven back."""
+    y, x = np.indices((44, 46))
+    hole = (y - 22) ** 2 + (x - 23) ** 2 < 400
+    known = made_up(rng, (44, 46), 4)
+    exemplar = weft.Exemplar(made_up(rng, (14, 15), 4))
+    loose = {"epsilon": 1.0} if kind is weft.PatchSampling else {"tolerance": 0.5}
+    method = kind(
+        patch_size=7, boundary_width=2, search="exhaustive", blend=blend,
+        repeat_distance=repeat_distance, **loose,
+    )  # fmt: skip
+    result = compare(method, exemplar, weft.Canvas(44, 46, wrap, known=known, hole=hole))
+    assert len(result.placements) > 40
+
+
+def test_a_holes_sources_keep_their_distance():
+    exemplar = weft.load_exemplar("sample:pebbles")
+    y, x = np.indices((260, 260))
+    hole = np.maximum(abs(y - 130), abs(x - 130)) < 110
+    known = np.resize(exemplar.pixels, (260, 260, 3)).copy()
+
+    def repeats(distance):
+        method = weft.PatchSampling(patch_size=24, repeat_distance=distance)
+        canvas = weft.Canvas(260, 260, known=known, hole=hole)
+        placements = method.fit(exemplar).sample(canvas, seed=2).placements
+        at, source = placements[:, :2], placements[:, 2:4]
+        count = 0
+        for k in range(1, len(at)):
+            near = np.flatnonzero((np.abs(at[:k] - at[k]) < 40).all(axis=1))[-11:]
+            offset = source[near] - source[k]
+            goes_on = (offset == at[near] - at[k]).all(axis=1)
+            count += int(((np.abs(offset) < 12).all(axis=1) & ~goes_on).sum())
+        return count
+
+    assert repeats(0.5) < 0.3 * repeats(0.0)
 
 
 @pytest.mark.parametrize("wrap", WRAPS)
@@ -303,6 +369,37 @@ def test_patch_size_follows_the_randomness_parameter():
     for share in (0.25, 0.5, 1.0):
         assert weft.PatchSampling(randomness=share).fit(exemplar).patch_size == round(60 * share)
     assert weft.PatchSampling(randomness=0.3, patch_size=20).fit(exemplar).patch_size == 20
+
+
+@pytest.mark.parametrize("threads", [0, -1, 1.0, "2", True, float("nan")])
+def test_bad_thread_counts_are_refused(threads):
+    model = sampling().fit(weft.Exemplar(np.zeros((20, 20), np.uint8)))
+    with pytest.raises(weft.InvalidInputError, match="threads is"):
+        model.sample((30, 30), seed=1, threads=threads)
+
+
+def test_samples_that_tile_must_hold_a_window_too():
+    exemplar = weft.Exemplar(np.zeros((9, 20), np.uint8), tileable=True)
+    assert sampling(patch_size=9).fit(exemplar).sample(30, seed=1).shape == (30, 30)
+    for kind in ({"patch_size": 10}, {"patch_size": 1, "boundary_width": 5}):
+        with pytest.raises(weft.InvalidInputError, match="20x9, smaller than the window"):
+            sampling(**kind).fit(exemplar)
+
+
+@pytest.mark.parametrize("search", ["exhaustive", "quadtree", "pca", "kdtree", "kdtree-pca"])
+def test_structures_for_holes_are_not_kept(rng, search):
+    """Each hole has its own; a model that fills many must not grow."""
+    exemplar = weft.Exemplar(made_up(rng, (24, 25)))
+    model = weft.PatchSampling(patch_size=8, boundary_width=2, search=search).fit(exemplar)
+    model.sample((40, 40), seed=1)
+    model.sample((40, 40), seed=1, tileable=True)
+    kept = len(model._structures)
+    assert len(pickle.dumps(model)) < 40000
+    for seed in range(3):
+        hole = rng.random((40, 41)) < 0.1
+        canvas = weft.Canvas(40, 41, known=made_up(rng, (40, 41)), hole=hole)
+        model.sample(canvas, seed=seed)
+    assert len(model._structures) == kept
 
 
 def test_the_boundary_is_at_most_half_of_the_patch():

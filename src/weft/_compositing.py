@@ -46,7 +46,7 @@ def blend(
     weight: cython.int,
     alpha: cython.bint,
 ) -> cython.void:
-    """Mix one pixel into `old`; straight alpha weighs the colours, so clear pixels bleed nothing."""
+    """Mix one pixel into `old`; straight alpha weighs colours, so clear pixels bleed nothing."""
     k: cython.Py_ssize_t
     mixed: cython.int
     num: cython.longlong
@@ -155,7 +155,9 @@ def paste(
                         blend(origin, to, channels, w, alpha)
                 u += 1
                 continue
-            limit = min(columns - u, width - left - cx, source_width - fx, out.shape[1] // scale - cx)
+            limit = min(
+                columns - u, width - left - cx, source_width - fx, out.shape[1] // scale - cx
+            )
             run = 1
             while run < limit and effective(weight[u + run], cut, v, u + run, rows, columns) == 256:
                 run += 1

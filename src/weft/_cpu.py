@@ -1,8 +1,8 @@
 """Which of the compiled kernels this processor should run.
 
 On x86-64 every kernel is built twice from the same source: for any processor, and for those with
-AVX2, which makes patches a fifth faster and long rows twice as fast. Both give the same bytes, because sums are of
-integers. Setting WEFT_KERNELS=baseline takes the first kind.
+AVX2, which makes patches a fifth faster and long rows twice as fast. Both give the same bytes,
+because sums are of integers. Setting WEFT_KERNELS=baseline takes the first kind.
 """
 
 from __future__ import annotations
@@ -18,9 +18,7 @@ def prefer_fast_kernels(package: str, path: list[str]) -> None:
     if not os.path.isdir(folder) or os.environ.get("WEFT_KERNELS") == "baseline":
         return
     try:  # NumPy has asked the processor already
-        from numpy._core._multiarray_umath import (  # type: ignore[attr-defined]
-            __cpu_features__ as features,
-        )
+        from numpy._core._multiarray_umath import __cpu_features__ as features
     except ImportError:
         return
     if features.get("AVX2"):

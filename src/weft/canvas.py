@@ -67,7 +67,9 @@ class Canvas:
             )
         wrap = self.wrap
         if not (isinstance(wrap, tuple) and len(wrap) == 2 and {*map(type, wrap)} == {bool}):
-            raise InvalidInputError(f"wrap is {wrap!r}; it must be two booleans (vertical, horizontal)")
+            raise InvalidInputError(
+                f"wrap is {wrap!r}; it must be two booleans (vertical, horizontal)"
+            )
         if self.hole is None and self.known is not None:
             raise InvalidInputError("known pixels need a hole, which says where there are none")
         if self.hole is not None:
@@ -114,7 +116,7 @@ def as_canvas(size: Canvas | int | tuple[int, int], tileable: bool | str = False
     if isinstance(size, numbers.Integral) and not isinstance(size, bool):
         size = (int(size), int(size))
     try:
-        height, width = size
+        height, width = size  # type: ignore[misc]
     except (TypeError, ValueError):
         raise InvalidInputError(f"size is {size!r}; it must be (height, width)") from None
     return Canvas(height, width, wraps[tileable])

@@ -107,7 +107,9 @@ class Exemplar:
             share = (len(self.maps) or 1) ** -0.5
             for value in self.maps.values():
                 channels = 1 if value.ndim == 2 else value.shape[2]
-                levels = _to_bytes(value, _scale(value)) * (share * (self.channels / channels) ** 0.5)
+                levels = _to_bytes(value, _scale(value)) * (
+                    share * (self.channels / channels) ** 0.5
+                )
                 own.append(np.rint(np.minimum(levels, 255)).astype(np.uint8))
             whole = own[0] if len(own) == 1 else np.concatenate(own, axis=2)
             self._matching[edge_weight] = np.ascontiguousarray(whole)
@@ -169,7 +171,7 @@ def _scale(pixels: NDArray[Any]) -> tuple[float, float]:
         # A few specular pixels of an HDR picture must not turn the rest black.
         low, high = (float(q) for q in np.quantile(pixels, (0.001, 0.999)))
         full = 1.0
-    if 0 <= low and high <= full and high - low >= full / 8:
+    if low >= 0 and high <= full and high - low >= full / 8:
         return 0.0, full  # the same bytes as the 8-bit version of the picture
     if 0 <= low < 0.75 * high:
         low = 0.0
@@ -186,4 +188,5 @@ def _edges(levels: NDArray[np.uint8], weight: float) -> NDArray[np.uint8]:
     """Gradient magnitude of the brightness: it is what an interrupted outline differs in."""
     grey = levels.mean(axis=2)
     dy, dx = (np.gradient(grey, axis=a) if grey.shape[a] > 1 else 0 * grey for a in (0, 1))
-    return np.rint(np.minimum(weight * np.hypot(dy, dx), 255)).astype(np.uint8)[..., None]
+    edges: NDArray[np.uint8] = np.rint(np.minimum(weight * np.hypot(dy, dx), 255)).astype(np.uint8)
+    return edges[..., None]

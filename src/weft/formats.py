@@ -46,6 +46,7 @@ class Format:
     options: tuple[tuple[str, int | str], ...] = ()
 
     def holds(self, dtype: str, colours: int, alpha: bool) -> bool:
+        """Whether pixels of this kind can be written."""
         counts = self.colours or (colours,)
         return dtype in self.types and colours in counts and alpha <= self.alpha
 
@@ -73,12 +74,14 @@ READABLE = (*FORMATS, ".jxl", ".hdr")
 
 
 def image_library() -> Any:
+    """Return OpenImageIO."""
     import OpenImageIO  # 20 ms, for those who read or write a picture
 
     return OpenImageIO
 
 
 def suffix_of(path: str) -> str:
+    """Return the suffix in lower case, with its dot."""
     return os.path.splitext(path)[1].lower()
 
 
@@ -119,9 +122,7 @@ def check_png(file: IO[bytes], given: str) -> None:
             raise file_error(given, "the file is cut short")
         body, check = file.read(length), int.from_bytes(file.read(4), "big")
         sides = [int.from_bytes(body[k : k + 4], "big") for k in (0, 4)]
-        header = position > len(PNG) or (
-            kind == b"IHDR" and 0 < min(sides) <= max(sides) <= 10**6
-        )
+        header = position > len(PNG) or (kind == b"IHDR" and 0 < min(sides) <= max(sides) <= 10**6)
         if not header or zlib.crc32(body, zlib.crc32(kind)) != check:
             raise file_error(given, "the file is damaged")
         position += 12 + length
@@ -143,15 +144,9 @@ def check_spec(spec: Any, given: str, max_pixels: int | None) -> None:
     if spec.deep or spec.depth > 1:
         raise file_error(given, "is a deep or volume picture; weft reads flat ones")
     if str(spec.format) not in READ_AS:
-        raise file_error(
-            given, f"holds {spec.format} pixels; weft reads uint8, uint16 and float"
-        )
-    if (
-        str(spec.format) == "double" and spec.tile_width
-    ):  # OpenImageIO 3.2 reads them wrong
-        raise file_error(
-            given, "holds tiled float64 pixels; store them as float32 or untiled"
-        )
+        raise file_error(given, f"holds {spec.format} pixels; weft reads uint8, uint16 and float")
+    if str(spec.format) == "double" and spec.tile_width:  # OpenImageIO 3.2 reads them wrong
+        raise file_error(given, "holds tiled float64 pixels; store them as float32 or untiled")
 
 
 def straight(pixels: NDArray[Any], spec: Any, kind: str) -> tuple[NDArray[Any], bool]:
@@ -163,9 +158,7 @@ def straight(pixels: NDArray[Any], spec: Any, kind: str) -> tuple[NDArray[Any], 
     if place < 0 or pixels.shape[2] == 1:
         return (pixels[..., 0] if pixels.shape[2] == 1 else pixels), False
     colour, cover = np.delete(pixels, place, axis=2), pixels[..., place : place + 1]
-    if kind in ("tiff", "openexr") and not spec.get_int_attribute(
-        "oiio:UnassociatedAlpha"
-    ):
+    if kind in ("tiff", "openexr") and not spec.get_int_attribute("oiio:UnassociatedAlpha"):
         if pixels.dtype.kind == "f":
             with np.errstate(all="ignore"):
                 np.divide(colour, cover, out=colour, where=cover > 0)
@@ -191,6 +184,7 @@ def upright(pixels: NDArray[Any], orientation: int) -> NDArray[Any]:
 
 
 def varies(pixels: NDArray[Any]) -> bool:
+    """Whether any pixel differs from the first."""
     return bool((pixels != pixels[:1, :1]).any())
 
 
@@ -206,15 +200,11 @@ def check_fit(given: str, form: Format, pixels: NDArray[Any], alpha: bool) -> No
     elif dtype not in ("uint8", "uint16", "float32"):
         problem = f"{dtype} pixels are not written; use uint8, uint16 or float32"
     elif not form.holds(dtype, colours, alpha):
-        able = [
-            key for key in sorted(FORMATS) if FORMATS[key].holds(dtype, colours, alpha)
-        ]
+        able = [key for key in sorted(FORMATS) if FORMATS[key].holds(dtype, colours, alpha)]
         what = f"{dtype} pixels of {colours} channel{'s'[: colours > 1]}{' and alpha' * alpha}"
         problem = f"'{suffix}' cannot hold {what}; use {', '.join(able)}"
     elif max(shape[:2]) > form.side:
-        problem = (
-            f"'{suffix}' holds at most {form.side} pixels a side, not {max(shape[:2])}"
-        )
+        problem = f"'{suffix}' holds at most {form.side} pixels a side, not {max(shape[:2])}"
     else:
         return
     raise InvalidInputError(f"{given}: {problem}")
@@ -223,11 +213,7 @@ def check_fit(given: str, form: Format, pixels: NDArray[Any], alpha: bool) -> No
 def fits(icc: bytes | None, colours: int) -> bool:
     """Return whether this is a whole profile for so many channels."""
     space = {1: b"GRAY", 3: b"RGB "}.get(colours)
-    whole = (
-        icc is not None
-        and len(icc) > 128
-        and int.from_bytes(icc[:4], "big") == len(icc)
-    )
+    whole = icc is not None and len(icc) > 128 and int.from_bytes(icc[:4], "big") == len(icc)
     return icc is not None and whole and icc[36:40] == b"acsp" and icc[16:20] == space
 
 
@@ -239,15 +225,11 @@ def reserve(path: str, size: int) -> None:
             size -= file.write(block[:size])
 
 
-def encode(
-    path: str, form: Format, pixels: NDArray[Any], alpha: bool, icc: bytes | None
-) -> str:
+def encode(path: str, form: Format, pixels: NDArray[Any], alpha: bool, icc: bytes | None) -> str:
     """Write with OpenImageIO and return what went wrong, or nothing."""
     oiio = image_library()
     height, width, channels = pixels.shape
-    spec = oiio.ImageSpec(
-        width, height, channels, READ_AS.get(pixels.dtype.name, "float")
-    )
+    spec = oiio.ImageSpec(width, height, channels, READ_AS.get(pixels.dtype.name, "float"))
     colours = channels - alpha
     names = ["Y"] if colours == 1 else ["R", "G", "B"] if colours >= 3 else []
     names += [f"channel{k:04}" for k in range(len(names), colours)]

@@ -116,9 +116,7 @@ def read_image(path: StrPath, *, max_pixels: int | None = MAX_PIXELS) -> Picture
         if source is None:
             problem = complaint(oiio)
             large = f"is larger than max_pixels = {max_pixels}"
-            raise file_error(
-                given, large if "imagesize_MB" in problem else "cannot read", problem
-            )
+            raise file_error(given, large if "imagesize_MB" in problem else "cannot read", problem)
         # The reader that goes with the suffix is asked first, and some claim any file.
         if source.format_name() != kind:
             raise file_error(
@@ -138,9 +136,7 @@ def read_image(path: StrPath, *, max_pixels: int | None = MAX_PIXELS) -> Picture
     pixels, alpha = straight(pixels, spec, kind)
     pixels = upright(pixels, spec.get_int_attribute("Orientation", 1))
     icc = spec.getattribute("ICCProfile")
-    return Picture(
-        np.ascontiguousarray(pixels), alpha, None if icc is None else bytes(icc), given
-    )
+    return Picture(np.ascontiguousarray(pixels), alpha, None if icc is None else bytes(icc), given)
 
 
 def write_image(
@@ -181,9 +177,7 @@ def write_image(
     with np.errstate(all="ignore"):  # infinities are as good as any other value
         pixels = np.ascontiguousarray(np.atleast_3d(pixels), native)
         if alpha and form.name == "openexr":
-            pixels = np.concatenate(
-                [pixels[..., :-1] * pixels[..., -1:], pixels[..., -1:]], axis=2
-            )
+            pixels = np.concatenate([pixels[..., :-1] * pixels[..., -1:], pixels[..., -1:]], axis=2)
     if pixels.shape[2] in form.widen:
         pixels = np.concatenate([pixels[..., :1]] * 2 + [pixels], axis=2)
     with atomic(path) as temporary:
@@ -234,11 +228,7 @@ def check_output(
     if os.path.isdir(target):
         raise file_error(given, "is a folder; name a file in it")
     if suffix not in known:
-        near = (
-            did_you_mean(suffix, known)
-            if suffix
-            else f"; known: {', '.join(sorted(known))}"
-        )
+        near = did_you_mean(suffix, known) if suffix else f"; known: {', '.join(sorted(known))}"
         raise file_error(
             given,
             f"cannot write {f'{suffix!r}' if suffix else 'without a suffix'}{near}",
@@ -247,17 +237,13 @@ def check_output(
         raise file_error(given, f"the folder {show(folder)} does not exist")
     if not os.access(folder, os.W_OK | os.X_OK):
         raise file_error(given, f"the folder {show(folder)} is read-only")
-    if os.path.lexists(target) and not (
-        os.path.isfile(target) and os.access(target, os.W_OK)
-    ):
+    if os.path.lexists(target) and not (os.path.isfile(target) and os.access(target, os.W_OK)):
         raise file_error(given, "exists and cannot be overwritten")
     if like is not None and suffixes is None:
         check_fit(show(given), FORMATS[suffix], like, alpha)
 
 
-def read_mask(
-    path: StrPath, *, max_pixels: int | None = MAX_PIXELS
-) -> NDArray[np.bool_]:
+def read_mask(path: StrPath, *, max_pixels: int | None = MAX_PIXELS) -> NDArray[np.bool_]:
     """Read a picture as an ``(H, W)`` mask.
 
     A pixel is True where any colour channel reaches half of the range: 128, 32768 or 0.5. Alpha is
@@ -273,9 +259,7 @@ def read_mask(
     return np.asarray((pixels >= half).any(axis=2))
 
 
-def read_maps(
-    folder: StrPath, *, max_pixels: int | None = MAX_PIXELS
-) -> dict[str, Picture]:
+def read_maps(folder: StrPath, *, max_pixels: int | None = MAX_PIXELS) -> dict[str, Picture]:
     """Read all pictures of a folder, or of ``sample:NAME``: the maps of one material.
 
     They are sorted by their names without suffix. Hidden files, folders and files of other suffixes
@@ -289,11 +273,7 @@ def read_maps(
     maps: dict[str, Picture] = {}
     for file in files:
         stem, full = os.path.splitext(file)[0], os.path.join(name, file)
-        if (
-            file.startswith(".")
-            or suffix_of(file) not in READABLE
-            or os.path.isdir(full)
-        ):
+        if file.startswith(".") or suffix_of(file) not in READABLE or os.path.isdir(full):
             continue
         if stem in maps:
             raise file_error(given, f"has two pictures named '{show(stem)}'; keep one")
@@ -342,18 +322,14 @@ def sample_path(name: str) -> str:
     """
     name, samples = name.removeprefix("sample:"), _samples()
     if name not in samples:
-        raise FileError(
-            f"no sample is named '{show(name)}'{did_you_mean(name, samples)}"
-        )
+        raise FileError(f"no sample is named '{show(name)}'{did_you_mean(name, samples)}")
     return os.path.join(_SAMPLES, samples[name])
 
 
 def is_folder(path: StrPath) -> bool:
     """Return whether the path is a folder, or names a sample that is a folder of maps."""
     given = os.fsdecode(path)
-    known = (
-        not given.startswith("sample:") or given.removeprefix("sample:") in _samples()
-    )
+    known = not given.startswith("sample:") or given.removeprefix("sample:") in _samples()
     return known and os.path.isdir(_locate(given)[0])
 
 

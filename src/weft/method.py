@@ -76,8 +76,15 @@ def parameter(
 class Model(Protocol):
     """What `Method.fit` returns: immutable, picklable, good for any number of outputs."""
 
-    exemplar: Exemplar
-    method: Method
+    @property
+    def exemplar(self) -> Exemplar:
+        """The sample that was fitted."""
+        ...
+
+    @property
+    def method(self) -> Method:
+        """The method and its parameters."""
+        ...
 
     def sample(
         self,
@@ -165,7 +172,9 @@ def bounds(field: dataclasses.Field[Any]) -> str:
         return ", ".join(choices)
     if low is not None and high is not None:
         return f"from {low:g} to {high:g}"
-    return f"{low:g} or more" if low is not None else f"at most {high:g}" if high is not None else ""
+    return (
+        f"{low:g} or more" if low is not None else f"at most {high:g}" if high is not None else ""
+    )
 
 
 class _Registry(Mapping[str, type[Method]]):
@@ -221,4 +230,6 @@ def make_method(method: str | Method, parameters: Mapping[str, Any]) -> Method:
         if name not in known:
             near = did_you_mean(name, known)
             raise InvalidInputError(f"{cls.slug} has no parameter '{name}'{near}")
-    return cls(**parameters) if isinstance(method, str) else dataclasses.replace(method, **parameters)
+    return (
+        cls(**parameters) if isinstance(method, str) else dataclasses.replace(method, **parameters)
+    )

@@ -28,6 +28,7 @@ class Parser(argparse.ArgumentParser):
         )
 
     def error(self, message: str) -> NoReturn:
+        """Raise, so that usage errors look like all others."""
         raise InvalidInputError(message)
 
     def parse(self, argv: list[str]) -> argparse.Namespace:

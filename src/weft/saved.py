@@ -41,9 +41,7 @@ def write_result(path: str | os.PathLike[str], result: Synthesis) -> None:
         np.savez_compressed(file, about=np.array(json.dumps(about)), **arrays)  # type: ignore[arg-type]
 
 
-def read_result(
-    path: str | os.PathLike[str], known: NDArray[Any] | None
-) -> dict[str, Any]:
+def read_result(path: str | os.PathLike[str], known: NDArray[Any] | None) -> dict[str, Any]:
     """Return the arguments of the `Synthesis` that was written, all but its exemplar.
 
     Raises
@@ -55,9 +53,7 @@ def read_result(
     try:
         with np.load(path, allow_pickle=False) as file:
             about = json.loads(str(file["about"]))
-            placements, weights, cuts = (
-                file[k] for k in ("placements", "weights", "cuts")
-            )
+            placements, weights, cuts = (file[k] for k in ("placements", "weights", "cuts"))
             hole = file.get("hole")
         if about["format"] != _FORMAT:
             raise ValueError(f"its format is {about['format']}, not {_FORMAT}")
@@ -66,7 +62,7 @@ def read_result(
         _check_saved(about, canvas, placements, weights, cuts, hole)
     except FileNotFoundError:
         raise FileError(f"{name} does not exist") from None
-    except Exception as error:  # noqa: BLE001  numpy and zipfile raise many kinds for a damaged file
+    except Exception as error:  # numpy and zipfile raise many kinds for a damaged file
         raise FileError(f"{name} is not a saved weft result: {error}") from None
     if hole is not None:
         hole = np.unpackbits(hole, axis=1, count=width).astype(bool)

@@ -87,21 +87,15 @@ class Synthesis:
     def image(self) -> NDArray[Any]:
         """The output: (H, W) or (H, W, C) in the sample's dtype."""
         if self.exemplar is None:
-            raise InvalidInputError(
-                "this result was loaded without its sample; render a map of it"
-            )
+            raise InvalidInputError("this result was loaded without its sample; render a map of it")
         return self.render(self.exemplar)
 
     @property
     def maps(self) -> dict[str, NDArray[Any]]:
         """The sample's maps, replayed at the same coordinates."""
         if self.exemplar is None:
-            raise InvalidInputError(
-                "this result was loaded without its sample; render its maps"
-            )
-        return {
-            name: self.render(pixels) for name, pixels in self.exemplar.maps.items()
-        }
+            raise InvalidInputError("this result was loaded without its sample; render its maps")
+        return {name: self.render(pixels) for name, pixels in self.exemplar.maps.items()}
 
     @property
     def source(self) -> NDArray[np.int32]:
@@ -113,9 +107,7 @@ class Synthesis:
         result = np.empty((*self.shape, 2), np.int32)
         for top in range(0, self.shape[0], _BAND):
             rows = min(_BAND, self.shape[0] - top)
-            result[top : top + rows] = self.layers((top, 0, rows, self.shape[1]))[0][
-                :, :, 0
-            ]
+            result[top : top + rows] = self.layers((top, 0, rows, self.shape[1]))[0][:, :, 0]
         return result
 
     def layers(self, window: Window | None = None) -> tuple[NDArray[Any], NDArray[Any]]:
@@ -151,17 +143,11 @@ class Synthesis:
         x = np.arange(left, left + width)[None, :, None]
         # There is always a row to point at, though nothing shows of it.
         at = np.resize(self.placements, (max(len(self.placements), 1), 5))[patch]
-        source_y = ((y - at[..., 0]) % self.shape[0] + at[..., 2]) % self.sample_shape[
-            0
-        ]
-        source_x = ((x - at[..., 1]) % self.shape[1] + at[..., 3]) % self.sample_shape[
-            1
-        ]
+        source_y = ((y - at[..., 0]) % self.shape[0] + at[..., 2]) % self.sample_shape[0]
+        source_x = ((x - at[..., 1]) % self.shape[1] + at[..., 3]) % self.sample_shape[1]
         coordinates = np.stack([source_y, source_x], axis=-1).astype(np.int32)
         coordinates[(patch < 0) | (share == 0)] = -1
-        total = share.sum(
-            axis=2, keepdims=True
-        )  # below 1 where more patches meet than are kept
+        total = share.sum(axis=2, keepdims=True)  # below 1 where more patches meet than are kept
         share /= np.where(total > 0, total, 1)
         if self.known_from is not None and self.canvas.hole is not None:
             known = ~self.canvas.hole[top : top + height, left : left + width]
@@ -214,9 +200,7 @@ class Synthesis:
         own = other is None or other is self.exemplar
         given = self.exemplar if other is None else other
         if given is None:
-            raise InvalidInputError(
-                "this result was loaded without its sample; give a map of it"
-            )
+            raise InvalidInputError("this result was loaded without its sample; give a map of it")
         if isinstance(given, Exemplar):
             pixels, alpha = given.pixels, given.alpha
         else:
@@ -272,10 +256,7 @@ class Synthesis:
             raise InvalidInputError(
                 "the known pixels are not part of the sample; give their map as background"
             )
-        if (
-            background.shape != (*size, *pixels.shape[2:])
-            or background.dtype != pixels.dtype
-        ):
+        if background.shape != (*size, *pixels.shape[2:]) or background.dtype != pixels.dtype:
             raise InvalidInputError(
                 f"background is {background.shape} {background.dtype}; it must be "
                 f"{(*size, *pixels.shape[2:])} {pixels.dtype}"
@@ -317,9 +298,7 @@ class Synthesis:
             colour[source[..., 0] < 0] = 0
             return colour
         if what not in ("seams", "error"):
-            raise InvalidInputError(
-                f"cannot draw {what!r}; known: sources, seams, error"
-            )
+            raise InvalidInputError(f"cannot draw {what!r}; known: sources, seams, error")
         picture = _grey(self.image)
         if what == "seams":
             y, x = np.indices(self.shape)
@@ -388,4 +367,5 @@ def _grey(pixels: NDArray[Any]) -> NDArray[np.uint8]:
     if pixels.dtype != np.uint8:
         low, high = float(grey.min()), float(grey.max())
         grey = (grey - low) * (255 / ((high - low) or 1))
-    return np.rint(grey).astype(np.uint8)
+    result: NDArray[np.uint8] = np.rint(grey).astype(np.uint8)
+    return result

@@ -43,7 +43,7 @@ class Bar:
         """Count; False once `stop` was called."""
         if self._bar is None and not self._quiet and perf_counter() - self._start > _BAR_AFTER:
             try:
-                from tqdm import tqdm  # type: ignore[import-untyped]
+                from tqdm import tqdm
 
                 self._bar = tqdm(total=total, unit=f" {stage}", leave=False, file=sys.stderr)
             except ImportError:

@@ -4,6 +4,7 @@
 import cython
 from cython.cimports.libc.math import sqrt
 from cython.cimports.weft._compositing import paste
+from cython.cimports.weft.seams._kernels import cut_bands
 from cython.cimports.weft.search._kernels import (
     block_means,
     distance,
@@ -12,9 +13,8 @@ from cython.cimports.weft.search._kernels import (
     nearest_by_features,
     project,
 )
-from cython.cimports.weft.seams._kernels import cut_bands
 
-# Where candidates come from, as `Shortlist` in patch_model.py numbers them.
+# Where candidates come from, as `SEARCHES` in patch_analysis.py numbers them.
 ALL = cython.declare(cython.int, 0)
 BLOCKS = cython.declare(cython.int, 1)
 FEATURES = cython.declare(cython.int, 2)
@@ -321,7 +321,9 @@ def sample_patches(
                         count = climb(
                             pixels, turned, usable, runs, query, nodes.shape[1], count, keys, places
                         )
-                bar_repeats(count, places, width, y, x, placed, around, p, reach, bits[p] & 1, barred)
+                bar_repeats(
+                    count, places, width, y, x, placed, around, p, reach, bits[p] & 1, barred
+                )
                 chosen = places[
                     choose(count, keys, barred, energy, tolerance, relative, weighted, bits[p])
                 ]

@@ -241,7 +241,7 @@ class SearchStructure:
     """Everything the kernel needs to search for one zone."""
 
     def __init__(
-        self, model: PatchModel, zone: BoundaryZone, usable: NDArray[np.uint8], often: bool
+        self, model: PatchAnalysis, zone: BoundaryZone, usable: NDArray[np.uint8], often: bool
     ) -> None:
         method = model.method
         search = method.search
@@ -254,7 +254,9 @@ class SearchStructure:
         if zone.area == 0 or method.rule()[0] == float("inf"):  # chaos mosaic needs no search
             self.search = SEARCHES["exhaustive"]
         elif search == "pca":
-            while self.stride * 2 <= zone.side and len(self.positions) > _POSITIONS * self.stride**2:
+            while (
+                self.stride * 2 <= zone.side and len(self.positions) > _POSITIONS * self.stride**2
+            ):
                 self.stride *= 2
         self.nodes = model.pyramid.nodes(zone.side, self.stride)
         if self.search in (SEARCHES["exhaustive"], SEARCHES["quadtree"]):

@@ -181,7 +181,12 @@ class Pasting:
 
     def _causal_zone(self, i: int, j: int) -> int:
         (height, width), reach = self.canvas.shape, self.model.boundary_width
-        key = (min(i, reach), max(i - height, -reach - 1), min(j, reach), max(j - width, -reach - 1))
+        key = (
+            min(i, reach),
+            max(i - height, -reach - 1),
+            min(j, reach),
+            max(j - width, -reach - 1),
+        )
         if not self.canvas.wrap[0]:
             key = (key[0], 0, *key[2:])
         if key in self.by_key:
@@ -212,7 +217,7 @@ class Pasting:
             ends = np.add(self.canvas.known_from, self.canvas.shape)
             if min(self.canvas.known_from) < 0 or (ends > self.exemplar.shape).any():
                 raise InvalidInputError(
-                    f"known_from is {self.canvas.known_from}; the canvas must lie in the sample there"
+                    f"known_from is {self.canvas.known_from}; the canvas must lie in the sample"
                 )
         if self.exemplar.maps:
             raise InvalidInputError("a hole's surroundings lack the sample's maps; use weft.fill")
@@ -356,7 +361,8 @@ class Pasting:
                 for k in range(first, last):
                     self._lay(number, bits, k, k + 1)
                 return
-            given = structure.tree_candidates(self.buffer, *placements[0, :2], method.candidates)
+            y, x = (int(k) for k in placements[0, :2])
+            given = structure.tree_candidates(self.buffer, y, x, method.candidates)
         room = len(structure.positions)
         if structure.search != 0:
             room = method.candidates + 54 * structure.nodes.shape[1]

@@ -15,7 +15,6 @@ from weft.random import seed_number
 from weft.synthesis import Synthesis
 
 if TYPE_CHECKING:
-
     from weft.random import Seed
 
 
@@ -28,7 +27,7 @@ class PatchSampling(PatchMethod):
 
     Examples
     --------
-    >>> import weft
+    >>> import numpy as np, weft
     >>> sample = weft.Exemplar(np.random.default_rng(0).integers(0, 255, (48, 48), np.uint8))
     >>> weft.PatchSampling(patch_size=16).fit(sample).sample((60, 80), seed=7).image.shape
     (60, 80)
@@ -42,8 +41,8 @@ class PatchSampling(PatchMethod):
     )
 
     epsilon: float = parameter(
-        0.2,
-        "relative error of a matching zone; 0 takes the best, inf anything (chaos mosaic)",
+        0.1,
+        "relative error of a matching zone, 0.2 in the paper; inf takes anything (chaos mosaic)",
         low=0.0,
     )
     choice: str = parameter(

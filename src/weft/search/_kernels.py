@@ -227,7 +227,9 @@ def nearest_by_blocks(
             u = blocks[b, 1]
             for k in range(channels):
                 q = cython.cast(cython.short, query[b * channels + k])
-                node = cython.address(nodes[k, v % stride, u % stride, i + v // stride, u // stride])
+                node = cython.address(
+                    nodes[k, v % stride, u % stride, i + v // stride, u // stride]
+                )
                 for j in range(columns):
                     d = cython.cast(cython.short, node[j]) - q
                     partial[j] += cython.cast(cython.int, d) * d
@@ -331,7 +333,7 @@ def nearest_by_features(
 
 
 def zone_distances(canvas, y, x, pixels, turned, runs, corners, query):
-    """Return A d**2 between the zone on the canvas and at each (y, x) of `corners`, and its energy."""
+    """Return A d**2 between the zone on the canvas and at each of `corners`, and its energy."""
     energy = gather(canvas, y, x, runs, query)
     return [distance(pixels, turned, v, u, runs, query, -1) for v, u in corners], energy
 

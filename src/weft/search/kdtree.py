@@ -42,4 +42,5 @@ class KDTree:
         """Return the places of about the `wanted` nearest points."""
         wanted = min(wanted, len(self.places))
         found = self.tree.query(query, k=wanted, eps=self.error, workers=1)[1]
-        return self.places[np.atleast_1d(found)]
+        nearest: NDArray[np.int32] = self.places[np.atleast_1d(found)]
+        return nearest

@@ -1,0 +1,66 @@
+"""What a reader of the README, of a page or of an example would paste does run."""
+
+import re
+import shlex
+import subprocess
+import sys
+import sysconfig
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).parent.parent
+PAGES = sorted(p for p in [ROOT / "README.md", *ROOT.glob("docs/*.md")] if p.exists())
+EXAMPLES = sorted(p for p in ROOT.glob("examples/*.py") if not p.name.startswith("paper_"))
+WEFT = Path(sysconfig.get_path("scripts"), "weft")
+
+
+def blocks(page, language):
+    """The fenced code of one language."""
+    return re.findall(rf"^```{language}\n(.*?)^```$", page.read_text("utf-8"), re.M | re.S)
+
+
+def run(command, folder):
+    done = subprocess.run(command, cwd=folder, capture_output=True, text=True, check=False)
+    assert done.returncode == 0, f"{shlex.join(map(str, command))}\n{done.stdout}{done.stderr}"
+
+
+@pytest.mark.parametrize("page", PAGES, ids=lambda page: page.name)
+def test_commands_of_pages(page, tmp_path):
+    """In the order of the page, in one folder: a command may use what an earlier one made."""
+    for block in blocks(page, "sh"):
+        for line in block.splitlines():
+            words = shlex.split(line, comments=True)
+            if words[:1] == ["weft"]:
+                run([WEFT, *words[1:]], tmp_path)
+                if "-o" in words:
+                    assert (tmp_path / words[words.index("-o") + 1]).exists()
+
+
+@pytest.mark.parametrize("page", PAGES, ids=lambda page: page.name)
+def test_python_of_pages(page, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    for block in blocks(page, "python"):
+        exec(compile(block, str(page), "exec"), {})
+
+
+@pytest.mark.parametrize("example", EXAMPLES, ids=lambda example: example.name)
+def test_examples(example, tmp_path):
+    run([sys.executable, example, "-o", tmp_path], tmp_path)
+    assert list(tmp_path.iterdir())
+
+
+@pytest.mark.parametrize("page", PAGES, ids=lambda page: page.name)
+def test_links_of_pages(page):
+    """Every file that a page names is there."""
+    text = re.sub(r"^```.*?^```$", "", page.read_text("utf-8"), flags=re.M | re.S)
+    targets = re.findall(r"\]\(([^)#\s]+)[^)]*\)", text)
+    files = [page.parent / target for target in targets if "://" not in target]
+    assert [str(file) for file in files if not file.exists()] == []
+
+
+def test_the_readme_has_the_two_commands():
+    first, second = (line for b in blocks(ROOT / "README.md", "sh") for line in b.splitlines()
+                     if line.startswith("python3 -m venv"))  # fmt: skip
+    assert " weft synth sample:" in first.replace(".venv/bin/weft", "weft")
+    assert second.endswith("-m pytest")
