@@ -1,7 +1,8 @@
 """The compiled part of the build; everything else is in pyproject.toml.
 
-The kernels are Python files in Cython's pure Python mode. With ``WEFT_CHECKS=1`` they are built
-with checks of bounds and of integer overflow instead of for speed, to run the tests against.
+The kernels are Python files in Cython's pure Python mode. With ``WEFT_CHECKS=1`` they are built to
+run the tests against instead of for speed: Cython checks the bounds of arrays, and the compiler
+(GCC or Clang) ends the process at an integer overflow or beyond a fixed array.
 """
 
 import os
@@ -30,6 +31,9 @@ if MSVC:
     FLAGS, AVX2 = ["/O2", "/fp:precise"], ["/arch:AVX2"]
 elif sys.platform == "darwin":
     AVX2 = ["-Xarch_x86_64", "-mavx2"]  # also for a Python of both architectures
+if CHECKS:
+    FLAGS += ["-fno-wrapv", "-fsanitize-undefined-trap-on-error"]
+    FLAGS += ["-fsanitize=signed-integer-overflow,shift,integer-divide-by-zero,bounds"]
 FAST = not CHECKS and platform.machine() in ("x86_64", "AMD64")
 
 NO_COMPILER = """
@@ -79,11 +83,9 @@ class BuildKernels(build_ext):
             [setuptools.Extension(name, [python_file(name)]) for name in KERNELS],
             build_dir=f"{BASE}/c",
             nthreads=os.cpu_count() or 1,
-            show_all_warnings=False,
             compiler_directives={
                 "language_level": 3,
                 "boundscheck": CHECKS,
-                "overflowcheck": CHECKS,
                 "initializedcheck": CHECKS,
                 "wraparound": False,
                 "cdivision": True,
@@ -101,7 +103,9 @@ class BuildKernels(build_ext):
 
     def copy_extensions_to_source(self):
         for extension in self.extensions:  # an editable install has no folder for AVX2 yet
-            inplace = self._get_inplace_equivalent(self.get_finalized_command("build_py"), extension)
+            inplace = self._get_inplace_equivalent(
+                self.get_finalized_command("build_py"), extension
+            )
             os.makedirs(os.path.dirname(inplace[0]), exist_ok=True)
         super().copy_extensions_to_source()
 
@@ -115,9 +119,7 @@ def extension(name, kernel, flags):
     """A module to compile from a kernel; its declarations travel with it in the source archive."""
     source = Path(python_file(kernel))
     declarations = [str(file) for file in [source.with_suffix(".pxd")] if file.exists()]
-    return setuptools.Extension(
-        name, [str(source)], depends=declarations, extra_compile_args=flags
-    )
+    return setuptools.Extension(name, [str(source)], depends=declarations, extra_compile_args=flags)
 
 
 if __name__ == "__main__":  # processes that Cython starts import this file

@@ -9,6 +9,8 @@ from __future__ import annotations
 
 import os
 
+import weft
+
 
 def prefer_fast_kernels(package: str, path: list[str]) -> None:
     """Put the AVX2 folder of a package before its own, if it exists and the processor has AVX2."""
@@ -23,3 +25,6 @@ def prefer_fast_kernels(package: str, path: list[str]) -> None:
         return
     if features.get("AVX2"):
         path.insert(0, folder)
+
+
+prefer_fast_kernels("weft", weft.__path__)

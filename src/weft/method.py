@@ -192,6 +192,9 @@ class _Registry(Mapping[str, type[Method]]):
         found: type[Method] = getattr(module, self._names[slug])
         return found
 
+    def get(self, slug: str, default: Any = None) -> Any:
+        return self[slug] if slug in self._names else default
+
     def __contains__(self, slug: object) -> bool:
         return slug in self._names
 

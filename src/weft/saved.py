@@ -20,6 +20,10 @@ if TYPE_CHECKING:
 _FORMAT = 1
 
 
+class _Damage(ValueError):
+    """What a file that weft once wrote cannot contain."""
+
+
 def write_result(path: str | os.PathLike[str], result: Synthesis) -> None:
     """Write a result to a compressed `.npz` file; nothing is left behind if that fails."""
     about = {
@@ -51,19 +55,21 @@ def read_result(path: str | os.PathLike[str], known: NDArray[Any] | None) -> dic
     """
     name = os.fsdecode(path)
     try:
-        with np.load(path, allow_pickle=False) as file:
+        with open(path, "rb") as raw, np.load(raw, allow_pickle=False) as file:
             about = json.loads(str(file["about"]))
             placements, weights, cuts = (file[k] for k in ("placements", "weights", "cuts"))
             hole = file.get("hole")
         if about["format"] != _FORMAT:
-            raise ValueError(f"its format is {about['format']}, not {_FORMAT}")
+            raise _Damage(f"its format is {about['format']}, not {_FORMAT}")
         height, width = about["shape"]
         canvas = Canvas(height, width, tuple(about["wrap"]))
         _check_saved(about, canvas, placements, weights, cuts, hole)
     except FileNotFoundError:
         raise FileError(f"{name} does not exist") from None
-    except Exception as error:  # numpy and zipfile raise many kinds for a damaged file
-        raise FileError(f"{name} is not a saved weft result: {error}") from None
+    except _Damage as error:
+        raise FileError(f"{name} is damaged: {error}") from None
+    except Exception:  # numpy and zipfile raise many kinds, with advice that does not fit here
+        raise FileError(f"{name} is not a saved weft result") from None
     if hole is not None:
         hole = np.unpackbits(hole, axis=1, count=width).astype(bool)
         canvas = Canvas(height, width, canvas.wrap, known, hole)
@@ -92,20 +98,20 @@ def _check_saved(
         np.uint16,
         np.uint16,
     ]:
-        raise ValueError("its arrays have other types")
+        raise _Damage("its arrays have other types")
     if placements.shape[1:] != (5,) or weights.ndim != 3 or cuts.ndim != 2:
-        raise ValueError("its arrays have other shapes")
+        raise _Damage("its arrays have other shapes")
     if (weights > 256).any():
-        raise ValueError("its weights are above 256")
+        raise _Damage("its weights are above 256")
     if cuts.size and cuts.shape != (len(placements), 2 * sum(weights.shape[1:])):
-        raise ValueError("its cuts do not fit its patches")
+        raise _Damage("its cuts do not fit its patches")
     if hole is not None and hole.shape != (canvas.height, -(-canvas.width // 8)):
-        raise ValueError("its hole does not fit its size")
+        raise _Damage("its hole does not fit its size")
     below = (*canvas.shape, *about["sample_shape"], len(weights))
     if len(placements) and ((placements < 0) | (placements >= np.array(below))).any():
-        raise ValueError("its patches lie outside")
+        raise _Damage("its patches lie outside")
     known_from = about["known_from"]
     if known_from is not None:
         ends = np.add(known_from, canvas.shape)
         if min(known_from) < 0 or (ends > about["sample_shape"]).any():
-            raise ValueError("its known pixels lie outside the sample")
+            raise _Damage("its known pixels lie outside the sample")

@@ -7,14 +7,11 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-import weft
-from weft._cpu import prefer_fast_kernels
+import weft._cpu  # noqa: F401  before any kernel, to choose which
+from weft import _compositing
 from weft.canvas import Canvas
 from weft.errors import InvalidInputError
 from weft.exemplar import Exemplar, check_pixels
-
-prefer_fast_kernels("weft", weft.__path__)
-from weft import _compositing  # noqa: E402
 
 if TYPE_CHECKING:
     import os

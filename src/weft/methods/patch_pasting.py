@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import os
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -52,9 +52,13 @@ class Pasting:
         self.buffer = np.zeros((height, width, model.pixels.shape[2]), np.uint8)
         # In a wrapped row the last patch has zones on both sides and must have room between them.
         wrapped = [w // 4 for w, wraps in zip(self.window, canvas.wrap, strict=True) if wraps]
-        self.width = max(1, min([model.boundary_width, *wrapped]))
+        self.width = model.boundary_width
+        if not model.pixelwise:
+            self.width = max(1, min([self.width, *wrapped]))
         self.structures: list[SearchStructure] = []
         self.by_key: dict[tuple[int, ...] | bytes, int] = {}
+        if canvas.known is not None:
+            self._check_known(canvas.known)
         self.placements = np.zeros((0, 5), np.int32)
         self.cuts = np.zeros((0, 0), np.uint16)
 
@@ -207,18 +211,6 @@ class Pasting:
         """Section 2.3: patches in spiral order, over the surroundings that are known."""
         known, hole = self.canvas.known, self.canvas.hole
         assert known is not None and hole is not None
-        own = self.exemplar.pixels
-        if known.dtype != own.dtype or known.shape[2:] != own.shape[2:]:
-            raise InvalidInputError(
-                f"known pixels are {known.dtype} {known.shape[2:]}, the sample is {own.dtype} "
-                f"{own.shape[2:]}; dtype and channels must be equal"
-            )
-        if self.canvas.known_from is not None:
-            ends = np.add(self.canvas.known_from, self.canvas.shape)
-            if min(self.canvas.known_from) < 0 or (ends > self.exemplar.shape).any():
-                raise InvalidInputError(
-                    f"known_from is {self.canvas.known_from}; the canvas must lie in the sample"
-                )
         if self.exemplar.maps:
             raise InvalidInputError("a hole's surroundings lack the sample's maps; use weft.fill")
         matching = self.exemplar.as_matching(known, self.method.edge_weight)
@@ -233,7 +225,7 @@ class Pasting:
         corners = self._hole_corners(unknown)
         self._allocate(len(corners))
         bits = draw(self.seed, "patch", np.arange(len(corners)))
-        if self.method.repeat_distance > 0:
+        if self.method.repeat_distance > 0 and not self.model.pixelwise:
             self.around = np.full((len(corners), _NEARBY), -1, np.int32)
         progress = self._progress(int(hole.sum()), "pixels")
         used = 0
@@ -251,13 +243,27 @@ class Pasting:
             key = (~missing & ~outside[at]).tobytes() + frozen[at].tobytes()
             number = self._zone_number(key, ~missing & ~outside[at], frozen[at] & ~missing)
             self.placements[used, :2] = y, x
-            if self.method.repeat_distance > 0:
+            if self.method.repeat_distance > 0 and not self.model.pixelwise:
                 self.around[used] = self._laid_nearby(used)
             self._lay(number, bits, used, used + 1)
             unknown[at] = missing & ~done
             used += 1
             progress.advance(int(done.sum()))
         self.placements, self.cuts = self.placements[:used], self.cuts[:used]
+
+    def _check_known(self, known: NDArray[Any]) -> None:
+        own = self.exemplar.pixels
+        if known.dtype != own.dtype or known.shape[2:] != own.shape[2:]:
+            raise InvalidInputError(
+                f"known pixels are {known.dtype} {known.shape[2:]}, the sample is {own.dtype} "
+                f"{own.shape[2:]}; dtype and channels must be equal"
+            )
+        if self.canvas.known_from is not None:
+            ends = np.add(self.canvas.known_from, self.canvas.shape)
+            if min(self.canvas.known_from) < 0 or (ends > self.exemplar.shape).any():
+                raise InvalidInputError(
+                    f"known_from is {self.canvas.known_from}; the canvas must lie in the sample"
+                )
 
     def _laid_nearby(self, number: int) -> NDArray[np.int32]:
         """The latest patches laid within two windows of this one, -1 where there are fewer."""

@@ -132,7 +132,11 @@ def load_exemplar(sample: Sample, **options: Any) -> Exemplar:
         if pixels.dtype.kind == "i":  # Pillow's modes I and I;16
             pixels = pixels.astype(np.uint16)
         return Exemplar(pixels, **about | options)
-    return Exemplar(np.asarray(image), **options)
+    try:
+        pixels = np.asarray(image)
+    except ValueError as error:
+        raise InvalidInputError(f"the sample is not a picture: {error}") from None
+    return Exemplar(pixels, **options)
 
 
 def exemplar_of_maps(pictures: Mapping[str, Picture], **options: Any) -> Exemplar:
