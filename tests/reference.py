@@ -12,6 +12,7 @@ import itertools
 import math
 
 import numpy as np
+
 from weft.random import draw
 
 #: A source that repeats nothing may have this times the squared distance of one that does.

@@ -5,10 +5,10 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
-from weft.search import _kernels
-from weft.search.boundary_zone import boundary_zone
 
 import reference
+from weft.search import _kernels
+from weft.search.boundary_zone import boundary_zone
 
 masks = arrays(bool, st.tuples(st.integers(1, 12), st.integers(1, 12)))
 widths = st.integers(1, 6)

@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+
 import weft
 from weft.canvas import MAX_PIXELS, Canvas, as_canvas
 from weft.errors import InvalidInputError

@@ -4,9 +4,9 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from weft import _compositing
 
 import reference
+from weft import _compositing
 
 DTYPES = (np.uint8, np.uint16, np.float32, np.float64)
 

@@ -6,6 +6,7 @@ import sys
 from pathlib import Path
 
 import pytest
+
 import weft
 
 FOLDER = Path(weft.__file__).parent

@@ -8,9 +8,10 @@ import sys
 
 import numpy as np
 import pytest
-import weft
 from hypothesis import given
 from hypothesis import strategies as st
+
+import weft
 from weft import _compositing
 
 METHODS = list(weft.METHODS)

@@ -2,9 +2,10 @@
 
 import numpy as np
 import pytest
-import weft
 from hypothesis import given
 from hypothesis import strategies as st
+
+import weft
 from weft.errors import UnsupportedError
 from weft.search.kdtree import KDTree
 

@@ -6,6 +6,7 @@ import math
 
 import numpy as np
 import pytest
+
 import weft
 from weft.errors import InvalidInputError, UnsupportedError
 from weft.method import CANVAS_KINDS, METHODS, Method, bounds, make_method, parameter

@@ -6,13 +6,13 @@ import sys
 
 import numpy as np
 import pytest
-import weft
 from hypothesis import given
 from hypothesis import strategies as st
-from weft.search import _kernels
-from weft.search.pca import fit_pca
 
 import reference
+import weft
+from weft.search import _kernels
+from weft.search.pca import fit_pca
 
 SAMPLES = ("pebbles", "grass", "bricks")
 

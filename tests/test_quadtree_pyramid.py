@@ -6,11 +6,11 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+
+import reference
 from weft.search import _kernels
 from weft.search.boundary_zone import boundary_zone
 from weft.search.quadtree_pyramid import QuadtreePyramid
-
-import reference
 
 
 @pytest.mark.parametrize("level, side", [(1, 1), (2, 2), (3, 4)])

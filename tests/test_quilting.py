@@ -4,11 +4,11 @@ import itertools
 
 import numpy as np
 import pytest
-import weft
 from hypothesis import given
 from hypothesis import strategies as st
 
 import reference
+import weft
 
 
 @pytest.mark.parametrize("blend", ["cut", "feather", "feather-at-end", "none"])

@@ -6,10 +6,10 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from weft.errors import InvalidInputError
-from weft.random import draw, seed_number
 
 import reference
+from weft.errors import InvalidInputError
+from weft.random import draw, seed_number
 
 MASK = 2**64 - 1
 

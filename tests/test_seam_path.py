@@ -5,10 +5,10 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
-from weft.seams import _kernels
-from weft.search.boundary_zone import boundary_zone
 
 import reference
+from weft.seams import _kernels
+from weft.search.boundary_zone import boundary_zone
 
 SIDES = ("left", "top", "right", "bottom")
 

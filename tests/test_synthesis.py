@@ -7,12 +7,12 @@ import sys
 
 import numpy as np
 import pytest
-import weft
 from hypothesis import given
 from hypothesis import strategies as st
-from weft.errors import FileError, InvalidInputError
 
 import reference
+import weft
+from weft.errors import FileError, InvalidInputError
 
 SAMPLE = np.random.default_rng(5).integers(0, 256, (30, 34, 3)).astype(np.uint8)
 BLENDS = ("feather", "feather-at-end", "cut", "none")
