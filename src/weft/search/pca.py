@@ -7,8 +7,11 @@ coordinates, and with them the candidates, are the same on every machine and thr
 
 from __future__ import annotations
 
+import os
+from contextlib import AbstractContextManager, nullcontext
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from functools import cache
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -42,6 +45,25 @@ class ZonePCA:
     features: NDArray[np.int16]
 
 
+@cache
+def _blas() -> Any:
+    from threadpoolctl import ThreadpoolController
+
+    return ThreadpoolController()
+
+
+def _one_blas_thread() -> AbstractContextManager[Any]:
+    """Keep BLAS from spreading small products over all cores.
+
+    Its threads wait for each other busily, so beside other work a product of a millisecond takes
+    a tenth of a second; and rounding must not depend on how many there are.
+    """
+    if os.environ.get("OPENBLAS_NUM_THREADS") == "1":
+        return nullcontext()
+    limit: AbstractContextManager[Any] = _blas().limit(limits=1, user_api="blas")
+    return limit
+
+
 def fit_pca(windows: NDArray[np.uint8], variance: float, most: int = _MOST) -> ZonePCA:
     """Find the components of the columns of `windows`, and all columns' coordinates.
 
@@ -54,6 +76,11 @@ def fit_pca(windows: NDArray[np.uint8], variance: float, most: int = _MOST) -> Z
     most : int
         The most components to keep.
     """
+    with _one_blas_thread():
+        return _fit(windows, variance, most)
+
+
+def _fit(windows: NDArray[np.uint8], variance: float, most: int) -> ZonePCA:
     size, count = windows.shape
     learn = windows[:, np.linspace(0, count - 1, min(count, _LEARN)).astype(np.int64)]
     learn = learn.astype(np.float64)
