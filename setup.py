@@ -47,7 +47,6 @@ Install a compiler and run the same command again:
   Debian, Ubuntu   apt-get install gcc libc6-dev python3-dev
   Fedora, RHEL     dnf install gcc python3-devel
   Arch             pacman -S gcc
-  Alpine           apk add gcc musl-dev python3-dev
   macOS            xcode-select --install
   Windows          winget install Microsoft.VisualStudio.2022.BuildTools, with its C++ workload
 """
