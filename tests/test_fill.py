@@ -230,7 +230,7 @@ def test_a_large_photo_is_filled_from_nearby(monkeypatch, wrap):
 def test_parameters_given_are_kept_and_the_rest_chosen():
     photo, hole = noise(300, 300), box((300, 300), (100, 100, 180, 180))
     chosen = weft.fill(photo, hole, seed=1).provenance
-    assert (chosen["patch_size"], chosen["boundary_width"]) == (48, 2)
+    assert (chosen["patch_size"], chosen["boundary_width"]) == (48, 4)
     given_size = weft.fill(photo, hole, seed=1, patch_size=20, epsilon=0.3).provenance
     assert (given_size["patch_size"], given_size["epsilon"]) == (20, 0.3)
     assert weft.fill(photo, hole, seed=1, randomness=0.1).provenance["patch_size"] == 30

@@ -35,7 +35,7 @@ _CELL = 16  # pixels a side; the neighbourhood grows by whole cells
 #: boards, pebbles, leaves and lawn. Known pixels cannot be blended, so the best match is taken; and
 #: the wider a zone of an irregular material, the more its best match is a dull, blurred place.
 #: As holes take few patches, more candidates cost little.
-FILL_DEFAULTS: dict[str, Any] = {"boundary_width": 2, "epsilon": 0.02, "candidates": 400}
+FILL_DEFAULTS: dict[str, Any] = {"boundary_width": 4, "epsilon": 0.02, "candidates": 400}
 #: Patch sizes; a hole gets the largest of which it holds a square _LEAP times as wide.
 _SIZES = (128, 96, 64, 48)
 _LEAP = 2.5
@@ -78,7 +78,7 @@ def fill(
     progress : callable, optional
         See `weft.progress.ProgressCallback`; the preview shows the surroundings of the holes.
     **parameters
-        Of the method. By default `boundary_width` is 2, `epsilon` 0.02, `candidates` 400, and
+        Of the method. By default `boundary_width` is 4, `epsilon` 0.02, `candidates` 400, and
         `patch_size` 48 to 128 pixels, about two fifths of how wide the holes are; at most a fifth
         of the photo's shorter side, and less where the holes leave few windows of that size.
 
