@@ -78,7 +78,7 @@ def boundary_zone(
     distance = _distance_to(~known, width)
     zone = known & (distance <= width)
     falling = np.maximum((256 * (width + 1 - distance)) // (width + 1), 1)
-    weight = np.where(zone & ~paste, falling, 256)
+    weight = np.where(zone & (not paste), falling, 256)
     weight[known & ~zone] = 0
     if frozen is not None:
         weight[frozen] = 0
