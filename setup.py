@@ -18,6 +18,7 @@ from setuptools.command.build_ext import build_ext
 KERNELS = [
     "weft._compositing",
     "weft.search._kernels",
+    "weft.search._window_kernels",
     "weft.seams._kernels",
     "weft.methods._patch_kernels",
 ]

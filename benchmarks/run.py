@@ -27,6 +27,7 @@ from typing import Any
 import numpy as np
 
 import weft
+from weft.patch_synthesis import PatchSynthesis
 
 ROOT = Path(__file__).resolve().parent.parent
 sys.path.insert(0, str(ROOT / "examples"))
@@ -312,7 +313,7 @@ class Truth:
             mask = (weight > 0) & (weight < 256)
             if not mask.any():
                 continue
-            before = weft.Synthesis(
+            before = PatchSynthesis(
                 result.canvas,
                 result.placements[:k],
                 result.weights,

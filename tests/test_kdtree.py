@@ -7,6 +7,7 @@ from hypothesis import strategies as st
 
 import weft
 from weft.errors import UnsupportedError
+from weft.patch_synthesis import PatchSynthesis
 from weft.search.kdtree import KDTree
 
 
@@ -79,7 +80,7 @@ def mismatch_of_pasting(exemplar):
 
 def _seam_error(result):
     """Mean squared difference between what a patch lays over and what it lays."""
-    layered = weft.Synthesis(
+    layered = PatchSynthesis(
         result.canvas,
         result.placements,
         np.full_like(result.weights, 128),

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from weft.errors import InvalidInputError
-from weft.exemplar import check_pixels
+from weft.exemplar import Exemplar, check_pixels
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -89,6 +89,23 @@ class Canvas:
     def shape(self) -> tuple[int, int]:
         """Height and width."""
         return self.height, self.width
+
+    def check_known(self, exemplar: Exemplar) -> None:
+        """Raise `InvalidInputError` unless the known pixels are of the sample's kind and place."""
+        own = exemplar.pixels
+        if self.known is not None and (
+            self.known.dtype != own.dtype or self.known.shape[2:] != own.shape[2:]
+        ):
+            raise InvalidInputError(
+                f"known pixels are {self.known.dtype} {self.known.shape[2:]}, the sample is "
+                f"{own.dtype} {own.shape[2:]}; dtype and channels must be equal"
+            )
+        if self.known_from is not None:
+            ends = np.add(self.known_from, self.shape)
+            if min(self.known_from) < 0 or (ends > exemplar.shape).any():
+                raise InvalidInputError(
+                    f"known_from is {self.known_from}; the canvas must lie in the sample"
+                )
 
 
 def as_canvas(size: Canvas | int | tuple[int, int], tileable: bool | str = False) -> Canvas:

@@ -166,11 +166,14 @@ def _write(
 
 def _report(args: argparse.Namespace, result: Synthesis, what: str, start: float) -> str:
     used, took = result.provenance, perf_counter() - start
-    patch = used.get("patch_size") or max(result.weights.shape[1:])
+    if "window_width" in used:
+        looked = f"window width {used['window_width']}"
+    else:
+        looked = f"patch size {used['patch_size'] or max(result.arrays()['weights'].shape[1:])}"
     hole = result.canvas.hole
     area = result.shape[0] * result.shape[1] if hole is None else int(hole.sum())
     return (
-        f"{what} {args.output} with {used['method']}, patch size {patch}, seed {used['seed']}, "
+        f"{what} {args.output} with {used['method']}, {looked}, seed {used['seed']}, "
         f"in {took:.2f} s ({area / took / 1e6:.3g} megapixels/s)"
     )
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import dataclasses
 import math
 import numbers
+import os
 from collections.abc import Iterator, Mapping
 from typing import TYPE_CHECKING, Any, ClassVar, Protocol
 
@@ -210,6 +211,19 @@ METHODS: Mapping[str, type[Method]] = _Registry(
     patch_sampling="PatchSampling",
     quilting="Quilting",
 )
+
+
+def thread_count(threads: int | None) -> int:
+    """Return how many threads to use: at most `threads`, by default one a processor.
+
+    Raises
+    ------
+    InvalidInputError
+        If it is not an integer of 1 or more.
+    """
+    if threads is not None and (type(threads) is not int or threads < 1):
+        raise InvalidInputError(f"threads is {threads!r}; it must be an integer of 1 or more")
+    return threads or os.cpu_count() or 1
 
 
 def make_method(method: str | Method, parameters: Mapping[str, Any]) -> Method:

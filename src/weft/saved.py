@@ -1,4 +1,4 @@
-"""Results on disk: coordinates, weights and cuts, but no pictures."""
+"""Results on disk: where pixels come from, but no pictures."""
 
 from __future__ import annotations
 
@@ -11,13 +11,21 @@ import numpy as np
 from weft.canvas import Canvas
 from weft.errors import FileError
 from weft.io import atomic
+from weft.patch_synthesis import PatchSynthesis
+from weft.pixel_synthesis import PixelSynthesis
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
+    from weft.exemplar import Exemplar
     from weft.synthesis import Synthesis
 
 _FORMAT = 1
+#: The kinds of results, the arrays of each and their types.
+_KINDS: dict[type[Synthesis], dict[str, type]] = {
+    PatchSynthesis: {"placements": np.int32, "weights": np.uint16, "cuts": np.uint16},
+    PixelSynthesis: {"index": np.int32},
+}
 
 
 class _Damage(ValueError):
@@ -34,19 +42,17 @@ def write_result(path: str | os.PathLike[str], result: Synthesis) -> None:
         "known_from": result.known_from,
         "provenance": result.provenance,
     }
-    arrays = {
-        "placements": result.placements,
-        "weights": result.weights,
-        "cuts": result.cuts,
-    }
+    arrays = result.arrays()
     if result.canvas.hole is not None:
         arrays["hole"] = np.packbits(result.canvas.hole, axis=1)
     with atomic(path) as temporary, open(temporary, "wb") as file:
         np.savez_compressed(file, about=np.array(json.dumps(about)), **arrays)  # type: ignore[arg-type]
 
 
-def read_result(path: str | os.PathLike[str], known: NDArray[Any] | None) -> dict[str, Any]:
-    """Return the arguments of the `Synthesis` that was written, all but its exemplar.
+def read_result(
+    path: str | os.PathLike[str], exemplar: Exemplar | None, known: NDArray[Any] | None
+) -> Synthesis:
+    """Return the result that was written.
 
     Raises
     ------
@@ -57,13 +63,21 @@ def read_result(path: str | os.PathLike[str], known: NDArray[Any] | None) -> dic
     try:
         with open(path, "rb") as raw, np.load(raw, allow_pickle=False) as file:
             about = json.loads(str(file["about"]))
-            placements, weights, cuts = (file[k] for k in ("placements", "weights", "cuts"))
+            kind = next(k for k, arrays in _KINDS.items() if arrays.keys() <= file.keys())
+            arrays = {key: file[key] for key in _KINDS[kind]}
             hole = file.get("hole")
         if about["format"] != _FORMAT:
             raise _Damage(f"its format is {about['format']}, not {_FORMAT}")
         height, width = about["shape"]
         canvas = Canvas(height, width, tuple(about["wrap"]))
-        _check_saved(about, canvas, placements, weights, cuts, hole)
+        if any(arrays[key].dtype != dtype for key, dtype in _KINDS[kind].items()):
+            raise _Damage("its arrays have other types")
+        _check_about(about, canvas, hole)
+        if kind is PatchSynthesis:
+            _check_patches(canvas, tuple(about["sample_shape"]), **arrays)
+        else:
+            least = 0 if hole is None else -1  # only known pixels come from nowhere
+            _check_pixels(canvas, tuple(about["sample_shape"]), least, **arrays)
     except FileNotFoundError:
         raise FileError(f"{name} does not exist") from None
     except _Damage as error:
@@ -73,45 +87,49 @@ def read_result(path: str | os.PathLike[str], known: NDArray[Any] | None) -> dic
     if hole is not None:
         hole = np.unpackbits(hole, axis=1, count=width).astype(bool)
         canvas = Canvas(height, width, canvas.wrap, known, hole)
-    return {
-        "canvas": canvas,
-        "placements": placements,
-        "weights": weights,
-        "cuts": cuts,
-        "sample_shape": tuple(about["sample_shape"]),
-        "known_from": tuple(about["known_from"]) if about["known_from"] else None,
-        "provenance": about["provenance"],
-    }
+    return kind(
+        canvas,
+        **arrays,
+        sample_shape=tuple(about["sample_shape"]),
+        known_from=tuple(about["known_from"]) if about["known_from"] else None,
+        provenance=about["provenance"],
+        exemplar=exemplar,
+    )
 
 
-def _check_saved(
-    about: dict[str, Any],
+def _check_about(about: dict[str, Any], canvas: Canvas, hole: NDArray[Any] | None) -> None:
+    if hole is not None and hole.shape != (canvas.height, -(-canvas.width // 8)):
+        raise _Damage("its hole does not fit its size")
+    known_from = about["known_from"]
+    if known_from is not None:
+        ends = np.add(known_from, canvas.shape)
+        if min(known_from) < 0 or (ends > about["sample_shape"]).any():
+            raise _Damage("its known pixels lie outside the sample")
+
+
+def _check_patches(
     canvas: Canvas,
+    sample_shape: tuple[int, int],
     placements: NDArray[Any],
     weights: NDArray[Any],
     cuts: NDArray[Any],
-    hole: NDArray[Any] | None,
 ) -> None:
-    """Raise ValueError unless the kernels may trust these arrays."""
-    if [a.dtype for a in (placements, weights, cuts)] != [
-        np.int32,
-        np.uint16,
-        np.uint16,
-    ]:
-        raise _Damage("its arrays have other types")
+    """Raise unless the kernels may trust these arrays."""
     if placements.shape[1:] != (5,) or weights.ndim != 3 or cuts.ndim != 2:
         raise _Damage("its arrays have other shapes")
     if (weights > 256).any():
         raise _Damage("its weights are above 256")
     if cuts.size and cuts.shape != (len(placements), 2 * sum(weights.shape[1:])):
         raise _Damage("its cuts do not fit its patches")
-    if hole is not None and hole.shape != (canvas.height, -(-canvas.width // 8)):
-        raise _Damage("its hole does not fit its size")
-    below = (*canvas.shape, *about["sample_shape"], len(weights))
+    below = (*canvas.shape, *sample_shape, len(weights))
     if len(placements) and ((placements < 0) | (placements >= np.array(below))).any():
         raise _Damage("its patches lie outside")
-    known_from = about["known_from"]
-    if known_from is not None:
-        ends = np.add(known_from, canvas.shape)
-        if min(known_from) < 0 or (ends > about["sample_shape"]).any():
-            raise _Damage("its known pixels lie outside the sample")
+
+
+def _check_pixels(
+    canvas: Canvas, sample_shape: tuple[int, int], least: int, index: NDArray[Any]
+) -> None:
+    if index.shape != canvas.shape:
+        raise _Damage("its sources do not fit its size")
+    if ((index < least) | (index >= sample_shape[0] * sample_shape[1])).any():
+        raise _Damage("its sources lie outside")

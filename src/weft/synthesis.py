@@ -7,8 +7,6 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-import weft._cpu  # noqa: F401  before any kernel, to choose which
-from weft import _compositing
 from weft.canvas import Canvas
 from weft.errors import InvalidInputError
 from weft.exemplar import Exemplar, check_pixels
@@ -21,28 +19,20 @@ if TYPE_CHECKING:
     #: (top, left, height, width) in output pixels.
     Window = tuple[int, int, int, int]
 
-_LAYERS = 4
 _BAND = 256
 
 
 class Synthesis:
-    """Patches of the sample laid over each other in order.
+    """Which pixels of the sample an output is made of.
 
-    A patch says where its window comes from and which weights it is laid with; that is all there
-    is, so a result of any size takes little more memory than its picture, and can be replayed on
+    This is what all results have in common; `PatchSynthesis` keeps patches and `PixelSynthesis`
+    one source a pixel. A result takes little more memory than its picture, and can be replayed on
     any map that is aligned with the sample.
 
     Parameters
     ----------
     canvas : Canvas
         What was made.
-    placements : int32 array (n, 5)
-        y and x of a patch on the canvas, y and x of its source, and its row of `weights`.
-    weights : uint16 array (zones, rows, columns)
-        Weight of the new pixel in 1/256.
-    cuts : uint16 array (n, 2 * (rows + columns)) or (0, 0)
-        For each patch its own first and last columns and rows, where seams are cut instead of
-        feathered.
     sample_shape : (int, int)
         Height and width of the sample.
     exemplar : Exemplar, optional
@@ -58,9 +48,6 @@ class Synthesis:
     def __init__(
         self,
         canvas: Canvas,
-        placements: NDArray[np.int32],
-        weights: NDArray[np.uint16],
-        cuts: NDArray[np.uint16],
         *,
         sample_shape: tuple[int, int],
         exemplar: Exemplar | None,
@@ -69,11 +56,48 @@ class Synthesis:
         picture: NDArray[Any] | None = None,
     ) -> None:
         self.canvas, self.exemplar = canvas, exemplar
-        self.placements, self.weights, self.cuts = placements, weights, cuts
         self.sample_shape, self.known_from = sample_shape, known_from
         self.provenance = provenance or {}
         if picture is not None:
             self.__dict__["image"] = picture
+
+    def _layers(self, window: Window) -> tuple[NDArray[np.int32], NDArray[np.float32]]:
+        """Coordinates and weights as `layers` returns them, -1 and 0 for known pixels."""
+        raise TypeError(f"{type(self).__name__} does not define _layers")
+
+    def _lay(self, out: NDArray[Any], pixels: NDArray[Any], window: Window, alpha: bool) -> None:
+        """Lay the pixels of (H, W, C) over `out`, which is a multiple of the window's size."""
+        raise TypeError(f"{type(self).__name__} does not define _lay")
+
+    def _error(self) -> NDArray[np.int16]:
+        """How far, in grey levels, what was laid is from what its neighbours wanted."""
+        raise TypeError(f"{type(self).__name__} does not define _error")
+
+    def moved(
+        self,
+        canvas: Canvas,
+        exemplar: Exemplar,
+        *,
+        to: tuple[int, int],
+        source_to: tuple[int, int],
+        provenance: dict[str, Any],
+    ) -> Synthesis:
+        """Return the same as a part of a larger canvas, made from a part of a larger sample.
+
+        Parameters
+        ----------
+        canvas, exemplar
+            The larger ones.
+        to, source_to : (int, int)
+            Where the corners of this canvas and of this sample lie in them; both go around.
+        provenance : dict
+            Of the new result.
+        """
+        raise TypeError(f"{type(self).__name__} does not define moved")
+
+    def arrays(self) -> dict[str, NDArray[Any]]:
+        """What `save` writes, by the name of the parameter."""
+        raise TypeError(f"{type(self).__name__} does not define arrays")
 
     @property
     def shape(self) -> tuple[int, int]:
@@ -117,39 +141,18 @@ class Synthesis:
 
         Returns
         -------
-        coordinates : int32 array (h, w, 4, 2)
-            Row and column in the sample, heaviest layer first; -1 where there is none.
-        shares : float32 array (h, w, 4)
+        coordinates : int32 array (h, w, layers, 2)
+            Row and column in the sample, heaviest layer first; -1 where there is none. Up to four
+            layers where patches are mixed, one where pixels are copied.
+        shares : float32 array (h, w, layers)
             Sum to 1, or are 0 for a known pixel that is not in the sample.
         """
         window = self._check_window(window)
-        top, left, height, width = window
-        patch = np.full((height, width, _LAYERS), -1, np.int32)
-        share = np.zeros((height, width, _LAYERS), np.float32)
-        _compositing.layer_all(
-            patch,
-            share,
-            top,
-            left,
-            *self.shape,
-            self.placements,
-            self.weights,
-            self.cuts,
-        )
-        y = np.arange(top, top + height)[:, None, None]
-        x = np.arange(left, left + width)[None, :, None]
-        # There is always a row to point at, though nothing shows of it.
-        at = np.resize(self.placements, (max(len(self.placements), 1), 5))[patch]
-        source_y = ((y - at[..., 0]) % self.shape[0] + at[..., 2]) % self.sample_shape[0]
-        source_x = ((x - at[..., 1]) % self.shape[1] + at[..., 3]) % self.sample_shape[1]
-        coordinates = np.stack([source_y, source_x], axis=-1).astype(np.int32)
-        coordinates[(patch < 0) | (share == 0)] = -1
-        total = share.sum(axis=2, keepdims=True)  # below 1 where more patches meet than are kept
-        share /= np.where(total > 0, total, 1)
+        coordinates, share = self._layers(window)
         if self.known_from is not None and self.canvas.hole is not None:
+            top, left, height, width = window
             known = ~self.canvas.hole[top : top + height, left : left + width]
-            oy, ox = self.known_from
-            own = np.stack(np.broadcast_arrays(y[..., 0] + oy, x[..., 0] + ox), axis=-1)
+            own = np.indices((height, width)).transpose(1, 2, 0) + (top, left) + self.known_from
             coordinates[known, 0] = own[known]
             share[known, 0] = 1
         return coordinates, share
@@ -161,7 +164,7 @@ class Synthesis:
         background: NDArray[Any] | None = None,
         window: Window | None = None,
     ) -> NDArray[Any]:
-        """Lay the same patches with the pixels of another picture that is aligned with the sample.
+        """Make the same from the pixels of another picture that is aligned with the sample.
 
         Parameters
         ----------
@@ -217,16 +220,10 @@ class Synthesis:
             base = self._base(pixels, scale, own, background)
             rows = slice(top * scale, (top + height) * scale)
             out[:] = base[rows, left * scale : (left + width) * scale]
-        _compositing.paste_all(
+        self._lay(
             out.reshape(*out.shape[:2], -1),
             pixels.reshape(*pixels.shape[:2], -1),
-            top,
-            left,
-            *self.shape,
-            self.placements,
-            self.weights,
-            self.cuts,
-            scale,
+            (top, left, height, width),
             alpha,
         )
         if own and whole:
@@ -280,8 +277,9 @@ class Synthesis:
         ----------
         what : {"sources", "seams", "error"}
             False colours by source position (red to the right, green downwards); the picture's
-            seams in red over its grey version; or how much overlapping patches differ, black for
-            not at all.
+            seams in red over its grey version; or how much overlapping patches differ, or a copied
+            pixel from what its upper and left neighbours' sources go on with, black for not at
+            all.
 
         Returns
         -------
@@ -296,7 +294,7 @@ class Synthesis:
             return colour
         if what not in ("seams", "error"):
             raise InvalidInputError(f"cannot draw {what!r}; known: sources, seams, error")
-        picture = _grey(self.image)
+        picture = grey_of(self.image)
         if what == "seams":
             y, x = np.indices(self.shape)
             shift = (self.source - np.stack([y, x], axis=-1)) % self.sample_shape
@@ -306,21 +304,8 @@ class Synthesis:
             colour = np.repeat(picture[..., None], 3, axis=2)
             colour[seam] = (255, 0, 0)
             return colour
-        whole = Synthesis(  # the overlaps before they were cut
-            self.canvas,
-            self.placements,
-            self.weights,
-            self.cuts[:0],
-            sample_shape=self.sample_shape,
-            exemplar=self.exemplar,
-        )
-        assert self.exemplar is not None
-        coordinates, share = whole.layers()
-        grey = _grey(self.exemplar.pixels).astype(np.int16)
-        values = grey[coordinates[..., 0], coordinates[..., 1]]
-        both = (share[..., :2] > 0).all(axis=-1)
-        error = np.abs(values[..., 0] - values[..., 1]) * both
-        return np.repeat(error[..., None].astype(np.uint8), 3, axis=2)
+        error: NDArray[np.uint8] = np.clip(self._error(), 0, 255).astype(np.uint8)
+        return np.repeat(error[..., None], 3, axis=2)
 
     def save(self, path: str | os.PathLike[str]) -> None:
         """Write everything but the pictures to a compressed `.npz` file."""
@@ -353,10 +338,11 @@ class Synthesis:
         """
         from weft.saved import read_result
 
-        return cls(**read_result(path, known), exemplar=exemplar)
+        return read_result(path, exemplar, known)
 
 
-def _grey(pixels: NDArray[Any]) -> NDArray[np.uint8]:
+def grey_of(pixels: NDArray[Any]) -> NDArray[np.uint8]:
+    """Mean of the colour channels as bytes; other depths are stretched."""
     levels = pixels.reshape(*pixels.shape[:2], -1)
     if levels.shape[2] in (2, 4):
         levels = levels[..., :-1]

@@ -2,18 +2,18 @@
 
 from __future__ import annotations
 
-import os
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from weft.canvas import Canvas
 from weft.errors import InvalidInputError
+from weft.method import thread_count
 from weft.methods import _patch_kernels
 from weft.methods.patch_order import patch_starts, patches_around, spiral, wavefronts
+from weft.patch_synthesis import PatchSynthesis
 from weft.progress import Progress, ProgressCallback
 from weft.random import draw
-from weft.synthesis import Synthesis
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -37,7 +37,7 @@ class Pasting:
         progress: ProgressCallback | None,
     ) -> None:
         self.model, self.canvas, self.seed = model, canvas, seed
-        self.threads = threads or os.cpu_count() or 1
+        self.threads = thread_count(threads)
         self.callback = progress
         self.method, self.exemplar = model.method, model.exemplar
         # A pixel's window hangs over the border where the canvas does not wrap.
@@ -57,12 +57,11 @@ class Pasting:
             self.width = max(1, min([self.width, *wrapped]))
         self.structures: list[SearchStructure] = []
         self.by_key: dict[tuple[int, ...] | bytes, int] = {}
-        if canvas.known is not None:
-            self._check_known(canvas.known)
+        canvas.check_known(model.exemplar)
         self.placements = np.zeros((0, 5), np.int32)
         self.cuts = np.zeros((0, 0), np.uint16)
 
-    def result(self) -> Synthesis:
+    def result(self) -> PatchSynthesis:
         """Fill the canvas and describe what was done."""
         if self.canvas.known is not None and not self.canvas.hole.all():  # type: ignore[union-attr]
             self._fill_holes()
@@ -78,7 +77,7 @@ class Pasting:
             placements[:, 4] = 0
             weights = np.full((1, 1, 1), 256, np.uint16)
         placements[:, 2:4] %= self.exemplar.shape
-        return Synthesis(
+        return PatchSynthesis(
             self.canvas,
             placements,
             weights,
@@ -250,20 +249,6 @@ class Pasting:
             used += 1
             progress.advance(int(done.sum()))
         self.placements, self.cuts = self.placements[:used], self.cuts[:used]
-
-    def _check_known(self, known: NDArray[Any]) -> None:
-        own = self.exemplar.pixels
-        if known.dtype != own.dtype or known.shape[2:] != own.shape[2:]:
-            raise InvalidInputError(
-                f"known pixels are {known.dtype} {known.shape[2:]}, the sample is {own.dtype} "
-                f"{own.shape[2:]}; dtype and channels must be equal"
-            )
-        if self.canvas.known_from is not None:
-            ends = np.add(self.canvas.known_from, self.canvas.shape)
-            if min(self.canvas.known_from) < 0 or (ends > self.exemplar.shape).any():
-                raise InvalidInputError(
-                    f"known_from is {self.canvas.known_from}; the canvas must lie in the sample"
-                )
 
     def _laid_nearby(self, number: int) -> NDArray[np.int32]:
         """The latest patches laid within two windows of this one, -1 where there are fewer."""

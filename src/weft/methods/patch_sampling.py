@@ -6,13 +6,12 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, ClassVar
 
 from weft.canvas import Canvas, as_canvas
-from weft.errors import InvalidInputError
 from weft.method import parameter
 from weft.methods.patch_analysis import PatchAnalysis, PatchMethod
 from weft.methods.patch_pasting import Pasting
+from weft.patch_synthesis import PatchSynthesis
 from weft.progress import ProgressCallback
 from weft.random import seed_number
-from weft.synthesis import Synthesis
 
 if TYPE_CHECKING:
     from weft.random import Seed
@@ -72,7 +71,7 @@ class PatchModel(PatchAnalysis):
         tileable: bool | str = False,
         threads: int | None = None,
         progress: ProgressCallback | None = None,
-    ) -> Synthesis:
+    ) -> PatchSynthesis:
         """Make an output (sections 2.2 and 2.3).
 
         Parameters
@@ -90,10 +89,8 @@ class PatchModel(PatchAnalysis):
 
         Returns
         -------
-        Synthesis
+        PatchSynthesis
         """
         canvas = as_canvas(size, tileable)
         self.method.require(canvas)
-        if threads is not None and (type(threads) is not int or threads < 1):
-            raise InvalidInputError(f"threads is {threads!r}; it must be an integer of 1 or more")
         return Pasting(self, canvas, seed_number(seed), threads, progress).result()

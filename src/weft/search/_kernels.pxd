@@ -1,3 +1,5 @@
+cdef long long squared(const unsigned char* a, const unsigned char* b, Py_ssize_t n) noexcept nogil
+
 cdef long long gather(const unsigned char[:, :, ::1] canvas, Py_ssize_t y, Py_ssize_t x,
                       const int[:, ::1] runs, unsigned char[::1] query) noexcept nogil
 

@@ -45,7 +45,6 @@ def gather(
 
 
 @cython.cfunc
-@cython.inline
 @cython.nogil
 @cython.exceptval(check=False)
 def squared(

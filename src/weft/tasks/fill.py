@@ -12,8 +12,8 @@ from weft.canvas import Canvas, as_canvas
 from weft.errors import InvalidInputError
 from weft.exemplar import Exemplar
 from weft.method import Method, make_method
+from weft.pixel_synthesis import PixelSynthesis
 from weft.random import seed_number
-from weft.synthesis import Synthesis
 from weft.tasks.synthesize import load_exemplar
 
 if TYPE_CHECKING:
@@ -21,6 +21,7 @@ if TYPE_CHECKING:
 
     from weft.progress import ProgressCallback
     from weft.random import Seed
+    from weft.synthesis import Synthesis
     from weft.tasks.synthesize import Sample
 
     #: A path, a PIL image or a bool array (H, W), True where the photo is to be filled.
@@ -85,7 +86,7 @@ def fill(
     Returns
     -------
     Synthesis
-        Of the photo's size. Without holes it has no patches, and `image` is the photo.
+        Of the photo's size. Without holes `image` is the photo.
 
     Raises
     ------
@@ -121,7 +122,14 @@ def fill(
     )
     chosen.require(canvas)
     if not hole.any():
-        return _result(canvas, source, chosen, seed)
+        return PixelSynthesis(
+            canvas,
+            np.full(canvas.shape, -1, np.int32),
+            sample_shape=source.shape,
+            exemplar=source,
+            known_from=canvas.known_from,
+            provenance=chosen.describe() | {"seed": seed},
+        )
     if inside and hole.all():
         raise InvalidInputError(
             f"the mask covers all of {whole.name}, so there is nothing to learn from; "
@@ -172,11 +180,13 @@ def fill(
         known_from=canvas.known_from,
     )
     made = chosen.fit(near).sample(part, seed=seed, threads=threads, progress=progress)
-    placements = made.placements.copy()
-    placements[:, :2] = (placements[:, :2] + region.corner) % whole.shape
-    if inside:
-        placements[:, 2:4] = (placements[:, 2:4] + region.corner) % whole.shape
-    return _result(canvas, source, chosen, seed, placements, made.weights, made.cuts)
+    return made.moved(
+        canvas,
+        source,
+        to=region.corner,
+        source_to=region.corner if inside else (0, 0),
+        provenance=chosen.describe() | {"seed": seed},
+    )
 
 
 class _Region:
@@ -264,27 +274,6 @@ def _span(taken: NDArray[np.bool_], wraps: bool) -> tuple[int, int]:
     if gaps[widest] == 1:
         return 0, len(taken)
     return int(at[(widest + 1) % len(at)]), int(len(taken) - gaps[widest] + 1)
-
-
-def _result(
-    canvas: Canvas,
-    source: Exemplar,
-    method: Method,
-    seed: int,
-    placements: NDArray[np.int32] | None = None,
-    weights: NDArray[np.uint16] | None = None,
-    cuts: NDArray[np.uint16] | None = None,
-) -> Synthesis:
-    return Synthesis(
-        canvas,
-        np.zeros((0, 5), np.int32) if placements is None else placements,
-        np.zeros((1, 1, 1), np.uint16) if weights is None else weights,
-        np.zeros((0, 0), np.uint16) if cuts is None else cuts,
-        sample_shape=source.shape,
-        exemplar=source,
-        known_from=canvas.known_from,
-        provenance=method.describe() | {"seed": seed},
-    )
 
 
 def _load_hole(mask: Mask, photo: Exemplar) -> NDArray[np.bool_]:

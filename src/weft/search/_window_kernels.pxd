@@ -1,0 +1,18 @@
+cdef Py_ssize_t causal_runs(Py_ssize_t y, Py_ssize_t x, Py_ssize_t height, Py_ssize_t width,
+                            bint wrap_x, Py_ssize_t up, Py_ssize_t left, Py_ssize_t right,
+                            int[:, ::1] runs) noexcept nogil
+
+cdef Py_ssize_t known_runs(const unsigned char[:, ::1] done, Py_ssize_t y, Py_ssize_t x,
+                           bint wrap_y, bint wrap_x, Py_ssize_t up, Py_ssize_t down,
+                           Py_ssize_t left, Py_ssize_t right, int[:, ::1] runs) noexcept nogil
+
+cdef Py_ssize_t gather_runs(const unsigned char[:, :, ::1] levels, Py_ssize_t y, Py_ssize_t x,
+                            const int[:, ::1] runs, Py_ssize_t n,
+                            unsigned char[::1] query) noexcept nogil
+
+cdef long long run_distance(const unsigned char[:, :, ::1] pixels, Py_ssize_t y, Py_ssize_t x,
+                            const int[:, ::1] runs, Py_ssize_t n, const unsigned char[::1] query,
+                            long long bound) noexcept nogil
+
+cdef Py_ssize_t settle(const unsigned char[:, ::1] usable, const int[::1] period,
+                       Py_ssize_t y, Py_ssize_t x) noexcept nogil
