@@ -637,3 +637,37 @@ def _steps(method, canvas, window, corners, laid):
             if canvas.wrap[1] and j > 0 and x + window[1] > canvas.shape[1]:
                 known[:, canvas.shape[1] - x :] = True
             yield (i, j), (y, x), known
+
+
+# Windows around single pixels (what the pixel methods share)
+
+
+def window_centres(mask, reach, tileable):
+    """Pixels of a sample around which a whole window is usable, in scan order."""
+    up, down, left, right = reach
+    height, width = mask.shape
+    centres = []
+    for y, x in np.ndindex(height, width):
+        window = list(itertools.product(range(y - up, y + down + 1), range(x - left, x + right + 1)))
+        if tileable:
+            window = [(v % height, u % width) for v, u in window]
+        if all(0 <= v < height and 0 <= u < width and mask[v, u] for v, u in window):
+            centres.append((y, x))
+    return centres
+
+
+def known_window(done, y, x, wrap, reach):
+    """The known pixels around (y, x), as sorted steps from it; none is there twice."""
+    steps = [[], []]
+    for axis, (at, length) in enumerate(zip((y, x), done.shape, strict=True)):
+        before, after = reach[2 * axis], reach[2 * axis + 1]
+        if wrap[axis]:
+            before, after = min(before, (length - 1) // 2), min(after, length // 2)
+        steps[axis] = [
+            step for step in range(-before, after + 1) if wrap[axis] or 0 <= at + step < length
+        ]
+    return [
+        (dy, dx)
+        for dy, dx in itertools.product(*steps)
+        if (dy or dx) and done[(y + dy) % done.shape[0], (x + dx) % done.shape[1]]
+    ]

@@ -1,0 +1,160 @@
+"""Results that keep one source a pixel."""
+
+import json
+import pickle
+
+import numpy as np
+import pytest
+
+import weft
+from weft.pixel_synthesis import PixelSynthesis
+
+SAMPLE = np.random.default_rng(5).integers(0, 256, (9, 11, 3)).astype(np.uint8)
+
+
+def make(hole=False, known_from=None, sample=SAMPLE, size=(7, 8), **more):
+    index = np.random.default_rng(1).integers(0, 99, size).astype(np.int32)
+    canvas = weft.Canvas(*size, wrap=(True, False))
+    if hole:
+        where = np.random.default_rng(2).random(size) < 0.5
+        known = np.random.default_rng(3).integers(0, 256, (*size, 3)).astype(np.uint8)
+        if known_from is not None:
+            y, x = known_from
+            known = sample[y : y + size[0], x : x + size[1]]
+        canvas = weft.Canvas(*size, known=known, hole=where)
+        index[~where] = -1
+    return PixelSynthesis(
+        canvas, index, sample_shape=(9, 11), exemplar=weft.Exemplar(sample, **more),
+        known_from=known_from, provenance={"method": "by hand"},
+    )  # fmt: skip
+
+
+@pytest.mark.parametrize("scale", [1, 2, 3])
+@pytest.mark.parametrize("dtype", [np.uint8, np.uint16, np.float32, np.float64])
+@pytest.mark.parametrize("channels", [(), (1,), (3,), (5,)])
+def test_every_pixel_is_that_of_its_source(rng, scale, dtype, channels):
+    result = make()
+    big = (rng.random((9 * scale, 11 * scale, *channels)) * 250).astype(dtype)
+    got = result.render(big)
+    assert got.shape == (7 * scale, 8 * scale, *channels) and got.dtype == dtype
+    for y, x in np.ndindex(got.shape[:2]):
+        v, u = divmod(int(result.index[y // scale, x // scale]), 11)
+        assert np.array_equal(got[y, x], big[v * scale + y % scale, u * scale + x % scale])
+
+
+def test_windows_are_parts_of_the_whole():
+    for result in (make(), make(hole=True), make(hole=True, known_from=(1, 2))):
+        coordinates, shares = result.layers()
+        for window in [(0, 0, 1, 1), (6, 7, 1, 1), (2, 3, 4, 5), (0, 0, 7, 8)]:
+            top, left, height, width = window
+            rows, columns = slice(top, top + height), slice(left, left + width)
+            part = result.layers(window)
+            assert np.array_equal(part[0], coordinates[rows, columns])
+            assert np.array_equal(part[1], shares[rows, columns])
+            assert np.array_equal(result.render(window=window), result.image[rows, columns])
+
+
+def test_known_pixels_stay_and_are_where_they_came_from():
+    apart, inside = make(hole=True), make(hole=True, known_from=(1, 2))
+    for result in (apart, inside):
+        hole = result.canvas.hole
+        assert np.array_equal(result.image[~hole], result.canvas.known[~hole])
+        at = result.source[hole]
+        assert np.array_equal(result.image[hole], SAMPLE[at[:, 0], at[:, 1]])
+    assert (apart.source[~apart.canvas.hole] == -1).all()
+    y, x = np.nonzero(~inside.canvas.hole)
+    assert np.array_equal(inside.source[y, x], np.stack([y + 1, x + 2], axis=1))
+
+
+def test_alpha_goes_with_its_pixel():
+    sample = np.random.default_rng(5).integers(0, 256, (9, 11, 4)).astype(np.uint8)
+    result = make(sample=sample)
+    assert np.array_equal(result.image, sample.reshape(-1, 4)[result.index])
+
+
+def test_maps_are_replayed():
+    height = np.arange(99, dtype=np.uint16).reshape(9, 11)
+    assert np.array_equal(make(maps={"height": height}).maps["height"], make().index)
+
+
+def test_saved_results_are_the_same_again(tmp_path):
+    for result in (make(), make(hole=True), make(hole=True, known_from=(1, 2))):
+        result.save(tmp_path / "r.npz")
+        known = result.canvas.known
+        again = weft.Synthesis.load(tmp_path / "r.npz", result.exemplar, known)
+        assert isinstance(again, PixelSynthesis)
+        assert np.array_equal(again.index, result.index) and again.index.dtype == np.int32
+        assert np.array_equal(again.image, result.image)
+        assert again.provenance == result.provenance
+        assert again.canvas.wrap == result.canvas.wrap
+
+
+@pytest.mark.parametrize("value", [-1, 99, -7, 2**31 - 1])
+def test_sources_outside_are_refused(tmp_path, value):
+    result = make()
+    result.index[3, 3] = value
+    result.save(tmp_path / "r.npz")
+    with pytest.raises(weft.FileError, match="sources lie outside"):
+        weft.Synthesis.load(tmp_path / "r.npz")
+
+
+def test_sources_of_another_size_or_type_are_refused(tmp_path):
+    path = tmp_path / "r.npz"
+    make().save(path)
+    with np.load(path) as file:
+        arrays = dict(file)
+    for index, text in ((arrays["index"][1:], "size"), (arrays["index"].astype(float), "types")):
+        np.savez(path, about=arrays["about"], index=index)
+        with pytest.raises(weft.FileError, match=text):
+            weft.Synthesis.load(path)
+    about = json.loads(str(arrays["about"])) | {"known_from": [5, 5]}
+    np.savez(path, about=np.array(json.dumps(about)), index=arrays["index"])
+    with pytest.raises(weft.FileError, match="known pixels"):
+        weft.Synthesis.load(path)
+
+
+def test_drawings():
+    result = make()
+    source, red = result.draw("sources"), (result.draw("seams") == (255, 0, 0)).all(axis=2)
+    y, x = np.moveaxis(result.source, -1, 0)
+    assert np.array_equal(source[..., 0], np.rint(x * 25.5))
+    assert np.array_equal(source[..., 1], np.rint(y * (255 / 8)))
+    assert red.sum() > 20
+    whole = PixelSynthesis(
+        weft.Canvas(9, 11), np.arange(99, dtype=np.int32).reshape(9, 11), sample_shape=(9, 11),
+        exemplar=weft.Exemplar(SAMPLE),
+    )  # fmt: skip
+    assert not (whole.draw("seams") == (255, 0, 0)).all(axis=2).any()
+    assert whole.draw("error").max() == 0
+
+
+def test_error_is_what_the_neighbours_did_not_expect():
+    grey = np.random.default_rng(4).integers(0, 256, (9, 11)).astype(np.uint8)
+    for result in (make(sample=grey), make(sample=grey, hole=False, size=(1, 5))):
+        error = result.draw("error")[..., 0]
+        for y, x in np.ndindex(result.shape):
+            wanted = [0]
+            for dy, dx in ((1, 0), (0, 1)):
+                if y >= dy and x >= dx:
+                    v, u = result.source[y - dy, x - dx] + (dy, dx)
+                    if v < 9 and u < 11:
+                        wanted.append(abs(int(grey[v, u]) - int(result.image[y, x])))
+            assert error[y, x] == max(wanted)
+
+
+def test_a_part_moves_into_the_whole():
+    result = make(hole=True, known_from=(1, 2))
+    large = weft.Exemplar(np.tile(SAMPLE, (2, 2, 1)))
+    canvas = weft.Canvas(20, 20, (True, True))
+    moved = result.moved(canvas, large, to=(16, 17), source_to=(9, 13), provenance={"seed": 1})
+    hole = result.canvas.hole
+    y, x = np.nonzero(hole)
+    assert (moved.index >= 0).sum() == hole.sum()
+    at = moved.source[(y + 16) % 20, (x + 17) % 20]
+    assert np.array_equal(at, (result.source[y, x] + (9, 13)) % (18, 22))
+    assert moved.provenance == {"seed": 1}
+
+
+def test_results_can_be_pickled():
+    copy = pickle.loads(pickle.dumps(make()))
+    assert np.array_equal(copy.image, make().image)
