@@ -18,9 +18,13 @@ from setuptools.command.build_ext import build_ext
 KERNELS = [
     "weft._compositing",
     "weft.search._kernels",
+    "weft.search._tsvq_kernels",
+    "weft.search._color_kernels",
     "weft.search._window_kernels",
     "weft.seams._kernels",
     "weft.methods._patch_kernels",
+    "weft.methods._wei_levoy_kernels",
+    "weft.methods._exact_kernels",
 ]
 CHECKS = os.environ.get("WEFT_CHECKS") == "1"
 BASE = "build/checks" if CHECKS else "build/plain"  # apart, or one would take the other's objects

@@ -22,3 +22,6 @@ cdef void project(const short[:, ::1] basis, const int[::1] offset, int shift,
 cdef Py_ssize_t nearest_by_features(const short[:, ::1] features, const int[::1] at,
                                     const short[::1] query, Py_ssize_t wanted,
                                     long long[::1] keys, int[::1] places) noexcept nogil
+
+cdef Py_ssize_t offer(long long key, int place, Py_ssize_t count, Py_ssize_t wanted,
+                      long long* keys, int* places) noexcept nogil

@@ -1,0 +1,160 @@
+"""From a colour to the places of a sample that have it, or one that is near it.
+
+The kd-tree over the distinct colours is that of Sabha, Peers and Dutré (2005), Texture synthesis
+using exact neighborhood matching, section 4: each colour once, with the places where it is.
+Colours of one node are numbered in a row, so that a whole node of near colours is one interval.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+import weft._cpu  # noqa: F401  before any kernel, to choose which
+from weft.search import _color_kernels
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    from weft.search.windows import Windows
+
+_LEAF = 8  # about so many colours are looked at one by one
+
+
+class ColorIndex:
+    """The colours of a sample's pixels, and where they are.
+
+    Colours count that a whole window is centred on, or beside. Distances are sums of squared
+    differences of bytes.
+
+    Parameters
+    ----------
+    windows : Windows
+        The sample.
+
+    Attributes
+    ----------
+    colors : uint8 array (C, K)
+        Distinct colours in the order of the tree's leaves; a colour's number is its row.
+    number : int32 array (H', W')
+        The colour number of each pixel of the windows; -1 where it does not count.
+    rank : int32 array (C,)
+        Where a colour stands if they are sorted by their bytes; the first of equally near ones.
+    depth : int
+        Node i of the tree is followed by 2 i and 2 i + 1; 2**depth is the first leaf.
+    low, high : uint8 array (2**(depth + 1), K)
+        Smallest and largest bytes in each node.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from weft.exemplar import Exemplar
+    >>> from weft.search.windows import windows_of
+    >>> sample = Exemplar(np.arange(64, dtype=np.uint8).reshape(8, 8))
+    >>> index = ColorIndex(windows_of(sample, (1, 1, 1, 1)))
+    >>> index.colors[index.nearest(np.uint8([[9], [200]]))].ravel().tolist()
+    [9, 63]
+    """
+
+    def __init__(self, windows: Windows) -> None:
+        self._windows = windows
+        shape = windows.usable.shape
+        padded = np.pad(windows.usable, 1)
+        around = [padded[v : v + shape[0], u : u + shape[1]] for v in (0, 1, 2) for u in (0, 1, 2)]
+        counts = np.logical_or.reduce(around)
+        pixels = windows.pixels[counts]
+        order = np.lexsort(pixels.T[::-1])
+        new = np.ones(len(order), bool)
+        new[1:] = (pixels[order[1:]] != pixels[order[:-1]]).any(axis=1)
+        number = np.empty(len(order), np.int32)
+        number[order] = np.cumsum(new) - 1
+        colors = pixels[order[new]]
+        self.depth = max(0, (len(colors) // _LEAF).bit_length() - 1)
+        leaves, self.low, self.high = _split(colors, self.depth)
+        self.colors = np.ascontiguousarray(colors[leaves])
+        self.rank = leaves.astype(np.int32)
+        self.number = np.full(shape, -1, np.int32)
+        self.number[counts] = np.argsort(leaves).astype(np.int32)[number]
+
+    def nearest(self, pixels: NDArray[np.uint8]) -> NDArray[np.int32]:
+        """Return the numbers of the colours nearest to `pixels` (n, K)."""
+        found = np.empty(len(pixels), np.int32)
+        tree = self.colors, self.low, self.high, self.depth
+        _color_kernels.nearest_each(*tree, self.rank, np.ascontiguousarray(pixels), found)
+        return found
+
+    def reach(self, count: int) -> NDArray[np.int64]:
+        """Return, for each colour, the squared distance of its `count`-th nearest, itself first."""
+        found = np.zeros(len(self.colors), np.int64)
+        if 1 < count < len(found):
+            keys, places = np.empty(count, np.int64), np.empty(count, np.int32)
+            tree = self.colors, self.low, self.high, self.depth
+            _color_kernels.reach_each(*tree, keys, places, found)
+        elif count > 1:
+            found[:] = self.span
+        return found
+
+    @property
+    def span(self) -> int:
+        """A squared distance that no two colours exceed: that of their smallest and largest bytes."""
+        low, high = self.low[1].astype(np.int64), self.high[1].astype(np.int64)
+        return int(((high - low) ** 2).sum())
+
+    def near(self, number: int, radius: int) -> NDArray[np.int32]:
+        """Return the numbers of the colours within a squared distance, as intervals (n, 2)."""
+        room = np.empty((1, len(self.colors) + 2), np.int32)
+        tree = self.colors, self.low, self.high, self.depth
+        count = _color_kernels.near_one(*tree, number, radius, room)
+        return room[0, : 2 * count].reshape(-1, 2)
+
+    def centres(self, offsets: list[tuple[int, int]]) -> tuple[NDArray[np.int32], NDArray[np.int32]]:
+        """List the centres of whole windows by the colour that they have beside them.
+
+        Parameters
+        ----------
+        offsets : list of (dy, dx)
+            Which of the pixels beside a centre.
+
+        Returns
+        -------
+        starts : int32 array (len(offsets), C + 1)
+            Those of colour c are `lists[starts[d, c] : starts[d, c + 1]]`, in scan order.
+        lists : int32 array (len(offsets) * n,)
+            Flat indices into the pixels of the windows.
+        """
+        centres = self._windows.centres
+        y, x = np.divmod(centres, np.int32(self.number.shape[1]))
+        starts = np.zeros((len(offsets), len(self.colors) + 1), np.int32)
+        lists, total = [], 0
+        for d, (dy, dx) in enumerate(offsets):
+            v, u = y + dy, x + dx
+            inside = (v >= 0) & (u >= 0) & (v < self.number.shape[0]) & (u < self.number.shape[1])
+            beside = self.number[v[inside], u[inside]]
+            order = np.argsort(beside, kind="stable")
+            lists.append(centres[inside][order])
+            starts[d, 1:] = np.cumsum(np.bincount(beside, minlength=len(self.colors)))
+            starts[d] += total
+            total += len(order)
+        return starts, np.concatenate(lists)
+
+
+def _split(
+    colors: NDArray[np.uint8], depth: int
+) -> tuple[NDArray[np.intp], NDArray[np.uint8], NDArray[np.uint8]]:
+    """Halve each node along its widest channel, level by level; order, lowest and highest bytes."""
+    count = len(colors)
+    order = np.arange(count)
+    low = np.zeros((2 << depth, colors.shape[1]), np.uint8)
+    high = np.zeros_like(low)
+    for level in range(depth + 1):
+        starts = np.arange(1 << level) * count >> level
+        nodes = slice(1 << level, 2 << level)
+        low[nodes] = np.minimum.reduceat(colors[order], starts)
+        high[nodes] = np.maximum.reduceat(colors[order], starts)
+        if level < depth:
+            widest = (high[nodes] - low[nodes]).argmax(axis=1)
+            node = np.repeat(np.arange(1 << level), np.diff(starts, append=count))
+            key = node * 256 + colors[order, widest[node]]
+            order = order[np.argsort(key, kind="stable")]
+    return order, low, high
