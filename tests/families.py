@@ -1,0 +1,181 @@
+"""How the tests that run over every method try each one; a new method is one line of TRIALS.
+
+Samples in these tests have sides of 20 to 40 pixels, and canvases of 40 to 200.
+"""
+
+from __future__ import annotations
+
+import itertools
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+import pytest
+
+import weft
+
+DTYPES = (np.uint8, np.uint16, np.float32, np.float64)
+WRAPS = {"plain": (False, False), "x": (False, True), "y": (True, False), "xy": (True, True)}
+BLENDS = ("feather", "feather-at-end", "cut", "none")
+SEARCHES = ("exhaustive", "quadtree", "pca", "kdtree", "kdtree-pca")
+
+
+@dataclass(frozen=True)
+class Trial:
+    """How to try one method.
+
+    Parameters
+    ----------
+    family : {"patch", "pixel"}
+        Whether patches are laid or single pixels chosen.
+    small : dict
+        Parameters for samples and canvases of 20 to 40 pixels.
+    ways : dict of str to dict
+        Every way in which pixels are chosen or joined, as parameters over `small`.
+    wide : dict
+        Over `small`: lets enough candidates in that another seed shows.
+    window : str
+        The parameter that a sample must have room for.
+    least : int
+        Shorter side of the smallest sample that the defaults work on.
+    largest : int
+        Side of the largest canvas that a test may ask for.
+    real : list of dict
+        Parameters for materials of 200 pixels, where seams are looked for.
+    """
+
+    family: str
+    small: dict[str, Any]
+    ways: dict[str, dict[str, Any]] = field(default_factory=lambda: {"": {}})
+    wide: dict[str, Any] = field(default_factory=dict)
+    window: str = "window_width"
+    least: int = 1
+    largest: int = 60
+    real: tuple[dict[str, Any], ...] = ({},)
+
+    def copies(self, way: str) -> bool:
+        """Whether every pixel made in this way is one of the sample."""
+        return self.family == "pixel" or self.ways[way]["blend"] in ("cut", "none")
+
+
+_PATCH: dict[str, Any] = {
+    "family": "patch",
+    "small": {"patch_size": 9, "boundary_width": 3},
+    "ways": {
+        **{blend: {"blend": blend} for blend in BLENDS},
+        "single pixels": {"patch_size": 1, "boundary_width": 2, "blend": "none"},
+    },
+    "window": "patch_size",
+    "least": 3,
+    "largest": 200,
+    "real": (
+        {"patch_size": 32, "boundary_width": 5},
+        {"patch_size": 24, "boundary_width": 12},
+    ),
+}
+TRIALS = {
+    "patch-sampling": Trial(**_PATCH, wide={"epsilon": 2.0}),
+    "quilting": Trial(**_PATCH, wide={"tolerance": 1.0}),
+    "efros-leung": Trial(
+        "pixel",
+        {"window_width": 5},
+        {"full": {}, "pca": {"search": "pca"}},
+        largest=40,
+        real=({"window_width": 9, "search": "pca"},),
+    ),
+    "wei-levoy": Trial(
+        "pixel",
+        {"window_width": 5, "levels": 1},
+        {
+            "full": {"search": "full"},
+            "tsvq": {"search": "tsvq"},
+            "pyramid": {"search": "tsvq", "levels": 2},
+        },
+    ),
+    "ashikhmin": Trial(
+        "pixel",
+        {"window_width": 5},
+        {"one pass": {"passes": 1}, "passes": {"passes": 3}},
+        largest=120,
+    ),
+    "exact-matching": Trial(
+        "pixel",
+        {"window_width": 5},
+        {"random": {"init": "random"}, "structured": {"init": "structured"}},
+        largest=120,
+    ),
+}
+
+#: Every method that has a line above; that all have one is a test of its own.
+METHODS = [slug for slug in weft.METHODS if slug in TRIALS]
+
+
+def kinds_of(slug: str) -> list[str]:
+    """The kinds of canvas that a method declares."""
+    supports, kinds = weft.METHODS[slug].supports, ["plain"]
+    kinds += ["x", "y", "xy"] * ("wrap" in supports)
+    kinds += ["hole"] * ("known" in supports)
+    kinds += ["wrapped hole"] * (supports >= {"known", "wrap"})
+    return kinds + ["guide"] * ("guide" in supports)
+
+
+def every(*axes: str, family: str | None = None) -> Any:
+    """Parametrize a test by the methods, all or of one family, and what each of them does.
+
+    Parameters
+    ----------
+    *axes : {"method", "kind", "way", "real"}
+        "method" first; the kinds of canvas it supports, the names of its `ways`, its `real`.
+    family : {"patch", "pixel"}, optional
+        Only these methods.
+    """
+    cases = []
+    for slug in METHODS:
+        trial = TRIALS[slug]
+        if family in (None, trial.family):
+            values = {
+                "method": [slug],
+                "kind": kinds_of(slug),
+                "way": list(trial.ways),
+                "real": list(trial.real),
+            }
+            cases += list(itertools.product(*(values[axis] for axis in axes)))
+    ids = ["-".join(str(value) for value in case) for case in cases]
+    return pytest.mark.parametrize(
+        ",".join(axes), [case if len(axes) > 1 else case[0] for case in cases], ids=ids
+    )
+
+
+def method_of(slug: str, way: str | None = None, **parameters: Any) -> weft.Method:
+    """The method with small parameters, those of the way, and these."""
+    trial = TRIALS[slug]
+    way_of = {} if way is None else trial.ways[way]
+    return weft.METHODS[slug](**trial.small | way_of | parameters)
+
+
+def noise(shape: Any, dtype: Any = np.uint8, seed: int = 2) -> Any:
+    """Random pixels of any dtype."""
+    rng = np.random.default_rng(seed)
+    if np.dtype(dtype).kind == "f":
+        return rng.random(shape).astype(dtype)
+    return rng.integers(0, np.iinfo(dtype).max + 1, shape).astype(dtype)
+
+
+def canvas_of(kind: str, pixels: Any, size: tuple[int, int] = (40, 37)) -> weft.Canvas:
+    """A canvas of this kind; a hole's surroundings, and a guide, are pixels of the same sort."""
+    if kind in WRAPS:
+        return weft.Canvas(*size, WRAPS[kind])
+    other = np.resize(pixels[::-1], (*size, *pixels.shape[2:])).astype(pixels.dtype)
+    if kind == "guide":
+        return weft.Canvas(*size, guide=other)
+    y, x = np.indices(size)
+    hole = (y - 18) ** 2 + (x - 15) ** 2 < 90
+    hole[-3:, 25:] = True  # touches the border
+    hole[:2, 30:33] = True
+    other[hole] = 0
+    return weft.Canvas(*size, (kind == "wrapped hole",) * 2, known=other, hole=hole)
+
+
+def made(result: weft.Synthesis) -> Any:
+    """True where a pixel was made and not known."""
+    return np.ones(result.shape, bool) if result.canvas.hole is None else result.canvas.hole
