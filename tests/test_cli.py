@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 import os
 import re
 import signal
@@ -13,6 +14,7 @@ import numpy as np
 import pytest
 
 import weft
+from families import TRIALS, every, method_of
 from weft import cli
 from weft.io import read_image, read_maps, write_image
 
@@ -128,6 +130,22 @@ def test_a_folder_may_exist_and_keeps_what_else_is_in_it(here):
     assert len(list((here / "big").iterdir())) == 6
 
 
+@every("method")
+def test_every_method_has_its_options(here, capsys, method):
+    chosen = method_of(method)
+    words = ["--method", method, "--size", 50, "--seed", 1]
+    for name, value in TRIALS[method].small.items():
+        words += ["--" + name.replace("_", "-"), value]
+    assert weft_run("synth", "sample.png", "-o", "a.png", *words) == 0
+    assert f"with {method}, " in capsys.readouterr().err
+    expected = weft.synthesize("sample.png", 50, method=chosen, seed=1).image
+    assert (read_image("a.png").pixels == expected).all()
+    assert weft_run("synth", "--help", "--method", method) == 0
+    out = capsys.readouterr().out
+    for field in dataclasses.fields(chosen):
+        assert "--" + field.name.replace("_", "-") in out
+
+
 @pytest.mark.parametrize("dtype", [np.uint8, np.uint16])
 @pytest.mark.parametrize("channels", [(), (2,), (3,), (4,)])
 def test_kind_alpha_and_profile_are_kept(here, dtype, channels):
@@ -208,8 +226,11 @@ def test_methods(capsys):
         assert weft_run("methods", slug) == 0
         text = capsys.readouterr().out
         assert weft.METHODS[slug].paper in text
-        default = weft.METHODS[slug]().randomness
-        assert "--patch-size" in text and f"from 0.001 to 1; default: {default:g}" in text
+        for field in dataclasses.fields(weft.METHODS[slug]):
+            assert f"--{field.name.replace('_', '-')}\n    {field.metadata['help']}\n" in text
+    assert weft_run("methods", "quilting") == 0
+    default = weft.Quilting().randomness
+    assert f"from 0.001 to 1; default: {default:g}" in capsys.readouterr().out
 
 
 def test_samples_version_and_help(capsys):

@@ -6,10 +6,14 @@ import numpy as np
 import pytest
 
 import weft
+from families import SEARCHES, TRIALS, every, kinds_of, method_of
 
-METHODS = list(weft.METHODS)
-SEARCHES = ("exhaustive", "quadtree", "pca", "kdtree", "kdtree-pca")
 WRAPS = list(itertools.product([False, True], repeat=2))
+
+
+def wraps_of(method):
+    """The ways around that a method supports."""
+    return WRAPS if "xy" in kinds_of(method) else WRAPS[:1]
 
 
 def check(result, exemplar, size):
@@ -37,7 +41,10 @@ def noise(*shape):
     return np.random.default_rng(8).integers(0, 256, shape).astype(np.uint8)
 
 
-@pytest.mark.parametrize("method", METHODS)
+# Patches
+
+
+@every("method", family="patch")
 @pytest.mark.parametrize("search", SEARCHES)
 @pytest.mark.parametrize("value", [0, 1, 128, 255])
 @pytest.mark.parametrize("patch_size", [1, 2, 7, 8])
@@ -51,7 +58,7 @@ def test_constant_samples(method, search, value, patch_size):
         assert (result.image == value).all()
 
 
-@pytest.mark.parametrize("method", METHODS)
+@every("method", family="patch")
 @pytest.mark.parametrize(
     "shape", [(1, 1), (1, 2), (2, 1), (1, 30), (30, 1), (2, 2), (3, 3), (4, 4)]
 )
@@ -69,7 +76,7 @@ def test_tiny_samples(method, shape, tileable):
     assert works == [min(shape) >= next(parameters) for _ in works]
 
 
-@pytest.mark.parametrize("method", METHODS)
+@every("method", family="patch")
 @pytest.mark.parametrize("search", SEARCHES)
 @pytest.mark.parametrize("patch_size", [2, 3, 8, 16])
 def test_a_sample_of_one_patch(method, search, patch_size):
@@ -82,7 +89,7 @@ def test_a_sample_of_one_patch(method, search, patch_size):
         assert (result.placements[:, 2:4] == 0).all()
 
 
-@pytest.mark.parametrize("method", METHODS)
+@every("method", family="patch")
 @pytest.mark.parametrize("search", SEARCHES)
 @pytest.mark.parametrize("patch_size", [1, 6])
 def test_tiny_canvases(method, search, patch_size):
@@ -93,7 +100,7 @@ def test_tiny_canvases(method, search, patch_size):
             check(model.sample(weft.Canvas(*size, wrap), seed=1), exemplar, size)
 
 
-@pytest.mark.parametrize("method", METHODS)
+@every("method", family="patch")
 @pytest.mark.parametrize("channels", [1, 2, 7, 16, 40])
 @pytest.mark.parametrize("search", SEARCHES)
 def test_many_channels(method, channels, search):
@@ -101,7 +108,7 @@ def test_many_channels(method, channels, search):
     assert attempt(method, exemplar, weft.Canvas(30, 30), search=search, patch_size=8)
 
 
-@pytest.mark.parametrize("method", METHODS)
+@every("method", family="patch")
 @pytest.mark.parametrize("patch_size, width", [(2, 1), (12, 6), (13, 6), (24, 12), (1, 11)])
 @pytest.mark.parametrize("search", SEARCHES)
 def test_huge_boundaries(method, patch_size, width, search):
@@ -114,7 +121,7 @@ def test_huge_boundaries(method, patch_size, width, search):
             )  # fmt: skip
 
 
-@pytest.mark.parametrize("method", METHODS)
+@every("method", family="patch")
 @pytest.mark.parametrize("tileable", [False, True])
 @pytest.mark.parametrize(
     "parameters",
@@ -128,7 +135,7 @@ def test_absurd_parameters_are_refused_before_work_starts(method, tileable, para
         weft.METHODS[method](**parameters).fit(exemplar)
 
 
-@pytest.mark.parametrize("method", METHODS)
+@every("method", family="patch")
 @pytest.mark.parametrize("colours", [1, 2])
 def test_two_colours(method, colours):
     exemplar = weft.Exemplar(((noise(30, 30) % colours) * 255).astype(np.uint8))
@@ -136,7 +143,7 @@ def test_two_colours(method, colours):
         assert attempt(method, exemplar, weft.Canvas(40, 40), patch_size=8, search=search)
 
 
-@pytest.mark.parametrize("method", METHODS)
+@every("method", family="patch")
 @pytest.mark.parametrize("patch_size", [1, 6])
 def test_holes_of_nothing_and_of_everything(method, patch_size):
     exemplar = weft.Exemplar(noise(20, 20, 3))
@@ -150,7 +157,7 @@ def test_holes_of_nothing_and_of_everything(method, patch_size):
     check(everything, exemplar, (15, 16))
 
 
-@pytest.mark.parametrize("method", METHODS)
+@every("method", family="patch")
 def test_masks_with_one_window(method):
     mask = np.zeros((30, 30), bool)
     mask[11:17, 7:13] = True
@@ -160,23 +167,142 @@ def test_masks_with_one_window(method):
     assert not attempt(method, exemplar, weft.Canvas(20, 20), patch_size=7)
 
 
-@pytest.mark.parametrize("method", METHODS)
+# Every method
+
+
+@every("method", "way")
+@pytest.mark.parametrize("value", [0, 1, 128, 255])
+def test_constant_samples_in_every_way(method, way, value):
+    exemplar = weft.Exemplar(np.full((20, 22, 3), value, np.uint8))
+    model = method_of(method, way).fit(exemplar)
+    for wrap in wraps_of(method):
+        result = model.sample(weft.Canvas(24, 21, wrap), seed=1)
+        check(result, exemplar, (24, 21))
+        assert (result.image == value).all()
+
+
+@every("method")
+@pytest.mark.parametrize(
+    "shape", [(1, 1), (1, 2), (2, 1), (1, 30), (30, 1), (2, 2), (3, 3), (4, 4), (7, 5)]
+)
+@pytest.mark.parametrize("tileable", [False, True])
+def test_defaults_work_on_tiny_samples(method, shape, tileable):
+    """Windows shrink to fit; patches need three pixels."""
+    exemplar = weft.Exemplar(noise(*shape), tileable=tileable)
+    works = [
+        attempt(method, exemplar, weft.Canvas(*size, wrap))
+        for size in ((1, 1), (5, 7))
+        for wrap in wraps_of(method)
+    ]
+    assert set(works) == {min(shape) >= TRIALS[method].least}
+
+
+@every("method", "way")
+def test_tiny_canvases_in_every_way(method, way):
+    exemplar = weft.Exemplar(noise(20, 22, 3))
+    model = method_of(method, way).fit(exemplar)
+    for size in ((1, 1), (1, 2), (2, 1), (2, 2), (1, 40), (40, 1), (3, 3), (6, 6), (7, 5)):
+        for wrap in wraps_of(method):
+            check(model.sample(weft.Canvas(*size, wrap), seed=1), exemplar, size)
+
+
+@every("method", "way")
+@pytest.mark.parametrize("channels", [1, 2, 7, 40])
+def test_many_channels_in_every_way(method, way, channels):
+    exemplar = weft.Exemplar(noise(24, 24, channels))
+    result = method_of(method, way).fit(exemplar).sample(30, seed=3)
+    check(result, exemplar, (30, 30))
+
+
+@every("method", "way")
+@pytest.mark.parametrize("colours", [1, 2])
+def test_two_colours_in_every_way(method, way, colours):
+    exemplar = weft.Exemplar(((noise(30, 30) % colours) * 255).astype(np.uint8))
+    result = method_of(method, way).fit(exemplar).sample(40, seed=3)
+    check(result, exemplar, (40, 40))
+
+
+@every("method")
+@pytest.mark.parametrize("width", [10**6 + 1, 10**9 + 1, 10**30 + 1])
+@pytest.mark.parametrize("tileable", [False, True])
+def test_absurd_windows_are_refused_before_work_starts(method, width, tileable):
+    exemplar = weft.Exemplar(noise(24, 24), tileable=tileable)
+    with pytest.raises(weft.InvalidInputError, match=str(width)):
+        weft.METHODS[method](**{TRIALS[method].window: width}).fit(exemplar)
+
+
+@every("method", family="pixel")
+def test_even_windows_are_refused(method):
+    with pytest.raises(weft.InvalidInputError, match="window_width is 6; it must be odd"):
+        weft.METHODS[method](window_width=6).fit(weft.Exemplar(noise(24, 24)))
+
+
+@every("method", "way")
+def test_holes_of_nothing_and_of_everything_in_every_way(method, way):
+    if "hole" not in kinds_of(method):
+        return
+    exemplar = weft.Exemplar(noise(20, 20, 3))
+    model = method_of(method, way).fit(exemplar)
+    known = noise(15, 16, 3)
+    nothing, everything = (
+        model.sample(weft.Canvas(15, 16, known=known, hole=np.full((15, 16), hole)), seed=1)
+        for hole in (False, True)
+    )
+    assert np.array_equal(nothing.image, known)
+    check(everything, exemplar, (15, 16))
+
+
+@every("method", "way")
+def test_holes_of_one_pixel_and_all_but_one(method, way):
+    if "hole" not in kinds_of(method):
+        return
+    exemplar = weft.Exemplar(noise(20, 20, 3))
+    model = method_of(method, way).fit(exemplar)
+    known = noise(9, 8, 3)
+    for place in ((0, 0), (4, 4), (8, 7)):
+        for alone in (False, True):
+            hole = np.full((9, 8), not alone)
+            hole[place] = alone
+            result = model.sample(weft.Canvas(9, 8, known=known, hole=hole), seed=1)
+            assert np.array_equal(result.image[~hole], known[~hole])
+            at = result.source[hole]
+            assert (at >= 0).all() and (at < 20).all()
+
+
+@every("method", "way")
+@pytest.mark.parametrize("tileable", [False, True])
+def test_masks_that_leave_few_windows(method, way, tileable):
+    """What is not usable is never copied, and a mask without a whole window is refused."""
+    mask = np.zeros((30, 30), bool)
+    mask[11:22, 7:18] = True
+    mask[15, 17] = False
+    exemplar = weft.Exemplar(noise(30, 30), mask=mask, tileable=tileable)
+    model = method_of(method, way).fit(exemplar)
+    for wrap in wraps_of(method):
+        check(model.sample(weft.Canvas(20, 20, wrap), seed=1), exemplar, (20, 20))
+    stripes = weft.Exemplar(noise(30, 30), mask=np.indices((30, 30))[1] % 4 == 0)
+    if "single" not in way:
+        with pytest.raises(weft.InvalidInputError, match="lies (in|on) .*usable"):
+            method_of(method, way).fit(stripes)
+
+
+@every("method")
 @pytest.mark.parametrize("value", [0.0, -1.0, 1e-30, 1e30, 1e300, -1e300])
 def test_constant_floats(method, value):
     exemplar = weft.Exemplar(np.full((20, 20), value))
-    result = weft.METHODS[method](patch_size=6).fit(exemplar).sample(30, seed=1)
-    assert (result.image == value).all()
+    assert (method_of(method).fit(exemplar).sample(30, seed=1).image == value).all()
 
 
-@pytest.mark.parametrize("method", METHODS)
+@every("method")
 def test_wild_floats(method):
     pixels = noise(20, 20).astype(float)
     pixels[3, 4], pixels[7, 7] = 1e308, -1e308
+    exemplar = weft.Exemplar(pixels)
     with np.errstate(over="ignore"):
-        assert attempt(method, weft.Exemplar(pixels), weft.Canvas(30, 30), patch_size=6)
+        check(method_of(method).fit(exemplar).sample(30, seed=3), exemplar, (30, 30))
 
 
-@pytest.mark.parametrize("method", METHODS)
+@every("method")
 def test_arrays_of_any_layout(method):
     pixels = noise(20, 20, 3)
     frozen = pixels.copy()
@@ -184,7 +310,7 @@ def test_arrays_of_any_layout(method):
     expected = None
     for view in (pixels, np.asfortranarray(pixels), frozen, pixels[::-1][::-1], [[1, 2], [3, 4]]):
         try:
-            result = weft.synthesize(view, 30, method=method, seed=1, patch_size=6)
+            result = weft.synthesize(view, 30, method=method_of(method), seed=1)
         except weft.WeftError:
             assert isinstance(view, list)
             continue

@@ -12,6 +12,7 @@ from hypothesis import strategies as st
 import reference
 import weft
 import weft.methods.patch_pasting
+from families import every
 from weft.methods.patch_order import patch_starts, patches_around, spiral, wavefronts
 from weft.random import draw
 
@@ -411,7 +412,7 @@ def test_the_boundary_is_at_most_half_of_the_patch():
         assert 1 <= weft.PatchSampling(patch_size=size).fit(exemplar).boundary_width <= size // 2
 
 
-@pytest.mark.parametrize("method", list(weft.METHODS))
+@every("method", family="patch")
 def test_a_patch_larger_than_the_sample_names_the_largest(method):
     exemplar = weft.Exemplar(np.zeros((60, 100), np.uint8), name="brick.png")
     with pytest.raises(weft.InvalidInputError, match=r"brick\.png is 100x60, .* fits is 60"):

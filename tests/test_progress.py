@@ -1,9 +1,12 @@
 """Progress: counts, stages, previews and cancelling."""
 
+import itertools
+
 import numpy as np
 import pytest
 
 import weft
+from families import every, kinds_of, method_of
 from weft.errors import CancelledError
 from weft.progress import Progress
 
@@ -52,10 +55,12 @@ def canvas_of(kind):
     return weft.Canvas(60, 50, (kind == "wrapped",) * 2)
 
 
-@pytest.mark.parametrize("method", list(weft.METHODS))
+@every("method", "way")
 @pytest.mark.parametrize("kind", ["plain", "wrapped", "hole"])
-@pytest.mark.parametrize("patch_size", [1, 12])
-def test_every_run_counts_up_to_its_total(method, kind, patch_size):
+def test_every_stage_counts_up_to_its_total(method, way, kind):
+    if {"wrapped": "xy"}.get(kind, kind) not in kinds_of(method):
+        return
+    canvas = canvas_of(kind)
     seen, previews = [], []
 
     def callback(done, total, stage, preview):
@@ -63,19 +68,33 @@ def test_every_run_counts_up_to_its_total(method, kind, patch_size):
         if len(seen) in (1, 3):
             previews.append(preview())
 
-    model = weft.METHODS[method](patch_size=patch_size).fit(weft.Exemplar(SAMPLE))
-    canvas = canvas_of(kind)
+    model = method_of(method, way).fit(weft.Exemplar(SAMPLE))
     result = model.sample(canvas, seed=1, progress=callback)
-    done = [d for d, _, _ in seen]
-    assert done == sorted(done) and done[0] > 0
-    assert done[-1] == seen[-1][1]
-    assert len({(total, stage) for _, total, stage in seen}) == 1
+    stages = [list(calls) for _, calls in itertools.groupby(seen, lambda call: call[1:])]
+    for calls in stages:
+        done = [d for d, _, _ in calls]
+        assert done == sorted(done) and done[0] > 0
+        assert done[-1] == calls[-1][1]
     for preview in previews:
         assert preview.shape[:2] == canvas.shape
         assert preview.dtype == np.uint8
     assert not np.array_equal(previews[0], result.image)  # it shows a picture in the making
     # Nobody's listening changes nothing.
     assert np.array_equal(model.sample(canvas, seed=1).image, result.image)
+
+
+@every("method", "way")
+def test_each_method_can_be_cancelled(method, way):
+    calls = []
+
+    def callback(done, total, stage, preview):
+        calls.append(done)
+        return len(calls) < 3
+
+    model = method_of(method, way).fit(weft.Exemplar(SAMPLE))
+    with pytest.raises(CancelledError):
+        model.sample((60, 50), seed=1, progress=callback)
+    assert len(calls) == 3
 
 
 @pytest.mark.parametrize("threads", [1, 4])
