@@ -21,6 +21,7 @@ KERNELS = [
     "weft.search._tsvq_kernels",
     "weft.search._color_kernels",
     "weft.search._window_kernels",
+    "weft.search._exhaustive_kernels",
     "weft.seams._kernels",
     "weft.methods._patch_kernels",
     "weft.methods._wei_levoy_kernels",
