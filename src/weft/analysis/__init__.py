@@ -1,0 +1,1 @@
+"""What a sample is: the scale of its structure, how regular it is, whether it tiles."""

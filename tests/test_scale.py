@@ -1,0 +1,247 @@
+"""The dominant scale: right where it is known, unmoved by what must not count, honest elsewhere."""
+
+from __future__ import annotations
+
+import cmath
+import math
+
+import numpy as np
+import pytest
+
+import weft
+from weft.analysis.relief import relief
+from weft.analysis.scale import THICKNESS, _ring_power, dominant_scale
+from weft.exemplar import Exemplar
+
+#: What the estimate is for the samples that ship with weft; scale in pixels and confidence.
+REAL = {
+    "pebbles": (15.0, 0.0),  # they measure 10 to 20, and are strewn
+    "bricks": (41.97, 0.52),  # six courses to 256 pixels are 42.7
+    "grass": (9.37, 0.0),
+    "weave": (12.89, 0.91),  # a thread is 12.5 wide
+    "tiles": (32.0, 0.85),  # eight joints to 256 pixels
+    "wood": (8.65, 0.0),
+    "leaves": (20.81, 0.0),
+}
+
+
+def found(pixels, **options):
+    return dominant_scale(Exemplar(np.ascontiguousarray(pixels), **options))
+
+
+def levels(values):
+    """Values from -1 to 1 as bytes."""
+    return np.rint(127.5 + 120 * values).astype(np.uint8)
+
+
+def grating(height, width, period, angle=0.0):
+    y, x = np.mgrid[:height, :width]
+    return np.sin(2 * np.pi * (x * math.cos(angle) + y * math.sin(angle)) / period)
+
+
+def dots(height, width, period):
+    """Discs on a square lattice."""
+    y, x = (np.mgrid[:height, :width] % period) - period / 2
+    return np.where(y**2 + x**2 < (0.3 * period) ** 2, 1.0, -1.0)
+
+
+def coloured_noise(side, seed, exponent):
+    """Noise whose amplitude falls with that power of the frequency: pictures have about 1."""
+    noise = np.fft.fft2(np.random.default_rng(seed).standard_normal((side, side)))
+    f = np.hypot(np.fft.fftfreq(side)[:, None], np.fft.fftfreq(side))
+    f[0, 0] = 1
+    waves = np.fft.ifft2(noise / f**exponent).real
+    return levels(np.clip(waves / (3 * waves.std()), -1, 1))
+
+
+def ring_power_by_definition(pixels):
+    """P(r): fade the borders, transform place by place, gather the rings with their neighbours."""
+    flat = relief(Exemplar(pixels))
+    channels, height, width = flat.levels.shape
+    side = max(height, width)
+    down = [math.sin(math.pi * (i + 0.5) / height) ** 2 for i in range(height)]
+    along = [math.sin(math.pi * (j + 0.5) / width) ** 2 for j in range(width)]
+    fade = [[a * b for b in along] for a in down]
+    rows, columns = min(side, 2 * height), min(side, 2 * width)
+    spectrum = []
+    for v in range(-((rows - 1) // 2), rows // 2 + 1):
+        for u in range(-((columns - 1) // 2), columns // 2 + 1):
+            if abs(v) / rows * height < 1.49 and abs(u) / columns * width < 1.49:
+                continue
+            power = 0.0
+            for k in range(channels):
+                faded = np.array(fade) * flat.levels[k]
+                faded -= faded.sum() * np.array(fade) / np.sum(fade)
+                total = sum(
+                    faded[i, j] * cmath.exp(-2j * math.pi * (u * j / columns + v * i / rows))
+                    for i in range(height)
+                    for j in range(width)
+                )
+                power += abs(total) ** 2
+            radius = side * math.hypot(v / rows, u / columns)
+            spectrum.append((round(radius / THICKNESS + 1e-9), power))
+    result = []
+    for ring in range(max(r for r, _ in spectrum) + 1):
+        near = [(math.cos(math.pi * (r - ring) / 20) ** 2, p) for r, p in spectrum
+                if abs(r - ring) < 10]  # fmt: skip
+        weight = sum(w for w, _ in near)
+        mean = sum(w * p for w, p in near) / weight if weight > 1e-9 else 0.0
+        places = max(2 * math.pi * ring * THICKNESS * height * width / side**2, 2)
+        result.append(places * THICKNESS * mean)
+    return result
+
+
+@pytest.mark.parametrize("shape", [(12, 12), (9, 14, 3), (15, 8), (1, 16)])
+def test_ring_power_is_its_definition(shape, rng):
+    pixels = rng.integers(0, 256, shape, np.uint8)
+    expected = ring_power_by_definition(pixels)
+    power = _ring_power(relief(Exemplar(pixels)))[0][: len(expected)]
+    np.testing.assert_allclose(power, expected, rtol=1e-7, atol=1e-6 * max(expected))
+
+
+@pytest.mark.parametrize("period", [5, 8, 11.3, 16, 21])
+@pytest.mark.parametrize("shape", [(128, 128), (96, 160), (200, 90)])
+def test_gratings(period, shape):
+    for angle in (0, 0.5, math.pi / 2):
+        scale = found(levels(grating(*shape, period, angle)))
+        assert scale.scale == pytest.approx(period, rel=0.05)
+        assert scale.confidence > 0.75
+
+
+@pytest.mark.parametrize("period", [8, 12, 17, 24])
+def test_dots(period):
+    assert found(levels(dots(150, 130, period))).scale == pytest.approx(period, rel=0.06)
+
+
+@pytest.mark.parametrize("direction", [(1, 0), (0, 1), (1, 1), (2, -1)])
+def test_slow_lighting_does_not_count(direction):
+    y, x = np.mgrid[-1:1:128j, -1:1:128j]
+    lighting = 0.6 * np.cos(1.2 * (direction[0] * y + direction[1] * x) + 0.4)
+    scale = found(levels(np.clip(0.25 * grating(128, 128, 13) + lighting, -1, 1)))
+    assert scale.scale == pytest.approx(13, rel=0.05)
+    assert scale.confidence > 0.75
+
+
+@pytest.mark.parametrize("exponent", [0, 0.5, 1, 1.5])
+def test_noise_has_no_peak(exponent):
+    scales = [found(coloured_noise(128, seed, exponent)) for seed in range(20)]
+    assert np.mean([s.confidence > 0 for s in scales]) <= 0.1
+    assert max(s.confidence for s in scales) < 0.2
+
+
+def test_half_the_power_lies_in_coarser_structure_without_a_peak():
+    scale = found(coloured_noise(128, 3, 1))
+    assert scale.confidence == 0
+    coarser = scale.frequencies < 1 / scale.scale
+    assert scale.power[coarser].sum() / scale.power.sum() == pytest.approx(0.5, abs=0.02)
+
+
+def test_a_pattern_in_noise_is_less_certain():
+    rng = np.random.default_rng(5)
+    noise = rng.standard_normal((128, 128))
+    clear, faint = (
+        found(levels(np.clip(amount * grating(128, 128, 10) + 0.3 * noise, -1, 1)))
+        for amount in (0.5, 0.12)
+    )
+    assert clear.scale == faint.scale == pytest.approx(10, rel=0.05)
+    assert 0.2 < faint.confidence < clear.confidence
+
+
+@pytest.mark.parametrize("name", REAL)
+def test_real_samples(name):
+    """Within a ring: another machine's transforms may round what lies between two."""
+    exemplar = weft.load_exemplar(f"sample:{name}")
+    result = dominant_scale(exemplar)
+    scale, confidence = REAL[name]
+    assert result.scale == pytest.approx(scale, abs=0.01)
+    assert result.confidence == pytest.approx(confidence, abs=0.01)
+    assert abs(result.window_width - 2 * scale) <= 2 and result.window_width % 2 == 1
+
+
+@pytest.mark.parametrize("name", ["bricks", "pebbles", "weave", "leaves"])
+def test_turned_samples(name):
+    pixels = weft.load_exemplar(f"sample:{name}").pixels
+    expected = found(pixels)
+    for turned in (np.rot90(pixels), pixels[::-1], pixels.swapaxes(0, 1)):
+        again = found(turned)
+        assert (again.scale, again.confidence) == (expected.scale, expected.confidence)
+
+
+def test_half_of_a_sample_and_other_kinds_of_pixels():
+    pixels = weft.load_exemplar("sample:tiles").pixels
+    for part in (pixels[:, :200], pixels[:120], pixels[::2, ::2]):
+        step = 256 // part.shape[0] if part.shape[0] == part.shape[1] else 1
+        assert found(part).scale == pytest.approx(32 / step, rel=0.07)
+    expected = found(pixels).scale
+    assert found(pixels.astype(np.uint16) * 257).scale == expected
+    assert found(pixels.astype(np.float32) / 255).scale == expected
+    assert found(pixels.mean(axis=2).astype(np.uint8)).scale == expected
+    large = np.repeat(np.repeat(pixels, 5, axis=0), 5, axis=1)
+    assert found(large).scale == pytest.approx(160, rel=0.02)
+
+
+def test_colours_of_one_brightness_count():
+    wave = np.rint(60 * grating(96, 96, 12)).astype(int)
+    pixels = np.stack([128 + wave, 128 - wave, np.full_like(wave, 128)], axis=2)
+    assert found(pixels.astype(np.uint8)).scale == pytest.approx(12, rel=0.05)
+
+
+def test_what_the_mask_leaves_out_does_not_count():
+    fine, coarse = grating(128, 128, 8), 2 * grating(128, 128, 30, 1.0)
+    mask = np.zeros((128, 128), bool)
+    mask[:, :80] = True
+    mixed = levels(np.where(mask, fine, coarse) / 2)
+    assert found(mixed, mask=mask).scale == pytest.approx(8, rel=0.05)
+    assert found(mixed, mask=~mask).scale == pytest.approx(30, rel=0.2)
+    holes = np.ones((128, 128), bool)
+    holes[20:50, 30:60] = holes[80:100, 70:110] = False
+    junk = levels(np.where(holes, fine / 2, 1.0))
+    assert found(junk, mask=holes).scale == pytest.approx(8, rel=0.05)
+
+
+def test_of_equal_peaks_the_coarsest_is_taken():
+    both = grating(120, 120, 20) + grating(120, 120, 12, math.pi / 2)
+    swapped = both.T
+    assert found(levels(both / 2)).scale == found(levels(swapped / 2)).scale
+
+
+@pytest.mark.parametrize("shape", [(1, 1), (1, 7), (7, 7), (3, 3, 4), (2, 5)])
+def test_small_samples_have_no_curve(shape, rng):
+    scale = found(rng.integers(0, 256, shape, np.uint8))
+    assert (scale.scale, scale.confidence, len(scale.power)) == (1, 0, 0)
+    assert scale.window_width == 3
+
+
+@pytest.mark.parametrize("shape", [(40, 40), (8, 8, 3), (1, 300), (300, 1)])
+def test_constant_samples(shape):
+    for value in (0, 77, 255):
+        scale = found(np.full(shape, value, np.uint8))
+        assert (scale.scale, scale.confidence, len(scale.power)) == (1, 0, 0)
+
+
+def test_a_single_row():
+    wave = levels(grating(1, 200, 10))
+    for pixels in (wave, wave.T):
+        assert found(pixels).scale == pytest.approx(10, rel=0.03)
+
+
+def test_lighting_alone_is_a_constant_sample():
+    ramp = np.add.outer(np.arange(60), np.arange(60)).astype(np.uint8)
+    assert found(ramp).confidence == 0
+
+
+def test_few_usable_pixels():
+    mask = np.zeros((50, 50), bool)
+    mask[20, 30] = True
+    assert found(np.zeros((50, 50), np.uint8), mask=mask).scale == 1
+    mask[::7, ::9] = True
+    assert found(coloured_noise(50, 1, 1), mask=mask).scale >= 1
+
+
+def test_the_curve():
+    scale = found(levels(grating(100, 140, 10)))
+    assert len(scale.frequencies) == len(scale.power) == len(scale.background)
+    assert (np.diff(scale.frequencies) > 0).all()
+    assert scale.power.max() == 1 and scale.power.min() >= 0
+    assert scale.frequencies[scale.power.argmax()] == pytest.approx(0.1, rel=0.03)
+    assert scale.frequencies[0] * 140 == pytest.approx(2.5) and scale.frequencies[-1] <= 1 / 3
