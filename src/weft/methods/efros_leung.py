@@ -108,8 +108,8 @@ class EfrosLeungModel(PixelModel):
         with _Waves(self, growth) as waves:
             while layer.size:
                 lowest = np.inf
-                for wave in waves.of(layer):
-                    chosen, errors = waves.search(wave)
+                for wave, bits in waves.of(layer):
+                    chosen, errors = waves.search(wave, bits)
                     filled = errors <= threshold
                     at = wave[filled]
                     source[at] = chosen[filled]
@@ -180,23 +180,25 @@ class _Waves:
         if self._pool:
             self._pool.shutdown()
 
-    def of(self, layer: NDArray[np.int32]) -> Iterator[NDArray[np.int32]]:
-        """Waves of a layer: most known neighbours first, at random among equals."""
+    def of(self, layer: NDArray[np.int32]) -> Iterator[tuple[NDArray[Any], NDArray[Any]]]:
+        """Places and random bits of each wave: most known neighbours first, ties at random."""
         growth, wrap = self.growth, self.growth.canvas.wrap
         known, waves = (np.empty(len(layer), np.int32) for _ in range(2))
         kernels.count_known(growth.done, *wrap, self.reach, layer, known)
-        bits = draw(growth.seed, "efros-leung order", *np.divmod(layer, growth.canvas.width))
-        layer = layer[np.lexsort((bits, -known))]
-        kernels.wave_numbers(*wrap, self.reach, layer, self._map, waves)
-        order = np.argsort(waves, kind="stable")
-        yield from np.split(layer[order], np.cumsum(np.bincount(waves))[:-1])
+        at = np.divmod(layer, growth.canvas.width)
+        order = np.lexsort((draw(growth.seed, "efros-leung order", *at), -known))
+        kernels.wave_numbers(*wrap, self.reach, layer[order], self._map, waves)
+        order = order[np.argsort(waves, kind="stable")]
+        ends = np.cumsum(np.bincount(waves))
+        places, bits = layer[order], draw(growth.seed, "efros-leung", *at)[order]
+        for start, end in zip((0, *ends), ends, strict=False):
+            yield places[start:end], bits[start:end]
 
     def search(
-        self, wave: NDArray[np.int32]
+        self, wave: NDArray[np.int32], bits: NDArray[np.uint64]
     ) -> tuple[NDArray[np.int32], NDArray[np.float64]]:
         """Draw the source of each pixel; return it and its error, from 0 to 1."""
         growth, model = self.growth, self.model
-        bits = draw(growth.seed, "efros-leung", *np.divmod(wave, growth.canvas.width))
         count = min(growth.threads, -(-len(wave) // _PIECE))
         ends = np.linspace(0, len(wave), count + 1).astype(int)
 

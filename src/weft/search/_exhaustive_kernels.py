@@ -236,7 +236,6 @@ def bounds(
 
     They are floor(w d**2 / 2**16), summed in 16 bits: twice as many at a time as in 32.
     """
-    total = cython.declare(cython.ushort[BLOCK])
     t: cython.Py_ssize_t
     j: cython.Py_ssize_t
     a: cython.p_const_uchar
@@ -256,7 +255,7 @@ def bounds(
     wc: cython.ushort
     we: cython.ushort
     for j in range(BLOCK):
-        total[j] = 0
+        out[j] = 0
     for t in range(0, wanted, 4):
         a = planes + at[t]
         b = planes + at[t + 1]
@@ -283,10 +282,9 @@ def bounds(
             d = cython.cast(cython.short, e[j]) - ve
             s = cython.cast(cython.ushort, d * d)
             p += cython.cast(cython.ushort, (cython.cast(cython.uint, s) * we) >> 16)
-            total[j] += p
+            out[j] += p
     for j in range(BLOCK):
-        out[j] = total[j]
-        least = total[j] if total[j] < least else least
+        least = out[j] if out[j] < least else least
     return least
 
 
