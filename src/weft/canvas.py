@@ -1,4 +1,4 @@
-"""What to make: a size, what wraps around, and what is known already."""
+"""What to make: a size, what wraps around, what is known already, and what to follow."""
 
 from __future__ import annotations
 
@@ -16,6 +16,7 @@ if TYPE_CHECKING:
 
 #: The most pixels that a canvas may have; more is taken for a mistake.
 MAX_PIXELS = 2**30
+_WHITE = {"uint8": 255, "uint16": 65535}  # 1 in floating point
 
 
 @dataclass(frozen=True, eq=False)
@@ -35,11 +36,14 @@ class Canvas:
         known pixels are not at hand.
     known_from : (int, int), optional
         Row and column of the canvas's corner in the sample, when the known pixels are part of it.
+    guide : array (H, W) or (H, W, C), optional
+        A picture that the output is to follow; of the sample's dtype and channels where a method
+        compares the two.
 
     Raises
     ------
     InvalidInputError
-        If a size is out of range, or `known` and `hole` do not fit it.
+        If a size is out of range, or `known`, `hole` and `guide` do not fit it.
 
     Examples
     --------
@@ -53,6 +57,7 @@ class Canvas:
     known: NDArray[Any] | None = None
     hole: NDArray[np.bool_] | None = None
     known_from: tuple[int, int] | None = None
+    guide: NDArray[Any] | None = None
 
     def __post_init__(self) -> None:
         for name in ("height", "width"):
@@ -78,12 +83,15 @@ class Canvas:
                 raise InvalidInputError(f"hole has shape {self.hole.shape}; it must be (H, W)")
             if self.known is not None:
                 object.__setattr__(self, "known", check_pixels(self.known, "known"))
-            for name, value in (("known", self.known), ("hole", self.hole)):
-                if value is not None and value.shape[:2] != self.shape:
-                    raise InvalidInputError(
-                        f"{name} is {value.shape[1]}x{value.shape[0]}, "
-                        f"the canvas is {self.width}x{self.height}"
-                    )
+        if self.guide is not None:
+            object.__setattr__(self, "guide", check_pixels(self.guide, "guide"))
+        for name in ("known", "hole", "guide"):
+            value = getattr(self, name)
+            if value is not None and value.shape[:2] != self.shape:
+                raise InvalidInputError(
+                    f"{name} is {value.shape[1]}x{value.shape[0]}, "
+                    f"the canvas is {self.width}x{self.height}"
+                )
 
     @property
     def shape(self) -> tuple[int, int]:
@@ -92,20 +100,35 @@ class Canvas:
 
     def check_known(self, exemplar: Exemplar) -> None:
         """Raise `InvalidInputError` unless the known pixels are of the sample's kind and place."""
-        own = exemplar.pixels
-        if self.known is not None and (
-            self.known.dtype != own.dtype or self.known.shape[2:] != own.shape[2:]
-        ):
-            raise InvalidInputError(
-                f"known pixels are {self.known.dtype} {self.known.shape[2:]}, the sample is "
-                f"{own.dtype} {own.shape[2:]}; dtype and channels must be equal"
-            )
+        if self.known is not None:
+            _check_kind("known pixels are", self.known, exemplar)
         if self.known_from is not None:
             ends = np.add(self.known_from, self.shape)
             if min(self.known_from) < 0 or (ends > exemplar.shape).any():
                 raise InvalidInputError(
                     f"known_from is {self.known_from}; the canvas must lie in the sample"
                 )
+
+    def check_guide(self, exemplar: Exemplar) -> None:
+        """Raise `InvalidInputError` unless the guide is a picture of the sample's kind."""
+        if self.guide is not None:
+            _check_kind("guide is", self.guide, exemplar)
+
+
+def _check_kind(what: str, pixels: NDArray[Any], exemplar: Exemplar) -> None:
+    """Raise `InvalidInputError` unless dtype and channels are the sample's."""
+    kinds = [(p.dtype.name, p.shape[2:]) for p in (pixels, exemplar.pixels)]
+    if kinds[0] == kinds[1]:
+        return
+    (given, _), (wanted, _) = kinds
+    fix = ""
+    if given != wanted:
+        factor = _WHITE.get(wanted, 1) / _WHITE.get(given, 1)
+        fix = f"; multiply by {factor:.6g} and make it {wanted}"
+    raise InvalidInputError(
+        f"{what} {given} {kinds[0][1]}, the sample is {wanted} {kinds[1][1]}; "
+        f"dtype and channels must be equal{fix}"
+    )
 
 
 def as_canvas(size: Canvas | int | tuple[int, int], tileable: bool | str = False) -> Canvas:

@@ -9,7 +9,7 @@ from time import perf_counter
 from typing import TYPE_CHECKING, Any, NoReturn
 
 from weft.errors import InvalidInputError, WeftError, did_you_mean
-from weft.options import Parser, add_limits, parameters_of, parse_size, parse_task
+from weft.options import Parser, add_huge, add_limits, parameters_of, parse_size, parse_task
 from weft.terminal import Bar, Outputs, Stopped, run, say
 
 if TYPE_CHECKING:
@@ -25,6 +25,7 @@ usage: weft COMMAND ...      (weft COMMAND --help says more)
   synth     make a picture of any size from a sample of a material
   fill      fill holes of a photo
   replay    lay a saved result again with another map of the same sample
+  analyze   say what a sample is like: its scale, its colours, whether it tiles
   methods   list the methods, or the parameters of one
   samples   list the samples that ship with weft
 
@@ -39,6 +40,7 @@ examples:
   weft synth brick.png -o tile.png --size 512 --tileable --seed 7
   weft synth stone_wall/ -o big/ --size 2048        a folder of aligned maps
   weft synth brick.png -o wall.png --method quilting --patch-size 48
+  weft synth moss.png -o face.png --method ashikhmin --guide face.png
 """
 _FILL_ABOUT = """\
 Fill holes of a photo; all other pixels stay as they are. Patch size, boundary width and epsilon are
@@ -54,6 +56,11 @@ _REPLAY = """\
 examples:
   weft replay wall.npz normal_16bit.png -o wall_normal.png
   weft replay filled.npz height.exr -o filled_height.exr --background photo_height.exr
+"""
+_ANALYZE = """\
+examples:
+  weft analyze stones.png
+  weft analyze stone_wall/ --json
 """
 
 
@@ -194,7 +201,9 @@ def _synth(argv: list[str]) -> None:
     start = perf_counter()
     parser = Parser("synth", "Make a picture of any size from a sample of a material.", _SYNTH)
     parser.add_argument("sample", metavar="SAMPLE", help="picture, folder of maps, or sample:NAME")
-    parser.add_argument("--size", metavar="WxH|N", help="in pixels; default: twice the sample's")
+    text = "in pixels; default: the guide's, or twice the sample's"
+    parser.add_argument("--size", metavar="WxH|N", help=text)
+    parser.add_argument("--guide", metavar="G", help="picture to follow, of the output's size")
     args, method, parameters = parse_task(parser, argv)
     size = None if args.size is None else parse_size(args.size, args.allow_huge)
     chosen = method(**parameters)
@@ -203,8 +212,12 @@ def _synth(argv: list[str]) -> None:
         from weft.tasks.synthesize import synthesize
 
         exemplar, pictures, targets = _open(args.sample, args, outputs)
+        guide = None if args.guide is None else _load(args.guide, args)[0]
         size_made = size or (2 * exemplar.shape[0], 2 * exemplar.shape[1])
-        result = synthesize(exemplar, size_made, method=chosen, **_settings(args, bar))
+        if guide is not None:
+            size_made = size or guide.shape
+        settings = _settings(args, bar)
+        result = synthesize(exemplar, size_made, method=chosen, guide=guide, **settings)
         _write(result, exemplar, pictures, targets, args, outputs)
         what = f"made {result.shape[1]}x{result.shape[0]}"
         return _report(args, result, what, start)
@@ -272,6 +285,23 @@ def _replay(argv: list[str]) -> None:
     _finish(run(work, args.quiet), args.quiet)
 
 
+def _analyze(argv: list[str]) -> None:
+    parser = Parser("analyze", "Say what a sample is like, and what windows follow.", _ANALYZE)
+    parser.add_argument("sample", metavar="SAMPLE", help="picture, folder of maps, or sample:NAME")
+    parser.add_argument("--json", action="store_true", help="print JSON")
+    add_huge(parser)
+    args = parser.parse(argv)
+    from weft.tasks.analyze import analyze
+
+    found = analyze(_load(args.sample, args)[0])
+    if args.json:
+        import json
+
+        print(json.dumps(found.as_dict(), indent=1))
+    else:
+        print(found)
+
+
 def _methods(argv: list[str]) -> None:
     parser = Parser("methods", "List the methods, or the parameters of one.", "")
     parser.add_argument("method", metavar="NAME", nargs="?")
@@ -302,6 +332,7 @@ _COMMANDS = {
     "synth": _synth,
     "fill": _fill,
     "replay": _replay,
+    "analyze": _analyze,
     "methods": _methods,
     "samples": _samples,
 }

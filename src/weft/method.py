@@ -134,7 +134,11 @@ class Method:
         """Raise `UnsupportedError` if the canvas is of a kind that the method does not do."""
         if canvas.hole is not None and canvas.known is None:
             raise InvalidInputError("the canvas has a hole but no known pixels around it")
-        wanted = {"wrap": any(canvas.wrap), "known": canvas.known is not None}
+        wanted = {
+            "wrap": any(canvas.wrap),
+            "known": canvas.known is not None,
+            "guide": canvas.guide is not None,
+        }
         for kind, want in wanted.items():
             if want and kind not in self.supports:
                 able = [slug for slug in METHODS if kind in METHODS[slug].supports]

@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+import dataclasses
 import os
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from weft.canvas import as_canvas
 from weft.errors import InvalidInputError
 from weft.exemplar import Exemplar
 from weft.method import Method, make_method
@@ -36,6 +38,7 @@ def synthesize(
     method: str | Method = "patch-sampling",
     seed: Seed = None,
     tileable: bool | str = False,
+    guide: Sample | None = None,
     threads: int | None = None,
     progress: ProgressCallback | None = None,
     **parameters: Any,
@@ -54,6 +57,9 @@ def synthesize(
         The same seed gives the same bytes, whatever the number of threads.
     tileable : bool or {"x", "y"}
         Axes that are to repeat without a seam.
+    guide : path, array, PIL image or Exemplar, optional
+        A picture of the output's size and the sample's dtype and channels that the output is to
+        follow; not every method can.
     threads : int, optional
         At most so many.
     progress : callable, optional
@@ -82,8 +88,14 @@ def synthesize(
     (240, 320, 3)
     """
     chosen = make_method(method, parameters)
+    canvas = as_canvas(size, tileable)
+    if guide is not None:
+        if canvas.guide is not None:
+            raise InvalidInputError("the canvas has a guide; give none beside it")
+        canvas = dataclasses.replace(canvas, guide=load_exemplar(guide).pixels)
+    chosen.require(canvas)
     model = chosen.fit(load_exemplar(sample))
-    return model.sample(size, seed=seed, tileable=tileable, threads=threads, progress=progress)
+    return model.sample(canvas, seed=seed, threads=threads, progress=progress)
 
 
 def load_exemplar(sample: Sample, **options: Any) -> Exemplar:
