@@ -44,10 +44,15 @@ class Parser(argparse.ArgumentParser):
         return found
 
 
-def add_limits(parser: Parser) -> None:
-    """Add the options of every command that makes pictures."""
+def add_huge(parser: Parser) -> None:
+    """Add the option of every command that reads pictures."""
     text = f"take pictures of more than {_HUGE} pixels"
     parser.add_argument("--allow-huge", action="store_true", help=text)
+
+
+def add_limits(parser: Parser) -> None:
+    """Add the options of every command that makes pictures."""
+    add_huge(parser)
     parser.add_argument("--quiet", action="store_true", help="print errors only")
 
 

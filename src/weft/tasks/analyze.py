@@ -1,0 +1,205 @@
+"""What a sample is like: its scale, its regularity, whether it tiles, and the windows that follow."""
+
+from __future__ import annotations
+
+import dataclasses
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from weft.analysis.regularity import regularity
+from weft.analysis.scale import DominantScale, dominant_scale
+from weft.analysis.tiling import SEAMLESS, border_steps
+from weft.errors import InvalidInputError
+from weft.method import METHODS
+from weft.tasks.synthesize import load_exemplar
+
+if TYPE_CHECKING:
+    from weft.exemplar import Exemplar
+    from weft.tasks.synthesize import Sample
+
+_BANDS = 4  # of the spectrum, an octave
+_BAR = 40  # characters
+
+
+@dataclass(frozen=True)
+class Band:
+    """A quarter of an octave of the spectrum.
+
+    Attributes
+    ----------
+    period : float
+        Of its strongest ring, in pixels.
+    power : float
+        Of that ring; the strongest of all has 1.
+    background : float
+        Of the spectrum around that ring.
+    """
+
+    period: float
+    power: float
+    background: float
+
+
+@dataclass(frozen=True)
+class Analysis:
+    """What `analyze` finds; `as_dict` gives plain values, `str` what the command prints.
+
+    Attributes
+    ----------
+    name : str
+        Of the sample.
+    height, width, channels : int
+        Of the picture.
+    dtype : str
+        Of its pixels.
+    alpha : bool
+        Whether the last channel is alpha.
+    maps : tuple of str
+        Names of the aligned maps.
+    colors : int
+        Different colours among the usable pixels.
+    scale, confidence : float
+        See `weft.analysis.scale.DominantScale`.
+    spectrum : tuple of Band
+        The curve that the scale is read from, coarse to fine.
+    regularity : float
+        See `weft.analysis.regularity.regularity`.
+    border_steps : (float, float)
+        See `weft.analysis.tiling.border_steps`.
+    tiles : (bool, bool)
+        Whether it repeats without a seam, downwards and to the right.
+    windows : dict of str to int or None
+        What each method with a window takes for this sample by itself; None where it cannot be
+        made from this sample at all.
+    """
+
+    name: str
+    height: int
+    width: int
+    channels: int
+    dtype: str
+    alpha: bool
+    maps: tuple[str, ...]
+    colors: int
+    scale: float
+    confidence: float
+    spectrum: tuple[Band, ...]
+    regularity: float
+    border_steps: tuple[float, float]
+    tiles: tuple[bool, bool]
+    windows: dict[str, int | None]
+
+    def as_dict(self) -> dict[str, Any]:
+        """Return everything as numbers, texts, lists and dicts, as JSON has them."""
+        return dataclasses.asdict(self)
+
+    def __str__(self) -> str:
+        words = {(True, True): "yes", (True, False): "downwards only"}
+        words |= {(False, True): "to the right only", (False, False): "no"}
+        kind = f"{self.width}x{self.height}, {self.channels} x {self.dtype}"
+        rows = [
+            (self.name, kind + (" with alpha" if self.alpha else "")),
+            *([("maps", ", ".join(self.maps))] if self.maps else []),
+            ("colours", str(self.colors)),
+            ("scale", f"{self.scale:g} px, confidence {self.confidence:g}"),
+            ("regularity", f"{self.regularity:g}"),
+            ("tiles", f"{words[self.tiles]} (steps across the border over those inside: "
+             f"{self.border_steps[0]:g} downwards, {self.border_steps[1]:g} to the right)"),
+            *(("window", f"{'none' if width is None else f'{width} px'} for {slug}")
+              for slug, width in self.windows.items()),
+        ]  # fmt: skip
+        label = max(len(name) for name, _ in rows)
+        lines = [f"{name:{label}}  {text}" for name, text in rows]
+        if self.spectrum:
+            lines += ["", "power at each period (| what the spectrum around it has)"]
+        for band in self.spectrum:
+            bar = "#" * round(_BAR * band.power)
+            mark = min(round(_BAR * band.background), _BAR)
+            bar = f"{bar:{_BAR + 1}}"
+            lines.append(f"{band.period:8.1f} px  {bar[:mark]}|{bar[mark + 1 :]}".rstrip())
+        return "\n".join(lines)
+
+
+def analyze(sample: Sample) -> Analysis:
+    """Say what a sample is like, and what follows from it.
+
+    Parameters
+    ----------
+    sample : path, array, PIL image or Exemplar
+        The material; see `weft.load_exemplar`.
+
+    Raises
+    ------
+    FileError
+        If the sample cannot be read.
+    InvalidInputError
+        If its pixels cannot be used.
+
+    Examples
+    --------
+    >>> found = analyze("sample:weave")
+    >>> round(found.scale), found.confidence > 0.9, found.tiles
+    (13, True, (False, False))
+    """
+    exemplar = load_exemplar(sample)
+    found = dominant_scale(exemplar)
+    down, right = border_steps(exemplar)
+    return Analysis(
+        name=exemplar.name,
+        height=exemplar.shape[0],
+        width=exemplar.shape[1],
+        channels=exemplar.channels,
+        dtype=exemplar.pixels.dtype.name,
+        alpha=exemplar.alpha,
+        maps=tuple(sorted(exemplar.maps)),
+        colors=_count_colors(exemplar),
+        scale=found.scale,
+        confidence=found.confidence,
+        spectrum=_bands(found),
+        regularity=regularity(exemplar),
+        border_steps=(down, right),
+        tiles=(down <= SEAMLESS, right <= SEAMLESS),
+        windows=_windows(exemplar),
+    )
+
+
+def _count_colors(exemplar: Exemplar) -> int:
+    """Different pixels, whatever their dtype."""
+    pixels = exemplar.pixels.reshape(*exemplar.shape, -1)
+    pixels = pixels if exemplar.mask is None else pixels[exemplar.mask]
+    pixels = np.ascontiguousarray(pixels.reshape(-1, pixels.shape[-1]) + pixels.dtype.type(0))
+    size = pixels.shape[1] * pixels.itemsize
+    if size > 8:
+        return len(np.unique(pixels, axis=0))
+    whole = np.zeros((len(pixels), 8), np.uint8)  # numbers sort faster than rows
+    whole[:, :size] = pixels.view(np.uint8).reshape(len(pixels), size)
+    return len(np.unique(whole.view(np.uint64)))
+
+
+def _bands(found: DominantScale) -> tuple[Band, ...]:
+    """The strongest ring of each quarter octave."""
+    if not len(found.power):
+        return ()
+    band = np.floor(_BANDS * np.log2(found.frequencies / found.frequencies[0]) + 1e-9).astype(int)
+    result = []
+    for which in range(int(band[-1]) + 1):
+        rings = np.flatnonzero(band == which)
+        if len(rings):
+            k = rings[found.power[rings].argmax()]
+            values = (1 / found.frequencies[k], found.power[k], found.background[k])
+            result.append(Band(*(round(float(value), 3) for value in values)))
+    return tuple(result)
+
+
+def _windows(exemplar: Exemplar) -> dict[str, int | None]:
+    """The window that each method settles on; it does so when it is fitted."""
+    result: dict[str, int | None] = {}
+    for slug, cls in METHODS.items():
+        if any(field.name == "window_width" for field in dataclasses.fields(cls)):
+            try:
+                result[slug] = getattr(cls().fit(exemplar).method, "window_width")  # noqa: B009
+            except InvalidInputError:
+                result[slug] = None
+    return result
