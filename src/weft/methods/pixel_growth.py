@@ -43,6 +43,8 @@ class Growth:
         known pixel that is not in the sample.
     hole : bool array (H, W) or None
         What is to be made, if some is known.
+    about : dict
+        What the method has to say about this output, for its provenance.
     """
 
     def __init__(
@@ -60,6 +62,7 @@ class Growth:
         self.done = np.zeros(canvas.shape, np.uint8)
         self.source = np.full(canvas.shape, -1, np.int32)
         self.hole = None
+        self.about: dict[str, Any] = {}
         if canvas.known is None or canvas.hole is None or canvas.hole.all():
             return
         self.hole = canvas.hole
@@ -150,7 +153,7 @@ class PixelModel:
             sample_shape=self.exemplar.shape,
             exemplar=self.exemplar,
             known_from=canvas.known_from,
-            provenance=self.method.describe() | {"seed": number},
+            provenance=self.method.describe() | {"seed": number} | growth.about,
         )
 
 
