@@ -23,6 +23,7 @@ KERNELS = [
     "weft.search._window_kernels",
     "weft.search._exhaustive_kernels",
     "weft.seams._kernels",
+    "weft.seams._maxflow_kernels",
     "weft.methods._patch_kernels",
     "weft.methods._wei_levoy_kernels",
     "weft.methods._exact_kernels",

@@ -671,3 +671,34 @@ def known_window(done, y, x, wrap, reach):
         for dy, dx in itertools.product(*steps)
         if (dy or dx) and done[(y + dy) % done.shape[0], (x + dx) % done.shape[1]]
     ]
+
+
+# Graph cuts
+
+
+#: The neighbours that the arcs of a grid lead to: right, down, left and up.
+ARCS = ((0, 1), (1, 0), (0, -1), (-1, 0))
+
+
+def cut_value(side, arcs, source, sink):
+    """Capacity of what leads from the source's side to the sink's."""
+    height, width = side.shape
+    value = source[~side].sum() + sink[side].sum()
+    for y, x in np.argwhere(side):
+        for d, (dy, dx) in enumerate(ARCS):
+            if 0 <= y + dy < height and 0 <= x + dx < width and not side[y + dy, x + dx]:
+                value += arcs[y, x, d]
+    return int(value)
+
+
+def cut_by_exhaustion(arcs, source, sink):
+    """Of all labellings of a tiny grid the cheapest, and of those the one that holds the fewest.
+
+    The source's sides of minimum cuts are closed under intersection, so there is one such.
+    """
+    cells = [(False, True)] * source.size
+    sides = [np.reshape(labels, source.shape) for labels in itertools.product(*cells)]
+    values = [cut_value(side, arcs, source, sink) for side in sides]
+    best = min(values)
+    least = np.logical_and.reduce([s for s, v in zip(sides, values, strict=True) if v == best])
+    return least, best
