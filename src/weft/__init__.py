@@ -22,6 +22,7 @@ if TYPE_CHECKING:
     from weft.exemplar import Exemplar
     from weft.io import read_image, write_image
     from weft.method import METHODS, Method
+    from weft.methods.efros_leung import EfrosLeung
     from weft.methods.patch_sampling import PatchSampling
     from weft.methods.quilting import Quilting
     from weft.synthesis import Synthesis
@@ -34,6 +35,7 @@ _HOME = {
     "METHODS": "method",
     "Canvas": "canvas",
     "CancelledError": "errors",
+    "EfrosLeung": "methods.efros_leung",
     "Exemplar": "exemplar",
     "FileError": "errors",
     "InvalidInputError": "errors",
@@ -54,6 +56,7 @@ __all__ = [
     "METHODS",
     "CancelledError",
     "Canvas",
+    "EfrosLeung",
     "Exemplar",
     "FileError",
     "InvalidInputError",

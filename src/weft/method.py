@@ -214,6 +214,7 @@ class _Registry(Mapping[str, type[Method]]):
 METHODS: Mapping[str, type[Method]] = _Registry(
     patch_sampling="PatchSampling",
     quilting="Quilting",
+    efros_leung="EfrosLeung",
 )
 
 

@@ -90,9 +90,15 @@ class EfrosLeungModel(PixelModel):
     method: EfrosLeung
 
     def __init__(self, method: EfrosLeung, exemplar: Exemplar) -> None:
-        settled, self.windows = _settle(method, exemplar)
+        width, self.windows = _settle_window(method, exemplar)
+        self.reach = width // 2
+        self.seed_size = min(_SEED, width) if method.seed_size is None else method.seed_size
+        if self.seed_size > width:
+            raise InvalidInputError(
+                f"seed_size is {self.seed_size}; it must be from 1 to the window_width of {width}"
+            )
+        settled = dataclasses.replace(method, window_width=width, seed_size=self.seed_size)
         super().__init__(settled, exemplar)
-        width = settled.window_width
         self.search = ExhaustiveSearch(self.windows, gaussian_weights(width, width / _SIGMA))
 
     def grow(self, growth: Growth) -> None:
@@ -100,7 +106,7 @@ class EfrosLeungModel(PixelModel):
         if not growth.done.any():
             self._plant(growth)
         progress = growth.progress(int((growth.done == 0).sum()), "pixels")
-        wrap, threshold = growth.canvas.wrap, self.method.threshold
+        threshold = self.method.threshold
         source, done = growth.source.reshape(-1), growth.done.reshape(-1)
         levels = growth.levels.reshape(done.size, -1)
         pixels = self.windows.pixels.reshape(-1, levels.shape[1])
@@ -125,7 +131,7 @@ class EfrosLeungModel(PixelModel):
 
     def _plant(self, growth: Growth) -> None:
         """Lay a random piece of the sample into the middle."""
-        side, centres = self.method.seed_size, self.windows.centres
+        side, centres = self.seed_size, self.windows.centres
         bits = draw(growth.seed, "efros-leung seed")
         centre = centres[(int(bits) >> 32) * len(centres) >> 32]
         height, width = (min(side, n) for n in growth.canvas.shape)
@@ -140,19 +146,21 @@ class EfrosLeungModel(PixelModel):
     def _unfilled_neighbours(
         self, growth: Growth, filled: NDArray[np.integer]
     ) -> NDArray[np.int32]:
-        """The pixels beside those given that are yet to be made."""
+        """The pixels beside those filled that are yet to be made."""
         away = np.array([-1, 0, 1])
         y, x = np.divmod(filled, growth.canvas.width)
         rows, columns = np.broadcast_arrays(
             y[:, None, None] + away[:, None], x[:, None, None] + away
         )
         inside = np.ones(rows.shape, bool)
-        for at, length, wraps in zip((rows, columns), growth.canvas.shape, growth.canvas.wrap):
-            if not wraps:
-                inside &= (at >= 0) & (at < length)
+        for at, length, wraps in zip(
+            (rows, columns), growth.canvas.shape, growth.canvas.wrap, strict=True
+        ):
+            inside &= wraps | ((at >= 0) & (at < length))
         rows, columns = rows[inside] % growth.canvas.height, columns[inside] % growth.canvas.width
         places = np.unique(rows * growth.canvas.width + columns)
-        return places[growth.done.reshape(-1)[places] == 0].astype(np.int32)
+        result: NDArray[np.int32] = places[growth.done.reshape(-1)[places] == 0].astype(np.int32)
+        return result
 
 
 class _Waves:
@@ -164,7 +172,6 @@ class _Waves:
 
     def __init__(self, model: EfrosLeungModel, growth: Growth) -> None:
         self.model, self.growth = model, growth
-        self.reach = model.method.window_width // 2
         self._map = np.zeros(growth.canvas.shape, np.int32)
         self._pool: Any = None
         self._scratch = [model.search.scratch() for _ in range(growth.threads)]
@@ -184,10 +191,10 @@ class _Waves:
         """Places and random bits of each wave: most known neighbours first, ties at random."""
         growth, wrap = self.growth, self.growth.canvas.wrap
         known, waves = (np.empty(len(layer), np.int32) for _ in range(2))
-        kernels.count_known(growth.done, *wrap, self.reach, layer, known)
+        kernels.count_known(growth.done, *wrap, self.model.reach, layer, known)
         at = np.divmod(layer, growth.canvas.width)
         order = np.lexsort((draw(growth.seed, "efros-leung order", *at), -known))
-        kernels.wave_numbers(*wrap, self.reach, layer[order], self._map, waves)
+        kernels.wave_numbers(*wrap, self.model.reach, layer[order], self._map, waves)
         order = order[np.argsort(waves, kind="stable")]
         ends = np.cumsum(np.bincount(waves))
         places, bits = layer[order], draw(growth.seed, "efros-leung", *at)[order]
@@ -215,22 +222,14 @@ class _Waves:
         return chosen, distances / most
 
 
-def _settle(method: EfrosLeung, exemplar: Exemplar) -> tuple[EfrosLeung, Windows]:
-    """Settle window and seed, and find the windows."""
-    settled = settle_window(method, exemplar, _WIDTH)
+def _settle_window(method: EfrosLeung, exemplar: Exemplar) -> tuple[int, Windows]:
+    """The window's width, less than usual where the usable pixels have no room, and all windows."""
+    width = settle_window(method, exemplar, _WIDTH).window_width
     while True:
-        reach = settled.window_width // 2
+        reach = width // 2
         try:
-            windows = windows_of(exemplar, (reach, reach, reach, reach))
+            return width, windows_of(exemplar, (reach, reach, reach, reach))
         except InvalidInputError:
-            if method.window_width is not None or reach == 0:
+            if method.window_width is not None or width == 1:
                 raise
-            settled = dataclasses.replace(settled, window_width=2 * reach - 1)
-            continue
-        break
-    seed_size = min(_SEED, 2 * reach + 1) if method.seed_size is None else method.seed_size
-    if seed_size > 2 * reach + 1:
-        raise InvalidInputError(
-            f"seed_size is {seed_size}; it must be from 1 to window_width, which is {2 * reach + 1}"
-        )
-    return dataclasses.replace(settled, seed_size=seed_size), windows
+            width -= 2

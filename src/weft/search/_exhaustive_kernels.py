@@ -326,6 +326,9 @@ def search_full(
     period: cython.const[cython.int][::1],
     blocks: cython.const[cython.int][::1],
     stride: cython.Py_ssize_t,
+    chosen: cython.int[::1],
+    errors: cython.longlong[::1],
+    totals: cython.longlong[::1],
     query: cython.uchar[::1],
     known: cython.short[::1],
     rows: cython.int[::1],
@@ -336,14 +339,11 @@ def search_full(
     least: cython.ushort[::1],
     found: cython.int[::1],
     distances: cython.longlong[::1],
-    chosen: cython.int[::1],
-    errors: cython.longlong[::1],
-    totals: cython.longlong[::1],
 ):
     """For each pixel of the canvas at `places` draw one of the windows that match it best.
 
     Fills `chosen` (flat index into the sample), `errors` (its distance) and `totals` (the weight
-    of what is known). Eleven arrays before those are scratch.
+    of what is known). The arrays after those are scratch.
     """
     channels: cython.Py_ssize_t = levels.shape[2]
     width: cython.Py_ssize_t = usable.shape[1]

@@ -37,7 +37,8 @@ def gaussian_weights(width: int, sigma: float) -> NDArray[np.int16]:
     """
     away = np.arange(width) - width // 2
     bell = np.exp(-(away[:, None] ** 2 + away**2) / (2 * sigma * sigma))
-    return np.maximum(np.rint(_HEAVIEST * bell), 1).astype(np.int16)
+    weights: NDArray[np.int16] = np.maximum(np.rint(_HEAVIEST * bell), 1).astype(np.int16)
+    return weights
 
 
 class ExhaustiveSearch:
@@ -67,9 +68,8 @@ class ExhaustiveSearch:
         self.planes = np.pad(planes, ((0, 0), (lead, lead + _BLOCK)))
         self.allowed = np.pad(windows.usable.ravel(), (0, _BLOCK))
         self.blocks = _blocks(windows.centres)
-        away = np.stack(np.indices((width, width)) - reach, axis=-1).reshape(-1, 2)
         heaviest = np.argsort(-weights.ravel(), kind="stable")
-        self.order = away[heaviest].astype(np.int32)
+        self.order = np.stack(np.divmod(heaviest, width), axis=1).astype(np.int32) - reach
         self.terms = max(4, min(_TERMS, -(-(width * width * channels) // 4) * 4))
 
     def scratch(self) -> tuple[NDArray[np.generic], ...]:
@@ -133,7 +133,7 @@ class ExhaustiveSearch:
         kernels.search_full(
             levels, done, source, *wrap, places, bits, tolerance, self.weights, self.order,
             self.flat, self.planes, self.windows.usable, self.allowed, self.windows.period,
-            self.blocks, self.stride, *scratch, chosen, distances, weights,
+            self.blocks, self.stride, chosen, distances, weights, *scratch,
         )  # fmt: skip
         return chosen, distances, weights
 
