@@ -648,7 +648,9 @@ def window_centres(mask, reach, tileable):
     height, width = mask.shape
     centres = []
     for y, x in np.ndindex(height, width):
-        window = list(itertools.product(range(y - up, y + down + 1), range(x - left, x + right + 1)))
+        window = list(
+            itertools.product(range(y - up, y + down + 1), range(x - left, x + right + 1))
+        )
         if tileable:
             window = [(v % height, u % width) for v, u in window]
         if all(0 <= v < height and 0 <= u < width and mask[v, u] for v, u in window):
@@ -702,3 +704,91 @@ def cut_by_exhaustion(arcs, source, sink):
     best = min(values)
     least = np.logical_and.reduce([s for s, v in zip(sides, values, strict=True) if v == best])
     return least, best
+
+
+# Non-parametric sampling (Efros and Leung, 1999)
+
+
+def bell_weights(width):
+    """A Gaussian with a sigma of width / 6.4, in whole numbers from 1 to 127."""
+    sigma, middle = width / 6.4, width // 2
+    return [
+        [
+            max(1, round(127 * math.exp(-((v - middle) ** 2 + (u - middle) ** 2) / 2 / sigma**2)))
+            for u in range(width)
+        ]
+        for v in range(width)
+    ]
+
+
+def weighted_distances(levels, y, x, known, exemplar, centres, weights):
+    """Sum of w d**2 over the known steps, to the window around each of the sample's centres."""
+    pixels, middle = exemplar.matching().astype(int), len(weights) // 2
+    totals = np.zeros(len(centres), int)
+    centres = np.array(centres)
+    for dy, dx in known:
+        here = levels[(y + dy) % len(levels), (x + dx) % levels.shape[1]].astype(int)
+        rows, columns = (centres[:, 0] + dy) % len(pixels), (centres[:, 1] + dx) % pixels.shape[1]
+        difference = pixels[rows, columns] - here
+        totals += weights[dy + middle][dx + middle] * (difference**2).sum(axis=1)
+    return [int(total) for total in totals]
+
+
+def efros_leung(method, exemplar, canvas, seed):
+    """Grow a canvas one pixel after the other; (H, W, 2) sources, -1 for known pixels.
+
+    `method` has the window's width and the seed's size settled.
+    """
+    pixels, wrap = exemplar.matching(), canvas.wrap
+    levels = np.zeros((*canvas.shape, pixels.shape[2]), np.uint8)
+    done, source = np.zeros(canvas.shape, bool), np.full((*canvas.shape, 2), -1)
+    reach = [method.window_width // 2] * 4
+    mask = np.ones(exemplar.shape, bool) if exemplar.mask is None else exemplar.mask
+    centres = window_centres(mask, reach, exemplar.tileable)
+    weights = bell_weights(method.window_width)
+
+    def lay(y, x, v, u):
+        v, u = v % exemplar.shape[0], u % exemplar.shape[1]
+        levels[y, x], done[y, x], source[y, x] = pixels[v, u], True, (v, u)
+
+    if canvas.hole is not None and not canvas.hole.all():
+        levels[~canvas.hole] = exemplar.as_matching(canvas.known)[~canvas.hole]
+        done[~canvas.hole] = True
+    else:
+        v, u = centres[pick(random_bits(seed, "efros-leung seed"), len(centres))]
+        side = [min(method.seed_size, n) for n in canvas.shape]
+        top, left = ((n - s) // 2 for n, s in zip(canvas.shape, side, strict=True))
+        for i, j in np.ndindex(*side):
+            half = method.seed_size // 2
+            lay(top + i, left + j, v + i - half, u + j - half)
+
+    def has_filled_neighbour(y, x):
+        for v, u in itertools.product((y - 1, y, y + 1), (x - 1, x, x + 1)):
+            inside = [w or 0 <= k < n for k, n, w in zip((v, u), canvas.shape, wrap, strict=True)]
+            if all(inside) and done[v % canvas.height, u % canvas.width]:
+                return True
+        return False
+
+    threshold = method.threshold
+    while not done.all():
+        layer = [p for p in np.ndindex(*canvas.shape) if not done[p] and has_filled_neighbour(*p)]
+        layer.sort(
+            key=lambda p: (
+                -len(known_window(done, *p, wrap, reach)),
+                random_bits(seed, "efros-leung order", *p),
+            )
+        )
+        progress = False
+        for y, x in layer:
+            known = known_window(done, y, x, wrap, reach)
+            distances = weighted_distances(levels, y, x, known, exemplar, centres, weights)
+            limit = min(distances) * (1 + method.tolerance)
+            similar = [i for i, d in enumerate(distances) if d <= limit]
+            drawn = similar[pick(random_bits(seed, "efros-leung", y, x), len(similar))]
+            total = sum(weights[dy + reach[0]][dx + reach[0]] for dy, dx in known)
+            if distances[drawn] / (255**2 * pixels.shape[2] * max(total, 1)) <= threshold:
+                lay(y, x, *centres[drawn])
+                progress = True
+        if not progress:
+            threshold *= 1.1
+    return source
