@@ -26,6 +26,7 @@ if TYPE_CHECKING:
     from weft.methods.patch_sampling import PatchSampling
     from weft.methods.quilting import Quilting
     from weft.synthesis import Synthesis
+    from weft.tasks.analyze import analyze
     from weft.tasks.fill import fill
     from weft.tasks.synthesize import load_exemplar, synthesize
 
@@ -45,6 +46,7 @@ _HOME = {
     "Synthesis": "synthesis",
     "UnsupportedError": "errors",
     "WeftError": "errors",
+    "analyze": "tasks.analyze",
     "fill": "tasks.fill",
     "load_exemplar": "tasks.synthesize",
     "read_image": "io",
@@ -66,6 +68,7 @@ __all__ = [
     "Synthesis",
     "UnsupportedError",
     "WeftError",
+    "analyze",
     "fill",
     "load_exemplar",
     "read_image",

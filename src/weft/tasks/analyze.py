@@ -1,4 +1,4 @@
-"""What a sample is like: its scale, its regularity, whether it tiles, and the windows that follow."""
+"""What a sample is like: its scale and regularity, whether it tiles, the windows that follow."""
 
 from __future__ import annotations
 
@@ -96,17 +96,21 @@ class Analysis:
         return dataclasses.asdict(self)
 
     def __str__(self) -> str:
+        down, right = (f"{step:g}" for step in self.border_steps)
+        across = (
+            f"steps across the border over those inside: {down} downwards, {right} to the right"
+        )
         words = {(True, True): "yes", (True, False): "downwards only"}
         words |= {(False, True): "to the right only", (False, False): "no"}
+        certainty = f"confidence {self.confidence:g}" if self.confidence else "no clear peak"
         kind = f"{self.width}x{self.height}, {self.channels} x {self.dtype}"
         rows = [
             (self.name, kind + (" with alpha" if self.alpha else "")),
             *([("maps", ", ".join(self.maps))] if self.maps else []),
             ("colours", str(self.colors)),
-            ("scale", f"{self.scale:g} px, confidence {self.confidence:g}"),
+            ("scale", f"{self.scale:g} px, {certainty}"),
             ("regularity", f"{self.regularity:g}"),
-            ("tiles", f"{words[self.tiles]} (steps across the border over those inside: "
-             f"{self.border_steps[0]:g} downwards, {self.border_steps[1]:g} to the right)"),
+            ("tiles", f"{words[self.tiles]} ({across})"),
             *(("window", f"{'none' if width is None else f'{width} px'} for {slug}")
               for slug, width in self.windows.items()),
         ]  # fmt: skip

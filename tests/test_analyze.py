@@ -1,0 +1,149 @@
+"""What `weft analyze` says, and that it is true."""
+
+from __future__ import annotations
+
+import json
+
+import numpy as np
+import pytest
+
+import weft
+from weft import cli
+from weft.analysis.regularity import regularity
+from weft.analysis.scale import dominant_scale
+from weft.analysis.tiling import SEAMLESS, border_steps
+from weft.exemplar import Exemplar
+from weft.io import write_image
+from weft.tasks.analyze import analyze
+
+
+def steps_by_definition(levels, usable):
+    """Mean squared difference of each row to the one before, the first to the last."""
+    height, width = usable.shape
+    steps = []
+    for y in range(height):
+        pairs = [x for x in range(width) if usable[y, x] and usable[y - 1, x]]
+        total = sum(int(((levels[y, x].astype(int) - levels[y - 1, x]) ** 2).sum()) for x in pairs)
+        steps.append(total / max(1, len(pairs)))
+    inside = steps[1:] or steps
+    return round(steps[0] / max(np.median(inside), inside[0], inside[-1], 1), 2)
+
+
+@pytest.mark.parametrize("shape", [(7, 9), (5, 4, 3), (1, 6), (6, 1), (1, 1), (2, 2)])
+@pytest.mark.parametrize("masked", [False, True])
+def test_border_steps_are_their_definition(shape, masked, rng):
+    pixels = rng.integers(0, 256, shape, np.uint8)
+    mask = rng.random(shape[:2]) < 0.7 if masked else np.ones(shape[:2], bool)
+    mask[0, 0] = True
+    exemplar = Exemplar(pixels, mask=mask)
+    levels = exemplar.matching()
+    expected = (
+        steps_by_definition(levels, mask),
+        steps_by_definition(levels.swapaxes(0, 1), mask.T),
+    )
+    assert border_steps(exemplar) == expected
+
+
+def test_tiles_are_told_from_crops():
+    """Mostly; see `border_steps`."""
+    tiles, crops = [], []
+    for name in ("pebbles", "bricks", "grass", "weave", "leaves", "tiles", "wood"):
+        sample = weft.load_exemplar(f"sample:{name}")
+        model = weft.Quilting().fit(sample)
+        for seed in range(3):
+            tiles += border_steps(Exemplar(model.sample(160, seed=seed, tileable=True).image))
+        for corner in (0, 30, 60):
+            piece = sample.pixels[corner : corner + 120, corner : corner + 120]
+            crops += border_steps(Exemplar(np.ascontiguousarray(piece)))
+    assert np.mean(np.array(tiles) <= SEAMLESS) >= 0.95
+    assert np.mean(np.array(crops) > SEAMLESS) >= 0.85
+
+
+def test_tiles_says_along_which_axis():
+    wave = np.rint(127 + 100 * np.sin(np.arange(64) * 2 * np.pi / 16)).astype(np.uint8)
+    sample = np.add.outer(2 * np.arange(64), wave // 2).astype(np.uint8)
+    assert analyze(sample).tiles == (False, True)
+    assert analyze(sample.T.copy()).tiles == (True, False)
+    assert "to the right only" in str(analyze(sample))
+
+
+@pytest.mark.parametrize("dtype", [np.uint8, np.uint16, np.float32, np.float64])
+@pytest.mark.parametrize("channels", [(), (1,), (3,), (4,), (9,)])
+def test_colours_are_counted(dtype, channels, rng):
+    few = rng.integers(0, 3, (20, 30, *channels)).astype(dtype)
+    expected = len({tuple(np.ravel(pixel)) for row in few for pixel in row})
+    assert analyze(few).colors == expected
+    mask = rng.random((20, 30)) < 0.02
+    mask[3, 4] = True
+    expected = len({tuple(np.ravel(pixel)) for pixel in few[mask]})
+    assert analyze(Exemplar(few, mask=mask)).colors == expected
+
+
+def test_minus_zero_is_zero():
+    assert analyze(np.array([[0.0, -0.0]], np.float32)).colors == 1
+
+
+def test_everything_is_what_its_own_function_says():
+    exemplar = weft.load_exemplar("sample:tiles")
+    found = analyze(exemplar)
+    scale = dominant_scale(exemplar)
+    assert (found.height, found.width, found.channels, found.dtype) == (256, 256, 3, "uint8")
+    assert (found.scale, found.confidence) == (scale.scale, scale.confidence)
+    assert found.regularity == regularity(exemplar)
+    assert found.border_steps == border_steps(exemplar)
+    periods = [band.period for band in found.spectrum]
+    assert periods == sorted(periods, reverse=True) and max(b.power for b in found.spectrum) == 1
+    strongest = max(found.spectrum, key=lambda band: band.power)
+    assert strongest.period == pytest.approx(found.scale, abs=0.01)
+
+
+def test_windows_are_those_that_the_methods_take():
+    exemplar = Exemplar(np.random.default_rng(0).integers(0, 256, (40, 40), np.uint8))
+    windows = analyze(exemplar).windows
+    for slug, cls in weft.METHODS.items():
+        if "window_width" in cls.__dataclass_fields__:
+            assert windows.pop(slug) == cls().fit(exemplar).method.window_width
+    assert windows == {}
+
+
+@pytest.mark.parametrize("shape", [(1, 1), (1, 5), (6, 6), (40, 40, 3)])
+def test_constant_and_tiny_samples(shape):
+    found = analyze(np.full(shape, 7, np.uint8))
+    assert (found.colors, found.scale, found.confidence, found.regularity) == (1, 1, 0, 0)
+    assert found.spectrum == () and found.tiles == (True, True)
+    assert "no clear peak" in str(found)
+
+
+def test_the_command_prints_it(capsys):
+    assert cli.main(["analyze", "sample:weave"]) == 0
+    out, err = capsys.readouterr()
+    assert out.rstrip("\n") == str(analyze("sample:weave")) and err == ""
+    assert "192x192, 3 x uint8" in out and "confidence 0.9" in out and "#####" in out
+    assert max(map(len, out.splitlines())) <= 100
+
+
+def test_the_command_prints_json(capsys):
+    assert cli.main(["analyze", "sample:stone_wall", "--json"]) == 0
+    found = json.loads(capsys.readouterr().out)
+    expected = analyze("sample:stone_wall")
+    assert found == json.loads(json.dumps(expected.as_dict()))
+    assert found["maps"] == ["ao", "height", "normal", "roughness"]
+
+
+@pytest.mark.parametrize(
+    ("words", "message"),
+    [
+        (["nothing.png"], "nothing.png"),
+        (["sample:nothing"], "nothing"),
+        (["a.png", "--jsno"], "did you mean '--json'"),
+        ([], "SAMPLE"),
+        (["a.png", "b.png"], "unexpected argument 'b.png'"),
+    ],
+)
+def test_bad_input_is_one_line(words, message, capsys, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    write_image("a.png", np.zeros((8, 8), np.uint8))
+    assert cli.main(["analyze", *words]) == 2
+    out, err = capsys.readouterr()
+    assert out == "" and err.startswith("weft: error: ") and err.count("\n") == 1
+    assert message in err
