@@ -18,6 +18,7 @@ from setuptools.command.build_ext import build_ext
 KERNELS = [
     "weft._compositing",
     "weft.search._kernels",
+    "weft.search._coherence_kernels",
     "weft.search._tsvq_kernels",
     "weft.search._color_kernels",
     "weft.search._window_kernels",
@@ -26,6 +27,7 @@ KERNELS = [
     "weft.seams._maxflow_kernels",
     "weft.methods._patch_kernels",
     "weft.methods._wei_levoy_kernels",
+    "weft.methods._ashikhmin_kernels",
     "weft.methods._exact_kernels",
 ]
 CHECKS = os.environ.get("WEFT_CHECKS") == "1"
