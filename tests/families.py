@@ -42,6 +42,8 @@ class Trial:
         Side of the largest canvas that a test may ask for.
     real : list of dict
         Parameters for materials of 200 pixels, where seams are looked for.
+    torus : bool
+        A canvas that does not wrap is also made on a torus, so its border shows little.
     """
 
     family: str
@@ -52,6 +54,7 @@ class Trial:
     least: int = 1
     largest: int = 60
     real: tuple[dict[str, Any], ...] = ({},)
+    torus: bool = False
 
     def copies(self, way: str) -> bool:
         """Whether every pixel made in this way is one of the sample."""
@@ -89,8 +92,9 @@ TRIALS = {
         {
             "full": {"search": "full"},
             "tsvq": {"search": "tsvq"},
-            "pyramid": {"search": "tsvq", "levels": 2},
+            "pyramid": {"search": "tsvq", "levels": 2, "window_width": 3},
         },
+        torus=True,
     ),
     "ashikhmin": Trial(
         "pixel",

@@ -22,9 +22,11 @@ if TYPE_CHECKING:
     from weft.exemplar import Exemplar
     from weft.io import read_image, write_image
     from weft.method import METHODS, Method
+    from weft.methods.ashikhmin import Ashikhmin
     from weft.methods.efros_leung import EfrosLeung
     from weft.methods.patch_sampling import PatchSampling
     from weft.methods.quilting import Quilting
+    from weft.methods.wei_levoy import WeiLevoy
     from weft.synthesis import Synthesis
     from weft.tasks.analyze import analyze
     from weft.tasks.fill import fill
@@ -34,6 +36,7 @@ __version__ = "0.1.0"
 
 _HOME = {
     "METHODS": "method",
+    "Ashikhmin": "methods.ashikhmin",
     "Canvas": "canvas",
     "CancelledError": "errors",
     "EfrosLeung": "methods.efros_leung",
@@ -46,6 +49,7 @@ _HOME = {
     "Synthesis": "synthesis",
     "UnsupportedError": "errors",
     "WeftError": "errors",
+    "WeiLevoy": "methods.wei_levoy",
     "analyze": "tasks.analyze",
     "fill": "tasks.fill",
     "load_exemplar": "tasks.synthesize",
@@ -56,6 +60,7 @@ _HOME = {
 
 __all__ = [
     "METHODS",
+    "Ashikhmin",
     "CancelledError",
     "Canvas",
     "EfrosLeung",
@@ -68,6 +73,7 @@ __all__ = [
     "Synthesis",
     "UnsupportedError",
     "WeftError",
+    "WeiLevoy",
     "analyze",
     "fill",
     "load_exemplar",

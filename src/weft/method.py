@@ -215,6 +215,8 @@ METHODS: Mapping[str, type[Method]] = _Registry(
     patch_sampling="PatchSampling",
     quilting="Quilting",
     efros_leung="EfrosLeung",
+    wei_levoy="WeiLevoy",
+    ashikhmin="Ashikhmin",
 )
 
 

@@ -26,7 +26,7 @@ def span_distance(
         at = spans[s, 0]
         stop = at + spans[s, 1]
         while at < stop:
-            part = 96 if bound >= 0 and stop - at > 96 else stop - at
+            part = 64 if bound >= 0 and stop - at > 64 else stop - at
             total += squared(a + at, b + at, part)
             if total > bound and bound >= 0:
                 return total
@@ -246,7 +246,6 @@ def split(
     r: cython.Py_ssize_t
     moved: cython.Py_ssize_t
     second: cython.Py_ssize_t
-    d: cython.longlong
     now: cython.Py_ssize_t = 0
     row: cython.p_const_uchar
     halve(vectors, order, start, stop, side[0], total)

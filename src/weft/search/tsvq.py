@@ -23,7 +23,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
 #: Leaves of a tree without a given size hold at most so many windows, unless these are all equal.
-LEAF = 8
+LEAF = 32
 _ROUNDS = 8  # of Lloyd's algorithm at each split
 
 
@@ -136,6 +136,4 @@ def build_tsvq(
     # Of equal vectors the first one stands for all, or a sample of few colours would take long.
     equal = (nodes[:, 0] < 0) & (spread == 0)
     nodes[equal, 2] = nodes[equal, 1] + 1
-    return TSVQ(
-        np.ascontiguousarray(vectors[order]), places[order], nodes, centroids[:made].copy()
-    )
+    return TSVQ(np.ascontiguousarray(vectors[order]), places[order], nodes, centroids[:made].copy())
