@@ -1,6 +1,6 @@
 """From a colour to the places of a sample that have it, or one that is near it.
 
-The kd-tree over the distinct colours is that of Sabha, Peers and Dutré (2005), Texture synthesis
+The kd-tree over the distinct colours is that of Sabha, Peers and Dutré (2007), Texture synthesis
 using exact neighborhood matching, section 4: each colour once, with the places where it is.
 Colours of one node are numbered in a row, so that a whole node of near colours is one interval.
 """
@@ -97,7 +97,7 @@ class ColorIndex:
 
     @property
     def span(self) -> int:
-        """A squared distance that no two colours exceed: that of their smallest and largest bytes."""
+        """The squared distance of the smallest and the largest bytes; no two colours exceed it."""
         low, high = self.low[1].astype(np.int64), self.high[1].astype(np.int64)
         return int(((high - low) ** 2).sum())
 
@@ -108,34 +108,38 @@ class ColorIndex:
         count = _color_kernels.near_one(*tree, number, radius, room)
         return room[0, : 2 * count].reshape(-1, 2)
 
-    def centres(self, offsets: list[tuple[int, int]]) -> tuple[NDArray[np.int32], NDArray[np.int32]]:
-        """List the centres of whole windows by the colour that they have beside them.
+    def centres(
+        self, offsets: NDArray[np.int32], usable: NDArray[np.uint8]
+    ) -> tuple[NDArray[np.int32], NDArray[np.int32]]:
+        """List centres by the colour that they have beside them.
 
         Parameters
         ----------
-        offsets : list of (dy, dx)
-            Which of the pixels beside a centre.
+        offsets : int32 array (d, 2)
+            Which of the pixels beside a centre: dy and dx.
+        usable : uint8 array (H', W')
+            1 where a centre is to be listed; at most where a window may be centred.
 
         Returns
         -------
-        starts : int32 array (len(offsets), C + 1)
-            Those of colour c are `lists[starts[d, c] : starts[d, c + 1]]`, in scan order.
-        lists : int32 array (len(offsets) * n,)
+        starts : int32 array (d, C + 1)
+            Those of colour c are `places[starts[d, c] : starts[d, c + 1]]`, in scan order.
+        places : int32 array
             Flat indices into the pixels of the windows.
         """
-        centres = self._windows.centres
-        y, x = np.divmod(centres, np.int32(self.number.shape[1]))
+        centres = np.flatnonzero(usable).astype(np.int32)
+        y, x = np.divmod(centres, np.int32(self._windows.usable.shape[1]))
         starts = np.zeros((len(offsets), len(self.colors) + 1), np.int32)
         lists, total = [], 0
-        for d, (dy, dx) in enumerate(offsets):
+        height, width = self._windows.usable.shape
+        for d, (dy, dx) in enumerate(offsets.tolist()):
             v, u = y + dy, x + dx
-            inside = (v >= 0) & (u >= 0) & (v < self.number.shape[0]) & (u < self.number.shape[1])
+            inside = (v >= 0) & (u >= 0) & (v < height) & (u < width)
             beside = self.number[v[inside], u[inside]]
-            order = np.argsort(beside, kind="stable")
-            lists.append(centres[inside][order])
+            lists.append(centres[inside][np.argsort(beside, kind="stable")])
             starts[d, 1:] = np.cumsum(np.bincount(beside, minlength=len(self.colors)))
             starts[d] += total
-            total += len(order)
+            total += len(beside)
         return starts, np.concatenate(lists)
 
 

@@ -1,1 +1,0 @@
-# Nothing is taken from here by other kernels.

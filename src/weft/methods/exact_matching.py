@@ -1,0 +1,225 @@
+"""Texture synthesis using exact neighborhood matching (Sabha, Peers and Dutré, 2005)."""
+
+from __future__ import annotations
+
+import copy
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING, Any, ClassVar
+
+import numpy as np
+
+from weft.analysis.regularity import regularity
+from weft.analysis.scale import dominant_scale
+from weft.errors import InvalidInputError
+from weft.exemplar import Exemplar
+from weft.method import Method, parameter
+from weft.methods.exact_candidates import Candidates
+from weft.methods.exact_growth import ExactGrowth, Statistics
+from weft.methods.pixel_growth import PixelModel, settle_window
+from weft.search.color_index import ColorIndex
+from weft.search.pyramid_windows import sample_pyramid
+from weft.search.windows import windows_of
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    from weft.methods.pixel_growth import Growth
+    from weft.pixel_synthesis import PixelSynthesis
+
+_REGULAR = 0.4  # regularity from which on a sample is near-regular
+_WIDTH = 31  # of a window, unless the structure is larger
+_NARROW = 11  # the smallest window that is proposed where there is room
+_LEAST = 5  # pixels to a side of the coarsest level
+_PLACES = 3  # in the list of one neighbour
+
+
+@dataclass(frozen=True)
+class ExactMatching(Method):
+    """Exact neighborhood matching.
+
+    Pixels are made in scan order. Each is copied from the window that matches best among those
+    that have, at the place of one of the four direct neighbours, exactly that neighbour's colour.
+
+    Raises
+    ------
+    InvalidInputError
+        If `tolerance` and `nearest_colors` are both given.
+
+    Examples
+    --------
+    >>> import numpy as np, weft
+    >>> sample = weft.Exemplar(np.random.default_rng(0).integers(0, 255, (32, 32), np.uint8))
+    >>> weft.ExactMatching(window_width=7).fit(sample).sample((20, 30), seed=7).image.shape
+    (20, 30)
+    """
+
+    slug: ClassVar[str] = "exact-matching"
+    title: ClassVar[str] = "Exact neighborhood matching"
+    paper: ClassVar[str] = (
+        "M. Sabha, P. Peers, P. Dutré: Texture synthesis using exact neighborhood matching. "
+        "Computer Graphics Forum 26(2), 2007"
+    )
+    supports: ClassVar[frozenset[str]] = frozenset({"wrap", "known"})
+
+    window_width: int | None = parameter(
+        None,
+        "side of the window around a pixel, odd; at least the size of what is to stay whole",
+        low=1,
+        high=1001,
+        unit="px",
+        default_text="from the sample's scale",
+    )
+    tolerance: float | None = parameter(
+        None,
+        "how far a colour may be off, of the sample's largest colour distance; 1 takes any",
+        low=0.0,
+        high=1.0,
+        default_text="0 where colours occur several times, else as far as the third pixel's",
+    )
+    nearest_colors: int | None = parameter(
+        None, "take so many of the nearest colours, instead of a tolerance", low=1
+    )
+    init: str = parameter(
+        "auto",
+        "what lies above the first row: random pixels, a structured band, or as the sample asks",
+        choices=("auto", "random", "structured"),
+    )
+    grouping: float = parameter(
+        0.0, "root mean square difference up to which windows are one entry of a list",
+        low=0.0, high=1.0,
+    )  # fmt: skip
+    repeat_distance: int | None = parameter(
+        None,
+        "a pixel of the sample is not taken again nearer than this; 0 is the paper's way",
+        low=0,
+        unit="px",
+        default_text="half a window for random beginnings, 0 for structured ones",
+    )
+    copying: str = parameter(
+        "pixels",
+        "search for each pixel, or go on without where all four neighbours come from one block",
+        choices=("pixels", "blocks"),
+    )
+    levels: int = parameter(1, "levels of the pyramid; 1 is a single resolution", low=1, high=12)
+    passes: int = parameter(
+        1, "further passes over what was made between known pixels", low=0, high=100
+    )
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        if self.tolerance is not None and self.nearest_colors is not None:
+            raise InvalidInputError("tolerance and nearest_colors are two ways; give one of them")
+
+    def fit(self, exemplar: Exemplar) -> ExactMatchingModel:
+        """Make the index of colours (section 4.1); propose what was left open."""
+        return ExactMatchingModel(self, exemplar)
+
+    def radius(self, index: ColorIndex) -> NDArray[np.int64]:
+        """The squared distance up to which colours count as each colour."""
+        if self.nearest_colors is not None:
+            return index.reach(self.nearest_colors)
+        assert self.tolerance is not None
+        limit = int(self.tolerance * self.tolerance * index.span)
+        return np.full(len(index.colors), limit, np.int64)
+
+
+class ExactMatchingModel(PixelModel):
+    """A sample prepared for exact neighborhood matching; `sample` makes outputs from it.
+
+    Attributes
+    ----------
+    samples : list of Exemplar
+        The sample's bytes, level by level, finest first.
+    structured : bool
+        Whether the band above the canvas is made of the sample or of random pixels.
+    """
+
+    method: ExactMatching
+
+    def __init__(self, method: ExactMatching, exemplar: Exemplar) -> None:
+        self.windows = windows_of(exemplar, (0, 0, 0, 0))  # so that indices are the sample's own
+        self.samples = sample_pyramid(exemplar, method.levels)
+        most = len(self.samples)
+        while most > 1 and min(self.samples[most - 1].shape) < _LEAST:
+            most -= 1
+        if most < method.levels:
+            raise InvalidInputError(
+                f"levels is {method.levels}; {exemplar.name} is {exemplar.shape[1]}x"
+                f"{exemplar.shape[0]}, which is enough for {most}"
+            )
+        super().__init__(_settled(method, exemplar), exemplar)
+        self._statistics: Statistics | None = None
+        self._ready: dict[tuple[int, str], Candidates] = {}
+        for level in range(method.levels):
+            self.candidates(level, "causal")
+        if self.method.init == "structured":
+            self.candidates(method.levels - 1, "turned")
+
+    def candidates(self, level: int, kind: str) -> Candidates:
+        """Windows of a level: "causal", "full", or causal ones of the "turned" sample."""
+        if (level, kind) not in self._ready:
+            sample, guide = self.samples[level], None
+            if kind == "turned":
+                sample = _turned(sample)
+            elif level + 1 < len(self.samples):
+                y, x = (np.arange(n) // 2 for n in sample.shape)
+                guide = np.ascontiguousarray(self.samples[level + 1].pixels[np.ix_(y, x)])
+            made = Candidates(self.method, sample, kind != "full", guide)
+            self._ready[level, kind] = made
+        return self._ready[level, kind]
+
+    def grow(self, growth: Growth) -> None:
+        """Scan the canvas (section 4.2), or fill its hole from the border inwards."""
+        making = ExactGrowth(self, growth, self._statistics or Statistics())
+        if growth.hole is None:
+            making.scan()
+        elif self.method.levels == 1:
+            making.fill()
+        else:
+            raise InvalidInputError(f"levels is {self.method.levels}; holes are filled with 1")
+
+    def measure(self, *args: Any, **options: Any) -> tuple[PixelSynthesis, Statistics]:
+        """Do what `sample` does; return the result and what it cost."""
+        model, statistics = copy.copy(self), Statistics()
+        model._statistics = statistics
+        return model.sample(*args, **options), statistics
+
+
+def _turned(sample: Exemplar) -> Exemplar:
+    """The sample with its axes exchanged."""
+    mask = None if sample.mask is None else sample.mask.T
+    turned = np.ascontiguousarray(sample.pixels.swapaxes(0, 1))
+    return Exemplar(turned, mask=mask, tileable=sample.tileable, alpha=False, name=sample.name)
+
+
+def _settled(method: ExactMatching, exemplar: Exemplar) -> ExactMatching:
+    """Propose what was left open."""
+    proposed = _NARROW
+    if method.window_width is None:
+        proposed = max(_WIDTH, dominant_scale(exemplar).window_width)
+        proposed = min(proposed, max(min(exemplar.shape) // 3, _NARROW))
+    method = settle_window(method, exemplar, proposed)
+    assert method.window_width is not None
+    if method.init == "auto":
+        regular = regularity(exemplar) >= _REGULAR
+        method = replace(method, init="structured" if regular else "random")
+    if method.repeat_distance is None:
+        apart = 0 if method.init == "structured" else method.window_width // 2
+        method = replace(method, repeat_distance=apart)
+    if method.tolerance is None and method.nearest_colors is None:
+        method = replace(method, tolerance=_proposed_tolerance(exemplar))
+    return method
+
+
+def _proposed_tolerance(exemplar: Exemplar) -> float:
+    """Where colours hardly occur twice, as far as the third pixel's colour at half of the pixels.
+
+    Each of the four lists then has three places or more, and a pixel about a dozen candidates.
+    """
+    windows = windows_of(exemplar, (0, 0, 0, 0))
+    index = ColorIndex(windows)
+    number = index.number[windows.usable > 0]
+    often = np.bincount(number, minlength=len(index.colors))
+    radius = np.where(often >= _PLACES, 0, index.reach(_PLACES))[number]
+    middle = int(np.sort(radius)[len(radius) // 2])
+    return float(np.ceil(np.sqrt(middle / max(index.span, 1)) * 1e4) / 1e4)
