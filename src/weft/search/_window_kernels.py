@@ -253,6 +253,26 @@ def compare(levels, y, x, pixels, places, runs, n, query, bound=-1):
     return [run_distance(b, v, u, r, n, q, bound) for v, u in places]
 
 
+def distances(levels, y, x, pixels, centres, runs, n, query, out):
+    """Distances of the window at (y, x) to those at the flat indices `centres`, without a bound.
+
+    What exhaustive search costs at least; searches are measured against it.
+    """
+    a: cython.const[cython.uchar][:, :, ::1] = levels
+    b: cython.const[cython.uchar][:, :, ::1] = pixels
+    c: cython.const[cython.int][::1] = centres
+    r: cython.const[cython.int][:, ::1] = runs
+    q: cython.uchar[::1] = query
+    o: cython.longlong[::1] = out
+    i: cython.Py_ssize_t
+    count: cython.Py_ssize_t = n
+    width: cython.Py_ssize_t = b.shape[1]
+    gather_runs(a, y, x, r, n, q)
+    with cython.nogil:
+        for i in range(c.shape[0]):
+            o[i] = run_distance(b, c[i] // width, c[i] % width, r, count, q, -1)
+
+
 def settle_at(usable, period, y, x):
     """`settle`."""
     u: cython.const[cython.uchar][:, ::1] = usable
