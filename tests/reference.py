@@ -792,3 +792,390 @@ def efros_leung(method, exemplar, canvas, seed):
         if not progress:
             threshold *= 1.1
     return source
+
+
+# Wei and Levoy (2000): pyramids, trees of vectors, causal windows
+
+
+def coarser(levels, wrap):
+    """Every second pixel of the 1 4 6 4 1 mean, rounded; beyond a border the last pixel goes on."""
+    height, width = levels.shape[:2]
+    result = np.zeros(((height + 1) // 2, (width + 1) // 2, levels.shape[2]), np.uint8)
+    for y, x in np.ndindex(result.shape[:2]):
+        total = np.full(levels.shape[2], 128)
+        for v, u in itertools.product(range(-2, 3), repeat=2):
+            weight = (1, 4, 6, 4, 1)[v + 2] * (1, 4, 6, 4, 1)[u + 2]
+            at = _tap(2 * y + v, height, wrap[0]), _tap(2 * x + u, width, wrap[1])
+            total += weight * levels[at].astype(int)
+        result[y, x] = total // 256
+    return result
+
+
+def coarser_mask(mask, wrap):
+    """Whether all pixels that count for a coarser one are in the mask."""
+    height, width = mask.shape
+    result = np.ones(((height + 1) // 2, (width + 1) // 2), bool)
+    for y, x in np.ndindex(result.shape):
+        for v, u in itertools.product(range(-2, 3), repeat=2):
+            result[y, x] &= mask[_tap(2 * y + v, height, wrap[0]), _tap(2 * x + u, width, wrap[1])]
+    return result
+
+
+def _tap(at, length, wraps):
+    return at % length if wraps else min(max(at, 0), length - 1)
+
+
+def _centroid(vectors):
+    return (vectors.sum(axis=0) + len(vectors) // 2) // len(vectors)
+
+
+def _spread(vectors):
+    return int(((vectors - _centroid(vectors)) ** 2).sum())
+
+
+def halves(vectors, rounds=8):
+    """Which vectors are in the second of two clusters, by Lloyd's algorithm."""
+    mean = vectors.sum(axis=0) // len(vectors)
+    byte = int(np.argmax(((vectors - mean) ** 2).sum(axis=0)))
+    second = vectors[:, byte] > mean[byte]
+    for _ in range(rounds):
+        centroids = [_centroid(vectors[second == k]) for k in (False, True)]
+        first, other = (((vectors - c) ** 2).sum(axis=1) for c in centroids)
+        now = other < first
+        if (now == second).all() or now.all() or not now.any():
+            break
+        second = now
+    return second
+
+
+def vector_tree(vectors, tree_size=None, leaf=32):
+    """Nodes as dicts: members, centroid and, if split, children; always the worst leaf is split."""
+    vectors = vectors.astype(np.int64)
+    nodes = [{"members": np.arange(len(vectors))}]
+    while True:
+        open_leaves = [
+            (-_spread(vectors[node["members"]]) if number else 0, number)
+            for number, node in enumerate(nodes)
+            if "children" not in node
+            and _spread(vectors[node["members"]])
+            and (tree_size is not None or len(node["members"]) > leaf)
+        ]
+        leaves = sum("children" not in node for node in nodes)
+        if not open_leaves or leaves == tree_size:
+            return nodes
+        node = nodes[min(open_leaves)[1]]
+        second = halves(vectors[node["members"]])
+        node["children"] = (len(nodes), len(nodes) + 1)
+        for members in (node["members"][~second], node["members"][second]):
+            nodes.append({"members": members, "centroid": _centroid(vectors[members])})
+
+
+def nearest_in_tree(nodes, vectors, query, counts, leaves):
+    """The member nearest in the bytes that count, among those of the leaves that are looked at."""
+
+    def distance(vector):
+        return int(((vector[counts].astype(np.int64) - query[counts]) ** 2).sum())
+
+    waiting, found = [(0, 0)], []
+    while waiting and leaves:
+        number = min(waiting)[1]
+        waiting.remove(min(waiting))
+        while "children" in nodes[number]:
+            near, far = sorted(
+                (distance(nodes[c]["centroid"]), c) for c in nodes[number]["children"]
+            )
+            waiting.append(far)
+            number = near[1]
+        found += [(distance(vectors[m]), m) for m in nodes[number]["members"]]
+        leaves -= 1
+    return min(found)[1]
+
+
+def wei_levoy(exemplar, method, canvas, seed):
+    """Source index of every pixel; `method` with settled levels and widths."""
+    count, width = method.levels, method.window_width
+    parent_width = method.parent_width if count > 1 else 0
+    tiles = (exemplar.tileable, exemplar.tileable)
+    mask = np.ones(exemplar.shape, bool) if exemplar.mask is None else exemplar.mask
+    samples, masks = [exemplar.matching()], [mask]
+    for _ in range(count - 1):
+        samples.append(coarser(samples[-1], tiles))
+        masks.append(coarser_mask(masks[-1], tiles))
+    hole = np.ones(canvas.shape, bool) if canvas.hole is None else canvas.hole
+    holed = not hole.all()
+    wrap = canvas.wrap if holed else (True, True)
+
+    def noise(level, shape):
+        usable = np.flatnonzero(masks[level])
+        share = sorted(usable, key=lambda p: (draw(seed, "wei-levoy share", level, p), p))
+        total = shape[0] * shape[1]
+        pixels = [share[k % len(share)] for k in range(total)]
+        place = sorted(range(total), key=lambda k: (draw(seed, "wei-levoy noise", level, k), k))
+        return np.array([pixels[k] for k in place]).reshape(shape)
+
+    source = noise(0, canvas.shape)
+    channels = samples[0].shape[2]
+    picture = samples[0].reshape(-1, channels)[source]
+    if holed:
+        picture[~hole] = exemplar.as_matching(canvas.known)[~hole]
+    pictures, knowns = [picture], [~hole]
+    for _ in range(count - 1):
+        pictures.append(coarser(pictures[-1], wrap))
+        knowns.append(coarser_mask(knowns[-1], wrap))
+    above = None
+    for level in range(count - 1, -1, -1):
+        above = _wei_levoy_level(
+            method, canvas, seed, level, samples, masks, tiles, pictures, knowns[level], source,
+            above, wrap, holed, noise, width, parent_width if level + 1 < count else 0,
+        )  # fmt: skip
+    return np.where(hole, above, -1)
+
+
+def _wei_levoy_level(
+    method, canvas, seed, level, samples, masks, tiles, pictures, known, source, above, wrap, holed,
+    noise, width, parent_width,
+):  # fmt: skip
+    """The source map of one level; `above` is that of the coarser one."""
+    sample, picture = samples[level], pictures[level]
+    flat = sample.reshape(-1, sample.shape[2])
+    shape, many = picture.shape[:2], len(samples) > 1
+    source = source.copy() if level == 0 else np.full(shape, -1)
+    if method.start == "parent" and many:
+        fresh = noise(level, shape)
+        if above is not None:
+            for y, x in np.ndindex(shape):
+                v, u = divmod(int(above[y // 2, x // 2]), samples[level + 1].shape[1])
+                v = min(2 * v + y % 2, sample.shape[0] - 1)
+                u = min(2 * u + x % 2, sample.shape[1] - 1)
+                fresh[y, x] = v * sample.shape[1] + u
+        source = np.where(known, source, fresh)
+        picture[~known] = flat[source[~known]]
+    if width == 1:
+        return source
+    reach, parent_reach = width // 2, parent_width // 2
+    around = [o for o in itertools.product(range(-reach, reach + 1), repeat=2) if o != (0, 0)]
+    parents = list(itertools.product(range(-parent_reach, parent_reach + 1), repeat=2))
+    parents = parents if parent_width else []
+
+    def windows(causal):
+        """Vectors and places of all pixels whose windows are whole."""
+        own = around[: len(around) // 2] if causal else around
+        box = [
+            (v, u)
+            for v in range(-reach, 1 if causal else reach + 1)
+            for u in range(-reach, reach + 1)
+        ]
+        vectors, places = [], []
+        for y, x in np.ndindex(sample.shape[:2]):
+            if not all(_usable(masks[level], y + v, x + u, tiles) for v, u in box):
+                continue
+            if not all(
+                _usable(masks[level + 1], y // 2 + v, x // 2 + u, tiles) for v, u in parents
+            ):
+                continue
+            vectors.append(
+                [
+                    samples[level + 1][_around(samples[level + 1], y // 2 + v, x // 2 + u)]
+                    for v, u in parents
+                ]
+                + [sample[_around(sample, y + v, x + u)] for v, u in own]
+            )
+            places.append(y * sample.shape[1] + x)
+        return np.array(vectors, np.uint8).reshape(len(places), -1), places, own
+
+    size = 1 if method.search == "full" else method.tree_size
+    done = known.copy() if holed else np.ones(shape, bool)
+
+    def run(pixels, causal, leaves):
+        vectors, places, own = windows(causal)
+        tree = vector_tree(vectors, size)
+        for y, x in pixels:
+            query, counts = [], []
+            cells = [(pictures[level + 1], None, y // 2 + v, x // 2 + u) for v, u in parents]
+            cells += [(picture, done, y + v, x + u) for v, u in own]
+            for values, made, v, u in cells:
+                inside = all(
+                    w or 0 <= at < length
+                    for w, at, length in zip(wrap, (v, u), values.shape, strict=False)
+                )
+                v, u = _around(values, v, u)
+                counts += [inside and (made is None or bool(made[v, u]))] * values.shape[2]
+                query += list(values[v, u])
+            done[y, x] = True
+            if any(counts):
+                found = nearest_in_tree(tree, vectors, np.array(query), np.array(counts), leaves)
+                source[y, x] = places[found]
+                picture[y, x] = flat[places[found]]
+
+    every = list(np.ndindex(shape))
+    if holed:
+        inwards = _wei_levoy_inwards(known, wrap, seed)
+        run(inwards, False, 8 * method.leaves)
+        for _ in range(1 + method.passes):
+            run(inwards, False, method.leaves)
+        return source
+    run(every, True, method.leaves)
+    for _ in range(method.passes):
+        run(every, False, method.leaves)
+
+    def near(at, length):
+        return at < reach or at >= length - reach
+
+    border = [
+        (y, x) for y, x in every
+        if (canvas.wrap[0] and near(y, shape[0])) or (canvas.wrap[1] and near(x, shape[1]))
+    ]  # fmt: skip
+    if border:
+        run(border, False, method.leaves)
+    return source
+
+
+def _around(values, y, x):
+    return y % values.shape[0], x % values.shape[1]
+
+
+def _usable(mask, y, x, tiles):
+    inside = 0 <= y < mask.shape[0] and 0 <= x < mask.shape[1]
+    return (inside or tiles[0]) and bool(mask[_around(mask, y, x)])
+
+
+def _wei_levoy_inwards(known, wrap, seed):
+    """Unknown pixels, those next to known ones first, in random order within a layer."""
+    known, order = known.copy(), []
+    height, width = known.shape
+    while not known.all():
+        layer = []
+        for y, x in np.argwhere(~known).tolist():
+            for v, u in ((y - 1, x), (y + 1, x), (y, x - 1), (y, x + 1)):
+                inside = (wrap[0] or 0 <= v < height) and (wrap[1] or 0 <= u < width)
+                if inside and known[v % height, u % width]:
+                    layer.append((y, x))
+                    break
+        layer = layer or np.argwhere(~known).tolist()
+        layer.sort(key=lambda p: (draw(seed, "wei-levoy order", p[0] * width + p[1]), p))
+        order += [tuple(p) for p in layer]
+        for p in layer:
+            known[tuple(p)] = True
+    return order
+
+
+# Coherent candidates (Ashikhmin, 2001)
+
+
+def coherent_places(source, y, x, steps, exemplar, centres):
+    """Where the sources of the neighbours go on, the last neighbour first; None out of place."""
+    places = []
+    for dy, dx in reversed(steps):
+        v, u = source[(y + dy) % len(source)][(x + dx) % len(source[0])] or (None, None)
+        if v is None:
+            continue
+        place = v - dy, u - dx
+        if exemplar.tileable:
+            place = place[0] % exemplar.shape[0], place[1] % exemplar.shape[1]
+        place = place if place in centres else None
+        if place not in places:
+            places.append(place)
+    return places
+
+
+def ashikhmin(method, exemplar, canvas, seed):
+    """Choose all pixels, `passes` times; (H, W, 2) sources, -1 for known pixels from elsewhere.
+
+    `method` has the window's width settled.
+    """
+    pixels, (height, width) = exemplar.matching().astype(int), canvas.shape
+    half = method.window_width // 2
+    reach = [half] * 4
+    mask = np.ones(exemplar.shape, bool) if exemplar.mask is None else exemplar.mask
+    centres = window_centres(mask, reach, exemplar.tileable)
+    allowed = set(centres)
+    levels = np.zeros((height, width, pixels.shape[2]), int)
+    done = np.zeros(canvas.shape, bool)
+    source = [[None] * width for _ in range(height)]
+    guide = None if canvas.guide is None else exemplar.as_matching(canvas.guide).astype(int)
+    weight = round(256 * method.guide_weight)
+    jumps = method.jumps if method.jumps is not None else int(guide is not None)
+
+    def random_place(*words):
+        return centres[pick(random_bits(seed, *words), len(centres))]
+
+    def lay(y, x, place):
+        source[y][x], levels[y, x] = place, pixels[place]
+
+    def around(y, x, v, u):
+        """The pixel at (v, u) steps, around wrapped borders; None beyond others."""
+        at = [y + v, x + u]
+        for axis in (0, 1):
+            if canvas.wrap[axis]:
+                at[axis] %= canvas.shape[axis]
+            elif not 0 <= at[axis] < canvas.shape[axis]:
+                return None
+        return tuple(at)
+
+    lines = [[(y, x) for x in range(width)] for y in range(height)]
+    holes = canvas.hole is not None and not canvas.hole.all()
+    if holes:
+        done = ~canvas.hole
+        levels[done] = exemplar.as_matching(canvas.known)[done]
+        for y, x in np.argwhere(done).tolist():
+            if canvas.known_from is not None:
+                source[y][x] = (y + canvas.known_from[0], x + canvas.known_from[1])
+        lines, left = [], {(y, x) for y, x in np.argwhere(canvas.hole).tolist()}
+        while left:
+            beside = [
+                (y, x)
+                for y, x in sorted(left)
+                if any(
+                    around(y, x, *step) not in left | {None}
+                    for step in ((-1, 0), (1, 0), (0, -1), (0, 1))
+                )
+            ]
+            lines.append(beside)
+            left -= set(beside)
+    elif half:
+        for y, x in itertools.product(range(max(0, height - half), height), range(width)):
+            lay(y, x, random_place("ashikhmin start", y * width + x))
+
+    for number, (i, line) in itertools.product(range(method.passes), enumerate(lines)):
+        # In the first pass the first rows see random pixels above them, around the border.
+        start = not holes and number == 0 and i < half
+        for y, x in line:
+            seen = done.copy()
+            if start:
+                seen[max(i + 1, height - half) :] = True
+            wrap = (canvas.wrap[0] or start, canvas.wrap[1])
+            steps = known_window(seen, y, x, wrap, reach)
+            found = coherent_places(source, y, x, steps, exemplar, allowed)
+            if number:
+                found = [source[y][x]] + [place for place in found if place != source[y][x]]
+            tries = max(jumps, 8) if None in found or not found else jumps
+            found = [place for place in found if place is not None] + [
+                random_place("ashikhmin", number, y * width + x, k) for k in range(tries)
+            ]
+
+            def distance(place, y=y, x=x, steps=steps, seen=seen, wrap=wrap, number=number):
+                total = 0
+                for dy, dx in steps:
+                    made = levels[(y + dy) % height, (x + dx) % width]
+                    v, u = (place[0] + dy) % len(pixels), (place[1] + dx) % pixels.shape[1]
+                    total += 256 * ((pixels[v, u] - made) ** 2).sum()
+                if guide is not None:
+                    for dy, dx in itertools.product(range(-half, half + 1), repeat=2):
+                        at = [y + dy, x + dx]
+                        if any(not wrap[k] and not 0 <= at[k] < canvas.shape[k] for k in (0, 1)):
+                            continue
+                        at = (at[0] % height, at[1] % width)
+                        if number or not seen[at] or (dy, dx) == (0, 0):
+                            v, u = (place[0] + dy) % len(pixels), (place[1] + dx) % pixels.shape[1]
+                            own = pixels[v, u, : guide.shape[2]]
+                            total += weight * ((own - guide[at]) ** 2).sum()
+                return int(total)
+
+            lay(y, x, min(found, key=distance))
+            done[y, x] = True
+    return np.array(
+        [
+            [(-1, -1) if source[y][x] is None else source[y][x] for x in range(width)]
+            for y in range(height)
+        ]
+    )
