@@ -52,7 +52,7 @@ def _blas() -> Any:
     return ThreadpoolController()
 
 
-def _one_blas_thread() -> AbstractContextManager[Any]:
+def one_blas_thread() -> AbstractContextManager[Any]:
     """Keep BLAS from spreading small products over all cores.
 
     Its threads wait for each other busily, so beside other work a product of a millisecond takes
@@ -76,7 +76,7 @@ def fit_pca(windows: NDArray[np.uint8], variance: float, most: int = _MOST) -> Z
     most : int
         The most components to keep.
     """
-    with _one_blas_thread():
+    with one_blas_thread():
         return _fit(windows, variance, most)
 
 
@@ -87,25 +87,61 @@ def _fit(windows: NDArray[np.uint8], variance: float, most: int) -> ZonePCA:
     # Integers in float64: the products and sums are exact, so every machine gets this matrix.
     scatter = learn.shape[1] * (learn @ learn.T) - np.outer(learn.sum(axis=1), learn.sum(axis=1))
     power, vectors = np.linalg.eigh(scatter)
-    power, vectors = power[::-1].clip(0), vectors[:, ::-1]
-    reached = np.cumsum(power) >= variance * power.sum()
-    needed = int(np.argmax(reached)) + 1 if reached.any() else size
-    keep = min(needed, most, size)
-    vectors = vectors[:, :keep].T
-    largest = np.abs(vectors).argmax(axis=1)
-    vectors = vectors * np.sign(vectors[np.arange(keep), largest])[:, None]
+    vectors = main_components(power, vectors, variance, most)
     unit = min(2000.0, 0.95 * 2**24 / (255 * size**0.5))
     basis = np.ascontiguousarray(np.rint(vectors * unit), np.int16)
     weights = basis.astype(np.float32)
-    raw = np.empty((keep, count), np.int32)
+    raw = np.empty((len(basis), count), np.int32)
     for start in range(0, count, 8192):
         part = windows[:, start : start + 8192].astype(np.float32)
         raw[:, start : start + 8192] = weights @ part
+    return ZonePCA(basis, *coordinates_of(raw))
+
+
+def main_components(
+    power: NDArray[np.float64], vectors: NDArray[np.float64], variance: float, most: int
+) -> NDArray[np.float64]:
+    """Of the eigenvectors that `eigh` found, the main ones as rows; the largest entry is positive.
+
+    Parameters
+    ----------
+    power : float64 array (n,)
+        Eigenvalues, rising.
+    vectors : float64 array (K, n)
+        Of length 1.
+    variance : float
+        Share of the variance to keep.
+    most : int
+        The most components to keep.
+    """
+    power, vectors = power[::-1].clip(0), vectors[:, ::-1]
+    reached = np.cumsum(power) >= variance * power.sum()
+    needed = int(np.argmax(reached)) + 1 if reached.any() else len(power)
+    kept = vectors[:, : min(needed, most)].T
+    largest = np.abs(kept).argmax(axis=1)
+    result: NDArray[np.float64] = kept * np.sign(kept[np.arange(len(kept)), largest])[:, None]
+    return result
+
+
+def coordinates_of(
+    raw: NDArray[np.integer],
+) -> tuple[NDArray[np.int32], int, NDArray[np.int16]]:
+    """Bring products with the components, one component a row, into 16 bits.
+
+    Returns
+    -------
+    offset : int32 array (D,)
+        What was subtracted.
+    shift : int
+        Right shift, with rounding, that came after.
+    features : int16 array (D, n)
+        The coordinates; no window is further than 2047 from 0.
+    """
     offset = ((raw.max(axis=1) + raw.min(axis=1)) // 2).astype(np.int32)
-    raw -= offset[:, None]
+    raw = raw - offset[:, None]
     longest = float(np.sqrt((raw.astype(np.float64) ** 2).sum(axis=0).max()))
     shift = 0
     while longest / 2**shift > _NORM:
         shift += 1
     features = ((raw + ((1 << shift) >> 1)) >> shift).astype(np.int16)
-    return ZonePCA(basis, offset, shift, np.ascontiguousarray(features))
+    return offset, shift, np.ascontiguousarray(features)
