@@ -1,0 +1,90 @@
+"""Whole processes: kernels of both kinds, loading, memory."""
+
+from __future__ import annotations
+
+import statistics
+import subprocess
+import sys
+import tempfile
+
+from shared import PATCH_METHODS, Table, child, medians, ms, sample_of
+
+import weft
+
+
+def kernels() -> Table:
+    """Kernels for AVX2 beside those for any processor, in processes of their own."""
+    rows = []
+    for method in PATCH_METHODS:
+        for side, size in ((200, 800), (256, 2048)):
+            runs: dict[str, list[dict[str, float]]] = {"": [], "baseline": []}
+            for _ in range(5):
+                for kind, found in runs.items():
+                    environment = {"WEFT_KERNELS": kind}
+                    found.append(
+                        child(
+                            environment, method=method, side=side, size=size, threads=1, repeats=3
+                        )
+                    )
+            fast, plain = (statistics.median(r["sample"] for r in runs[k]) for k in runs)
+            ratio = f"{plain / fast:.2f} x"
+            rows.append([method, f"{side} to {size}", ms(fast), ms(plain), ratio])
+    notes = "Sampling with one thread. The second kind is what WEFT_KERNELS=baseline chooses."
+    return notes, ["method", "", "AVX2", "any x86-64", "ratio"], rows
+
+
+def startup() -> Table:
+    """Whole processes, beside `python -c "import numpy"`."""
+    python = sys.executable
+    with tempfile.TemporaryDirectory() as folder:
+        commands: dict[str, list[str]] = {
+            "python -c pass": [python, "-c", "pass"],
+            "import numpy": [python, "-c", "import numpy"],
+            "import weft": [python, "-c", "import weft"],
+            "import weft, numpy": [python, "-c", "import numpy, weft"],
+        }
+        for side, size in ((128, 200), (200, 800)):
+            weft.write_image(f"{folder}/{side}.png", sample_of(side, "bricks"))
+            for method in PATCH_METHODS:
+                label = f"weft synth --method {method}, {side} to {size}"
+                commands[label] = [
+                    *(python, "-m", "weft.cli", "synth", f"{folder}/{side}.png"),
+                    *("-o", f"{folder}/out.png", "--size", str(size), "--method", method),
+                    *("--seed", "7", "--quiet"),
+                ]
+        works = {
+            label: lambda command=command: subprocess.run(command, check=True)
+            for label, command in commands.items()
+        }
+        took = medians(works, 15)
+    base = took["import numpy"]
+    targets = {
+        "import weft, numpy": "50 ms more",
+        "weft synth --method patch-sampling, 128 to 200": "2.5 x",
+        "weft synth --method patch-sampling, 200 to 800": "4 x",
+    }
+    rows = [[k, ms(v), f"{v / base:.2f} x", targets.get(k, "")] for k, v in took.items()]
+    return "Median of 15 processes each, in turn.", ["", "time", "over numpy's", "target"], rows
+
+
+def memory() -> Table:
+    """Largest resident size of a process that fits and samples."""
+    rows = []
+    jobs: tuple[tuple[str, int, int], ...] = (
+        ("patch-sampling", 128, 200),
+        ("patch-sampling", 512, 0),
+        ("patch-sampling", 1024, 0),
+        ("patch-sampling", 256, 4096),
+        ("patch-sampling", 256, 8192),
+        ("quilting", 256, 8192),
+    )
+    for method, side, size in jobs:
+        run = child(method=method, side=side, size=size)
+        what = f"{side} to {size}" if size else f"fit {side}"
+        picture = 3 * size * size / 2**20
+        rows.append([method, what, *(f"{v:.0f}" for v in (picture, run["before"], run["peak"]))])
+    notes = "MiB; before is the process with NumPy, Pillow and the sample loaded."
+    return notes, ["method", "", "picture", "before", "peak"], rows
+
+
+TABLES = (kernels, startup, memory)

@@ -1,0 +1,130 @@
+"""What all tables need: samples, timing in turn, processes of their own, the machine's name."""
+
+from __future__ import annotations
+
+import json
+import os
+import platform
+import re
+import statistics
+import subprocess
+import sys
+from collections.abc import Callable, Mapping
+from pathlib import Path
+from time import perf_counter
+from typing import Any
+
+import numpy as np
+
+import weft
+
+HERE = Path(__file__).resolve().parent
+sys.path.insert(0, str(HERE.parent / "examples"))
+import paper_patch_sampling as paper  # noqa: E402
+
+PATCH_METHODS = ("patch-sampling", "quilting")
+Work = Callable[[], Any]
+Table = paper.Table
+
+
+def machine() -> str:
+    """Processor, cores, versions, in a line."""
+    name = platform.processor() or platform.machine()
+    info = Path("/proc/cpuinfo")
+    if info.exists():
+        found = re.search(r"model name\s*:\s*(.+)", info.read_text())
+        name = found[1] if found else name
+    load = f", load {os.getloadavg()[0]:.1f}" if hasattr(os, "getloadavg") else ""
+    blas = os.environ.get("OPENBLAS_NUM_THREADS", "default")
+    return (
+        f"{name}, {os.cpu_count()} cores{load}; {platform.system()}, Python "
+        f"{platform.python_version()}, NumPy {np.__version__} (BLAS threads: {blas}), "
+        f"weft {weft.__version__}"
+    )
+
+
+def sample_of(side: int, name: str = "pebbles") -> np.ndarray:
+    """A crop of a packaged sample, or more of it made by weft where it is too small."""
+    pixels = paper.load(name)
+    if side > min(pixels.shape[:2]):
+        return weft.synthesize(pixels, side, seed=0).image
+    return np.ascontiguousarray(pixels[:side, :side])
+
+
+def medians(works: Mapping[Any, Work], repeats: int) -> dict[Any, float]:
+    """Median seconds of each, all in turn; one round before is not counted."""
+    times: dict[Any, list[float]] = {key: [] for key in works}
+    for turn in range(repeats + 1):
+        for key, work in works.items():
+            start = perf_counter()
+            work()
+            if turn:
+                times[key].append(perf_counter() - start)
+    return {key: statistics.median(values) for key, values in times.items()}
+
+
+def fitting(pixels: np.ndarray, method: str = "patch-sampling", **parameters: Any) -> Work:
+    chosen = weft.METHODS[method](**parameters)
+    return lambda: chosen.fit(weft.Exemplar(pixels))  # a new one, as it caches
+
+
+def sampling(pixels: np.ndarray, size: int, method: str = "patch-sampling", **given: Any) -> Work:
+    threads = given.pop("threads", None)
+    model = weft.METHODS[method](**given).fit(weft.Exemplar(pixels))
+    seeds = iter(range(10**9))
+    return lambda: model.sample(size, seed=next(seeds), threads=threads).image
+
+
+def child(environment: Mapping[str, str] | None = None, **job: Any) -> dict[str, float]:
+    """Run `in_child` with these arguments in a process of its own."""
+    done = subprocess.run(
+        [sys.executable, str(HERE / "run.py"), "--child", json.dumps(job)],
+        env={**os.environ, **(environment or {})},
+        stdout=subprocess.PIPE,
+        check=True,
+    )
+    result: dict[str, float] = json.loads(done.stdout)
+    return result
+
+
+def in_child(
+    method: str = "patch-sampling",
+    side: int = 256,
+    size: int = 0,
+    threads: int | None = None,
+    repeats: int = 1,
+    name: str = "bricks",
+) -> dict[str, float]:
+    """Fit, sample and measure the process's largest resident size."""
+    pixels = sample_of(side, name)
+    before = peak_memory()
+    fit, sample = [], []
+    for seed in range(repeats):
+        start = perf_counter()
+        model = weft.METHODS[method]().fit(weft.Exemplar(pixels))
+        fit.append(perf_counter() - start)
+        if size:
+            start = perf_counter()
+            _ = model.sample(size, seed=seed, threads=threads).image
+            sample.append(perf_counter() - start)
+    return {
+        "fit": statistics.median(fit),
+        "sample": statistics.median(sample) if sample else 0.0,
+        "before": before / 2**20,
+        "peak": peak_memory() / 2**20,
+    }
+
+
+def peak_memory() -> int:
+    """Largest resident size of this process so far, in bytes."""
+    status = Path("/proc/self/status")
+    if status.exists():  # what getrusage says on Linux begins with the parent's
+        return 1024 * int(re.search(r"VmHWM:\s*(\d+)", status.read_text())[1])  # type: ignore
+    import resource
+
+    peak = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
+    return peak if sys.platform == "darwin" else 1024 * peak
+
+
+def ms(seconds: float) -> str:
+    return f"{seconds * 1e3:.3g} ms" if seconds < 1 else f"{seconds:.2f} s"
