@@ -218,3 +218,23 @@ def test_guide_weight_without_a_guide_is_refused():
     with pytest.raises(weft.InvalidInputError, match="guide_weight has no effect without a guide"):
         model.sample(30, seed=1)
     assert model.sample(Canvas(60, 64, guide=guide), seed=1).image.shape == (60, 64, 3)
+
+
+def test_guides_for_synthesize():
+    """A path, an array or a picture; one place only."""
+    from PIL import Image
+
+    exemplar, guide = two_halves()
+    canvas = Canvas(60, 64, guide=guide)
+    expected = weft.Ashikhmin().fit(exemplar).sample(canvas, seed=2).image
+    for given_guide in (guide, Image.fromarray(guide), weft.Exemplar(guide)):
+        result = weft.synthesize(exemplar, (60, 64), method="ashikhmin", guide=given_guide, seed=2)
+        assert np.array_equal(result.image, expected)
+    with pytest.raises(weft.InvalidInputError, match="the canvas has a guide"):
+        weft.synthesize(exemplar, canvas, method="ashikhmin", guide=guide)
+    with pytest.raises(weft.InvalidInputError, match="guide is 64x60, the canvas is 64x50"):
+        weft.synthesize(exemplar, (50, 64), method="ashikhmin", guide=guide)
+    with pytest.raises(weft.UnsupportedError, match="quilting does not do following a guide"):
+        weft.synthesize(exemplar, (60, 64), method="quilting", guide=guide)
+    with pytest.raises(weft.InvalidInputError, match="guide is uint8"):
+        weft.synthesize(exemplar, (60, 64), method="ashikhmin", guide=guide[..., 0])

@@ -128,3 +128,41 @@ def test_known_from_must_lie_in_the_sample(known_from):
 def test_bad_wrap_is_refused(wrap):
     with pytest.raises(InvalidInputError, match="wrap"):
         Canvas(4, 6, wrap)
+
+
+def test_a_guide_is_a_picture_of_the_canvas_size():
+    guide = np.zeros((4, 6, 3), np.float32)
+    assert Canvas(4, 6, guide=guide).guide.shape == (4, 6, 3)
+    assert Canvas(4, 6, guide=np.zeros((4, 6), np.uint8)).guide.shape == (4, 6)
+    with pytest.raises(InvalidInputError, match="guide is 6x5, the canvas is 6x4"):
+        Canvas(4, 6, guide=np.zeros((5, 6), np.uint8))
+    for bad, message in (
+        (np.zeros((4, 6), bool), "guide is boolean"),
+        (np.full((4, 6), np.nan), "guide contains NaN"),
+        (np.zeros((4, 6), int), "guide has dtype int64"),
+        (np.zeros((4, 6, 1, 1), np.uint8), "guide has 4 dimensions"),
+    ):
+        with pytest.raises(InvalidInputError, match=message):
+            Canvas(4, 6, guide=bad)
+
+
+@pytest.mark.parametrize(
+    "dtype, own, fix",
+    [
+        (np.uint8, np.uint16, "; multiply by 257 and make it uint16"),
+        (np.uint16, np.uint8, "; multiply by 0.00389105 and make it uint8"),
+        (np.uint8, np.float32, "; multiply by 0.00392157 and make it float32"),
+        (np.float32, np.float64, "; multiply by 1 and make it float64"),
+        (np.uint8, np.uint8, "$"),
+    ],
+)
+def test_a_guide_of_another_kind_names_the_fix(dtype, own, fix):
+    exemplar = weft.Exemplar(np.zeros((4, 4, 3), own))
+    channels = 4 if dtype == own else 3
+    canvas = Canvas(4, 6, guide=np.zeros((4, 6, channels), dtype))
+    name = np.dtype(dtype).name
+    message = rf"guide is {name} \({channels},\), the sample is .*must be equal{fix}"
+    with pytest.raises(InvalidInputError, match=message):
+        canvas.check_guide(exemplar)
+    Canvas(4, 6, guide=np.zeros((4, 6, 3), own)).check_guide(exemplar)
+    Canvas(4, 6).check_guide(exemplar)

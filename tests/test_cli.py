@@ -161,6 +161,17 @@ def test_kind_alpha_and_profile_are_kept(here, dtype, channels):
     assert (made.alpha, made.icc) == (given.alpha, given.icc)
 
 
+def test_a_guide_gives_the_size(here):
+    write_image("guide.png", noise(50, 60, 3, seed=4))
+    words = ["--method", "ashikhmin", "--guide", "guide.png", "--seed", 1]
+    assert weft_run("synth", "sample.png", "-o", "a.png", *words, "--guide-weight", 2) == 0
+    expected = weft.synthesize(
+        "sample.png", (50, 60), method="ashikhmin", guide="guide.png", seed=1, guide_weight=2.0
+    )
+    assert (read_image("a.png").pixels == expected.image).all()
+    assert weft_run("synth", "sample.png", "-o", "b.png", *words, "--size", "60x50") == 0
+
+
 def test_fill(here, capsys):
     words = ["photo.png", "--mask", "hole.png", "-o", "out.png", "--seed", 1]
     assert weft_run("fill", *words) == 0
@@ -294,6 +305,34 @@ WRONG = [
     (["synth", "nan.tif", "-o", "x.tif"], "NaN or infinity"),
     (["synth", "void", "-o", "x"], "has no pictures"),
     (["synth", "uneven", "-o", "x"], "one size"),
+    (["synth", "sample.png", "-o", "x.png", "--guide", "nowhere.png"], "nowhere.png"),
+    (
+        ["synth", "sample.png", "-o", "x.png", "--guide", "photo.png"],
+        "patch-sampling does not do following a guide; these do: .*ashikhmin",
+    ),
+    (
+        ["synth", "sample.png", "-o", "x.png", "--method", "ashikhmin", "--guide", "other.png"],
+        "guide is uint8",
+    ),
+    (
+        [
+            "synth",
+            "sample.png",
+            "-o",
+            "x.png",
+            "--method",
+            "ashikhmin",
+            "--guide",
+            "photo.png",
+            "--size",
+            "50",
+        ],
+        "guide is 96x80, the canvas is 50x50",
+    ),
+    (
+        ["synth", "sample.png", "-o", "x.png", "--method", "ashikhmin", "--guide-weight", "2"],
+        "guide_weight has no effect without a guide",
+    ),
     (["fill", "photo.png", "-o", "x.png"], "--mask"),
     (["fill", "photo.png", "--mask", "nowhere.png", "-o", "old.png"], "nowhere.png"),
     (["fill", "photo.png", "--mask", "other.png", "-o", "old.png"], "40x40.*96x80"),

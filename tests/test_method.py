@@ -188,6 +188,7 @@ def test_unsupported_canvases_are_refused_with_those_that_can():
         (weft.Canvas(4, 4, (True, False)), "wrap"),
         (weft.Canvas(4, 4, (False, True)), "wrap"),
         (weft.Canvas(4, 4, known=known, hole=hole), "known"),
+        (weft.Canvas(4, 4, guide=known), "guide"),
     ):
         with pytest.raises(UnsupportedError) as caught:
             method.require(canvas)
