@@ -1,0 +1,39 @@
+"""A material that follows a picture: light and dark pebbles where a drawing has them.
+
+python examples/guide.py -o FOLDER
+"""
+
+import argparse
+from pathlib import Path
+
+import numpy as np
+
+import weft
+
+parser = argparse.ArgumentParser(description=__doc__)
+parser.add_argument("-o", "--output", type=Path, default=Path(), metavar="FOLDER")
+folder = parser.parse_args().output
+folder.mkdir(parents=True, exist_ok=True)
+
+sample = weft.load_exemplar("sample:pebbles")
+
+# A soft light, a disc and a slope, from 0 to 1.
+y, x = np.indices((320, 320)) / 320 - 0.5
+shape = np.exp(-((x + 0.12) ** 2 + (y + 0.12) ** 2) / 0.03)
+shape += 0.5 * (np.hypot(x - 0.2, y - 0.2) < 0.18) + 0.25 * x
+shape = (shape - shape.min()) / (shape.max() - shape.min())
+
+# A guide is compared with the sample, so it gets the sample's colours, from the darkest to the
+# brightest.
+colours = sample.pixels.reshape(-1, 3)
+colours = colours[np.argsort(colours.sum(axis=1))]
+bands = [band.mean(axis=0) for band in np.array_split(colours, 64)]
+guide = np.rint(np.array(bands)[np.rint(shape * 63).astype(int)]).astype(np.uint8)
+weft.write_image(folder / "guide.png", guide)
+
+for weight in (0.1, 0.3, 1.0):
+    result = weft.synthesize(
+        sample, guide.shape[:2], method="ashikhmin", guide=guide, guide_weight=weight, seed=7
+    )
+    weft.write_image(folder / f"guided_{weight}.png", result.image)
+print(f"{folder}: guide.png, and pebbles that follow it a little, more and closely")
