@@ -1025,7 +1025,7 @@ def _wei_levoy_level(
         (y, x) for y, x in every
         if (canvas.wrap[0] and near(y, shape[0])) or (canvas.wrap[1] and near(x, shape[1]))
     ]  # fmt: skip
-    if border:
+    for _ in range(2 if border else 0):
         run(border, False, method.leaves)
     return source
 

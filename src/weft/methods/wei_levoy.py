@@ -34,6 +34,7 @@ if TYPE_CHECKING:
 _WIDTH = 9
 _LEVELS = 4
 _MASKED = 8  # times the leaves where a window is known in part: it says less of where to look
+_CLOSING = 2  # passes over the border of a wrapped picture; of one, at one resolution, much is left
 _LEAST = 64  # pixels in one call of the kernel, where lines are shorter
 
 
@@ -236,7 +237,8 @@ class WeiLevoyModel(PixelModel):
                 lines = border.swapaxes(0, axis)
                 lines[:reach] = lines[max(len(lines) - reach, 0) :] = True
         if border.any():
-            plan.append(_Pass(np.flatnonzero(border).astype(np.int32), False, leaves))
+            around = np.flatnonzero(border).astype(np.int32)
+            plan += [_Pass(around, False, leaves)] * _CLOSING
         return plan
 
     def _choose(
