@@ -10,9 +10,10 @@ import numpy as np
 
 from weft.errors import InvalidInputError
 from weft.method import Method, parameter
+from weft.methods import _efros_leung_kernels as kernels
 from weft.methods.pixel_growth import PixelModel, settle_window
 from weft.random import draw
-from weft.search import _exhaustive_kernels as kernels
+from weft.search.half_known import HalfKnownSearch
 from weft.search.exhaustive import ExhaustiveSearch, gaussian_weights
 from weft.search.windows import windows_of
 
@@ -23,6 +24,7 @@ if TYPE_CHECKING:
 
     from weft.exemplar import Exemplar
     from weft.methods.pixel_growth import Growth
+    from weft.search.exhaustive import WindowSearch
     from weft.search.windows import Windows
 
 _WIDTH = 15
@@ -79,6 +81,22 @@ class EfrosLeung(Method):
         default_text="3, or the window if that is smaller",
     )
 
+    search: str = parameter(
+        "full",
+        "all windows, or those that principal components make likely",
+        choices=("full", "pca"),
+    )
+    candidates: int = parameter(
+        64, "windows that pca offers for each pixel", low=1, needs=("search", ("pca",))
+    )
+    variance: float = parameter(
+        0.9,
+        "share of the variance that pca keeps, in 16 components at most",
+        low=0.0,
+        high=1.0,
+        needs=("search", ("pca",)),
+    )
+
     def fit(self, exemplar: Exemplar) -> EfrosLeungModel:
         """Prepare a sample."""
         return EfrosLeungModel(self, exemplar)
@@ -99,7 +117,12 @@ class EfrosLeungModel(PixelModel):
             )
         settled = dataclasses.replace(method, window_width=width, seed_size=self.seed_size)
         super().__init__(settled, exemplar)
-        self.search = ExhaustiveSearch(self.windows, gaussian_weights(width, width / _SIGMA))
+        weights = gaussian_weights(width, width / _SIGMA)
+        self.search: WindowSearch = (
+            ExhaustiveSearch(self.windows, weights)
+            if method.search == "full"
+            else HalfKnownSearch(self.windows, weights, method.candidates, method.variance)
+        )
 
     def grow(self, growth: Growth) -> None:
         """Grow from a seed, or from what is known, layer by layer (section III.A)."""
@@ -172,7 +195,8 @@ class _Waves:
 
     def __init__(self, model: EfrosLeungModel, growth: Growth) -> None:
         self.model, self.growth = model, growth
-        self._map = np.zeros(growth.canvas.shape, np.int32)
+        self._listed = np.zeros(growth.canvas.shape, np.uint8)
+        self._numbers = np.empty(growth.canvas.shape, np.int32)
         self._pool: Any = None
         self._scratch = [model.search.scratch() for _ in range(growth.threads)]
 
@@ -191,10 +215,13 @@ class _Waves:
         """Places and random bits of each wave: most known neighbours first, ties at random."""
         growth, wrap = self.growth, self.growth.canvas.wrap
         known, waves = (np.empty(len(layer), np.int32) for _ in range(2))
-        kernels.count_known(growth.done, *wrap, self.model.reach, layer, known)
+        runs = self._scratch[0][0]
+        kernels.count_known(growth.done, *wrap, self.model.reach, layer, runs, known)
         at = np.divmod(layer, growth.canvas.width)
         order = np.lexsort((draw(growth.seed, "efros-leung order", *at), -known))
-        kernels.wave_numbers(*wrap, self.model.reach, layer[order], self._map, waves)
+        kernels.wave_numbers(
+            *wrap, self.model.reach, layer[order], self._listed, self._numbers, runs, waves
+        )
         order = order[np.argsort(waves, kind="stable")]
         ends = np.cumsum(np.bincount(waves))
         places, bits = layer[order], draw(growth.seed, "efros-leung", *at)[order]

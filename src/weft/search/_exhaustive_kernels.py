@@ -1,167 +1,18 @@
 # cython: language_level=3
-"""Kernels that compare the known part of a window with all windows of a sample.
+"""Kernels that compare what is known around a pixel with every window of a sample.
 
-The distance is a sum of w d**2 over known pixels, w from 1 to 127, in integers. What is known lies
-in rows as long as the window, with the weight 0 where nothing is known, so that no loop has holes.
+Compiled by Cython, see setup.py.
 """
 
 import cython
-from cython.cimports.libc.string import memset
-from cython.cimports.weft.search._window_kernels import settle
-
-
-@cython.cfunc
-@cython.inline
-@cython.nogil
-@cython.exceptval(check=False)
-def before(
-    reach: cython.Py_ssize_t, at: cython.Py_ssize_t, length: cython.Py_ssize_t, wrap: cython.bint
-) -> cython.Py_ssize_t:
-    """How far a window reaches up or left; on a short wrapped axis it sees nothing twice."""
-    room: cython.Py_ssize_t = (length - 1) // 2 if wrap else at
-    return reach if reach < room else room
-
-
-@cython.cfunc
-@cython.inline
-@cython.nogil
-@cython.exceptval(check=False)
-def after(
-    reach: cython.Py_ssize_t, at: cython.Py_ssize_t, length: cython.Py_ssize_t, wrap: cython.bint
-) -> cython.Py_ssize_t:
-    """How far a window reaches down or right."""
-    room: cython.Py_ssize_t = length // 2 if wrap else length - 1 - at
-    return reach if reach < room else room
-
-
-@cython.cfunc
-@cython.inline
-@cython.nogil
-@cython.exceptval(check=False)
-def around(at: cython.Py_ssize_t, length: cython.Py_ssize_t) -> cython.Py_ssize_t:
-    """A coordinate that may have left a wrapped axis by less than its length."""
-    return at + length if at < 0 else (at - length if at >= length else at)
-
-
-@cython.cfunc
-@cython.nogil
-@cython.exceptval(check=False)
-def look(
-    levels: cython.const[cython.uchar][:, :, ::1],
-    done: cython.const[cython.uchar][:, ::1],
-    wrap_y: cython.bint,
-    wrap_x: cython.bint,
-    y: cython.Py_ssize_t,
-    x: cython.Py_ssize_t,
-    weights: cython.const[cython.short][:, ::1],
-    stride: cython.Py_ssize_t,
-    query: cython.uchar[::1],
-    known: cython.short[::1],
-    rows: cython.int[::1],
-) -> cython.longlong:
-    """Copy what is known around a pixel of the canvas, with its weights; return their sum.
-
-    `rows` receives the number of rows with anything known, and which they are, the nearest first.
-    On a wrapped axis shorter than the window nothing is seen twice.
-    """
-    height: cython.Py_ssize_t = done.shape[0]
-    width: cython.Py_ssize_t = done.shape[1]
-    channels: cython.Py_ssize_t = levels.shape[2]
-    reach: cython.Py_ssize_t = weights.shape[0] // 2
-    up: cython.Py_ssize_t = before(reach, y, height, wrap_y)
-    down: cython.Py_ssize_t = after(reach, y, height, wrap_y)
-    left: cython.Py_ssize_t = before(reach, x, width, wrap_x)
-    right: cython.Py_ssize_t = after(reach, x, width, wrap_x)
-    step: cython.Py_ssize_t
-    dy: cython.Py_ssize_t
-    dx: cython.Py_ssize_t
-    cy: cython.Py_ssize_t
-    cx: cython.Py_ssize_t
-    k: cython.Py_ssize_t
-    at: cython.Py_ssize_t
-    n: cython.int = 0
-    row: cython.longlong
-    total: cython.longlong = 0
-    memset(cython.address(known[0]), 0, cython.cast(cython.size_t, known.shape[0]) * 2)
-    for step in range(2 * reach + 1):
-        dy = -((step + 1) // 2) if step % 2 else step // 2
-        if dy < -up or dy > down:
-            continue
-        cy = around(y + dy, height)
-        row = 0
-        for dx in range(-left, right + 1):
-            cx = around(x + dx, width)
-            if done[cy, cx] and (dy != 0 or dx != 0):
-                at = (dy + reach) * stride + (dx + reach) * channels
-                for k in range(channels):
-                    query[at + k] = levels[cy, cx, k]
-                    known[at + k] = weights[dy + reach, dx + reach]
-                row += weights[dy + reach, dx + reach]
-        if row > 0:
-            n += 1
-            rows[n] = cython.cast(cython.int, dy + reach)
-            total += row
-    rows[0] = n
-    return total
-
-
-@cython.cfunc
-@cython.inline
-@cython.nogil
-@cython.exceptval(check=False)
-def weighted(
-    a: cython.p_const_uchar, b: cython.p_const_uchar, w: cython.p_const_short, n: cython.Py_ssize_t
-) -> cython.longlong:
-    """Sum of w d**2 of two rows of bytes."""
-    i: cython.Py_ssize_t
-    stop: cython.Py_ssize_t
-    start: cython.Py_ssize_t = 0
-    d: cython.short
-    e: cython.short
-    part: cython.int
-    total: cython.longlong = 0
-    while start < n:
-        stop = start + 256 if start + 256 < n else n  # 256 * 127 * 255**2 < 2**31
-        part = 0
-        for i in range(start, stop):
-            d = cython.cast(cython.short, a[i]) - cython.cast(cython.short, b[i])
-            e = w[i] * d  # 127 * 255 < 2**15
-            part += cython.cast(cython.int, e) * d
-        total += part
-        start = stop
-    return total
-
-
-@cython.cfunc
-@cython.nogil
-@cython.exceptval(check=False)
-def window_distance(
-    flat: cython.const[cython.uchar][::1],
-    place: cython.Py_ssize_t,
-    width: cython.Py_ssize_t,
-    channels: cython.Py_ssize_t,
-    reach: cython.Py_ssize_t,
-    stride: cython.Py_ssize_t,
-    query: cython.const[cython.uchar][::1],
-    known: cython.const[cython.short][::1],
-    rows: cython.const[cython.int][::1],
-    bound: cython.longlong,
-) -> cython.longlong:
-    """Distance to the window at a flat index; stops past `bound` (negative: never)."""
-    r: cython.Py_ssize_t
-    row: cython.Py_ssize_t
-    total: cython.longlong = 0
-    for r in range(1, rows[0] + 1):
-        row = rows[r]
-        total += weighted(
-            cython.address(flat[(place + (row - reach) * width - reach) * channels]),
-            cython.address(query[row * stride]),
-            cython.address(known[row * stride]),
-            stride,
-        )
-        if total > bound and bound >= 0:
-            break
-    return total
+from cython.cimports.weft.search._coherence_kernels import coherent_places
+from cython.cimports.weft.search._weighted_kernels import (
+    draw_one,
+    limit_of,
+    look,
+    window_distance,
+)
+from cython.cimports.weft.search._window_kernels import known_runs
 
 
 @cython.cfunc
@@ -292,15 +143,6 @@ def bounds(
 @cython.inline
 @cython.nogil
 @cython.exceptval(check=False)
-def limit_of(best: cython.longlong, tolerance: cython.double) -> cython.longlong:
-    """The largest distance within (1 + tolerance) of the best."""
-    return cython.cast(cython.longlong, cython.cast(cython.double, best) * (1 + tolerance))
-
-
-@cython.cfunc
-@cython.inline
-@cython.nogil
-@cython.exceptval(check=False)
 def cut_of(limit: cython.longlong, scale: cython.longlong) -> cython.longlong:
     """The lower bound that a distance of `limit` may have; without a limit, any."""
     if limit < 0 or limit >= cython.cast(cython.longlong, 1) << 40:
@@ -329,6 +171,7 @@ def search_full(
     chosen: cython.int[::1],
     errors: cython.longlong[::1],
     totals: cython.longlong[::1],
+    runs: cython.int[:, ::1],
     query: cython.uchar[::1],
     known: cython.short[::1],
     rows: cython.int[::1],
@@ -348,6 +191,7 @@ def search_full(
     channels: cython.Py_ssize_t = levels.shape[2]
     width: cython.Py_ssize_t = usable.shape[1]
     reach: cython.Py_ssize_t = weights.shape[0] // 2
+    near: cython.Py_ssize_t = 1 if reach > 0 else 0
     lead: cython.Py_ssize_t = reach * width + reach
     wanted: cython.Py_ssize_t = at.shape[0]
     i: cython.Py_ssize_t
@@ -357,7 +201,6 @@ def search_full(
     x: cython.Py_ssize_t
     place: cython.Py_ssize_t
     count: cython.Py_ssize_t
-    kept: cython.Py_ssize_t
     nearest: cython.Py_ssize_t
     best: cython.longlong
     limit: cython.longlong
@@ -369,12 +212,18 @@ def search_full(
             y = places[i] // done.shape[1]
             x = places[i] % done.shape[1]
             totals[i] = look(
-                levels, done, wrap_y, wrap_x, y, x, weights, stride, query, known, rows
+                levels, done, wrap_y, wrap_x, y, x, weights, stride, runs, query, known, rows
             )
-            best = coherent_best(
-                flat, width, channels, reach, stride, query, known, rows,
-                done, source, wrap_y, wrap_x, y, x, usable, period,
-            )  # fmt: skip
+            count = known_runs(done, y, x, wrap_y, wrap_x, near, near, near, near, runs)
+            count = coherent_places(source, y, x, runs, count, usable, period, found, 0)
+            best = -1
+            for j in range(count):
+                if found[j] >= 0:
+                    d = window_distance(
+                        flat, found[j], width, channels, reach, stride, query, known, rows, best
+                    )
+                    if best < 0 or d < best:
+                        best = d
             limit = limit_of(best, tolerance) if best >= 0 else -1
             scale = pick_terms(
                 order, wanted, lead, planes.shape[1], width, channels, reach, stride, query, known,
@@ -427,141 +276,6 @@ def search_full(
                         best = d
                         limit = limit_of(best, tolerance)
                         cut = cut_of(limit, scale)
-            kept = 0
-            for j in range(count):
-                if distances[j] <= limit:
-                    found[kept] = found[j]
-                    distances[kept] = distances[j]
-                    kept += 1
-            j = cython.cast(
-                cython.Py_ssize_t, ((bits[i] >> 32) * cython.cast(cython.ulonglong, kept)) >> 32
-            )
+            j = draw_one(found, distances, count, limit, bits[i])
             chosen[i] = found[j]
             errors[i] = distances[j]
-
-
-@cython.cfunc
-@cython.nogil
-@cython.exceptval(check=False)
-def coherent_best(
-    flat: cython.const[cython.uchar][::1],
-    width: cython.Py_ssize_t,
-    channels: cython.Py_ssize_t,
-    reach: cython.Py_ssize_t,
-    stride: cython.Py_ssize_t,
-    query: cython.const[cython.uchar][::1],
-    known: cython.const[cython.short][::1],
-    rows: cython.const[cython.int][::1],
-    done: cython.const[cython.uchar][:, ::1],
-    source: cython.const[cython.int][:, ::1],
-    wrap_y: cython.bint,
-    wrap_x: cython.bint,
-    y: cython.Py_ssize_t,
-    x: cython.Py_ssize_t,
-    usable: cython.const[cython.uchar][:, ::1],
-    period: cython.const[cython.int][::1],
-) -> cython.longlong:
-    """The least distance of the places where the neighbours' sources go on; -1 without any."""
-    height: cython.Py_ssize_t = done.shape[0]
-    across: cython.Py_ssize_t = done.shape[1]
-    dy: cython.Py_ssize_t
-    dx: cython.Py_ssize_t
-    cy: cython.Py_ssize_t
-    cx: cython.Py_ssize_t
-    from_: cython.Py_ssize_t
-    place: cython.Py_ssize_t
-    last: cython.Py_ssize_t = -1
-    d: cython.longlong
-    best: cython.longlong = -1
-    up: cython.Py_ssize_t = before(1, y, height, wrap_y)
-    down: cython.Py_ssize_t = after(1, y, height, wrap_y)
-    left: cython.Py_ssize_t = before(1, x, across, wrap_x)
-    right: cython.Py_ssize_t = after(1, x, across, wrap_x)
-    for dy in range(-up, down + 1):
-        cy = around(y + dy, height)
-        for dx in range(-left, right + 1):
-            cx = around(x + dx, across)
-            from_ = source[cy, cx]
-            if not done[cy, cx] or from_ < 0:
-                continue
-            place = settle(usable, period, from_ // width - dy, from_ % width - dx)
-            if place < 0 or place == last:
-                continue
-            last = place
-            d = window_distance(
-                flat, place, width, channels, reach, stride, query, known, rows, best
-            )
-            if best < 0 or d < best:
-                best = d
-    return best
-
-
-def count_known(
-    done: cython.const[cython.uchar][:, ::1],
-    wrap_y: cython.bint,
-    wrap_x: cython.bint,
-    reach: cython.Py_ssize_t,
-    places: cython.const[cython.int][::1],
-    counts: cython.int[::1],
-):
-    """Fill `counts` with the number of known pixels in the window around each place."""
-    height: cython.Py_ssize_t = done.shape[0]
-    width: cython.Py_ssize_t = done.shape[1]
-    i: cython.Py_ssize_t
-    y: cython.Py_ssize_t
-    x: cython.Py_ssize_t
-    dy: cython.Py_ssize_t
-    dx: cython.Py_ssize_t
-    cy: cython.Py_ssize_t
-    n: cython.int
-    with cython.nogil:
-        for i in range(places.shape[0]):
-            y = places[i] // width
-            x = places[i] % width
-            n = 0
-            for dy in range(-before(reach, y, height, wrap_y), after(reach, y, height, wrap_y) + 1):
-                cy = around(y + dy, height)
-                for dx in range(
-                    -before(reach, x, width, wrap_x), after(reach, x, width, wrap_x) + 1
-                ):
-                    n += done[cy, around(x + dx, width)]
-            counts[i] = n
-
-
-def wave_numbers(
-    wrap_y: cython.bint,
-    wrap_x: cython.bint,
-    reach: cython.Py_ssize_t,
-    places: cython.const[cython.int][::1],
-    map: cython.int[:, ::1],
-    waves: cython.int[::1],
-):
-    """Number the waves of a list of places: one more than the earlier places in a window have.
-
-    Places of one wave do not see each other. `map` is scratch of the canvas's size, all 0 before
-    and after.
-    """
-    height: cython.Py_ssize_t = map.shape[0]
-    width: cython.Py_ssize_t = map.shape[1]
-    i: cython.Py_ssize_t
-    y: cython.Py_ssize_t
-    x: cython.Py_ssize_t
-    dy: cython.Py_ssize_t
-    dx: cython.Py_ssize_t
-    cy: cython.Py_ssize_t
-    most: cython.int
-    with cython.nogil:
-        for i in range(places.shape[0]):
-            y = places[i] // width
-            x = places[i] % width
-            most = 0
-            for dy in range(-before(reach, y, height, wrap_y), after(reach, y, height, wrap_y) + 1):
-                cy = around(y + dy, height)
-                for dx in range(
-                    -before(reach, x, width, wrap_x), after(reach, x, width, wrap_x) + 1
-                ):
-                    most = max(most, map[cy, around(x + dx, width)])
-            map[y, x] = most + 1
-            waves[i] = most
-        for i in range(places.shape[0]):
-            map[places[i] // width, places[i] % width] = 0

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -12,6 +12,10 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from weft.search.windows import Windows
+
+    #: Sources as flat indices into the windows' pixels, their distances, the weights of what is
+    #: known.
+    Drawn = tuple[NDArray[np.int32], NDArray[np.int64], NDArray[np.int64]]
 
 _HEAVIEST = 127  # the largest weight: times a difference it fits 16 bits
 _BLOCK = 64  # as in the kernels
@@ -41,52 +45,39 @@ def gaussian_weights(width: int, sigma: float) -> NDArray[np.int16]:
     return weights
 
 
-class ExhaustiveSearch:
-    """Compares what is known of a window with every window of a sample.
-
-    A distance is the sum of w d**2 over the known pixels. The heaviest of them give all windows a
-    lower bound, 64 windows at a time; only those whose bound is not past the best distance so far,
-    which starts from where the neighbours' sources go on, are compared in full.
+class WindowSearch:
+    """Base of the searches that compare what is known of a window with those of a sample.
 
     Parameters
     ----------
     windows : Windows
         Of the sample, square.
     weights : int16 array (width, width)
-        From 1 to 127.
+        From 1 to 127. A distance is the sum of w d**2 over the known pixels.
     """
 
     def __init__(self, windows: Windows, weights: NDArray[np.int16]) -> None:
         self.windows, self.weights = windows, weights
-        width, channels = len(weights), windows.pixels.shape[2]
-        reach, across = width // 2, windows.pixels.shape[1]
-        lead = reach * across + reach
-        # Rows of whole vectors; blocks and rows may read past the last window.
-        self.stride = -(-width * channels // 16) * 16
+        self.channels = windows.pixels.shape[2]
+        # Rows of whole vectors: the last may read past its window, blocks past the last window.
+        self.stride = -(-len(weights) * self.channels // 16) * 16
         self.flat = np.pad(windows.pixels.ravel(), (0, self.stride))
-        planes = np.ascontiguousarray(windows.pixels.reshape(-1, channels).T)
-        self.planes = np.pad(planes, ((0, 0), (lead, lead + _BLOCK)))
         self.allowed = np.pad(windows.usable.ravel(), (0, _BLOCK))
         self.blocks = _blocks(windows.centres)
-        heaviest = np.argsort(-weights.ravel(), kind="stable")
-        self.order = np.stack(np.divmod(heaviest, width), axis=1).astype(np.int32) - reach
-        self.terms = max(4, min(_TERMS, -(-(width * width * channels) // 4) * 4))
 
-    def scratch(self) -> tuple[NDArray[np.generic], ...]:
+    def scratch(self) -> tuple[NDArray[Any], ...]:
         """Return the arrays that one thread works in."""
-        rows, terms, blocks = len(self.weights), self.terms, len(self.blocks)
+        width = len(self.weights)
         return (
-            np.zeros(rows * self.stride, np.uint8),
-            np.zeros(rows * self.stride, np.int16),
-            np.empty(rows + 1, np.int32),
-            np.empty(terms, np.intp),
-            np.empty(terms, np.int16),
-            np.empty(terms, np.uint16),
-            np.empty((blocks, _BLOCK), np.uint16),
-            np.empty(blocks, np.uint16),
-            np.empty(self.windows.centres.size, np.int32),
-            np.empty(self.windows.centres.size, np.int64),
+            np.empty((width * (width // 2 + 1), 3), np.int32),
+            np.zeros(width * self.stride, np.uint8),
+            np.zeros(width * self.stride, np.int16),
+            np.empty(width + 1, np.int32),
         )
+
+    def _run(self, canvas: tuple[Any, ...], out: Drawn, scratch: tuple[NDArray[Any], ...]) -> None:
+        """Fill `out`; `canvas` is what `draw` was given."""
+        raise TypeError(f"{type(self).__name__} does not define _run")
 
     def draw(
         self,
@@ -97,8 +88,8 @@ class ExhaustiveSearch:
         places: NDArray[np.int32],
         bits: NDArray[np.uint64],
         tolerance: float,
-        scratch: tuple[NDArray[np.generic], ...],
-    ) -> tuple[NDArray[np.int32], NDArray[np.int64], NDArray[np.int64]]:
+        scratch: tuple[NDArray[Any], ...],
+    ) -> Drawn:
         """Draw for each place one of the windows within (1 + tolerance) of the best distance.
 
         Parameters
@@ -116,6 +107,7 @@ class ExhaustiveSearch:
         bits : uint64 array (n,)
             Random.
         tolerance : float
+            0 or more.
         scratch : tuple of arrays
             From `scratch`.
 
@@ -128,14 +120,54 @@ class ExhaustiveSearch:
         weights : int64 array (n,)
             Sum of the weights of the known pixels.
         """
-        chosen = np.empty(len(places), np.int32)
-        distances, weights = (np.empty(len(places), np.int64) for _ in range(2))
+        n = len(places)
+        out = np.empty(n, np.int32), np.empty(n, np.int64), np.empty(n, np.int64)
+        self._run((levels, done, source, *wrap, places, bits, tolerance), out, scratch)
+        return out
+
+
+class ExhaustiveSearch(WindowSearch):
+    """Compares with every window of the sample.
+
+    The heaviest known pixels give all windows a lower bound, 64 windows at a time. Only those are
+    compared in full whose bound is not past the best distance so far, which starts from where the
+    neighbours' sources go on.
+    """
+
+    def __init__(self, windows: Windows, weights: NDArray[np.int16]) -> None:
+        super().__init__(windows, weights)
+        width, across = len(weights), windows.pixels.shape[1]
+        lead = width // 2 * (across + 1)
+        planes = np.ascontiguousarray(windows.pixels.reshape(-1, self.channels).T)
+        self.planes = np.pad(planes, ((0, 0), (lead, lead + _BLOCK)))
+        heaviest = np.argsort(-weights.ravel(), kind="stable")
+        self.order = np.stack(np.divmod(heaviest, width), axis=1).astype(np.int32) - width // 2
+        self.terms = max(4, min(_TERMS, whole_groups(width * width * self.channels)))
+
+    def scratch(self) -> tuple[NDArray[Any], ...]:
+        """See `WindowSearch.scratch`."""
+        found = max(self.windows.centres.size, 9)  # 8 neighbours and -1 for no window
+        return (
+            *super().scratch(),
+            np.empty(self.terms, np.intp),
+            np.empty(self.terms, np.int16),
+            np.empty(self.terms, np.uint16),
+            np.empty((len(self.blocks), _BLOCK), np.uint16),
+            np.empty(len(self.blocks), np.uint16),
+            np.empty(found, np.int32),
+            np.empty(found, np.int64),
+        )
+
+    def _run(self, canvas: tuple[Any, ...], out: Drawn, scratch: tuple[NDArray[Any], ...]) -> None:
         kernels.search_full(
-            levels, done, source, *wrap, places, bits, tolerance, self.weights, self.order,
-            self.flat, self.planes, self.windows.usable, self.allowed, self.windows.period,
-            self.blocks, self.stride, chosen, distances, weights, *scratch,
+            *canvas, self.weights, self.order, self.flat, self.planes, self.windows.usable,
+            self.allowed, self.windows.period, self.blocks, self.stride, *out, *scratch,
         )  # fmt: skip
-        return chosen, distances, weights
+
+
+def whole_groups(terms: int) -> int:
+    """Round up to what the kernels take at a time."""
+    return -(-terms // 4) * 4
 
 
 def _blocks(centres: NDArray[np.int32]) -> NDArray[np.int32]:

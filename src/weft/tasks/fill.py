@@ -335,7 +335,8 @@ def _with_defaults(
         new["boundary_width"] = min(FILL_DEFAULTS["boundary_width"], size // 2)
     # An exhaustive search takes no number of candidates.
     for name, others in (("epsilon", set()), ("candidates", {"search"})):
-        if name in known and given is not None and not given & {name, *others}:
+        free = given is not None and not given & {name, *others}
+        if free and known >= {name, "patch_size"}:
             new[name] = FILL_DEFAULTS[name]
     return dataclasses.replace(method, **new)
 
