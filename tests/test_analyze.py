@@ -147,3 +147,12 @@ def test_bad_input_is_one_line(words, message, capsys, tmp_path, monkeypatch):
     out, err = capsys.readouterr()
     assert out == "" and err.startswith("weft: error: ") and err.count("\n") == 1
     assert message in err
+
+
+def test_border_steps_of_wide_samples(rng):
+    """They are taken strip by strip."""
+    pixels = rng.integers(0, 256, (5, 700, 3), np.uint8)
+    mask = rng.random((5, 700)) < 0.9
+    down = steps_by_definition(pixels, mask)
+    right = steps_by_definition(pixels.swapaxes(0, 1), mask.T)
+    assert border_steps(Exemplar(pixels, mask=mask)) == (down, right)

@@ -8,6 +8,7 @@ from weft.exemplar import Exemplar
 
 #: Border steps up to this many times those inside pass for none.
 SEAMLESS = 1.5
+_STRIP = 256  # pixels across that are looked at together; large samples need little memory
 
 
 def border_steps(exemplar: Exemplar) -> tuple[float, float]:
@@ -38,14 +39,18 @@ def border_steps(exemplar: Exemplar) -> tuple[float, float]:
     >>> border_steps(Exemplar(sample))[1] <= SEAMLESS < border_steps(Exemplar(sample[:, :60]))[1]
     True
     """
-    levels = exemplar.matching().astype(np.int32)
+    levels = exemplar.matching()
     usable = np.ones(exemplar.shape, bool) if exemplar.mask is None else exemplar.mask
     found = []
     for axis in (0, 1):
-        changes = ((levels - np.roll(levels, 1, axis)) ** 2).sum(axis=2, dtype=np.int64)
-        pairs = usable & np.roll(usable, 1, axis)
-        total = (changes * pairs).sum(axis=1 - axis)
-        steps = total / np.maximum(pairs.sum(axis=1 - axis), 1)
+        lines, whole = np.moveaxis(levels, axis, 0), np.moveaxis(usable, axis, 0)
+        total = np.zeros(len(lines), np.int64)
+        for start in range(0, lines.shape[1], _STRIP):
+            strip = lines[:, start : start + _STRIP].astype(np.int32)
+            changes = ((strip - np.roll(strip, 1, 0)) ** 2).sum(axis=2)
+            part = whole[:, start : start + _STRIP]
+            total += (changes * (part & np.roll(part, 1, 0))).sum(axis=1)
+        steps = total / np.maximum((whole & np.roll(whole, 1, 0)).sum(axis=1), 1)
         inside = steps[1:] if len(steps) > 1 else steps  # one line borders on itself
         usual = max(float(np.median(inside)), float(inside[0]), float(inside[-1]), 1.0)
         found.append(round(float(steps[0]) / usual, 2))
