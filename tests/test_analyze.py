@@ -102,7 +102,9 @@ def test_windows_are_those_that_the_methods_take():
     windows = analyze(exemplar).windows
     for slug, cls in weft.METHODS.items():
         if "window_width" in cls.__dataclass_fields__:
-            assert windows.pop(slug) == cls().fit(exemplar).method.window_width
+            settled = cls().fit(exemplar).method
+            assert windows.pop(slug) == settled.window_width
+            assert cls().settle(exemplar) == settled
     assert windows == {}
 
 

@@ -130,6 +130,14 @@ class Method:
         """Analyse a sample; the result makes any number of outputs from it."""
         raise TypeError(f"{type(self).__name__} does not define fit")
 
+    def settle(self, exemplar: Exemplar) -> Method:
+        """Return this method with what it takes from the sample by itself filled in.
+
+        It is the `method` of the model that `fit` returns; where that takes long, a method finds
+        it without.
+        """
+        return self.fit(exemplar).method
+
     def require(self, canvas: Canvas) -> None:
         """Raise `UnsupportedError` if the canvas is of a kind that the method does not do."""
         if canvas.hole is not None and canvas.known is None:

@@ -129,6 +129,10 @@ class WeiLevoy(Method):
         """Build the pyramid and, for each level, the tree."""
         return WeiLevoyModel(self, exemplar)
 
+    def settle(self, exemplar: Exemplar) -> WeiLevoy:
+        """See `Method.settle`; the trees are what takes long."""
+        return _settle(self, exemplar)[0]
+
 
 class WeiLevoyModel(PixelModel):
     """A sample's pyramid with its trees; `sample` makes outputs from it."""

@@ -198,12 +198,12 @@ def _bands(found: DominantScale) -> tuple[Band, ...]:
 
 
 def _windows(exemplar: Exemplar) -> dict[str, int | None]:
-    """The window that each method settles on; it does so when it is fitted."""
+    """The window that each method settles on."""
     result: dict[str, int | None] = {}
     for slug, cls in METHODS.items():
         if any(field.name == "window_width" for field in dataclasses.fields(cls)):
             try:
-                result[slug] = getattr(cls().fit(exemplar).method, "window_width")  # noqa: B009
+                result[slug] = getattr(cls().settle(exemplar), "window_width")  # noqa: B009
             except InvalidInputError:
                 result[slug] = None
     return result
