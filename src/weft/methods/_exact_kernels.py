@@ -92,6 +92,7 @@ def match_pixels(
     pixels: cython.const[cython.uchar][:, :, ::1],
     usable: cython.const[cython.uchar][:, ::1],
     period: cython.const[cython.int][::1],
+    centres: cython.const[cython.int][::1],
     number: cython.const[cython.int][:, ::1],
     offsets: cython.const[cython.int][:, ::1],
     starts: cython.const[cython.int][:, ::1],
@@ -292,8 +293,8 @@ def match_pixels(
                 if chosen < 0:
                     chosen = spare
                 if chosen < 0:  # no list has anything: any window
-                    chosen = places[
-                        (bits[p] >> 32) * cython.cast(cython.ulonglong, places.shape[0]) >> 32
+                    chosen = centres[
+                        (bits[p] >> 32) * cython.cast(cython.ulonglong, centres.shape[0]) >> 32
                     ]
             source[y, x] = cython.cast(cython.int, chosen)
             last[chosen // columns, chosen % columns] = order[p]

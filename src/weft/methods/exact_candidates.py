@@ -25,6 +25,9 @@ CAUSAL = [(0, -1), (-1, -1), (-1, 0), (-1, 1), (0, 1)]
 #: All eight, for what is made between known pixels.
 AROUND = [*CAUSAL, (1, 1), (1, 0), (1, -1)]
 
+#: How far windows between known pixels reach at most: a layer is decided by what is near to it.
+AROUND_REACH = 7
+
 #: How far the window over the next coarser level reaches, in pixels of the finer one.
 GUIDE_REACH = 4
 
@@ -41,7 +44,7 @@ class Candidates:
     sample : Exemplar
         The sample, or a coarser version of it.
     causal : bool
-        Windows are L-shaped, as in figure 2.
+        Windows are L-shaped, as in figure 2; otherwise they look to all sides, not as far.
     guide : uint8 array (H, W, K), optional
         The next coarser level at the sample's own size; its windows are compared too.
 
@@ -66,7 +69,9 @@ class Candidates:
     ) -> None:
         assert method.window_width is not None
         # The coarser levels of a pyramid have room for smaller windows only.
-        r = min(method.window_width, *sample.shape) - 1 >> 1
+        r = (min(method.window_width, *sample.shape) - 1) // 2
+        if not causal:
+            r = min(r, AROUND_REACH)
         self.causal, self.reach = causal, r
         self.guide_reach = min(r, GUIDE_REACH) if guide is not None else 0
         self.windows = windows_of(sample, (r, self.guide_reach if causal else r, r, r))
@@ -267,7 +272,7 @@ class Matching:
             order, draw(self._seed, self._stage, order), c.causal, *sheet.wrap, c.reach,
             method.repeat_distance, c.causal and method.copying == "blocks",
             sheet.levels, sheet.done, sheet.source, sheet.color,
-            c.windows.pixels, c.windows.usable, c.windows.period, c.index.number,
+            c.windows.pixels, c.windows.usable, c.windows.period, c.windows.centres, c.index.number,
             c.offsets, c.starts, c.groups, c.places, c.radius,
             c.index.colors, c.index.low, c.index.high, c.index.depth,
             self._coarse[0], c.guide, self._everywhere, c.guide_reach, self._coarse[1],

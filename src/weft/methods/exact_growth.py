@@ -60,10 +60,6 @@ class ExactGrowth:
         while len(self.shapes) < len(model.samples):
             height, width = self.shapes[-1]
             self.shapes.append(((height + 1) // 2, (width + 1) // 2))
-        total = sum(height * width for height, width in self.shapes)
-        if growth.hole is not None:
-            total = int(growth.hole.sum()) * (1 + self.method.passes)
-        self.progress = growth.progress(total, "pixels")
 
     def scan(self) -> None:
         """Section 4.2; from coarse to fine, if there are levels."""
@@ -94,17 +90,20 @@ class ExactGrowth:
         guide: Guide | None = None
         if coarser is None:
             band = self._beginning(level, width)
+            if self.method.init == "random":
+                top += candidates.reach  # rows that see random pixels are cropped too
         else:
             children, inside = coarser.children(top, (height, width), sample.shape)
             band = children[:top]
             suggested = np.where(inside, children, np.int32(-1))
             guide = coarser.below(top, (height, width)), suggested
         sheet = Sheet((top + height, width), sample.channels, (False, wrap[1]))
-        candidates.put(sheet, np.s_[:top], band)
-        middle = perf_counter()
+        candidates.put(sheet, np.s_[: len(band)], band)
         stage = f"exact {level}"
         matching = Matching(candidates, sheet, self.method, self.growth.seed, stage, guide)
-        self._lines(matching, top, shown=level == 0)
+        self._lines(matching, len(band), top, "beginning")
+        middle = perf_counter()
+        self._lines(matching, top, top + height, "rows", shown=level == 0)
         places = candidates.windows.to_sample(sheet.source)
         if wrap[0] and height > 1:
             self._close(level, sheet, places, top, guide)
@@ -112,18 +111,21 @@ class ExactGrowth:
         self.statistics.synthesis += perf_counter() - middle
         return Level(sheet.levels, places, top, sample.shape)
 
-    def _lines(self, matching: Matching, first: int, shown: bool = False) -> None:
-        """Scan a sheet from a row on."""
-        height, width = matching.sheet.done.shape
-        for row in range(first, height):
+    def _lines(
+        self, matching: Matching, first: int, last: int, stage: str, shown: bool = False
+    ) -> None:
+        """Scan some rows of a sheet."""
+        width = matching.sheet.done.shape[1]
+        progress = self.growth.progress(last - first, stage)
+        for row in range(first, last):
             self._make(matching, np.arange(row * width, (row + 1) * width, dtype=np.int32))
             if shown:
                 self.growth.levels[row - first] = matching.sheet.levels[row]
+            progress.advance(1)
 
     def _make(self, matching: Matching, order: NDArray[np.int32]) -> None:
         self.statistics.tested += matching.make(order)
         self.statistics.pixels += len(order)
-        self.progress.advance(len(order))
 
     # ------------------------------------------------------------ initialisation, section 4.3
 
@@ -152,7 +154,7 @@ class ExactGrowth:
         block = corner + y * windows.pixels.shape[1] + x
         candidates.put(sheet, np.s_[: len(y)], windows.to_sample(block.astype(np.int32)))
         matching = Matching(candidates, sheet, self.method, self.growth.seed, "exact structure")
-        self._lines(matching, len(y))
+        self._lines(matching, len(y), width, "beginning")
         columns, rows = np.divmod(windows.to_sample(sheet.source), windows.shape[1])
         return np.ascontiguousarray((rows * windows.shape[0] + columns).T)
 
@@ -163,14 +165,19 @@ class ExactGrowth:
         sheet = matching.sheet
         unknown = sheet.done == 0
         matching.candidates.name_colors(sheet)
+        progress = self.growth.progress(int(unknown.sum()) * (1 + self.method.passes), "pixels")
         for layer in layers(unknown, sheet.wrap):
-            self._make(matching, layer)
+            # Nothing else is left to chance here, unless colours are few.
+            shuffled = np.argsort(draw(self.growth.seed, "exact layer", layer), kind="stable")
+            self._make(matching, layer[shuffled])
+            progress.advance(len(layer))
         order = np.flatnonzero(unknown).astype(np.int32)
         lines = np.split(order, np.flatnonzero(np.diff(order // unknown.shape[1])) + 1)
         for number in range(self.method.passes):
             again = matching.again(f"exact pass {number}")
             for line in lines:
                 self._make(again, line)
+                progress.advance(len(line))
 
     def _close(
         self,

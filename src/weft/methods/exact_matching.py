@@ -77,7 +77,10 @@ class ExactMatching(Method):
         default_text="0 where colours occur several times, else as far as the third pixel's",
     )
     nearest_colors: int | None = parameter(
-        None, "take so many of the nearest colours, instead of a tolerance", low=1
+        None,
+        "take so many of the nearest colours, instead of a tolerance",
+        low=1,
+        default_text="the tolerance decides",
     )
     init: str = parameter(
         "auto",
@@ -102,7 +105,7 @@ class ExactMatching(Method):
     )
     levels: int = parameter(1, "levels of the pyramid; 1 is a single resolution", low=1, high=12)
     passes: int = parameter(
-        1, "further passes over what was made between known pixels", low=0, high=100
+        2, "further passes over what was made between known pixels", low=0, high=100
     )
 
     def __post_init__(self) -> None:
