@@ -24,6 +24,7 @@ if TYPE_CHECKING:
     from weft.method import METHODS, Method
     from weft.methods.ashikhmin import Ashikhmin
     from weft.methods.efros_leung import EfrosLeung
+    from weft.methods.exact_matching import ExactMatching
     from weft.methods.patch_sampling import PatchSampling
     from weft.methods.quilting import Quilting
     from weft.methods.wei_levoy import WeiLevoy
@@ -40,6 +41,7 @@ _HOME = {
     "Canvas": "canvas",
     "CancelledError": "errors",
     "EfrosLeung": "methods.efros_leung",
+    "ExactMatching": "methods.exact_matching",
     "Exemplar": "exemplar",
     "FileError": "errors",
     "InvalidInputError": "errors",
@@ -64,6 +66,7 @@ __all__ = [
     "CancelledError",
     "Canvas",
     "EfrosLeung",
+    "ExactMatching",
     "Exemplar",
     "FileError",
     "InvalidInputError",
