@@ -225,6 +225,7 @@ METHODS: Mapping[str, type[Method]] = _Registry(
     efros_leung="EfrosLeung",
     wei_levoy="WeiLevoy",
     ashikhmin="Ashikhmin",
+    exact_matching="ExactMatching",
 )
 
 
