@@ -19,6 +19,8 @@ KERNELS = [
     "weft._compositing",
     "weft.search._kernels",
     "weft.search._coherence_kernels",
+    "weft.search._projection_kernels",
+    "weft.search._similar_kernels",
     "weft.search._tsvq_kernels",
     "weft.search._color_kernels",
     "weft.search._window_kernels",
@@ -32,6 +34,7 @@ KERNELS = [
     "weft.methods._wei_levoy_kernels",
     "weft.methods._ashikhmin_kernels",
     "weft.methods._exact_kernels",
+    "weft.methods._refinement_kernels",
 ]
 CHECKS = os.environ.get("WEFT_CHECKS") == "1"
 BASE = "build/checks" if CHECKS else "build/plain"  # apart, or one would take the other's objects

@@ -1,37 +1,58 @@
 # cython: language_level=3
-"""The kernel of iterative refinement; compiled by Cython, see setup.py."""
+"""The kernels of iterative refinement; compiled by Cython, see setup.py."""
 
 import cython
 from cython.cimports.weft.search._coherence_kernels import coherent_places
-from cython.cimports.weft.search._window_kernels import (
-    gather_runs,
-    known_runs,
-    run_distance,
-    settle,
-)
+from cython.cimports.weft.search._projection_kernels import run_coordinates
+from cython.cimports.weft.search._kernels import nearest_by_features
+from cython.cimports.weft.search._window_kernels import gather_runs, known_runs, run_distance
 
 
 @cython.cfunc
 @cython.nogil
 @cython.exceptval(check=False)
-def offer_place(
-    place: cython.Py_ssize_t, count: cython.Py_ssize_t, places: cython.int[::1]
-) -> cython.Py_ssize_t:
-    """Append a place unless there is none or it is there already; return the new number."""
-    i: cython.Py_ssize_t
-    if place < 0:
-        return count
-    for i in range(count):
-        if places[i] == place:
-            return count
-    places[count] = cython.cast(cython.int, place)
-    return count + 1
+def settle_pixel(
+    levels: cython.uchar[:, :, ::1],
+    done: cython.uchar[:, ::1],
+    source: cython.int[:, ::1],
+    y: cython.Py_ssize_t,
+    x: cython.Py_ssize_t,
+    pixels: cython.const[cython.uchar][:, :, ::1],
+    place: cython.Py_ssize_t,
+) -> cython.bint:
+    """Give a pixel its place in the sample; return whether it changed."""
+    k: cython.Py_ssize_t
+    if source[y, x] == place:
+        done[y, x] = 1
+        return False
+    source[y, x] = cython.cast(cython.int, place)
+    for k in range(levels.shape[2]):
+        levels[y, x, k] = pixels[place // pixels.shape[1], place % pixels.shape[1], k]
+    done[y, x] = 1
+    return True
 
 
 @cython.cfunc
 @cython.nogil
 @cython.exceptval(check=False)
-def refine(
+def excess(
+    cell: cython.Py_ssize_t,
+    usage: cython.const[cython.int][::1],
+    capacity: cython.const[cython.int][::1],
+    weight: cython.longlong,
+) -> cython.longlong:
+    """What a distance is multiplied with, in 1/256: more than 256 where a cell is used too often."""
+    over: cython.longlong = usage[cell] - capacity[cell]
+    if over <= 0:
+        return 256
+    over = weight * over // capacity[cell]
+    return 256 + (over if over < 16384 else 16384)
+
+
+@cython.cfunc
+@cython.nogil
+@cython.exceptval(check=False)
+def coherent(
     levels: cython.uchar[:, :, ::1],
     done: cython.uchar[:, ::1],
     source: cython.int[:, ::1],
@@ -43,7 +64,7 @@ def refine(
     period: cython.const[cython.int][::1],
     reach: cython.Py_ssize_t,
     similar: cython.const[cython.int][:, ::1],
-    given: cython.const[cython.int][:, ::1],
+    tried: cython.const[cython.int][::1],
     cells: cython.const[cython.int][::1],
     usage: cython.int[::1],
     capacity: cython.const[cython.int][::1],
@@ -60,91 +81,132 @@ def refine(
     i: cython.Py_ssize_t
     k: cython.Py_ssize_t
     n: cython.Py_ssize_t
-    row: cython.Py_ssize_t
+    near: cython.Py_ssize_t
     count: cython.Py_ssize_t
-    coherent: cython.Py_ssize_t
     own: cython.Py_ssize_t
+    place: cython.Py_ssize_t
     best: cython.Py_ssize_t
     d: cython.longlong
-    bound: cython.longlong
+    factor: cython.longlong
     least: cython.longlong
-    scale: cython.longlong
-    over: cython.longlong
     changed: cython.Py_ssize_t = 0
     for p in range(order.shape[0]):
         y = order[p] // width
         x = order[p] % width
         own = source[y, x]
+        places[0] = -1
+        if own >= 0 and usable[own // columns, own % columns]:
+            places[0] = cython.cast(cython.int, own)
         n = known_runs(done, y, x, wrap_y, wrap_x, 1, 1, 1, 1, runs)
-        places[0] = cython.cast(cython.int, own)
-        coherent = coherent_places(source, y, x, runs, n, usable, period, places, 1)
-        count = coherent
-        for i in range(coherent):
+        near = coherent_places(source, y, x, runs, n, usable, period, places, 1)
+        count = near
+        for i in range(near):
             if places[i] >= 0:
                 for k in range(similar.shape[1]):
-                    count = offer_place(similar[places[i], k], count, places)
+                    places[count] = similar[places[i], k]
+                    count += 1
         n = known_runs(done, y, x, wrap_y, wrap_x, reach, reach, reach, reach, runs)
         gather_runs(levels, y, x, runs, n, query)
-        row = p if given.shape[0] > 1 else 0
         best = -1
         least = -1
-        for i in range(count + given.shape[1]):
-            k = places[i] if i < count else given[row, i - count]
-            if k < 0:
+        for i in range(count + tried.shape[0]):
+            place = places[i] if i < count else tried[i - count]
+            if place < 0:
                 continue
-            # cost = d (scale + weight over) / scale, compared without leaving the integers
-            scale = 256 * cython.cast(cython.longlong, capacity[cells[k]])
-            over = usage[cells[k]] - capacity[cells[k]]
-            over = weight * over if over > 0 else 0
-            over = over if over < 64 * scale else 64 * scale
-            bound = -1 if least < 0 else least * scale // (scale + over)
-            d = run_distance(pixels, k // columns, k % columns, runs, n, query, bound)
-            if 0 <= bound and bound < d:
-                continue
-            d += d * over // scale
-            if least < 0 or d < least:
-                least = d
-                best = k
+            factor = excess(cells[place], usage, capacity, weight)
+            d = run_distance(
+                pixels, place // columns, place % columns, runs, n, query,
+                least // factor if best >= 0 else -1,
+            )  # fmt: skip
+            if best < 0 or d * factor < least:
+                least = d * factor
+                best = place
         if best < 0:
             continue
-        done[y, x] = 1
-        if best == own:
-            continue
-        changed += 1
         if own >= 0:
             usage[cells[own]] -= 1
         usage[cells[best]] += 1
-        source[y, x] = cython.cast(cython.int, best)
-        for k in range(levels.shape[2]):
-            levels[y, x, k] = pixels[best // columns, best % columns, k]
+        changed += settle_pixel(levels, done, source, y, x, pixels, best)
     return changed
 
 
-def refine_pixels(
-    levels,
-    done,
-    source,
-    order,
-    wrap,
-    pixels,
-    usable,
-    period,
-    reach,
-    similar,
-    given,
-    cells,
-    usage,
-    capacity,
-    weight,
-    runs,
-    query,
-    places,
-):
+@cython.cfunc
+@cython.nogil
+@cython.exceptval(check=False)
+def nearest(
+    levels: cython.uchar[:, :, ::1],
+    done: cython.uchar[:, ::1],
+    source: cython.int[:, ::1],
+    order: cython.const[cython.int][::1],
+    wrap_y: cython.bint,
+    wrap_x: cython.bint,
+    pixels: cython.const[cython.uchar][:, :, ::1],
+    centres: cython.const[cython.int][::1],
+    reach: cython.Py_ssize_t,
+    mean: cython.const[cython.uchar][::1],
+    basis: cython.const[cython.short][:, :, ::1],
+    level: cython.const[cython.longlong][::1],
+    offset: cython.const[cython.int][::1],
+    shift: cython.int,
+    features: cython.const[cython.short][:, ::1],
+    least_known: cython.Py_ssize_t,
+    runs: cython.int[:, ::1],
+    query: cython.uchar[::1],
+    difference: cython.short[::1],
+    totals: cython.longlong[::1],
+    coordinates: cython.short[::1],
+    keys: cython.longlong[::1],
+    places: cython.int[::1],
+) -> cython.Py_ssize_t:
+    width: cython.Py_ssize_t = levels.shape[1]
+    columns: cython.Py_ssize_t = pixels.shape[1]
+    p: cython.Py_ssize_t
+    y: cython.Py_ssize_t
+    x: cython.Py_ssize_t
+    i: cython.Py_ssize_t
+    n: cython.Py_ssize_t
+    known: cython.Py_ssize_t
+    count: cython.Py_ssize_t
+    place: cython.Py_ssize_t
+    best: cython.Py_ssize_t
+    d: cython.longlong
+    least: cython.longlong
+    changed: cython.Py_ssize_t = 0
+    for p in range(order.shape[0]):
+        y = order[p] // width
+        x = order[p] % width
+        n = known_runs(done, y, x, wrap_y, wrap_x, reach, reach, reach, reach, runs)
+        known = gather_runs(levels, y, x, runs, n, query)
+        count = 0
+        if known >= least_known:
+            run_coordinates(
+                runs, n, query, mean, basis, level, offset, shift, difference, totals, coordinates
+            )
+            count = nearest_by_features(
+                features, centres, coordinates, places.shape[0], keys, places
+            )
+        best = -1
+        least = -1
+        for i in range(count if count else centres.shape[0]):
+            place = places[i] if count else centres[i]
+            d = run_distance(pixels, place // columns, place % columns, runs, n, query, least)
+            if best < 0 or d < least or (d == least and place < best):
+                least = d
+                best = place
+        changed += settle_pixel(levels, done, source, y, x, pixels, best)
+    return changed
+
+
+def refine_coherently(
+    levels, done, source, order, wrap, pixels, usable, period, reach, similar, tried, cells, usage,
+    capacity, weight, runs, query, places,
+):  # fmt: skip
     """Give each pixel in `order` the best of its candidates; return how many changed.
 
-    Candidates are the coherent places, `similar` ones to those, and the pixel's row of `given`
-    (or its only row). The cell of a place that has been used more often than its capacity
-    makes its distance count more, by the excess times `weight` / 256.
+    Candidates are its own place, where the sources of its eight neighbours go on, the places
+    `similar` to these, and those `tried`; of equals the first is best. The distance to a place
+    in a cell that has been used more often than its capacity counts more, by the share of the
+    excess times `weight` / 256.
     """
     lv: cython.uchar[:, :, ::1] = levels
     dn: cython.uchar[:, ::1] = done
@@ -157,7 +219,7 @@ def refine_pixels(
     pe: cython.const[cython.int][::1] = period
     re: cython.Py_ssize_t = reach
     si: cython.const[cython.int][:, ::1] = similar
-    gi: cython.const[cython.int][:, ::1] = given
+    tr: cython.const[cython.int][::1] = tried
     ce: cython.const[cython.int][::1] = cells
     ug: cython.int[::1] = usage
     ca: cython.const[cython.int][::1] = capacity
@@ -167,7 +229,48 @@ def refine_pixels(
     pl: cython.int[::1] = places
     changed: cython.Py_ssize_t
     with cython.nogil:
-        changed = refine(
-            lv, dn, so, od, wy, wx, px, us, pe, re, si, gi, ce, ug, ca, we, ru, qu, pl
+        changed = coherent(
+            lv, dn, so, od, wy, wx, px, us, pe, re, si, tr, ce, ug, ca, we, ru, qu, pl
         )
+    return changed
+
+
+def refine_by_components(
+    levels, done, source, order, wrap, pixels, centres, reach, mean, basis, level, offset, shift,
+    features, least_known, runs, query, difference, totals, coordinates, keys, places,
+):  # fmt: skip
+    """Give each pixel in `order` the nearest of the windows; return how many changed.
+
+    Only as many windows as `places` has room for, the nearest by their coordinates, are compared;
+    all of them where fewer than `least_known` bytes of the window are known.
+    """
+    lv: cython.uchar[:, :, ::1] = levels
+    dn: cython.uchar[:, ::1] = done
+    so: cython.int[:, ::1] = source
+    od: cython.const[cython.int][::1] = order
+    wy: cython.bint = wrap[0]
+    wx: cython.bint = wrap[1]
+    px: cython.const[cython.uchar][:, :, ::1] = pixels
+    ct: cython.const[cython.int][::1] = centres
+    re: cython.Py_ssize_t = reach
+    me: cython.const[cython.uchar][::1] = mean
+    ba: cython.const[cython.short][:, :, ::1] = basis
+    le: cython.const[cython.longlong][::1] = level
+    of: cython.const[cython.int][::1] = offset
+    sh: cython.int = shift
+    fe: cython.const[cython.short][:, ::1] = features
+    lk: cython.Py_ssize_t = least_known
+    ru: cython.int[:, ::1] = runs
+    qu: cython.uchar[::1] = query
+    di: cython.short[::1] = difference
+    to: cython.longlong[::1] = totals
+    co: cython.short[::1] = coordinates
+    ke: cython.longlong[::1] = keys
+    pl: cython.int[::1] = places
+    changed: cython.Py_ssize_t
+    with cython.nogil:
+        changed = nearest(
+            lv, dn, so, od, wy, wx, px, ct, re, me, ba, le, of, sh, fe, lk, ru, qu, di, to, co,
+            ke, pl,
+        )  # fmt: skip
     return changed

@@ -15,21 +15,29 @@ if TYPE_CHECKING:
 
 
 def plant_seeds(
-    windows: Windows, shape: tuple[int, int], spacing: int, matches: int, seed: int
-) -> NDArray[np.int32]:
+    plain: Windows,
+    shape: tuple[int, ...],
+    wrap: tuple[bool, bool],
+    spacing: int,
+    matches: int,
+    seed: int,
+) -> tuple[NDArray[np.int32], NDArray[np.intp], NDArray[np.intp]]:
     """Sample a grid of seed points for an output.
 
     The sample is divided into unit tiles, squares between grid points. Slots of the output are
     tiled in scan order: each takes, among the tiles whose corners best match the colours of the
-    corners that are there, one at random, and from it the corners that are not. (Corners mean
-    the points of Fig. 5, so the first row of slots gives two rows of points.)
+    corners that are there, one at random, and from it the corners that are not. So the first
+    slot gives four points, the rest of the first row and column two each, all others one.
 
     Parameters
     ----------
-    windows : Windows
-        The sample.
+    plain : Windows
+        The sample, with windows of one pixel.
     shape : (int, int)
         Of the output.
+    wrap : (bool, bool)
+        Axes that go around: their last slots end at the first points, and their points are spread
+        evenly.
     spacing : int
         Distance of the grid points in pixels: the dominant scale.
     matches : int
@@ -39,40 +47,59 @@ def plant_seeds(
 
     Returns
     -------
-    int32 array (rows, columns)
-        Flat indices into `windows.pixels`, of the seed points at multiples of `spacing`. Where
-        the sample has no whole tile, seed points are drawn from all its places.
+    places : int32 array (rows, columns)
+        Flat indices into `plain.pixels`. Where the sample has no whole tile, drawn from all.
+    y, x : int arrays (rows,) and (columns,)
+        Where the points lie in the output.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from weft.exemplar import Exemplar
+    >>> from weft.search.windows import windows_of
+    >>> sample = windows_of(Exemplar(np.zeros((8, 8), np.uint8)), (0, 0, 0, 0))
+    >>> plant_seeds(sample, (10, 6), (False, True), 4, 5, seed=1)[1:]
+    (array([0, 4, 8]), array([0, 3]))
     """
-    rows, columns = (-(-length // spacing) for length in shape)
-    bits = draw(seed, "seed point", *np.indices((rows + 1, columns + 1)))
-    corners = _unit_tiles(windows, spacing)
-    centres = windows.centres
-    if not len(corners):
-        return centres[bits[:rows, :columns] % np.uint64(len(centres))]
-    colours = windows.pixels.reshape(-1, windows.pixels.shape[2])[corners].astype(np.int64)
-    points = np.full((rows + 1, columns + 1), -1, np.int32)
-    flat = windows.pixels.reshape(-1, windows.pixels.shape[2])
-    for i in range(rows):
-        for j in range(columns):
-            slot = points[i : i + 2, j : j + 2].ravel()
-            there = slot >= 0
-            wanted = flat[slot].astype(np.int64)
-            distance = ((colours - wanted) ** 2).sum(axis=2) @ there
-            best = np.argsort(distance, kind="stable")[: matches if there.any() else None]
-            tile = corners[best[int(bits[i, j] % np.uint64(len(best)))]]
-            points[i : i + 2, j : j + 2] = np.where(there, slot, tile).reshape(2, 2)
-    return np.ascontiguousarray(points[:rows, :columns])
+    y, x = (_grid(*axis, spacing) for axis in zip(shape, wrap, strict=True))
+    bits = draw(seed, "seed point", *np.indices((len(y), len(x))))
+    tiles, centres = _unit_tiles(plain, spacing), plain.centres
+    if not len(tiles):
+        return centres[bits % np.uint64(len(centres))], y, x
+    flat = plain.pixels.reshape(-1, plain.pixels.shape[2])
+    colours = flat[tiles].astype(np.int64)
+    # Beyond the end of an axis lies one more row of points, or the first one again.
+    rows, columns = (len(n) + (not wraps) for n, wraps in zip((y, x), wrap, strict=True))
+    points = np.full((rows, columns), -1, np.int32)
+    for i, j in np.ndindex(bits.shape):
+        corners = [(v % rows, u % columns) for v in (i, i + 1) for u in (j, j + 1)]
+        slot = np.array([points[corner] for corner in corners])
+        there = slot >= 0
+        distance = ((colours - flat[slot]) ** 2).sum(axis=2) @ there
+        best = np.argsort(distance, kind="stable")[: matches if there.any() else None]
+        tile = tiles[best[int(bits[i, j] % np.uint64(len(best)))]]
+        for corner, place in zip(corners, tile, strict=True):
+            if points[corner] < 0:
+                points[corner] = place
+    return points[: len(y), : len(x)], y, x
 
 
-def _unit_tiles(windows: Windows, spacing: int) -> NDArray[np.int32]:
-    """Corners (n, 4) of the sample's unit tiles: upper left, upper right, lower left, lower right."""
-    width = windows.pixels.shape[1]
-    y, x = np.divmod(windows.centres, width)
-    top, left = int(y.min()), int(x.min())
-    on_grid = ((y - top) % spacing == 0) & ((x - left) % spacing == 0)
-    corner = windows.centres[on_grid]
+def _grid(length: int, wraps: bool, spacing: int) -> NDArray[np.intp]:
+    """Places of the points along an axis."""
+    if not wraps:
+        return np.arange(0, length, spacing)
+    count = max(1, round(length / spacing))
+    return np.arange(count) * length // count
+
+
+def _unit_tiles(plain: Windows, spacing: int) -> NDArray[np.int32]:
+    """Corners (n, 4) of the sample's unit tiles: upper left and right, lower left and right."""
+    width = plain.usable.shape[1]
+    usable = np.pad(plain.usable, (0, spacing))
+    y, x = np.divmod(plain.centres, width)
+    on_grid = ((y - y.min()) % spacing == 0) & ((x - x.min()) % spacing == 0)
+    y, x = y[on_grid], x[on_grid]
+    whole = usable[y + spacing, x] & usable[y, x + spacing] & usable[y + spacing, x + spacing]
+    corner = (y * width + x)[whole > 0]
     steps = np.array([0, spacing, spacing * width, spacing * width + spacing], np.int32)
-    usable = np.pad(windows.usable, (0, spacing))
-    v, u = np.divmod(corner, width)
-    whole = usable[v + spacing, u] & usable[v, u + spacing] & usable[v + spacing, u + spacing]
-    return corner[whole > 0][:, None] + steps
+    return corner[:, None] + steps

@@ -83,9 +83,7 @@ def nearest_centre(windows: Windows) -> NDArray[np.int32]:
     return result
 
 
-def _children(
-    windows: Windows, coarser: Windows, similar: NDArray[np.int32]
-) -> NDArray[np.int32]:
+def _children(windows: Windows, coarser: Windows, similar: NDArray[np.int32]) -> NDArray[np.int32]:
     """The places around the children of what each centre's parent is like."""
     top, left = windows.period[:2]
     coarse_top, coarse_left = coarser.period[:2]

@@ -1,0 +1,299 @@
+"""How iterative refinement makes one output: the start, the sweeps, and when to stop."""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from weft.methods import _refinement_kernels as kernels
+from weft.methods.seed_points import plant_seeds
+from weft.random import draw
+from weft.search.pyramid import gaussian_pyramid, mask_pyramid
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    from weft.methods.pixel_growth import Growth
+    from weft.methods.refinement import Level, RefinementModel
+
+_TRIED = 2**23  # comparisons of the first iteration with places of the whole sample, in all
+_TRIED_LEAST = 64  # of these, at each pixel
+_ONE = 1024  # weight of evenness on the coarsest level, in 1/256
+_ALL = 8  # compare with all windows where less than one part in so many of a window is known
+
+
+class Refining:
+    """One output in the making, level by level.
+
+    Parameters
+    ----------
+    model : RefinementModel
+        The sample.
+    growth : Growth
+        What is known, and where the result goes.
+    """
+
+    def __init__(self, model: RefinementModel, growth: Growth) -> None:
+        self.model, self.growth, self.method = model, growth, model.method
+        depth, wrap = len(model.levels), growth.canvas.wrap
+        self.known = mask_pyramid(growth.done.astype(bool), depth, wrap)
+        self.pictures = gaussian_pyramid(growth.levels, depth, wrap)
+        self.cyclic = growth.hole is not None
+        self.rounds = [max(1, self.method.iterations // 2) for _ in range(depth)]
+        # Structure is settled on the coarsest level, where iterations cost least.
+        self.rounds[-1] = self.method.iterations * (2 if model.levels[-1].components is None else 1)
+        counts = [len(_lines(~known)) * n for known, n in zip(self.known, self.rounds, strict=True)]
+        self.progress = growth.progress(sum(counts), "lines")
+        self.curve: list[dict[str, float]] = []
+
+    def run(self) -> None:
+        """Make every pixel that is not known."""
+        source = None
+        for number in range(len(self.model.levels) - 1, -1, -1):
+            source = self._start(number) if source is None else self._children(number, source)
+            self._refine(number, source)
+        self.growth.source[:] = source
+        self.growth.about["convergence"] = self.curve
+
+    def _refine(self, number: int, source: NDArray[np.int32]) -> None:
+        """Sweep over a level until it stays as it is."""
+        level, known, picture = self.model.levels[number], self.known[number], self.pictures[number]
+        flat = level.windows.pixels.reshape(-1, picture.shape[2])
+        made = ~known & (source >= 0)
+        picture[made] = flat[source[made]]
+        source[known] = self._own_places(number)[known]
+        kind = _ComponentSweep if level.components else _CoherentSweep
+        sweep = kind(self, number, (known | made).astype(np.uint8), source)
+        lines = _lines(~known)
+        for turn in range(self.rounds[number]):
+            before, there = picture.copy(), sweep.done.astype(bool)
+            changed = 0
+            for line in sweep.orders(lines, turn):
+                changed += sweep.run(line, turn)
+                self.progress.advance(1)
+            self._show(number)
+            if self._note(number, turn, changed, before, there):
+                self.progress.advance((self.rounds[number] - 1 - turn) * len(lines))
+                break
+
+    def _start(self, number: int) -> NDArray[np.int32]:
+        """Seed points, or another method's result as far as this level shows it."""
+        level, growth, model = self.model.levels[number], self.growth, self.model
+        known = self.known[number]
+        source = np.full(known.shape, -1, np.int32)
+        if model.start is None:
+            if not known.any():  # else it starts from what is known
+                spacing = max(1, round(model.scale / (2**number * self.method.seed_density)))
+                places, *points = plant_seeds(
+                    level.plain, known.shape, growth.canvas.wrap, spacing, self.method.matches,
+                    growth.seed,
+                )  # fmt: skip
+                source[np.ix_(*points)] = level.windows.from_sample(level.plain.to_sample(places))
+            return source
+        made = model.start.sample(growth.canvas, seed=growth.seed, threads=growth.threads)
+        step = 2**number
+        y, x = np.moveaxis(made.source[::step, ::step], -1, 0)
+        return np.where(y < 0, np.int32(-1), _nearest(level, y // step, x // step))
+
+    def _children(self, number: int, coarser: NDArray[np.int32]) -> NDArray[np.int32]:
+        """The source of each pixel goes on from its parent's."""
+        windows, level = self.model.levels[number + 1].windows, self.model.levels[number]
+        y, x = np.indices(self.known[number].shape)
+        v, u = np.divmod(coarser[y // 2, x // 2], windows.pixels.shape[1])
+        top, left = windows.period[:2]
+        return _nearest(level, 2 * (v - top) + y % 2, 2 * (u - left) + x % 2)
+
+    def _own_places(self, number: int) -> NDArray[np.int32]:
+        """Where known pixels are in the sample, if they are; sources of their neighbours go on."""
+        step = 2**number
+        index = self.model.windows.to_sample(self.growth.source)[::step, ::step]
+        y, x = np.divmod(index, self.model.exemplar.shape[1])
+        place = _nearest(self.model.levels[number], y // step, x // step)
+        return np.where(index < 0, np.int32(-1), place)
+
+    def _show(self, number: int) -> None:
+        """Let the preview show a coarse level; the finest is what it shows."""
+        if number:
+            height, width = self.growth.done.shape
+            large = self.pictures[number].repeat(2**number, 0).repeat(2**number, 1)[:height, :width]
+            unknown = ~self.known[0]
+            self.growth.levels[unknown] = large[unknown]
+
+    def _note(
+        self,
+        number: int,
+        turn: int,
+        changed: int,
+        before: NDArray[np.uint8],
+        there: NDArray[np.bool_],
+    ) -> bool:
+        """Add a point to the curve of Fig. 7; return whether to stop by eq. (1).
+
+        As printed (1) grows with the picture and divides by 0 on black; this is its mean over
+        the pixels that are made, none counts as darker than a grey level, and those that were
+        not there before count 1.
+        """
+        made = ~self.known[number]
+        old, new = before[made].astype(np.float64), self.pictures[number][made].astype(np.float64)
+        step = ((new - old) ** 2).sum(axis=1)
+        ratio = np.sqrt(step / np.maximum((old**2).sum(axis=1), 1))
+        ratio[~there[made]] = 1
+        count = len(step)
+        # Summed as integers, so that every machine stops at the same iteration.
+        difference = int(np.rint(ratio * 2**20).astype(np.int64).sum()) / 2**20 / count
+        self.curve.append(
+            {
+                "level": number,
+                "iteration": turn + 1,
+                "changed": changed / count,
+                "difference": difference,
+                "mse": float(step.sum()) / (count * before.shape[2]),
+            }
+        )
+        # Before it was refined the picture is unknown, or another method's; a hole takes four
+        # sweeps to be seen from all sides.
+        return turn >= (3 if self.cyclic else 1) and difference < self.method.threshold
+
+
+class _Sweep(ABC):
+    """What goes over the pixels of one level, again and again."""
+
+    def __init__(
+        self, refining: Refining, number: int, done: NDArray[np.uint8], source: NDArray[np.int32]
+    ) -> None:
+        self.level: Level = refining.model.levels[number]
+        self.picture, self.done, self.source = refining.pictures[number], done, source
+        self.wrap, self.cyclic = refining.growth.canvas.wrap, refining.cyclic
+        width = 2 * self.level.reach + 1
+        self.runs = np.zeros((max(width, 3) * (max(width, 3) + 1), 3), np.int32)
+        self.query = np.zeros(max(width, 3) ** 2 * self.picture.shape[2], np.uint8)
+
+    @abstractmethod
+    def orders(self, lines: list[NDArray[np.int32]], turn: int) -> list[NDArray[np.int32]]:
+        """The lines in the order of this iteration."""
+
+    @abstractmethod
+    def run(self, line: NDArray[np.int32], turn: int) -> int:
+        """Refine the pixels of a line; return how many changed."""
+
+
+class _CoherentSweep(_Sweep):
+    """Compares with the places that the neighbours' sources lead to, and with those like them."""
+
+    def __init__(
+        self, refining: Refining, number: int, done: NDArray[np.uint8], source: NDArray[np.int32]
+    ) -> None:
+        super().__init__(refining, number, done, source)
+        level, unknown = self.level, ~refining.known[number]
+        coarser = len(refining.model.levels) - 1 - number
+        self.seed, self.coarsest, self.wanted = refining.growth.seed, not coarser, unknown.sum()
+        cells = level.cells
+        made = source[unknown & (done > 0)]
+        self.usage = np.bincount(cells[made], minlength=cells.max() + 1).astype(np.int32)
+        room = np.bincount(cells[level.windows.centres], minlength=len(self.usage))
+        share = max(1.0, int(self.wanted) / len(level.windows.centres))
+        self.capacity = np.maximum(room * share, 1).astype(np.int32)
+        self.weight = round(_ONE * refining.method.evenness / 2**coarser)
+        self.places = np.zeros(10 * (1 + level.similar.shape[1]), np.int32)
+
+    def orders(self, lines: list[NDArray[np.int32]], turn: int) -> list[NDArray[np.int32]]:
+        """To and fro, or from all four sides."""
+        if self.cyclic:
+            return _cyclic(lines, turn, self.done.shape)
+        return [line[::-1].copy() for line in lines[::-1]] if turn % 2 else lines
+
+    def run(self, line: NDArray[np.int32], turn: int) -> int:
+        windows = self.level.windows
+        return int(
+            kernels.refine_coherently(
+                self.picture, self.done, self.source, line, self.wrap,
+                windows.pixels, windows.usable, windows.period, self.level.reach,
+                self.level.similar, self._tried(int(line[0]), turn),
+                self.level.cells, self.usage, self.capacity, self.weight,
+                self.runs, self.query, self.places,
+            )
+        )  # fmt: skip
+
+    def _tried(self, first: int, turn: int) -> NDArray[np.int32]:
+        """Places that the first iteration tries at every pixel: all, if they are not too many."""
+        centres = self.level.windows.centres
+        if not self.coarsest or turn:
+            return centres[:0]
+        count = max(_TRIED // int(self.wanted), _TRIED_LEAST)
+        if count >= len(centres):
+            return centres
+        bits = draw(self.seed, "tried place", first, np.arange(count))
+        return centres[bits % np.uint64(len(centres))]
+
+
+class _ComponentSweep(_Sweep):
+    """Compares with the windows that are nearest by their principal components."""
+
+    def __init__(
+        self, refining: Refining, number: int, done: NDArray[np.uint8], source: NDArray[np.int32]
+    ) -> None:
+        super().__init__(refining, number, done, source)
+        components = self.level.components
+        assert components is not None
+        self.components = components
+        count = len(components.features)
+        candidates = min(refining.method.candidates, len(self.level.windows.centres))
+        self.scratch = (
+            self.runs,
+            self.query,
+            np.zeros(len(self.query), np.int16),
+            np.zeros(count, np.int64),
+            np.zeros(count, np.int16),
+            np.zeros(candidates, np.int64),
+            np.zeros(candidates, np.int32),
+        )
+
+    def orders(self, lines: list[NDArray[np.int32]], turn: int) -> list[NDArray[np.int32]]:
+        """In scan order, or a hole from all four sides (Fig. 12)."""
+        return _cyclic(lines, turn, self.done.shape) if self.cyclic else lines
+
+    def run(self, line: NDArray[np.int32], turn: int) -> int:
+        windows, by = self.level.windows, self.components
+        # From the second iteration neighbourhoods are full, around the borders (section 3).
+        wrap = (True, True) if turn and not self.cyclic else self.wrap
+        return int(
+            kernels.refine_by_components(
+                self.picture, self.done, self.source, line, wrap,
+                windows.pixels, windows.centres, self.level.reach,
+                by.mean, by.basis, by.level, by.offset, by.shift, by.features,
+                len(self.query) // _ALL, *self.scratch,
+            )
+        )  # fmt: skip
+
+
+def _lines(wanted: NDArray[np.bool_]) -> list[NDArray[np.int32]]:
+    """Flat indices of the wanted pixels, row by row, without empty rows."""
+    width = wanted.shape[1]
+    rows = np.flatnonzero(wanted.any(axis=1))
+    return [(y * width + np.flatnonzero(wanted[y])).astype(np.int32) for y in rows]
+
+
+def _cyclic(
+    lines: list[NDArray[np.int32]], turn: int, shape: tuple[int, ...]
+) -> list[NDArray[np.int32]]:
+    """From the top, from the left, from below, from the right, and so on (Fig. 12)."""
+    if turn % 2:
+        every = np.concatenate(lines)
+        turned = np.zeros(shape[::-1], bool)
+        turned[every % shape[1], every // shape[1]] = True
+        lines = [k % shape[0] * shape[1] + k // shape[0] for k in _lines(turned)]
+    if turn % 4 > 1:
+        lines = [line[::-1] for line in lines[::-1]]
+    return [np.ascontiguousarray(line, np.int32) for line in lines]
+
+
+def _nearest(level: Level, y: NDArray[Any], x: NDArray[Any]) -> NDArray[np.int32]:
+    """The window nearest to a place of the sample at this level."""
+    top, left = level.windows.period[:2]
+    height, width = level.centre.shape
+    result: NDArray[np.int32] = level.centre[
+        np.clip(y + top, 0, height - 1), np.clip(x + left, 0, width - 1)
+    ]
+    return result
