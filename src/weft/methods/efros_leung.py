@@ -87,7 +87,7 @@ class EfrosLeung(Method):
         choices=("full", "pca"),
     )
     candidates: int = parameter(
-        64, "windows that pca offers for each pixel", low=1, needs=("search", ("pca",))
+        32, "windows that pca offers for each pixel", low=1, needs=("search", ("pca",))
     )
     variance: float = parameter(
         0.9,

@@ -101,9 +101,7 @@ def search_half_known(
     weights: cython.const[cython.short][:, ::1],
     flat: cython.const[cython.uchar][::1],
     usable: cython.const[cython.uchar][:, ::1],
-    allowed: cython.const[cython.uchar][::1],
     period: cython.const[cython.int][::1],
-    blocks: cython.const[cython.int][::1],
     stride: cython.Py_ssize_t,
     wanted: cython.Py_ssize_t,
     mean: cython.const[cython.double][::1],
@@ -112,8 +110,12 @@ def search_half_known(
     ridge: cython.const[cython.double][::1],
     factor: cython.double,
     origin: cython.const[cython.double][::1],
-    planes: cython.const[cython.uchar][:, ::1],
+    planes: cython.const[cython.uchar][::1],
     at: cython.const[cython.Py_ssize_t][::1],
+    middles: cython.const[cython.uchar][::1],
+    at_middles: cython.const[cython.Py_ssize_t][::1],
+    leaves: cython.const[cython.int][::1],
+    centres: cython.const[cython.int][::1],
     weight: cython.const[cython.ushort][::1],
     chosen: cython.int[::1],
     errors: cython.longlong[::1],
@@ -126,13 +128,15 @@ def search_half_known(
     z: cython.double[::1],
     value: cython.short[::1],
     lower: cython.ushort[::1],
+    near_leaves: cython.int[::1],
     keys: cython.longlong[::1],
     found: cython.int[::1],
     distances: cython.longlong[::1],
 ):
     """As `search_full`, among the `wanted` windows with the nearest components and coherent ones.
 
-    The arrays after `totals` are scratch.
+    The windows are sorted into leaves of up to BLOCK alike ones; only the nearest leaves are
+    looked at. The arrays after `totals` are scratch.
     """
     channels: cython.Py_ssize_t = levels.shape[2]
     width: cython.Py_ssize_t = usable.shape[1]
@@ -145,6 +149,7 @@ def search_half_known(
     y: cython.Py_ssize_t
     x: cython.Py_ssize_t
     count: cython.Py_ssize_t
+    visited: cython.Py_ssize_t
     d: cython.longlong
     best: cython.longlong
     limit: cython.longlong
@@ -164,18 +169,34 @@ def search_half_known(
             for j in range(value.shape[0]):
                 v = factor * z[j] + origin[j] if j < z.shape[0] else 0
                 value[j] = cython.cast(cython.short, 0 if v < 0 else (255 if v > 255 else v))
+            # The leaves whose middles are nearest, and in those the windows that are.
+            count = 0
+            for k in range((leaves.shape[0] + BLOCK - 1) // BLOCK):
+                b = k * BLOCK
+                bounds(
+                    cython.address(middles[b]), at_middles, value, weight, at.shape[0],
+                    cython.address(lower[0]),
+                )  # fmt: skip
+                for j in range(min(BLOCK, leaves.shape[0] - b)):
+                    count = offer(
+                        (cython.cast(cython.longlong, lower[j]) << 32) | (b + j),
+                        cython.cast(cython.int, b + j), count, near_leaves.shape[0],
+                        cython.address(keys[0]), cython.address(near_leaves[0]),
+                    )  # fmt: skip
+            visited = count
             count = 0
             worst = 65535
-            for b in range(blocks.shape[0]):
+            for k in range(visited):
+                b = near_leaves[k]
                 d = bounds(
-                    cython.address(planes[0, blocks[b]]), at, value, weight, at.shape[0],
+                    cython.address(planes[b * BLOCK]), at, value, weight, at.shape[0],
                     cython.address(lower[0]),
                 )  # fmt: skip
                 if d > worst:
                     continue
-                for j in range(BLOCK):
-                    place = cython.cast(cython.int, blocks[b] + j)
-                    if lower[j] <= worst and allowed[place]:
+                for j in range(leaves[b]):
+                    if lower[j] <= worst:
+                        place = centres[b * BLOCK + j]
                         count = offer(
                             (cython.cast(cython.longlong, lower[j]) << 32) | place, place, count,
                             wanted, cython.address(keys[0]), cython.address(found[0]),

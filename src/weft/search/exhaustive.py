@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     Drawn = tuple[NDArray[np.int32], NDArray[np.int64], NDArray[np.int64]]
 
 _HEAVIEST = 127  # the largest weight: times a difference it fits 16 bits
-_BLOCK = 64  # as in the kernels
+BLOCK = 64  # as in the kernels
 _TERMS = 24  # bytes that lower bounds are made of, a multiple of 4
 
 
@@ -62,7 +62,7 @@ class WindowSearch:
         # Rows of whole vectors: the last may read past its window, blocks past the last window.
         self.stride = -(-len(weights) * self.channels // 16) * 16
         self.flat = np.pad(windows.pixels.ravel(), (0, self.stride))
-        self.allowed = np.pad(windows.usable.ravel(), (0, _BLOCK))
+        self.allowed = np.pad(windows.usable.ravel(), (0, BLOCK))
         self.blocks = _blocks(windows.centres)
 
     def scratch(self) -> tuple[NDArray[Any], ...]:
@@ -139,7 +139,7 @@ class ExhaustiveSearch(WindowSearch):
         width, across = len(weights), windows.pixels.shape[1]
         lead = width // 2 * (across + 1)
         planes = np.ascontiguousarray(windows.pixels.reshape(-1, self.channels).T)
-        self.planes = np.pad(planes, ((0, 0), (lead, lead + _BLOCK)))
+        self.planes = np.pad(planes, ((0, 0), (lead, lead + BLOCK)))
         heaviest = np.argsort(-weights.ravel(), kind="stable")
         self.order = np.stack(np.divmod(heaviest, width), axis=1).astype(np.int32) - width // 2
         self.terms = max(4, min(_TERMS, whole_groups(width * width * self.channels)))
@@ -152,17 +152,18 @@ class ExhaustiveSearch(WindowSearch):
             np.empty(self.terms, np.intp),
             np.empty(self.terms, np.int16),
             np.empty(self.terms, np.uint16),
-            np.empty((len(self.blocks), _BLOCK), np.uint16),
+            np.empty((len(self.blocks), BLOCK), np.uint16),
             np.empty(len(self.blocks), np.uint16),
             np.empty(found, np.int32),
             np.empty(found, np.int64),
         )
 
     def _run(self, canvas: tuple[Any, ...], out: Drawn, scratch: tuple[NDArray[Any], ...]) -> None:
-        kernels.search_full(
+        arguments = [
             *canvas, self.weights, self.order, self.flat, self.planes, self.windows.usable,
             self.allowed, self.windows.period, self.blocks, self.stride, *out, *scratch,
-        )  # fmt: skip
+        ]  # fmt: skip
+        kernels.search_full(*arguments)
 
 
 def whole_groups(terms: int) -> int:
@@ -175,5 +176,5 @@ def _blocks(centres: NDArray[np.int32]) -> NDArray[np.int32]:
     starts, at = [], 0
     while at < len(centres):
         starts.append(centres[at])
-        at = int(np.searchsorted(centres, centres[at] + _BLOCK))
+        at = int(np.searchsorted(centres, centres[at] + BLOCK))
     return np.array(starts, np.int32)
