@@ -77,8 +77,14 @@ def memory() -> Table:
         ("patch-sampling", 256, 4096),
         ("patch-sampling", 256, 8192),
         ("quilting", 256, 8192),
+        ("efros-leung", 128, 128),
+        ("wei-levoy", 192, 512),
+        ("ashikhmin", 192, 1000),
+        ("exact-matching", 192, 1000),
+        ("refinement", 192, 512),
+        ("graphcut", 192, 512),
     )
-    for method, side, size in jobs:
+    for method, side, size in (job for job in jobs if job[0] in weft.METHODS):
         run = child(method=method, side=side, size=size)
         what = f"{side} to {size}" if size else f"fit {side}"
         picture = 3 * size * size / 2**20
