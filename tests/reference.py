@@ -1179,3 +1179,238 @@ def ashikhmin(method, exemplar, canvas, seed):
             for y in range(height)
         ]
     )
+
+
+# Exact neighborhood matching (Sabha, Peers and Dutré, 2007)
+
+#: The direct neighbours of figure 2, and the next pixel for the end of a row that goes around.
+DIRECT = [(0, -1), (-1, -1), (-1, 0), (-1, 1), (0, 1)]
+#: Those and the ones below, between known pixels.
+ALL_AROUND = [*DIRECT, (1, 1), (1, 0), (1, -1)]
+
+
+class ExactSample:
+    """One level of a sample: its windows, and for each neighbour's colour the groups of places."""
+
+    def __init__(self, pixels, mask, tiles, method, causal, guide=None):
+        self.pixels, self.tiles, self.causal, self.guide = pixels.astype(int), tiles, causal, guide
+        self.shape = pixels.shape[:2]
+        half = (min(method.window_width, *self.shape) - 1) // 2
+        self.half = half = half if causal else min(half, 7)
+        self.guide_half = min(half, 4) if guide is not None else 0
+        self.reach = (half, self.guide_half if causal else half, half, half)
+        self.centres = window_centres(mask, self.reach, tiles)
+        self.whole = set(self.centres)
+        self.counted = sorted(
+            {
+                self._color(v + dy, u + dx)
+                for v, u in self.centres
+                for dy, dx in [*ALL_AROUND, (0, 0)]
+                if self._color(v + dy, u + dx)
+            }
+        )
+        low, high = (f(np.array(self.counted), axis=0) for f in (np.min, np.max))
+        self.radius = (
+            int(method.tolerance**2 * ((high - low) ** 2).sum())
+            if (method.tolerance is not None)
+            else None
+        )
+        self.nearest = method.nearest_colors
+        self.groups = self._groups(method.grouping)
+
+    def _color(self, v, u):
+        if self.tiles and self.half:
+            v, u = v % self.shape[0], u % self.shape[1]
+        inside = 0 <= v < self.shape[0] and 0 <= u < self.shape[1]
+        return tuple(self.pixels[v, u].tolist()) if inside else None
+
+    def _listed(self):
+        """Centres with room: another one half a window below, unless there is none such."""
+        if not self.causal or self.tiles:
+            return self.centres
+        return [(v, u) for v, u in self.centres if (v + self.half, u) in self.whole] or self.centres
+
+    def _groups(self, grouping):
+        steps = [
+            (dy, dx)
+            for dy in range(-self.half, self.half + 1)
+            for dx in range(-self.half, self.half + 1)
+            if (dy, dx) < (0, 0) or (not self.causal and (dy, dx) > (0, 0))
+        ]
+        size = len(steps) * self.pixels.shape[2]
+        limit = int(grouping * grouping * 255 * 255 * size)
+        window = {p: np.array([self.at(p, step) for step in steps]).ravel() for p in self._listed()}
+        result = {}
+        for d, (dy, dx) in enumerate(DIRECT if self.causal else ALL_AROUND):
+            lists = {}
+            for v, u in window:
+                if self._color(v + dy, u + dx):
+                    lists.setdefault(self._color(v + dy, u + dx), []).append((v, u))
+            for color, places in lists.items():
+                groups = []
+                for place in sorted(places, key=lambda p: (int(window[p].sum()), p)):
+                    for group in reversed(groups):
+                        if ((window[group[0]] - window[place]) ** 2).sum() <= limit:
+                            group.append(place)
+                            break
+                    else:
+                        groups.append([place])
+                result[d, color] = groups
+        return result
+
+    def at(self, place, step):
+        """The bytes of a window's pixel."""
+        return self.pixels[
+            (place[0] + step[0]) % self.shape[0], (place[1] + step[1]) % self.shape[1]
+        ]
+
+    def settle(self, place):
+        """A place in the sample that a whole window is centred on, or None."""
+        if self.tiles:
+            place = place[0] % self.shape[0], place[1] % self.shape[1]
+        return place if place in self.whole else None
+
+    def near(self, color):
+        """The counted colours within the tolerance of the counted colour nearest to this one."""
+
+        def squared(a, b):
+            return sum((i - j) ** 2 for i, j in zip(a, b, strict=True))
+
+        color = min(self.counted, key=lambda c: (squared(c, color), c))
+        distances = [squared(c, color) for c in self.counted]
+        radius = self.radius
+        if self.nearest is not None:
+            radius = sorted(distances)[min(self.nearest, len(distances)) - 1]
+        return [c for c, d in zip(self.counted, distances, strict=True) if d <= radius]
+
+
+class ExactSheet:
+    """A picture in the making: a place of the sample for each pixel, or None."""
+
+    def __init__(self, shape, channels, wrap):
+        self.shape, self.wrap = shape, wrap
+        self.levels = np.zeros((*shape, channels), int)
+        self.done = np.zeros(shape, bool)
+        self.source = [[None] * shape[1] for _ in range(shape[0])]
+
+    def put(self, y, x, place, sample):
+        self.source[y][x], self.done[y, x] = place, True
+        self.levels[y, x] = sample.pixels[place]
+
+    def window(self, y, x, sample):
+        """Steps to what is compared."""
+        height, width = self.shape
+        half = sample.half
+        if not sample.causal:
+            return known_window(self.done, y, x, self.wrap, sample.reach)
+        steps = []
+        for dy in range(-min(half, y), 0):
+            across = range(-half, half + 1)
+            if self.wrap[1] and 2 * half + 1 > width:
+                across = range(-((width - 1) // 2), width - (width - 1) // 2)
+            steps += [(dy, dx) for dx in across if self.wrap[1] or 0 <= x + dx < width]
+        before = min(half, x)
+        steps += [(0, dx) for dx in range(-before, 0)]
+        if self.wrap[1]:  # the beginning of the row, as far as it was not seen to the left
+            steps += [(0, v + width - x) for v in range(x - before) if v + width - x <= half]
+        return steps
+
+
+def exact_pixels(sheet, sample, order, seed, stage, method, guide=None):
+    """Choose the pixels of `order`, one after the other (section 4.2)."""
+    height, width = sheet.shape
+    last = {}
+    for y, x in np.ndindex(sheet.shape):
+        if sheet.source[y][x]:
+            last[sheet.source[y][x]] = (y, x)
+
+    def repeats(place, y, x, apart):
+        v, u = last.get(place, (y, x))
+        return (v, u) != (y, x) and abs(v - y) < apart and abs(u - x) < apart
+
+    def neighbors(y, x):
+        for d, (dy, dx) in enumerate(DIRECT if sample.causal else ALL_AROUND):
+            v = (y + dy) % height if sheet.wrap[0] else y + dy
+            u = (x + dx) % width if sheet.wrap[1] else x + dx
+            if 0 <= v < height and 0 <= u < width and sheet.done[v, u]:
+                source = sheet.source[v][u]
+                goes_on = source and sample.settle((source[0] - dy, source[1] - dx))
+                yield d, tuple(sheet.levels[v, u].tolist()), goes_on
+
+    def choose(y, x, bits, apart):
+        steps = sheet.window(y, x, sample)
+        wide = []
+        if guide is not None:
+            half = (sample.guide_half,) * 4
+            wide = known_window(np.ones(sheet.shape, bool), y, x, sheet.wrap, half)
+
+        def distance(place):
+            total = 0
+            for dy, dx in steps:
+                seen = sheet.levels[(y + dy) % height, (x + dx) % width]
+                total += int(((seen - sample.at(place, (dy, dx))) ** 2).sum())
+            for dy, dx in wide:
+                seen = guide[0][(y + dy) % height, (x + dx) % width]
+                v, u = (place[0] + dy) % sample.shape[0], (place[1] + dx) % sample.shape[1]
+                total += int(((seen.astype(int) - sample.guide[v, u]) ** 2).sum())
+            return total
+
+        beside = list(neighbors(y, x))
+        first = [goes_on for _, _, goes_on in beside]
+        if guide is not None:
+            first.append(guide[1][y][x] and sample.settle(guide[1][y][x]))
+        first = list(dict.fromkeys(place for place in first if place))
+        best, chosen = None, None
+        for place in first:
+            if not repeats(place, y, x, apart) and (best is None or distance(place) < best):
+                best, chosen = distance(place), place
+        if best == 0:
+            return chosen
+        tested, found = set(first), []
+        for d, color, _ in beside:
+            groups = [g for c in sample.near(color) for g in sample.groups.get((d, c), [])]
+            for group in groups:
+                if group[0] not in tested:
+                    member = group[pick(bits, len(group))]
+                    if not repeats(member, y, x, apart):
+                        key = (sample.flat(group[0]) ^ bits) % 2**32 * 2654435761 % 2**32
+                        found.append((distance(group[0]), key, member))
+            tested.update(group[0] for group in groups)
+        if found and (best is None or min(found)[0] < best):
+            return min(found)[2]
+        return chosen
+
+    for y, x in order:
+        bits = random_bits(seed, stage, y * width + x)
+        place = None
+        if method.copying == "blocks" and sample.causal:
+            inside = 0 < y and 0 < x < width - 1
+            if inside:
+                four = {goes_on for _, _, goes_on in list(neighbors(y, x))[:4]}
+                place = four.pop() if len(four) == 1 else None
+        place = place or choose(y, x, bits, method.repeat_distance) or choose(y, x, bits, 0)
+        place = place or sample.centres[pick(bits, len(sample.centres))]
+        sheet.put(y, x, place, sample)
+        last[place] = (y, x)
+
+
+def ridge_coordinates(known, basis, values, mean, ridge):
+    """Coordinates z that minimise the sum of w (x - mean - basis z)**2 and of ridge z**2."""
+    gram = (basis * known[:, None]).T @ basis + np.diag(ridge)
+    return np.linalg.solve(gram, (basis * known[:, None]).T @ (values - mean))
+
+
+def near_leaves(query, leaves, weight, visited, wanted):
+    """The windows nearest in coordinates: of the `visited` leaves with the nearest means.
+
+    `leaves` has for each (places, coordinates (n, D)); query and coordinates are bytes.
+    """
+
+    def distance(coordinates):
+        difference = [int(a) - int(b) for a, b in zip(coordinates, query, strict=True)]
+        return sum(d * d * weight >> 16 for d in difference)
+
+    middles = [coordinates.sum(axis=0, dtype=int) // len(places) for places, coordinates in leaves]
+    order = sorted(range(len(leaves)), key=lambda n: (distance(middles[n]), n))[:visited]
+    windows = [(distance(c), p) for n in order for p, c in zip(*leaves[n], strict=True)]
+    return [place for _, place in sorted(windows)[:wanted]]
