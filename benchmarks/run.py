@@ -6,7 +6,7 @@ The tables of the patch methods are in patch.py, those of the pixel methods in p
 whole processes in process.py; --help names them. Prints Markdown. Every time is a median of several
 runs, and what is compared is run in turn, so that a busy machine disturbs all alike; look at the
 ratios first. --update puts the tables into a page between its <!-- NAME --> and <!-- end NAME -->
-lines. Needs weft[test].
+lines, and names the machine. Needs weft[test].
 """
 
 from __future__ import annotations
@@ -41,10 +41,12 @@ def main() -> None:
     parser.add_argument("--json", type=Path, metavar="FILE")
     parser.add_argument("--update", type=Path, metavar="PAGE")
     args = parser.parse_args()
-    names = list(TABLES) if "all" in args.tables else args.tables
+    everything = "all" in args.tables
+    names = list(TABLES) if everything else args.tables
     if unknown := [name for name in names if name not in TABLES]:
         parser.error(f"unknown table '{unknown[0]}'; known: {', '.join(TABLES)}, all")
     about = machine()
+    measured = f"Measured on: {about}.\n"
     print(f"{about}\n")
     found: dict[str, Any] = {"machine": about}
     for name in names:
@@ -53,9 +55,9 @@ def main() -> None:
         print(f"## {name}\n\n{text}", flush=True)
         found[name] = {"notes": table[0].strip(), "head": table[1], "rows": table[2]}
         if args.update:
-            put(args.update, name, text)
-    if args.update:
-        put(args.update, "machine", f"Measured on: {about}.\n")
+            put(args.update, name, text if everything else f"{text}\n{measured}")
+    if args.update and everything:
+        put(args.update, "machine", measured)
     if args.json:
         args.json.write_text(json.dumps(found, indent=1), encoding="utf-8")
 
