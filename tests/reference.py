@@ -1040,10 +1040,11 @@ def _usable(mask, y, x, tiles):
 
 
 def _wei_levoy_inwards(known, wrap, seed):
-    """Unknown pixels, those next to known ones first, in random order within a layer."""
-    known, order = known.copy(), []
+    """Unknown pixels, those next to known ones first; each layer by lines from a random corner."""
+    known, order, number = known.copy(), [], 0
     height, width = known.shape
     while not known.all():
+        number += 1
         layer = []
         for y, x in np.argwhere(~known).tolist():
             for v, u in ((y - 1, x), (y + 1, x), (y, x - 1), (y, x + 1)):
@@ -1052,7 +1053,12 @@ def _wei_levoy_inwards(known, wrap, seed):
                     layer.append((y, x))
                     break
         layer = layer or np.argwhere(~known).tolist()
-        layer.sort(key=lambda p: (draw(seed, "wei-levoy order", p[0] * width + p[1]), p))
+        bits = int(draw(seed, "wei-levoy order", number))
+        down, right = 1 - 2 * (bits & 1), 1 - (bits & 2)
+        if bits & 4:  # by rows, else by columns
+            layer.sort(key=lambda p: (down * p[0], right * p[1]))
+        else:
+            layer.sort(key=lambda p: (right * p[1], down * p[0]))
         order += [tuple(p) for p in layer]
         for p in layer:
             known[tuple(p)] = True
@@ -1211,7 +1217,7 @@ class ExactSample:
         )
         low, high = (f(np.array(self.counted), axis=0) for f in (np.min, np.max))
         self.radius = (
-            int(method.tolerance**2 * ((high - low) ** 2).sum())
+            int(method.tolerance * method.tolerance * ((high - low) ** 2).sum())
             if (method.tolerance is not None)
             else None
         )
@@ -1219,10 +1225,12 @@ class ExactSample:
         self.groups = self._groups(method.grouping)
 
     def _color(self, v, u):
-        if self.tiles and self.half:
-            v, u = v % self.shape[0], u % self.shape[1]
-        inside = 0 <= v < self.shape[0] and 0 <= u < self.shape[1]
-        return tuple(self.pixels[v, u].tolist()) if inside else None
+        """The colour there; a sample that tiles goes on as far as a window may."""
+        up, down, left, right = self.reach if self.tiles else (0, 0, 0, 0)
+        height, width = self.shape
+        if not (-up <= v < height + down and -left <= u < width + right):
+            return None
+        return tuple(self.pixels[v % height, u % width].tolist())
 
     def _listed(self):
         """Centres with room: another one half a window below, unless there is none such."""
@@ -1249,7 +1257,7 @@ class ExactSample:
             for color, places in lists.items():
                 groups = []
                 for place in sorted(places, key=lambda p: (int(window[p].sum()), p)):
-                    for group in reversed(groups):
+                    for group in reversed(groups) if steps else ():
                         if ((window[group[0]] - window[place]) ** 2).sum() <= limit:
                             group.append(place)
                             break
@@ -1263,6 +1271,11 @@ class ExactSample:
         return self.pixels[
             (place[0] + step[0]) % self.shape[0], (place[1] + step[1]) % self.shape[1]
         ]
+
+    def flat(self, place):
+        """A place's number among the pixels with their padding."""
+        up, _, left, right = self.reach if self.tiles else (0, 0, 0, 0)
+        return (place[0] + up) * (self.shape[1] + left + right) + place[1] + left
 
     def settle(self, place):
         """A place in the sample that a whole window is centred on, or None."""
@@ -1414,3 +1427,539 @@ def near_leaves(query, leaves, weight, visited, wanted):
     order = sorted(range(len(leaves)), key=lambda n: (distance(middles[n]), n))[:visited]
     windows = [(distance(c), p) for n in order for p, c in zip(*leaves[n], strict=True)]
     return [place for _, place in sorted(windows)[:wanted]]
+
+
+def exact_matching(method, exemplar, canvas, seed):
+    """Make all of a canvas; (H, W, 2) sources, -1 for known pixels from elsewhere.
+
+    `method` is the settled one.
+    """
+    tiles = exemplar.tileable
+    masks = [np.ones(exemplar.shape, bool) if exemplar.mask is None else exemplar.mask]
+    samples, shapes = [exemplar.matching()], [canvas.shape]
+    for _ in range(method.levels - 1):
+        samples.append(coarser(samples[-1], (tiles, tiles)))
+        masks.append(coarser_mask(masks[-1], (tiles, tiles)))
+        shapes.append(tuple((n + 1) // 2 for n in shapes[-1]))
+
+    def prepared(level, causal, turned=False):
+        guide = None
+        if turned:
+            return ExactSample(samples[level].swapaxes(0, 1), masks[level].T, tiles, method, causal)
+        if level + 1 < len(samples):
+            y, x = np.indices(samples[level].shape[:2]) // 2
+            guide = samples[level + 1][y, x].astype(int)
+        return ExactSample(samples[level], masks[level], tiles, method, causal, guide)
+
+    if canvas.hole is not None and not canvas.hole.all():
+        sample = prepared(0, False)
+        sheet = ExactSheet(canvas.shape, samples[0].shape[2], canvas.wrap)
+        known = exemplar.as_matching(canvas.known)
+        for y, x in np.argwhere(~canvas.hole).tolist():
+            sheet.levels[y, x], sheet.done[y, x] = known[y, x], True
+            if canvas.known_from:
+                sheet.source[y][x] = (y + canvas.known_from[0], x + canvas.known_from[1])
+        exact_between(sheet, sample, seed, "exact hole", method)
+        return _exact_sources(sheet.source, 0)
+
+    coarse = None
+    for level in reversed(range(len(samples))):
+        sample = prepared(level, True)
+        height, width = shapes[level]
+        half, guide = sample.half, None
+        band = [[None] * width for _ in range(half)]
+        top = half
+        if coarse is not None:
+            above, above_top = coarse
+            places = [[None] * width for _ in range(half + height)]
+            colors = np.zeros((half + height, width, samples[0].shape[2]), int)
+            for y, x in np.ndindex(half + height, width):
+                v = max((y - half) // 2 + above_top, 0)
+                sy, sx = above.source[v][x // 2]
+                child = 2 * sy + (y - half) % 2, 2 * sx + x % 2
+                inside = child[0] < sample.shape[0] and child[1] < sample.shape[1]
+                places[y][x] = child if inside else None
+                colors[y, x] = above.levels[v, x // 2]
+                if y < half:
+                    band[y][x] = tuple(
+                        min(c, n - 1) for c, n in zip(child, sample.shape, strict=True)
+                    )
+            guide = colors, places
+        elif method.init == "structured":
+            band = exact_band(prepared(level, True, turned=True), width, seed, method)
+        else:
+            for y, x in np.ndindex(half, width):
+                bits = int(random_bits(seed, "exact band", y, x))
+                band[y][x] = sample.centres[bits % len(sample.centres)]
+            top = 2 * half
+        sheet = ExactSheet((top + height, width), samples[0].shape[2], (False, canvas.wrap[1]))
+        for y, x in np.ndindex(half, width):
+            sheet.put(y, x, band[y][x], sample)
+        order = [(y, x) for y in range(half, top + height) for x in range(width)]
+        exact_pixels(sheet, sample, order, seed, f"exact {level}", method, guide)
+        if canvas.wrap[0] and height > 1:
+            whole = ExactSheet((height, width), samples[0].shape[2], canvas.wrap)
+            sample = prepared(level, False)
+            for y in range(height - min(2 * sample.half + 1, height // 2)):
+                for x in range(width):
+                    whole.put(y, x, sheet.source[top + y][x], sample)
+            if guide is not None:
+                guide = guide[0][half:], guide[1][half:]
+            exact_between(whole, sample, seed, f"exact seam {level}", method, guide)
+            sheet.source[top:], sheet.levels[top:] = whole.source, whole.levels
+        coarse = sheet, top
+    return _exact_sources(sheet.source, top)
+
+
+def exact_band(sample, width, seed, method):
+    """The structured band of section 4.3, from a sample whose axes are exchanged."""
+    half = sample.half
+    sheet = ExactSheet((width, half), sample.pixels.shape[2], (False, False))
+    centre = sample.centres[int(random_bits(seed, "exact block", 0)) % len(sample.centres)]
+    block = min(half, width)
+    for y, x in np.ndindex(block, half):
+        v, u = (centre[0] - half + y) % sample.shape[0], (centre[1] - half + x) % sample.shape[1]
+        sheet.put(y, x, (v, u), sample)
+    order = [(y, x) for y in range(block, width) for x in range(half)]
+    exact_pixels(sheet, sample, order, seed, "exact structure", method)
+    return [[sheet.source[x][y][::-1] for x in range(width)] for y in range(half)]
+
+
+def exact_between(sheet, sample, seed, stage, method, guide=None):
+    """Layers from what is known inwards, in random order; then passes over them line by line."""
+    height, width = sheet.shape
+    unknown = [(y, x) for y, x in np.ndindex(sheet.shape) if not sheet.done[y, x]]
+    left, order = list(unknown), []
+    while left:
+        layer = []
+        for y, x in left:
+            for v, u in ((y - 1, x), (y + 1, x), (y, x - 1), (y, x + 1)):
+                v = v % height if sheet.wrap[0] else v
+                u = u % width if sheet.wrap[1] else u
+                beside = 0 <= v < height and 0 <= u < width and (v, u) not in left
+                if beside and (y, x) not in layer:
+                    layer.append((y, x))
+        layer = layer or left
+        left = [p for p in left if p not in layer]
+        order += sorted(
+            layer, key=lambda p: int(random_bits(seed, "exact layer", p[0] * width + p[1]))
+        )
+    exact_pixels(sheet, sample, order, seed, stage, method, guide)
+    for number in range(method.passes):
+        exact_pixels(sheet, sample, unknown, seed, f"exact pass {number}", method, guide)
+
+
+def _exact_sources(source, top):
+    return np.array([[place or (-1, -1) for place in row] for row in source[top:]])
+
+
+# Graph-cut textures (Kwatra, Schödl, Essa, Turk and Bobick, 2003) as a whole
+
+
+class GraphCutTwin:
+    """One output of the method "graphcut", pixel by pixel.
+
+    `label` holds for each pixel of the canvas where in the sample it was copied from, None where
+    nothing is, and "known" for a known pixel that is not in the sample.
+    """
+
+    def __init__(self, exemplar, method, canvas, seed):
+        self.exemplar, self.method, self.canvas, self.seed = exemplar, method, canvas, seed
+        self.pixels = exemplar.matching().astype(int)
+        self.usable = np.ones(exemplar.shape, bool) if exemplar.mask is None else exemplar.mask
+        self.cells = list(np.ndindex(canvas.shape))
+        self.label = dict.fromkeys(self.cells)
+        self.known = {}
+        if canvas.hole is not None and not canvas.hole.all():
+            levels = exemplar.as_matching(canvas.known).astype(int)
+            for cell in self.cells:
+                if not canvas.hole[cell]:
+                    self.known[cell] = levels[cell]
+                    at = canvas.known_from
+                    self.label[cell] = "known" if at is None else (cell[0] + at[0], cell[1] + at[1])
+        self.laid = 0
+
+    # The plane and the sample
+
+    def step(self, cell, dy, dx):
+        """The pixel beside this one on the canvas, or None."""
+        y, x = cell[0] + dy, cell[1] + dx
+        y, x = (
+            k % n if wraps else k
+            for k, n, wraps in zip((y, x), self.canvas.shape, self.canvas.wrap, strict=True)
+        )
+        inside = 0 <= y < self.canvas.height and 0 <= x < self.canvas.width
+        return (y, x) if inside else None
+
+    def goes_on(self, label, dy, dx):
+        """What the patch has beside a pixel of this label, or None."""
+        if label == "known":
+            return None
+        y, x = label[0] + dy, label[1] + dx
+        if self.exemplar.tileable:
+            y, x = y % self.exemplar.shape[0], x % self.exemplar.shape[1]
+        inside = 0 <= y < self.exemplar.shape[0] and 0 <= x < self.exemplar.shape[1]
+        return (y, x) if inside and self.usable[y, x] else None
+
+    def value(self, cell, label):
+        return self.known[cell] if label == "known" else self.pixels[label]
+
+    def level(self, cell):
+        """What is on the canvas."""
+        return self.known[cell] if cell in self.known else self.pixels[self.label[cell]]
+
+    # Section 3: seams
+
+    def seam(self, p, q, step, of_p, of_q):
+        """What it costs that p has one label and q = p + step another."""
+        on_q, on_p = self.goes_on(of_p, *step), self.goes_on(of_q, -step[0], -step[1])
+        if on_q is not None and on_q == of_q:
+            return 0
+        at_p, at_q = self.value(p, of_p), self.value(q, of_q)
+        costs, steep = [], []
+        if on_p is not None:  # what each of both has at p; then how steep q's patch is
+            costs.append(np.abs(at_p - self.pixels[on_p]).sum())
+            steep.append(np.abs(at_q - self.pixels[on_p]).sum())
+        if on_q is not None:
+            costs.append(np.abs(at_q - self.pixels[on_q]).sum())
+            steep.append(np.abs(at_p - self.pixels[on_q]).sum())
+        channels = self.pixels.shape[2]
+        cost, slope = 510 * channels, 0
+        if costs:
+            cost, slope = (int(sum(part) * 2 // len(part)) for part in (costs, steep))
+        return 256 * cost // (slope + 8 * channels) if self.method.seam_cost == "gradient" else cost
+
+    def cut(self, box, patch):
+        """Which pixels a patch replaces, and what the seams cost then: SciPy's minimum cut.
+
+        `box` lists the pixels of the canvas, `patch` for each of them that of the sample.
+        """
+        new = dict(zip(box, patch, strict=True))
+        may = {}
+        for cell in box:
+            old = self.label[cell] is not None
+            replaceable = self.usable[new[cell]] and not (old and cell in self.known)
+            may[cell] = (0,) * old + (1,) * bool(replaceable)
+        free = [cell for cell in box if len(may[cell]) == 2]
+        number = {cell: i for i, cell in enumerate(free)}
+        # cost = constant + sum of unary[i] * x_i + sum of arc[i, j] * x_i * (1 - x_j)
+        constant, unary, arc = 0, [0] * len(free), {}
+        for p in box:
+            for step in ARCS:
+                q = self.step(p, *step)
+                if q is None or q == p or not may[p]:
+                    continue
+                inside = self.beside(box, p, step)
+                if inside and step in ARCS[2:]:
+                    continue  # seen from the other side
+                if not inside and self.label[q] is None:
+                    continue
+                of_q = may[q] if inside else (0,)
+                if not of_q:
+                    continue
+                table = {(i, j): self.pair(p, q, step, i, j, new) for i in may[p] for j in of_q}
+                both = len(may[p]) == 2 and len(of_q) == 2
+                if both:
+                    table[1, 0] = max(table[1, 0], table[0, 0] - table[0, 1])
+                    constant += table[0, 0]
+                    unary[number[p]] += table[1, 0] - table[0, 0]
+                    unary[number[q]] += table[1, 1] - table[1, 0]
+                    key = number[q], number[p]
+                    weight = table[0, 1] + table[1, 0] - table[0, 0] - table[1, 1]
+                    arc[key] = arc.get(key, 0) + weight
+                elif len(may[p]) == 2 or len(of_q) == 2:
+                    chosen = p if len(may[p]) == 2 else q
+                    low, high = (table[k] for k in sorted(table))
+                    constant += low
+                    unary[number[chosen]] += high - low
+                elif (may[p], of_q) != ((0,), (0,)):
+                    constant += table[may[p][0], of_q[0]]
+        taken, value = least_labelling(unary, arc)
+        side = [may[c] == (1,) or (len(may[c]) == 2 and taken[number[c]]) for c in box]
+        return side, value + constant
+
+    def beside(self, box, p, step):
+        """Whether the neighbour belongs to the box beside it, not around the canvas."""
+        at = box.index(p)
+        row, column = divmod(at, self.columns)
+        row, column = row + step[0], column + step[1]
+        return 0 <= row < len(box) // self.columns and 0 <= column < self.columns
+
+    def pair(self, p, q, step, p_new, q_new, new):
+        if p_new and q_new:
+            return 0
+        of_p = new[p] if p_new else self.label[p]
+        of_q = new[q] if q_new else self.label[q]
+        if not p_new and not q_new and p in self.known and q in self.known:
+            return 0
+        return self.seam(p, q, step, of_p, of_q)
+
+    # Section 4: placement
+
+    def chances(self, costs, spread):
+        """Whole numbers in proportion to exp(-cost / spread), of a dict of costs."""
+        best = min(costs.values())
+        result = {}
+        for place, cost in costs.items():
+            if spread > 0:
+                power = 1 + min((cost - best) / spread, 64.0) / 1024
+                for _ in range(10):
+                    power = power * power
+                result[place] = int(2.0**32 / power)
+            else:
+                result[place] = int(cost == best)
+        return result
+
+    def drawn(self, costs, size):
+        """Candidates in the order drawn; near one that was drawn there is no other."""
+        pixels = [self.pixels[at] for at in np.ndindex(self.exemplar.shape) if self.usable[at]]
+        count, spread = len(pixels), 0
+        for channel in np.transpose(pixels):
+            spread += count * int((channel**2).sum()) - int(channel.sum()) ** 2
+        chances = self.chances(costs, self.method.tolerance * (spread / count**2))
+        found = []
+        for k in range(self.method.candidates):
+            total = sum(chances.values())
+            if total == 0:
+                break
+            left = int(draw(self.seed, "patch", self.laid, k)) % total
+            for place in sorted(chances):
+                left -= chances[place]
+                if left < 0:
+                    break
+            found.append(place)
+            for y, x in chances:
+                if all(abs(a - b) <= n // 16 for a, b, n in zip((y, x), place, size, strict=True)):
+                    chances[y, x] = 0
+        return found
+
+    def patches(self, pixel, mend):
+        """Candidates of sub-patch matching: (box, patch) of pixels."""
+        side, boundary = self.method.patch_size, self.method.boundary_width
+        size, corner = self.size(side, side), []
+        for at, n, length, wraps in zip(
+            pixel, size, self.canvas.shape, self.canvas.wrap, strict=True
+        ):
+            start = at - (n // 2 if mend else min(boundary, (n - 1) // 2))
+            corner.append(start if wraps else min(max(start, 0), length - n))
+        box = self.rectangle(corner, size, self.canvas.shape)
+        fits = {}
+        for y, x in np.ndindex(self.exemplar.shape):
+            if not self.exemplar.tileable and (
+                y + size[0] > self.exemplar.shape[0] or x + size[1] > self.exemplar.shape[1]
+            ):
+                continue
+            patch = self.rectangle((y, x), size, self.exemplar.shape)
+            if all(self.usable[at] for at in patch):
+                fits[y, x] = patch
+        costs = dict.fromkeys(fits, 0.0)
+        there = [i for i, cell in enumerate(box) if self.label[cell] is not None]
+        if there:
+            now = [self.level(box[i]) for i in there]
+            for place, patch in fits.items():
+                like = [self.pixels[patch[i]] for i in there]
+                costs[place] = int(((np.array(now) - like) ** 2).sum()) / len(there)
+        if there and self.method.variety > 0:
+            costs = self.varied(costs, fits, corner, size)
+            costs = self.not_continuing(costs, box, size) or costs
+        return [(box, fits[place]) for place in self.drawn(costs, size)]
+
+    def not_continuing(self, costs, box, size):
+        """The places that are not next to one from which the box would just go on."""
+        taken = set()
+        for i, cell in enumerate(box):
+            label = self.label[cell]
+            if label is not None and label != "known":
+                v, u = divmod(i, size[1])
+                y, x = label[0] - v, label[1] - u
+                if self.exemplar.tileable:
+                    y, x = y % self.exemplar.shape[0], x % self.exemplar.shape[1]
+                taken.add((y, x))
+        near = [n // 16 for n in size]
+        return {
+            place: cost
+            for place, cost in costs.items()
+            if not any(
+                abs(place[0] - y) <= near[0] and abs(place[1] - x) <= near[1] for y, x in taken
+            )
+        }
+
+    def varied(self, costs, fits, corner, size):
+        """Costs plus what of each place is shown within a patch of the box, every fourth pixel."""
+        lines = []
+        for start, n, length, wraps in zip(
+            corner, size, self.canvas.shape, self.canvas.wrap, strict=True
+        ):
+            line = range(start - n, start + 2 * n, 4)
+            lines.append([k % length for k in line][:length] if wraps
+                         else [k for k in line if 0 <= k < length])  # fmt: skip
+        shown = {}
+        for cell in itertools.product(*lines):
+            shown[self.label[cell]] = shown.get(self.label[cell], 0) + 1
+        seen = {place: sum(shown.get(at, 0) for at in patch) for place, patch in fits.items()}
+        median = sorted(seen.values())[len(seen) // 2]
+        good = min(costs[place] for place in fits if seen[place] <= median)
+        once = size[0] * size[1] / 16
+        return {
+            place: cost + seen[place] * (self.method.variety * good / once)
+            for place, cost in costs.items()
+        }
+
+    def samples(self, pixel, mend):
+        """Candidates of random placement and entire patch matching: (box, patch) of pixels."""
+        height, width = self.exemplar.shape
+        size, wrap = self.size(height, width), self.canvas.wrap
+        last = 3 if mend else 2
+        rows = range(height // 4, height * last // 4 + 1)
+        columns = range(width // 4, width * last // 4 + 1)
+        usable = [at for at in np.ndindex(height, width) if self.usable[at]]
+        some = [at for at in usable if at[0] in rows and at[1] in columns] or usable
+        costs = dict.fromkeys(some, 0.0)
+        if self.method.placement == "entire":
+            found = {}
+            for at in some:
+                total = area = 0
+                for v, u in usable:
+                    y, x = pixel[0] - at[0] + v, pixel[1] - at[1] + u
+                    cell = self.step((y, x), 0, 0)
+                    if cell is not None and self.label[cell] is not None:
+                        total += int(((self.level(cell) - self.pixels[v, u]) ** 2).sum())
+                        area += 1
+                found[at] = total / area if area else math.inf
+            if any(cost < math.inf for cost in found.values()):
+                costs = found
+        result = []
+        for at in self.drawn(costs, size):
+            corner, lengths, source = [], [], []
+            for p, s, n, most, length, wraps in zip(
+                pixel, at, (height, width), size, self.canvas.shape, wrap, strict=True
+            ):
+                first, end = p - s, p - s + n
+                if wraps:
+                    first = max(first, p - most // 2)
+                    end = min(end, first + most)
+                else:
+                    first, end = max(first, 0), min(end, length)
+                corner.append(first)
+                lengths.append(end - first)
+                source.append(first - p + s)
+            box = self.rectangle(corner, lengths, self.canvas.shape)
+            result.append((box, self.rectangle(source, lengths, self.exemplar.shape), lengths))
+        return result
+
+    def size(self, height, width):
+        """Of patches: around a wrapped axis they leave a third of the canvas."""
+        return [
+            min(n, max(1, 2 * length // 3) if wraps else length)
+            for n, length, wraps in zip(
+                (height, width), self.canvas.shape, self.canvas.wrap, strict=True
+            )
+        ]
+
+    @staticmethod
+    def rectangle(corner, size, shape):
+        return [
+            ((corner[0] + v) % shape[0], (corner[1] + u) % shape[1]) for v, u in np.ndindex(*size)
+        ]
+
+    # The whole
+
+    def lay(self, pixel, mend):
+        best = None
+        kind = self.patches if self.method.placement == "subpatch" else self.samples
+        for box, patch, *lengths in kind(pixel, mend):
+            side = self.method.patch_size
+            self.columns = (lengths[0] if lengths else self.size(side, side))[1]
+            taken, cost = self.cut(box, patch)
+            if best is None or cost < best[0]:
+                best = cost, box, patch, taken
+        for cell, at, new in zip(*best[1:], strict=True):
+            if new:
+                self.label[cell] = at
+        self.laid += 1
+
+    def seams(self):
+        """What the seams to the right of and below each pixel cost."""
+        result = np.zeros(self.canvas.shape, int)
+        for p in self.cells:
+            for step in ARCS[:2]:
+                q = self.step(p, *step)
+                if q is not None and q != p and not (p in self.known and q in self.known):
+                    result[p] += self.seam(p, q, step, self.label[p], self.label[q])
+        return result
+
+    def worst(self, tried):
+        """The middle of the square of cells with the worst seams; every try halves its cells."""
+        cost = self.seams()
+        shape = tried.shape
+        total = np.array(
+            [
+                [cost[8 * i : 8 * i + 8, 8 * j : 8 * j + 8].sum() // 2 ** tried[i, j]
+                 for j in range(shape[1])]
+                for i in range(shape[0])
+            ]
+        )  # fmt: skip
+        side = self.method.patch_size
+        size = self.size(*((side, side) if side else self.exemplar.shape))
+        spans = [min(max(1, n // 16), k) for n, k in zip(size, shape, strict=True)]
+        best = None
+        for corner in np.ndindex(shape):
+            rows, columns = (
+                [(c + k) % n for k in range(span)] if wraps or c + span <= n else None
+                for c, span, n, wraps in zip(corner, spans, shape, self.canvas.wrap, strict=True)
+            )
+            if rows and columns:
+                value = sum(total[i, j] for i in rows for j in columns)
+                if best is None or value > best[0]:
+                    best = value, corner, rows, columns
+        if best[0] == 0:
+            return None
+        tried[np.ix_(best[2], best[3])] += 1
+        return tuple(
+            (8 * c + 8 * span // 2) % n if wraps else min(8 * c + 8 * span // 2, n - 1)
+            for c, span, n, wraps in zip(
+                best[1], spans, self.canvas.shape, self.canvas.wrap, strict=True
+            )
+        )
+
+    def source(self):
+        """Cover, mend; row and column of the source of each pixel that was not known."""
+        for cell in self.cells:
+            if self.label[cell] is None:
+                self.lay(cell, mend=False)
+        tried = np.zeros([-(-n // 8) for n in self.canvas.shape], int)
+        for _ in range(round(self.method.refinements * self.laid)):
+            worst = self.worst(tried)
+            if worst is None:
+                break
+            self.lay(worst, mend=True)
+        result = np.full((*self.canvas.shape, 2), -1)
+        for cell in self.cells:
+            if self.canvas.hole is None or self.canvas.hole[cell]:
+                result[cell] = self.label[cell]
+        return result
+
+
+def least_labelling(unary, arc):
+    """Labels 0 and 1 that minimise sum of unary[i] x_i + sum of arc[i, j] x_i (1 - x_j).
+
+    Of all that do, the one with the fewest 1; from SciPy's maximum flow.
+    """
+    from scipy.sparse import coo_array
+    from scipy.sparse.csgraph import breadth_first_order, maximum_flow
+
+    count = len(unary)
+    edges = [(count, i, -u) for i, u in enumerate(unary) if u < 0]
+    edges += [(i, count + 1, u) for i, u in enumerate(unary) if u > 0]
+    edges += [(i, j, weight) for (i, j), weight in arc.items() if weight]
+    if not edges:
+        return [False] * count, 0
+    rows, columns, weights = zip(*edges, strict=True)
+    shape = count + 2, count + 2
+    graph = coo_array((np.array(weights, np.int32), (rows, columns)), shape).tocsr()
+    flow = maximum_flow(graph, count, count + 1)
+    residual = graph - flow.flow
+    residual.eliminate_zeros()
+    reached = set(breadth_first_order(residual, count, return_predecessors=False).tolist())
+    value = flow.flow_value + sum(u for u in unary if u < 0)
+    return [i in reached for i in range(count)], int(value)

@@ -292,8 +292,11 @@ class _Picture:
 
 
 def _inwards(unknown: NDArray[np.bool_], wrap: tuple[bool, bool], seed: int) -> NDArray[np.int32]:
-    """Unknown pixels in layers from the border inwards, those of a layer in random order."""
-    order, left = np.empty(0, np.int32), unknown.copy()
+    """Unknown pixels in layers from the border inwards, each by lines from a random corner.
+
+    Neighbours of a layer follow each other, as on a spiral, so that they go on coherently.
+    """
+    layers, left = [np.empty(0, np.int32)], unknown.copy()
     while left.any():
         known = np.pad(~left, 1)
         for axis in (0, 1):
@@ -302,11 +305,13 @@ def _inwards(unknown: NDArray[np.bool_], wrap: tuple[bool, bool], seed: int) -> 
                 lines[0], lines[-1] = lines[-2].copy(), lines[1].copy()
         beside = known[:-2, 1:-1] | known[2:, 1:-1] | known[1:-1, :-2] | known[1:-1, 2:]
         layer = left & beside if beside.any() else left.copy()
-        pixels = np.flatnonzero(layer)
-        bits = draw(seed, "wei-levoy order", pixels)
-        order = np.append(order, pixels[np.argsort(bits, kind="stable")].astype(np.int32))
+        pixels = np.flatnonzero(layer).astype(np.int32)
+        bits = int(draw(seed, "wei-levoy order", len(layers)))
+        y, x = np.divmod(pixels, unknown.shape[1])
+        keys = [y * (1 - 2 * (bits & 1)), x * (1 - (bits & 2))]
+        layers.append(pixels[np.lexsort(keys[:: 1 - 2 * (bits >> 2 & 1)])])
         left &= ~layer
-    return order
+    return np.concatenate(layers)
 
 
 def _settle(method: WeiLevoy, exemplar: Exemplar) -> tuple[WeiLevoy, list[Exemplar]]:
