@@ -106,7 +106,19 @@ TRIALS = {
         "pixel",
         {"window_width": 5},
         {"random": {"init": "random"}, "structured": {"init": "structured"}},
+        real=({"window_width": 11},),
+    ),
+    "refinement": Trial(
+        "pixel",
+        {"window_width": 5, "iterations": 3},
+        {
+            "another's": {"init": "quilting"},
+            "seeds": {"init": "seeds"},
+            "wide": {"init": "seeds", "window_width": 9},
+            "pca": {"search": "pca"},
+        },
         largest=120,
+        real=({}, {"init": "seeds"}),
     ),
 }
 
