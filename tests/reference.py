@@ -1210,7 +1210,7 @@ class ExactSample:
         self.counted = sorted(
             {
                 self._color(v + dy, u + dx)
-                for v, u in self.centres
+                for v, u in self._listed()
                 for dy, dx in [*ALL_AROUND, (0, 0)]
                 if self._color(v + dy, u + dx)
             }
@@ -1312,8 +1312,7 @@ class ExactSheet:
 
     def window(self, y, x, sample):
         """Steps to what is compared."""
-        height, width = self.shape
-        half = sample.half
+        width, half = self.shape[1], sample.half
         if not sample.causal:
             return known_window(self.done, y, x, self.wrap, sample.reach)
         steps = []
@@ -1397,7 +1396,7 @@ def exact_pixels(sheet, sample, order, seed, stage, method, guide=None):
         bits = random_bits(seed, stage, y * width + x)
         place = None
         if method.copying == "blocks" and sample.causal:
-            inside = 0 < y and 0 < x < width - 1
+            inside = y > 0 and 0 < x < width - 1
             if inside:
                 four = {goes_on for _, _, goes_on in list(neighbors(y, x))[:4]}
                 place = four.pop() if len(four) == 1 else None

@@ -145,12 +145,11 @@ def match_pixels(
     place: cython.Py_ssize_t
     member: cython.Py_ssize_t
     chosen: cython.Py_ssize_t
-    spare: cython.Py_ssize_t
+    limit: cython.Py_ssize_t
     agreeing: cython.Py_ssize_t
     coherent: cython.bint
     key: cython.uint
     best_key: cython.uint
-    own: cython.longlong
     distance: cython.longlong
     best: cython.longlong
     tested: cython.longlong = 0
@@ -162,7 +161,6 @@ def match_pixels(
             best = -1
             best_key = 0
             chosen = -1
-            spare = -1
             coherent = False
             n = -1  # the window is gathered when it is needed first
             if block_copying:
@@ -198,100 +196,105 @@ def match_pixels(
                         guide_reach, guide_reach, guide_reach, guide_reach, guide_runs,
                     )  # fmt: skip
                     gather_runs(guide, y, x, guide_runs, m, guide_query)
-                # What the neighbours' sources go on with; of equal ones the first.
-                for d in range(offsets.shape[0] + guided):
-                    if d < offsets.shape[0]:
-                        neighbor[d] = -1
-                        ny = y + offsets[d, 0]
-                        nx = x + offsets[d, 1]
-                        if wrap_y:
-                            ny = (ny + height) % height
-                        if wrap_x:
-                            nx = (nx + width) % width
-                        if ny < 0 or nx < 0 or ny >= height or nx >= width or not done[ny, nx]:
+                limit = apart
+                while True:
+                    # What the neighbours' sources go on with; of equal ones the first.
+                    for d in range(offsets.shape[0] + guided):
+                        if d < offsets.shape[0]:
+                            neighbor[d] = -1
+                            ny = y + offsets[d, 0]
+                            nx = x + offsets[d, 1]
+                            if wrap_y:
+                                ny = (ny + height) % height
+                            if wrap_x:
+                                nx = (nx + width) % width
+                            if ny < 0 or nx < 0 or ny >= height or nx >= width or not done[ny, nx]:
+                                continue
+                            neighbor[d] = color[ny, nx]
+                            if source[ny, nx] < 0:
+                                continue
+                            place = settle(
+                                usable,
+                                period,
+                                source[ny, nx] // columns - offsets[d, 0],
+                                source[ny, nx] % columns - offsets[d, 1],
+                            )
+                        else:
+                            place = suggested[y, x]
+                        if place < 0 or seen[place // columns, place % columns] == stamp:
                             continue
-                        neighbor[d] = color[ny, nx]
-                        if source[ny, nx] < 0:
+                        seen[place // columns, place % columns] = stamp
+                        if repeats(last[place // columns, place % columns], y, x, width, limit):
                             continue
-                        place = settle(
-                            usable,
-                            period,
-                            source[ny, nx] // columns - offsets[d, 0],
-                            source[ny, nx] % columns - offsets[d, 1],
+                        tested += 1
+                        distance = run_distance(
+                            pixels, place // columns, place % columns, runs, n, query, best
                         )
-                    else:
-                        place = suggested[y, x]
-                    if place < 0 or seen[place // columns, place % columns] == stamp:
-                        continue
-                    seen[place // columns, place % columns] = stamp
-                    if spare < 0:
-                        spare = place
-                    if repeats(last[place // columns, place % columns], y, x, width, apart):
-                        continue
-                    tested += 1
-                    distance = run_distance(
-                        pixels, place // columns, place % columns, runs, n, query, best
-                    )
-                    if guided and (best < 0 or distance < best):
-                        distance += run_distance(
-                            guide_pixels, place // columns, place % columns, guide_runs, m,
-                            guide_query, -1,
-                        )  # fmt: skip
-                    if best < 0 or distance < best:
-                        best = distance
-                        chosen = place
-                        coherent = True
-                # The union of the lists of the neighbours' colours, nothing twice (section 4.4).
-                for d in range(offsets.shape[0]):
-                    if coherent and best == 0:
-                        break
-                    if neighbor[d] < 0:
-                        continue
-                    slot = look_up(neighbor[d], radius, colors, low, high, depth, kept, intervals)
-                    for j in range(kept[slot, 1]):
-                        for i in range(
-                            starts[d, intervals[slot, 2 * j]], starts[d, intervals[slot, 2 * j + 1]]
-                        ):
-                            place = places[groups[i]]
-                            if seen[place // columns, place % columns] == stamp:
-                                continue
-                            seen[place // columns, place % columns] = stamp
-                            tested += 1
-                            distance = run_distance(
-                                pixels, place // columns, place % columns, runs, n, query, best
-                            )
-                            if guided and (best < 0 or distance <= best):
-                                distance += run_distance(
-                                    guide_pixels, place // columns, place % columns, guide_runs, m,
-                                    guide_query, -1,
-                                )  # fmt: skip
-                            if best >= 0 and (distance > best or (distance == best and coherent)):
-                                continue
-                            member = places[
-                                groups[i]
-                                + (
-                                    (bits[p] >> 32)
-                                    * cython.cast(cython.ulonglong, groups[i + 1] - groups[i])
-                                    >> 32
-                                )
-                            ]
-                            if spare < 0:
-                                spare = member
-                            if repeats(
-                                last[member // columns, member % columns], y, x, width, apart
+                        if guided and (best < 0 or distance < best):
+                            distance += run_distance(
+                                guide_pixels, place // columns, place % columns, guide_runs, m,
+                                guide_query, -1,
+                            )  # fmt: skip
+                        if best < 0 or distance < best:
+                            best = distance
+                            chosen = place
+                            coherent = True
+                    # The union of the lists of their colours, nothing twice (section 4.4).
+                    for d in range(offsets.shape[0]):
+                        if coherent and best == 0:
+                            break
+                        if neighbor[d] < 0:
+                            continue
+                        slot = look_up(
+                            neighbor[d], radius, colors, low, high, depth, kept, intervals
+                        )
+                        for j in range(kept[slot, 1]):
+                            for i in range(
+                                starts[d, intervals[slot, 2 * j]],
+                                starts[d, intervals[slot, 2 * j + 1]],
                             ):
-                                continue
-                            key = cython.cast(cython.uint, place) ^ cython.cast(
-                                cython.uint, bits[p]
-                            )
-                            key *= cython.cast(cython.uint, 2654435761)
-                            if best < 0 or distance < best or key < best_key:
-                                best = distance
-                                best_key = key
-                                chosen = member
-                                coherent = False
-                if chosen < 0:
-                    chosen = spare
+                                place = places[groups[i]]
+                                if seen[place // columns, place % columns] == stamp:
+                                    continue
+                                seen[place // columns, place % columns] = stamp
+                                tested += 1
+                                distance = run_distance(
+                                    pixels, place // columns, place % columns, runs, n, query, best
+                                )
+                                if guided and (best < 0 or distance <= best):
+                                    distance += run_distance(
+                                        guide_pixels, place // columns, place % columns,
+                                        guide_runs, m, guide_query, -1,
+                                    )  # fmt: skip
+                                if best >= 0 and (
+                                    distance > best or (distance == best and coherent)
+                                ):
+                                    continue
+                                member = places[
+                                    groups[i]
+                                    + (
+                                        (bits[p] >> 32)
+                                        * cython.cast(cython.ulonglong, groups[i + 1] - groups[i])
+                                        >> 32
+                                    )
+                                ]
+                                if repeats(
+                                    last[member // columns, member % columns], y, x, width, limit
+                                ):
+                                    continue
+                                key = cython.cast(cython.uint, place) ^ cython.cast(
+                                    cython.uint, bits[p]
+                                )
+                                key *= cython.cast(cython.uint, 2654435761)
+                                if best < 0 or distance < best or key < best_key:
+                                    best = distance
+                                    best_key = key
+                                    chosen = member
+                                    coherent = False
+                    if chosen >= 0 or limit == 0:
+                        break
+                    limit = 0  # everything repeats something nearby
+                    stamp += 1
                 if chosen < 0:  # no list has anything: any window
                     chosen = centres[
                         (bits[p] >> 32) * cython.cast(cython.ulonglong, centres.shape[0]) >> 32

@@ -75,10 +75,10 @@ class Candidates:
         self.causal, self.reach = causal, r
         self.guide_reach = min(r, GUIDE_REACH) if guide is not None else 0
         self.windows = windows_of(sample, (r, self.guide_reach if causal else r, r, r))
-        self.index = ColorIndex(self.windows)
+        self.index = ColorIndex(self.windows.pixels, self._with_room())
         self.radius = method.radius(self.index)
         self.offsets = np.array(CAUSAL if causal else AROUND, np.int32)
-        starts, places = self.index.centres(self.offsets, self._with_room())
+        starts, places = self.index.centres(self.offsets)
         self.starts, self.groups, self.places = self._group(starts, places, method.grouping)
         empty = np.empty((0, 0, self.windows.pixels.shape[2]), np.uint8)
         self.guide = empty if guide is None else self._padded(guide)
@@ -169,8 +169,8 @@ class Candidates:
         """
         wanted = (sheet.color < 0) & (sheet.done > 0) & _beside(sheet.done == 0, sheet.wrap)
         source = sheet.source[wanted]
-        number = np.where(source >= 0, self.index.number.ravel()[source], np.int32(-1))
-        strange = number < 0
+        number = self.index.number.ravel()[source]
+        strange = source < 0
         number[strange] = self.index.nearest(sheet.levels[wanted][strange])
         sheet.color[wanted] = number
 
@@ -266,7 +266,8 @@ class Matching:
             How many windows were compared.
         """
         c, sheet, method = self.candidates, self.sheet, self._method
-        if self._stamp > 2**31 - 1 - len(order):
+        stamps = 2 * len(order)  # a pixel takes one or two
+        if self._stamp > 2**31 - 1 - stamps:
             self._seen[:], self._stamp = 0, 0
         tested: int = _exact_kernels.match_pixels(
             order, draw(self._seed, self._stage, order), c.causal, *sheet.wrap, c.reach,
@@ -279,7 +280,7 @@ class Matching:
             *self._coarse_room, self._last, self._seen, self._stamp, *self._room,
             self._kept, self._intervals,
         )  # fmt: skip
-        self._stamp += len(order)
+        self._stamp += stamps
         return tested
 
 

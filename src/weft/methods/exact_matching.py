@@ -117,6 +117,10 @@ class ExactMatching(Method):
         """Make the index of colours (section 4.1); propose what was left open."""
         return ExactMatchingModel(self, exemplar)
 
+    def settle(self, exemplar: Exemplar) -> ExactMatching:
+        """See `Method.settle`; scale, regularity and colours are looked at, no list is made."""
+        return _settled(self, exemplar)
+
     def radius(self, index: ColorIndex) -> NDArray[np.int64]:
         """The squared distance up to which colours count as each colour."""
         if self.nearest_colors is not None:
@@ -202,13 +206,12 @@ def _settled(method: ExactMatching, exemplar: Exemplar) -> ExactMatching:
         proposed = max(_WIDTH, dominant_scale(exemplar).window_width)
         proposed = min(proposed, max(min(exemplar.shape) // 3, _NARROW))
     method = settle_window(method, exemplar, proposed)
-    assert method.window_width is not None
+    half = (method.window_width or 1) // 2
     if method.init == "auto":
         regular = regularity(exemplar) >= _REGULAR
         method = replace(method, init="structured" if regular else "random")
     if method.repeat_distance is None:
-        apart = 0 if method.init == "structured" else method.window_width // 2
-        method = replace(method, repeat_distance=apart)
+        method = replace(method, repeat_distance=0 if method.init == "structured" else half)
     if method.tolerance is None and method.nearest_colors is None:
         method = replace(method, tolerance=_proposed_tolerance(exemplar))
     return method
@@ -220,7 +223,7 @@ def _proposed_tolerance(exemplar: Exemplar) -> float:
     Each of the four lists then has three places or more, and a pixel about a dozen candidates.
     """
     windows = windows_of(exemplar, (0, 0, 0, 0))
-    index = ColorIndex(windows)
+    index = ColorIndex(windows.pixels, windows.usable)
     number = index.number[windows.usable > 0]
     often = np.bincount(number, minlength=len(index.colors))
     radius = np.where(often >= _PLACES, 0, index.reach(_PLACES))[number]

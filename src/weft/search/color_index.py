@@ -17,7 +17,6 @@ from weft.search import _color_kernels
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-    from weft.search.windows import Windows
 
 _LEAF = 8  # about so many colours are looked at one by one
 
@@ -25,20 +24,22 @@ _LEAF = 8  # about so many colours are looked at one by one
 class ColorIndex:
     """The colours of a sample's pixels, and where they are.
 
-    Colours count that a whole window is centred on, or beside. Distances are sums of squared
+    Colours count that a listed window is centred on, or beside. Distances are sums of squared
     differences of bytes.
 
     Parameters
     ----------
-    windows : Windows
-        The sample.
+    pixels : uint8 array (H, W, K)
+        The sample's bytes.
+    usable : uint8 array (H, W)
+        1 where a window is centred that is to be listed; somewhere at least.
 
     Attributes
     ----------
     colors : uint8 array (C, K)
         Distinct colours in the order of the tree's leaves; a colour's number is its row.
-    number : int32 array (H', W')
-        The colour number of each pixel of the windows; -1 where it does not count.
+    number : int32 array (H, W)
+        The colour number of each pixel; of the nearest colour where its own does not count.
     rank : int32 array (C,)
         Where a colour stands if they are sorted by their bytes; the first of equally near ones.
     depth : int
@@ -49,33 +50,32 @@ class ColorIndex:
     Examples
     --------
     >>> import numpy as np
-    >>> from weft.exemplar import Exemplar
-    >>> from weft.search.windows import windows_of
-    >>> sample = Exemplar(np.arange(64, dtype=np.uint8).reshape(8, 8))
-    >>> index = ColorIndex(windows_of(sample, (1, 1, 1, 1)))
+    >>> pixels = np.arange(64, dtype=np.uint8).reshape(8, 8, 1)
+    >>> index = ColorIndex(pixels, np.ones((8, 8), np.uint8))
     >>> index.colors[index.nearest(np.uint8([[9], [200]]))].ravel().tolist()
     [9, 63]
     """
 
-    def __init__(self, windows: Windows) -> None:
-        self._windows = windows
-        shape = windows.usable.shape
-        padded = np.pad(windows.usable, 1)
-        around = [padded[v : v + shape[0], u : u + shape[1]] for v in (0, 1, 2) for u in (0, 1, 2)]
-        counts = np.logical_or.reduce(around)
-        pixels = windows.pixels[counts]
-        order = np.lexsort(pixels.T[::-1])
+    def __init__(self, pixels: NDArray[np.uint8], usable: NDArray[np.uint8]) -> None:
+        self.usable = usable
+        height, width = usable.shape
+        padded = np.pad(usable, 1)
+        near = [padded[v : v + height, u : u + width] for v in (0, 1, 2) for u in (0, 1, 2)]
+        counts = np.logical_or.reduce(near)
+        counted = pixels[counts]
+        order = np.lexsort(counted.T[::-1])
         new = np.ones(len(order), bool)
-        new[1:] = (pixels[order[1:]] != pixels[order[:-1]]).any(axis=1)
+        new[1:] = (counted[order[1:]] != counted[order[:-1]]).any(axis=1)
         number = np.empty(len(order), np.int32)
         number[order] = np.cumsum(new) - 1
-        colors = pixels[order[new]]
+        colors = counted[order[new]]
         self.depth = max(0, (len(colors) // _LEAF).bit_length() - 1)
         leaves, self.low, self.high = _split(colors, self.depth)
         self.colors = np.ascontiguousarray(colors[leaves])
         self.rank = leaves.astype(np.int32)
-        self.number = np.full(shape, -1, np.int32)
+        self.number = np.empty((height, width), np.int32)
         self.number[counts] = np.argsort(leaves).astype(np.int32)[number]
+        self.number[~counts] = self.nearest(pixels[~counts])
 
     def nearest(self, pixels: NDArray[np.uint8]) -> NDArray[np.int32]:
         """Return the numbers of the colours nearest to `pixels` (n, K)."""
@@ -108,30 +108,26 @@ class ColorIndex:
         count = _color_kernels.near_one(*tree, number, radius, room)
         return room[0, : 2 * count].reshape(-1, 2)
 
-    def centres(
-        self, offsets: NDArray[np.int32], usable: NDArray[np.uint8]
-    ) -> tuple[NDArray[np.int32], NDArray[np.int32]]:
-        """List centres by the colour that they have beside them.
+    def centres(self, offsets: NDArray[np.int32]) -> tuple[NDArray[np.int32], NDArray[np.int32]]:
+        """List the centres of windows by the colour that they have beside them.
 
         Parameters
         ----------
         offsets : int32 array (d, 2)
             Which of the pixels beside a centre: dy and dx.
-        usable : uint8 array (H', W')
-            1 where a centre is to be listed; at most where a window may be centred.
 
         Returns
         -------
         starts : int32 array (d, C + 1)
             Those of colour c are `places[starts[d, c] : starts[d, c + 1]]`, in scan order.
         places : int32 array
-            Flat indices into the pixels of the windows.
+            Flat indices into the pixels.
         """
-        centres = np.flatnonzero(usable).astype(np.int32)
-        y, x = np.divmod(centres, np.int32(self._windows.usable.shape[1]))
+        centres = np.flatnonzero(self.usable).astype(np.int32)
+        y, x = np.divmod(centres, np.int32(self.usable.shape[1]))
         starts = np.zeros((len(offsets), len(self.colors) + 1), np.int32)
         lists, total = [], 0
-        height, width = self._windows.usable.shape
+        height, width = self.usable.shape
         for d, (dy, dx) in enumerate(offsets.tolist()):
             v, u = y + dy, x + dx
             inside = (v >= 0) & (u >= 0) & (v < height) & (u < width)

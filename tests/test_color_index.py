@@ -1,0 +1,112 @@
+"""From a colour to the places that have it: the tree against looking at every colour."""
+
+import itertools
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from weft.exemplar import Exemplar
+from weft.search.color_index import ColorIndex
+from weft.search.windows import windows_of
+
+
+def index_of(pixels, reach=1, **about):
+    windows = windows_of(Exemplar(pixels, **about), (reach,) * 4)
+    return windows, ColorIndex(windows.pixels, windows.usable)
+
+
+@st.composite
+def samples(draw):
+    rng = np.random.default_rng(draw(st.integers(0, 2**30)))
+    shape = draw(st.tuples(st.integers(3, 20), st.integers(3, 20)))
+    channels = draw(st.sampled_from([1, 2, 3, 4, 7]))
+    top = draw(st.sampled_from([1, 2, 6, 256]))
+    return rng.integers(0, top, (*shape, channels)).astype(np.uint8)
+
+
+def distances(index, color):
+    return ((index.colors.astype(int) - np.asarray(color, int)) ** 2).sum(axis=1)
+
+
+@given(pixels=samples())
+def test_each_colour_is_there_once(pixels):
+    windows, index = index_of(pixels)
+    wanted = {tuple(c) for c in windows.pixels.reshape(-1, windows.pixels.shape[2]).tolist()}
+    found = [tuple(c) for c in index.colors.tolist()]
+    assert len(found) == len(set(found))
+    assert set(found) == wanted  # every pixel touches a centre, as windows have 3x3 pixels
+    assert np.array_equal(index.colors[index.number], windows.pixels)
+    assert sorted(found) == [c for _, c in sorted(zip(index.rank.tolist(), found, strict=True))]
+
+
+@given(pixels=samples(), radius=st.sampled_from([0, 1, 3, 50, 4000, 10**6]))
+def test_near_colours_are_those_of_looking_at_every_one(pixels, radius):
+    _, index = index_of(pixels)
+    for number in range(0, len(index.colors), 7):
+        intervals = index.near(number, radius)
+        flat = [n for first, last in intervals.tolist() for n in range(first, last)]
+        wanted = np.flatnonzero(distances(index, index.colors[number]) <= radius)
+        assert flat == wanted.tolist()
+        gaps = [b[0] - a[1] for a, b in itertools.pairwise(intervals.tolist())]
+        assert all(gap > 0 for gap in gaps)
+
+
+@given(pixels=samples(), count=st.sampled_from([1, 2, 5, 1000]))
+def test_reach_is_the_distance_of_the_nth(pixels, count):
+    _, index = index_of(pixels)
+    for number, reach in enumerate(index.reach(count).tolist()):
+        wanted = np.sort(distances(index, index.colors[number]))
+        if count <= len(wanted):
+            assert reach == wanted[count - 1]
+        else:
+            assert reach >= wanted[-1]
+
+
+@given(pixels=samples(), seed=st.integers(0, 99))
+def test_the_nearest_colour_is_the_first_of_equally_near_ones(pixels, seed):
+    _, index = index_of(pixels)
+    queries = np.random.default_rng(seed).integers(0, 256, (20, pixels.shape[2])).astype(np.uint8)
+    for query, found in zip(queries, index.nearest(queries).tolist(), strict=True):
+        wanted = min(
+            (d, tuple(c))
+            for d, c in zip(distances(index, query), index.colors.tolist(), strict=True)
+        )
+        assert wanted == (distances(index, query)[found], tuple(index.colors[found].tolist()))
+
+
+@pytest.mark.parametrize("tiles", [False, True])
+def test_centres_are_listed_by_the_colour_beside_them(tiles):
+    pixels = np.random.default_rng(3).integers(0, 4, (9, 11)).astype(np.uint8)
+    windows, index = index_of(pixels, reach=2, tileable=tiles)
+    offsets = np.array([(0, -1), (-1, 1), (1, 0)], np.int32)
+    starts, places = index.centres(offsets)
+    for d, (dy, dx) in enumerate(offsets.tolist()):
+        for number in range(len(index.colors)):
+            listed = places[starts[d, number] : starts[d, number + 1]].tolist()
+            wanted = [
+                y * windows.usable.shape[1] + x
+                for y, x in np.argwhere(windows.usable).tolist()
+                if index.number[y + dy, x + dx] == number
+            ]
+            assert listed == wanted
+    # Positions too near to the border for a whole window are left out.
+    assert len(places) == 3 * windows.usable.sum()
+
+
+def test_colours_that_no_window_touches_do_not_count():
+    pixels = np.zeros((9, 9), np.uint8)
+    pixels[0, 0] = 200
+    _, index = index_of(pixels, reach=3)
+    assert index.colors.ravel().tolist() == [0]
+    assert index.number[0, 0] == 0  # the nearest that counts
+    _, tiling = index_of(pixels, reach=3, tileable=True)
+    assert sorted(tiling.colors.ravel().tolist()) == [0, 200]
+
+
+def test_the_span_is_never_exceeded():
+    pixels = np.random.default_rng(5).integers(20, 90, (12, 12, 3)).astype(np.uint8)
+    _, index = index_of(pixels)
+    largest = max(distances(index, color).max() for color in index.colors)
+    assert largest <= index.span <= 3 * 70**2
