@@ -211,8 +211,9 @@ class WeiLevoyModel(PixelModel):
 
     def _start(self, picture: _Picture, seed: int, unknown: NDArray[np.bool_]) -> None:
         """Noise of the coarsest level's own pixels; at finer ones the children of the sources."""
-        source = self._noise(seed, picture.level, unknown.shape)
-        if picture.coarser is not None:
+        if picture.coarser is None:
+            source = self._noise(seed, picture.level, unknown.shape)
+        else:
             height, width = self.samples[picture.level].shape
             y, x = np.indices(unknown.shape)
             above = picture.coarser.source[y // 2, x // 2]
