@@ -30,7 +30,7 @@ _REGULAR = 0.4  # regularity from which on a sample is near-regular
 _WIDTH = 31  # of a window, unless the structure is larger
 _NARROW = 11  # the smallest window that is proposed where there is room
 _LEAST = 5  # pixels to a side of the coarsest level
-_PLACES = 3  # in the list of one neighbour
+_PLACES = 2  # in the list of one neighbour
 
 
 @dataclass(frozen=True)
