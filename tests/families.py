@@ -114,7 +114,7 @@ TRIALS = {
         {
             "another's": {"init": "quilting"},
             "seeds": {"init": "seeds"},
-            "wide": {"init": "seeds", "window_width": 9},
+            "wide": {"init": "seeds", "window_width": 7},
             "pca": {"search": "pca"},
         },
         largest=120,

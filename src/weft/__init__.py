@@ -27,6 +27,7 @@ if TYPE_CHECKING:
     from weft.methods.exact_matching import ExactMatching
     from weft.methods.patch_sampling import PatchSampling
     from weft.methods.quilting import Quilting
+    from weft.methods.refinement import Refinement
     from weft.methods.wei_levoy import WeiLevoy
     from weft.synthesis import Synthesis
     from weft.tasks.analyze import analyze
@@ -48,6 +49,7 @@ _HOME = {
     "Method": "method",
     "PatchSampling": "methods.patch_sampling",
     "Quilting": "methods.quilting",
+    "Refinement": "methods.refinement",
     "Synthesis": "synthesis",
     "UnsupportedError": "errors",
     "WeftError": "errors",
@@ -73,6 +75,7 @@ __all__ = [
     "Method",
     "PatchSampling",
     "Quilting",
+    "Refinement",
     "Synthesis",
     "UnsupportedError",
     "WeftError",

@@ -226,6 +226,7 @@ METHODS: Mapping[str, type[Method]] = _Registry(
     wei_levoy="WeiLevoy",
     ashikhmin="Ashikhmin",
     exact_matching="ExactMatching",
+    refinement="Refinement",
 )
 
 

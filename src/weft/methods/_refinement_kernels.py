@@ -3,8 +3,8 @@
 
 import cython
 from cython.cimports.weft.search._coherence_kernels import coherent_places
-from cython.cimports.weft.search._projection_kernels import run_coordinates
 from cython.cimports.weft.search._kernels import nearest_by_features
+from cython.cimports.weft.search._projection_kernels import run_coordinates
 from cython.cimports.weft.search._window_kernels import gather_runs, known_runs, run_distance
 
 
@@ -41,7 +41,7 @@ def excess(
     capacity: cython.const[cython.int][::1],
     weight: cython.longlong,
 ) -> cython.longlong:
-    """What a distance is multiplied with, in 1/256: more than 256 where a cell is used too often."""
+    """What a distance is multiplied with, in 1/256: 256 unless a cell is used too often."""
     over: cython.longlong = usage[cell] - capacity[cell]
     if over <= 0:
         return 256

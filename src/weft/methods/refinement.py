@@ -12,16 +12,21 @@ import weft._cpu  # noqa: F401  before any kernel, to choose which
 from weft.analysis.scale import dominant_scale
 from weft.errors import InvalidInputError
 from weft.exemplar import Exemplar
-from weft.method import METHODS, Method, Model, parameter
-from weft.methods.pixel_growth import Growth, PixelModel, settle_window
+from weft.method import METHODS, Method, parameter
+from weft.methods.pixel_growth import PixelModel, settle_window
 from weft.methods.refinement_sweeps import Refining
 from weft.search.pyramid import gaussian_pyramid, mask_pyramid
 from weft.search.similar import nearest_centre, similar_places
-from weft.search.window_components import WindowComponents, window_components
-from weft.search.windows import Windows, windows_of
+from weft.search.window_components import window_components
+from weft.search.windows import windows_of
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
+
+    from weft.method import Model
+    from weft.methods.pixel_growth import Growth
+    from weft.search.window_components import WindowComponents
+    from weft.search.windows import Windows
 
 _REACH = 3  # pixels from the middle of a window to its side, on every level of a pyramid
 _WIDEST = 29  # pixels; with less than its four levels noise decides, and the picture falls apart
@@ -53,16 +58,14 @@ class Refinement(Method):
 
     window_width: int | None = parameter(
         None,
-        "side of the square window, odd; what is wider than 7 pixels is seen in a pyramid, "
-        "unless search is 'pca'",
+        "side of the square window, odd; what is wider than 7 pixels is seen in a pyramid",
         low=1,
         unit="px",
         default_text="twice the sample's dominant scale, 29 or more unless search is 'pca'",
     )
     search: str = parameter(
         "coherent",
-        "compare with what the neighbours' sources go on with, from coarse to fine, or with the "
-        "nearest of all windows by their principal components",
+        "from coarse to fine along the neighbours' sources, or by principal components of windows",
         choices=("coherent", "pca"),
     )
     iterations: int = parameter(
@@ -71,11 +74,10 @@ class Refinement(Method):
     threshold: float = parameter(
         0.01, "epsilon: stop when an iteration changes the picture by less (eq. 1)", low=0.0
     )
-    init: str | None = parameter(
-        None,
-        "start from a grid of seed points, or from the result of another method",
-        choices=("seeds", *(slug for slug in METHODS if slug != "refinement")),
-        default_text="quilting; seeds where the sample is too small or search is 'pca'",
+    init: str = parameter(
+        "auto",
+        "start from seed points or another method's result; auto: quilting, but with 'pca' seeds",
+        choices=("auto", "seeds", *(slug for slug in METHODS if slug != "refinement")),
     )
     seed_density: float = parameter(
         1.0,
@@ -119,6 +121,25 @@ class Refinement(Method):
     def fit(self, exemplar: Exemplar) -> RefinementModel:
         """Analyse a sample: its dominant scale, and how to find what is like a window."""
         return RefinementModel(self, exemplar)
+
+    def settle(self, exemplar: Exemplar) -> Refinement:
+        """See `Method.settle`."""
+        pyramid = self.search == "coherent"
+        proposed = 1 if self.window_width else dominant_scale(exemplar).window_width
+        settled: Refinement = settle_window(
+            self, exemplar, max(_WIDEST if pyramid else 1, proposed)
+        )
+        init = self.init
+        if init == "auto":
+            init = "quilting" if pyramid else "seeds"
+        if init != "seeds":
+            try:
+                METHODS[init]().settle(exemplar)
+            except InvalidInputError:  # too small a sample
+                if self.init != "auto":
+                    raise
+                init = "seeds"
+        return dataclasses.replace(settled, init=init)
 
 
 @dataclass(frozen=True, eq=False)
@@ -166,18 +187,16 @@ class RefinementModel(PixelModel):
     """
 
     method: Refinement
+    start: Model | None
 
     def __init__(self, method: Refinement, exemplar: Exemplar) -> None:
-        pyramid = method.search == "coherent"
-        least = _WIDEST if pyramid else 1
-        proposed = 1 if method.window_width else dominant_scale(exemplar).window_width
-        settled: Refinement = settle_window(method, exemplar, max(least, proposed))
-        self.start, init = _fit_start(settled, exemplar)
-        super().__init__(dataclasses.replace(settled, init=init), exemplar)
-        width: int = settled.window_width  # type: ignore[assignment]
+        super().__init__(method.settle(exemplar), exemplar)
+        init = self.method.init
+        self.start = None if init == "seeds" else METHODS[init]().fit(exemplar)
+        width: int = self.method.window_width  # type: ignore[assignment]
         self.scale = max(1, width // 2)
         self.levels: list[Level] = []
-        if pyramid:
+        if method.search == "coherent":
             self._build_levels(min(_REACH, width // 2))
         else:
             self.levels.append(self._component_level(width // 2))
@@ -232,19 +251,6 @@ class RefinementModel(PixelModel):
     def grow(self, growth: Growth) -> None:
         """Refine a start until it stays as it is, from the coarsest level to the finest."""
         Refining(self, growth).run()
-
-
-def _fit_start(method: Refinement, exemplar: Exemplar) -> tuple[Model | None, str]:
-    """The model of the method that makes the start, and its slug."""
-    slug = method.init or ("quilting" if method.search == "coherent" else "seeds")
-    if slug == "seeds":
-        return None, slug
-    try:
-        return METHODS[slug]().fit(exemplar), slug
-    except InvalidInputError:
-        if method.init:
-            raise
-        return None, "seeds"
 
 
 def _mask(exemplar: Exemplar) -> NDArray[np.bool_]:

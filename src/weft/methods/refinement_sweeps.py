@@ -50,9 +50,11 @@ class Refining:
 
     def run(self) -> None:
         """Make every pixel that is not known."""
-        source = None
-        for number in range(len(self.model.levels) - 1, -1, -1):
-            source = self._start(number) if source is None else self._children(number, source)
+        coarsest = len(self.model.levels) - 1
+        source = self._start(coarsest)
+        self._refine(coarsest, source)
+        for number in range(coarsest - 1, -1, -1):
+            source = self._children(number, source)
             self._refine(number, source)
         self.growth.source[:] = source
         self.growth.about["convergence"] = self.curve
@@ -81,16 +83,14 @@ class Refining:
     def _start(self, number: int) -> NDArray[np.int32]:
         """Seed points, or another method's result as far as this level shows it."""
         level, growth, model = self.model.levels[number], self.growth, self.model
-        known = self.known[number]
-        source = np.full(known.shape, -1, np.int32)
         if model.start is None:
-            if not known.any():  # else it starts from what is known
-                spacing = max(1, round(model.scale / (2**number * self.method.seed_density)))
-                places, *points = plant_seeds(
-                    level.plain, known.shape, growth.canvas.wrap, spacing, self.method.matches,
-                    growth.seed,
-                )  # fmt: skip
-                source[np.ix_(*points)] = level.windows.from_sample(level.plain.to_sample(places))
+            spacing = max(1, round(model.scale / (2**number * self.method.seed_density)))
+            shape, wrap = self.known[number].shape, growth.canvas.wrap
+            places, y, x = plant_seeds(
+                level.plain, shape, wrap, spacing, self.method.matches, growth.seed
+            )
+            source = np.full(shape, -1, np.int32)
+            source[np.ix_(y, x)] = level.windows.from_sample(level.plain.to_sample(places))
             return source
         made = model.start.sample(growth.canvas, seed=growth.seed, threads=growth.threads)
         step = 2**number
@@ -225,7 +225,8 @@ class _CoherentSweep(_Sweep):
         if count >= len(centres):
             return centres
         bits = draw(self.seed, "tried place", first, np.arange(count))
-        return centres[bits % np.uint64(len(centres))]
+        tried: NDArray[np.int32] = centres[bits % np.uint64(len(centres))]
+        return tried
 
 
 class _ComponentSweep(_Sweep):

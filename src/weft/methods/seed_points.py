@@ -102,4 +102,5 @@ def _unit_tiles(plain: Windows, spacing: int) -> NDArray[np.int32]:
     whole = usable[y + spacing, x] & usable[y, x + spacing] & usable[y + spacing, x + spacing]
     corner = (y * width + x)[whole > 0]
     steps = np.array([0, spacing, spacing * width, spacing * width + spacing], np.int32)
-    return corner[:, None] + steps
+    tiles: NDArray[np.int32] = (corner[:, None] + steps).astype(np.int32)
+    return tiles

@@ -6,6 +6,7 @@ pixel are looked for around the children of those that its parent is like.
 
 from __future__ import annotations
 
+from itertools import product
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -18,7 +19,8 @@ if TYPE_CHECKING:
     from weft.search.windows import Windows
 
 _APART = 2  # pixels; what is nearer than that is the same place
-_EXHAUSTIVE = 4096  # places that are all compared with each other
+_AROUND = (-1, 0, 1)
+_PAIRS = 2**24  # comparisons on the coarsest level, about so many in all
 
 
 def similar_places(
@@ -48,7 +50,7 @@ def similar_places(
     """
     centres = windows.centres
     if coarser is None:
-        step = -(-len(centres) // _EXHAUSTIVE)
+        step = -(-(len(centres) ** 2) // _PAIRS)
         candidates = np.ascontiguousarray(centres[None, ::step])
     else:
         candidates = _children(windows, *coarser)
@@ -85,18 +87,19 @@ def nearest_centre(windows: Windows) -> NDArray[np.int32]:
 
 def _children(windows: Windows, coarser: Windows, similar: NDArray[np.int32]) -> NDArray[np.int32]:
     """The places around the children of what each centre's parent is like."""
-    top, left = windows.period[:2]
-    coarse_top, coarse_left = coarser.period[:2]
     height, width = windows.pixels.shape[:2]
+    top, left = (int(n) for n in windows.period[:2])
+    coarse_top, coarse_left = (int(n) for n in coarser.period[:2])
     y, x = np.divmod(windows.centres, width)
     y, x = y - top, x - left
     parent = (y // 2 + coarse_top) * coarser.pixels.shape[1] + x // 2 + coarse_left
-    places = similar[parent]
-    v, u = np.divmod(places, coarser.pixels.shape[1])
-    around = np.array([-1, 0, 1])
-    v = (2 * (v - coarse_top) + (y % 2)[:, None])[:, :, None, None] + around[:, None] + top
-    u = (2 * (u - coarse_left) + (x % 2)[:, None])[:, :, None, None] + around + left
-    inside = (places >= 0)[:, :, None, None] & (v >= 0) & (u >= 0) & (v < height) & (u < width)
-    flat = np.where(inside, v * width + u, 0)
-    inside &= windows.usable.ravel()[flat] > 0
-    return np.where(inside, flat, -1).reshape(len(y), -1).astype(np.int32)
+    result = np.empty((len(y), 9 * similar.shape[1]), np.int32)
+    for k, (j, dy, dx) in enumerate(product(range(similar.shape[1]), _AROUND, _AROUND)):
+        place = similar[parent, j]
+        v, u = np.divmod(place, coarser.pixels.shape[1])
+        v = 2 * (v - coarse_top) + y % 2 + dy + top
+        u = 2 * (u - coarse_left) + x % 2 + dx + left
+        inside = (place >= 0) & (v >= 0) & (u >= 0) & (v < height) & (u < width)
+        flat = np.where(inside, v * width + u, 0)
+        result[:, k] = np.where(inside & (windows.usable.ravel()[flat] > 0), flat, -1)
+    return result
