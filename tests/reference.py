@@ -1011,7 +1011,7 @@ def _wei_levoy_level(
     if holed:
         inwards = _wei_levoy_inwards(known, wrap, seed)
         run(inwards, False, 8 * method.leaves)
-        for _ in range(1 + method.passes):
+        for _ in range(4 + method.passes):
             run(inwards, False, method.leaves)
         return source
     run(every, True, method.leaves)
@@ -1066,6 +1066,17 @@ def _wei_levoy_inwards(known, wrap, seed):
 
 
 # Coherent candidates (Ashikhmin, 2001)
+
+
+def path_around(cost, closed):
+    """The cheapest path; a closed one starts where the cheapest twice around crosses."""
+    if not closed:
+        return path_by_programming(cost)
+    start = path_by_programming(np.concatenate([cost, cost]))[len(cost)]
+    held = np.concatenate([cost, cost[:1]])
+    for row in (0, -1):
+        held[row] = [cost[0][k] if k == start else 10**15 for k in range(cost.shape[1])]
+    return path_by_programming(held)[:-1]
 
 
 def coherent_places(source, y, x, steps, exemplar, centres):
@@ -1142,24 +1153,19 @@ def ashikhmin(method, exemplar, canvas, seed):
         for y, x in itertools.product(range(max(0, height - half), height), range(width)):
             lay(y, x, random_place("ashikhmin start", y * width + x))
 
-    for number, (i, line) in itertools.product(range(method.passes), enumerate(lines)):
-        # In the first pass the first rows see random pixels above them, around the border.
-        start = not holes and number == 0 and i < half
+    def choose(line, seen, start, number):
         for y, x in line:
-            seen = done.copy()
-            if start:
-                seen[max(i + 1, height - half) :] = True
             wrap = (canvas.wrap[0] or start, canvas.wrap[1])
             steps = known_window(seen, y, x, wrap, reach)
             found = coherent_places(source, y, x, steps, exemplar, allowed)
-            if number:
+            if number > 0:
                 found = [source[y][x]] + [place for place in found if place != source[y][x]]
             tries = max(jumps, 8) if None in found or not found else jumps
             found = [place for place in found if place is not None] + [
                 random_place("ashikhmin", number, y * width + x, k) for k in range(tries)
             ]
 
-            def distance(place, y=y, x=x, steps=steps, seen=seen, wrap=wrap, number=number):
+            def distance(place, y=y, x=x, steps=steps, wrap=wrap):
                 total = 0
                 for dy, dx in steps:
                     made = levels[(y + dy) % height, (x + dx) % width]
@@ -1171,14 +1177,40 @@ def ashikhmin(method, exemplar, canvas, seed):
                         if any(not wrap[k] and not 0 <= at[k] < canvas.shape[k] for k in (0, 1)):
                             continue
                         at = (at[0] % height, at[1] % width)
-                        if number or not seen[at] or (dy, dx) == (0, 0):
+                        if number > 0 or not seen[at] or (dy, dx) == (0, 0):
                             v, u = (place[0] + dy) % len(pixels), (place[1] + dx) % pixels.shape[1]
                             own = pixels[v, u, : guide.shape[2]]
                             total += weight * ((own - guide[at]) ** 2).sum()
                 return int(total)
 
             lay(y, x, min(found, key=distance))
-            done[y, x] = True
+            done[y, x] = seen[y, x] = True
+
+    for number, (i, line) in itertools.product(range(method.passes), enumerate(lines)):
+        # In the first pass the first rows see random pixels above them, around the border.
+        start = not holes and number == 0 and i < half
+        seen = done.copy()
+        if start:
+            seen[max(i + 1, height - half) :] = True
+        choose(line, seen, start, number)
+        band = min(32, height // 4)
+        if number == 0 and i == len(lines) - 1 and band > 1 and canvas.wrap[0] and not holes:
+            # The first rows once more, below the last; cut where both differ least.
+            old = [row[:] for row in source[:band]]
+            seen = done.copy()
+            seen[: band + half] = False
+            for again in lines[:band]:
+                choose(again, seen, True, -1)
+            apart = np.array(
+                [
+                    [((pixels[old[y][x]] - pixels[source[y][x]]) ** 2).sum() for y in range(band)]
+                    for x in range(width)
+                ]
+            )
+            cut = path_around(apart[:, :-1] + apart[:, 1:], canvas.wrap[1])
+            for y, x in itertools.product(range(band), range(width)):
+                if y > cut[x]:
+                    lay(y, x, old[y][x])
     return np.array(
         [
             [(-1, -1) if source[y][x] is None else source[y][x] for x in range(width)]
@@ -1420,7 +1452,7 @@ def near_leaves(query, leaves, weight, visited, wanted):
 
     def distance(coordinates):
         difference = [int(a) - int(b) for a, b in zip(coordinates, query, strict=True)]
-        return sum(d * d * weight >> 16 for d in difference)
+        return min(sum(d * d * weight >> 16 for d in difference), 40000)
 
     middles = [coordinates.sum(axis=0, dtype=int) // len(places) for places, coordinates in leaves]
     order = sorted(range(len(leaves)), key=lambda n: (distance(middles[n]), n))[:visited]

@@ -14,9 +14,12 @@ from weft.methods import _ashikhmin_kernels as kernels
 from weft.methods.pixel_growth import PixelModel, settle_window
 from weft.methods.pixel_order import layers, scan_lines
 from weft.random import draw
+from weft.seams.path import least_path
 from weft.search.windows import windows_of
 
 if TYPE_CHECKING:
+    from collections.abc import Callable
+
     from numpy.typing import NDArray
 
     from weft.canvas import Canvas
@@ -27,6 +30,9 @@ _WIDTH = 5
 #: Random places that stand in for candidates outside the sample. The paper takes one; among eight
 #: one matches better, so the same pieces of the sample come back less often.
 _REPLACEMENTS = 8
+#: Rows over which the end of a wrapped canvas meets its beginning.
+_BAND = 32
+_CLOSING = -1  # in place of the number of a pass
 _ONE = 256  # a weight of 1 in distances, which are integers
 
 
@@ -115,24 +121,51 @@ class AshikhminModel(PixelModel):
         jumps = jumps if self.method.jumps is None else self.method.jumps
         tries = max(jumps, _REPLACEMENTS)
         scratch = _scratch(half, growth.levels.shape[2], tries)
-        progress = growth.progress(self.method.passes * sum(map(len, lines)), "pixels")
+        band = min(_BAND, canvas.height // 4) if start and canvas.wrap[0] else 0
+        total = self.method.passes * sum(map(len, lines)) + band * canvas.width
+        progress = growth.progress(total, "pixels")
+
+        def choose(line: NDArray[np.int32], around: bool, number: int) -> None:
+            strangers = self._random_places(
+                growth.seed, "ashikhmin", number, line[:, None], np.arange(tries)
+            )
+            kernels.choose(
+                growth.levels, growth.done, growth.source, line,
+                windows.pixels, windows.usable, windows.period, half,
+                canvas.wrap[0] or around, canvas.wrap[1],
+                strangers, jumps, guide, weight, number > 0, *scratch,
+            )  # fmt: skip
+            progress.advance(len(line))
+
         for number in range(self.method.passes):
             for i, line in enumerate(lines):
                 noise = slice(max(i + 1, canvas.height - half), None)
                 above = start and number == 0 and i < half
                 if above:  # around the border, as the paper's windows go
                     growth.done[noise] = 1
-                kernels.choose(
-                    growth.levels, growth.done, growth.source, line,
-                    windows.pixels, windows.usable, windows.period, half,
-                    canvas.wrap[0] or above, canvas.wrap[1],
-                    self._random_places(growth.seed, "ashikhmin", number, line[:, None],
-                                        np.arange(tries)),
-                    jumps, guide, weight, number > 0, *scratch,
-                )  # fmt: skip
+                choose(line, above, number)
                 if above:
                     growth.done[noise] = 0
-                progress.advance(len(line))
+            if number == 0 and band > 1:
+                self._close(growth, lines[:band], choose)
+
+    def _close(
+        self,
+        growth: Growth,
+        lines: list[NDArray[np.int32]],
+        choose: Callable[[NDArray[np.int32], bool, int], None],
+    ) -> None:
+        """Go on from the last rows over the first, and cut where old and new differ least."""
+        band, hidden = len(lines), slice(0, len(lines) + self._half)
+        levels, source = growth.levels[:band].copy(), growth.source[:band].copy()
+        growth.done[hidden] = 0
+        for line in lines:
+            choose(line, True, _CLOSING)
+        growth.done[hidden] = 1
+        apart = ((levels.astype(np.int64) - growth.levels[:band]) ** 2).sum(axis=2)
+        cut = least_path((apart[:-1] + apart[1:]).T, closed=growth.canvas.wrap[1])
+        old = np.arange(band)[:, None] > cut
+        growth.levels[:band][old], growth.source[:band][old] = levels[old], source[old]
 
     def _start_from_noise(self, growth: Growth) -> None:
         """Fill the last rows, which the windows of the first see above them, with random pixels."""

@@ -1,0 +1,58 @@
+"""The path of least cost through a band, open or closed."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+_BARRED = 2**62  # more than any path costs
+
+
+def least_path(cost: NDArray[np.int64], *, closed: bool = False) -> NDArray[np.int64]:
+    """Find the cheapest path along the first axis, one step aside a row at most.
+
+    Parameters
+    ----------
+    cost : int64 array (n, width)
+        What each place costs, 0 or more; together less than 2**62.
+    closed : bool
+        The path ends within one step of where it starts, as on a band that goes around. It crosses
+        the border where the cheapest path twice around does.
+
+    Returns
+    -------
+    int64 array (n,)
+        The place in each row; of equally cheap paths the one that ends first, seen from its end.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> least_path(np.array([[0, 9, 9], [9, 0, 9], [0, 9, 9]])).tolist()
+    [0, 1, 0]
+    """
+    if not closed:
+        return _open_path(cost)
+    crossing = _open_path(np.concatenate([cost, cost]))[len(cost)]
+    held = np.concatenate([cost, cost[:1]])
+    barred = np.arange(cost.shape[1]) != crossing
+    held[0, barred] = held[-1, barred] = _BARRED
+    return _open_path(held)[:-1]
+
+
+def _open_path(cost: NDArray[np.int64]) -> NDArray[np.int64]:
+    total = np.full((len(cost), cost.shape[1] + 2), _BARRED)
+    total[0, 1:-1] = cost[0]
+    came = np.zeros(cost.shape, np.int64)
+    for row in range(1, len(cost)):
+        before = np.stack([total[row - 1, :-2], total[row - 1, 1:-1], total[row - 1, 2:]])
+        came[row] = before.argmin(axis=0) - 1
+        total[row, 1:-1] = np.minimum(before.min(axis=0), _BARRED - cost[row]) + cost[row]
+    path = np.empty(len(cost), np.int64)
+    path[-1] = total[-1, 1:-1].argmin()
+    for row in range(len(cost) - 1, 0, -1):
+        path[row - 1] = path[row] + came[row, path[row]]
+    return path
