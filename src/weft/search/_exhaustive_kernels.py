@@ -5,6 +5,7 @@ Compiled by Cython, see setup.py.
 """
 
 import cython
+from cython.cimports.libc.string import memset
 from cython.cimports.weft.search._coherence_kernels import coherent_places
 from cython.cimports.weft.search._weighted_kernels import (
     draw_one,
@@ -21,6 +22,7 @@ from cython.cimports.weft.search._window_kernels import known_runs
 def pick_terms(
     order: cython.const[cython.int][:, ::1],
     wanted: cython.Py_ssize_t,
+    limit: cython.longlong,
     lead: cython.Py_ssize_t,
     plane: cython.Py_ssize_t,
     width: cython.Py_ssize_t,
@@ -32,17 +34,16 @@ def pick_terms(
     at: cython.Py_ssize_t[::1],
     value: cython.short[::1],
     weight: cython.ushort[::1],
+    cap: cython.ushort[::1],
 ) -> cython.longlong:
     """Choose the `wanted` heaviest known bytes for `bounds`; return what weights are scaled by.
 
-    So scaled, the sum of all terms, each rounded down to multiples of 2**16, fits 16 bits.
+    The limit becomes about 2**13, so that 16 bits tell small differences apart.
     """
     o: cython.Py_ssize_t
     k: cython.Py_ssize_t
     n: cython.Py_ssize_t = 0
     place: cython.Py_ssize_t
-    far: cython.longlong
-    most: cython.longlong = 0
     scale: cython.longlong
     for o in range(order.shape[0]):
         place = (order[o, 0] + reach) * stride + (order[o, 1] + reach) * channels
@@ -53,21 +54,22 @@ def pick_terms(
                 at[n] = k * plane + lead + order[o, 0] * width + order[o, 1]
                 value[n] = query[place + k]
                 weight[n] = known[place]
-                far = query[place + k] if query[place + k] > 127 else 255 - query[place + k]
-                most += far * far * known[place]
                 n += 1
         if n >= wanted:
             break
-    scale = 511  # 127 * 511 < 2**16
-    if most > 0:
-        scale = min(scale, (cython.cast(cython.longlong, 65535) << 16) // most)
+    scale = 1
+    if limit >= 0:
+        scale = (cython.cast(cython.longlong, 1) << 29) // max(limit, 1)
+    scale = max(1, min(511, scale))  # 127 * 511 < 2**16
     for k in range(wanted):
         if k < n:
             weight[k] = cython.cast(cython.ushort, weight[k] * scale)
+            cap[k] = cython.cast(cython.ushort, min(65535, (TERM << 16) // weight[k]))
         else:
             at[k] = lead
             value[k] = 0
             weight[k] = 0
+            cap[k] = 0
     return scale
 
 
@@ -80,12 +82,15 @@ def bounds(
     at: cython.const[cython.Py_ssize_t][::1],
     value: cython.const[cython.short][::1],
     weight: cython.const[cython.ushort][::1],
-    wanted: cython.Py_ssize_t,
+    cap: cython.const[cython.ushort][::1],
+    first: cython.Py_ssize_t,
+    last: cython.Py_ssize_t,
     out: cython.p_ushort,
 ) -> cython.ushort:
-    """Lower bounds of the distances of BLOCK neighbouring windows; return the least of them.
+    """Add terms to the lower bounds of BLOCK neighbouring windows; return the least of them.
 
-    They are floor(w d**2 / 2**16), summed in 16 bits: twice as many at a time as in 32.
+    A bound is the sum of floor(w d**2 / 2**16), in 16 bits, as twice as many as in 32 are done at
+    a time. A square is capped, so that no term passes TERM, and a sum stops at MOST.
     """
     t: cython.Py_ssize_t
     j: cython.Py_ssize_t
@@ -102,12 +107,14 @@ def bounds(
     vc: cython.short
     ve: cython.short
     wa: cython.ushort
+    ma: cython.ushort
     wb: cython.ushort
+    mb: cython.ushort
     wc: cython.ushort
+    mc: cython.ushort
     we: cython.ushort
-    for j in range(BLOCK):
-        out[j] = 0
-    for t in range(0, wanted, 4):
+    me: cython.ushort
+    for t in range(first, last, 4):
         a = planes + at[t]
         b = planes + at[t + 1]
         c = planes + at[t + 2]
@@ -117,23 +124,32 @@ def bounds(
         vc = value[t + 2]
         ve = value[t + 3]
         wa = weight[t]
+        ma = cap[t]
         wb = weight[t + 1]
+        mb = cap[t + 1]
         wc = weight[t + 2]
+        mc = cap[t + 2]
         we = weight[t + 3]
+        me = cap[t + 3]
         for j in range(BLOCK):
             d = cython.cast(cython.short, a[j]) - va
             s = cython.cast(cython.ushort, d * d)
+            s = s if s < ma else ma
             p = cython.cast(cython.ushort, (cython.cast(cython.uint, s) * wa) >> 16)
             d = cython.cast(cython.short, b[j]) - vb
             s = cython.cast(cython.ushort, d * d)
+            s = s if s < mb else mb
             p += cython.cast(cython.ushort, (cython.cast(cython.uint, s) * wb) >> 16)
             d = cython.cast(cython.short, c[j]) - vc
             s = cython.cast(cython.ushort, d * d)
+            s = s if s < mc else mc
             p += cython.cast(cython.ushort, (cython.cast(cython.uint, s) * wc) >> 16)
             d = cython.cast(cython.short, e[j]) - ve
             s = cython.cast(cython.ushort, d * d)
+            s = s if s < me else me
             p += cython.cast(cython.ushort, (cython.cast(cython.uint, s) * we) >> 16)
-            out[j] += p
+            p += out[j]
+            out[j] = p if p < MOST else MOST
     for j in range(BLOCK):
         least = out[j] if out[j] < least else least
     return least
@@ -178,6 +194,7 @@ def search_full(
     at: cython.Py_ssize_t[::1],
     value: cython.short[::1],
     weight: cython.ushort[::1],
+    cap: cython.ushort[::1],
     lower: cython.ushort[:, ::1],
     least: cython.ushort[::1],
     found: cython.int[::1],
@@ -193,7 +210,8 @@ def search_full(
     reach: cython.Py_ssize_t = weights.shape[0] // 2
     near: cython.Py_ssize_t = 1 if reach > 0 else 0
     lead: cython.Py_ssize_t = reach * width + reach
-    wanted: cython.Py_ssize_t = at.shape[0]
+    step: cython.Py_ssize_t = STEP if STEP < at.shape[0] else at.shape[0]
+    n: cython.Py_ssize_t
     i: cython.Py_ssize_t
     j: cython.Py_ssize_t
     b: cython.Py_ssize_t
@@ -226,19 +244,16 @@ def search_full(
                         best = d
             limit = limit_of(best, tolerance) if best >= 0 else -1
             scale = pick_terms(
-                order, wanted, lead, planes.shape[1], width, channels, reach, stride, query, known,
-                at, value, weight,
+                order, at.shape[0], limit, lead, planes.shape[1], width, channels, reach, stride,
+                query, known, at, value, weight, cap,
             )  # fmt: skip
             nearest = 0
             for b in range(blocks.shape[0]):
+                memset(cython.address(lower[b, 0]), 0, BLOCK * 2)
                 least[b] = bounds(
-                    cython.address(planes[0, blocks[b]]),
-                    at,
-                    value,
-                    weight,
-                    wanted,
+                    cython.address(planes[0, blocks[b]]), at, value, weight, cap, 0, step,
                     cython.address(lower[b, 0]),
-                )
+                )  # fmt: skip
                 if least[b] < least[nearest]:
                     nearest = b
             count = 0
@@ -256,6 +271,13 @@ def search_full(
                     break
             cut = cut_of(limit, scale)
             for b in range(blocks.shape[0]):
+                n = step
+                while least[b] <= cut and n < at.shape[0]:
+                    least[b] = bounds(
+                        cython.address(planes[0, blocks[b]]), at, value, weight, cap, n, n + step,
+                        cython.address(lower[b, 0]),
+                    )  # fmt: skip
+                    n += step
                 if least[b] > cut:
                     continue
                 for j in range(BLOCK):

@@ -5,6 +5,7 @@ Floating point is plain double arithmetic in a fixed order, so every machine get
 """
 
 import cython
+from cython.cimports.libc.string import memset
 from cython.cimports.weft.search._coherence_kernels import coherent_places
 from cython.cimports.weft.search._exhaustive_kernels import BLOCK, bounds
 from cython.cimports.weft.search._kernels import offer
@@ -117,6 +118,7 @@ def search_half_known(
     leaves: cython.const[cython.int][::1],
     centres: cython.const[cython.int][::1],
     weight: cython.const[cython.ushort][::1],
+    cap: cython.const[cython.ushort][::1],
     chosen: cython.int[::1],
     errors: cython.longlong[::1],
     totals: cython.longlong[::1],
@@ -173,8 +175,9 @@ def search_half_known(
             count = 0
             for k in range((leaves.shape[0] + BLOCK - 1) // BLOCK):
                 b = k * BLOCK
+                memset(cython.address(lower[0]), 0, BLOCK * 2)
                 bounds(
-                    cython.address(middles[b]), at_middles, value, weight, at.shape[0],
+                    cython.address(middles[b]), at_middles, value, weight, cap, 0, at.shape[0],
                     cython.address(lower[0]),
                 )  # fmt: skip
                 for j in range(min(BLOCK, leaves.shape[0] - b)):
@@ -188,8 +191,9 @@ def search_half_known(
             worst = 65535
             for k in range(visited):
                 b = near_leaves[k]
+                memset(cython.address(lower[0]), 0, BLOCK * 2)
                 d = bounds(
-                    cython.address(planes[b * BLOCK]), at, value, weight, at.shape[0],
+                    cython.address(planes[b * BLOCK]), at, value, weight, cap, 0, at.shape[0],
                     cython.address(lower[0]),
                 )  # fmt: skip
                 if d > worst:

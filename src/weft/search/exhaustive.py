@@ -19,7 +19,8 @@ if TYPE_CHECKING:
 
 _HEAVIEST = 127  # the largest weight: times a difference it fits 16 bits
 BLOCK = 64  # as in the kernels
-_TERMS = 24  # bytes that lower bounds are made of, a multiple of 4
+_STEP = 24  # as in the kernels
+_TERMS = 96  # bytes that lower bounds are made of, a multiple of the step
 
 
 def gaussian_weights(width: int, sigma: float) -> NDArray[np.int16]:
@@ -142,7 +143,8 @@ class ExhaustiveSearch(WindowSearch):
         self.planes = np.pad(planes, ((0, 0), (lead, lead + BLOCK)))
         heaviest = np.argsort(-weights.ravel(), kind="stable")
         self.order = np.stack(np.divmod(heaviest, width), axis=1).astype(np.int32) - width // 2
-        self.terms = max(4, min(_TERMS, whole_groups(width * width * self.channels)))
+        size = width * width * self.channels
+        self.terms = whole_groups(size) if size < _STEP else min(_TERMS, size // _STEP * _STEP)
 
     def scratch(self) -> tuple[NDArray[Any], ...]:
         """See `WindowSearch.scratch`."""
@@ -151,6 +153,7 @@ class ExhaustiveSearch(WindowSearch):
             *super().scratch(),
             np.empty(self.terms, np.intp),
             np.empty(self.terms, np.int16),
+            np.empty(self.terms, np.uint16),
             np.empty(self.terms, np.uint16),
             np.empty((len(self.blocks), BLOCK), np.uint16),
             np.empty(len(self.blocks), np.uint16),

@@ -19,6 +19,7 @@ if TYPE_CHECKING:
 
 _MOST = 16  # components
 _LEAVES = 16  # of up to 64 windows each, looked at for a pixel
+_TERM = 6383  # as in the kernels
 _LEARN = 256  # windows that the components are learnt from
 #: What neighbouring pixels have beside the components is alike, so it counts more than once against
 #: what they say; of 1, 10 and 100 it was 10 that found the nearest window most often.
@@ -129,7 +130,8 @@ class HalfKnownSearch(WindowSearch):
         self.planes, self.middles = planes.ravel(), middles.ravel()
         self.at, self.at_middles = (np.arange(terms, dtype=np.intp) * n for n in (rows, columns))
         self.leaves = np.array([len(leaf) for leaf in leaves], np.int32)
-        self.weight = np.full(terms, 65535 // terms, np.uint16)
+        self.weight = np.full(terms, _TERM, np.uint16)
+        self.cap = np.full(terms, 65535, np.uint16)
 
     def scratch(self) -> tuple[NDArray[Any], ...]:
         """See `WindowSearch.scratch`."""
@@ -151,7 +153,7 @@ class HalfKnownSearch(WindowSearch):
             *canvas, self.weights, self.flat, self.windows.usable, self.windows.period,
             self.stride, self.candidates, self.mean, self.basis, self.products, self.ridge,
             self.factor, self.origin, self.planes, self.at, self.middles, self.at_middles,
-            self.leaves, self.centres, self.weight, *out, *scratch,
+            self.leaves, self.centres, self.weight, self.cap, *out, *scratch,
         ]  # fmt: skip
         kernels.search_half_known(*arguments)
 
