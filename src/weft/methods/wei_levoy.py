@@ -35,6 +35,7 @@ _WIDTH = 9
 _LEVELS = 4
 _MASKED = 8  # times the leaves where a window is known in part: it says less of where to look
 _CLOSING = 2  # passes over the border of a wrapped picture; of one, at one resolution, much is left
+_WHOLE = 4  # passes over a hole by whole windows; the paper has one, but more make stones whole
 _LEAST = 64  # pixels in one call of the kernel, where lines are shorter
 
 
@@ -228,10 +229,11 @@ class WeiLevoyModel(PixelModel):
         """What to do at a level, pass after pass."""
         leaves, passes = self.method.leaves, self.method.passes
         if growth.hole is not None:
-            # Two passes for constraints: by what is known so far, then by whole windows.
+            # Two passes for constraints: by what is known so far, then, more than once, by whole
+            # windows.
             inwards = _inwards(unknown, growth.canvas.wrap, growth.seed)
             first = _Pass(inwards, False, leaves * _MASKED)
-            return [first] + [_Pass(inwards, False, leaves)] * (1 + passes)
+            return [first] + [_Pass(inwards, False, leaves)] * (_WHOLE + passes)
         scan = np.arange(unknown.size, dtype=np.int32)
         plan = [_Pass(scan, True, leaves)] + [_Pass(scan, False, leaves)] * passes
         # A causal pass does not show the first rows to the last ones.
