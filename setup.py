@@ -34,6 +34,7 @@ KERNELS = [
     "weft.methods._wei_levoy_kernels",
     "weft.methods._ashikhmin_kernels",
     "weft.methods._exact_kernels",
+    "weft.methods._graphcut_kernels",
     "weft.methods._refinement_kernels",
 ]
 CHECKS = os.environ.get("WEFT_CHECKS") == "1"

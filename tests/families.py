@@ -79,6 +79,18 @@ _PATCH: dict[str, Any] = {
 TRIALS = {
     "patch-sampling": Trial(**_PATCH, wide={"epsilon": 2.0}),
     "quilting": Trial(**_PATCH, wide={"tolerance": 1.0}),
+    "graphcut": Trial(
+        "pixel",
+        {"candidates": 2},
+        {
+            "subpatch": {"patch_size": 8},
+            "gradient": {"patch_size": 7, "seam_cost": "gradient"},
+            "entire": {"placement": "entire"},
+            "random": {"placement": "random"},
+        },
+        window="patch_size",
+        largest=120,
+    ),
     "efros-leung": Trial(
         "pixel",
         {"window_width": 5},

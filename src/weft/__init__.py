@@ -25,6 +25,7 @@ if TYPE_CHECKING:
     from weft.methods.ashikhmin import Ashikhmin
     from weft.methods.efros_leung import EfrosLeung
     from weft.methods.exact_matching import ExactMatching
+    from weft.methods.graphcut import GraphCut
     from weft.methods.patch_sampling import PatchSampling
     from weft.methods.quilting import Quilting
     from weft.methods.refinement import Refinement
@@ -45,6 +46,7 @@ _HOME = {
     "ExactMatching": "methods.exact_matching",
     "Exemplar": "exemplar",
     "FileError": "errors",
+    "GraphCut": "methods.graphcut",
     "InvalidInputError": "errors",
     "Method": "method",
     "PatchSampling": "methods.patch_sampling",
@@ -71,6 +73,7 @@ __all__ = [
     "ExactMatching",
     "Exemplar",
     "FileError",
+    "GraphCut",
     "InvalidInputError",
     "Method",
     "PatchSampling",

@@ -222,6 +222,7 @@ class _Registry(Mapping[str, type[Method]]):
 METHODS: Mapping[str, type[Method]] = _Registry(
     patch_sampling="PatchSampling",
     quilting="Quilting",
+    graphcut="GraphCut",
     efros_leung="EfrosLeung",
     wei_levoy="WeiLevoy",
     ashikhmin="Ashikhmin",

@@ -331,6 +331,17 @@ def minimum_cut(
     return flow
 
 
-def cut_grid(arcs, source, sink, nodes, active, orphans, side):
-    """Call `minimum_cut`."""
-    return minimum_cut(arcs, source, sink, nodes, active, orphans, side)
+def cut_grid(
+    arcs: cython.const[cython.int][:, :, ::1],
+    source: cython.const[cython.int][:, ::1],
+    sink: cython.const[cython.int][:, ::1],
+    nodes: cython.int[:, ::1],
+    active: cython.int[::1],
+    orphans: cython.int[::1],
+    side: cython.uchar[:, ::1],
+):
+    """Call `minimum_cut`, beside other threads."""
+    flow: cython.longlong
+    with cython.nogil:
+        flow = minimum_cut(arcs, source, sink, nodes, active, orphans, side)
+    return flow

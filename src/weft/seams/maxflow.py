@@ -56,14 +56,16 @@ def minimum_cut(
             f"arcs, source and sink are {arcs.shape}, {shape} and {sink.shape}; "
             "they must be (H, W, 4), (H, W) and (H, W)"
         )
-    given = [np.ascontiguousarray(a, np.int32) for a in (arcs, source, sink)]
-    if source.size and (min(a.min() for a in given) < 0 or max(a.max() for a in given) > MOST):
-        raise InvalidInputError(f"capacities must be from 0 to {MOST}")
+    for given in (arcs, source, sink):
+        if given.size and (given.min() < 0 or given.max() > MOST):
+            raise InvalidInputError(f"capacities must be from 0 to {MOST}")
     height, width = shape
     count = (height + 2) * (width + 2)
     side = np.zeros(shape, np.uint8)
     value: int = _maxflow_kernels.cut_grid(
-        *given,
+        np.ascontiguousarray(arcs, np.int32),
+        np.ascontiguousarray(source, np.int32),
+        np.ascontiguousarray(sink, np.int32),
         np.empty((count, 10), np.int32),
         np.empty(count + 2, np.int32),
         np.empty(count + 2, np.int32),

@@ -327,16 +327,18 @@ def _with_defaults(
     known = {field.name for field in dataclasses.fields(method)}
     new: dict[str, Any] = {}
     size = getattr(method, "patch_size", None)
-    if "patch_size" in known and size is None:
+    whole = getattr(method, "placement", "subpatch") != "subpatch"  # no patches, the entire sample
+    if "patch_size" in known and size is None and not whole:
         size = new["patch_size"] = _patch_size(
             hole, usable, 2 * (getattr(method, "boundary_width", None) or 1)
         )
-    if getattr(method, "boundary_width", 0) is None and size and size > 1:
+    zones = known >= {"search", "boundary_width"}  # which candidates are found by
+    if zones and getattr(method, "boundary_width", 0) is None and size and size > 1:
         new["boundary_width"] = min(FILL_DEFAULTS["boundary_width"], size // 2)
     # An exhaustive search takes no number of candidates.
     for name, others in (("epsilon", set()), ("candidates", {"search"})):
         free = given is not None and not given & {name, *others}
-        if free and known >= {name, "patch_size"}:
+        if free and zones and name in known:
             new[name] = FILL_DEFAULTS[name]
     return dataclasses.replace(method, **new)
 
