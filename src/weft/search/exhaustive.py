@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 _HEAVIEST = 127  # the largest weight: times a difference it fits 16 bits
 BLOCK = 64  # as in the kernels
 _STEP = 24  # as in the kernels
-_TERMS = 96  # bytes that lower bounds are made of, a multiple of the step
+_TERMS = 168  # bytes that lower bounds are made of, a multiple of the step
 
 
 def gaussian_weights(width: int, sigma: float) -> NDArray[np.int16]:
