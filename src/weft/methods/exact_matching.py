@@ -30,7 +30,7 @@ _REGULAR = 0.4  # regularity from which on a sample is near-regular
 _WIDTH = 31  # of a window, unless the structure is larger
 _NARROW = 11  # the smallest window that is proposed where there is room
 _LEAST = 5  # pixels to a side of the coarsest level
-_PLACES = 2  # in the list of one neighbour
+_NEAR = 5  # colours, itself among them, in reach of one that occurs once
 
 
 @dataclass(frozen=True)
@@ -74,7 +74,7 @@ class ExactMatching(Method):
         "how far a colour may be off, of the sample's largest colour distance; 1 takes any",
         low=0.0,
         high=1.0,
-        default_text="0 where colours occur several times, else as far as the third pixel's",
+        default_text="0 where colours occur more than once, else as far as the nearest four",
     )
     nearest_colors: int | None = parameter(
         None,
@@ -218,14 +218,17 @@ def _settled(method: ExactMatching, exemplar: Exemplar) -> ExactMatching:
 
 
 def _proposed_tolerance(exemplar: Exemplar) -> float:
-    """Where colours hardly occur twice, as far as the third pixel's colour at half of the pixels.
+    """Where most pixels have a colour of their own, as far as the few colours nearest to it.
 
-    Each of the four lists then has three places or more, and a pixel about a dozen candidates.
+    Each of the four lists then has some places, and a pixel 10 to 30 candidates. Where colours
+    occur twice or more, a tolerance costs time and mends nothing.
     """
     windows = windows_of(exemplar, (0, 0, 0, 0))
     index = ColorIndex(windows.pixels, windows.usable)
     number = index.number[windows.usable > 0]
     often = np.bincount(number, minlength=len(index.colors))
-    radius = np.where(often >= _PLACES, 0, index.reach(_PLACES))[number]
-    middle = int(np.sort(radius)[len(radius) // 2])
+    once = often[number] == 1
+    if 2 * once.sum() < len(once):
+        return 0.0
+    middle = int(np.sort(np.where(once, index.reach(_NEAR)[number], 0))[len(once) // 2])
     return float(np.ceil(np.sqrt(middle / max(index.span, 1)) * 1e4) / 1e4)
