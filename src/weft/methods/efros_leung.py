@@ -13,8 +13,8 @@ from weft.method import Method, parameter
 from weft.methods import _efros_leung_kernels as kernels
 from weft.methods.pixel_growth import PixelModel, settle_window
 from weft.random import draw
-from weft.search.half_known import HalfKnownSearch
 from weft.search.exhaustive import ExhaustiveSearch, gaussian_weights
+from weft.search.half_known import HalfKnownSearch
 from weft.search.windows import windows_of
 
 if TYPE_CHECKING:
@@ -133,9 +133,8 @@ class EfrosLeungModel(PixelModel):
         source, done = growth.source.reshape(-1), growth.done.reshape(-1)
         levels = growth.levels.reshape(done.size, -1)
         pixels = self.windows.pixels.reshape(-1, levels.shape[1])
-        layer = self._unfilled_neighbours(growth, np.flatnonzero(done))
         with _Waves(self, growth) as waves:
-            while layer.size:
+            while (layer := _front(growth)).size:
                 lowest = np.inf
                 for wave, bits in waves.of(layer):
                     chosen, errors = waves.search(wave, bits)
@@ -148,9 +147,6 @@ class EfrosLeungModel(PixelModel):
                     progress.advance(len(at))
                 while threshold < lowest:
                     threshold *= _RISE
-                waiting = done[layer] == 0
-                fresh = self._unfilled_neighbours(growth, layer[~waiting])
-                layer = np.union1d(layer[waiting], fresh).astype(np.int32)
 
     def _plant(self, growth: Growth) -> None:
         """Lay a random piece of the sample into the middle."""
@@ -166,24 +162,14 @@ class EfrosLeungModel(PixelModel):
         growth.source[at], growth.done[at] = piece, 1
         growth.levels[at] = self.windows.pixels.reshape(-1, growth.levels.shape[2])[piece]
 
-    def _unfilled_neighbours(
-        self, growth: Growth, filled: NDArray[np.integer]
-    ) -> NDArray[np.int32]:
-        """The pixels beside those filled that are yet to be made."""
-        away = np.array([-1, 0, 1])
-        y, x = np.divmod(filled, growth.canvas.width)
-        rows, columns = np.broadcast_arrays(
-            y[:, None, None] + away[:, None], x[:, None, None] + away
-        )
-        inside = np.ones(rows.shape, bool)
-        for at, length, wraps in zip(
-            (rows, columns), growth.canvas.shape, growth.canvas.wrap, strict=True
-        ):
-            inside &= wraps | ((at >= 0) & (at < length))
-        rows, columns = rows[inside] % growth.canvas.height, columns[inside] % growth.canvas.width
-        places = np.unique(rows * growth.canvas.width + columns)
-        result: NDArray[np.int32] = places[growth.done.reshape(-1)[places] == 0].astype(np.int32)
-        return result
+
+def _front(growth: Growth) -> NDArray[np.int32]:
+    """Unfilled pixels with filled neighbours."""
+    near = growth.done
+    for wraps in growth.canvas.wrap:  # along columns, and turned over along rows
+        wide = np.pad(near, ((1, 1), (0, 0)), mode="wrap" if wraps else "constant")
+        near = (wide[:-2] | wide[1:-1] | wide[2:]).T
+    return np.flatnonzero(near > growth.done).astype(np.int32)
 
 
 class _Waves:
