@@ -12,7 +12,7 @@ ROOT = Path(__file__).parent.parent / "src" / "weft"
 #: From the top down; a module may import from its own level and from those below.
 LEVELS = [
     ["__main__", "cli"],
-    ["options", "terminal"],
+    ["options", "terminal", "pictures"],
     ["tasks"],
     ["quality"],
     ["methods"],

@@ -33,6 +33,7 @@ if TYPE_CHECKING:
     from weft.synthesis import Synthesis
     from weft.tasks.analyze import analyze
     from weft.tasks.fill import fill
+    from weft.tasks.fuse import fuse
     from weft.tasks.synthesize import load_exemplar, synthesize
 
 __version__ = "0.1.0"
@@ -58,6 +59,7 @@ _HOME = {
     "WeiLevoy": "methods.wei_levoy",
     "analyze": "tasks.analyze",
     "fill": "tasks.fill",
+    "fuse": "tasks.fuse",
     "load_exemplar": "tasks.synthesize",
     "read_image": "io",
     "synthesize": "tasks.synthesize",
@@ -85,6 +87,7 @@ __all__ = [
     "WeiLevoy",
     "analyze",
     "fill",
+    "fuse",
     "load_exemplar",
     "read_image",
     "synthesize",

@@ -6,24 +6,28 @@ import os
 import sys
 from contextlib import suppress
 from time import perf_counter
-from typing import TYPE_CHECKING, Any, NoReturn
+from typing import Any, NoReturn
 
 from weft.errors import InvalidInputError, WeftError, did_you_mean
-from weft.options import Parser, add_huge, add_limits, parameters_of, parse_size, parse_task
+from weft.options import (
+    Parser,
+    add_huge,
+    add_limits,
+    parameters_of,
+    parse_colors,
+    parse_mixed,
+    parse_size,
+    parse_task,
+)
+from weft.pictures import load, open_sample, report, settings, write
 from weft.terminal import Bar, Outputs, Stopped, run, say
-
-if TYPE_CHECKING:
-    import argparse
-
-    from weft.exemplar import Exemplar
-    from weft.io import Picture
-    from weft.synthesis import Synthesis
 
 _ABOUT = """\
 usage: weft COMMAND ...      (weft COMMAND --help says more)
 
   synth     make a picture of any size from a sample of a material
   fill      fill holes of a photo
+  fuse      merge several materials where a map says
   replay    lay a saved result again with another map of the same sample
   analyze   say what a sample is like: its scale, its colours, whether it tiles
   methods   list the methods, or the parameters of one
@@ -52,10 +56,22 @@ examples:
   weft fill photo.png --mask hole.png -o whole.png --sample grass.png
   weft fill stone_wall/ --mask hole.png -o whole/   a folder of aligned maps
 """
+_FUSE_ABOUT = """\
+Make a picture of several materials that merge where a map says. The map has one colour for each
+sample: those of --colors, or in the order in which they appear, from the upper left corner row by
+row. The map 'gradient' goes over from the first of two samples to the second, from top to bottom.\
+"""
+_FUSE = """\
+examples:
+  weft fuse clover.png grape.png plum.png --map map.png -o field.png
+  weft fuse clover.png grape.png --map map.png --colors '#ff0000,#0000ff' -o field.png
+  weft fuse purple.png yellow.png --map gradient --size 400x400 -o beans.png
+"""
 _REPLAY = """\
 examples:
   weft replay wall.npz normal_16bit.png -o wall_normal.png
   weft replay filled.npz height.exr -o filled_height.exr --background photo_height.exr
+  weft replay field.npz clover_height.png grape_height.png plum_height.png -o field_height.png
 """
 _ANALYZE = """\
 examples:
@@ -114,87 +130,9 @@ def main(argv: list[str] | None = None) -> int:
     return 2
 
 
-def _load(path: str, args: argparse.Namespace) -> tuple[Exemplar, dict[str, Picture]]:
-    """Read a picture, or a folder of maps, and what each one was stored as."""
-    from weft import io
-    from weft.tasks.synthesize import exemplar_of_maps
-
-    limit = None if args.allow_huge else io.MAX_PIXELS
-    if io.is_folder(path):
-        pictures = io.read_maps(path, max_pixels=limit)
-    else:
-        pictures = {os.path.basename(path): io.read_image(path, max_pixels=limit)}
-    return exemplar_of_maps(pictures), pictures
-
-
-def _open(
-    path: str, args: argparse.Namespace, outputs: Outputs
-) -> tuple[Exemplar, dict[str, Picture], dict[str, str]]:
-    """Read the sample, and say where each of its pictures goes; all is checked before any work."""
-    from weft import io
-
-    folder = io.is_folder(path)
-    if args.save_source is not None:
-        io.check_output(args.save_source, suffixes=(".npz",))
-    if folder:
-        outputs.make_folder(args.output)
-    else:
-        io.check_output(args.output)
-    exemplar, pictures = _load(path, args)
-    targets = {}
-    for name, picture in pictures.items():
-        file = os.path.basename(picture.path)
-        targets[name] = os.path.join(args.output, file) if folder else args.output
-        io.check_output(targets[name], picture.pixels, alpha=picture.alpha)
-    return exemplar, pictures, targets
-
-
-def _write(
-    result: Synthesis,
-    exemplar: Exemplar,
-    pictures: dict[str, Picture],
-    targets: dict[str, str],
-    args: argparse.Namespace,
-    outputs: Outputs,
-) -> None:
-    from weft.exemplar import Exemplar
-    from weft.io import write_image
-
-    for name, picture in pictures.items():
-        if name == exemplar.name:
-            pixels = result.image
-        else:
-            pixels = result.render(Exemplar(picture.pixels, alpha=picture.alpha, name=name))
-        temporary = outputs.add(targets[name])
-        write_image(temporary, pixels, alpha=picture.alpha, icc=picture.icc)
-    if args.save_source is not None:
-        result.save(outputs.add(args.save_source))
-
-
-def _report(args: argparse.Namespace, result: Synthesis, what: str, start: float) -> str:
-    used, took = result.provenance, perf_counter() - start
-    if "window_width" in used:
-        looked = f"window width {used['window_width']}"
-    else:
-        looked = f"patch size {used['patch_size'] or max(result.arrays()['weights'].shape[1:])}"
-    hole = result.canvas.hole
-    area = result.shape[0] * result.shape[1] if hole is None else int(hole.sum())
-    return (
-        f"{what} {args.output} with {used['method']}, {looked}, seed {used['seed']}, "
-        f"in {took:.2f} s ({area / took / 1e6:.3g} megapixels/s)"
-    )
-
-
 def _finish(message: str, quiet: bool) -> None:
     if not quiet:
         say(message)
-
-
-def _settings(args: argparse.Namespace, bar: Bar) -> dict[str, Any]:
-    """What all tasks take; a seed that is drawn here is short enough to be typed again."""
-    seed = int.from_bytes(os.urandom(4), "little") if args.seed is None else args.seed
-    tileable = True if args.tileable == "xy" else args.tileable or False
-    return {"seed": seed, "tileable": tileable, "threads": args.threads, "progress": bar}
 
 
 def _synth(argv: list[str]) -> None:
@@ -211,16 +149,15 @@ def _synth(argv: list[str]) -> None:
     def work(bar: Bar, outputs: Outputs) -> str:
         from weft.tasks.synthesize import synthesize
 
-        exemplar, pictures, targets = _open(args.sample, args, outputs)
-        guide = None if args.guide is None else _load(args.guide, args)[0]
+        exemplar, pictures, targets = open_sample(args.sample, args, outputs)
+        guide = None if args.guide is None else load(args.guide, args)[0]
         size_made = size or (2 * exemplar.shape[0], 2 * exemplar.shape[1])
         if guide is not None:
             size_made = size or guide.shape
-        settings = _settings(args, bar)
-        result = synthesize(exemplar, size_made, method=chosen, guide=guide, **settings)
-        _write(result, exemplar, pictures, targets, args, outputs)
+        result = synthesize(exemplar, size_made, method=chosen, guide=guide, **settings(args, bar))
+        write(result, exemplar, pictures, targets, args, outputs)
         what = f"made {result.shape[1]}x{result.shape[0]}"
-        return _report(args, result, what, start)
+        return report(args, result, what, start)
 
     _finish(run(work, args.quiet), args.quiet)
 
@@ -238,16 +175,53 @@ def _fill(argv: list[str]) -> None:
         from weft import io
         from weft.tasks.fill import fill
 
-        photo, pictures, targets = _open(args.photo, args, outputs)
+        photo, pictures, targets = open_sample(args.photo, args, outputs)
         mask = io.read_mask(args.mask, max_pixels=None if args.allow_huge else io.MAX_PIXELS)
-        sample = None if args.sample is None else _load(args.sample, args)[0]
+        sample = None if args.sample is None else load(args.sample, args)[0]
         result = fill(
-            photo, mask, sample=sample, method=args.method, **_settings(args, bar), **parameters
+            photo, mask, sample=sample, method=args.method, **settings(args, bar), **parameters
         )
-        _write(result, photo, pictures, targets, args, outputs)
+        write(result, photo, pictures, targets, args, outputs)
         if not mask.any():
             return f"the mask covers nothing; {args.output} is the photo unchanged"
-        return _report(args, result, f"filled {int(mask.sum())} pixels of", start)
+        return report(args, result, f"filled {int(mask.sum())} pixels of", start)
+
+    _finish(run(work, args.quiet), args.quiet)
+
+
+def _fuse(argv: list[str]) -> None:
+    start = perf_counter()
+    parser = Parser("fuse", _FUSE_ABOUT, _FUSE)
+    parser.add_argument("samples", metavar="SAMPLE", nargs="+", help="pictures, or sample:NAME")
+    parser.add_argument("--map", metavar="M", required=True, help="picture, or 'gradient'")
+    text = "the map's colour for each sample, as #rrggbb or a grey level"
+    parser.add_argument("--colors", metavar="C,C,...", help=text)
+    text = "further colours, of regions where two samples are mixed, as #rrggbb=1+2"
+    parser.add_argument("--mixed", metavar="C=A+B,...", help=text)
+    parser.add_argument("--size", metavar="WxH|N", help="in pixels; default: the map's")
+    args, method, parameters = parse_task(parser, argv, "refinement")
+    size = None if args.size is None else parse_size(args.size, args.allow_huge)
+    colors = None if args.colors is None else parse_colors(args.colors)
+    mixed = None if args.mixed is None else parse_mixed(args.mixed)
+    chosen = method(**parameters)
+
+    def work(bar: Bar, outputs: Outputs) -> str:
+        from weft import io
+        from weft.tasks.fuse import fuse
+
+        io.check_output(args.output)
+        samples, pictures = zip(*(load(path, args) for path in args.samples), strict=True)
+        first = pictures[0][samples[0].name]
+        io.check_output(args.output, first.pixels, alpha=first.alpha)
+        label_map = args.map
+        if label_map != "gradient":
+            label_map = io.read_image(label_map).pixels
+        named: dict[str, Any] = {"colors": colors, "mixed": mixed}
+        result = fuse(samples, label_map, size, method=chosen, **named, **settings(args, bar))
+        assert result.exemplar is not None
+        own = {result.exemplar.name: first}
+        write(result, result.exemplar, own, {result.exemplar.name: args.output}, args, outputs)
+        return report(args, result, f"fused {len(samples)} samples in", start)
 
     _finish(run(work, args.quiet), args.quiet)
 
@@ -257,7 +231,8 @@ def _replay(argv: list[str]) -> None:
     parser = Parser("replay", "Lay a saved result again with another map of its sample.", _REPLAY)
     add = parser.add_argument
     add("source", metavar="F.npz", help="what --save-source saved")
-    add("map", metavar="MAP", help="of the sample's size, or an integer multiple of it")
+    text = "of the sample's size, or an integer multiple of it; of a fusion one for each sample"
+    add("maps", metavar="MAP", nargs="+", help=text)
     add("-o", "--output", metavar="OUT", required=True, help="file to write")
     add("--background", metavar="PHOTO", help="this map of a photo that another sample filled")
     add_limits(parser)
@@ -271,9 +246,20 @@ def _replay(argv: list[str]) -> None:
         io.check_output(args.output)
         result = Synthesis.load(args.source)
         limit = None if args.allow_huge else io.MAX_PIXELS
-        picture = io.read_image(args.map, max_pixels=limit)
+        read = [io.read_image(path, max_pixels=limit) for path in args.maps]
+        picture = read[0]
         io.check_output(args.output, picture.pixels, alpha=picture.alpha)
-        given = Exemplar(picture.pixels, alpha=picture.alpha, name=os.path.basename(args.map))
+        given = Exemplar(picture.pixels, alpha=picture.alpha, name=os.path.basename(args.maps[0]))
+        if len(read) > 1:
+            from weft.tasks.fuse import stack
+
+            names = [os.path.basename(path) for path in args.maps]
+            given = stack(
+                [
+                    Exemplar(p.pixels, alpha=p.alpha, name=name)
+                    for p, name in zip(read, names, strict=True)
+                ]
+            )
         around = None
         if args.background is not None:
             around = io.read_image(args.background, max_pixels=limit).pixels
@@ -293,7 +279,7 @@ def _analyze(argv: list[str]) -> None:
     args = parser.parse(argv)
     from weft.tasks.analyze import analyze
 
-    found = analyze(_load(args.sample, args)[0])
+    found = analyze(load(args.sample, args)[0])
     if args.json:
         import json
 
@@ -331,6 +317,7 @@ def _samples(argv: list[str]) -> None:
 _COMMANDS = {
     "synth": _synth,
     "fill": _fill,
+    "fuse": _fuse,
     "replay": _replay,
     "analyze": _analyze,
     "methods": _methods,

@@ -57,12 +57,12 @@ def add_limits(parser: Parser) -> None:
 
 
 def parse_task(
-    parser: Parser, argv: list[str]
+    parser: Parser, argv: list[str], default: str = "patch-sampling"
 ) -> tuple[argparse.Namespace, type[Method], dict[str, Any]]:
     """Parse what all tasks take, and the parameters of the chosen method."""
     add = parser.add_argument
     add("-o", "--output", metavar="OUT", required=True, help="file, or folder, to write")
-    add("--method", default="patch-sampling", metavar="NAME", help="see 'weft methods'")
+    add("--method", default=default, metavar="NAME", help="see 'weft methods'")
     add("--seed", type=int, metavar="N", help="the same seed gives the same bytes")
     text = "repeats without a seam, along both axes or one"
     add("--tileable", nargs="?", choices=("xy", "x", "y"), metavar="x|y", help=text)
@@ -73,7 +73,7 @@ def parse_task(
     pairs = zip(argv, [*argv[1:], ""], strict=False)
     argv = [a if a != "--tileable" or b in ("x", "y") else "--tileable=xy" for a, b in pairs]
     chooser = argparse.ArgumentParser(add_help=False, allow_abbrev=False, exit_on_error=False)
-    chooser.add_argument("--method", default="patch-sampling", nargs="?")
+    chooser.add_argument("--method", default=default, nargs="?")
     name = chooser.parse_known_args(argv)[0].method or ""
     from weft.method import METHODS
 
@@ -133,3 +133,32 @@ def parse_size(text: str, huge: bool) -> tuple[int, int]:
             f"--size is '{text}', more than {_HUGE} pixels; --allow-huge makes it anyway"
         )
     return height, width
+
+
+def parse_colors(text: str) -> list[tuple[int, ...]]:
+    """Colours from '#rrggbb,#rrggbb,...' or grey levels '0,255,...', for maps of 8 bits."""
+    return [_color(word.strip()) for word in text.split(",")]
+
+
+def parse_mixed(text: str) -> dict[tuple[int, ...], tuple[int, int]]:
+    """Colours of mixed regions from '#rrggbb=1+2,...'; samples count from 1."""
+    mixed = {}
+    for word in text.split(","):
+        color, _, pair = word.partition("=")
+        try:
+            first, second = (int(number) - 1 for number in pair.split("+"))
+        except ValueError:
+            raise InvalidInputError(
+                f"--mixed has '{word.strip()}'; it must be a colour and two samples, #rrggbb=1+2"
+            ) from None
+        mixed[_color(color.strip())] = first, second
+    return mixed
+
+
+def _color(word: str) -> tuple[int, ...]:
+    try:
+        if word.startswith("#") and len(word) == 7:
+            return tuple(bytes.fromhex(word[1:]))
+        return (int(word),)
+    except ValueError:
+        raise InvalidInputError(f"'{word}' is no colour; it must be #rrggbb or a level") from None
