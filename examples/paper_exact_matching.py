@@ -2,7 +2,7 @@
 
 python examples/paper_exact_matching.py EXPERIMENT -o FOLDER
 
-Experiments that draw a picture: fig6 fig7 fig8 fig10 fig13; that print a table and write it as
+Experiments that draw a picture: fig6 fig7 fig8 fig10 fig13 levels; that print a table and write it as
 Markdown: table1 fig9 grouping; `all` runs every one. M. Sabha, P. Peers and P. Dutré, Texture
 synthesis using exact neighborhood matching, Computer Graphics Forum 26(2), 2007.
 Needs Pillow beside weft: pip install 'weft[test]'.
@@ -110,7 +110,7 @@ def fig6(folder: Path, suffix: str) -> None:
         if n % 2 == 0:
             rows.append([])
         made = weft.synthesize(
-            pixels, 300, method="exact-matching", window_width=width, seed=1
+            pixels, 256, method="exact-matching", window_width=width, seed=1
         ).image
         rows[-1] += [(f"({label}) {pixels.shape[1]} px", pixels), (f"window {width}", made)]
     sheet(folder / f"fig6_exact_matching{suffix}", rows)
@@ -226,8 +226,22 @@ def fig13(folder: Path, suffix: str) -> None:
     sheet(folder / f"fig13_exact_matching{suffix}", rows)
 
 
+def levels(folder: Path, suffix: str) -> None:
+    """The paper's future work: multi-resolution, with windows of 15 pixels at each level."""
+    rows = []
+    for name in ("bricks", "tiles", "leaves"):
+        pixels = crop(name, 192)
+        row = [("sample", pixels)]
+        for count in (1, 2, 3):
+            method = weft.ExactMatching(window_width=15, levels=count)
+            made = method.fit(weft.Exemplar(pixels)).sample(240, seed=1).image
+            row.append((f"levels {count}", made))
+        rows.append(row)
+    sheet(folder / f"levels_exact_matching{suffix}", rows)
+
+
 FIGURES: dict[str, Callable[[Path, str], None]] = {
-    f.__name__: f for f in (fig6, fig7, fig8, fig10, fig13)
+    f.__name__: f for f in (fig6, fig7, fig8, fig10, fig13, levels)
 }
 TABLES: dict[str, Callable[[], Table]] = {f.__name__: f for f in (table1, fig9, grouping)}
 
