@@ -1658,7 +1658,9 @@ class GraphCutTwin:
         cost, slope = 510 * channels, 0
         if costs:
             cost, slope = (int(sum(part) * 2 // len(part)) for part in (costs, steep))
-        return 256 * cost // (slope + 8 * channels) if self.method.seam_cost == "gradient" else cost
+        return (
+            256 * cost // (slope + 32 * channels) if self.method.seam_cost == "gradient" else cost
+        )
 
     def cut(self, box, patch):
         """Which pixels a patch replaces, and what the seams cost then: SciPy's minimum cut.
@@ -1994,3 +1996,338 @@ def least_labelling(unary, arc):
     reached = set(breadth_first_order(residual, count, return_predecessors=False).tolist())
     value = flow.flow_value + sum(u for u in unary if u < 0)
     return [i in reached for i in range(count)], int(value)
+
+
+# Iterative refinement (sections 3, 5 and 6 of the paper on texture refinement and fusion)
+
+
+def grid_points(length, wraps, spacing):
+    """Where seed points lie along an axis; on one that goes around they are spread evenly."""
+    if not wraps:
+        return list(range(0, length, spacing))
+    count = max(1, round(length / spacing))
+    return [i * length // count for i in range(count)]
+
+
+def seed_points(pixels, mask, shape, wrap, spacing, matches, seed):
+    """Stochastic tiling with unit tiles (Fig. 5): {(y, x) of the output: (y, x) of the sample}."""
+    usable = [tuple(at) for at in np.argwhere(mask).tolist()]
+    top, left = min(y for y, _ in usable), min(x for _, x in usable)
+    tiles = []
+    for y, x in usable:
+        corners = [(y + dy, x + dx) for dy in (0, spacing) for dx in (0, spacing)]
+        if (y - top) % spacing == 0 and (x - left) % spacing == 0 and set(corners) <= set(usable):
+            tiles.append(corners)
+    rows, columns = (grid_points(*axis, spacing) for axis in zip(shape, wrap, strict=True))
+    points = {}
+    for i, j in np.ndindex(len(rows), len(columns)):
+        bits = random_bits(seed, "seed point", i, j)
+        if not tiles:
+            points[i, j] = usable[bits % len(usable)]
+            continue
+        slot = [(i + di, j + dj) for di in (0, 1) for dj in (0, 1)]
+        slot = [(v % len(rows) if wrap[0] else v, u) for v, u in slot]
+        slot = [(v, u % len(columns) if wrap[1] else u) for v, u in slot]
+        there = [k for k in range(4) if slot[k] in points]
+        unlike = [
+            sum(((pixels[tile[k]].astype(int) - pixels[points[slot[k]]]) ** 2).sum() for k in there)
+            for tile in tiles
+        ]
+        ranked = sorted(range(len(tiles)), key=lambda n: unlike[n])
+        ranked = ranked[:matches] if there else ranked
+        tile = tiles[ranked[bits % len(ranked)]]
+        for k in range(4):
+            points.setdefault(slot[k], tile[k])
+    return {
+        (rows[i], columns[j]): place
+        for (i, j), place in points.items()
+        if i < len(rows) and j < len(columns)
+    }
+
+
+def nearest_centre(centres, y, x):
+    """The centre nearest to (y, x) along the nearest row that has any; the first of equals."""
+    row = min(sorted({v for v, _ in centres}), key=lambda v: abs(v - y))
+    return row, min(sorted(u for v, u in centres if v == row), key=lambda u: abs(u - x))
+
+
+def window_at(pixels, y, x, reach):
+    """The window around a pixel of a sample, around its borders where it tiles."""
+    rows, columns = np.arange(y - reach, y + reach + 1), np.arange(x - reach, x + reach + 1)
+    return pixels[np.ix_(rows % len(pixels), columns % pixels.shape[1])].astype(int)
+
+
+def similar_places(pixels, centres, reach, count, candidates):
+    """For each centre the places most like it; `candidates` says which are compared with it.
+
+    Nothing within two pixels of it; of places so near to each other the best.
+    """
+
+    def near(one, other):
+        return max(abs(one[0] - other[0]), abs(one[1] - other[1])) <= 2
+
+    result = {}
+    for centre in centres:
+        here, found = window_at(pixels, *centre, reach), []
+        for place in candidates(centre) if count else []:
+            if near(place, centre):
+                continue
+            entry = int(((window_at(pixels, *place, reach) - here) ** 2).sum()), place
+            rivals = [k for k, (_, other) in enumerate(found) if near(place, other)]
+            if len(found) == count and entry[0] >= found[-1][0]:
+                continue
+            if rivals:
+                if entry[0] >= found[rivals[0]][0]:
+                    continue
+                del found[rivals[0]]
+            found = sorted([*found, entry], key=lambda e: e[0])[:count]
+        result[centre] = [place for _, place in found]
+    return result
+
+
+class RefinedLevel:
+    """A sample at one resolution, for `refinement`."""
+
+    def __init__(self, exemplar, pixels, mask, number, reach, scale):
+        self.exemplar, self.pixels, self.number, self.reach = exemplar, pixels, number, reach
+        self.shape, self.tileable, self.mask = mask.shape, exemplar.tileable, mask
+        self.centres = window_centres(mask, [reach] * 4, exemplar.tileable)
+        self.centre_set = set(self.centres)
+        self.side = max(1, round(scale / 2**number))
+        self.offset = reach if exemplar.tileable else 0
+        self.similar = {}
+
+    def find_similar(self, count, coarser_level):
+        """Fill `similar`: exactly on the coarsest level, then around parents' similar places."""
+        if coarser_level is None:
+            step = -(-(len(self.centres) ** 2) // 2**24)
+
+            def candidates(centre):
+                return self.centres[::step]
+        else:
+
+            def candidates(centre):
+                y, x = centre
+                parent = nearest_centre(coarser_level.centres, y // 2, x // 2)
+                around = [
+                    (2 * v + y % 2 + dy, 2 * u + x % 2 + dx)
+                    for v, u in coarser_level.similar[parent]
+                    for dy in (-1, 0, 1)
+                    for dx in (-1, 0, 1)
+                ]
+                return [place for place in around if place in self.centre_set]
+
+        self.similar = similar_places(self.pixels, self.centres, self.reach, count, candidates)
+
+    def cell(self, place):
+        """The square of the sample that a place lies in."""
+        return tuple((k + self.offset) // self.side for k in place)
+
+
+def turned_lines(unknown, turn, cyclic, to_and_fro):
+    """Pixels line by line in the order of an iteration."""
+    height, width = unknown.shape
+    if cyclic and turn % 2:
+        lines = [[(y, x) for y in range(height)] for x in range(width)]
+    else:
+        lines = [[(y, x) for x in range(width)] for y in range(height)]
+    lines = [[at for at in line if unknown[at]] for line in lines]
+    lines = [line for line in lines if line]
+    backwards = turn % 4 > 1 if cyclic else turn % 2 and to_and_fro
+    return [line[::-1] for line in lines[::-1]] if backwards else lines
+
+
+def refinement(method, exemplar, canvas, seed, start=None, components=None):
+    """Refine a canvas from coarse to fine; (H, W, 2) sources, -1 for known pixels.
+
+    `method` is settled; `start` the sources of the other method's result; `components` those of
+    the fast code, which its tests compare with their definition.
+    """
+    width, coherent = method.window_width, method.search == "coherent"
+    reach = min(3, width // 2) if coherent else width // 2
+    depth = 1
+    while coherent and (2 * reach + 1) * 2 ** (depth - 1) < width:
+        if min(exemplar.shape) // 2**depth < 24:
+            break
+        depth += 1
+    tiles = (exemplar.tileable,) * 2
+    pixels = exemplar.matching()
+    mask = np.ones(exemplar.shape, bool) if exemplar.mask is None else exemplar.mask
+    levels = []
+    for number in range(depth):
+        level = RefinedLevel(exemplar, pixels, mask, number, reach, max(1, width // 2))
+        if level.centres:
+            levels.append(level)
+        pixels, mask = coarser(pixels, tiles), coarser_mask(mask, tiles)
+    for number in range(len(levels) - 1, -1, -1):
+        finer = number < len(levels) - 1
+        if coherent:
+            count = min(method.similar, 1) if finer else method.similar
+            levels[number].find_similar(count, levels[number + 1] if finer else None)
+    picture = np.zeros((*canvas.shape, exemplar.matching().shape[2]), np.uint8)
+    hole = np.ones(canvas.shape, bool) if canvas.hole is None else canvas.hole
+    picture[~hole] = exemplar.as_matching(canvas.known)[~hole] if not hole.all() else 0
+    stack = [(picture, ~hole)]
+    for _ in levels[1:]:
+        stack.append((coarser(stack[-1][0], canvas.wrap), coarser_mask(stack[-1][1], canvas.wrap)))
+    below = None
+    for level, (picture, known) in list(zip(levels, stack, strict=True))[::-1]:
+        coarsest = below is None
+        step = 2**level.number
+        source = [[None] * known.shape[1] for _ in range(known.shape[0])]
+        if coarsest and method.init == "seeds":
+            spacing = max(1, round(max(1, width // 2) / (step * method.seed_density)))
+            points = seed_points(
+                level.pixels, level.mask, known.shape, canvas.wrap, spacing, method.matches, seed
+            )
+            for (y, x), place in points.items():
+                source[y][x] = place
+        for y, x in np.ndindex(known.shape):
+            if coarsest and method.init != "seeds":
+                v, u = (int(k) for k in start[y * step, x * step])
+                source[y][x] = None if v < 0 else (v // step, u // step)
+            elif not coarsest and not known[y, x]:  # whose parents are not known either
+                v, u = below[y // 2][x // 2]
+                source[y][x] = 2 * v + y % 2, 2 * u + x % 2
+            if known[y, x]:
+                source[y][x] = None
+                if canvas.known_from is not None:
+                    v, u = y * step + canvas.known_from[0], x * step + canvas.known_from[1]
+                    source[y][x] = v // step, u // step
+            if source[y][x] is not None and (not coarsest or method.init != "seeds" or known[y, x]):
+                source[y][x] = nearest_centre(level.centres, *source[y][x])
+        done = np.array([[s is not None for s in row] for row in source]) | known
+        for y, x in np.argwhere(done & ~known):
+            picture[y, x] = level.pixels[source[y][x]]
+        rounds = method.iterations * (2 if coherent else 1)
+        rounds = rounds if coarsest else max(1, method.iterations // 2)
+        cyclic = canvas.hole is not None and not hole.all()
+        sweep = _coherent_sweep if coherent else _component_sweep
+        usage = {}
+        for y, x in np.argwhere(done & ~known):
+            usage[level.cell(source[y][x])] = usage.get(level.cell(source[y][x]), 0) + 1
+        for turn in range(rounds):
+            before, there = picture.copy(), done.copy()
+            above = len(levels) - 1 - levels.index(level)
+            for line in turned_lines(~known, turn, cyclic, coherent):
+                sweep(
+                    method, level, canvas, seed, picture, done, source, ~known, line, turn,
+                    cyclic, usage, above, components,
+                )  # fmt: skip
+            if turn >= (3 if cyclic else 1):
+                ratios = []
+                for at in zip(*np.nonzero(~known), strict=True):
+                    old, new = before[at].astype(int), picture[at].astype(int)
+                    away = math.sqrt(((new - old) ** 2).sum() / max((old**2).sum(), 1))
+                    ratios.append(round(away * 2**20) if there[at] else 2**20)
+                if sum(ratios) / 2**20 / len(ratios) < method.threshold:
+                    break
+        below = source
+    result = np.full((*canvas.shape, 2), -1)
+    for y, x in np.argwhere(hole):
+        result[y, x] = below[y][x]
+    return result
+
+
+def _known_distance(level, picture, y, x, known, place):
+    """Sum of squared differences over the known pixels of a window."""
+    total = 0
+    for dy, dx in known:
+        here = picture[(y + dy) % len(picture), (x + dx) % picture.shape[1]].astype(int)
+        v, u = (place[0] + dy) % level.shape[0], (place[1] + dx) % level.shape[1]
+        total += int(((level.pixels[v, u] - here) ** 2).sum())
+    return total
+
+
+def _settle(level, picture, done, source, y, x, place):
+    source[y][x], done[y, x], picture[y, x] = place, True, level.pixels[place]
+
+
+def _coherent_sweep(
+    method, level, canvas, seed, picture, done, source, unknown, line, turn, cyclic, usage, above,
+    components,
+):  # fmt: skip
+    weight = round(1024 * method.evenness / 2**above)
+    wanted = int(unknown.sum())
+    share = max(1.0, wanted / len(level.centres))
+    room = {}
+    for place in level.centres:
+        room[level.cell(place)] = room.get(level.cell(place), 0) + 1
+    tried = []
+    if above == 0 and turn == 0:
+        count = max(2**23 // wanted, 64)
+        first = line[0][0] * picture.shape[1] + line[0][1]
+        tried = [
+            level.centres[random_bits(seed, "tried place", first, k) % len(level.centres)]
+            for k in range(count if count < len(level.centres) else 0)
+        ] or level.centres
+    for y, x in line:
+        own = source[y][x]
+        beside = known_window(done, y, x, canvas.wrap, [min(1, level.reach)] * 4)
+        places = coherent_places(source, y, x, beside, level, level.centre_set)
+        places = [p for p in [own, *places] if p in level.centre_set]
+        places += [other for p in dict.fromkeys(places) for other in level.similar[p]]
+        known = known_window(done, y, x, canvas.wrap, [level.reach] * 4)
+        best = None
+        for place in [*places, *tried]:
+            cell = level.cell(place)
+            capacity = max(1, int(room[cell] * share))
+            over = usage.get(cell, 0) - capacity
+            factor = 256 + min(weight * over // capacity, 2**14) if over > 0 else 256
+            cost = _known_distance(level, picture, y, x, known, place) * factor
+            if best is None or cost < best[0]:
+                best = cost, place
+        if best is None:
+            continue
+        if own is not None:
+            usage[level.cell(own)] = usage.get(level.cell(own), 0) - 1
+        usage[level.cell(best[1])] = usage.get(level.cell(best[1]), 0) + 1
+        _settle(level, picture, done, source, y, x, best[1])
+
+
+def component_coordinates(window, known, components, reach):
+    """Coordinates of a window, (width, width, K), of which the known steps count."""
+    mean = components.mean.astype(int)
+    channels, width = len(mean), 2 * reach + 1
+    basis = components.basis.astype(int).reshape(width, -1, width, channels)
+    result = []
+    for d in range(basis.shape[1]):
+        total = 0
+        for dy, dx in known:
+            row = basis[reach + dy, d, reach + dx]
+            total += int((row * (window[reach + dy, reach + dx] - mean)).sum())
+        scale = (width * width - 1) * channels * 256 // (len(known) * channels) if known else 0
+        level = int((basis[:, d] * mean).sum())
+        value = ((total * scale + 128) >> 8) + level - int(components.offset[d])
+        value = (value + (2**components.shift >> 1)) >> components.shift
+        result.append(min(max(value, -4095), 4095))
+    return result
+
+
+def _component_sweep(
+    method, level, canvas, seed, picture, done, source, unknown, line, turn, cyclic, usage, above,
+    components,
+):  # fmt: skip
+    reach = level.reach
+    wrap = (True, True) if turn and not cyclic else canvas.wrap
+    size = max(2 * reach + 1, 3) ** 2
+    every = [
+        (dy, dx) for dy in range(-reach, reach + 1) for dx in range(-reach, reach + 1) if dy or dx
+    ]
+    if not hasattr(level, "features"):
+        level.features = [
+            component_coordinates(window_at(level.pixels, *at, reach), every, components, reach)
+            for at in level.centres
+        ]
+    for y, x in line:
+        known = known_window(done, y, x, wrap, [reach] * 4)
+        places, channels = range(len(level.centres)), level.pixels.shape[2]
+        if len(known) * channels >= size * channels // 8:
+            here = window_at(picture, y, x, reach)
+            query = component_coordinates(here, known, components, reach)
+            unlike = ((np.array(level.features) - query) ** 2).sum(axis=1).tolist()
+            places = sorted(places, key=lambda n: unlike[n])[: method.candidates]
+        best = min(
+            (_known_distance(level, picture, y, x, known, level.centres[n]), n) for n in places
+        )
+        _settle(level, picture, done, source, y, x, level.centres[best[1]])

@@ -75,6 +75,7 @@ def coherent(
 ) -> cython.Py_ssize_t:
     width: cython.Py_ssize_t = levels.shape[1]
     columns: cython.Py_ssize_t = pixels.shape[1]
+    beside: cython.Py_ssize_t = 1 if reach > 0 else 0  # see `coherent_places`
     p: cython.Py_ssize_t
     y: cython.Py_ssize_t
     x: cython.Py_ssize_t
@@ -97,7 +98,7 @@ def coherent(
         places[0] = -1
         if own >= 0 and usable[own // columns, own % columns]:
             places[0] = cython.cast(cython.int, own)
-        n = known_runs(done, y, x, wrap_y, wrap_x, 1, 1, 1, 1, runs)
+        n = known_runs(done, y, x, wrap_y, wrap_x, beside, beside, beside, beside, runs)
         near = coherent_places(source, y, x, runs, n, usable, period, places, 1)
         count = near
         for i in range(near):

@@ -49,6 +49,8 @@ def similar_places(
         no window is centred on has those of the nearest pixel that has one.
     """
     centres = windows.centres
+    if not count:
+        return np.zeros((windows.usable.size, 0), np.int32)
     if coarser is None:
         step = -(-(len(centres) ** 2) // _PAIRS)
         candidates = np.ascontiguousarray(centres[None, ::step])
@@ -56,7 +58,7 @@ def similar_places(
         candidates = _children(windows, *coarser)
     found = np.full((len(centres), count), -1, np.int32)
     _similar_kernels.nearest_windows(
-        windows.pixels, centres, candidates, reach, _APART, np.zeros(max(count, 1), np.int64), found
+        windows.pixels, centres, candidates, reach, _APART, np.zeros(count, np.int64), found
     )
     rank = np.zeros(windows.usable.size, np.int32)
     rank[centres] = np.arange(len(centres), dtype=np.int32)
