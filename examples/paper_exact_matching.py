@@ -2,8 +2,8 @@
 
 python examples/paper_exact_matching.py EXPERIMENT -o FOLDER
 
-Experiments that draw a picture: fig6 fig7 fig8 fig10 fig13 levels; that print a table and write it as
-Markdown: table1 fig9 grouping; `all` runs every one. M. Sabha, P. Peers and P. Dutré, Texture
+Experiments that draw a picture: fig6 fig7 fig8 fig10 fig13 levels; that print a table and write it
+as Markdown: table1 fig9 grouping; `all` runs every one. M. Sabha, P. Peers and P. Dutré, Texture
 synthesis using exact neighborhood matching, Computer Graphics Forum 26(2), 2007.
 Needs Pillow beside weft: pip install 'weft[test]'.
 """

@@ -119,6 +119,7 @@ def nearest_colors(
     count: cython.Py_ssize_t = 0
     node: cython.Py_ssize_t
     i: cython.Py_ssize_t
+    leaf: cython.Py_ssize_t
     stack[0] = 1
     while top > 0:
         top -= 1
@@ -135,8 +136,8 @@ def nearest_colors(
             stack[top + 1] = i
             top += 2
             continue
-        i = node - (cython.cast(cython.Py_ssize_t, 1) << depth)
-        for i in range(i * total >> depth, (i + 1) * total >> depth):
+        leaf = node - (cython.cast(cython.Py_ssize_t, 1) << depth)
+        for i in range(leaf * total >> depth, (leaf + 1) * total >> depth):
             count = offer(
                 squared(cython.address(colors[i, 0]), color, channels),
                 cython.cast(cython.int, i),
@@ -189,6 +190,7 @@ def nearest_each(
     node: cython.Py_ssize_t
     p: cython.Py_ssize_t
     i: cython.Py_ssize_t
+    leaf: cython.Py_ssize_t
     d: cython.longlong
     best: cython.longlong
     color: cython.p_const_uchar
@@ -213,8 +215,8 @@ def nearest_each(
                     stack[top + 1] = i
                     top += 2
                     continue
-                i = node - (cython.cast(cython.Py_ssize_t, 1) << depth)
-                for i in range(i * total >> depth, (i + 1) * total >> depth):
+                leaf = node - (cython.cast(cython.Py_ssize_t, 1) << depth)
+                for i in range(leaf * total >> depth, (leaf + 1) * total >> depth):
                     d = squared(cython.address(colors[i, 0]), color, channels)
                     if best < 0 or d < best or (d == best and rank[i] < rank[found[p]]):
                         best = d
