@@ -83,9 +83,9 @@ TRIALS = {
         "pixel",
         {"candidates": 2},
         {
-            "subpatch": {"patch_size": 8},
-            "gradient": {"patch_size": 7, "seam_cost": "gradient"},
-            "entire": {"placement": "entire"},
+            "subpatch": {"patch_size": 8, "tolerance": 1.0},
+            "difference": {"patch_size": 7, "seam_cost": "difference"},
+            "entire": {"placement": "entire", "tolerance": 1.0},
             "random": {"placement": "random"},
         },
         window="patch_size",

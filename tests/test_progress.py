@@ -78,7 +78,8 @@ def test_every_stage_counts_up_to_its_total(method, way, kind):
     for preview in previews:
         assert preview.shape[:2] == canvas.shape
         assert preview.dtype == np.uint8
-    assert not np.array_equal(previews[0], result.image)  # it shows a picture in the making
+    if kind != "hole":  # which one patch may fill at once
+        assert not np.array_equal(previews[0], result.image)  # it shows a picture in the making
     # Nobody's listening changes nothing.
     assert np.array_equal(model.sample(canvas, seed=1).image, result.image)
 

@@ -11,7 +11,7 @@ import cython
 
 # Costs weighed by gradients: a mean difference of SOFT levels on either side weighs like none.
 SCALE = cython.declare(cython.longlong, 256)
-SOFT = cython.declare(cython.longlong, 8)
+SOFT = cython.declare(cython.longlong, 32)
 
 # What may become of a pixel.
 NOTHING = cython.declare(cython.int, 0)

@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     from weft.exemplar import Exemplar
     from weft.methods.pixel_growth import Growth
 
-_SHARE = 0.35  # of the sample's shorter side that a patch takes
+_SHARE = 0.45  # of the sample's shorter side that a patch takes
 
 
 @dataclass(frozen=True)
@@ -53,7 +53,7 @@ class GraphCut(Method):
         "side of the square patches",
         low=1,
         unit="px",
-        default_text="0.35 x the sample's shorter side",
+        default_text="0.45 x the sample's shorter side",
         needs=("placement", ("subpatch",)),
     )
     boundary_width: int | None = parameter(
@@ -65,7 +65,7 @@ class GraphCut(Method):
         needs=("placement", ("subpatch",)),
     )
     tolerance: float = parameter(
-        0.03,
+        0.003,
         "k: how much worse matches are drawn too, as shares of the sample's variance",
         low=0.0,
         high=1000.0,
@@ -75,9 +75,9 @@ class GraphCut(Method):
         4, "places that are drawn and cut; the one with the cheapest seam is kept", low=1, high=1000
     )
     seam_cost: str = parameter(
-        "difference",
+        "gradient",
         "what a seam costs: how much the pixels differ, or less of it where there are edges anyway",
-        choices=("difference", "gradient"),
+        choices=("gradient", "difference"),
     )
     refinements: float = parameter(
         1.0, "patches over the worst seams, for each that covered the canvas", low=0.0, high=1000.0
