@@ -2156,8 +2156,9 @@ def refinement(method, exemplar, canvas, seed, start=None, components=None):
     levels = []
     for number in range(depth):
         level = RefinedLevel(exemplar, pixels, mask, number, reach, max(1, width // 2))
-        if level.centres:
-            levels.append(level)
+        if not level.centres:
+            break  # the mask leaves nothing
+        levels.append(level)
         pixels, mask = coarser(pixels, tiles), coarser_mask(mask, tiles)
     for number in range(len(levels) - 1, -1, -1):
         finer = number < len(levels) - 1
@@ -2206,13 +2207,14 @@ def refinement(method, exemplar, canvas, seed, start=None, components=None):
         usage = {}
         for y, x in np.argwhere(done & ~known):
             usage[level.cell(source[y][x])] = usage.get(level.cell(source[y][x]), 0) + 1
+        above = len(levels) - 1 - levels.index(level)
+        settled = bool(done.all()) and (above > 0 or not cyclic)
         for turn in range(rounds):
             before, there = picture.copy(), done.copy()
-            above = len(levels) - 1 - levels.index(level)
             for line in turned_lines(~known, turn, cyclic, coherent):
                 sweep(
                     method, level, canvas, seed, picture, done, source, ~known, line, turn,
-                    cyclic, usage, above, components,
+                    cyclic, usage, above, components, settled,
                 )  # fmt: skip
             if turn >= (3 if cyclic else 1):
                 ratios = []
@@ -2245,7 +2247,7 @@ def _settle(level, picture, done, source, y, x, place):
 
 def _coherent_sweep(
     method, level, canvas, seed, picture, done, source, unknown, line, turn, cyclic, usage, above,
-    components,
+    components, settled,
 ):  # fmt: skip
     weight = round(1024 * method.evenness / 2**above)
     wanted = int(unknown.sum())
@@ -2254,7 +2256,7 @@ def _coherent_sweep(
     for place in level.centres:
         room[level.cell(place)] = room.get(level.cell(place), 0) + 1
     tried = []
-    if above == 0 and turn == 0:
+    if not settled and turn == 0:
         count = max(2**23 // wanted, 64)
         first = line[0][0] * picture.shape[1] + line[0][1]
         tried = [
@@ -2306,7 +2308,7 @@ def component_coordinates(window, known, components, reach):
 
 def _component_sweep(
     method, level, canvas, seed, picture, done, source, unknown, line, turn, cyclic, usage, above,
-    components,
+    components, settled,
 ):  # fmt: skip
     reach = level.reach
     wrap = (True, True) if turn and not cyclic else canvas.wrap

@@ -237,7 +237,7 @@ def test_the_papers_search_makes_the_canvas_a_torus():
     assert np.array_equal(np.roll(image, (-y, -x), (0, 1)), np.tile(tile, (4, 4)))
 
 
-def test_progress_counts_every_line_once_and_shows_coarse_levels():
+def test_progress_counts_every_pixel_and_shows_coarse_levels():
     seen, previews = [], []
 
     def watch(done, total, stage, preview):
@@ -248,7 +248,7 @@ def test_progress_counts_every_line_once_and_shows_coarse_levels():
     exemplar = weft.Exemplar(weft.load_exemplar("sample:pebbles").pixels[:64, :64])
     model = weft.Refinement(window_width=13, iterations=3).fit(exemplar)
     result = model.sample((40, 44), seed=1, progress=watch)
-    assert seen[-1][0] == seen[-1][1] and {stage for *_, stage in seen} == {"lines"}
+    assert seen[-1][0] == seen[-1][1] and {stage for *_, stage in seen} == {"pixels"}
     assert previews[0].shape == result.image.shape
     assert np.array_equal(previews[-1], result.image)
     with pytest.raises(weft.WeftError, match="cancelled"):

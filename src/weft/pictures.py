@@ -58,6 +58,7 @@ def write(
     args: argparse.Namespace,
     outputs: Outputs,
 ) -> None:
+    """Write the result, and each other map of the sample as it follows from it."""
     from weft.exemplar import Exemplar
     from weft.io import write_image
 
@@ -73,6 +74,7 @@ def write(
 
 
 def report(args: argparse.Namespace, result: Synthesis, what: str, start: float) -> str:
+    """Say in one line what was made, how, and how fast."""
     used, took = result.provenance, perf_counter() - start
     if "window_width" in used:
         looked = f"window width {used['window_width']}"

@@ -211,29 +211,29 @@ class RefinementModel(PixelModel):
         tiles = (self.exemplar.tileable,) * 2
         pictures = gaussian_pyramid(self.exemplar.matching(), depth, tiles)
         masks = mask_pyramid(_mask(self.exemplar), depth, tiles)
-        coarser = None
-        for k in range(depth - 1, -1, -1):
-            sample = Exemplar(
-                pictures[k], mask=masks[k], tileable=self.exemplar.tileable, alpha=False,
-                name=self.exemplar.name,
-            )  # fmt: skip
+        samples = [
+            Exemplar(picture, mask=mask, tileable=tiles[0], alpha=False, name=self.exemplar.name)
+            for picture, mask in zip(pictures, masks, strict=True)
+        ]
+        whole = [windows_of(samples[0], (reach,) * 4, pictures[0])]
+        for k in range(1, depth):
             try:
-                windows = windows_of(sample, (reach,) * 4, pictures[k])
-            except InvalidInputError:  # the mask leaves nothing of the coarser levels
-                if k == 0:
-                    raise
-                continue
+                whole.append(windows_of(samples[k], (reach,) * 4, pictures[k]))
+            except InvalidInputError:  # the mask leaves no window of this level
+                break
+        coarser = None
+        for k in range(len(whole) - 1, -1, -1):
             similar = min(self.method.similar, 1) if coarser else self.method.similar
             level = Level(
-                windows_of(sample, (0, 0, 0, 0), pictures[k]),
-                windows,
+                windows_of(samples[k], (0, 0, 0, 0), pictures[k]),
+                whole[k],
                 reach,
-                nearest_centre(windows),
-                similar_places(windows, reach, similar, coarser),
-                _cells(windows, max(1, round(self.scale / 2**k))),
+                nearest_centre(whole[k]),
+                similar_places(whole[k], reach, similar, coarser),
+                _cells(whole[k], max(1, round(self.scale / 2**k))),
             )
             self.levels.insert(0, level)
-            coarser = windows, level.similar
+            coarser = whole[k], level.similar
 
     def _component_level(self, reach: int) -> Level:
         """One resolution, and windows as large as they are (section 3)."""

@@ -44,8 +44,8 @@ class Refining:
         self.rounds = [max(1, self.method.iterations // 2) for _ in range(depth)]
         # Structure is settled on the coarsest level, where iterations cost least.
         self.rounds[-1] = self.method.iterations * (2 if model.levels[-1].components is None else 1)
-        counts = [len(_lines(~known)) * n for known, n in zip(self.known, self.rounds, strict=True)]
-        self.progress = growth.progress(sum(counts), "lines")
+        pixels = [int((~known).sum()) * n for known, n in zip(self.known, self.rounds, strict=True)]
+        self.progress = growth.progress(sum(pixels), "pixels")
         self.curve: list[dict[str, float]] = []
 
     def run(self) -> None:
@@ -74,10 +74,10 @@ class Refining:
             changed = 0
             for line in sweep.orders(lines, turn):
                 changed += sweep.run(line, turn)
-                self.progress.advance(1)
+                self.progress.advance(len(line))
             self._show(number)
             if self._note(number, turn, changed, before, there):
-                self.progress.advance((self.rounds[number] - 1 - turn) * len(lines))
+                self.progress.advance((self.rounds[number] - 1 - turn) * sweep.wanted)
                 break
 
     def _start(self, number: int) -> NDArray[np.int32]:
@@ -166,6 +166,7 @@ class _Sweep(ABC):
         self.level: Level = refining.model.levels[number]
         self.picture, self.done, self.source = refining.pictures[number], done, source
         self.wrap, self.cyclic = refining.growth.canvas.wrap, refining.cyclic
+        self.wanted = int((~refining.known[number]).sum())
         width = 2 * self.level.reach + 1
         self.runs = np.zeros((max(width, 3) * (max(width, 3) + 1), 3), np.int32)
         self.query = np.zeros(max(width, 3) ** 2 * self.picture.shape[2], np.uint8)
@@ -188,12 +189,14 @@ class _CoherentSweep(_Sweep):
         super().__init__(refining, number, done, source)
         level, unknown = self.level, ~refining.known[number]
         coarser = len(refining.model.levels) - 1 - number
-        self.seed, self.coarsest, self.wanted = refining.growth.seed, not coarser, unknown.sum()
+        self.seed = refining.growth.seed
+        # Trying places all over tears apart what is whole; but what surrounds a hole must decide.
+        self.settled = bool(done.all()) and (coarser > 0 or not self.cyclic)
         cells = level.cells
         made = source[unknown & (done > 0)]
         self.usage = np.bincount(cells[made], minlength=cells.max() + 1).astype(np.int32)
         room = np.bincount(cells[level.windows.centres], minlength=len(self.usage))
-        share = max(1.0, int(self.wanted) / len(level.windows.centres))
+        share = max(1.0, self.wanted / len(level.windows.centres))
         self.capacity = np.maximum(room * share, 1).astype(np.int32)
         self.weight = round(_ONE * refining.method.evenness / 2**coarser)
         self.places = np.zeros(10 * (1 + level.similar.shape[1]), np.int32)
@@ -219,9 +222,9 @@ class _CoherentSweep(_Sweep):
     def _tried(self, first: int, turn: int) -> NDArray[np.int32]:
         """Places that the first iteration tries at every pixel: all, if they are not too many."""
         centres = self.level.windows.centres
-        if not self.coarsest or turn:
+        if self.settled or turn:
             return centres[:0]
-        count = max(_TRIED // int(self.wanted), _TRIED_LEAST)
+        count = max(_TRIED // self.wanted, _TRIED_LEAST)
         if count >= len(centres):
             return centres
         bits = draw(self.seed, "tried place", first, np.arange(count))

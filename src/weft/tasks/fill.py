@@ -185,7 +185,7 @@ def fill(
         source,
         to=region.corner,
         source_to=region.corner if inside else (0, 0),
-        provenance=chosen.describe() | {"seed": seed},
+        provenance=made.provenance,
     )
 
 
