@@ -129,7 +129,7 @@ TRIALS = {
             "wide": {"init": "seeds", "window_width": 7},
             "pca": {"search": "pca"},
         },
-        largest=120,
+        largest=90,
         real=({}, {"init": "seeds"}),
     ),
 }

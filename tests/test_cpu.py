@@ -18,16 +18,16 @@ from families import TRIALS, canvas_of, kinds_of, method_of
 
 chosen = [importlib.import_module(name) for name in sys.argv[1:]]
 print(*("avx2" if "_avx2" in m.__file__ else "baseline" for m in chosen))
-pebbles = weft.load_exemplar("sample:pebbles").pixels[:90, :85]
-y, x = np.indices((70, 75))
-hole = (y - 30) ** 2 + (x - 35) ** 2 < 300
-known = pebbles[:70, 5:80].copy()
+pebbles = weft.load_exemplar("sample:pebbles").pixels[:60, :65]
+y, x = np.indices((50, 55))
+hole = (y - 22) ** 2 + (x - 25) ** 2 < 200
+known = pebbles[:50, 5:60].copy()
 known[hole] = 0
 alpha = np.concatenate([pebbles, pebbles[..., :1]], axis=2)
 samples = {"bytes": pebbles, "grey": pebbles[..., 0].copy(), "alpha": alpha,
            "deep": pebbles.astype(np.uint16) * 257, "real": (pebbles / 255).astype(np.float32)}
-canvases = {"plain": weft.Canvas(100, 111), "tileable": weft.Canvas(100, 111, (True, True)),
-            "hole": weft.Canvas(70, 75, known=known, hole=hole)}
+canvases = {"plain": weft.Canvas(70, 76), "tileable": weft.Canvas(70, 76, (True, True)),
+            "hole": weft.Canvas(50, 55, known=known, hole=hole)}
 for method in (m for m in weft.METHODS if TRIALS[m].family == "patch"):
     for search in ("exhaustive", "quadtree", "pca", "kdtree", "kdtree-pca"):
         for name, sample in samples.items():
@@ -37,7 +37,7 @@ for method in (m for m in weft.METHODS if TRIALS[m].family == "patch"):
                 for blend in ("feather", "feather-at-end", "cut"):
                     if blend == "feather-at-end" and search != "pca":
                         continue
-                    kind_of = weft.METHODS[method](patch_size=19, search=search, blend=blend)
+                    kind_of = weft.METHODS[method](patch_size=13, search=search, blend=blend)
                     result = kind_of.fit(weft.Exemplar(sample)).sample(canvas, seed=3)
                     whole = hashlib.sha256()
                     parts = [result.image, result.placements, result.cuts, *result.layers()]

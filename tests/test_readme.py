@@ -63,4 +63,4 @@ def test_the_readme_has_the_two_commands():
     first, second = (line for b in blocks(ROOT / "README.md", "sh") for line in b.splitlines()
                      if line.startswith("python3 -m venv"))  # fmt: skip
     assert " weft synth sample:" in first.replace(".venv/bin/weft", "weft")
-    assert second.endswith("-m pytest")
+    assert second.endswith("-m pytest -n auto")

@@ -60,7 +60,7 @@ def assert_is_the_twin(exemplar, canvas, seed=5, **parameters):
 @pytest.mark.parametrize("settings", SETTINGS)
 @pytest.mark.parametrize("values", [2, 256])
 def test_it_is_the_slow_twin(kind, settings, values):
-    pixels = noise((17, 18, 2), values)
+    pixels = noise((14, 13, 2), values)
     assert_is_the_twin(weft.Exemplar(pixels), CANVASES[kind](pixels), **SETTINGS[settings])
 
 
