@@ -74,12 +74,11 @@ def correlate(
     sums = _Sums(f.shape[1:], g.shape[1:], f_mask, g_mask)
     alike = g is f
     above, below = np.zeros(sums.shape), np.zeros(sums.shape)
-    spectrum = np.zeros(0)
+    spectrum = np.zeros((), np.complex128)
     for k in range(len(f)):
         at_f = np.fft.rfft2(f[k], sums.padded)
         at_g = at_f if alike else np.fft.rfft2(g[k], sums.padded)
-        product = at_f * at_g.conj()
-        spectrum = product if k == 0 else spectrum + product
+        spectrum = spectrum + at_f * at_g.conj()
         s_f, energy_f = sums.over_first(f[k]), sums.over_first(f[k] ** 2)
         if alike:  # the other part is what the opposite shift leaves
             s_g, energy_g = s_f[::-1, ::-1], energy_f[::-1, ::-1]

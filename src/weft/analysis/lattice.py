@@ -4,10 +4,31 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
-from weft.errors import InvalidInputError
+import numpy as np
+
+from weft.analysis.correlation import correlate
+from weft.analysis.goodness import GOODNESS, Field, contrast_of, rate, rate_rows
+from weft.analysis.peaks import Peaks, find_peaks, fit_vectors
+from weft.analysis.relief import relief
+from weft.errors import InvalidInputError, did_you_mean
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    from weft.exemplar import Exemplar
+
+    Floats = NDArray[np.float64]
 
 Vector = tuple[float, float]
+
+_PEAKS = 160  # that pairs are made of, the highest first
+_PAIRS = 24  # that are fitted and rated with all their multiples
+_FEWEST = 3.0  # pixels of a vector; shorter ones are grain
+_DOMINANT = 0.25  # of the shorter vector, that the peaks of both must dominate
+_REACH = 24  # multiples of each vector that are looked at
+_CONTRAST = 0.05  # that gives a confidence of a half, which is the least for a lattice
 
 
 @dataclass(frozen=True)
@@ -62,7 +83,7 @@ class Lattice:
         return abs(ax * by - bx * ay)
 
     def reduced(self) -> Lattice:
-        """The same lattice by its shortest vectors, the shortest first; they point right or down."""
+        """The same lattice by its shortest vectors, shorter first; they point right or down."""
         first = self.vectors[0]
         if len(self.vectors) == 1:
             return Lattice((_rightward(first),), self.confidence)
@@ -112,3 +133,102 @@ def _rightward(vector: Vector) -> Vector:
     """It or its opposite (observation iii), so that neither axis is where the sign turns."""
     x, y = vector
     return (x, y) if x + y / 8 > 0 else (-x, -y)
+
+
+def find_lattice(exemplar: Exemplar, *, goodness: str = "contrast") -> Lattice | None:
+    """Find the translations under which a sample looks the same.
+
+    Section 3.3 of the paper on near-regular textures, with pairs rated by contrast; see
+    `weft.analysis.goodness`.
+
+    Parameters
+    ----------
+    exemplar : Exemplar
+        The sample; a mask may leave out parts of it. Slow lighting is taken off first.
+    goodness : str
+        How pairs of vectors are rated: "contrast", "height" (eq. 3.22 of the paper) or "dominance".
+
+    Returns
+    -------
+    Lattice or None
+        Its shortest vectors, rounded to hundredths of a pixel; one vector where a sample repeats
+        along one direction only, as boards do, and None where it does not repeat.
+
+    Raises
+    ------
+    InvalidInputError
+        If there is no such goodness.
+
+    Examples
+    --------
+    >>> from weft.exemplar import Exemplar
+    >>> tile = np.random.default_rng(0).integers(0, 255, (12, 16), np.uint8)
+    >>> find_lattice(Exemplar(np.tile(tile, (6, 5)))).vectors
+    ((0.0, 12.0), (16.0, 0.0))
+    """
+    if goodness not in GOODNESS:
+        raise InvalidInputError(f"goodness is {goodness!r}{did_you_mean(goodness, GOODNESS)}")
+    flat = relief(exemplar)
+    mask = flat.usable >= 0.5
+    correlation = correlate(np.moveaxis(flat.levels, 0, 2), first_mask=mask)
+    field = Field(correlation)
+    peaks = find_peaks(correlation)
+    found = _best_pair(field, peaks, goodness) or _best_row(field, peaks)
+    if found is None:
+        return None
+    vectors, contrast = found
+    confidence = round(contrast / (contrast + _CONTRAST), 2)
+    lattice = Lattice(tuple((float(x), float(y)) for x, y in vectors * flat.step)).reduced()
+    plain = tuple((round(x, 2) + 0.0, round(y, 2) + 0.0) for x, y in lattice.vectors)
+    return Lattice(plain, confidence)
+
+
+def _best_pair(field: Field, peaks: Peaks, goodness: str) -> tuple[Floats, float] | None:
+    pairs = _candidates(peaks)
+    if not len(pairs):
+        return None
+    first = rate(field, pairs, 2, goodness)
+    best: tuple[float, Floats, int] | None = None
+    tried: list[Floats] = []
+    for k in np.argsort(-first.goodness, kind="stable")[:_PAIRS]:
+        if first.goodness[k] <= 0:
+            break
+        fitted, _ = fit_vectors(field.correlation, pairs[k], _REACH)
+        if any(abs(fitted - other).max() < 0.5 for other in tried):
+            continue
+        tried.append(fitted)
+        rated = rate(field, fitted[None], _REACH, goodness, exact=True)
+        if best is None or rated.goodness[0] > best[0] * (1 + 1e-9):
+            best = float(rated.goodness[0]), fitted, int(rated.count[0])
+    if best is None or best[0] <= 0:
+        return None
+    contrast = contrast_of(field, best[1], _REACH)
+    return (best[1], contrast) if contrast >= _CONTRAST else None
+
+
+def _candidates(peaks: Peaks) -> Floats:
+    """Pairs of peaks that are reduced (step 4 of the paper), and neither in the other's shadow."""
+    wide = (peaks.dominance >= 2) & (np.hypot(*peaks.shifts.T) >= _FEWEST)
+    chosen = np.flatnonzero(wide)[:_PEAKS]
+    shifts, dominance = peaks.shifts[chosen], peaks.dominance[chosen]
+    squares = (shifts**2).sum(axis=1)
+    order = np.argsort(squares, kind="stable")
+    shifts, dominance, squares = shifts[order], dominance[order], squares[order]
+    i, j = np.triu_indices(len(shifts), 1)
+    # Of all equivalent pairs the one with the greatest angle; a pixel of doubt for rounding.
+    reduced = 2 * abs((shifts[i] * shifts[j]).sum(axis=1)) <= squares[i] + 2 * np.sqrt(squares[i])
+    stands = np.minimum(dominance[i], dominance[j]) >= _DOMINANT * np.sqrt(squares[i])
+    keep = reduced & stands
+    return np.stack([shifts[i[keep]], shifts[j[keep]]], axis=1).astype(np.float64)
+
+
+def _best_row(field: Field, peaks: Peaks) -> tuple[Floats, float] | None:
+    shifts = peaks.shifts[np.hypot(*peaks.shifts.T) >= _FEWEST][:_PEAKS].astype(np.float64)
+    if not len(shifts):
+        return None
+    rated = rate_rows(field, shifts)
+    k = int(np.argmax(rated.goodness))
+    if rated.goodness[k] < _CONTRAST:
+        return None
+    fitted, _ = fit_vectors(field.correlation, shifts[k : k + 1], _REACH)
+    return fitted, float(rated.goodness[k])

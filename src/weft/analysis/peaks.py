@@ -1,0 +1,164 @@
+"""Local maxima of an autocorrelation: where a picture lies well upon itself."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+_MOST = 600  # maxima whose dominance is looked at, the highest first
+
+
+@dataclass(frozen=True, eq=False)
+class Peaks:
+    """Local maxima of the right half of an autocorrelation, the highest first.
+
+    The left half mirrors the right one (observation i of the paper on near-regular textures);
+    what lies straight above no shift belongs to the left half.
+
+    Attributes
+    ----------
+    shifts : int64 array (n, 2)
+        As (x, y), x to the right and y downwards.
+    heights : float64 array (n,)
+        The correlation there.
+    dominance : float64 array (n,)
+        Distance to the nearest peak, or no shift, that is at least as high: the radius of the
+        region that the peak dominates (Liu, Collins, Tsin: A computational model for periodic
+        pattern perception).
+    """
+
+    shifts: NDArray[np.int64]
+    heights: NDArray[np.float64]
+    dominance: NDArray[np.float64]
+
+
+def find_peaks(correlation: NDArray[np.float64]) -> Peaks:
+    """Find the maxima among the eight neighbours, above 0, of which the 600 highest are kept.
+
+    Parameters
+    ----------
+    correlation : float64 array (2 * H - 1, 2 * W - 1)
+        An autocorrelation, no shift in the middle.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from weft.analysis.correlation import correlate
+    >>> wave = np.tile(np.sin(np.arange(40) * 2 * np.pi / 10), (1, 1))
+    >>> find_peaks(correlate(wave)).shifts[:3].tolist()
+    [[10, 0], [20, 0], [30, 0]]
+    """
+    middle, centre = correlation.shape[0] // 2, correlation.shape[1] // 2
+    right = correlation[:, centre:]
+    framed = np.pad(correlation, 1, constant_values=-np.inf)[:, centre:]
+    high = right > 0
+    high[: middle + 1, 0] = False  # no shift, and the mirror images of those straight below
+    for dy in range(3):
+        for dx in range(3):
+            if (dy, dx) != (1, 1):
+                high &= right >= framed[dy : dy + right.shape[0], dx : dx + right.shape[1]]
+    y, x = high.nonzero()
+    # Rounded, so that the order of peaks which are equal but for rounding is the same everywhere.
+    heights = np.rint(right[y, x] * 1e9) / 1e9
+    y -= middle
+    order = np.lexsort((y, x, x * x + y * y, -heights))[:_MOST]
+    shifts = np.stack([x[order], y[order]], axis=1)
+    heights = heights[order]
+    return Peaks(shifts, heights, _dominance(shifts, heights))
+
+
+def _dominance(shifts: NDArray[np.int64], heights: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Each peak's distance to what is at least as high: sorted, that is what comes before it."""
+    radii = np.hypot(shifts[:, 0], shifts[:, 1])
+    level = np.searchsorted(-heights, -heights, side="right")  # equal ones count too
+    place = np.arange(len(heights))
+    higher = (place[None, :] < level[:, None]) & (place[None, :] != place[:, None])
+    for sign in (1, -1):  # the peaks and their mirror images
+        apart = shifts[:, None, :] - sign * shifts[None, :, :]
+        distance = np.where(higher, np.hypot(apart[..., 0], apart[..., 1]), np.inf)
+        radii = np.minimum(radii, distance.min(axis=1, initial=np.inf))
+    return radii
+
+
+def fit_vectors(
+    correlation: NDArray[np.float64], vectors: NDArray[np.float64], reach: int
+) -> tuple[NDArray[np.float64], int]:
+    """Fit one or two vectors to the peaks at all multiples that agree with them, below a pixel.
+
+    From the nearest multiples outwards, twice as far each time, a parabola through each peak and
+    its neighbours says where it is; least squares over all multiples say what the vectors are.
+
+    Parameters
+    ----------
+    correlation : float64 array (2 * H - 1, 2 * W - 1)
+        An autocorrelation.
+    vectors : float64 array (1 or 2, 2)
+        To start from, as (x, y), right to within a pixel or two.
+    reach : int
+        Multiples of up to this many times each vector are looked at.
+
+    Returns
+    -------
+    (float64 array like `vectors`, int)
+        The fitted vectors, and how many multiples agreed.
+    """
+    height, width = (side // 2 + 1 for side in correlation.shape)
+    window = max(1, min(3, int(np.hypot(*vectors.T).min() // 5)))
+    agreed, limit = 0, 1
+    while True:
+        ranges = [np.arange(-limit, limit + 1)] * len(vectors)
+        times = np.stack(np.meshgrid(*ranges), axis=-1).reshape(-1, len(vectors))
+        places = times @ vectors
+        # Far shifts compare a small part of the sample; half of each side is enough.
+        far = (abs(places[:, 0]) <= 0.6 * width) & (abs(places[:, 1]) <= 0.6 * height)
+        keep = far & times.any(axis=1)
+        times, places = times[keep], places[keep]
+        found, heights = _tops(correlation, places, window)
+        good = heights > 0
+        if good.any():
+            share = (1 - abs(found[:, 0]) / width) * (1 - abs(found[:, 1]) / height)
+            weights = np.sqrt(np.where(good, heights * share, 0))[:, None]
+            fitted, _, rank, _ = np.linalg.lstsq(weights * times, weights * found, rcond=None)
+            if rank == len(vectors):
+                vectors, agreed = fitted, int(good.sum())
+        if limit >= reach:
+            return vectors, agreed
+        limit, window = min(2 * limit, reach), max(1, min(window, 2))
+
+
+def _tops(
+    correlation: NDArray[np.float64], places: NDArray[np.float64], window: int
+) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """The peak within a window around each place, below a pixel; height 0 where there is none."""
+    height, width = (side // 2 + 1 for side in correlation.shape)
+    reach = window + 1
+    x, y = np.rint(places).astype(int).T + np.array([[width - 1], [height - 1]])
+    side = np.arange(-reach, reach + 1)
+    rows = np.clip(y[:, None] + side, 0, 2 * height - 2)[:, :, None]
+    around = correlation[rows, np.clip(x[:, None] + side, 0, 2 * width - 2)[:, None, :]]
+    inside = around[:, 1:-1, 1:-1].reshape(len(x), -1)
+    best = inside.argmax(axis=1)
+    dy, dx = best // (2 * window + 1) + 1, best % (2 * window + 1) + 1
+    k = np.arange(len(x))
+    top = around[k, dy, dx]
+    left, right = around[k, dy, dx - 1], around[k, dy, dx + 1]
+    above, below = around[k, dy - 1, dx], around[k, dy + 1, dx]
+    peak = (top >= np.maximum(left, right)) & (top >= np.maximum(above, below)) & (top > 0)
+
+    def offset(before: NDArray[np.float64], after: NDArray[np.float64]) -> NDArray[np.float64]:
+        bend = np.minimum(before - 2 * top + after, -1e-12)
+        return np.clip(0.5 * (before - after) / bend, -0.5, 0.5)
+
+    found = np.stack(
+        [
+            x - width + 1 + dx - reach + offset(left, right),
+            y - height + 1 + dy - reach + offset(above, below),
+        ],
+        axis=1,
+    )
+    return found, np.where(peak, top, 0)
