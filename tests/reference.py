@@ -1079,6 +1079,25 @@ def path_around(cost, closed):
     return path_by_programming(held)[:-1]
 
 
+def guides(exemplar, canvas):
+    """The canvas's guide and the sample's, (H, W, G) numbers to compare; None without one."""
+    if canvas.guide is None:
+        return None, None
+    if exemplar.guide is None:
+        levels = exemplar.as_matching(canvas.guide).astype(int)
+        return levels, exemplar.matching()[..., : levels.shape[2]].astype(int)
+    given, own = (p.reshape(*p.shape[:2], -1).astype(float) for p in (canvas.guide, exemplar.guide))
+    labels = sorted({tuple(colour) for colour in own.reshape(-1, own.shape[2])})
+    if len(labels) > 32:
+        assert canvas.guide.dtype == np.uint8  # all that the tests compare
+        return given.astype(int), own.astype(int)
+    labels = labels[-1:] if len(labels) <= 2 else labels
+    return tuple(
+        255 * np.stack([(p == label).all(axis=2) for label in labels], axis=2).astype(int)
+        for p in (given, own)
+    )
+
+
 def coherent_places(source, y, x, steps, exemplar, centres):
     """Where the sources of the neighbours go on, the last neighbour first; None out of place."""
     places = []
@@ -1109,7 +1128,7 @@ def ashikhmin(method, exemplar, canvas, seed):
     levels = np.zeros((height, width, pixels.shape[2]), int)
     done = np.zeros(canvas.shape, bool)
     source = [[None] * width for _ in range(height)]
-    guide = None if canvas.guide is None else exemplar.as_matching(canvas.guide).astype(int)
+    guide, own_guide = guides(exemplar, canvas)
     weight = round(256 * method.guide_weight)
     jumps = method.jumps if method.jumps is not None else int(guide is not None)
 
@@ -1179,8 +1198,7 @@ def ashikhmin(method, exemplar, canvas, seed):
                         at = (at[0] % height, at[1] % width)
                         if number > 0 or not seen[at] or (dy, dx) == (0, 0):
                             v, u = (place[0] + dy) % len(pixels), (place[1] + dx) % pixels.shape[1]
-                            own = pixels[v, u, : guide.shape[2]]
-                            total += weight * ((own - guide[at]) ** 2).sum()
+                            total += weight * ((own_guide[v, u] - guide[at]) ** 2).sum()
                 return int(total)
 
             lay(y, x, min(found, key=distance))

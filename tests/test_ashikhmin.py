@@ -7,7 +7,7 @@ from hypothesis import strategies as st
 
 import reference
 import weft
-from families import noise
+from families import noise, with_guides
 from weft.canvas import Canvas
 from weft.methods.pixel_order import layers
 from weft.search import _coherence_kernels
@@ -53,6 +53,8 @@ def test_it_is_the_slow_twin(data):
             more |= {"known": cut, "known_from": corner}
     if draw(st.booleans()):
         more["guide"] = noise((*size, channels), seed=5)
+        if draw(st.booleans()):
+            exemplar, more["guide"] = with_guides(exemplar, size, rng)
         parameters["guide_weight"] = draw(st.sampled_from([0.01, 0.3, 3.0]))
     method = weft.Ashikhmin(
         window_width=draw(st.sampled_from([1, 3, 5])) if mask is None else 3,

@@ -137,13 +137,40 @@ def test_a_guide_is_a_picture_of_the_canvas_size():
     with pytest.raises(InvalidInputError, match="guide is 6x5, the canvas is 6x4"):
         Canvas(4, 6, guide=np.zeros((5, 6), np.uint8))
     for bad, message in (
-        (np.zeros((4, 6), bool), "guide is boolean"),
+        (np.full((4, 6), -1), "guide has labels from -1 to -1; they must be from 0 to 65535"),
         (np.full((4, 6), np.nan), "guide contains NaN"),
-        (np.zeros((4, 6), int), "guide has dtype int64"),
+        (np.zeros((4, 6), complex), "guide has dtype complex128"),
         (np.zeros((4, 6, 1, 1), np.uint8), "guide has 4 dimensions"),
     ):
         with pytest.raises(InvalidInputError, match=message):
             Canvas(4, 6, guide=bad)
+
+
+def test_labels_may_be_whole_numbers_of_any_type():
+    labels = np.array([[0, 300], [7, 0]])
+    assert (Canvas(2, 2, guide=labels).guide == labels).all()
+    assert Canvas(2, 2, guide=labels > 0).guide.tolist() == [[0, 1], [1, 0]]
+
+
+def test_a_guide_is_of_the_kind_of_the_samples():
+    """Labels by their colours, at any depth; pictures by dtype too."""
+    labels = np.indices((8, 8))[0] // 4
+    exemplar = weft.Exemplar(np.zeros((8, 8, 3), np.uint8), guide=labels)
+    for dtype in (np.uint8, np.uint16, np.int64, bool):
+        Canvas(8, 8, guide=labels.astype(dtype)).check_guide(exemplar)
+    for guide, message in (
+        (labels + 1, "guide has the colour 2, which the guide of sample lacks; .* has 0, 1"),
+        (np.stack([labels] * 3, axis=2), r"guide is labels \(3,\), the guide of sample is"),
+    ):
+        with pytest.raises(InvalidInputError, match=message):
+            Canvas(8, 8, guide=guide).check_guide(exemplar)
+    picture = np.arange(64, dtype=np.uint8).reshape(8, 8)
+    exemplar = exemplar.with_guide(picture)
+    Canvas(8, 8, guide=picture[::-1]).check_guide(exemplar)
+    with pytest.raises(InvalidInputError, match="dtype and channels must be equal"):
+        Canvas(8, 8, guide=picture.astype(np.uint16)).check_guide(exemplar)
+    with pytest.raises(InvalidInputError, match="the guide of sample is 8x7, sample is 8x8"):
+        exemplar.with_guide(picture[:7])
 
 
 @pytest.mark.parametrize(

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from weft.errors import InvalidInputError
-from weft.exemplar import Exemplar, check_pixels
+from weft.exemplar import Exemplar, check_guide, check_pixels
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -37,8 +37,8 @@ class Canvas:
     known_from : (int, int), optional
         Row and column of the canvas's corner in the sample, when the known pixels are part of it.
     guide : array (H, W) or (H, W, C), optional
-        A picture that the output is to follow; of the sample's dtype and channels where a method
-        compares the two.
+        A picture that the output is to follow: in the terms of the sample's guide if that has
+        one (see `Exemplar`), else compared with its pixels, so of their dtype and channels.
 
     Raises
     ------
@@ -84,7 +84,7 @@ class Canvas:
             if self.known is not None:
                 object.__setattr__(self, "known", check_pixels(self.known, "known"))
         if self.guide is not None:
-            object.__setattr__(self, "guide", check_pixels(self.guide, "guide"))
+            object.__setattr__(self, "guide", check_guide(self.guide, "guide"))
         for name in ("known", "hole", "guide"):
             value = getattr(self, name)
             if value is not None and value.shape[:2] != self.shape:
@@ -110,9 +110,23 @@ class Canvas:
                 )
 
     def check_guide(self, exemplar: Exemplar) -> None:
-        """Raise `InvalidInputError` unless the guide is a picture of the sample's kind."""
-        if self.guide is not None:
+        """Raise `InvalidInputError` unless the guide is of the sample's or its guide's kind."""
+        if self.guide is None:
+            return
+        if exemplar.guide is None:
             _check_kind("guide is", self.guide, exemplar)
+            return
+        kinds = [
+            ("labels" if exemplar.labels is not None else p.dtype.name, p.shape[2:])
+            for p in (self.guide, exemplar.guide)
+        ]
+        if kinds[0] != kinds[1]:
+            (given, shape), (wanted, wanted_shape) = kinds
+            raise InvalidInputError(
+                f"guide is {given} {shape}, the guide of {exemplar.name} is {wanted} "
+                f"{wanted_shape}; dtype and channels must be equal"
+            )
+        exemplar.as_guide(self.guide)
 
 
 def _check_kind(what: str, pixels: NDArray[Any], exemplar: Exemplar) -> None:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -13,6 +14,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
 _DTYPES = ("uint8", "uint16", "float32", "float64")
+_LABELS = 32  # a sample's guide with at most so many colours is a map of labels
 
 
 class Exemplar:
@@ -27,6 +29,10 @@ class Exemplar:
         channel count. They take part in matching, so that seams show in none of them.
     mask : bool array (H, W), optional
         True where a pixel may be used; everywhere by default.
+    guide : array (H, W) or (H, W, C), optional
+        What stands for the sample in a canvas's guide: a map of labels, which is what at most 32
+        colours or whole numbers are, or any picture. Without it guides are compared with the
+        sample's own pixels.
     tileable : bool, optional
         The sample repeats without a seam, so windows may run over its borders.
     alpha : bool, optional
@@ -60,6 +66,7 @@ class Exemplar:
         *,
         maps: Mapping[str, NDArray[Any]] | None = None,
         mask: NDArray[np.bool_] | None = None,
+        guide: NDArray[Any] | None = None,
         tileable: bool = False,
         alpha: bool | None = None,
         icc: bytes | None = None,
@@ -86,7 +93,26 @@ class Exemplar:
             )
         if self.mask is not None and not self.mask.any():
             raise InvalidInputError(f"the mask of {name} leaves no usable pixel")
+        self.guide = None if guide is None else check_guide(guide, f"the guide of {name}")
+        if self.guide is not None and self.guide.shape[:2] != self.shape:
+            raise InvalidInputError(
+                f"the guide of {name} is {_size(self.guide)}, {name} is {_size(self.pixels)}; "
+                "they must be equal"
+            )
         self._matching: dict[float, NDArray[np.uint8]] = {}
+
+    def with_guide(self, guide: NDArray[Any]) -> Exemplar:
+        """Return the same sample with this guide."""
+        return Exemplar(
+            self.pixels,
+            maps=self.maps,
+            mask=self.mask,
+            guide=guide,
+            tileable=self.tileable,
+            alpha=self.alpha,
+            icc=self.icc,
+            name=self.name,
+        )
 
     def matching(self, edge_weight: float = 0.0) -> NDArray[np.uint8]:
         """Return what distances are taken on: bytes, so that they are exact integers.
@@ -137,6 +163,53 @@ class Exemplar:
             result = np.concatenate([result, _edges(result, edge_weight)], axis=2)
         return np.ascontiguousarray(result)
 
+    @cached_property
+    def labels(self) -> NDArray[Any] | None:
+        """The colours (n, C) of a guide that is a map of labels; None for any other picture."""
+        if self.guide is None:
+            return None
+        found = np.unique(self.guide.reshape(self.shape[0] * self.shape[1], -1), axis=0)
+        return found if len(found) <= _LABELS else None
+
+    def as_guide(self, pixels: NDArray[Any]) -> NDArray[np.uint8]:
+        """Map a guide to bytes, so that it can be compared with the sample's own.
+
+        Labels become as many channels, so that any two of them are equally far apart.
+
+        Raises
+        ------
+        InvalidInputError
+            If there is a label that the sample's guide lacks.
+        """
+        if self.guide is None:
+            return self.as_matching(pixels)
+        if self.labels is None:
+            return np.ascontiguousarray(np.rint(_to_bytes(pixels, _scale(self.guide))), np.uint8)
+        flat = pixels.reshape(pixels.shape[0] * pixels.shape[1], -1)
+        same = np.stack([(flat == label).all(axis=1) for label in self.labels], axis=1)
+        unknown = np.flatnonzero(~same.any(axis=1))
+        if len(unknown):
+            there = ", ".join(map(_colour, self.labels[:6])) + ", ..." * (len(self.labels) > 6)
+            raise InvalidInputError(
+                f"the guide has the colour {_colour(flat[unknown[0]])}, which the guide of "
+                f"{self.name} lacks; that is a map of labels and has {there}"
+            )
+        same = same[:, -1:] if len(self.labels) <= 2 else same
+        return np.ascontiguousarray(255 * same.reshape(*pixels.shape[:2], -1), np.uint8)
+
+
+def check_guide(pixels: NDArray[Any], name: str) -> NDArray[Any]:
+    """`check_pixels`, but for labels in whole numbers of any type too."""
+    pixels = np.asarray(pixels)
+    if pixels.dtype.kind in "biu" and pixels.dtype.name not in _DTYPES and pixels.size:
+        if pixels.min() < 0 or pixels.max() > 65535:
+            raise InvalidInputError(
+                f"{name} has labels from {pixels.min()} to {pixels.max()}; they must be from 0 to "
+                "65535"
+            )
+        pixels = pixels.astype(np.uint16)
+    return check_pixels(pixels, name)
+
 
 def check_pixels(pixels: NDArray[Any], name: str) -> NDArray[Any]:
     """Return `pixels` contiguous, or raise `InvalidInputError` saying what is wrong with them."""
@@ -158,6 +231,11 @@ def check_pixels(pixels: NDArray[Any], name: str) -> NDArray[Any]:
 
 def _size(pixels: NDArray[Any]) -> str:
     return f"{pixels.shape[1]}x{pixels.shape[0]}"
+
+
+def _colour(values: NDArray[Any]) -> str:
+    text = ", ".join(f"{v:g}" for v in values)
+    return f"({text})" if len(values) > 1 else text
 
 
 def _scale(pixels: NDArray[Any]) -> tuple[float, float]:

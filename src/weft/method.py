@@ -147,6 +147,9 @@ class Method:
             "known": canvas.known is not None,
             "guide": canvas.guide is not None,
         }
+        weight = getattr(type(self), "guide_weight", None)
+        if canvas.guide is None and getattr(self, "guide_weight", None) != weight:
+            raise InvalidInputError("guide_weight has no effect without a guide")
         for kind, want in wanted.items():
             if want and kind not in self.supports:
                 able = [slug for slug in METHODS if kind in METHODS[slug].supports]

@@ -11,7 +11,7 @@ from cython.cimports.weft.search._window_kernels import gather_runs, known_runs,
 @cython.nogil
 @cython.exceptval(check=False)
 def guide_distance(
-    pixels: cython.const[cython.uchar][:, :, ::1],
+    own_guide: cython.const[cython.uchar][:, :, ::1],
     place: cython.Py_ssize_t,
     guide: cython.const[cython.uchar][:, :, ::1],
     done: cython.const[cython.uchar][:, ::1],
@@ -24,13 +24,13 @@ def guide_distance(
 ) -> cython.longlong:
     """Sum of squared differences of a window of the sample to the guide.
 
-    Where nothing is made yet, the pixel itself with it, or over the `whole` window. A guide has
-    the picture's channels, after which the sample's bytes go on with those of its maps.
+    Where nothing is made yet, the pixel itself with it, or over the `whole` window. The sample's
+    own guide may have more channels, which do not count.
     """
     height: cython.Py_ssize_t = guide.shape[0]
     width: cython.Py_ssize_t = guide.shape[1]
-    sy: cython.Py_ssize_t = place // pixels.shape[1]
-    sx: cython.Py_ssize_t = place % pixels.shape[1]
+    sy: cython.Py_ssize_t = place // own_guide.shape[1]
+    sx: cython.Py_ssize_t = place % own_guide.shape[1]
     dy: cython.Py_ssize_t
     dx: cython.Py_ssize_t
     cy: cython.Py_ssize_t
@@ -50,7 +50,7 @@ def guide_distance(
                 cx = (cx % width + width) % width
             if whole or not done[cy, cx] or (dy == 0 and dx == 0):
                 total += squared(
-                    cython.address(pixels[sy + dy, sx + dx, 0]),
+                    cython.address(own_guide[sy + dy, sx + dx, 0]),
                     cython.address(guide[cy, cx, 0]),
                     guide.shape[2],
                 )
@@ -114,6 +114,7 @@ def choose(
     wrap_x: cython.bint,
     strangers: cython.const[cython.int][:, ::1],
     jumps: cython.Py_ssize_t,
+    own_guide: cython.const[cython.uchar][:, :, ::1],
     guide: cython.const[cython.uchar][:, :, ::1],
     weight: cython.longlong,
     again: cython.bint,
@@ -150,7 +151,7 @@ def choose(
                 d = 0
                 if weight:
                     d = weight * guide_distance(
-                        pixels, places[k], guide, done, y, x, half, wrap_y, wrap_x, again
+                        own_guide, places[k], guide, done, y, x, half, wrap_y, wrap_x, again
                     )
                 if least < 0 or d < least:
                     d += 256 * run_distance(

@@ -8,7 +8,6 @@ from typing import TYPE_CHECKING, Any, ClassVar
 import numpy as np
 
 import weft._cpu  # noqa: F401  before any kernel, to choose which
-from weft.errors import InvalidInputError
 from weft.method import Method, parameter
 from weft.methods import _ashikhmin_kernels as kernels
 from weft.methods.pixel_growth import PixelModel, settle_window
@@ -22,7 +21,6 @@ if TYPE_CHECKING:
 
     from numpy.typing import NDArray
 
-    from weft.canvas import Canvas
     from weft.exemplar import Exemplar
     from weft.methods.pixel_growth import Growth
 
@@ -86,12 +84,6 @@ class Ashikhmin(Method):
         """See `Method.fit`."""
         return AshikhminModel(self, exemplar)
 
-    def require(self, canvas: Canvas) -> None:
-        """See `Method.require`."""
-        super().require(canvas)
-        if canvas.guide is None and self.guide_weight != type(self).guide_weight:
-            raise InvalidInputError("guide_weight has no effect without a guide")
-
 
 class AshikhminModel(PixelModel):
     """A sample prepared for coherent candidates; see `Ashikhmin`."""
@@ -107,7 +99,6 @@ class AshikhminModel(PixelModel):
     def grow(self, growth: Growth) -> None:
         """Choose all pixels, `passes` times (section 3); a hole in layers from its border."""
         canvas, half, windows = growth.canvas, self._half, self.windows
-        canvas.check_guide(self.exemplar)
         start = growth.hole is None
         lines = scan_lines(*canvas.shape)
         if growth.hole is not None:
@@ -115,9 +106,13 @@ class AshikhminModel(PixelModel):
         elif half:
             self._start_from_noise(growth)
         guide, weight, jumps = np.zeros((1, 1, 1), np.uint8), 0, 0
+        own_guide = windows.pixels  # the picture's channels come first, those of its maps after
         if canvas.guide is not None:
-            guide = self.exemplar.as_matching(canvas.guide)
+            guide = self.exemplar.as_guide(canvas.guide)
             weight, jumps = round(_ONE * self.method.guide_weight), 1
+            if self.exemplar.guide is not None:
+                own = self.exemplar.as_guide(self.exemplar.guide)
+                own_guide = windows_of(self.exemplar, (half,) * 4, own).pixels
         jumps = jumps if self.method.jumps is None else self.method.jumps
         tries = max(jumps, _REPLACEMENTS)
         scratch = _scratch(half, growth.levels.shape[2], tries)
@@ -133,7 +128,7 @@ class AshikhminModel(PixelModel):
                 growth.levels, growth.done, growth.source, line,
                 windows.pixels, windows.usable, windows.period, half,
                 canvas.wrap[0] or around, canvas.wrap[1],
-                strangers, jumps, guide, weight, number > 0, *scratch,
+                strangers, jumps, own_guide, guide, weight, number > 0, *scratch,
             )  # fmt: skip
             progress.advance(len(line))
 

@@ -138,6 +138,7 @@ class PixelModel:
         canvas = as_canvas(size, tileable)
         self.method.require(canvas)
         canvas.check_known(self.exemplar)
+        canvas.check_guide(self.exemplar)
         number = seed_number(seed)
         growth = Growth(
             canvas, self.exemplar, self.windows, number, thread_count(threads), progress

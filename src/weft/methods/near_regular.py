@@ -1,0 +1,327 @@
+"""Near-regular synthesis: constrained random sampling and gap filling (chapter 4 of the paper)."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING, ClassVar
+
+import numpy as np
+
+from weft.canvas import Canvas, as_canvas
+from weft.errors import InvalidInputError
+from weft.method import Method, parameter
+from weft.methods.canvas_lattice import ANYWHERE, check_lattice
+from weft.methods.near_regular_blocks import Blocks
+from weft.methods.near_regular_sample import BlockSample
+from weft.random import seed_number
+
+if TYPE_CHECKING:
+    from weft.exemplar import Exemplar
+    from weft.patch_synthesis import PatchSynthesis
+    from weft.progress import ProgressCallback
+    from weft.random import Seed
+
+_PAPER = 40 / 128  # block over the sample's side
+_LEAST = 0.15  # the smallest block that is chosen, over the sample's shorter side
+_PLACES = 9.0  # similar places that a block should have to choose from
+_TOLERANCE = 3  # px (section 4.2.2)
+#: Windows may go 2**40 pixels from the origin, and be so large that numbers of blocks stay exact.
+_FAR = 2**40
+
+
+@dataclass(frozen=True)
+class NearRegular(Method):
+    """Constrained random sampling and gap filling.
+
+    The output is divided into blocks. Every second one shows a piece of the sample that lies a
+    multiple of the translation vectors away, drawn at random; the gaps between take the piece that
+    fits their four neighbours best. So the regular structure goes on however far, and what is
+    irregular stays irregular.
+
+    Examples
+    --------
+    >>> import numpy as np, weft
+    >>> tile = np.random.default_rng(0).integers(0, 255, (12, 10), np.uint8)
+    >>> sample = weft.Exemplar(np.tile(tile, (5, 6)))
+    >>> model = weft.NearRegular(lattice=(10, 0, 0, 12)).fit(sample)
+    >>> bool((model.sample((90, 80), seed=7).image == np.tile(tile, (8, 8))[:90, :80]).all())
+    True
+    """
+
+    slug: ClassVar[str] = "near-regular"
+    title: ClassVar[str] = "Near-regular synthesis"
+    paper: ClassVar[str] = (
+        "A thesis on near-regular texture synthesis: regular structure detection by generalized "
+        "normalized cross-correlation, constrained random sampling and gap filling"
+    )
+    supports: ClassVar[frozenset[str]] = frozenset({"wrap", "random_access"})
+
+    lattice: tuple[float, ...] | None = parameter(
+        None,
+        "translation vectors x1,y1,x2,y2; 1,0,0,1 is the unconstrained mode",
+        count=4,
+        unit="px",
+        default_text="found in the sample; unconstrained if there are none",
+    )
+    preset: str = parameter(
+        "weft",
+        "what parameters are that are not given: chosen by the sample, or the paper's",
+        choices=("weft", "paper"),
+    )
+    block_size: int | None = parameter(
+        None,
+        "side of the square blocks",
+        low=1,
+        unit="px",
+        default_text="by tile and sample, up to 5/16 of its side as in the paper",
+    )
+    border_width: int | None = parameter(
+        None,
+        "width of the borders that must match, half of it on either side; even",
+        low=0,
+        unit="px",
+        default_text="a third of the block; 10 in the paper",
+    )
+    blend: str | None = parameter(
+        None,
+        "joining blocks: cut along least error, feathered by eqs. 4.6 to 4.10, or pasted",
+        choices=("cut", "feather", "none"),
+        default_text="cut; feather in the paper",
+    )
+    blend_width: int | None = parameter(
+        None,
+        "width of the feathered area between blocks",
+        low=0,
+        unit="px",
+        default_text="4, and up to 7/10 of a block where blocks would show",
+        needs=("blend", ("feather", None)),
+    )
+    tolerance: int | None = parameter(
+        None,
+        "how far from a multiple of the vectors a gap's piece may lie",
+        low=0,
+        high=64,
+        unit="px",
+        default_text="3, less where the tile is small",
+    )
+    rectify: int | None = parameter(
+        None,
+        "how far a drawn piece is moved to lie as the sample's mean tile does; 0 is the paper's",
+        low=0,
+        high=64,
+        unit="px",
+        default_text="the tolerance; 0 in the paper",
+    )
+    match: str = parameter(
+        "difference",
+        "how borders are compared: squared differences of colours, or their correlation",
+        choices=("difference", "gncc"),
+    )
+    candidates: int | None = parameter(
+        None,
+        "multiples of the vectors around which a gap's piece is looked for, the best ones",
+        low=1,
+        high=512,
+        default_text="6; all in the paper",
+    )
+    variety: float | None = parameter(
+        None,
+        "how much worse a piece counts for what of it is shown beside; 0 is the paper's way",
+        low=0.0,
+        high=1000.0,
+        default_text="1; 0 in the paper",
+    )
+
+    def fit(self, exemplar: Exemplar) -> NearRegularModel:
+        """Find the lattice, if none is given, and settle the sizes."""
+        return NearRegularModel(self, exemplar)
+
+
+class NearRegularModel:
+    """A sample prepared for near-regular synthesis; `sample` and `window` make outputs from it.
+
+    Parameters
+    ----------
+    method : NearRegular
+        Parameters.
+    exemplar : Exemplar
+        The sample.
+
+    Raises
+    ------
+    InvalidInputError
+        If the vectors or a block do not fit the sample.
+    """
+
+    method: NearRegular
+
+    def __init__(self, method: NearRegular, exemplar: Exemplar) -> None:
+        self.exemplar = exemplar
+        self.method = _settled(method, exemplar)
+        self.blocks = BlockSample(self.method, exemplar)
+        self.method = self.blocks.method
+
+    def sample(
+        self,
+        size: Canvas | int | tuple[int, int],
+        *,
+        seed: Seed = None,
+        tileable: bool | str = False,
+        threads: int | None = None,
+        progress: ProgressCallback | None = None,
+    ) -> PatchSynthesis:
+        """Make an output.
+
+        Parameters
+        ----------
+        size : Canvas, int or (int, int)
+            What to make: height and width, or a Canvas. Where it wraps, the lattice is stretched
+            until whole tiles fit; `provenance["strain"]` says how much.
+        seed : int, numpy Generator or None
+            The same seed gives the same bytes, at any number of threads.
+        tileable : bool or {"x", "y"}
+            Axes that are to repeat without a seam.
+        threads : int, optional
+            At most so many; by default as many as there are processors.
+        progress : callable, optional
+            See `weft.progress.ProgressCallback`.
+
+        Returns
+        -------
+        PatchSynthesis
+
+        Raises
+        ------
+        InvalidInputError
+            If the lattice would have to be stretched too much; a good size is named.
+        """
+        canvas = as_canvas(size, tileable)
+        self.method.require(canvas)
+        return self._made(canvas, (0, 0), seed, threads, progress)
+
+    def window(
+        self,
+        y: int,
+        x: int,
+        height: int,
+        width: int,
+        *,
+        seed: Seed = None,
+        threads: int | None = None,
+        progress: ProgressCallback | None = None,
+    ) -> PatchSynthesis:
+        """Make a window of the endless plane of which `sample` makes the corner at (0, 0).
+
+        Every block is a function of the sample, the parameters, the seed and its place, so
+        windows that overlap agree, whoever makes them.
+
+        Parameters
+        ----------
+        y, x : int
+            The window's upper left corner, from -2**40 to 2**40.
+        height, width : int
+            Its size.
+        seed, threads, progress
+            As for `sample`; give a number, or no two windows belong together.
+
+        Returns
+        -------
+        PatchSynthesis
+
+        Examples
+        --------
+        >>> import numpy as np, weft
+        >>> sample = np.random.default_rng(0).integers(0, 255, (40, 40), np.uint8)
+        >>> model = weft.NearRegular(block_size=10).fit(weft.Exemplar(sample))
+        >>> whole = model.sample((60, 70), seed=1).image
+        >>> bool((model.window(20, 30, 9, 8, seed=1).image == whole[20:29, 30:38]).all())
+        True
+        """
+        for name, at in (("y", y), ("x", x)):
+            if type(at) is not int or not -_FAR <= at <= _FAR:
+                raise InvalidInputError(f"{name} is {at!r}; it must be from -2**40 to 2**40")
+        return self._made(Canvas(height, width), (y, x), seed, threads, progress)
+
+    def _made(
+        self,
+        canvas: Canvas,
+        origin: tuple[int, int],
+        seed: Seed,
+        threads: int | None,
+        progress: ProgressCallback | None,
+    ) -> PatchSynthesis:
+        return Blocks(self.blocks, canvas, origin, seed_number(seed), threads, progress).result()
+
+
+def _settled(method: NearRegular, exemplar: Exemplar) -> NearRegular:
+    """Fill in what follows from the sample and the preset."""
+    paper = method.preset == "paper"
+    vectors = method.lattice
+    if vectors is not None:
+        check_lattice(vectors, exemplar)
+    else:
+        vectors = _found(exemplar)
+    settled = {
+        "lattice": vectors,
+        "blend": method.blend or ("feather" if paper else "cut"),
+        "candidates": method.candidates or (512 if paper else 6),
+        "variety": (0.0 if paper else 1.0) if method.variety is None else method.variety,
+    }
+    shortest = min(np.hypot(*vectors[:2]), np.hypot(*vectors[2:]))
+    if method.tolerance is None:
+        settled["tolerance"] = _TOLERANCE if paper else min(_TOLERANCE, int(shortest / 4))
+    if method.rectify is None:
+        settled["rectify"] = 0 if paper else settled.get("tolerance", method.tolerance)
+    shorter = min(exemplar.shape)
+    size, border = method.block_size, method.border_width
+    if border is not None and border % 2:
+        raise InvalidInputError(f"border_width is {border}; it must be even")
+    if size is None:
+        size = max(1, int(_PAPER * shorter))
+        if not paper:
+            size = _block_size(vectors, exemplar, border)
+    if border is None:
+        border = 10 if paper else size // 6 * 2
+        border = min(border, size // 2 * 2, max(0, shorter - size) // 2 * 2)
+    if border > size:
+        raise InvalidInputError(f"border_width is {border}; it must be at most the block, {size}")
+    if size + border > shorter:
+        raise InvalidInputError(
+            f"block_size is {size} and border_width {border}; {exemplar.name} is "
+            f"{exemplar.shape[1]}x{exemplar.shape[0]}, which has room for {shorter} together"
+        )
+    return replace(method, block_size=size, border_width=border, **settled)
+
+
+def _found(exemplar: Exemplar) -> tuple[float, ...]:
+    """The sample's own vectors, or those of the unconstrained mode."""
+    from weft.analysis.lattice import find_lattice
+
+    lattice = find_lattice(exemplar)
+    if lattice is None:
+        return ANYWHERE
+    first = lattice.reduced().vectors[0]
+    if len(lattice.vectors) == 2:
+        second = lattice.reduced().vectors[1]
+    else:  # along the other direction any place is as good: a few pixels on are the next
+        length = np.hypot(*first)
+        second = -first[1] / length * 7, first[0] / length * 7
+    return (*first, *second)
+
+
+def _block_size(vectors: tuple[float, ...], exemplar: Exemplar, border: int | None) -> int:
+    """The largest block, up to the paper's, that has a choice of places."""
+    x1, y1, x2, y2 = vectors
+    area = abs(x1 * y2 - x2 * y1)
+    shorter = min(exemplar.shape)
+    size, least = int(_PAPER * shorter), max(1, round(_LEAST * shorter))
+    while size > least:
+        window = size + (size // 6 * 2 if border is None else border)
+        height, width = (max(0, n - window) for n in exemplar.shape)
+        if height * width >= _PLACES * area:
+            break
+        size -= 1
+    return max(size, 1)
+
+
+

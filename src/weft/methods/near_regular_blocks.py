@@ -1,0 +1,377 @@
+"""Blocks of one output: drawn, filled in between and joined (sections 4.2.1 to 4.2.3)."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable
+from concurrent.futures import ThreadPoolExecutor
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from weft.method import thread_count
+from weft.methods import _near_regular_kernels as kernels
+from weft.methods.canvas_lattice import CanvasLattice
+from weft.patch_synthesis import PatchSynthesis
+from weft.progress import Progress, ProgressCallback
+from weft.random import draw
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    from weft.canvas import Canvas
+    from weft.methods.near_regular_sample import BlockSample
+
+#: Blocks around those that show that their sources hang on: 1 beside a gap, and 2 for each colour
+#: but the last, which is drawn with regard to the ones before.
+_RING = 7
+_PIECE = 32  # gaps that a thread fills at a time
+_BOX = 3  # half the side of what is compared where four blocks meet
+
+
+class Axis:
+    """Blocks along one axis.
+
+    Attributes
+    ----------
+    first : int
+        Number of the first block; numbers count from the plane's origin.
+    edges : int64 array (n + 1,)
+        Where blocks begin and the last one ends, in canvas pixels.
+    period : int
+        The canvas's length if it goes around, else 0.
+    shown : slice
+        The blocks that can show.
+    """
+
+    def __init__(self, length: int, size: int, margin: int, origin: int, wraps: bool) -> None:
+        if wraps:
+            count = 2 * max(1, -(-length // (2 * size)))
+            self.first, self.period, self.shown = 0, length, slice(0, count)
+            self.edges = np.arange(count + 1, dtype=np.int64) * length // count
+        else:
+            begin = (origin - margin) // size
+            end = (origin + length - 1 + margin) // size + 1
+            self.first, self.period = begin - _RING, 0
+            self.shown = slice(_RING, end - begin + _RING)
+            numbers = np.arange(begin - _RING, end + _RING + 1, dtype=np.int64)
+            self.edges = numbers * size - origin
+        self.sizes = np.diff(self.edges)
+        self.numbers = self.first + np.arange(len(self.sizes), dtype=np.int64)
+
+    @property
+    def count(self) -> int:
+        """How many blocks there are."""
+        return len(self.sizes)
+
+
+class Blocks:
+    """One output in the making."""
+
+    def __init__(
+        self,
+        sample: BlockSample,
+        canvas: Canvas,
+        origin: tuple[int, int],
+        seed: int,
+        threads: int | None,
+        progress: ProgressCallback | None,
+    ) -> None:
+        self.sample, self.canvas, self.seed = sample, canvas, seed
+        self.origin, self.method = origin, sample.method
+        self.threads, self.callback = thread_count(threads), progress
+        size = sample.side - 2 * sample.margin
+        limit = max(1, self.method.tolerance or 0) / size
+        self.lattice = CanvasLattice(sample.vectors, canvas, limit)
+        self.rows, self.columns = (
+            Axis(length, size, sample.margin, at, wraps)
+            for length, at, wraps in zip(canvas.shape, origin, canvas.wrap, strict=True)
+        )
+        self.wrap = np.array([self.rows.period, self.columns.period], np.int32)
+        least = min(int(axis.sizes.min()) for axis in (self.rows, self.columns))
+        #: How far seams leave the grid; less than `sample.margin` where blocks are small.
+        self.reach = min(sample.margin, least // 2)
+        shape = self.rows.count, self.columns.count
+        self.place = np.full(shape, -1, np.int32)
+        number = self.rows.numbers[:, None], self.columns.numbers[None, :]
+        self.bits = draw(seed, "block", *number)
+        corner = [
+            axis.edges[:-1] + at - sample.margin
+            for axis, at in zip((self.rows, self.columns), origin, strict=True)
+        ]
+        self.phase = np.ascontiguousarray(
+            self.lattice.phase(corner[0][:, None], corner[1][None, :])
+        )
+        self.gap = (number[0] + number[1]) % 2 == 1
+        self.number = number
+
+    def result(self) -> PatchSynthesis:
+        """Choose all blocks and describe how they are laid."""
+        self._draw()
+        if self.threads > 1:
+            with ThreadPoolExecutor(self.threads) as pool:
+                self._fill(pool.map)
+                cuts, zones, weights = self._joined(pool.map)
+        else:
+            self._fill(map)
+            cuts, zones, weights = self._joined(map)
+        return self._laid(cuts, zones, weights)
+
+    def _draw(self) -> None:
+        """Section 4.2.1: every second block, one colour after the other."""
+        sample, windows = self.sample, self.sample.windows
+        i, j = self.number
+        color = (i + j) // 2 % 2 * 2 + (i - j) // 2 % 2
+        for k in range(4):
+            cells = np.argwhere(~self.gap & (color == k)).astype(np.int32)
+            kernels.draw_blocks(
+                windows.usable, windows.period, sample.aligned, sample.steps, windows.centres,
+                np.ascontiguousarray(cells), self.phase, self.bits,
+                self.rows.edges, self.columns.edges, self.wrap, self.place,
+            )  # fmt: skip
+
+    def _fill(self, map_: Callable[..., Iterable[Any]]) -> None:
+        """Section 4.2.2: the gaps that show, each by its four neighbours."""
+        shown = np.zeros(self.gap.shape, bool)
+        shown[self.rows.shown, self.columns.shown] = True
+        cells = np.argwhere(self.gap & shown).astype(np.int32)
+        progress = Progress(self.callback, len(cells), "gaps", self._preview)
+        jobs = []
+        sizes = self.rows.sizes[cells[:, 0]], self.columns.sizes[cells[:, 1]]
+        for height in np.unique(sizes[0]):
+            for width in np.unique(sizes[1]):
+                own = np.ascontiguousarray(cells[(sizes[0] == height) & (sizes[1] == width)])
+                if len(own):
+                    border = _Border(self.sample, int(height), int(width))
+                    jobs += [(border, own[k : k + _PIECE]) for k in range(0, len(own), _PIECE)]
+
+        def fill(job: tuple[_Border, NDArray[np.int32]]) -> int:
+            border, piece = job
+            border.fill(self, piece)
+            return len(piece)
+
+        for done in map_(fill, jobs):
+            progress.advance(done)
+
+    def _joined(
+        self, map_: Callable[..., Iterable[Any]]
+    ) -> tuple[NDArray[np.uint16], NDArray[np.int64], NDArray[np.uint16]]:
+        """Section 4.2.3, or seams along least error: cuts, zones of all blocks, and weights."""
+        rows = self.rows.shown.stop - self.rows.shown.start
+        columns = self.columns.shown.stop - self.columns.shown.start
+        if self.method.blend == "cut":
+            cuts = self._cuts(*self._paths(map_))
+            side = self.sample.side
+            weights = np.full((1, side, side), 128, np.uint16)
+            return cuts, np.zeros((rows, columns), np.int64), weights
+        zones = np.zeros((rows, columns), np.int64)
+        known: dict[tuple[Any, ...], int] = {}
+        weights_of = []
+        profiles = [self._profiles(axis, k) for k, axis in enumerate((self.rows, self.columns))]
+        for i in range(rows):
+            for j in range(columns):
+                kind = profiles[0][i][0], profiles[1][j][0]
+                if kind not in known:
+                    known[kind] = len(known)
+                    weights_of.append(_weights(profiles[0][i], profiles[1][j]))
+                zones[i, j] = known[kind]
+        return np.zeros((0, 0), np.uint16), zones, np.stack(weights_of)
+
+    def _profiles(self, axis: Axis, k: int) -> list[tuple[Any, NDArray[np.float64], bool]]:
+        """How much of each line of the window is the block's (eqs. 4.9 and 4.10).
+
+        With what tells apart the profiles, and whether the block is of the second kind.
+        """
+        width = (self.method.blend_width or 0) if self.method.blend == "feather" else 0
+        width = min(width, 2 * self.reach)
+        side, margin, length = self.sample.side, self.sample.margin, self.canvas.shape[k]
+        found = []
+        for block in range(axis.shown.start, axis.shown.stop):
+            size, start = int(axis.sizes[block]), int(axis.edges[block]) - margin
+            # Line `width // 2` before the edge is the last that is not blended: x = 0.
+            at = np.arange(side) - margin + width - width // 2
+            share = np.clip(at + (width == 0), 0, width + 1) / (width + 1)
+            share -= np.clip(at + (width == 0) - size, 0, width + 1) / (width + 1)
+            low, high = 0, side
+            if not axis.period:
+                low, high = max(0, -start), min(side, length - start)
+                share[:low] = share[max(high, 0) :] = 0
+            odd = bool((axis.first + block) % 2)
+            found.append(((size, low, high, odd), share, odd))
+        return found
+
+    def _paths(
+        self, map_: Callable[..., Iterable[Any]]
+    ) -> tuple[NDArray[np.int32], NDArray[np.int32]]:
+        """Where blocks begin, for each line of their windows: from the left, and from above."""
+        count, reach = (self.rows.count, self.columns.count), self.sample.margin
+        corners = np.zeros((count[0] + 1, count[1] + 1, 2), np.int32)
+        side = self.sample.side
+        upright = np.full((count[0], count[1] + 1, side), reach, np.int32)
+        lying = np.full((count[0] + 1, count[1], side), reach, np.int32)
+        if self.reach < reach or reach == 0:
+            return upright, lying  # blocks too small for seams: straight ones
+        least = min(int(axis.sizes.min()) for axis in (self.rows, self.columns))
+        slack = min(reach // 2, (least - 1) // 4)
+        box = min(_BOX, reach - slack)
+        parity = (self.rows.first + self.columns.first) % 2
+        shown = self.rows.shown
+        shared = self.sample.pixels, self.place, self.rows.edges, self.columns.edges, self.wrap
+
+        def meet(i: int) -> None:
+            scratch = np.empty((2 * reach, 2 * reach), np.int64)
+            kernels.meet(*shared, parity, reach, slack, box, scratch, corners, i, i + 1)
+
+        def cut(i: int) -> None:
+            scratch = (
+                np.empty((side, 2 * reach), np.int64),
+                np.empty((side, 2 * reach + 1), np.int64),
+                np.empty((side, 2 * reach + 1), np.int32),
+                np.empty(side, np.int32),
+            )
+            if i < shown.stop:
+                kernels.cut_edges(*shared, corners, reach, True, *scratch, upright, i, i + 1)
+            kernels.cut_edges(*shared, corners, reach, False, *scratch, lying, i, i + 1)
+
+        lines = range(shown.start, shown.stop + 1)
+        list(map_(meet, lines))
+        list(map_(cut, lines))
+        return upright, lying
+
+    def _cuts(self, upright: NDArray[np.int32], lying: NDArray[np.int32]) -> NDArray[np.uint16]:
+        """First and last own columns and rows of each block, as `PatchSynthesis` keeps them."""
+        rows, columns, side = self.rows.shown, self.columns.shown, self.sample.side
+        after = [slice(s.start + 1, s.stop + 1) for s in (rows, columns)]
+        left = upright[rows, columns]
+        right = upright[rows, after[1]] + self.columns.sizes[columns][None, :, None]
+        top = lying[rows, columns]
+        bottom = lying[after[0], columns] + self.rows.sizes[rows][:, None, None]
+        at = np.arange(side)
+        y = self.rows.edges[:-1][rows][:, None, None] - self.sample.margin + at
+        x = self.columns.edges[:-1][columns][None, :, None] - self.sample.margin + at
+        height, width = self.canvas.shape
+        if not self.rows.period:
+            off = np.broadcast_to((y < 0) | (y >= height), left.shape)
+            left, right = np.where(off, side, left), np.where(off, 0, right)
+        if not self.columns.period:
+            off = np.broadcast_to((x < 0) | (x >= width), top.shape)
+            top, bottom = np.where(off, side, top), np.where(off, 0, bottom)
+        return np.concatenate([left, right, top, bottom], axis=2).astype(np.uint16)
+
+    def _laid(
+        self, cuts: NDArray[np.uint16], zones: NDArray[np.int64], weights: NDArray[np.uint16]
+    ) -> PatchSynthesis:
+        """Placements by kind: drawn ones of even rows, of odd rows, then the gaps."""
+        rows, columns, sample = self.rows.shown, self.columns.shown, self.sample
+        place = self.place[rows, columns]
+        place = sample.windows.to_sample(place.ravel()).reshape(place.shape)
+        i, j = np.indices(place.shape)
+        y, x = np.divmod(place, sample.exemplar.shape[1])
+        margin = sample.margin
+        placements = np.stack(
+            [
+                (self.rows.edges[:-1][rows][i] - margin) % self.canvas.height,
+                (self.columns.edges[:-1][columns][j] - margin) % self.canvas.width,
+                y,
+                x,
+                zones,
+            ],
+            axis=-1,
+        )
+        kind = 2 * self.gap[rows, columns] + self.rows.numbers[rows][:, None] % 2
+        order = np.argsort(kind.ravel(), kind="stable")
+        placements = placements.reshape(-1, 5)[order].astype(np.int32)
+        if cuts.size:
+            cuts = np.ascontiguousarray(cuts.reshape(len(order), -1)[order])
+        about: dict[str, Any] = {"seed": self.seed}
+        if any(self.origin):
+            about["origin"] = list(self.origin)
+        if any(self.canvas.wrap):
+            about["strain"] = round(self.lattice.strain, 6)
+        return PatchSynthesis(
+            self.canvas,
+            np.ascontiguousarray(placements),
+            weights,
+            cuts,
+            sample_shape=sample.exemplar.shape,
+            exemplar=sample.exemplar,
+            provenance=self.method.describe() | about,
+        )
+
+    def _preview(self) -> NDArray[np.uint8]:
+        """The blocks that are there, with straight edges."""
+        canvas = np.zeros((*self.canvas.shape, self.sample.exemplar.channels), np.uint8)
+        width, margin = self.sample.pixels.shape[1], self.sample.margin
+        for i in range(self.rows.shown.start, self.rows.shown.stop):
+            for j in range(self.columns.shown.start, self.columns.shown.stop):
+                if self.place[i, j] < 0:
+                    continue
+                y, x = np.divmod(int(self.place[i, j]), width)
+                top, left = (int(axis.edges[k]) for axis, k in ((self.rows, i), (self.columns, j)))
+                v, u = max(0, -top), max(0, -left)
+                part = canvas[
+                    top + v : int(self.rows.edges[i + 1]), left + u : int(self.columns.edges[j + 1])
+                ]
+                y, x = y + margin + v, x + margin + u
+                part[:] = self.sample.pixels[
+                    y : y + part.shape[0], x : x + part.shape[1], : canvas.shape[2]
+                ]
+        return canvas
+
+
+class _Border:
+    """The borders of gaps of one size, and how their sources are looked for."""
+
+    def __init__(self, sample: BlockSample, height: int, width: int) -> None:
+        self.wedges = sample.wedges(height, width)
+        self.runs = _spread(sample.zone(self.wedges).runs)
+        self.sample = sample
+
+    def fill(self, blocks: Blocks, cells: NDArray[np.int32]) -> None:
+        """Choose the sources of these gaps."""
+        sample, windows, method = self.sample, self.sample.windows, self.sample.method
+        channels, wanted = sample.pixels.shape[2], method.candidates or 1
+        low, side, basis, offset, shift, features, places = sample.search
+        kernels.fill_gaps(
+            sample.pixels, sample.turned, windows.usable, windows.period, sample.aligned,
+            sample.steps, windows.centres, np.ascontiguousarray(cells), blocks.phase, blocks.bits,
+            blocks.rows.edges, blocks.columns.edges, blocks.wrap, self.wedges, self.runs,
+            low, side, basis, offset, shift, features, places,
+            method.tolerance or 0, wanted, round(256 * (method.variety or 0.0)),
+            method.match == "gncc",
+            np.zeros((*self.wedges.shape, channels), np.uint8),
+            np.empty(int((self.wedges > 0).sum()) * channels, np.uint8),
+            np.empty(len(low) * channels, np.int32),
+            np.empty(len(basis), np.int16),
+            np.empty(wanted, np.int64),
+            np.empty(wanted, np.int32),
+            blocks.place,
+        )  # fmt: skip
+
+
+def _spread(runs: NDArray[np.int32]) -> NDArray[np.int32]:
+    """The runs in an order in which a few of them are all around, so that bad fits soon show."""
+    order = np.argsort(draw(0, "runs", np.arange(len(runs))), kind="stable")
+    return np.ascontiguousarray(runs[order])
+
+
+def _weights(
+    rows: tuple[Any, NDArray[np.float64], bool], columns: tuple[Any, NDArray[np.float64], bool]
+) -> NDArray[np.uint16]:
+    """Weights in 1/256 that lay four kinds of blocks, one after the other, as eqs. 4.6 to 4.8 say.
+
+    Of the four blocks at a corner each is of another kind. One is laid with its share of what it
+    and those before it have.
+    """
+    (_, along_y, odd_y), (_, along_x, odd_x) = rows, columns
+    shares = {}
+    for other_y in (False, True):
+        for other_x in (False, True):
+            y = along_y if other_y == odd_y else 1 - along_y
+            x = along_x if other_x == odd_x else 1 - along_x
+            # Drawn ones of even rows, drawn ones of odd rows, gaps of even rows, of odd rows.
+            shares[2 * (other_y != other_x) + other_y] = np.outer(y, x)
+    kind = 2 * (odd_y != odd_x) + odd_y
+    own = shares[kind]
+    before = sum(shares[k] for k in range(kind + 1))
+    result = np.rint(256 * own / np.where(own > 0, before, 1))
+    return result.astype(np.uint16)
