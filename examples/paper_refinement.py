@@ -2,9 +2,9 @@
 
 python examples/paper_refinement.py EXPERIMENT -o FOLDER
 
-Experiments that draw a picture: fig4 fig5 fig7 fig8 fig9 fig12 density evenness init; that print a table
-and write it as Markdown: table1 (takes minutes); `all` runs every one. Figures are those of the
-paper on iterative texture refinement and texture fusion; density is of its section 6.
+Experiments that draw a picture: fig4 fig5 fig7 fig8 fig9 fig12 density evenness init; that print a
+table and write it as Markdown: table1 (takes a minute); `all` runs every one. Figures are those of
+the paper on iterative texture refinement and texture fusion; density is of its section 6.
 Needs Pillow beside weft: pip install 'weft[test]'.
 """
 
