@@ -117,23 +117,46 @@ def contrast_of(field: Field, pair: Floats, reach: int) -> float:
     return float(found.value[0] - _UNSURE / max(found.count[0], 1) ** 0.5)
 
 
-def rate_rows(field: Field, vectors: Floats) -> Rating:
-    """Rate single vectors (n, 2): their multiples against places half and a third between."""
-    longest = np.hypot(vectors[:, 0], vectors[:, 1]).min(initial=np.inf)
-    reach = int(min(64, max(1, np.hypot(field.width, field.height) // max(longest, 1))))
-    steps = np.arange(1, reach + 1)
+def stand_out(field: Field, vectors: Floats, whole: Floats, reach: int) -> tuple[float, float, int]:
+    """How much higher the multiples of a larger tile are than the other multiples of a smaller.
 
-    def look(phase: float) -> tuple[Floats, Floats, Floats]:
-        x, y = np.moveaxis(vectors[:, None, :] * (steps - phase)[None, :, None], 2, 0)
-        wide, high = field.width - abs(x), field.height - abs(y)
-        # Half of the sample, or nearly so, must take part.
-        counts = (wide > 0) & (high > 0) & (wide * high >= 0.4 * field.width * field.height)
-        return _mean(field.values(x, y), counts), counts.sum(axis=1), counts[:, 0]
+    Tells alternating colours, where they are, from elements of any colour, where they are not.
 
-    mean, count, usable = look(0)
-    between = np.max([look(phase)[0] for phase in (1 / 2, 1 / 3, 2 / 3)], axis=0)
-    value = mean - between - _UNSURE / np.sqrt(np.maximum(count, 1))
-    return Rating(np.where(usable, value, 0), value, count.astype(np.float64))
+    Parameters
+    ----------
+    field : Field
+        The autocorrelation.
+    vectors : float64 array (2, 2)
+        The smaller tile.
+    whole : float64 array (2, 2)
+        Whole numbers; the larger tile is `whole @ vectors`.
+    reach : int
+        Multiples of up to this many times each vector of the smaller tile are looked at.
+
+    Returns
+    -------
+    (float, float, int)
+        The gap as a share of the larger tile's mean; its size in standard errors; how many
+        multiples the larger tile has, 0 if there are none to compare.
+    """
+    times = _multiples(reach, (0, 0))
+    x, y, counts = _places(field, vectors[None], times)
+    heights, far = field.values(x, y)[counts], np.hypot(x, y)[counts]
+    parts = times[counts[0]] @ np.linalg.inv(whole)
+    own = (abs(parts - np.rint(parts)) < 1e-6).all(axis=1)
+    if own.all() or not own.any():
+        return 0.0, 0.0, 0
+    # What lies far off is lower in any sample, so each of the others is compared with the larger
+    # tile's multiples that are at least as far.
+    order = np.argsort(-far[own], kind="stable")
+    further = np.cumsum(heights[own][order]) / np.arange(1, own.sum() + 1)
+    number = np.searchsorted(-far[own][order], -far[~own], side="right")
+    gaps = (further[number - 1] - heights[~own])[number > 0]
+    if not len(gaps):
+        return 0.0, 0.0, 0
+    error = (gaps.var() / len(gaps) + heights[own].var() / own.sum() + 1e-9) ** 0.5
+    gap = float(gaps.mean())
+    return gap / max(float(heights[own].mean()), 1e-9), gap / error, int(own.sum())
 
 
 def tile_shares(vectors: NDArray[np.int64], wide: Floats, high: Floats) -> Floats:

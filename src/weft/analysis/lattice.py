@@ -9,9 +9,10 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from weft.analysis.correlation import correlate
-from weft.analysis.goodness import GOODNESS, Field, contrast_of, rate, rate_rows
+from weft.analysis.goodness import GOODNESS, Field, contrast_of, rate, stand_out
 from weft.analysis.peaks import Peaks, find_peaks, fit_vectors
 from weft.analysis.relief import relief
+from weft.analysis.rows import find_rows
 from weft.errors import InvalidInputError, did_you_mean
 
 if TYPE_CHECKING:
@@ -23,12 +24,30 @@ if TYPE_CHECKING:
 
 Vector = tuple[float, float]
 
-_PEAKS = 160  # that pairs are made of, the highest first
+_PEAKS = 40  # that pairs are made of, of each octave of lengths the highest
 _PAIRS = 24  # that are fitted and rated with all their multiples
 _FEWEST = 3.0  # pixels of a vector; shorter ones are grain
 _DOMINANT = 0.25  # of the shorter vector, that the peaks of both must dominate
 _REACH = 24  # multiples of each vector that are looked at
+_LOWER = 0.1  # of its mean, that a larger tile's multiples may be above those of a smaller
+_HIGHER = 0.2  # and must be above them to count instead
+_SIGMAS = 5.0  # of the difference's standard error
+_FEWEST_OWN = 6  # and so many there must be of them
+_ROWS = 0.012  # the same for rows
 _CONTRAST = 0.05  # that gives a confidence of a half, which is the least for a lattice
+# Of two and three times the tile, by their vectors in terms of its own.
+_SUBLATTICES = [
+    np.array(rows, np.float64)
+    for rows in (
+        ((2, 0), (0, 1)),
+        ((1, 0), (0, 2)),
+        ((1, 1), (1, -1)),
+        ((3, 0), (0, 1)),
+        ((1, 0), (0, 3)),
+        ((1, 1), (0, 3)),
+        ((1, -1), (0, 3)),
+    )
+]
 
 
 @dataclass(frozen=True)
@@ -173,14 +192,19 @@ def find_lattice(exemplar: Exemplar, *, goodness: str = "contrast") -> Lattice |
     correlation = correlate(np.moveaxis(flat.levels, 0, 2), first_mask=mask)
     field = Field(correlation)
     peaks = find_peaks(correlation)
-    found = _best_pair(field, peaks, goodness) or _best_row(field, peaks)
-    if found is None:
-        return None
-    vectors, contrast = found
-    confidence = round(contrast / (contrast + _CONTRAST), 2)
+    found = _best_pair(field, peaks, goodness)
+    if found is not None:
+        vectors, contrast = found
+        confidence = contrast / (contrast + _CONTRAST)
+    else:
+        rows = find_rows(flat)
+        if rows is None or rows[1] < _ROWS:
+            return None
+        vectors, contrast = rows[0][None], rows[1]
+        confidence = contrast / (contrast + _ROWS)
     lattice = Lattice(tuple((float(x), float(y)) for x, y in vectors * flat.step)).reduced()
     plain = tuple((round(x, 2) + 0.0, round(y, 2) + 0.0) for x, y in lattice.vectors)
-    return Lattice(plain, confidence)
+    return Lattice(plain, round(confidence, 2))
 
 
 def _best_pair(field: Field, peaks: Peaks, goodness: str) -> tuple[Floats, float] | None:
@@ -202,14 +226,56 @@ def _best_pair(field: Field, peaks: Peaks, goodness: str) -> tuple[Floats, float
             best = float(rated.goodness[0]), fitted, int(rated.count[0])
     if best is None or best[0] <= 0:
         return None
-    contrast = contrast_of(field, best[1], _REACH)
-    return (best[1], contrast) if contrast >= _CONTRAST else None
+    vectors = best[1]
+    if goodness == "contrast":
+        vectors = _divide(field, vectors, tried)
+        vectors = _multiply(field, vectors)
+    contrast = contrast_of(field, vectors, _REACH)
+    return (vectors, contrast) if contrast >= _CONTRAST else None
+
+
+def _divide(field: Field, vectors: Floats, others: list[Floats]) -> Floats:
+    """The finest of the lattices which divide this one and are as good at all their multiples."""
+    for finer in sorted(others, key=_area):
+        times = vectors @ np.linalg.inv(finer)
+        whole = np.rint(times)
+        off = np.hypot(*((times - whole) @ finer).T).max()
+        index = round(abs(np.linalg.det(whole)))
+        if index >= 2 and off <= 0.1 * np.hypot(*finer.T).min():
+            gap, _, count = stand_out(field, finer, whole, _REACH)
+            if count and gap < _LOWER:
+                return finer
+    return vectors
+
+
+def _multiply(field: Field, vectors: Floats) -> Floats:
+    """A lattice of two or three times the tile, where its own multiples stand out."""
+    for whole in _SUBLATTICES:
+        gap, sigmas, count = stand_out(field, vectors, whole, _REACH)
+        if gap > _HIGHER and sigmas > _SIGMAS and count >= _FEWEST_OWN:
+            fitted, _ = fit_vectors(field.correlation, _short(whole @ vectors), _REACH)
+            return fitted
+    return vectors
+
+
+def _area(vectors: Floats) -> float:
+    return float(abs(np.linalg.det(vectors)))
+
+
+def _short(vectors: Floats) -> Floats:
+    (a, b), (c, d) = vectors
+    return np.array(Lattice(((a, b), (c, d))).reduced().vectors)
 
 
 def _candidates(peaks: Peaks) -> Floats:
     """Pairs of peaks that are reduced (step 4 of the paper), and neither in the other's shadow."""
-    wide = (peaks.dominance >= 2) & (np.hypot(*peaks.shifts.T) >= _FEWEST)
-    chosen = np.flatnonzero(wide)[:_PEAKS]
+    lengths = np.hypot(peaks.shifts[:, 0], peaks.shifts[:, 1])
+    wide = (peaks.dominance >= 2) & (lengths >= _FEWEST)
+    octave = np.log2(np.maximum(lengths, 1)).astype(int)
+    # Multiples outnumber the vectors themselves, so each octave of lengths has its own highest.
+    chosen = np.concatenate(
+        [np.flatnonzero(wide & (octave == k))[:_PEAKS] for k in range(octave.max(initial=0) + 1)]
+    )
     shifts, dominance = peaks.shifts[chosen], peaks.dominance[chosen]
     squares = (shifts**2).sum(axis=1)
     order = np.argsort(squares, kind="stable")
@@ -220,15 +286,3 @@ def _candidates(peaks: Peaks) -> Floats:
     stands = np.minimum(dominance[i], dominance[j]) >= _DOMINANT * np.sqrt(squares[i])
     keep = reduced & stands
     return np.stack([shifts[i[keep]], shifts[j[keep]]], axis=1).astype(np.float64)
-
-
-def _best_row(field: Field, peaks: Peaks) -> tuple[Floats, float] | None:
-    shifts = peaks.shifts[np.hypot(*peaks.shifts.T) >= _FEWEST][:_PEAKS].astype(np.float64)
-    if not len(shifts):
-        return None
-    rated = rate_rows(field, shifts)
-    k = int(np.argmax(rated.goodness))
-    if rated.goodness[k] < _CONTRAST:
-        return None
-    fitted, _ = fit_vectors(field.correlation, shifts[k : k + 1], _REACH)
-    return fitted, float(rated.goodness[k])

@@ -10,7 +10,7 @@ import numpy as np
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-_MOST = 600  # maxima whose dominance is looked at, the highest first
+_WIDEST = 64  # pixels of dominance; more is not told apart
 
 
 @dataclass(frozen=True, eq=False)
@@ -26,19 +26,19 @@ class Peaks:
         As (x, y), x to the right and y downwards.
     heights : float64 array (n,)
         The correlation there.
-    dominance : float64 array (n,)
-        Distance to the nearest peak, or no shift, that is at least as high: the radius of the
-        region that the peak dominates (Liu, Collins, Tsin: A computational model for periodic
-        pattern perception).
+    dominance : int64 array (n,)
+        Half the side of the largest square around the peak, 1, 2, 4 and so on to 64 pixels, in
+        which nothing is higher: the region that it dominates (after Liu, Collins, Tsin: A
+        computational model for periodic pattern perception based on frieze and wallpaper groups).
     """
 
     shifts: NDArray[np.int64]
     heights: NDArray[np.float64]
-    dominance: NDArray[np.float64]
+    dominance: NDArray[np.int64]
 
 
 def find_peaks(correlation: NDArray[np.float64]) -> Peaks:
-    """Find the maxima among the eight neighbours, above 0, of which the 600 highest are kept.
+    """Find the maxima among the eight neighbours, above 0.
 
     Parameters
     ----------
@@ -50,39 +50,40 @@ def find_peaks(correlation: NDArray[np.float64]) -> Peaks:
     >>> import numpy as np
     >>> from weft.analysis.correlation import correlate
     >>> wave = np.tile(np.sin(np.arange(40) * 2 * np.pi / 10), (1, 1))
-    >>> find_peaks(correlate(wave)).shifts[:3].tolist()
+    >>> find_peaks(correlate(wave)).shifts.tolist()
     [[10, 0], [20, 0], [30, 0]]
     """
-    middle, centre = correlation.shape[0] // 2, correlation.shape[1] // 2
-    right = correlation[:, centre:]
-    framed = np.pad(correlation, 1, constant_values=-np.inf)[:, centre:]
-    high = right > 0
-    high[: middle + 1, 0] = False  # no shift, and the mirror images of those straight below
-    for dy in range(3):
-        for dx in range(3):
-            if (dy, dx) != (1, 1):
-                high &= right >= framed[dy : dy + right.shape[0], dx : dx + right.shape[1]]
+    middle, centre = (side // 2 for side in correlation.shape)
+    margin = min(_WIDEST, centre)  # of the left half, which squares reach into
+    # Rounded, so that what is equal but for rounding is so on every machine.
+    part = np.rint(correlation[:, centre - margin :] * 1e9) / 1e9
+    around, radius = _wider(part, 1, first=True), 1
+    high = (part > 0) & (part >= around)
+    high[:, :margin] = False
+    high[: middle + 1, margin] = False  # no shift, and the mirror images of those straight below
     y, x = high.nonzero()
-    # Rounded, so that the order of peaks which are equal but for rounding is the same everywhere.
-    heights = np.rint(right[y, x] * 1e9) / 1e9
-    y -= middle
-    order = np.lexsort((y, x, x * x + y * y, -heights))[:_MOST]
-    shifts = np.stack([x[order], y[order]], axis=1)
-    heights = heights[order]
-    return Peaks(shifts, heights, _dominance(shifts, heights))
+    heights = part[y, x]
+    dominance = np.ones(len(y), np.int64)
+    while radius < _WIDEST:
+        around, radius = _wider(around, radius), 2 * radius
+        dominance[heights >= around[y, x]] = radius
+    shifts = np.stack([x - margin, y - middle], axis=1)
+    order = np.lexsort((shifts[:, 1], shifts[:, 0], (shifts**2).sum(axis=1), -heights))
+    return Peaks(shifts[order], heights[order], dominance[order])
 
 
-def _dominance(shifts: NDArray[np.int64], heights: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Each peak's distance to what is at least as high: sorted, that is what comes before it."""
-    radii = np.hypot(shifts[:, 0], shifts[:, 1])
-    level = np.searchsorted(-heights, -heights, side="right")  # equal ones count too
-    place = np.arange(len(heights))
-    higher = (place[None, :] < level[:, None]) & (place[None, :] != place[:, None])
-    for sign in (1, -1):  # the peaks and their mirror images
-        apart = shifts[:, None, :] - sign * shifts[None, :, :]
-        distance = np.where(higher, np.hypot(apart[..., 0], apart[..., 1]), np.inf)
-        radii = np.minimum(radii, distance.min(axis=1, initial=np.inf))
-    return radii
+def _wider(values: NDArray[np.float64], by: int, first: bool = False) -> NDArray[np.float64]:
+    """Maxima over squares that reach `by` further, of values that are maxima as far as that."""
+    for axis in (0, 1):
+        near = min(by, values.shape[axis])
+        edge = np.full_like(values.take(range(near), axis), -np.inf)
+        rest = values.shape[axis] - near
+        before = np.concatenate([edge, values.take(range(rest), axis)], axis)
+        after = np.concatenate([values.take(range(near, near + rest), axis), edge], axis)
+        values = (
+            np.maximum(np.maximum(before, after), values) if first else np.maximum(before, after)
+        )
+    return values
 
 
 def fit_vectors(
