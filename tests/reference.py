@@ -1428,14 +1428,19 @@ def exact_pixels(sheet, sample, order, seed, stage, method, guide=None):
                 best, chosen = distance(place), place
         if best == 0:
             return chosen
+        lists = [
+            [g for c in sample.near(color) for g in sample.groups.get((d, c), [])]
+            for d, color, _ in beside
+        ]
+        listed = sum(len(groups) for groups in lists)
+        share = 2**32 * min(method.candidates, listed) // max(listed, 1)
         tested, found = set(first), []
-        for d, color, _ in beside:
-            groups = [g for c in sample.near(color) for g in sample.groups.get((d, c), [])]
+        for groups in lists:
             for group in groups:
-                if group[0] not in tested:
+                key = (sample.flat(group[0]) ^ bits) % 2**32 * 2654435761 % 2**32
+                if group[0] not in tested and key < share:
                     member = group[pick(bits, len(group))]
                     if not repeats(member, y, x, apart):
-                        key = (sample.flat(group[0]) ^ bits) % 2**32 * 2654435761 % 2**32
                         found.append((distance(group[0]), key, member))
             tested.update(group[0] for group in groups)
         if found and (best is None or min(found)[0] < best):
@@ -2027,8 +2032,11 @@ def grid_points(length, wraps, spacing):
     return [i * length // count for i in range(count)]
 
 
-def seed_points(pixels, mask, shape, wrap, spacing, matches, seed):
-    """Stochastic tiling with unit tiles (Fig. 5): {(y, x) of the output: (y, x) of the sample}."""
+def seed_points(pixels, mask, shape, wrap, spacing, matches, seed, guide=None):
+    """Stochastic tiling with unit tiles (Fig. 5): {(y, x) of the output: (y, x) of the sample}.
+
+    `guide` is that of the canvas, that of the sample, and its weight in 1/256.
+    """
     usable = [tuple(at) for at in np.argwhere(mask).tolist()]
     top, left = min(y for y, _ in usable), min(x for _, x in usable)
     tiles = []
@@ -2047,12 +2055,18 @@ def seed_points(pixels, mask, shape, wrap, spacing, matches, seed):
         slot = [(v % len(rows) if wrap[0] else v, u) for v, u in slot]
         slot = [(v, u % len(columns) if wrap[1] else u) for v, u in slot]
         there = [k for k in range(4) if slot[k] in points]
+        bound = [([*rows, shape[0] - 1][v], [*columns, shape[1] - 1][u]) for v, u in slot]
         unlike = [
             sum(((pixels[tile[k]].astype(int) - pixels[points[slot[k]]]) ** 2).sum() for k in there)
             for tile in tiles
         ]
+        if guide is not None:
+            shown, own, weight = guide
+            for n, tile in enumerate(tiles):
+                apart = sum(((shown[bound[k]] - own[tile[k]]) ** 2).sum() for k in range(4))
+                unlike[n] = 256 * unlike[n] + weight * apart
         ranked = sorted(range(len(tiles)), key=lambda n: unlike[n])
-        ranked = ranked[:matches] if there else ranked
+        ranked = ranked[:matches] if there else [n for n in ranked if unlike[n] == min(unlike)]
         tile = tiles[ranked[bits % len(ranked)]]
         for k in range(4):
             points.setdefault(slot[k], tile[k])
@@ -2113,7 +2127,7 @@ class RefinedLevel:
         self.centre_set = set(self.centres)
         self.side = max(1, round(scale / 2**number))
         self.offset = reach if exemplar.tileable else 0
-        self.similar = {}
+        self.similar, self.guide = {}, None
 
     def find_similar(self, count, coarser_level):
         """Fill `similar`: exactly on the coarsest level, then around parents' similar places."""
@@ -2189,20 +2203,29 @@ def refinement(method, exemplar, canvas, seed, start=None, components=None):
     stack = [(picture, ~hole)]
     for _ in levels[1:]:
         stack.append((coarser(stack[-1][0], canvas.wrap), coarser_mask(stack[-1][1], canvas.wrap)))
+    guide = guides(exemplar, canvas)
+    if guide[0] is not None:
+        weight = max(1, round(256 * method.guide_weight * picture.shape[2] / guide[0].shape[2]))
+        shown, own = (np.asarray(g, np.uint8) for g in guide)
+        for level in levels:
+            level.guide = shown.astype(int), own.astype(int), weight
+            shown, own = coarser(shown, canvas.wrap), coarser(own, tiles)
     below = None
     for level, (picture, known) in list(zip(levels, stack, strict=True))[::-1]:
         coarsest = below is None
         step = 2**level.number
         source = [[None] * known.shape[1] for _ in range(known.shape[0])]
-        if coarsest and method.init == "seeds":
+        seeds = coarsest and start is None
+        if seeds:
             spacing = max(1, round(max(1, width // 2) / (step * method.seed_density)))
             points = seed_points(
-                level.pixels, level.mask, known.shape, canvas.wrap, spacing, method.matches, seed
-            )
+                level.pixels, level.mask, known.shape, canvas.wrap, spacing, method.matches, seed,
+                level.guide,
+            )  # fmt: skip
             for (y, x), place in points.items():
                 source[y][x] = place
         for y, x in np.ndindex(known.shape):
-            if coarsest and method.init != "seeds":
+            if coarsest and not seeds:
                 v, u = (int(k) for k in start[y * step, x * step])
                 source[y][x] = None if v < 0 else (v // step, u // step)
             elif not coarsest and not known[y, x]:  # whose parents are not known either
@@ -2213,7 +2236,7 @@ def refinement(method, exemplar, canvas, seed, start=None, components=None):
                 if canvas.known_from is not None:
                     v, u = y * step + canvas.known_from[0], x * step + canvas.known_from[1]
                     source[y][x] = v // step, u // step
-            if source[y][x] is not None and (not coarsest or method.init != "seeds" or known[y, x]):
+            if source[y][x] is not None and (not seeds or known[y, x]):
                 source[y][x] = nearest_centre(level.centres, *source[y][x])
         done = np.array([[s is not None for s in row] for row in source]) | known
         for y, x in np.argwhere(done & ~known):
@@ -2226,7 +2249,7 @@ def refinement(method, exemplar, canvas, seed, start=None, components=None):
         for y, x in np.argwhere(done & ~known):
             usage[level.cell(source[y][x])] = usage.get(level.cell(source[y][x]), 0) + 1
         above = len(levels) - 1 - levels.index(level)
-        settled = bool(done.all()) and (above > 0 or not cyclic)
+        settled = bool(done.all()) and (above > 0 or not (cyclic or level.guide))
         for turn in range(rounds):
             before, there = picture.copy(), done.copy()
             for line in turned_lines(~known, turn, cyclic, coherent):
@@ -2263,6 +2286,20 @@ def _settle(level, picture, done, source, y, x, place):
     source[y][x], done[y, x], picture[y, x] = place, True, level.pixels[place]
 
 
+def _asked(level, unknown):
+    """In 1/256, how often each centre is to be used, for what the guide shows there."""
+    shown, own, _ = level.guide
+    there, wanted = {}, {}
+    for at in level.centres:
+        kind = tuple(own[at] // 64)
+        there[kind] = there.get(kind, 0) + 1
+    for at in zip(*np.nonzero(unknown), strict=True):
+        kind = tuple(shown[at] // 64)
+        wanted[kind] = wanted.get(kind, 0) + 1
+    kinds = {at: tuple(own[at] // 64) for at in level.centres}
+    return {at: max(256, 256 * wanted.get(k, 0) // there[k]) for at, k in kinds.items()}
+
+
 def _coherent_sweep(
     method, level, canvas, seed, picture, done, source, unknown, line, turn, cyclic, usage, above,
     components, settled,
@@ -2271,8 +2308,11 @@ def _coherent_sweep(
     wanted = int(unknown.sum())
     share = max(1.0, wanted / len(level.centres))
     room = {}
+    asked = _asked(level, unknown) if level.guide else {}
     for place in level.centres:
-        room[level.cell(place)] = room.get(level.cell(place), 0) + 1
+        room[level.cell(place)] = room.get(level.cell(place), 0) + asked.get(place, 1)
+    if level.guide:
+        room, share = {cell: n // 256 for cell, n in room.items()}, 1
     tried = []
     if not settled and turn == 0:
         count = max(2**23 // wanted, 64)
@@ -2295,6 +2335,13 @@ def _coherent_sweep(
             over = usage.get(cell, 0) - capacity
             factor = 256 + min(weight * over // capacity, 2**14) if over > 0 else 256
             cost = _known_distance(level, picture, y, x, known, place) * factor
+            if level.guide:
+                shown, theirs, heavy = level.guide
+                every = known_window(np.ones_like(done), y, x, canvas.wrap, [level.reach] * 4)
+                for dy, dx in [*every, (0, 0)]:
+                    here = shown[(y + dy) % len(shown), (x + dx) % shown.shape[1]]
+                    v, u = (place[0] + dy) % len(theirs), (place[1] + dx) % theirs.shape[1]
+                    cost += heavy * int(((theirs[v, u] - here) ** 2).sum())
             if best is None or cost < best[0]:
                 best = cost, place
         if best is None:

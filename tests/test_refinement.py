@@ -7,7 +7,7 @@ from hypothesis import strategies as st
 
 import reference
 import weft
-from families import canvas_of, noise
+from families import canvas_of, noise, with_guides
 from weft.analysis.scale import dominant_scale
 from weft.canvas import Canvas
 from weft.methods.refinement_sweeps import _cyclic, _lines
@@ -18,7 +18,9 @@ WRAPS = [(False, False), (False, True), (True, False), (True, True)]
 def check_twin(method, exemplar, canvas, seed):
     model = method.fit(exemplar)
     result = model.sample(canvas, seed=seed)
-    start = None if model.start is None else model.start.sample(canvas, seed=seed).source
+    start = None
+    if model.start and (canvas.guide is None or "guide" in model.start.method.supports):
+        start = model.start.sample(canvas, seed=seed).source
     components = model.levels[0].components
     expected = reference.refinement(model.method, exemplar, canvas, seed, start, components)
     source = result.source
@@ -55,6 +57,11 @@ def test_it_is_the_slow_twin(data):
     if parameters["init"] == "seeds":
         parameters |= {"matches": draw(st.integers(1, 5)), "seed_density": draw(st.just(0.5))}
     if draw(st.booleans()):
+        more["guide"] = noise((*size, channels), seed=5)
+        if draw(st.booleans()):
+            exemplar, more["guide"] = with_guides(exemplar, size, rng)
+        parameters["guide_weight"] = draw(st.sampled_from([0.01, 0.3, 3.0]))
+    if draw(st.booleans()) and "guide" not in more:
         # Distances by few colours are equal so often that any shortlist is as good.
         parameters |= {"search": "pca", "candidates": 3 if colours == 200 else 100}
     else:
@@ -81,6 +88,19 @@ def test_levels_are_the_slow_twins(kind, tileable, init):
     canvas = canvas_of(kind, pixels, (13, 15))
     model = method.fit(exemplar)
     assert len(model.levels) == 2
+    check_twin(method, exemplar, canvas, 5)
+
+
+@pytest.mark.parametrize("tileable", [False, True])
+def test_guides_of_levels_are_the_slow_twins(tileable):
+    pixels = weft.load_exemplar("sample:pebbles").pixels[20:68, 10:59].copy()
+    exemplar = weft.Exemplar(pixels, tileable=tileable)
+    canvas = canvas_of("guide", pixels, (9, 10))
+    if tileable:
+        y, x = np.indices((48, 49))
+        exemplar = exemplar.with_guide((y + x > 50).astype(int) + (x > 30))
+        canvas = Canvas(9, 10, (True, False), guide=np.indices((9, 10))[1] // 4)
+    method = weft.Refinement(window_width=13, iterations=1, similar=0)
     check_twin(method, exemplar, canvas, 5)
 
 

@@ -3,7 +3,7 @@
 
 import cython
 from cython.cimports.weft.search._coherence_kernels import coherent_places
-from cython.cimports.weft.search._kernels import nearest_by_features
+from cython.cimports.weft.search._kernels import nearest_by_features, squared
 from cython.cimports.weft.search._projection_kernels import run_coordinates
 from cython.cimports.weft.search._window_kernels import gather_runs, known_runs, run_distance
 
@@ -69,8 +69,14 @@ def coherent(
     usage: cython.int[::1],
     capacity: cython.const[cython.int][::1],
     weight: cython.longlong,
+    guide: cython.const[cython.uchar][:, :, ::1],
+    own_guide: cython.const[cython.uchar][:, :, ::1],
+    guide_weight: cython.longlong,
+    all_known: cython.const[cython.uchar][:, ::1],
     runs: cython.int[:, ::1],
     query: cython.uchar[::1],
+    guide_runs: cython.int[:, ::1],
+    guide_query: cython.uchar[::1],
     places: cython.int[::1],
 ) -> cython.Py_ssize_t:
     width: cython.Py_ssize_t = levels.shape[1]
@@ -87,7 +93,9 @@ def coherent(
     own: cython.Py_ssize_t
     place: cython.Py_ssize_t
     best: cython.Py_ssize_t
+    guide_n: cython.Py_ssize_t = 0
     d: cython.longlong
+    g: cython.longlong
     factor: cython.longlong
     least: cython.longlong
     changed: cython.Py_ssize_t = 0
@@ -108,19 +116,39 @@ def coherent(
                     count += 1
         n = known_runs(done, y, x, wrap_y, wrap_x, reach, reach, reach, reach, runs)
         gather_runs(levels, y, x, runs, n, query)
+        if guide_weight > 0:
+            guide_n = known_runs(
+                all_known, y, x, wrap_y, wrap_x, reach, reach, reach, reach, guide_runs
+            )
+            gather_runs(guide, y, x, guide_runs, guide_n, guide_query)
         best = -1
         least = -1
         for i in range(count + tried.shape[0]):
             place = places[i] if i < count else tried[i - count]
             if place < 0:
                 continue
+            g = 0
+            if guide_weight > 0:
+                g = guide_weight * (
+                    squared(
+                        cython.address(own_guide[place // columns, place % columns, 0]),
+                        cython.address(guide[y, x, 0]),
+                        guide.shape[2],
+                    )
+                    + run_distance(
+                        own_guide, place // columns, place % columns, guide_runs, guide_n,
+                        guide_query, least // guide_weight if best >= 0 else -1,
+                    )
+                )  # fmt: skip
+                if best >= 0 and g >= least:
+                    continue
             factor = excess(cells[place], usage, capacity, weight)
             d = run_distance(
                 pixels, place // columns, place % columns, runs, n, query,
-                least // factor if best >= 0 else -1,
+                (least - g) // factor if best >= 0 else -1,
             )  # fmt: skip
-            if best < 0 or d * factor < least:
-                least = d * factor
+            if best < 0 or d * factor + g < least:
+                least = d * factor + g
                 best = place
         if best < 0:
             continue
@@ -200,14 +228,16 @@ def nearest(
 
 def refine_coherently(
     levels, done, source, order, wrap, pixels, usable, period, reach, similar, tried, cells, usage,
-    capacity, weight, runs, query, places,
+    capacity, weight, guide, own_guide, guide_weight, all_known, runs, query, guide_runs,
+    guide_query, places,
 ):  # fmt: skip
     """Give each pixel in `order` the best of its candidates; return how many changed.
 
     Candidates are its own place, where the sources of its eight neighbours go on, the places
     `similar` to these, and those `tried`; of equals the first is best. The distance to a place
     in a cell that has been used more often than its capacity counts more, by the share of the
-    excess times `weight` / 256.
+    excess times `weight` / 256. To this comes the distance between the two guides, over the whole
+    window, times `guide_weight` / 256.
     """
     lv: cython.uchar[:, :, ::1] = levels
     dn: cython.uchar[:, ::1] = done
@@ -225,14 +255,21 @@ def refine_coherently(
     ug: cython.int[::1] = usage
     ca: cython.const[cython.int][::1] = capacity
     we: cython.longlong = weight
+    gu: cython.const[cython.uchar][:, :, ::1] = guide
+    og: cython.const[cython.uchar][:, :, ::1] = own_guide
+    gw: cython.longlong = guide_weight
+    ak: cython.const[cython.uchar][:, ::1] = all_known
     ru: cython.int[:, ::1] = runs
     qu: cython.uchar[::1] = query
+    gr: cython.int[:, ::1] = guide_runs
+    gq: cython.uchar[::1] = guide_query
     pl: cython.int[::1] = places
     changed: cython.Py_ssize_t
     with cython.nogil:
         changed = coherent(
-            lv, dn, so, od, wy, wx, px, us, pe, re, si, tr, ce, ug, ca, we, ru, qu, pl
-        )
+            lv, dn, so, od, wy, wx, px, us, pe, re, si, tr, ce, ug, ca, we, gu, og, gw, ak, ru, qu,
+            gr, gq, pl,
+        )  # fmt: skip
     return changed
 
 

@@ -23,6 +23,7 @@ from weft.search.windows import windows_of
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
+    from weft.canvas import Canvas
     from weft.method import Model
     from weft.methods.pixel_growth import Growth
     from weft.search.window_components import WindowComponents
@@ -54,7 +55,7 @@ class Refinement(Method):
         "Iterative texture refinement and texture fusion: window size estimation, seed point "
         "planting, iterative refinement"
     )
-    supports: ClassVar[frozenset[str]] = frozenset({"wrap", "known"})
+    supports: ClassVar[frozenset[str]] = frozenset({"wrap", "known", "guide"})
 
     window_width: int | None = parameter(
         None,
@@ -76,7 +77,7 @@ class Refinement(Method):
     )
     init: str = parameter(
         "auto",
-        "start from seed points or another method's result; auto: quilting, but with 'pca' seeds",
+        "start from seed points or a method's result; auto: quilting; with a guide or 'pca' seeds",
         choices=("auto", "seeds", *(slug for slug in METHODS if slug != "refinement")),
     )
     seed_density: float = parameter(
@@ -103,6 +104,9 @@ class Refinement(Method):
         high=100.0,
         needs=("search", ("coherent",)),
     )
+    guide_weight: float = parameter(
+        0.3, "how much a guide counts beside what is made", low=0.01, high=100.0
+    )
     variance: float = parameter(
         0.97,
         "share of the variance to keep, with at most 48 components",
@@ -121,6 +125,12 @@ class Refinement(Method):
     def fit(self, exemplar: Exemplar) -> RefinementModel:
         """Analyse a sample: its dominant scale, and how to find what is like a window."""
         return RefinementModel(self, exemplar)
+
+    def require(self, canvas: Canvas) -> None:
+        """See `Method.require`."""
+        super().require(canvas)
+        if canvas.guide is not None and self.search == "pca":
+            raise InvalidInputError("search is 'pca', which follows no guide; use 'coherent'")
 
     def settle(self, exemplar: Exemplar) -> Refinement:
         """See `Method.settle`."""
@@ -182,6 +192,8 @@ class RefinementModel(PixelModel):
         In pixels, half of the window.
     levels : list of Level
         From the finest to the coarsest; one where search is "pca".
+    open : bool
+        The start was left open; where the canvas has a guide it is one that follows it.
     start : Model or None
         What makes the pictures to refine; None plants seed points.
     """
@@ -191,6 +203,7 @@ class RefinementModel(PixelModel):
 
     def __init__(self, method: Refinement, exemplar: Exemplar) -> None:
         super().__init__(method.settle(exemplar), exemplar)
+        self.open = method.init == "auto"
         init = self.method.init
         self.start = None if init == "seeds" else METHODS[init]().fit(exemplar)
         width: int = self.method.window_width  # type: ignore[assignment]
@@ -250,6 +263,12 @@ class RefinementModel(PixelModel):
 
     def grow(self, growth: Growth) -> None:
         """Refine a start until it stays as it is, from the coarsest level to the finest."""
+        if growth.canvas.guide is not None and self.start is not None:
+            if "guide" not in self.start.method.supports and not self.open:
+                raise InvalidInputError(
+                    f"init is '{self.method.init}', which follows no guide; use 'seeds' or "
+                    "'ashikhmin'"
+                )
         Refining(self, growth).run()
 
 

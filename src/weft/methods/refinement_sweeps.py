@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from weft.methods import _refinement_kernels as kernels
+from weft.methods.refinement_guide import ONE, guides_of
 from weft.methods.seed_points import plant_seeds
 from weft.random import draw
 from weft.search.pyramid import gaussian_pyramid, mask_pyramid
@@ -40,6 +41,7 @@ class Refining:
         depth, wrap = len(model.levels), growth.canvas.wrap
         self.known = mask_pyramid(growth.done.astype(bool), depth, wrap)
         self.pictures = gaussian_pyramid(growth.levels, depth, wrap)
+        self.guides = guides_of(model, growth)
         self.cyclic = growth.hole is not None
         self.rounds = [max(1, self.method.iterations // 2) for _ in range(depth)]
         # Structure is settled on the coarsest level, where iterations cost least.
@@ -83,11 +85,18 @@ class Refining:
     def _start(self, number: int) -> NDArray[np.int32]:
         """Seed points, or another method's result as far as this level shows it."""
         level, growth, model = self.model.levels[number], self.growth, self.model
-        if model.start is None:
+        guided = growth.canvas.guide is not None
+        if model.start is None or (guided and "guide" not in model.start.method.supports):
             spacing = max(1, round(model.scale / (2**number * self.method.seed_density)))
             shape, wrap = self.known[number].shape, growth.canvas.wrap
             places, y, x = plant_seeds(
-                level.plain, shape, wrap, spacing, self.method.matches, growth.seed
+                level.plain,
+                shape,
+                wrap,
+                spacing,
+                self.method.matches,
+                growth.seed,
+                self.guides[number],
             )
             source = np.full(shape, -1, np.int32)
             source[np.ix_(y, x)] = level.windows.from_sample(level.plain.to_sample(places))
@@ -189,17 +198,29 @@ class _CoherentSweep(_Sweep):
         super().__init__(refining, number, done, source)
         level, unknown = self.level, ~refining.known[number]
         coarser = len(refining.model.levels) - 1 - number
-        self.seed = refining.growth.seed
-        # Trying places all over tears apart what is whole; but what surrounds a hole must decide.
-        self.settled = bool(done.all()) and (coarser > 0 or not self.cyclic)
+        self.seed, self.guide = refining.growth.seed, refining.guides[number]
+        # Trying places all over tears apart what is whole; but what surrounds a hole must decide,
+        # and a guide.
+        free = self.cyclic or self.guide.weight > 0
+        self.settled = bool(done.all()) and (coarser > 0 or not free)
         cells = level.cells
         made = source[unknown & (done > 0)]
         self.usage = np.bincount(cells[made], minlength=cells.max() + 1).astype(np.int32)
-        room = np.bincount(cells[level.windows.centres], minlength=len(self.usage))
-        share = max(1.0, self.wanted / len(level.windows.centres))
-        self.capacity = np.maximum(room * share, 1).astype(np.int32)
+        centres = level.windows.centres
+        if self.guide.weight:
+            demand = self.guide.demand(unknown, centres)
+            room = np.bincount(cells[centres], demand, len(self.usage)) // ONE
+        else:
+            room = np.bincount(cells[centres], minlength=len(self.usage))
+            room = room * max(1.0, self.wanted / len(centres))
+        self.capacity = np.maximum(room, 1).astype(np.int32)
         self.weight = round(_ONE * refining.method.evenness / 2**coarser)
         self.places = np.zeros(10 * (1 + level.similar.shape[1]), np.int32)
+        self.around = np.ones(done.shape, np.uint8)
+        self.guide_runs = np.zeros_like(self.runs)
+        self.guide_query = np.zeros(
+            len(self.query) // self.picture.shape[2] * self.guide.canvas.shape[2], np.uint8
+        )
 
     def orders(self, lines: list[NDArray[np.int32]], turn: int) -> list[NDArray[np.int32]]:
         """To and fro, or from all four sides."""
@@ -215,7 +236,8 @@ class _CoherentSweep(_Sweep):
                 windows.pixels, windows.usable, windows.period, self.level.reach,
                 self.level.similar, self._tried(int(line[0]), turn),
                 self.level.cells, self.usage, self.capacity, self.weight,
-                self.runs, self.query, self.places,
+                self.guide.canvas, self.guide.sample, self.guide.weight, self.around,
+                self.runs, self.query, self.guide_runs, self.guide_query, self.places,
             )
         )  # fmt: skip
 

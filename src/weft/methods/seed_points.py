@@ -6,11 +6,13 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from weft.methods.refinement_guide import ONE
 from weft.random import draw
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
+    from weft.methods.refinement_guide import Guide
     from weft.search.windows import Windows
 
 
@@ -21,6 +23,7 @@ def plant_seeds(
     spacing: int,
     matches: int,
     seed: int,
+    guide: Guide | None = None,
 ) -> tuple[NDArray[np.int32], NDArray[np.intp], NDArray[np.intp]]:
     """Sample a grid of seed points for an output.
 
@@ -44,6 +47,8 @@ def plant_seeds(
         k: one of so many best tiles is taken.
     seed : int
         For `weft.random.draw`.
+    guide : Guide, optional
+        What the canvas shows in it at the corners is compared too.
 
     Returns
     -------
@@ -71,12 +76,23 @@ def plant_seeds(
     # Beyond the end of an axis lies one more row of points, or the first one again.
     rows, columns = (len(n) + (not wraps) for n, wraps in zip((y, x), wrap, strict=True))
     points = np.full((rows, columns), -1, np.int32)
+    guided = guide is not None and guide.weight > 0
+    if guide is not None and guided:
+        own = guide.plain.reshape(-1, guide.plain.shape[2])[tiles].astype(np.int64)
+        ends = [np.append(n, length - 1) for n, length in zip((y, x), shape, strict=True)]
+        shown = guide.canvas[np.ix_(ends[0][:rows], ends[1][:columns])]
     for i, j in np.ndindex(bits.shape):
         corners = [(v % rows, u % columns) for v in (i, i + 1) for u in (j, j + 1)]
         slot = np.array([points[corner] for corner in corners])
         there = slot >= 0
         distance = ((colours - flat[slot]) ** 2).sum(axis=2) @ there
-        best = np.argsort(distance, kind="stable")[: matches if there.any() else None]
+        if guide is not None and guided:
+            wanted = np.array([shown[corner] for corner in corners], np.int64)
+            apart = ((own - wanted) ** 2).sum(axis=(1, 2))
+            distance = ONE * distance + guide.weight * apart
+        # At first nothing tells tiles apart but the guide; many may be equally good.
+        equal = int((distance == distance.min()).sum())
+        best = np.argsort(distance, kind="stable")[: matches if there.any() else equal]
         tile = tiles[best[int(bits[i, j] % np.uint64(len(best)))]]
         for corner, place in zip(corners, tile, strict=True):
             if points[corner] < 0:
