@@ -64,6 +64,8 @@ def test_holes_are_the_slow_twins(wrap, from_sample):
         {"nearest_colors": 3},
         {"nearest_colors": 1000},
         {"grouping": 0.1},
+        {"candidates": 3},
+        {"candidates": 20, "nearest_colors": 7},
         {"grouping": 1.0, "tolerance": 0.1},
         {"copying": "blocks"},
         {"repeat_distance": 0},
@@ -140,7 +142,9 @@ def test_a_larger_tolerance_tests_more():
     exemplar = weft.Exemplar(weft.load_exemplar("sample:pebbles").pixels[:48, :48])
     tested = []
     for tolerance in (0.0, 0.01, 0.05, 1.0):
-        model = weft.ExactMatching(window_width=7, tolerance=tolerance, init="random").fit(exemplar)
+        model = weft.ExactMatching(
+            window_width=7, tolerance=tolerance, init="random", candidates=10**6
+        ).fit(exemplar)
         _, statistics = model.measure((16, 16), seed=1)
         tested.append(statistics.tested / statistics.pixels)
     assert tested == sorted(tested)
@@ -153,7 +157,9 @@ def test_grouping_shortens_lists():
     exemplar = weft.load_exemplar("sample:weave")
     cost = []
     for grouping in (0.0, 0.03):
-        model = weft.ExactMatching(window_width=11, grouping=grouping, init="random").fit(exemplar)
+        model = weft.ExactMatching(
+            window_width=11, grouping=grouping, init="random", candidates=10**6
+        ).fit(exemplar)
         cost.append(model.measure((20, 40), seed=1)[1].tested)
     assert cost[1] < cost[0] / 2
 

@@ -9,6 +9,7 @@ from cython.cimports.weft.search._window_kernels import (
     known_runs,
     run_distance,
     settle,
+    turn_runs,
 )
 
 # Looked-up colours that are kept: at least as many as a pixel has direct neighbours.
@@ -25,6 +26,7 @@ def look_up(
     low: cython.const[cython.uchar][:, ::1],
     high: cython.const[cython.uchar][:, ::1],
     depth: cython.Py_ssize_t,
+    stamp: cython.int,
     kept: cython.int[:, ::1],
     intervals: cython.int[:, ::1],
 ) -> cython.Py_ssize_t:
@@ -32,15 +34,19 @@ def look_up(
 
     A scan meets two of the four neighbours of a pixel again at the next one, so the results looked
     up last are kept (section 4.4, fig. 5). `kept` holds their colours, how many intervals they
-    have, and in the last row which goes next.
+    have, and the pixel that used them last; what this pixel has used does not go.
     """
     slot: cython.Py_ssize_t
+    oldest: cython.Py_ssize_t = 0
     for slot in range(KEPT):
         if kept[slot, 0] == color:
+            kept[slot, 2] = stamp
             return slot
-    slot = kept[KEPT, 0]
-    kept[KEPT, 0] = cython.cast(cython.int, (slot + 1) % KEPT)
+        if kept[slot, 2] < kept[oldest, 2]:
+            oldest = slot
+    slot = oldest
     kept[slot, 0] = color
+    kept[slot, 2] = stamp
     if radius[color] == 0:
         intervals[slot, 0] = color
         intervals[slot, 1] = color + 1
@@ -85,6 +91,7 @@ def match_pixels(
     reach: cython.Py_ssize_t,
     apart: cython.Py_ssize_t,
     block_copying: cython.bint,
+    most: cython.longlong,
     levels: cython.uchar[:, :, ::1],
     done: cython.uchar[:, ::1],
     source: cython.int[:, ::1],
@@ -120,6 +127,7 @@ def match_pixels(
 ):
     """Choose a source for each pixel of `order`, in this order; return how many were tested.
 
+    Of longer lists a random share, about `most` windows in all, is compared.
     Windows on the canvas are causal or as far as `done`. `guide` and `guide_pixels` are the next
     coarser level of the canvas and of the sample at this one's size, `suggested` the places that
     it leads to; empty without. Places that `starts`, `groups` and `places` list are those of
@@ -131,6 +139,7 @@ def match_pixels(
     channels: cython.Py_ssize_t = pixels.shape[2]
     guided: cython.bint = guide.shape[0] > 0
     neighbor = cython.declare(cython.int[8])  # the colours of the direct neighbours, -1 for none
+    lists = cython.declare(cython.Py_ssize_t[8])  # where what was looked up for each is kept
     p: cython.Py_ssize_t
     i: cython.Py_ssize_t
     j: cython.Py_ssize_t
@@ -147,6 +156,8 @@ def match_pixels(
     chosen: cython.Py_ssize_t
     limit: cython.Py_ssize_t
     agreeing: cython.Py_ssize_t
+    listed: cython.longlong
+    share: cython.ulonglong  # of the lists that is compared, of 2**32
     coherent: cython.bint
     key: cython.uint
     best_key: cython.uint
@@ -187,6 +198,7 @@ def match_pixels(
             if chosen < 0:
                 if causal:
                     n = causal_runs(y, x, height, width, wrap_x, reach, reach, reach, runs)
+                    turn_runs(runs, n)
                 else:
                     n = known_runs(done, y, x, wrap_y, wrap_x, reach, reach, reach, reach, runs)
                 gather_runs(levels, y, x, runs, n, query)
@@ -239,21 +251,41 @@ def match_pixels(
                             best = distance
                             chosen = place
                             coherent = True
-                    # The union of the lists of their colours, nothing twice (section 4.4).
+                    if coherent and best == 0:
+                        break
+                    listed = 0
                     for d in range(offsets.shape[0]):
-                        if coherent and best == 0:
-                            break
+                        lists[d] = -1
                         if neighbor[d] < 0:
                             continue
                         slot = look_up(
-                            neighbor[d], radius, colors, low, high, depth, kept, intervals
+                            neighbor[d], radius, colors, low, high, depth, stamp, kept, intervals
                         )
+                        lists[d] = slot
+                        for j in range(kept[slot, 1]):
+                            listed += starts[d, intervals[slot, 2 * j + 1]]
+                            listed -= starts[d, intervals[slot, 2 * j]]
+                    share = 0x100000000
+                    if listed > most:
+                        share = share * cython.cast(cython.ulonglong, most)
+                        share //= cython.cast(cython.ulonglong, listed)
+                    # The union of the lists of their colours, nothing twice (section 4.4).
+                    for d in range(offsets.shape[0]):
+                        slot = lists[d]
+                        if slot < 0:
+                            continue
                         for j in range(kept[slot, 1]):
                             for i in range(
                                 starts[d, intervals[slot, 2 * j]],
                                 starts[d, intervals[slot, 2 * j + 1]],
                             ):
                                 place = places[groups[i]]
+                                key = cython.cast(cython.uint, place) ^ cython.cast(
+                                    cython.uint, bits[p]
+                                )
+                                key *= cython.cast(cython.uint, 2654435761)
+                                if key >= share:
+                                    continue
                                 if seen[place // columns, place % columns] == stamp:
                                     continue
                                 seen[place // columns, place % columns] = stamp
@@ -282,10 +314,6 @@ def match_pixels(
                                     last[member // columns, member % columns], y, x, width, limit
                                 ):
                                     continue
-                                key = cython.cast(cython.uint, place) ^ cython.cast(
-                                    cython.uint, bits[p]
-                                )
-                                key *= cython.cast(cython.uint, 2654435761)
                                 if best < 0 or distance < best or key < best_key:
                                     best = distance
                                     best_key = key

@@ -248,8 +248,7 @@ class Matching:
         np.maximum.at(self._last.ravel(), sheet.source.ravel()[made], made)
         self._seen = np.zeros(windows.usable.shape, np.int32)
         self._stamp = 0
-        self._kept = np.full((_KEPT + 1, 2), -1, np.int32)
-        self._kept[_KEPT] = 0
+        self._kept = np.full((_KEPT, 3), -1, np.int32)
         self._intervals = np.empty((_KEPT, len(candidates.index.colors) + 2), np.int32)
 
     def again(self, stage: str) -> Matching:
@@ -268,10 +267,11 @@ class Matching:
         c, sheet, method = self.candidates, self.sheet, self._method
         stamps = 2 * len(order)  # a pixel takes one or two
         if self._stamp > 2**31 - 1 - stamps:
-            self._seen[:], self._stamp = 0, 0
+            self._seen[:], self._kept[:], self._stamp = 0, -1, 0
         tested: int = _exact_kernels.match_pixels(
             order, draw(self._seed, self._stage, order), c.causal, *sheet.wrap, c.reach,
             method.repeat_distance, c.causal and method.copying == "blocks",
+            method.candidates,
             sheet.levels, sheet.done, sheet.source, sheet.color,
             c.windows.pixels, c.windows.usable, c.windows.period, c.windows.centres, c.index.number,
             c.offsets, c.starts, c.groups, c.places, c.radius,

@@ -28,6 +28,9 @@ if TYPE_CHECKING:
 
 _REGULAR = 0.4  # regularity from which on a sample is near-regular
 _WIDTH = 31  # of a window, unless the structure is larger
+_LEVELS = 3  # see docs/exact-matching.md for what they gain
+_WITH_LEVELS = 17  # width of a window where there are levels
+_ENOUGH = 128  # shorter side from which on a sample is seen at several levels
 _NARROW = 11  # the smallest window that is proposed where there is room
 _LEAST = 5  # pixels to a side of the coarsest level
 _NEAR = 5  # colours, itself among them, in reach of one that occurs once
@@ -67,7 +70,7 @@ class ExactMatching(Method):
         low=1,
         high=1001,
         unit="px",
-        default_text="from the sample's scale",
+        default_text="17 with levels, else from the sample's scale",
     )
     tolerance: float | None = parameter(
         None,
@@ -87,6 +90,12 @@ class ExactMatching(Method):
         "what lies above the first row: random pixels, a structured band, or as the sample asks",
         choices=("auto", "random", "structured"),
     )
+    candidates: int = parameter(
+        250,
+        "of longer lists about so many windows are compared, drawn anew for each pixel",
+        low=1,
+        high=2**31 - 1,
+    )
     grouping: float = parameter(
         0.0, "root mean square difference up to which windows are one entry of a list",
         low=0.0, high=1.0,
@@ -103,7 +112,13 @@ class ExactMatching(Method):
         "search for each pixel, or go on without where all four neighbours come from one block",
         choices=("pixels", "blocks"),
     )
-    levels: int = parameter(1, "levels of the pyramid; 1 is a single resolution", low=1, high=12)
+    levels: int | None = parameter(
+        None,
+        "levels of the pyramid; 1 is a single resolution",
+        low=1,
+        high=12,
+        default_text="1 if window_width is given, for holes, and for small samples; else 3",
+    )
     passes: int = parameter(
         2, "further passes over what was made between known pixels", low=0, high=100
     )
@@ -145,22 +160,24 @@ class ExactMatchingModel(PixelModel):
 
     def __init__(self, method: ExactMatching, exemplar: Exemplar) -> None:
         self.windows = windows_of(exemplar, (0, 0, 0, 0))  # so that indices are the sample's own
-        self.samples = sample_pyramid(exemplar, method.levels)
+        super().__init__(_settled(method, exemplar), exemplar)
+        count: int = self.method.levels  # type: ignore[assignment]
+        self.samples = sample_pyramid(exemplar, count)
         most = len(self.samples)
         while most > 1 and min(self.samples[most - 1].shape) < _LEAST:
             most -= 1
-        if most < method.levels:
+        if most < count:
             raise InvalidInputError(
-                f"levels is {method.levels}; {exemplar.name} is {exemplar.shape[1]}x"
+                f"levels is {count}; {exemplar.name} is {exemplar.shape[1]}x"
                 f"{exemplar.shape[0]}, which is enough for {most}"
             )
-        super().__init__(_settled(method, exemplar), exemplar)
+        self._fills = count == 1 or method.levels is None
         self._statistics: Statistics | None = None
         self._ready: dict[tuple[int, str], Candidates] = {}
-        for level in range(method.levels):
+        for level in range(count):
             self.candidates(level, "causal")
         if self.method.init == "structured":
-            self.candidates(method.levels - 1, "turned")
+            self.candidates(count - 1, "turned")
 
     def candidates(self, level: int, kind: str) -> Candidates:
         """Windows of a level: "causal", "full", or causal ones of the "turned" sample."""
@@ -180,7 +197,8 @@ class ExactMatchingModel(PixelModel):
         making = ExactGrowth(self, growth, self._statistics or Statistics())
         if growth.hole is None:
             making.scan()
-        elif self.method.levels == 1:
+        elif self._fills:
+            growth.about["levels"] = 1
             making.fill()
         else:
             raise InvalidInputError(f"levels is {self.method.levels}; holes are filled with 1")
@@ -202,7 +220,12 @@ def _turned(sample: Exemplar) -> Exemplar:
 def _settled(method: ExactMatching, exemplar: Exemplar) -> ExactMatching:
     """Propose what was left open."""
     proposed = _NARROW
-    if method.window_width is None:
+    if method.levels is None:
+        several = method.window_width is None and min(exemplar.shape) >= _ENOUGH
+        method = replace(method, levels=_LEVELS if several else 1)
+    if method.levels != 1:
+        proposed = _WITH_LEVELS
+    elif method.window_width is None:
         proposed = max(_WIDTH, dominant_scale(exemplar).window_width)
         proposed = min(proposed, max(min(exemplar.shape) // 3, _NARROW))
     method = settle_window(method, exemplar, proposed)

@@ -6,6 +6,8 @@ cdef Py_ssize_t known_runs(const unsigned char[:, ::1] done, Py_ssize_t y, Py_ss
                            bint wrap_y, bint wrap_x, Py_ssize_t up, Py_ssize_t down,
                            Py_ssize_t left, Py_ssize_t right, int[:, ::1] runs) noexcept nogil
 
+cdef void turn_runs(int[:, ::1] runs, Py_ssize_t n) noexcept nogil
+
 cdef Py_ssize_t gather_runs(const unsigned char[:, :, ::1] levels, Py_ssize_t y, Py_ssize_t x,
                             const int[:, ::1] runs, Py_ssize_t n,
                             unsigned char[::1] query) noexcept nogil

@@ -66,6 +66,21 @@ def causal_runs(
 @cython.cfunc
 @cython.nogil
 @cython.exceptval(check=False)
+def turn_runs(runs: cython.int[:, ::1], n: cython.Py_ssize_t) -> cython.void:
+    """Put the last run first, so that comparisons begin beside the pixel and end sooner."""
+    i: cython.Py_ssize_t
+    k: cython.Py_ssize_t
+    swapped: cython.int
+    for i in range(n // 2):
+        for k in range(3):
+            swapped = runs[i, k]
+            runs[i, k] = runs[n - 1 - i, k]
+            runs[n - 1 - i, k] = swapped
+
+
+@cython.cfunc
+@cython.nogil
+@cython.exceptval(check=False)
 def known_runs(
     done: cython.const[cython.uchar][:, ::1],
     y: cython.Py_ssize_t,
