@@ -17,6 +17,8 @@ import numpy as np
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
+    from weft.analysis.peaks import Peaks
+
     Floats = NDArray[np.float64]
 
 ALPHA = 1.12  # the paper's; above 1 it prefers smaller tiles
@@ -27,6 +29,7 @@ GOODNESS = ("contrast", "height", "dominance")
 # times the tile has multiples of the right one at some of these, and so no contrast.
 _BETWEEN = [(0.5, 0.0), (0.0, 0.5), (0.5, 0.5)]
 _BETWEEN += [(1 / 3, 0.0), (0.0, 1 / 3), (1 / 3, 1 / 3), (1 / 3, 2 / 3)]
+_CLOSE = 10.0  # pixels
 _UNSURE = 0.25  # what chance does to the contrast of one multiple
 
 
@@ -52,24 +55,33 @@ class Rating:
 class Field:
     """An autocorrelation, to be looked at near the multiples of vectors."""
 
-    def __init__(self, correlation: Floats, dominance: Floats | None = None) -> None:
-        self.correlation = correlation
+    def __init__(self, correlation: Floats, peaks: Peaks) -> None:
+        self.correlation, self.peaks = correlation, peaks
         self.height, self.width = (side // 2 + 1 for side in correlation.shape)
         # Multiples lie between pixels, and material is not exact: the highest neighbour counts,
         # between the multiples too.
-        framed = np.pad(correlation, 1, mode="edge")
-        tall = np.maximum(np.maximum(framed[:-2], framed[1:-1]), framed[2:])
-        self.near = np.maximum(np.maximum(tall[:, :-2], tall[:, 1:-1]), tall[:, 2:])
-        self.dominance = dominance
+        self.tables = np.stack([correlation, _around(correlation)])
 
-    def values(self, x: Floats, y: Floats, table: Floats | None = None) -> Floats:
-        """Of the correlation around shifts, or of another table of its size; none outside."""
-        table = self.near if table is None else table
+    def values(self, x: Floats, y: Floats, pairs: Floats) -> Floats:
+        """Of the correlation around shifts (n, m), which belong to n pairs."""
+        # Between multiples that are only a few pixels apart, neighbours would be multiples.
+        coarse = (_shortest(pairs) >= _CLOSE).astype(np.int64)
+        found: Floats = self.tables[coarse, *self._at(x, y)]
+        return found
+
+    def held(self, x: Floats, y: Floats, pairs: Floats) -> Floats:
+        """How far the peaks near shifts dominate, up to 1 for the shorter vector's length."""
+        place = self.peaks.shifts[:, ::-1] + [self.height - 1, self.width - 1]
+        table = np.zeros(self.correlation.shape)
+        table[tuple(place.T)] = self.peaks.dominance
+        table = _around(np.maximum(table, table[::-1, ::-1]))
+        found: Floats = np.minimum(2 * table[self._at(x, y)] / _shortest(pairs), 1)
+        return found
+
+    def _at(self, x: Floats, y: Floats) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
         columns = np.rint(x).astype(np.int64) + self.width - 1
         rows = np.rint(y).astype(np.int64) + self.height - 1
-        np.clip(columns, 0, table.shape[1] - 1, out=columns)
-        np.clip(rows, 0, table.shape[0] - 1, out=rows)
-        return table[rows, columns]
+        return np.clip(rows, 0, 2 * self.height - 2), np.clip(columns, 0, 2 * self.width - 2)
 
 
 def rate(field: Field, pairs: Floats, reach: int, kind: str, *, exact: bool = False) -> Rating:
@@ -96,14 +108,11 @@ def rate(field: Field, pairs: Floats, reach: int, kind: str, *, exact: bool = Fa
     both = _places(field, pairs, ones, exact)[2].all(axis=1)  # each vector itself is significant
     weights = counts * (field.width - abs(x)) * (field.height - abs(y))
     count = counts.sum(axis=1).astype(np.float64)
-    heights = field.values(x, y)
+    heights = field.values(x, y, pairs)
     if kind == "height":
         value = _mean(heights, counts)
     elif kind == "dominance":
-        assert field.dominance is not None
-        shortest = np.hypot(pairs[..., 0], pairs[..., 1]).min(axis=1)[:, None]
-        held = np.minimum(field.values(x, y, field.dominance) / shortest, 1)
-        value = _mean(held * heights, counts)
+        value = _mean(field.held(x, y, pairs) * heights, counts)
     else:
         value = _mean(heights, weights) - _between(field, pairs, reach)
     number = count if exact else 2 * field.width * field.height / np.maximum(area, 1)
@@ -141,7 +150,7 @@ def stand_out(field: Field, vectors: Floats, whole: Floats, reach: int) -> tuple
     """
     times = _multiples(reach, (0, 0))
     x, y, counts = _places(field, vectors[None], times)
-    heights, far = field.values(x, y)[counts], np.hypot(x, y)[counts]
+    heights, far = field.values(x, y, vectors[None])[counts], np.hypot(x, y)[counts]
     parts = times[counts[0]] @ np.linalg.inv(whole)
     own = (abs(parts - np.rint(parts)) < 1e-6).all(axis=1)
     if own.all() or not own.any():
@@ -175,11 +184,11 @@ def tile_shares(vectors: NDArray[np.int64], wide: Floats, high: Floats) -> Float
 
     Examples
     --------
-    The rectangles of Fig. 3.7 in a tile of 38 positions:
+    Of a tile of 38 positions:
 
     >>> import numpy as np
     >>> tile_shares(np.array([[6, 2], [-4, 5]]), np.array([3, 5]), np.array([8, 10]))
-    array([0.63157895, 1.        ])
+    array([0.60526316, 0.94736842])
     """
     (ux, uy), (vx, vy) = ((int(x), int(y)) for x, y in vectors)
     area = abs(ux * vy - vx * uy)
@@ -209,17 +218,18 @@ def _arcs(rows: int, moved: int, around: int, length: int) -> int:
     return int(np.minimum(gaps, length).sum())
 
 
+def reach_of(field: Field, vectors: Floats, most: int) -> int:
+    """Times of each vector, up to `most`, beyond which no multiple is a shift of the picture."""
+    far = abs(np.linalg.inv(vectors)).T @ [field.width, field.height]
+    return max(1, min(most, int(np.ceil(far.max()))))
+
+
 def _multiples(reach: int, phase: tuple[float, float]) -> Floats:
     """Times of each vector: the right half without none, or all that are off by a phase."""
-    times = np.array(
-        [
-            (a + phase[0], b + phase[1])
-            for b in range(-reach, reach + 1)
-            for a in range(-reach, reach + 1)
-            if any(phase) or (b, a) > (0, 0)
-        ]
-    )
-    return times
+    b, a = np.mgrid[-reach : reach + 1, -reach : reach + 1].reshape(2, -1)
+    times = np.stack([a, b], axis=1).astype(np.float64)
+    chosen: Floats = times + phase if any(phase) else times[(b > 0) | ((b == 0) & (a > 0))]
+    return chosen
 
 
 def _places(
@@ -249,11 +259,23 @@ def _between(field: Field, pairs: Floats, reach: int) -> Floats:
     for phase in _BETWEEN:
         x, y, counts = _places(field, pairs, _multiples(reach, phase))
         weights = counts * (field.width - abs(x)) * (field.height - abs(y))
-        highest = np.maximum(highest, _mean(field.values(x, y), weights))
+        highest = np.maximum(highest, _mean(field.values(x, y, pairs), weights))
     return highest
 
 
-def _mean(values: Floats, weights: NDArray[np.generic]) -> Floats:
-    total = weights.sum(axis=1)
-    mean: Floats = (values * weights).sum(axis=1) / np.maximum(total, 1e-9)
+def _around(table: Floats) -> Floats:
+    """The highest of each place and its eight neighbours."""
+    framed = np.pad(table, 1, mode="edge")
+    tall = np.maximum(np.maximum(framed[:-2], framed[1:-1]), framed[2:])
+    around: Floats = np.maximum(np.maximum(tall[:, :-2], tall[:, 1:-1]), tall[:, 2:])
+    return around
+
+
+def _shortest(pairs: Floats) -> Floats:
+    lengths: Floats = np.hypot(pairs[..., 0], pairs[..., 1]).min(axis=1)[:, None]
+    return lengths
+
+
+def _mean(values: Floats, weights: Floats | NDArray[np.bool_]) -> Floats:
+    mean: Floats = (values * weights).sum(axis=1) / np.maximum(weights.sum(axis=1), 1e-9)
     return mean

@@ -9,8 +9,9 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from weft.analysis.correlation import correlate
-from weft.analysis.goodness import GOODNESS, Field, contrast_of, rate, stand_out
-from weft.analysis.peaks import Peaks, find_peaks, fit_vectors
+from weft.analysis.goodness import GOODNESS, Field
+from weft.analysis.pairs import best_pair, reduced
+from weft.analysis.peaks import find_peaks
 from weft.analysis.relief import relief
 from weft.analysis.rows import find_rows
 from weft.errors import InvalidInputError, did_you_mean
@@ -24,30 +25,8 @@ if TYPE_CHECKING:
 
 Vector = tuple[float, float]
 
-_PEAKS = 40  # that pairs are made of, of each octave of lengths the highest
-_PAIRS = 24  # that are fitted and rated with all their multiples
-_FEWEST = 3.0  # pixels of a vector; shorter ones are grain
-_DOMINANT = 0.25  # of the shorter vector, that the peaks of both must dominate
-_REACH = 24  # multiples of each vector that are looked at
-_LOWER = 0.1  # of its mean, that a larger tile's multiples may be above those of a smaller
-_HIGHER = 0.2  # and must be above them to count instead
-_SIGMAS = 5.0  # of the difference's standard error
-_FEWEST_OWN = 6  # and so many there must be of them
-_ROWS = 0.012  # the same for rows
-_CONTRAST = 0.05  # that gives a confidence of a half, which is the least for a lattice
-# Of two and three times the tile, by their vectors in terms of its own.
-_SUBLATTICES = [
-    np.array(rows, np.float64)
-    for rows in (
-        ((2, 0), (0, 1)),
-        ((1, 0), (0, 2)),
-        ((1, 1), (1, -1)),
-        ((3, 0), (0, 1)),
-        ((1, 0), (0, 3)),
-        ((1, 1), (0, 3)),
-        ((1, -1), (0, 3)),
-    )
-]
+_ROWS = 0.01  # contrast of rows that gives a confidence of a half
+_CONTRAST = 0.02  # the same of two vectors; less is no lattice
 
 
 @dataclass(frozen=True)
@@ -103,18 +82,10 @@ class Lattice:
 
     def reduced(self) -> Lattice:
         """The same lattice by its shortest vectors, shorter first; they point right or down."""
-        first = self.vectors[0]
         if len(self.vectors) == 1:
-            return Lattice((_rightward(first),), self.confidence)
-        second = self.vectors[1]
-        while True:  # Gauss: observation (iv) of the paper, until neither gets shorter
-            if math.hypot(*second) < math.hypot(*first):
-                first, second = second, first
-            dot, square = first[0] * second[0] + first[1] * second[1], math.hypot(*first) ** 2
-            times = math.ceil(dot / square - 0.5 - 1e-9)
-            if times == 0:
-                return Lattice((_rightward(first), _rightward(second)), self.confidence)
-            second = second[0] - times * first[0], second[1] - times * first[1]
+            return Lattice((_rightward(self.vectors[0]),), self.confidence)
+        first, second = reduced(np.array(self.vectors)).tolist()
+        return Lattice((_rightward(first), _rightward(second)), self.confidence)
 
     def same_as(self, other: Lattice, tolerance: float = 0.015) -> bool:
         """Whether both are one lattice, by whatever vectors (observation iv of the paper).
@@ -190,10 +161,8 @@ def find_lattice(exemplar: Exemplar, *, goodness: str = "contrast") -> Lattice |
     flat = relief(exemplar)
     mask = flat.usable >= 0.5
     correlation = correlate(np.moveaxis(flat.levels, 0, 2), first_mask=mask)
-    field = Field(correlation)
-    peaks = find_peaks(correlation)
-    found = _best_pair(field, peaks, goodness)
-    if found is not None:
+    found = best_pair(Field(correlation, find_peaks(correlation)), goodness)
+    if found is not None and found[1] >= _CONTRAST:
         vectors, contrast = found
         confidence = contrast / (contrast + _CONTRAST)
     else:
@@ -205,84 +174,3 @@ def find_lattice(exemplar: Exemplar, *, goodness: str = "contrast") -> Lattice |
     lattice = Lattice(tuple((float(x), float(y)) for x, y in vectors * flat.step)).reduced()
     plain = tuple((round(x, 2) + 0.0, round(y, 2) + 0.0) for x, y in lattice.vectors)
     return Lattice(plain, round(confidence, 2))
-
-
-def _best_pair(field: Field, peaks: Peaks, goodness: str) -> tuple[Floats, float] | None:
-    pairs = _candidates(peaks)
-    if not len(pairs):
-        return None
-    first = rate(field, pairs, 2, goodness)
-    best: tuple[float, Floats, int] | None = None
-    tried: list[Floats] = []
-    for k in np.argsort(-first.goodness, kind="stable")[:_PAIRS]:
-        if first.goodness[k] <= 0:
-            break
-        fitted, _ = fit_vectors(field.correlation, pairs[k], _REACH)
-        if any(abs(fitted - other).max() < 0.5 for other in tried):
-            continue
-        tried.append(fitted)
-        rated = rate(field, fitted[None], _REACH, goodness, exact=True)
-        if best is None or rated.goodness[0] > best[0] * (1 + 1e-9):
-            best = float(rated.goodness[0]), fitted, int(rated.count[0])
-    if best is None or best[0] <= 0:
-        return None
-    vectors = best[1]
-    if goodness == "contrast":
-        vectors = _divide(field, vectors, tried)
-        vectors = _multiply(field, vectors)
-    contrast = contrast_of(field, vectors, _REACH)
-    return (vectors, contrast) if contrast >= _CONTRAST else None
-
-
-def _divide(field: Field, vectors: Floats, others: list[Floats]) -> Floats:
-    """The finest of the lattices which divide this one and are as good at all their multiples."""
-    for finer in sorted(others, key=_area):
-        times = vectors @ np.linalg.inv(finer)
-        whole = np.rint(times)
-        off = np.hypot(*((times - whole) @ finer).T).max()
-        index = round(abs(np.linalg.det(whole)))
-        if index >= 2 and off <= 0.1 * np.hypot(*finer.T).min():
-            gap, _, count = stand_out(field, finer, whole, _REACH)
-            if count and gap < _LOWER:
-                return finer
-    return vectors
-
-
-def _multiply(field: Field, vectors: Floats) -> Floats:
-    """A lattice of two or three times the tile, where its own multiples stand out."""
-    for whole in _SUBLATTICES:
-        gap, sigmas, count = stand_out(field, vectors, whole, _REACH)
-        if gap > _HIGHER and sigmas > _SIGMAS and count >= _FEWEST_OWN:
-            fitted, _ = fit_vectors(field.correlation, _short(whole @ vectors), _REACH)
-            return fitted
-    return vectors
-
-
-def _area(vectors: Floats) -> float:
-    return float(abs(np.linalg.det(vectors)))
-
-
-def _short(vectors: Floats) -> Floats:
-    (a, b), (c, d) = vectors
-    return np.array(Lattice(((a, b), (c, d))).reduced().vectors)
-
-
-def _candidates(peaks: Peaks) -> Floats:
-    """Pairs of peaks that are reduced (step 4 of the paper), and neither in the other's shadow."""
-    lengths = np.hypot(peaks.shifts[:, 0], peaks.shifts[:, 1])
-    wide = (peaks.dominance >= 2) & (lengths >= _FEWEST)
-    octave = np.log2(np.maximum(lengths, 1)).astype(int)
-    # Multiples outnumber the vectors themselves, so each octave of lengths has its own highest.
-    chosen = np.concatenate(
-        [np.flatnonzero(wide & (octave == k))[:_PEAKS] for k in range(octave.max(initial=0) + 1)]
-    )
-    shifts, dominance = peaks.shifts[chosen], peaks.dominance[chosen]
-    squares = (shifts**2).sum(axis=1)
-    order = np.argsort(squares, kind="stable")
-    shifts, dominance, squares = shifts[order], dominance[order], squares[order]
-    i, j = np.triu_indices(len(shifts), 1)
-    # Of all equivalent pairs the one with the greatest angle; a pixel of doubt for rounding.
-    reduced = 2 * abs((shifts[i] * shifts[j]).sum(axis=1)) <= squares[i] + 2 * np.sqrt(squares[i])
-    stands = np.minimum(dominance[i], dominance[j]) >= _DOMINANT * np.sqrt(squares[i])
-    keep = reduced & stands
-    return np.stack([shifts[i[keep]], shifts[j[keep]]], axis=1).astype(np.float64)

@@ -62,7 +62,8 @@ def _with_edges(levels: Floats) -> Floats:
     steps = [np.sqrt((np.gradient(levels, axis=axis) ** 2).sum(axis=0)) for axis in (1, 2)]
     edges = np.stack(steps)
     share = levels.var(axis=(1, 2)).sum() / max(edges.var(axis=(1, 2)).sum(), 1e-12)
-    return np.moveaxis(np.concatenate([levels, edges * share**0.5]), 0, 2)
+    found: Floats = np.moveaxis(np.concatenate([levels, edges * share**0.5]), 0, 2)
+    return found
 
 
 def _highest(correlation: Floats, angles: Floats, reach: int) -> tuple[float, float, float]:
@@ -71,7 +72,7 @@ def _highest(correlation: Floats, angles: Floats, reach: int) -> tuple[float, fl
     distances = np.arange(_CLOSEST, (reach - 1) / _FEWEST, _STEP)
     counts = np.minimum(_RIDGES, ((reach - 1) / distances).astype(int))
 
-    def mean(phase: float) -> Floats:
+    def mean_at(phase: float) -> Floats:
         total = np.zeros((len(angles), len(distances)))
         for k in range(1, _RIDGES + 1):
             place = np.minimum((k - phase) * distances, reach - 1)
@@ -80,10 +81,11 @@ def _highest(correlation: Floats, angles: Floats, reach: int) -> tuple[float, fl
             total += (profiles[:, before] * (1 - part) + profiles[:, before + 1] * part) * (
                 k <= counts
             )
-        return total / counts
+        mean: Floats = total / counts
+        return mean
 
-    between = np.maximum(np.maximum(mean(1 / 2), mean(1 / 3)), mean(2 / 3))
-    contrast = mean(0) - between - _UNSURE / np.sqrt(counts)
+    between = np.maximum(np.maximum(mean_at(1 / 2), mean_at(1 / 3)), mean_at(2 / 3))
+    contrast = mean_at(0) - between - _UNSURE / np.sqrt(counts)
     i, j = np.unravel_index(int(contrast.argmax()), contrast.shape)
     return float(angles[i]), float(distances[j]), float(contrast[i, j])
 
