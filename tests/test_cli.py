@@ -161,6 +161,26 @@ def test_kind_alpha_and_profile_are_kept(here, dtype, channels):
     assert (made.alpha, made.icc) == (given.alpha, given.icc)
 
 
+def test_texture_by_numbers(here):
+    """The sample has a map of labels, and the output follows another one."""
+    sample = weft.load_exemplar("sample.png").pixels
+    labels = np.zeros(sample.shape[:2], np.uint8)
+    labels[:, labels.shape[1] // 2 :] = 200
+    write_image("in.png", labels)
+    write_image("out.png", np.resize(np.uint8([0] * 9 + [200] * 9), (20, 36)))
+    words = ["--method", "refinement", "--guide", "out.png", "--seed", 1]
+    assert weft_run("synth", "sample.png", "-o", "a.png", *words, "--sample-guide", "in.png") == 0
+    guides = {"guide": "out.png", "sample_guide": labels}
+    expected = weft.synthesize("sample.png", (20, 36), method="refinement", seed=1, **guides)
+    assert np.array_equal(weft.read_image("a.png").pixels, expected.image)
+    with pytest.raises(weft.InvalidInputError, match="sample_guide has no effect without a guide"):
+        weft.synthesize("sample.png", 20, method="refinement", sample_guide=labels)
+    with pytest.raises(weft.InvalidInputError, match="the guide of .* lacks"):
+        weft.synthesize(
+            "sample.png", 9, method="refinement", guide=np.full((9, 9), 3), sample_guide=labels
+        )
+
+
 def test_a_guide_gives_the_size(here):
     write_image("guide.png", noise(50, 60, 3, seed=4))
     words = ["--method", "ashikhmin", "--guide", "guide.png", "--seed", 1]

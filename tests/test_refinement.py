@@ -147,6 +147,35 @@ def test_what_has_no_effect_is_refused(parameters):
         weft.Refinement(**parameters)
 
 
+@pytest.mark.parametrize(
+    ("parameters", "message"),
+    [
+        ({"search": "pca"}, "search is 'pca', which follows no guide; use 'coherent'"),
+        ({"init": "quilting"}, "init is 'quilting', which follows no guide; use 'seeds'"),
+    ],
+)
+def test_what_follows_no_guide_is_refused(parameters, message):
+    pixels = noise((40, 40))
+    with pytest.raises(weft.InvalidInputError, match=message):
+        weft.synthesize(pixels, 40, method="refinement", guide=pixels, **parameters)
+    with pytest.raises(weft.InvalidInputError, match="no effect without a guide"):
+        weft.synthesize(pixels, 40, method="refinement", guide_weight=2.0)
+
+
+def test_labels_are_followed():
+    """A sample of two materials, and a map that asks for much of one and a piece of the other."""
+    y, x = np.indices((60, 90))
+    own = x > 70 + 4 * np.sin(y / 5)
+    pixels = np.where(own, 200, 60) + noise((60, 90)) // 8
+    exemplar = weft.Exemplar(pixels.astype(np.uint8), guide=own)
+    y, x = np.indices((48, 64))
+    wanted = (y - 24) ** 2 + (x - 24) ** 2 > 200
+    for init in ("auto", "ashikhmin"):
+        model = weft.Refinement(window_width=15, init=init).fit(exemplar)
+        image = model.sample(Canvas(48, 64, guide=wanted), seed=1).image
+        assert ((image > 150) == wanted).mean() > 0.97
+
+
 def test_what_has_no_effect_on_the_search_is_refused():
     for parameters in ({"similar": 1}, {"evenness": 0.0}):
         with pytest.raises(weft.InvalidInputError, match="has no effect unless search is"):

@@ -45,6 +45,7 @@ examples:
   weft synth stone_wall/ -o big/ --size 2048        a folder of aligned maps
   weft synth brick.png -o wall.png --method quilting --patch-size 48
   weft synth moss.png -o face.png --method ashikhmin --guide face.png
+  weft synth photo.png -o new.png --method refinement --sample-guide painted.png --guide other.png
 """
 _FILL_ABOUT = """\
 Fill holes of a photo; all other pixels stay as they are. Patch size, boundary width and epsilon are
@@ -142,6 +143,8 @@ def _synth(argv: list[str]) -> None:
     text = "in pixels; default: the guide's, or twice the sample's"
     parser.add_argument("--size", metavar="WxH|N", help=text)
     parser.add_argument("--guide", metavar="G", help="picture to follow, of the output's size")
+    text = "what stands for the sample in the guide, such as a painted map of what is where in it"
+    parser.add_argument("--sample-guide", metavar="S", help=text)
     args, method, parameters = parse_task(parser, argv)
     size = None if args.size is None else parse_size(args.size, args.allow_huge)
     chosen = method(**parameters)
@@ -151,10 +154,12 @@ def _synth(argv: list[str]) -> None:
 
         exemplar, pictures, targets = open_sample(args.sample, args, outputs)
         guide = None if args.guide is None else load(args.guide, args)[0]
+        own = None if args.sample_guide is None else load(args.sample_guide, args)[0]
         size_made = size or (2 * exemplar.shape[0], 2 * exemplar.shape[1])
         if guide is not None:
             size_made = size or guide.shape
-        result = synthesize(exemplar, size_made, method=chosen, guide=guide, **settings(args, bar))
+        guides: dict[str, Any] = {"guide": guide, "sample_guide": own}
+        result = synthesize(exemplar, size_made, method=chosen, **guides, **settings(args, bar))
         write(result, exemplar, pictures, targets, args, outputs)
         what = f"made {result.shape[1]}x{result.shape[0]}"
         return report(args, result, what, start)

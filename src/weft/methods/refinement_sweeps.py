@@ -209,10 +209,10 @@ class _CoherentSweep(_Sweep):
         centres = level.windows.centres
         if self.guide.weight:
             demand = self.guide.demand(unknown, centres)
-            room = np.bincount(cells[centres], demand, len(self.usage)) // ONE
+            room: NDArray[Any] = np.bincount(cells[centres], demand, len(self.usage)) // ONE
         else:
-            room = np.bincount(cells[centres], minlength=len(self.usage))
-            room = room * max(1.0, self.wanted / len(centres))
+            count = np.bincount(cells[centres], minlength=len(self.usage))
+            room = count * max(1.0, self.wanted / len(centres))
         self.capacity = np.maximum(room, 1).astype(np.int32)
         self.weight = round(_ONE * refining.method.evenness / 2**coarser)
         self.places = np.zeros(10 * (1 + level.similar.shape[1]), np.int32)

@@ -39,6 +39,7 @@ def synthesize(
     seed: Seed = None,
     tileable: bool | str = False,
     guide: Sample | None = None,
+    sample_guide: Sample | None = None,
     threads: int | None = None,
     progress: ProgressCallback | None = None,
     **parameters: Any,
@@ -58,8 +59,11 @@ def synthesize(
     tileable : bool or {"x", "y"}
         Axes that are to repeat without a seam.
     guide : path, array, PIL image or Exemplar, optional
-        A picture of the output's size and the sample's dtype and channels that the output is to
-        follow; not every method can.
+        A picture of the output's size that the output is to follow; not every method can. It is
+        compared with the sample, so it has its dtype and channels, or with its guide.
+    sample_guide : path, array, PIL image or Exemplar, optional
+        A picture of the sample's size that stands for it in the guide, see `Exemplar`: a map of
+        labels, or anything else that says what is where.
     threads : int, optional
         At most so many.
     progress : callable, optional
@@ -92,10 +96,22 @@ def synthesize(
     if guide is not None:
         if canvas.guide is not None:
             raise InvalidInputError("the canvas has a guide; give none beside it")
-        canvas = dataclasses.replace(canvas, guide=load_exemplar(guide).pixels)
+        canvas = dataclasses.replace(canvas, guide=_guide(guide))
     chosen.require(canvas)
-    model = chosen.fit(load_exemplar(sample))
+    exemplar = load_exemplar(sample)
+    if sample_guide is not None:
+        if canvas.guide is None:
+            raise InvalidInputError("sample_guide has no effect without a guide")
+        exemplar = exemplar.with_guide(_guide(sample_guide))
+    model = chosen.fit(exemplar)
     return model.sample(canvas, seed=seed, threads=threads, progress=progress)
+
+
+def _guide(picture: Sample) -> NDArray[Any]:
+    """Pixels; labels in whole numbers of any type as they are."""
+    if isinstance(picture, np.ndarray):
+        return picture
+    return load_exemplar(picture).pixels
 
 
 def load_exemplar(sample: Sample, **options: Any) -> Exemplar:
