@@ -1,4 +1,4 @@
-"""A material that follows a picture: light and dark pebbles where a drawing has them.
+"""Materials that follow a picture: pebbles with the light of a drawing, and texture by numbers.
 
 python examples/guide.py -o FOLDER
 """
@@ -31,9 +31,29 @@ bands = [band.mean(axis=0) for band in np.array_split(colours, 64)]
 guide = np.rint(np.array(bands)[np.rint(shape * 63).astype(int)]).astype(np.uint8)
 weft.write_image(folder / "guide.png", guide)
 
-for weight in (0.1, 0.3, 1.0):
-    result = weft.synthesize(
-        sample, guide.shape[:2], method="ashikhmin", guide=guide, guide_weight=weight, seed=7
-    )
-    weft.write_image(folder / f"guided_{weight}.png", result.image)
-print(f"{folder}: guide.png, and pebbles that follow it a little, more and closely")
+for method in ("ashikhmin", "refinement"):
+    for weight in (0.1, 0.3, 1.0):
+        result = weft.synthesize(
+            sample, guide.shape[:2], method=method, guide=guide, guide_weight=weight, seed=7
+        )
+        weft.write_image(folder / f"guided_{method}_{weight}.png", result.image)
+
+# Texture by numbers: orange leaves are 1 in the sample, and a wave is to be made of them. The map
+# could as well be painted; here it is where there is much more red than blue around.
+sample = weft.load_exemplar("sample:leaves")
+red, _, blue = np.moveaxis(sample.pixels.astype(int), 2, 0)
+kernel = np.ones(15) / 15
+around = (red - blue).astype(float)
+for axis in (0, 1):
+    around = np.apply_along_axis(np.convolve, axis, around, kernel, mode="same")
+orange = (around > 75).astype(np.uint8)
+y, x = np.indices((256, 384))
+wave = (np.abs(y - 128 - 60 * np.sin(x / 40)) < 30).astype(np.uint8)
+result = weft.synthesize(
+    sample, wave.shape, method="refinement", guide=wave, sample_guide=orange, seed=3
+)
+weft.write_image(folder / "orange.png", 255 * orange)
+weft.write_image(folder / "wave.png", 255 * wave)
+weft.write_image(folder / "leaves_by_numbers.png", result.image)
+print(f"{folder}: guide.png and pebbles that follow it a little, more and closely; orange.png, "
+      "wave.png and leaves_by_numbers.png")  # fmt: skip
