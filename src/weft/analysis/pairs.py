@@ -119,7 +119,9 @@ def _divide(field: Field, vectors: Floats) -> Floats:
                 whole = np.rint(vectors @ np.linalg.inv(basis))
                 reach = reach_of(field, basis, _REACH)
                 gap, errors, count = stand_out(field, basis, whole, reach)
-                alike = gap < _LOWER or (gap < _UNSURE[0] and errors < _UNSURE[1])
+                # Multiples that fall between pixels are lower, the more the closer they are.
+                lower = _LOWER + 0.5 / float(np.hypot(*basis[0]))
+                alike = gap < lower or (gap < _UNSURE[0] and errors < _UNSURE[1])
                 if count and alike and contrast_of(field, basis, reach) > own / 2:
                     return fit_vectors(field.correlation, basis, _REACH)[0]
     return vectors
