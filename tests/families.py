@@ -58,7 +58,7 @@ class Trial:
 
     def copies(self, way: str) -> bool:
         """Whether every pixel made in this way is one of the sample."""
-        return self.family == "pixel" or self.ways[way]["blend"] in ("cut", "none")
+        return self.ways[way].get("blend", "cut") in ("cut", "none")
 
 
 _PATCH: dict[str, Any] = {
@@ -131,6 +131,26 @@ TRIALS = {
         },
         largest=90,
         real=({}, {"init": "seeds"}),
+    ),
+    "best-tile": Trial(
+        "pixel",
+        {"border_width": 2},
+        wide={"lattice": (6, 0, 0, 5), "tiles": 9},
+        window="border_width",
+        largest=90,
+        torus=True,
+    ),
+    "near-regular": Trial(
+        "pixel",
+        {"lattice": (1, 0, 0, 1), "block_size": 5, "border_width": 2},
+        {
+            "cut": {"blend": "cut"},
+            "feather": {"blend": "feather", "blend_width": 2},
+            "none": {"blend": "none", "match": "gncc"},
+        },
+        window="block_size",
+        largest=90,
+        real=({"lattice": (1, 0, 0, 1)},),
     ),
 }
 

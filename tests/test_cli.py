@@ -135,7 +135,8 @@ def test_every_method_has_its_options(here, capsys, method):
     chosen = method_of(method)
     words = ["--method", method, "--size", 50, "--seed", 1]
     for name, value in TRIALS[method].small.items():
-        words += ["--" + name.replace("_", "-"), value]
+        text = ",".join(map(str, value)) if isinstance(value, tuple) else value
+        words += ["--" + name.replace("_", "-"), text]
     assert weft_run("synth", "sample.png", "-o", "a.png", *words) == 0
     assert f"with {method}, " in capsys.readouterr().err
     expected = weft.synthesize("sample.png", 50, method=chosen, seed=1).image

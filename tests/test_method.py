@@ -56,6 +56,8 @@ def test_metadata_is_complete(slug, field):
     if "str" in str(field.type):
         assert meta["choices"] and field.default in meta["choices"]
         assert meta["low"] is None and meta["high"] is None
+    elif meta["count"]:
+        assert not meta["choices"] and meta["low"] is None and meta["high"] is None
     else:
         assert not meta["choices"]
         assert meta["low"] is not None
@@ -72,6 +74,8 @@ def test_metadata_is_complete(slug, field):
 @named
 def test_bounds_are_enforced(slug, field):
     cls, meta, more = METHODS[slug], field.metadata, others(slug, field)
+    if meta["count"]:
+        return  # see test_several_numbers
     if meta["choices"]:
         for value in meta["choices"]:
             assert getattr(cls(**{field.name: value}), field.name) == value
@@ -99,13 +103,23 @@ def test_bounds_are_enforced(slug, field):
 @named
 def test_numpy_numbers_are_numbers(slug, field):
     meta = field.metadata
-    if meta["choices"]:
+    if meta["choices"] or meta["count"]:
         return
     value = meta["low"]
     kinds = (np.int32, np.int64) if "int" in str(field.type) else (np.float32, np.float64)
     for kind in kinds:
         if float(kind(value)) >= value:
             METHODS[slug](**{field.name: kind(value)}, **others(slug, field))
+
+
+def test_several_numbers():
+    """From any sequence, and from a text with commas, as the command line gives it."""
+    for value in ((12, 0, 0.5, 9), [12, 0, 0.5, 9], np.array([12, 0, 0.5, 9]), "12,0, 0.5,9"):
+        found = METHODS["best-tile"](lattice=value).lattice
+        assert found == (12.0, 0.0, 0.5, 9.0) and {*map(type, found)} == {float}
+    for value in ("12,0,9", (1, 2, 3, 4, 5), "a,b,c,d", 7, [1, 2, 3, math.nan], "1,2,3,inf", True):
+        with pytest.raises(InvalidInputError, match="^lattice is .*4 numbers"):
+            METHODS["best-tile"](lattice=value)
 
 
 @named

@@ -41,6 +41,7 @@ __version__ = "0.1.0"
 _HOME = {
     "METHODS": "method",
     "Ashikhmin": "methods.ashikhmin",
+    "BestTile": "methods.best_tile",
     "Canvas": "canvas",
     "CancelledError": "errors",
     "EfrosLeung": "methods.efros_leung",
@@ -50,6 +51,7 @@ _HOME = {
     "GraphCut": "methods.graphcut",
     "InvalidInputError": "errors",
     "Method": "method",
+    "NearRegular": "methods.near_regular",
     "PatchSampling": "methods.patch_sampling",
     "Quilting": "methods.quilting",
     "Refinement": "methods.refinement",
@@ -69,6 +71,7 @@ _HOME = {
 __all__ = [
     "METHODS",
     "Ashikhmin",
+    "BestTile",
     "CancelledError",
     "Canvas",
     "EfrosLeung",
@@ -78,6 +81,7 @@ __all__ = [
     "GraphCut",
     "InvalidInputError",
     "Method",
+    "NearRegular",
     "PatchSampling",
     "Quilting",
     "Refinement",

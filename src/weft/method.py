@@ -39,6 +39,7 @@ def parameter(
     choices: tuple[str, ...] = (),
     default_text: str = "",
     needs: tuple[str, tuple[str, ...]] | None = None,
+    count: int = 0,
 ) -> Any:
     """Declare a field of a method.
 
@@ -59,6 +60,8 @@ def parameter(
     needs : (field, values), optional
         The parameter does something only while `field` has one of these values; setting it
         otherwise is refused, not ignored.
+    count : int
+        The value is so many numbers; a text with commas between them is taken too.
     """
     return dataclasses.field(
         default=default,
@@ -70,6 +73,7 @@ def parameter(
             "choices": choices,
             "default_text": default_text,
             "needs": needs,
+            "count": count,
         },
     )
 
@@ -117,7 +121,11 @@ class Method:
 
     def __post_init__(self) -> None:
         for field in dataclasses.fields(self):
-            _check(field, getattr(self, field.name))
+            value = getattr(self, field.name)
+            if field.metadata["count"] and value is not None:
+                object.__setattr__(self, field.name, _numbers(field, value))
+            else:
+                _check(field, value)
             needs = field.metadata["needs"]
             if needs and getattr(self, field.name) != field.default:
                 if getattr(self, needs[0]) not in needs[1]:
@@ -181,9 +189,23 @@ def _check(field: dataclasses.Field[Any], value: Any) -> None:
         raise InvalidInputError(f"{name} is {value}; it must be {bounds(field)}")
 
 
+def _numbers(field: dataclasses.Field[Any], value: Any) -> tuple[float, ...]:
+    """The numbers of a field that has several, from a sequence or a text with commas."""
+    count = field.metadata["count"]
+    try:
+        found = tuple(float(v) for v in (value.split(",") if isinstance(value, str) else value))
+    except (TypeError, ValueError):
+        found = ()
+    if len(found) != count or not all(map(math.isfinite, found)):
+        raise InvalidInputError(f"{field.name} is {value!r}; it must be {count} numbers")
+    return found
+
+
 def bounds(field: dataclasses.Field[Any]) -> str:
     """The allowed values of a field in words."""
     low, high, choices = (field.metadata[k] for k in ("low", "high", "choices"))
+    if field.metadata["count"]:
+        return f"{field.metadata['count']} numbers"
     if choices:
         return ", ".join(choices)
     if low is not None and high is not None:
@@ -231,6 +253,8 @@ METHODS: Mapping[str, type[Method]] = _Registry(
     ashikhmin="Ashikhmin",
     exact_matching="ExactMatching",
     refinement="Refinement",
+    best_tile="BestTile",
+    near_regular="NearRegular",
 )
 
 

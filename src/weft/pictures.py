@@ -78,6 +78,9 @@ def report(args: argparse.Namespace, result: Synthesis, what: str, start: float)
     used, took = result.provenance, perf_counter() - start
     if "window_width" in used:
         looked = f"window width {used['window_width']}"
+    elif "lattice" in used:
+        looked = "lattice " + ",".join(f"{part:g}" for part in used["lattice"])
+        looked += f", strained by {100 * used['strain']:.2g} %" if used.get("strain") else ""
     else:
         looked = f"patch size {used['patch_size'] or max(result.arrays()['weights'].shape[1:])}"
     hole = result.canvas.hole

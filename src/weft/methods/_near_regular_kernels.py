@@ -153,9 +153,7 @@ def draw_blocks(
             j = cells[c, 1]
             height = rows[i + 1] - rows[i]
             breadth = columns[j + 1] - columns[j]
-            k = cython.cast(
-                cython.Py_ssize_t, bits[i, j] % cython.cast(cython.ulonglong, count)
-            )
+            k = cython.cast(cython.Py_ssize_t, bits[i, j] % cython.cast(cython.ulonglong, count))
             best = -1
             least = NEVER
             tried = 0
@@ -164,7 +162,9 @@ def draw_blocks(
                     here = centres[k]
                     k = (k + 40503) % count
                 else:
-                    here = similar(usable, period, aligned, steps, phase[i, j, 0], phase[i, j, 1], k)
+                    here = similar(
+                        usable, period, aligned, steps, phase[i, j, 0], phase[i, j, 1], k
+                    )
                     k = k + 1 if k + 1 < count else 0
                 if here < 0:
                     continue
@@ -355,9 +355,7 @@ def fill_gaps(
             if steps.shape[0] == 0:
                 block_means(border, 0, 0, blocks, side, means)
                 project(basis, offset, shift, means, coordinates)
-                count = nearest_by_features(
-                    features, positions, coordinates, wanted, keys, places
-                )
+                count = nearest_by_features(features, positions, coordinates, wanted, keys, places)
             else:
                 k = cython.cast(
                     cython.Py_ssize_t,
@@ -365,7 +363,9 @@ def fill_gaps(
                 )
                 tried = 0
                 for t in range(steps.shape[0]):
-                    here = similar(usable, period, aligned, steps, phase[i, j, 0], phase[i, j, 1], k)
+                    here = similar(
+                        usable, period, aligned, steps, phase[i, j, 0], phase[i, j, 1], k
+                    )
                     k = k + 1 if k + 1 < steps.shape[0] else 0
                     if here < 0:
                         continue
@@ -401,7 +401,9 @@ def fill_gaps(
             for t in range(count):
                 for y in range(-tolerance, tolerance + 1):
                     for x in range(-tolerance, tolerance + 1):
-                        here = settled(usable, period, places[t] // width + y, places[t] % width + x)
+                        here = settled(
+                            usable, period, places[t] // width + y, places[t] % width + x
+                        )
                         if here < 0:
                             continue
                         factor = 256
@@ -453,7 +455,8 @@ def meet(
     columns: cython.const[cython.longlong][::1],
     wrap: cython.const[cython.int][::1],
     parity: cython.Py_ssize_t,
-    margin: cython.Py_ssize_t,
+    inset: cython.Py_ssize_t,
+    reach: cython.Py_ssize_t,
     slack: cython.Py_ssize_t,
     box: cython.Py_ssize_t,
     error: cython.longlong[:, ::1],
@@ -463,6 +466,7 @@ def meet(
 ):
     """Find where four blocks meet: near their common corner, where the two drawn ones agree.
 
+    Seams stay within `reach` of the grid; that is `inset` inside of the windows.
     `corners` gets (dy, dx) for each vertex of rows `first` to `last`, at most `slack` either way:
     the place whose box of 2 x `box` pixels differs least between the two. `error` is scratch.
     """
@@ -506,19 +510,19 @@ def meet(
                 b = place[q, right] if drawn else place[q, left]
                 if a < 0 or b < 0:
                     continue
-                ay = a // width + size_y
-                ax = a % width + (size_x if drawn else 0)
-                by = b // width
-                bx = b % width + (0 if drawn else size_x)
-                for v in range(2 * margin):
-                    for u in range(2 * margin):
+                ay = a // width + inset + size_y
+                ax = a % width + inset + (size_x if drawn else 0)
+                by = b // width + inset
+                bx = b % width + inset + (0 if drawn else size_x)
+                for v in range(2 * reach):
+                    for u in range(2 * reach):
                         error[v, u] = differ(pixels, ay + v, ax + u, by + v, bx + u)
                 least = -1
                 for y in range(-slack, slack + 1):
                     for x in range(-slack, slack + 1):
                         total = 0
-                        for v in range(margin + y - box, margin + y + box):
-                            for u in range(margin + x - box, margin + x + box):
+                        for v in range(reach + y - box, reach + y + box):
+                            for u in range(reach + x - box, reach + x + box):
                                 total += error[v, u]
                         # Of equal ones the nearest to the corner.
                         total = total * 1024 + y * y + x * x
@@ -592,7 +596,8 @@ def cut_edges(
     columns: cython.const[cython.longlong][::1],
     wrap: cython.const[cython.int][::1],
     corners: cython.const[cython.int][:, :, ::1],
-    margin: cython.Py_ssize_t,
+    inset: cython.Py_ssize_t,
+    reach: cython.Py_ssize_t,
     upright: cython.bint,
     error: cython.longlong[:, ::1],
     total: cython.longlong[:, ::1],
@@ -631,12 +636,12 @@ def cut_edges(
         for i in range(first, last):
             for j in range(paths.shape[1]):
                 for t in range(paths.shape[2]):
-                    paths[i, j, t] = cython.cast(cython.int, margin)
+                    paths[i, j, t] = cython.cast(cython.int, inset + reach)
                 p = around(i, 0 if upright else -1, place.shape[0], wrap[0] != 0)
                 q = around(j, -1 if upright else 0, place.shape[1], wrap[1] != 0)
                 k = around(i, 0, place.shape[0], wrap[0] != 0)
                 t = around(j, 0, place.shape[1], wrap[1] != 0)
-                if p < 0 or q < 0 or k < 0 or t < 0 or margin == 0:
+                if p < 0 or q < 0 or k < 0 or t < 0 or reach == 0:
                     continue
                 a = place[p, q]
                 b = place[k, t]
@@ -647,30 +652,32 @@ def cut_edges(
                     length = rows[k + 1] - rows[k]
                     begin = corners[i, j, 1]
                     end = corners[i + 1, j, 1]
-                    start = margin + corners[i, j, 0]
-                    stop = margin + length + corners[i + 1, j, 0]
+                    start = corners[i, j, 0]
+                    stop = length + corners[i + 1, j, 0]
                 else:
                     size = rows[p + 1] - rows[p]
                     length = columns[t + 1] - columns[t]
                     begin = corners[i, j, 0]
                     end = corners[i, j + 1, 0]
-                    start = margin + corners[i, j, 1]
-                    stop = margin + length + corners[i, j + 1, 1]
-                begin += margin
-                end += margin
+                    start = corners[i, j, 1]
+                    stop = length + corners[i, j + 1, 1]
+                begin += reach
+                end += reach
+                start += inset + reach
+                stop += inset + reach
                 if stop <= start:
                     continue
-                ay = a // width + (start if upright else size)
-                ax = a % width + (size if upright else start)
-                by = b // width + (start if upright else 0)
-                bx = b % width + (0 if upright else start)
+                ay = a // width + (start if upright else inset + size)
+                ax = a % width + (inset + size if upright else start)
+                by = b // width + (start if upright else inset)
+                bx = b % width + (inset if upright else start)
                 for n in range(stop - start):
-                    for k in range(2 * margin):
+                    for k in range(2 * reach):
                         if upright:
                             error[n, k] = differ(pixels, ay + n, ax + k, by + n, bx + k)
                         else:
                             error[n, k] = differ(pixels, ay + k, ax + n, by + k, bx + n)
-                least_path(error, stop - start, 2 * margin, begin, end, total, came, path)
+                least_path(error, stop - start, 2 * reach, begin, end, total, came, path)
                 for t in range(paths.shape[2]):
                     if t < start:
                         n = begin
@@ -678,7 +685,7 @@ def cut_edges(
                         n = end
                     else:
                         n = path[t - start]
-                    paths[i, j, t] = cython.cast(cython.int, n)
+                    paths[i, j, t] = cython.cast(cython.int, inset + n)
 
 
 def path_through(error, begin, end, total, came, path):

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from weft.analysis.lattice import Lattice
+from weft.analysis.lattice import Lattice, find_lattice
 from weft.errors import InvalidInputError
 
 if TYPE_CHECKING:
@@ -16,7 +16,10 @@ if TYPE_CHECKING:
     from weft.exemplar import Exemplar
 
 _UNIT = 1 << 16  # positions are in 1/65536 pixel
+_LEAST = 32  # sides of samples in which noise does not look like a lattice by chance
 _LOOK = 64  # pixels on both sides of a size among which a better one is looked for
+#: How far windows may be from the plane's origin, so that positions stay exact enough.
+FAR = 2**40
 #: The unconstrained mode's vectors: any place is similar to any other (section 5.2).
 ANYWHERE = (1.0, 0.0, 0.0, 1.0)
 
@@ -92,7 +95,8 @@ class CanvasLattice:
             along = y * self.inverse[0, k] + x * self.inverse[1, k]
             parts.append(along - np.floor(along))
         place = [parts[0] * self.sample[0, k] + parts[1] * self.sample[1, k] for k in (0, 1)]
-        return np.rint(np.stack(place, axis=-1) * _UNIT).astype(np.int64)
+        result: NDArray[np.int64] = np.rint(np.stack(place, axis=-1) * _UNIT).astype(np.int64)
+        return result
 
     def steps(self, height: int, width: int) -> NDArray[np.int64]:
         """All sums of multiples of the vectors that lead from the first tile into a box at (0, 0).
@@ -110,7 +114,8 @@ class CanvasLattice:
         found = found.reshape(-1, 2)
         tile = np.stack([0 * self.sample[0], *self.sample, self.sample.sum(axis=0)])
         near = (found + tile.max(axis=0) > -1) & (found + tile.min(axis=0) < (height, width))
-        return np.rint(found[near.all(axis=1)] * _UNIT).astype(np.int64)
+        result: NDArray[np.int64] = np.rint(found[near.all(axis=1)] * _UNIT).astype(np.int64)
+        return result
 
 
 def check_lattice(vectors: tuple[float, ...], exemplar: Exemplar) -> None:
@@ -131,13 +136,36 @@ def check_lattice(vectors: tuple[float, ...], exemplar: Exemplar) -> None:
         )
 
 
+def check_place(y: int, x: int) -> None:
+    """Raise `InvalidInputError` unless a window may begin there."""
+    for name, at in (("y", y), ("x", x)):
+        if type(at) is not int or not -FAR <= at <= FAR:
+            raise InvalidInputError(f"{name} is {at!r}; it must be an integer from -2**40 to 2**40")
+
+
+def found_vectors(exemplar: Exemplar) -> tuple[float, ...]:
+    """The lattice of a sample as x1, y1, x2, y2; x1, y1 where it repeats one way only; or ()."""
+    if min(exemplar.shape) < _LEAST:
+        return ()
+    lattice = find_lattice(exemplar)
+    if lattice is None:
+        return ()
+    return tuple(part for vector in lattice.reduced().vectors for part in vector)
+
+
 def _stretched(
     vectors: NDArray[np.float64], shape: tuple[int, ...], wrap: tuple[bool, ...]
 ) -> tuple[NDArray[np.float64], float]:
     """The vectors changed as little as goes, so that sums of them go around the canvas."""
     inverse = np.linalg.inv(vectors)
     around = np.diag(np.asarray(shape, float))[np.asarray(wrap)]
-    near = np.rint(around @ inverse) @ vectors
+    times = around @ inverse
+    near = np.rint(times)
+    for k in range(len(near)):  # at least once around
+        if not near[k].any():
+            most = int(np.abs(times[k]).argmax())
+            near[k, most] = np.copysign(1, times[k, most])
+    near = near @ vectors
     if len(around) == 2:
         if abs(np.linalg.det(near)) < 1e-9:
             return vectors, float("inf")

@@ -3,16 +3,16 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, ClassVar
+from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
 
 from weft.canvas import Canvas, as_canvas
 from weft.errors import InvalidInputError
 from weft.method import Method, parameter
-from weft.methods.canvas_lattice import ANYWHERE, check_lattice
+from weft.methods.canvas_lattice import ANYWHERE, check_lattice, check_place, found_vectors
 from weft.methods.near_regular_blocks import Blocks
-from weft.methods.near_regular_sample import BlockSample
+from weft.methods.near_regular_sample import BlockSample, has_room
 from weft.random import seed_number
 
 if TYPE_CHECKING:
@@ -23,10 +23,8 @@ if TYPE_CHECKING:
 
 _PAPER = 40 / 128  # block over the sample's side
 _LEAST = 0.15  # the smallest block that is chosen, over the sample's shorter side
-_PLACES = 9.0  # similar places that a block should have to choose from
+_PLACES = 6.0  # similar places that a block should have to choose from
 _TOLERANCE = 3  # px (section 4.2.2)
-#: Windows may go 2**40 pixels from the origin, and be so large that numbers of blocks stay exact.
-_FAR = 2**40
 
 
 @dataclass(frozen=True)
@@ -51,8 +49,8 @@ class NearRegular(Method):
     slug: ClassVar[str] = "near-regular"
     title: ClassVar[str] = "Near-regular synthesis"
     paper: ClassVar[str] = (
-        "A thesis on near-regular texture synthesis: regular structure detection by generalized "
-        "normalized cross-correlation, constrained random sampling and gap filling"
+        "Near-regular texture synthesis by constrained random sampling and gap filling, a thesis: "
+        "chapter 4"
     )
     supports: ClassVar[frozenset[str]] = frozenset({"wrap", "random_access"})
 
@@ -80,21 +78,20 @@ class NearRegular(Method):
         "width of the borders that must match, half of it on either side; even",
         low=0,
         unit="px",
-        default_text="a third of the block; 10 in the paper",
+        default_text="two thirds of the block; 10 in the paper",
     )
-    blend: str | None = parameter(
-        None,
-        "joining blocks: cut along least error, feathered by eqs. 4.6 to 4.10, or pasted",
-        choices=("cut", "feather", "none"),
-        default_text="cut; feather in the paper",
+    blend: str = parameter(
+        "auto",
+        "joining blocks: cut along least error or feathered as the preset says, or pasted",
+        choices=("auto", "cut", "feather", "none"),
     )
     blend_width: int | None = parameter(
         None,
         "width of the feathered area between blocks",
         low=0,
         unit="px",
-        default_text="4, and up to 7/10 of a block where blocks would show",
-        needs=("blend", ("feather", None)),
+        default_text="4, and 7/10 of a block where blocks would show",
+        needs=("blend", ("feather",)),
     )
     tolerance: int | None = parameter(
         None,
@@ -237,9 +234,7 @@ class NearRegularModel:
         >>> bool((model.window(20, 30, 9, 8, seed=1).image == whole[20:29, 30:38]).all())
         True
         """
-        for name, at in (("y", y), ("x", x)):
-            if type(at) is not int or not -_FAR <= at <= _FAR:
-                raise InvalidInputError(f"{name} is {at!r}; it must be from -2**40 to 2**40")
+        check_place(y, x)
         return self._made(Canvas(height, width), (y, x), seed, threads, progress)
 
     def _made(
@@ -261,15 +256,18 @@ def _settled(method: NearRegular, exemplar: Exemplar) -> NearRegular:
         check_lattice(vectors, exemplar)
     else:
         vectors = _found(exemplar)
-    settled = {
+    settled: dict[str, Any] = {
         "lattice": vectors,
-        "blend": method.blend or ("feather" if paper else "cut"),
+        "blend": ("feather" if paper else "cut") if method.blend == "auto" else method.blend,
         "candidates": method.candidates or (512 if paper else 6),
         "variety": (0.0 if paper else 1.0) if method.variety is None else method.variety,
     }
-    shortest = min(np.hypot(*vectors[:2]), np.hypot(*vectors[2:]))
+    x1, y1, x2, y2 = vectors
     if method.tolerance is None:
-        settled["tolerance"] = _TOLERANCE if paper else min(_TOLERANCE, int(shortest / 4))
+        # Where the tile is hardly larger, a few pixels are another place in it.
+        small = int(abs(x1 * y2 - x2 * y1) ** 0.5 / 4)
+        near = paper or vectors == ANYWHERE
+        settled["tolerance"] = _TOLERANCE if near else min(_TOLERANCE, small)
     if method.rectify is None:
         settled["rectify"] = 0 if paper else settled.get("tolerance", method.tolerance)
     shorter = min(exemplar.shape)
@@ -281,32 +279,33 @@ def _settled(method: NearRegular, exemplar: Exemplar) -> NearRegular:
         if not paper:
             size = _block_size(vectors, exemplar, border)
     if border is None:
-        border = 10 if paper else size // 6 * 2
-        border = min(border, size // 2 * 2, max(0, shorter - size) // 2 * 2)
-    if border > size:
-        raise InvalidInputError(f"border_width is {border}; it must be at most the block, {size}")
+        border = 10 if paper else size // 3 * 2
+        border = min(border, (size - 1) // 2 * 2, max(0, shorter - size) // 2 * 2)
+    if border >= size:
+        raise InvalidInputError(f"border_width is {border}; it must be less than the block, {size}")
     if size + border > shorter:
         raise InvalidInputError(
             f"block_size is {size} and border_width {border}; {exemplar.name} is "
             f"{exemplar.shape[1]}x{exemplar.shape[0]}, which has room for {shorter} together"
+        )
+    if not has_room(exemplar, size + border):
+        raise InvalidInputError(
+            f"no block of {size} pixels with a border of {border} lies on usable pixels of "
+            f"{exemplar.name}; make them smaller"
         )
     return replace(method, block_size=size, border_width=border, **settled)
 
 
 def _found(exemplar: Exemplar) -> tuple[float, ...]:
     """The sample's own vectors, or those of the unconstrained mode."""
-    from weft.analysis.lattice import find_lattice
-
-    lattice = find_lattice(exemplar)
-    if lattice is None:
+    vectors = found_vectors(exemplar)
+    if not vectors:
         return ANYWHERE
-    first = lattice.reduced().vectors[0]
-    if len(lattice.vectors) == 2:
-        second = lattice.reduced().vectors[1]
-    else:  # along the other direction any place is as good: a few pixels on are the next
-        length = np.hypot(*first)
-        second = -first[1] / length * 7, first[0] / length * 7
-    return (*first, *second)
+    if len(vectors) == 2:  # along the other direction any place is as good, as far on as reached
+        x, y = vectors
+        step = (2 * _TOLERANCE + 1) / float(np.hypot(x, y))
+        return (x, y, -y * step, x * step)
+    return vectors
 
 
 def _block_size(vectors: tuple[float, ...], exemplar: Exemplar, border: int | None) -> int:
@@ -315,13 +314,11 @@ def _block_size(vectors: tuple[float, ...], exemplar: Exemplar, border: int | No
     area = abs(x1 * y2 - x2 * y1)
     shorter = min(exemplar.shape)
     size, least = int(_PAPER * shorter), max(1, round(_LEAST * shorter))
-    while size > least:
-        window = size + (size // 6 * 2 if border is None else border)
+    while size > 1:
+        window = size + (size // 3 * 2 if border is None else border)
         height, width = (max(0, n - window) for n in exemplar.shape)
-        if height * width >= _PLACES * area:
+        enough = height * width >= _PLACES * area or size <= least
+        if enough and has_room(exemplar, window):
             break
         size -= 1
     return max(size, 1)
-
-
-

@@ -63,6 +63,19 @@ class Axis:
         """How many blocks there are."""
         return len(self.sizes)
 
+    def kept(
+        self, length: int, side: int, margin: int, reach: int
+    ) -> tuple[int, NDArray[np.int64]]:
+        """What of the blocks' windows is laid: how many lines, and from which one on.
+
+        All of them, unless the canvas is smaller than a window. No window may lie over itself.
+        """
+        lines = min(side, length)
+        first = np.full(self.shown.stop - self.shown.start, margin - reach)
+        if not self.period:
+            first = np.maximum(first, margin - self.edges[:-1][self.shown])
+        return lines, np.minimum(first, side - lines)
+
 
 class Blocks:
     """One output in the making."""
@@ -89,7 +102,11 @@ class Blocks:
         self.wrap = np.array([self.rows.period, self.columns.period], np.int32)
         least = min(int(axis.sizes.min()) for axis in (self.rows, self.columns))
         #: How far seams leave the grid; less than `sample.margin` where blocks are small.
-        self.reach = min(sample.margin, least // 2)
+        self.reach = min(sample.margin, max(0, least - 1) // 2)
+        self.kept = [
+            axis.kept(length, sample.side, sample.margin, self.reach)
+            for axis, length in zip((self.rows, self.columns), canvas.shape, strict=True)
+        ]
         shape = self.rows.count, self.columns.count
         self.place = np.full(shape, -1, np.int32)
         number = self.rows.numbers[:, None], self.columns.numbers[None, :]
@@ -141,7 +158,7 @@ class Blocks:
             for width in np.unique(sizes[1]):
                 own = np.ascontiguousarray(cells[(sizes[0] == height) & (sizes[1] == width)])
                 if len(own):
-                    border = _Border(self.sample, int(height), int(width))
+                    border = _Border(self.sample, int(height), int(width), self.reach)
                     jobs += [(border, own[k : k + _PIECE]) for k in range(0, len(own), _PIECE)]
 
         def fill(job: tuple[_Border, NDArray[np.int32]]) -> int:
@@ -160,8 +177,7 @@ class Blocks:
         columns = self.columns.shown.stop - self.columns.shown.start
         if self.method.blend == "cut":
             cuts = self._cuts(*self._paths(map_))
-            side = self.sample.side
-            weights = np.full((1, side, side), 128, np.uint16)
+            weights = np.full((1, self.kept[0][0], self.kept[1][0]), 128, np.uint16)
             return cuts, np.zeros((rows, columns), np.int64), weights
         zones = np.zeros((rows, columns), np.int64)
         known: dict[tuple[Any, ...], int] = {}
@@ -187,15 +203,17 @@ class Blocks:
         found = []
         for block in range(axis.shown.start, axis.shown.stop):
             size, start = int(axis.sizes[block]), int(axis.edges[block]) - margin
-            # Line `width // 2` before the edge is the last that is not blended: x = 0.
-            at = np.arange(side) - margin + width - width // 2
-            share = np.clip(at + (width == 0), 0, width + 1) / (width + 1)
-            share -= np.clip(at + (width == 0) - size, 0, width + 1) / (width + 1)
+            # x of eq. (4.9), 1 at the first line that is blended
+            at = np.arange(side) - margin + width // 2 + 1
+            share = np.clip(at, 0, width + 1) / (width + 1)
+            share -= np.clip(at - size, 0, width + 1) / (width + 1)
             low, high = 0, side
             if not axis.period:
                 low, high = max(0, -start), min(side, length - start)
                 share[:low] = share[max(high, 0) :] = 0
             odd = bool((axis.first + block) % 2)
+            lines, first = self.kept[k][0], int(self.kept[k][1][block - axis.shown.start])
+            share = share[first : first + lines]
             found.append(((size, low, high, odd), share, odd))
         return found
 
@@ -203,13 +221,14 @@ class Blocks:
         self, map_: Callable[..., Iterable[Any]]
     ) -> tuple[NDArray[np.int32], NDArray[np.int32]]:
         """Where blocks begin, for each line of their windows: from the left, and from above."""
-        count, reach = (self.rows.count, self.columns.count), self.sample.margin
+        count, reach = (self.rows.count, self.columns.count), self.reach
         corners = np.zeros((count[0] + 1, count[1] + 1, 2), np.int32)
         side = self.sample.side
-        upright = np.full((count[0], count[1] + 1, side), reach, np.int32)
-        lying = np.full((count[0] + 1, count[1], side), reach, np.int32)
-        if self.reach < reach or reach == 0:
-            return upright, lying  # blocks too small for seams: straight ones
+        inset = self.sample.margin - reach
+        upright = np.full((count[0], count[1] + 1, side), self.sample.margin, np.int32)
+        lying = np.full((count[0] + 1, count[1], side), self.sample.margin, np.int32)
+        if reach == 0:
+            return upright, lying
         least = min(int(axis.sizes.min()) for axis in (self.rows, self.columns))
         slack = min(reach // 2, (least - 1) // 4)
         box = min(_BOX, reach - slack)
@@ -219,7 +238,7 @@ class Blocks:
 
         def meet(i: int) -> None:
             scratch = np.empty((2 * reach, 2 * reach), np.int64)
-            kernels.meet(*shared, parity, reach, slack, box, scratch, corners, i, i + 1)
+            kernels.meet(*shared, parity, inset, reach, slack, box, scratch, corners, i, i + 1)
 
         def cut(i: int) -> None:
             scratch = (
@@ -229,8 +248,8 @@ class Blocks:
                 np.empty(side, np.int32),
             )
             if i < shown.stop:
-                kernels.cut_edges(*shared, corners, reach, True, *scratch, upright, i, i + 1)
-            kernels.cut_edges(*shared, corners, reach, False, *scratch, lying, i, i + 1)
+                kernels.cut_edges(*shared, corners, inset, reach, True, *scratch, upright, i, i + 1)
+            kernels.cut_edges(*shared, corners, inset, reach, False, *scratch, lying, i, i + 1)
 
         lines = range(shown.start, shown.stop + 1)
         list(map_(meet, lines))
@@ -239,22 +258,34 @@ class Blocks:
 
     def _cuts(self, upright: NDArray[np.int32], lying: NDArray[np.int32]) -> NDArray[np.uint16]:
         """First and last own columns and rows of each block, as `PatchSynthesis` keeps them."""
-        rows, columns, side = self.rows.shown, self.columns.shown, self.sample.side
+        rows, columns = self.rows.shown, self.columns.shown
         after = [slice(s.start + 1, s.stop + 1) for s in (rows, columns)]
         left = upright[rows, columns]
         right = upright[rows, after[1]] + self.columns.sizes[columns][None, :, None]
         top = lying[rows, columns]
         bottom = lying[after[0], columns] + self.rows.sizes[rows][:, None, None]
-        at = np.arange(side)
-        y = self.rows.edges[:-1][rows][:, None, None] - self.sample.margin + at
-        x = self.columns.edges[:-1][columns][None, :, None] - self.sample.margin + at
+        (lines, first), (across, begin) = self.kept
+        down = first[:, None, None] + np.arange(lines)
+        along = begin[None, :, None] + np.arange(across)
+        left, right = (
+            np.clip(np.take_along_axis(c, np.broadcast_to(down, (*c.shape[:2], lines)), 2)
+                    - begin[None, :, None], 0, across)
+            for c in (left, right)
+        )  # fmt: skip
+        top, bottom = (
+            np.clip(np.take_along_axis(c, np.broadcast_to(along, (*c.shape[:2], across)), 2)
+                    - first[:, None, None], 0, lines)
+            for c in (top, bottom)
+        )  # fmt: skip
+        y = self.rows.edges[:-1][rows][:, None, None] - self.sample.margin + down
+        x = self.columns.edges[:-1][columns][None, :, None] - self.sample.margin + along
         height, width = self.canvas.shape
         if not self.rows.period:
             off = np.broadcast_to((y < 0) | (y >= height), left.shape)
-            left, right = np.where(off, side, left), np.where(off, 0, right)
+            left, right = np.where(off, across, left), np.where(off, 0, right)
         if not self.columns.period:
             off = np.broadcast_to((x < 0) | (x >= width), top.shape)
-            top, bottom = np.where(off, side, top), np.where(off, 0, bottom)
+            top, bottom = np.where(off, lines, top), np.where(off, 0, bottom)
         return np.concatenate([left, right, top, bottom], axis=2).astype(np.uint16)
 
     def _laid(
@@ -266,13 +297,14 @@ class Blocks:
         place = sample.windows.to_sample(place.ravel()).reshape(place.shape)
         i, j = np.indices(place.shape)
         y, x = np.divmod(place, sample.exemplar.shape[1])
-        margin = sample.margin
+        margin, height, width = sample.margin, *sample.exemplar.shape
+        v, u = self.kept[0][1][i], self.kept[1][1][j]
         placements = np.stack(
             [
-                (self.rows.edges[:-1][rows][i] - margin) % self.canvas.height,
-                (self.columns.edges[:-1][columns][j] - margin) % self.canvas.width,
-                y,
-                x,
+                (self.rows.edges[:-1][rows][i] - margin + v) % self.canvas.height,
+                (self.columns.edges[:-1][columns][j] - margin + u) % self.canvas.width,
+                (y + v) % height,
+                (x + u) % width,
                 zones,
             ],
             axis=-1,
@@ -321,8 +353,8 @@ class Blocks:
 class _Border:
     """The borders of gaps of one size, and how their sources are looked for."""
 
-    def __init__(self, sample: BlockSample, height: int, width: int) -> None:
-        self.wedges = sample.wedges(height, width)
+    def __init__(self, sample: BlockSample, height: int, width: int, reach: int) -> None:
+        self.wedges = sample.wedges(height, width, reach)
         self.runs = _spread(sample.zone(self.wedges).runs)
         self.sample = sample
 

@@ -7,7 +7,9 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from weft.errors import InvalidInputError
 from weft.methods.canvas_lattice import CanvasLattice
+from weft.methods.mean_tile import MeanTile
 from weft.random import draw
 from weft.search.boundary_zone import boundary_zone
 from weft.search.pca import fit_pca
@@ -99,20 +101,7 @@ class BlockSample:
 
     def mean_tile(self) -> NDArray[np.uint8]:
         """The sample with every pixel replaced by the mean of its similar ones."""
-        height, width = self.pixels.shape[:2]
-        y, x = np.indices((height, width))
-        lattice = CanvasLattice(self.vectors)
-        along = [y * lattice.inverse[0, k] + x * lattice.inverse[1, k] for k in (0, 1)]
-        bins = [max(1, round(float(np.hypot(*lattice.sample[k])))) for k in (0, 1)]
-        number = [((a - np.floor(a)) * n).astype(np.int64) % n for a, n in zip(along, bins, strict=True)]
-        cell = (number[0] * bins[1] + number[1]).ravel()
-        count = np.maximum(np.bincount(cell, minlength=bins[0] * bins[1]), 1)
-        result = np.empty_like(self.pixels)
-        for k in range(self.pixels.shape[2]):
-            level = self.pixels[:, :, k].ravel()
-            total = np.bincount(cell, level, minlength=bins[0] * bins[1])
-            result[:, :, k] = np.rint(total / count)[cell].reshape(height, width)
-        return result
+        return MeanTile(self.pixels, self.vectors).at(*np.indices(self.pixels.shape[:2]))
 
     def _aligned(self, reach: int) -> NDArray[np.int32]:
         """For each place the one near by that lies most as the mean tile does there."""
@@ -155,16 +144,17 @@ class BlockSample:
         whole = float(parts.var(axis=(0, 1, 2, 3)).sum())
         return float(means.var(axis=(0, 1)).sum()) / whole if whole > 0 else 0.0
 
-    def wedges(self, height: int, width: int) -> NDArray[np.uint8]:
+    def wedges(self, height: int, width: int, reach: int) -> NDArray[np.uint8]:
         """Which neighbour each border pixel of a block's window is taken from (Fig. 4.8b).
 
-        1 to 4 for above, left, below and right, 0 off the border; `height` and `width` are the
-        block's.
+        1 to 4 for above, left, below and right, 0 off the border, which reaches so far to either
+        side; `height` and `width` are the block's.
         """
-        m = self.margin
-        v, u = np.indices((height + 2 * m, width + 2 * m))
-        away = np.stack([v, u, height + 2 * m - 1 - v, width + 2 * m - 1 - u])
-        return np.where(away.min(axis=0) < 2 * m, away.argmin(axis=0) + 1, 0).astype(np.uint8)
+        v, u = np.indices((height + 2 * self.margin, width + 2 * self.margin))
+        away = np.stack([v, u, v[::-1], u[:, ::-1]]) - (self.margin - reach)
+        nearest = away.min(axis=0)
+        border = (nearest >= 0) & (nearest < 2 * reach)
+        return np.where(border, away.argmin(axis=0) + 1, 0).astype(np.uint8)
 
     def zone(self, wedges: NDArray[np.uint8], block_side: int = 4) -> Any:
         """The border as what a search looks at."""
@@ -176,7 +166,7 @@ class BlockSample:
     def _features(self) -> Any:
         """All windows' borders in few numbers, for the unconstrained search (section 5.2)."""
         size = self.side - 2 * self.margin
-        zone = self.zone(self.wedges(size, size), _BLOCK_SIDE)
+        zone = self.zone(self.wedges(size, size, self.margin), _BLOCK_SIDE)
         height, width = self.pixels.shape[:2]
         rows, columns = height - self.side + 1, width - self.side + 1
         stride = 1
@@ -192,6 +182,17 @@ class BlockSample:
         y, x = np.divmod(take, usable.shape[1])
         places = (y * stride * width + x * stride).astype(np.int32)
         return zone.blocks, zone.side, pca.basis, pca.offset, pca.shift, pca.features, places
+
+
+def has_room(exemplar: Exemplar, side: int) -> bool:
+    """Whether a square of this side lies on usable pixels."""
+    if exemplar.mask is None:
+        return side <= min(exemplar.shape)
+    try:
+        windows_of(exemplar, (0, side - 1, 0, side - 1))
+    except InvalidInputError:
+        return False
+    return True
 
 
 _NO_SEARCH = (
