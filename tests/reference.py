@@ -2200,9 +2200,17 @@ def refinement(method, exemplar, canvas, seed, start=None, components=None):
     picture = np.zeros((*canvas.shape, exemplar.matching().shape[2]), np.uint8)
     hole = np.ones(canvas.shape, bool) if canvas.hole is None else canvas.hole
     picture[~hole] = exemplar.as_matching(canvas.known)[~hole] if not hole.all() else 0
+    kept = np.zeros(canvas.shape, bool)
+    if method.joints is not None:
+        for y, x in np.argwhere(hole):
+            picture[y, x] = exemplar.matching()[tuple(start[y, x])]
+        kept = hole & ~seam_belts(start, method.joints // 2, canvas.wrap, exemplar)
+        hole = hole & ~kept
     stack = [(picture, ~hole)]
-    for _ in levels[1:]:
-        stack.append((coarser(stack[-1][0], canvas.wrap), coarser_mask(stack[-1][1], canvas.wrap)))
+    for number in range(1, len(levels)):
+        known = coarser_mask(stack[-1][1], canvas.wrap)
+        known = known if method.joints is None else ~hole[:: 2**number, :: 2**number]
+        stack.append((coarser(stack[-1][0], canvas.wrap), known))
     guide = guides(exemplar, canvas)
     if guide[0] is not None:
         weight = max(1, round(256 * method.guide_weight * picture.shape[2] / guide[0].shape[2]))
@@ -2233,7 +2241,10 @@ def refinement(method, exemplar, canvas, seed, start=None, components=None):
                 source[y][x] = 2 * v + y % 2, 2 * u + x % 2
             if known[y, x]:
                 source[y][x] = None
-                if canvas.known_from is not None:
+                if kept[y * step, x * step]:
+                    v, u = (int(k) for k in start[y * step, x * step])
+                    source[y][x] = v // step, u // step
+                elif canvas.known_from is not None:
                     v, u = y * step + canvas.known_from[0], x * step + canvas.known_from[1]
                     source[y][x] = v // step, u // step
             if source[y][x] is not None and (not seeds or known[y, x]):
@@ -2243,13 +2254,15 @@ def refinement(method, exemplar, canvas, seed, start=None, components=None):
             picture[y, x] = level.pixels[source[y][x]]
         rounds = method.iterations * (2 if coherent else 1)
         rounds = rounds if coarsest else max(1, method.iterations // 2)
-        cyclic = canvas.hole is not None and not hole.all()
+        cyclic = not hole.all()
         sweep = _coherent_sweep if coherent else _component_sweep
         usage = {}
         for y, x in np.argwhere(done & ~known):
             usage[level.cell(source[y][x])] = usage.get(level.cell(source[y][x]), 0) + 1
         above = len(levels) - 1 - levels.index(level)
-        settled = bool(done.all()) and (above > 0 or not (cyclic or level.guide))
+        settled = bool(done.all()) and (
+            above > 0 or not ((cyclic and method.joints is None) or level.guide)
+        )
         for turn in range(rounds):
             before, there = picture.copy(), done.copy()
             for line in turned_lines(~known, turn, cyclic, coherent):
@@ -2267,9 +2280,35 @@ def refinement(method, exemplar, canvas, seed, start=None, components=None):
                     break
         below = source
     result = np.full((*canvas.shape, 2), -1)
+    result[kept] = start[kept] if kept.any() else -1
     for y, x in np.argwhere(hole):
         result[y, x] = below[y][x]
     return result
+
+
+def seam_belts(source, reach, wrap, exemplar):
+    """What lies less than `reach` pixels from one beside which another source goes on."""
+    height, width = source.shape[:2]
+    seams = []
+    for y, x in np.ndindex(height, width):
+        for axis in (0, 1):
+            at = [y, x]
+            at[axis] += 1
+            if at[axis] >= source.shape[axis] and not wrap[axis]:
+                continue
+            at = at[0] % height, at[1] % width
+            step = [int(source[at][k]) - int(source[y, x][k]) - (k == axis) for k in (0, 1)]
+            if exemplar.tileable:
+                step = [s % n for s, n in zip(step, exemplar.shape, strict=True)]
+            if any(step):
+                seams += [(y, x), at]
+    belts = np.zeros((height, width), bool)
+    for y, x in seams:
+        for dy, dx in itertools.product(range(1 - reach, reach), repeat=2):
+            v, u = y + dy, x + dx
+            if (wrap[0] or 0 <= v < height) and (wrap[1] or 0 <= u < width):
+                belts[v % height, u % width] = True
+    return belts
 
 
 def _known_distance(level, picture, y, x, known, place):

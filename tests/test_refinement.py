@@ -66,6 +66,8 @@ def test_it_is_the_slow_twin(data):
         parameters |= {"search": "pca", "candidates": 3 if colours == 200 else 100}
     else:
         parameters |= {"similar": draw(st.integers(0, 2)), "evenness": draw(st.just(2.0))}
+    if parameters["init"] != "seeds" and "guide" not in more and draw(st.booleans()):
+        parameters["joints"] = draw(st.integers(2, 5))
     method = weft.Refinement(
         window_width=draw(st.sampled_from([1, 3, 5])) if mask is None else 3,
         iterations=draw(st.integers(1, 5)),
@@ -160,6 +162,31 @@ def test_what_follows_no_guide_is_refused(parameters, message):
         weft.synthesize(pixels, 40, method="refinement", guide=pixels, **parameters)
     with pytest.raises(weft.InvalidInputError, match="no effect without a guide"):
         weft.synthesize(pixels, 40, method="refinement", guide_weight=2.0)
+
+
+@pytest.mark.parametrize("init", ["quilting", "graphcut"])
+def test_only_joints_are_refined(init):
+    """Patches stay, and pictures of a pattern are the pattern."""
+    pixels = weft.load_exemplar("sample:pebbles").pixels[:72, :72].copy()
+    method = weft.Refinement(window_width=15, init=init, joints=10)
+    made = method.fit(weft.Exemplar(pixels)).sample(80, seed=2)
+    start = weft.METHODS[init]().fit(weft.Exemplar(pixels)).sample(80, seed=2)
+    same = (made.source == start.source).all(axis=2)
+    step = np.diff(start.source, axis=1) != (0, 1)
+    seams = np.pad(step.any(axis=2), ((0, 0), (0, 1)))
+    assert same[~reference.seam_belts(start.source, 5, (False, False), made.exemplar)].all()
+    assert not same[seams].all() and same.mean() > 0.2
+    with pytest.raises(weft.InvalidInputError, match="joints has no effect unless init is"):
+        weft.Refinement(init="seeds", joints=10)
+    with pytest.raises(weft.InvalidInputError, match="joints keeps what follows no guide"):
+        weft.synthesize(pixels, 72, method=method, guide=pixels)
+
+
+@pytest.mark.parametrize("wrap", [(False, False), (True, True)])
+def test_joints_of_levels_are_the_slow_twins(wrap):
+    pixels = weft.load_exemplar("sample:pebbles").pixels[20:68, 10:59, :1].copy()
+    method = weft.Refinement(window_width=13, iterations=1, similar=0, joints=6)
+    check_twin(method, weft.Exemplar(pixels, tileable=wrap[0]), Canvas(23, 25, wrap), 5)
 
 
 def test_labels_are_followed():

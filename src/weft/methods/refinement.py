@@ -15,6 +15,7 @@ from weft.exemplar import Exemplar
 from weft.method import METHODS, Method, parameter
 from weft.methods.pixel_growth import PixelModel, settle_window
 from weft.methods.refinement_sweeps import Refining
+from weft.seams.belts import seam_belts
 from weft.search.pyramid import gaussian_pyramid, mask_pyramid
 from weft.search.similar import nearest_centre, similar_places
 from weft.search.window_components import window_components
@@ -80,6 +81,14 @@ class Refinement(Method):
         "start from seed points or a method's result; auto: quilting; with a guide or 'pca' seeds",
         choices=("auto", "seeds", *(slug for slug in METHODS if slug != "refinement")),
     )
+    joints: int | None = parameter(
+        None,
+        "refine only belts of this width along the start's seams; its patches stay",
+        low=2,
+        unit="px",
+        default_text="everything is refined",
+        needs=("init", ("auto", *(slug for slug in METHODS if slug != "refinement"))),
+    )
     seed_density: float = parameter(
         1.0,
         "seed points for each dominant scale along an axis",
@@ -131,6 +140,8 @@ class Refinement(Method):
         super().require(canvas)
         if canvas.guide is not None and self.search == "pca":
             raise InvalidInputError("search is 'pca', which follows no guide; use 'coherent'")
+        if canvas.guide is not None and self.joints is not None:
+            raise InvalidInputError("joints keeps what follows no guide; leave it out")
 
     def settle(self, exemplar: Exemplar) -> Refinement:
         """See `Method.settle`."""
@@ -141,12 +152,12 @@ class Refinement(Method):
         )
         init = self.init
         if init == "auto":
-            init = "quilting" if pyramid else "seeds"
+            init = "quilting" if pyramid or self.joints else "seeds"
         if init != "seeds":
             try:
                 METHODS[init]().settle(exemplar)
             except InvalidInputError:  # too small a sample
-                if self.init != "auto":
+                if self.init != "auto" or self.joints:
                     raise
                 init = "seeds"
         return dataclasses.replace(settled, init=init)
@@ -269,7 +280,28 @@ class RefinementModel(PixelModel):
                     f"init is '{self.method.init}', which follows no guide; use 'seeds' or "
                     "'ashikhmin'"
                 )
-        Refining(self, growth).run()
+        made = None
+        if self.start is not None and self.method.joints is not None:
+            made = self.start.sample(growth.canvas, seed=growth.seed, threads=growth.threads)
+            self._keep(made.source, growth)
+        if not growth.done.all():
+            Refining(self, growth, made).run()
+
+    def _keep(self, source: NDArray[np.int32], growth: Growth) -> None:
+        """Keep the patches of a start; what is along their seams becomes a hole (Fig. 13)."""
+        width: int = self.method.joints  # type: ignore[assignment]
+        height, columns = self.exemplar.shape
+        period = (height, columns) if self.exemplar.tileable else None
+        belts = seam_belts(source, width // 2, growth.canvas.wrap, period)
+        place = (source[..., 0] * columns + source[..., 1]).astype(np.int32)
+        wanted = growth.done == 0
+        growth.levels[wanted] = self.exemplar.matching().reshape(-1, growth.levels.shape[2])[
+            place[wanted]
+        ]
+        kept = ~belts & wanted
+        growth.source[kept] = self.windows.from_sample(place[kept])
+        growth.done[kept] = 1
+        growth.hole = None if not growth.done.any() else growth.done == 0
 
 
 def _mask(exemplar: Exemplar) -> NDArray[np.bool_]:

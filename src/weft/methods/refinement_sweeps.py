@@ -18,6 +18,7 @@ if TYPE_CHECKING:
 
     from weft.methods.pixel_growth import Growth
     from weft.methods.refinement import Level, RefinementModel
+    from weft.synthesis import Synthesis
 
 _TRIED = 2**23  # comparisons of the first iteration with places of the whole sample, in all
 _TRIED_LEAST = 64  # of these, at each pixel
@@ -34,12 +35,19 @@ class Refining:
         The sample.
     growth : Growth
         What is known, and where the result goes.
+    made : Synthesis, optional
+        What to start from, if that is there already.
     """
 
-    def __init__(self, model: RefinementModel, growth: Growth) -> None:
-        self.model, self.growth, self.method = model, growth, model.method
+    def __init__(
+        self, model: RefinementModel, growth: Growth, made: Synthesis | None = None
+    ) -> None:
+        self.model, self.growth, self.method, self.made = model, growth, model.method, made
         depth, wrap = len(model.levels), growth.canvas.wrap
-        self.known = mask_pyramid(growth.done.astype(bool), depth, wrap)
+        done = growth.done.astype(bool)
+        self.known = mask_pyramid(done, depth, wrap)
+        if made is not None:  # nothing is missing from the picture
+            self.known = [done[:: 2**k, :: 2**k].copy() for k in range(depth)]
         self.pictures = gaussian_pyramid(growth.levels, depth, wrap)
         self.guides = guides_of(model, growth)
         self.cyclic = growth.hole is not None
@@ -58,7 +66,8 @@ class Refining:
         for number in range(coarsest - 1, -1, -1):
             source = self._children(number, source)
             self._refine(number, source)
-        self.growth.source[:] = source
+        made = ~self.known[0]
+        self.growth.source[made] = source[made]
         self.growth.about["convergence"] = self.curve
 
     def _refine(self, number: int, source: NDArray[np.int32]) -> None:
@@ -101,7 +110,9 @@ class Refining:
             source = np.full(shape, -1, np.int32)
             source[np.ix_(y, x)] = level.windows.from_sample(level.plain.to_sample(places))
             return source
-        made = model.start.sample(growth.canvas, seed=growth.seed, threads=growth.threads)
+        made = self.made or model.start.sample(
+            growth.canvas, seed=growth.seed, threads=growth.threads
+        )
         step = 2**number
         y, x = np.moveaxis(made.source[::step, ::step], -1, 0)
         return np.where(y < 0, np.int32(-1), _nearest(level, y // step, x // step))
@@ -201,7 +212,7 @@ class _CoherentSweep(_Sweep):
         self.seed, self.guide = refining.growth.seed, refining.guides[number]
         # Trying places all over tears apart what is whole; but what surrounds a hole must decide,
         # and a guide.
-        free = self.cyclic or self.guide.weight > 0
+        free = (self.cyclic and refining.made is None) or self.guide.weight > 0
         self.settled = bool(done.all()) and (coarser > 0 or not free)
         cells = level.cells
         made = source[unknown & (done > 0)]
