@@ -29,7 +29,7 @@ usage: weft COMMAND ...      (weft COMMAND --help says more)
   fill      fill holes of a photo
   fuse      merge several materials where a map says
   replay    lay a saved result again with another map of the same sample
-  analyze   say what a sample is like: its scale, its colours, whether it tiles
+  analyze   say what a sample is like: its scale, its lattice, whether it tiles
   methods   list the methods, or the parameters of one
   samples   list the samples that ship with weft
 
@@ -78,6 +78,7 @@ _ANALYZE = """\
 examples:
   weft analyze stones.png
   weft analyze stone_wall/ --json
+  weft analyze brick.png --overlay lattice.png
 """
 
 
@@ -280,11 +281,21 @@ def _analyze(argv: list[str]) -> None:
     parser = Parser("analyze", "Say what a sample is like, and what windows follow.", _ANALYZE)
     parser.add_argument("sample", metavar="SAMPLE", help="picture, folder of maps, or sample:NAME")
     parser.add_argument("--json", action="store_true", help="print JSON")
+    text = "write the sample with its lattice drawn over it"
+    parser.add_argument("--overlay", metavar="FILE", help=text)
     add_huge(parser)
     args = parser.parse(argv)
+    from weft import io
     from weft.tasks.analyze import analyze
 
-    found = analyze(load(args.sample, args)[0])
+    if args.overlay is not None:
+        io.check_output(args.overlay)
+    exemplar = load(args.sample, args)[0]
+    found = analyze(exemplar)
+    if args.overlay is not None:
+        from weft.analysis.overlay import draw_lattice
+
+        io.write_image(args.overlay, draw_lattice(exemplar, found.lattice))
     if args.json:
         import json
 

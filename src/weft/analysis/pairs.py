@@ -28,7 +28,8 @@ _REACH = 24  # multiples of each vector that are looked at
 _INDEX = 7  # tiles, that a larger one may consist of
 _LOWER = 0.1  # of its mean, that a larger tile's multiples may be above those of a smaller
 _UNSURE = (0.35, 4.0)  # the same, in so few standard errors
-_HIGHER = (0.2, 5.0, 6)  # it counts instead with such a gap, standard errors, and multiples
+_HIGHER = ((0.2, 5.0), (0.1, 20.0))  # it counts instead with such a gap and errors
+_OWN = 6  # and as many multiples
 
 
 def best_pair(field: Field, goodness: str) -> tuple[Floats, float] | None:
@@ -135,7 +136,8 @@ def _multiply(field: Field, vectors: Floats) -> Floats:
             for slant in range(index // across):
                 whole = np.array([[across, slant], [0.0, index // across]])
                 gap, errors, count = stand_out(field, vectors, whole, reach)
-                if gap > _HIGHER[0] and errors > _HIGHER[1] and count >= _HIGHER[2]:
+                higher = any(gap > least and errors > sure for least, sure in _HIGHER)
+                if higher and count >= _OWN:
                     larger = reduced(whole @ vectors)
                     return fit_vectors(field.correlation, larger, _REACH)[0]
     return vectors

@@ -1,4 +1,4 @@
-"""What a sample is like: its scale and regularity, whether it tiles, the windows that follow."""
+"""What a sample is like: scale, regularity and lattice, whether it tiles, windows that follow."""
 
 from __future__ import annotations
 
@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from weft.analysis.lattice import Lattice, find_lattice
 from weft.analysis.regularity import regularity
 from weft.analysis.scale import DominantScale, dominant_scale
 from weft.analysis.tiling import SEAMLESS, border_steps
@@ -66,6 +67,8 @@ class Analysis:
         The curve that the scale is read from, coarse to fine.
     regularity : float
         See `weft.analysis.regularity.regularity`.
+    lattice : Lattice or None
+        See `weft.analysis.lattice.find_lattice`.
     border_steps : (float, float)
         See `weft.analysis.tiling.border_steps`.
     tiles : (bool, bool)
@@ -87,6 +90,7 @@ class Analysis:
     confidence: float
     spectrum: tuple[Band, ...]
     regularity: float
+    lattice: Lattice | None
     border_steps: tuple[float, float]
     tiles: tuple[bool, bool]
     windows: dict[str, int | None]
@@ -110,6 +114,7 @@ class Analysis:
             ("colours", str(self.colors)),
             ("scale", f"{self.scale:g} px, {certainty}"),
             ("regularity", f"{self.regularity:g}"),
+            ("lattice", _words(self.lattice)),
             ("tiles", f"{words[self.tiles]} ({across})"),
             *(("window", f"{'none' if width is None else f'{width} px'} for {slug}")
               for slug, width in self.windows.items()),
@@ -163,10 +168,20 @@ def analyze(sample: Sample) -> Analysis:
         confidence=found.confidence,
         spectrum=_bands(found),
         regularity=regularity(exemplar),
+        lattice=find_lattice(exemplar),
         border_steps=(down, right),
         tiles=(down <= SEAMLESS, right <= SEAMLESS),
         windows=_windows(exemplar),
     )
+
+
+def _words(lattice: Lattice | None) -> str:
+    """What `--lattice` takes, and how sure it is."""
+    if lattice is None:
+        return "none"
+    numbers = ",".join(f"{number:g}" for vector in lattice.vectors for number in vector)
+    rows = " (rows; nothing repeats along them)" if len(lattice.vectors) == 1 else ""
+    return f"{numbers} px{rows}, confidence {lattice.confidence:g}"
 
 
 def _count_colors(exemplar: Exemplar) -> int:
