@@ -2,9 +2,9 @@
 
 python examples/paper_refinement.py EXPERIMENT -o FOLDER
 
-Experiments that draw a picture: fig4 fig5 fig7 fig8 fig9 fig12 density evenness init; that print a
-table and write it as Markdown: table1 (takes a minute); `all` runs every one. Figures are those of
-the paper on iterative texture refinement and texture fusion; density is of its section 6.
+Experiments that draw a picture: fig4 fig5 fig7 fig8 fig9 fig12 fig13 density evenness init; that
+print a table and write it as Markdown: table1 (takes a minute); `all` runs every one. Figures are
+those of the paper on iterative texture refinement and texture fusion; density is of its section 6.
 Needs Pillow beside weft: pip install 'weft[test]'.
 """
 
@@ -150,6 +150,20 @@ def fig12(folder: Path, suffix: str) -> None:
     sheet(folder / f"fig12_refinement{suffix}", rows)
 
 
+def fig13(folder: Path, suffix: str) -> None:
+    """Patches placed by matching, and belts along their seams refined."""
+    rows = []
+    for name in ("leaves", "tiles"):
+        sample = load(name, 192)
+        row = [("sample", sample)]
+        for method in ("quilting", "graphcut"):
+            made = weft.synthesize(sample, 224, method=method, seed=1).image
+            row.append((method, made))
+            row.append(("its joints refined", make(sample, 224, init=method, joints=24).image))
+        rows.append(row)
+    sheet(folder / f"fig13_refinement{suffix}", rows)
+
+
 def density(folder: Path, suffix: str) -> None:
     """Seed points for each scale: few leave structure to chance, many copy or contradict."""
     rows = []
@@ -165,15 +179,12 @@ def density(folder: Path, suffix: str) -> None:
 
 def evenness(folder: Path, suffix: str) -> None:
     """With and without a counterweight to places that are used too often, and their sources."""
-    rows = []
-    for name in ("leaves", "grass"):
-        sample = load(name, 192)
-        row = [("sample", sample)]
-        for weight in (0.0, 1.0):
-            result = make(sample, 224, init="seeds", evenness=weight)
-            row += [(f"evenness {weight:g}", result.image), ("sources", result.draw("sources"))]
-        rows.append(row)
-    sheet(folder / f"evenness_refinement{suffix}", rows)
+    sample = load("leaves", 192)
+    row = [("sample", sample)]
+    for weight in (0.0, 1.0):
+        result = make(sample, 224, init="seeds", evenness=weight)
+        row += [(f"evenness {weight:g}", result.image), ("sources", result.draw("sources"))]
+    sheet(folder / f"evenness_refinement{suffix}", [row])
 
 
 def init(folder: Path, suffix: str) -> None:
@@ -223,7 +234,7 @@ are of the last iteration.
 
 
 FIGURES: dict[str, Callable[[Path, str], None]] = {
-    f.__name__: f for f in (fig4, fig5, fig7, fig8, fig9, fig12, density, evenness, init)
+    f.__name__: f for f in (fig4, fig5, fig7, fig8, fig9, fig12, fig13, density, evenness, init)
 }
 TABLES: dict[str, Callable[[], Table]] = {"table1": table1}
 

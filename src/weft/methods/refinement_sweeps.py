@@ -43,24 +43,23 @@ class Refining:
         self, model: RefinementModel, growth: Growth, made: Synthesis | None = None
     ) -> None:
         self.model, self.growth, self.method, self.made = model, growth, model.method, made
-        depth, wrap = len(model.levels), growth.canvas.wrap
-        done = growth.done.astype(bool)
-        self.known = mask_pyramid(done, depth, wrap)
-        if made is not None:  # nothing is missing from the picture
-            self.known = [done[:: 2**k, :: 2**k].copy() for k in range(depth)]
+        # A coarse level would move what lies between pieces that stay where they are.
+        self.depth = depth = len(model.levels) if made is None else 1
+        wrap = growth.canvas.wrap
+        self.known = mask_pyramid(growth.done.astype(bool), depth, wrap)
         self.pictures = gaussian_pyramid(growth.levels, depth, wrap)
         self.guides = guides_of(model, growth)
         self.cyclic = growth.hole is not None
         self.rounds = [max(1, self.method.iterations // 2) for _ in range(depth)]
         # Structure is settled on the coarsest level, where iterations cost least.
-        self.rounds[-1] = self.method.iterations * (2 if model.levels[-1].components is None else 1)
+        self.rounds[-1] = self.method.iterations * (2 if model.levels[0].components is None else 1)
         pixels = [int((~known).sum()) * n for known, n in zip(self.known, self.rounds, strict=True)]
         self.progress = growth.progress(sum(pixels), "pixels")
         self.curve: list[dict[str, float]] = []
 
     def run(self) -> None:
         """Make every pixel that is not known."""
-        coarsest = len(self.model.levels) - 1
+        coarsest = self.depth - 1
         source = self._start(coarsest)
         self._refine(coarsest, source)
         for number in range(coarsest - 1, -1, -1):
@@ -208,7 +207,7 @@ class _CoherentSweep(_Sweep):
     ) -> None:
         super().__init__(refining, number, done, source)
         level, unknown = self.level, ~refining.known[number]
-        coarser = len(refining.model.levels) - 1 - number
+        coarser = refining.depth - 1 - number
         self.seed, self.guide = refining.growth.seed, refining.guides[number]
         # Trying places all over tears apart what is whole; but what surrounds a hole must decide,
         # and a guide.
