@@ -75,6 +75,15 @@ def sampling(pixels: np.ndarray, size: int, method: str = "patch-sampling", **gi
     return lambda: model.sample(size, seed=next(seeds), threads=threads).image
 
 
+def fuse_three(size: int, method: str) -> np.ndarray:
+    """Three materials in bands that meet in waves."""
+    y, x = np.indices((size, size))
+    labels = (y + size / 20 * np.sin(12 * x / size)) * 3 // size
+    samples = [sample_of(192, name) for name in ("pebbles", "bricks", "leaves")]
+    bands = labels.clip(0, 2).astype(int)
+    return weft.fuse(samples, bands, method=method, seed=1).image
+
+
 def child(environment: Mapping[str, str] | None = None, **job: Any) -> dict[str, float]:
     """Run `in_child` with these arguments in a process of its own."""
     done = subprocess.run(
@@ -94,8 +103,12 @@ def in_child(
     threads: int | None = None,
     repeats: int = 1,
     name: str = "bricks",
+    fuse: bool = False,
 ) -> dict[str, float]:
-    """Fit, sample and measure the process's largest resident size."""
+    """Fit, sample (or fuse) and measure the process's largest resident size."""
+    if fuse:
+        fuse_three(size, method)
+        return {"peak": peak_memory() / 2**20}
     pixels = sample_of(side, name)
     before = peak_memory()
     fit, sample = [], []
