@@ -77,7 +77,7 @@ def report(args: argparse.Namespace, result: Synthesis, what: str, start: float)
     """Say in one line what was made, how, and how fast."""
     used, took = result.provenance, perf_counter() - start
     if "window_width" in used:
-        looked = f"window width {used['window_width']}"
+        looked = f"window width {used['window_width'] or 'by sample'}"
     elif "lattice" in used:
         looked = "lattice " + ",".join(f"{part:g}" for part in used["lattice"])
         looked += f", strained by {100 * used['strain']:.2g} %" if used.get("strain") else ""
