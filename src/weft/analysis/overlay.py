@@ -65,7 +65,7 @@ def draw_lattice(exemplar: Exemplar, lattice: Lattice | None) -> NDArray[np.uint
         thick = max(1.0, max(height, width) / 500)
         lines |= abs(off - np.rint(off)) < thick / 2 * float(np.hypot(*across)) + 1e-9
     red, green, blue = levels.reshape(-1, 3).mean(axis=0)
-    picture[lines] = (0, 255, 0) if max(red, blue) > 1.4 * green + 20 else (255, 0, 255)
+    picture[lines] = (0, 255, 0) if max(red, blue) > 1.2 * green + 10 else (255, 0, 255)
     return picture
 
 

@@ -28,7 +28,7 @@ _REACH = 24  # multiples of each vector that are looked at
 _INDEX = 7  # tiles, that a larger one may consist of
 _LOWER = 0.1  # of its mean, that a larger tile's multiples may be above those of a smaller
 _UNSURE = (0.35, 4.0)  # the same, in so few standard errors
-_HIGHER = ((0.2, 5.0), (0.1, 20.0))  # it counts instead with such a gap and errors
+_HIGHER = ((0.2, 5.0), (0.15, 20.0))  # it counts instead with such a gap and errors
 _OWN = 6  # and as many multiples
 
 

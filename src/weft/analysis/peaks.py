@@ -75,14 +75,11 @@ def find_peaks(correlation: NDArray[np.float64]) -> Peaks:
 def _wider(values: NDArray[np.float64], by: int, first: bool = False) -> NDArray[np.float64]:
     """Maxima over squares that reach `by` further, of values that are maxima as far as that."""
     for axis in (0, 1):
-        near = min(by, values.shape[axis])
-        edge = np.full_like(values.take(range(near), axis), -np.inf)
-        rest = values.shape[axis] - near
-        before = np.concatenate([edge, values.take(range(rest), axis)], axis)
-        after = np.concatenate([values.take(range(near, near + rest), axis), edge], axis)
-        values = (
-            np.maximum(np.maximum(before, after), values) if first else np.maximum(before, after)
-        )
+        place = np.arange(values.shape[axis])
+        before = values.take(np.maximum(place - by, 0), axis)
+        after = values.take(np.minimum(place + by, len(place) - 1), axis)
+        both = np.maximum(before, after)
+        values = np.maximum(both, values) if first else both
     return values
 
 
