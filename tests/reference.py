@@ -2519,7 +2519,6 @@ class NearRegularTwin:
     def all_steps(self, height, width):
         """Multiples in 1/65536 pixel, sorted by random bits."""
         (y1, x1), (y2, x2) = self.vectors
-        reach = 2 * (height + width)
         spans = []
         for k in (0, 1):
             corners = [
@@ -2534,9 +2533,8 @@ class NearRegularTwin:
         for a in range(spans[0][0], spans[0][1] + 1):
             for b in range(spans[1][0], spans[1][1] + 1):
                 y, x = a * y1 + b * y2, a * x1 + b * x2
-                if -1 < y + high_y and y + low_y < height and -1 < x + high_x and x + low_x < width:
+                if y + high_y > -1 and y + low_y < height and x + high_x > -1 and x + low_x < width:
                     found.append((round(y * 65536), round(x * 65536)))
-        assert reach
         order = sorted(range(len(found)), key=lambda n: int(draw(0, "steps", n)))
         return [found[n] for n in order]
 
@@ -2777,8 +2775,11 @@ def tile_errors(pixels, vectors, border):
 
 
 def segment_pixels(side, reach):
-    """Rows of pixels around the segment from (0, 0) to `side`: see the widths in the test."""
-    steps = 4096
+    """Pixels around the segment from (0, 0) to `side`, row by row.
+
+    A row has those within `reach` columns of the part of the segment within `reach` rows of it.
+    """
+    steps = 1024  # such fine ones that vectors of quarters are met exactly
     rows = {}
     low, high = math.ceil(min(0, side[0])) - reach, math.ceil(max(0, side[0])) + reach
     for row in range(low, max(high, low + 1)):

@@ -23,9 +23,11 @@ if TYPE_CHECKING:
     from weft.io import read_image, write_image
     from weft.method import METHODS, Method
     from weft.methods.ashikhmin import Ashikhmin
+    from weft.methods.best_tile import BestTile
     from weft.methods.efros_leung import EfrosLeung
     from weft.methods.exact_matching import ExactMatching
     from weft.methods.graphcut import GraphCut
+    from weft.methods.near_regular import NearRegular
     from weft.methods.patch_sampling import PatchSampling
     from weft.methods.quilting import Quilting
     from weft.methods.refinement import Refinement

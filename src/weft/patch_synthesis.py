@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from copy import copy
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -80,14 +81,8 @@ class PatchSynthesis(Synthesis):
     def _error(self) -> NDArray[np.int16]:
         """The difference in the overlaps as they were before they were cut."""
         assert self.exemplar is not None
-        whole = PatchSynthesis(
-            self.canvas,
-            self.placements,
-            self.weights,
-            self.cuts[:0],
-            sample_shape=self.sample_shape,
-            exemplar=self.exemplar,
-        )
+        whole = copy(self)
+        whole.cuts = self.cuts[:0]
         coordinates, share = whole.layers()
         grey = grey_of(self.exemplar.pixels).astype(np.int16)
         values = grey[coordinates[..., 0], coordinates[..., 1]]
@@ -122,3 +117,75 @@ class PatchSynthesis(Synthesis):
     def arrays(self) -> dict[str, NDArray[Any]]:
         """See `Synthesis.arrays`."""
         return {"placements": self.placements, "weights": self.weights, "cuts": self.cuts}
+
+
+class RectifiedSynthesis(PatchSynthesis):
+    """Patches of a sample whose pixels were moved first.
+
+    Parameters
+    ----------
+    lookup : int32 array (H, W)
+        Flat index of the sample's pixel at each place that patches are taken from.
+    **about
+        As for `PatchSynthesis`.
+    """
+
+    def __init__(self, *plan: Any, lookup: NDArray[np.int32], **about: Any) -> None:
+        super().__init__(*plan, **about)
+        self.lookup = lookup
+
+    def _layers(self, window: Window) -> tuple[NDArray[np.int32], NDArray[np.float32]]:
+        coordinates, share = super()._layers(window)
+        width = self.sample_shape[1]
+        there = coordinates[..., 0] >= 0
+        place = self.lookup[coordinates[there][:, 0], coordinates[there][:, 1]]
+        coordinates[there] = np.stack(np.divmod(place, width), axis=-1)
+        return coordinates, share
+
+    def _lay(self, out: NDArray[Any], pixels: NDArray[Any], window: Window, alpha: bool) -> None:
+        height, width = self.sample_shape
+        scale = pixels.shape[0] // height
+        blocks = pixels.reshape(height, scale, width, scale, -1)
+        y, x = np.divmod(self.lookup, width)
+        moved = blocks[y, :, x].transpose(0, 2, 1, 3, 4).reshape(pixels.shape)
+        super()._lay(out, np.ascontiguousarray(moved), window, alpha)
+
+    def moved(
+        self,
+        canvas: Canvas,
+        exemplar: Exemplar,
+        *,
+        to: tuple[int, int],
+        source_to: tuple[int, int],
+        provenance: dict[str, Any],
+    ) -> PatchSynthesis:
+        """See `Synthesis.moved`."""
+        plain = super().moved(canvas, exemplar, to=to, source_to=source_to, provenance=provenance)
+        height, width = exemplar.shape
+        lookup = np.arange(height * width, dtype=np.int32).reshape(height, width)
+        y, x = (
+            (k + at) % n
+            for k, at, n in zip(
+                np.divmod(self.lookup, self.sample_shape[1]), source_to, exemplar.shape, strict=True
+            )
+        )
+        rows, columns = (
+            (np.arange(k) + at) % n
+            for k, at, n in zip(self.sample_shape, source_to, exemplar.shape, strict=True)
+        )
+        lookup[np.ix_(rows, columns)] = y * width + x
+        return RectifiedSynthesis(
+            canvas,
+            plain.placements,
+            plain.weights,
+            plain.cuts,
+            lookup=lookup,
+            sample_shape=exemplar.shape,
+            exemplar=exemplar,
+            known_from=canvas.known_from,
+            provenance=provenance,
+        )
+
+    def arrays(self) -> dict[str, NDArray[Any]]:
+        """See `Synthesis.arrays`."""
+        return super().arrays() | {"lookup": self.lookup}

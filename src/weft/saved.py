@@ -11,7 +11,7 @@ import numpy as np
 from weft.canvas import Canvas
 from weft.errors import FileError
 from weft.io import atomic
-from weft.patch_synthesis import PatchSynthesis
+from weft.patch_synthesis import PatchSynthesis, RectifiedSynthesis
 from weft.pixel_synthesis import PixelSynthesis
 
 if TYPE_CHECKING:
@@ -22,8 +22,10 @@ if TYPE_CHECKING:
 
 _FORMAT = 1
 #: The kinds of results, the arrays of each and their types.
+_PATCHES: dict[str, type] = {"placements": np.int32, "weights": np.uint16, "cuts": np.uint16}
 _KINDS: dict[type[Synthesis], dict[str, type]] = {
-    PatchSynthesis: {"placements": np.int32, "weights": np.uint16, "cuts": np.uint16},
+    RectifiedSynthesis: {**_PATCHES, "lookup": np.int32},
+    PatchSynthesis: _PATCHES,
     PixelSynthesis: {"index": np.int32},
 }
 
@@ -73,7 +75,7 @@ def read_result(
         if any(arrays[key].dtype != dtype for key, dtype in _KINDS[kind].items()):
             raise _Damage("its arrays have other types")
         _check_about(about, canvas, hole)
-        if kind is PatchSynthesis:
+        if issubclass(kind, PatchSynthesis):
             _check_patches(canvas, tuple(about["sample_shape"]), **arrays)
         else:
             least = 0 if hole is None else -1  # only known pixels come from nowhere
@@ -113,6 +115,7 @@ def _check_patches(
     placements: NDArray[Any],
     weights: NDArray[Any],
     cuts: NDArray[Any],
+    lookup: NDArray[Any] | None = None,
 ) -> None:
     """Raise unless the kernels may trust these arrays."""
     if placements.shape[1:] != (5,) or weights.ndim != 3 or cuts.ndim != 2:
@@ -124,6 +127,11 @@ def _check_patches(
     below = (*canvas.shape, *sample_shape, len(weights))
     if len(placements) and ((placements < 0) | (placements >= np.array(below))).any():
         raise _Damage("its patches lie outside")
+    if lookup is not None:
+        if lookup.shape != sample_shape:
+            raise _Damage("its moved pixels do not fit its sample")
+        if ((lookup < 0) | (lookup >= lookup.size)).any():
+            raise _Damage("its moved pixels lie outside")
 
 
 def _check_pixels(

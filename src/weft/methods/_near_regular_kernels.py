@@ -51,17 +51,15 @@ def settled(
 def similar(
     usable: cython.const[cython.uchar][:, ::1],
     period: cython.const[cython.int][::1],
-    aligned: cython.const[cython.int][::1],
     steps: cython.const[cython.longlong][:, ::1],
     y: cython.longlong,
     x: cython.longlong,
     k: cython.Py_ssize_t,
 ) -> cython.int:
     """The k-th place that a multiple of the vectors leads to from (y, x) (Fig. 4.7b), or -1."""
-    place: cython.int = settled(
+    return settled(
         usable, period, (y + steps[k, 0] + (UNIT >> 1)) >> 16, (x + steps[k, 1] + (UNIT >> 1)) >> 16
     )
-    return aligned[place] if place >= 0 else -1
 
 
 @cython.cfunc
@@ -109,7 +107,6 @@ def shown_again(
 def draw_blocks(
     usable: cython.const[cython.uchar][:, ::1],
     period: cython.const[cython.int][::1],
-    aligned: cython.const[cython.int][::1],
     steps: cython.const[cython.longlong][:, ::1],
     centres: cython.const[cython.int][::1],
     cells: cython.const[cython.int][:, ::1],
@@ -162,9 +159,7 @@ def draw_blocks(
                     here = centres[k]
                     k = (k + 40503) % count
                 else:
-                    here = similar(
-                        usable, period, aligned, steps, phase[i, j, 0], phase[i, j, 1], k
-                    )
+                    here = similar(usable, period, steps, phase[i, j, 0], phase[i, j, 1], k)
                     k = k + 1 if k + 1 < count else 0
                 if here < 0:
                     continue
@@ -260,7 +255,6 @@ def fill_gaps(
     turned: cython.const[cython.uchar][:, :, ::1],
     usable: cython.const[cython.uchar][:, ::1],
     period: cython.const[cython.int][::1],
-    aligned: cython.const[cython.int][::1],
     steps: cython.const[cython.longlong][:, ::1],
     centres: cython.const[cython.int][::1],
     cells: cython.const[cython.int][:, ::1],
@@ -363,9 +357,7 @@ def fill_gaps(
                 )
                 tried = 0
                 for t in range(steps.shape[0]):
-                    here = similar(
-                        usable, period, aligned, steps, phase[i, j, 0], phase[i, j, 1], k
-                    )
+                    here = similar(usable, period, steps, phase[i, j, 0], phase[i, j, 1], k)
                     k = k + 1 if k + 1 < steps.shape[0] else 0
                     if here < 0:
                         continue

@@ -103,7 +103,7 @@ class NearRegular(Method):
     )
     rectify: int | None = parameter(
         None,
-        "how far a drawn piece is moved to lie as the sample's mean tile does; 0 is the paper's",
+        "how far pixels of the sample are moved, to lie as in its mean tile; 0 is the paper's",
         low=0,
         high=64,
         unit="px",
@@ -154,8 +154,8 @@ class NearRegularModel:
 
     def __init__(self, method: NearRegular, exemplar: Exemplar) -> None:
         self.exemplar = exemplar
-        self.method = _settled(method, exemplar)
-        self.blocks = BlockSample(self.method, exemplar)
+        self.method, rows = _settled(method, exemplar)
+        self.blocks = BlockSample(self.method, exemplar, rows)
         self.method = self.blocks.method
 
     def sample(
@@ -248,14 +248,14 @@ class NearRegularModel:
         return Blocks(self.blocks, canvas, origin, seed_number(seed), threads, progress).result()
 
 
-def _settled(method: NearRegular, exemplar: Exemplar) -> NearRegular:
-    """Fill in what follows from the sample and the preset."""
+def _settled(method: NearRegular, exemplar: Exemplar) -> tuple[NearRegular, bool]:
+    """Fill in what follows from the sample and the preset; and whether it repeats by rows only."""
     paper = method.preset == "paper"
-    vectors = method.lattice
+    vectors, rows = method.lattice, False
     if vectors is not None:
         check_lattice(vectors, exemplar)
     else:
-        vectors = _found(exemplar)
+        vectors, rows = _found(exemplar)
     settled: dict[str, Any] = {
         "lattice": vectors,
         "blend": ("feather" if paper else "cut") if method.blend == "auto" else method.blend,
@@ -293,19 +293,20 @@ def _settled(method: NearRegular, exemplar: Exemplar) -> NearRegular:
             f"no block of {size} pixels with a border of {border} lies on usable pixels of "
             f"{exemplar.name}; make them smaller"
         )
-    return replace(method, block_size=size, border_width=border, **settled)
+    return replace(method, block_size=size, border_width=border, **settled), rows
 
 
-def _found(exemplar: Exemplar) -> tuple[float, ...]:
-    """The sample's own vectors, or those of the unconstrained mode."""
+def _found(exemplar: Exemplar) -> tuple[tuple[float, ...], bool]:
+    """The sample's own vectors, or the unconstrained mode's; and whether there is but one."""
     vectors = found_vectors(exemplar)
     if not vectors:
-        return ANYWHERE
-    if len(vectors) == 2:  # along the other direction any place is as good, as far on as reached
-        x, y = vectors
-        step = (2 * _TOLERANCE + 1) / float(np.hypot(x, y))
-        return (x, y, -y * step, x * step)
-    return vectors
+        return ANYWHERE, False
+    if len(vectors) == 4:
+        return vectors, False
+    # Along the other direction any place is as good, as far on as the tolerance reaches.
+    x, y = vectors
+    step = (2 * _TOLERANCE + 1) / float(np.hypot(x, y))
+    return (x, y, -y * step, x * step), True
 
 
 def _block_size(vectors: tuple[float, ...], exemplar: Exemplar, border: int | None) -> int:

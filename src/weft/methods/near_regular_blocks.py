@@ -11,7 +11,7 @@ import numpy as np
 from weft.method import thread_count
 from weft.methods import _near_regular_kernels as kernels
 from weft.methods.canvas_lattice import CanvasLattice
-from weft.patch_synthesis import PatchSynthesis
+from weft.patch_synthesis import PatchSynthesis, RectifiedSynthesis
 from weft.progress import Progress, ProgressCallback
 from weft.random import draw
 
@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from weft.canvas import Canvas
-    from weft.methods.near_regular_sample import BlockSample
+    from weft.methods.near_regular_sample import BlockSample, Border
 
 #: Blocks around those that show that their sources hang on: 1 beside a gap, and 2 for each colour
 #: but the last, which is drawn with regard to the ones before.
@@ -141,7 +141,7 @@ class Blocks:
         for k in range(4):
             cells = np.argwhere(~self.gap & (color == k)).astype(np.int32)
             kernels.draw_blocks(
-                windows.usable, windows.period, sample.aligned, sample.steps, windows.centres,
+                windows.usable, windows.period, sample.steps, windows.centres,
                 np.ascontiguousarray(cells), self.phase, self.bits,
                 self.rows.edges, self.columns.edges, self.wrap, self.place,
             )  # fmt: skip
@@ -158,16 +158,36 @@ class Blocks:
             for width in np.unique(sizes[1]):
                 own = np.ascontiguousarray(cells[(sizes[0] == height) & (sizes[1] == width)])
                 if len(own):
-                    border = _Border(self.sample, int(height), int(width), self.reach)
+                    border = self.sample.border(int(height), int(width), self.reach)
                     jobs += [(border, own[k : k + _PIECE]) for k in range(0, len(own), _PIECE)]
 
-        def fill(job: tuple[_Border, NDArray[np.int32]]) -> int:
+        def fill(job: tuple[Border, NDArray[np.int32]]) -> int:
             border, piece = job
-            border.fill(self, piece)
+            self._fill_piece(border, piece)
             return len(piece)
 
         for done in map_(fill, jobs):
             progress.advance(done)
+
+    def _fill_piece(self, border: Border, cells: NDArray[np.int32]) -> None:
+        sample, windows, method = self.sample, self.sample.windows, self.sample.method
+        channels, wanted = sample.pixels.shape[2], method.candidates or 1
+        low, side, basis, offset, shift, features, places = sample.search
+        kernels.fill_gaps(
+            sample.pixels, sample.turned, windows.usable, windows.period,
+            sample.steps, windows.centres, np.ascontiguousarray(cells), self.phase, self.bits,
+            self.rows.edges, self.columns.edges, self.wrap, border.wedges, border.runs,
+            low, side, basis, offset, shift, features, places,
+            method.tolerance or 0, wanted, round(256 * (method.variety or 0.0)),
+            method.match == "gncc",
+            np.zeros((*border.wedges.shape, channels), np.uint8),
+            np.empty(int((border.wedges > 0).sum()) * channels, np.uint8),
+            np.empty(len(low) * channels, np.int32),
+            np.empty(len(basis), np.int16),
+            np.empty(wanted, np.int64),
+            np.empty(wanted, np.int32),
+            self.place,
+        )  # fmt: skip
 
     def _joined(
         self, map_: Callable[..., Iterable[Any]]
@@ -319,15 +339,15 @@ class Blocks:
             about["origin"] = list(self.origin)
         if any(self.canvas.wrap):
             about["strain"] = round(self.lattice.strain, 6)
-        return PatchSynthesis(
-            self.canvas,
-            np.ascontiguousarray(placements),
-            weights,
-            cuts,
-            sample_shape=sample.exemplar.shape,
-            exemplar=sample.exemplar,
-            provenance=self.method.describe() | about,
-        )
+        about = {
+            "sample_shape": sample.exemplar.shape,
+            "exemplar": sample.exemplar,
+            "provenance": self.method.describe() | about,
+        }
+        plan = self.canvas, np.ascontiguousarray(placements), weights, cuts
+        if sample.lookup is None:
+            return PatchSynthesis(*plan, **about)
+        return RectifiedSynthesis(*plan, lookup=sample.lookup, **about)
 
     def _preview(self) -> NDArray[np.uint8]:
         """The blocks that are there, with straight edges."""
@@ -348,42 +368,6 @@ class Blocks:
                     y : y + part.shape[0], x : x + part.shape[1], : canvas.shape[2]
                 ]
         return canvas
-
-
-class _Border:
-    """The borders of gaps of one size, and how their sources are looked for."""
-
-    def __init__(self, sample: BlockSample, height: int, width: int, reach: int) -> None:
-        self.wedges = sample.wedges(height, width, reach)
-        self.runs = _spread(sample.zone(self.wedges).runs)
-        self.sample = sample
-
-    def fill(self, blocks: Blocks, cells: NDArray[np.int32]) -> None:
-        """Choose the sources of these gaps."""
-        sample, windows, method = self.sample, self.sample.windows, self.sample.method
-        channels, wanted = sample.pixels.shape[2], method.candidates or 1
-        low, side, basis, offset, shift, features, places = sample.search
-        kernels.fill_gaps(
-            sample.pixels, sample.turned, windows.usable, windows.period, sample.aligned,
-            sample.steps, windows.centres, np.ascontiguousarray(cells), blocks.phase, blocks.bits,
-            blocks.rows.edges, blocks.columns.edges, blocks.wrap, self.wedges, self.runs,
-            low, side, basis, offset, shift, features, places,
-            method.tolerance or 0, wanted, round(256 * (method.variety or 0.0)),
-            method.match == "gncc",
-            np.zeros((*self.wedges.shape, channels), np.uint8),
-            np.empty(int((self.wedges > 0).sum()) * channels, np.uint8),
-            np.empty(len(low) * channels, np.int32),
-            np.empty(len(basis), np.int16),
-            np.empty(wanted, np.int64),
-            np.empty(wanted, np.int32),
-            blocks.place,
-        )  # fmt: skip
-
-
-def _spread(runs: NDArray[np.int32]) -> NDArray[np.int32]:
-    """The runs in an order in which a few of them are all around, so that bad fits soon show."""
-    order = np.argsort(draw(0, "runs", np.arange(len(runs))), kind="stable")
-    return np.ascontiguousarray(runs[order])
 
 
 def _weights(

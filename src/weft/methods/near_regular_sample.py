@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -10,11 +10,11 @@ import numpy as np
 from weft.errors import InvalidInputError
 from weft.methods.canvas_lattice import CanvasLattice
 from weft.methods.mean_tile import MeanTile
+from weft.methods.rectification import rectified
 from weft.random import draw
 from weft.search.boundary_zone import boundary_zone
 from weft.search.pca import fit_pca
 from weft.search.quadtree_pyramid import QuadtreePyramid
-from weft.search.translation import box_sums
 from weft.search.windows import windows_of
 
 if TYPE_CHECKING:
@@ -33,6 +33,48 @@ _BLOCKY = 0.5  # share of brightness in what similar places differ by, from whic
 _WIDE = 0.7  # of a block that is feathered then
 
 
+@dataclass(frozen=True, eq=False)
+class Border:
+    """The pixels of a gap's window that must match.
+
+    Attributes
+    ----------
+    wedges : uint8 array (rows, columns)
+        From which neighbour: 1 to 4 for above, left, below and right, 0 off the border.
+    runs : int32 array (n, 4)
+        The border as runs of pixels, as in `BoundaryZone`.
+    """
+
+    wedges: NDArray[np.uint8]
+    runs: NDArray[np.int32]
+
+
+def wedges_of(height: int, width: int, margin: int, reach: int) -> NDArray[np.uint8]:
+    """Wedge-shaped borders (Fig. 4.8b) of a block's window, see `Border`.
+
+    Parameters
+    ----------
+    height, width : int
+        Of the block.
+    margin : int
+        How far the window reaches beyond it.
+    reach : int
+        Half the width of the border.
+
+    Examples
+    --------
+    >>> wedges_of(4, 4, 1, 1)[:3]
+    array([[1, 1, 1, 1, 1, 1],
+           [2, 1, 1, 1, 1, 4],
+           [2, 2, 0, 0, 4, 4]], dtype=uint8)
+    """
+    v, u = np.indices((height + 2 * margin, width + 2 * margin))
+    away = np.stack([v, u, v[::-1], u[:, ::-1]]) - (margin - reach)
+    nearest = away.min(axis=0)
+    border = (nearest >= 0) & (nearest < 2 * reach)
+    return np.where(border, away.argmin(axis=0) + 1, 0).astype(np.uint8)
+
+
 class BlockSample:
     """What all outputs of one sample have in common.
 
@@ -48,9 +90,11 @@ class BlockSample:
         The sample, and the upper left corners of windows.
     free : bool
         There is no lattice: any place is similar to any other.
+    pixels : uint8 array (H', W', K)
+        The windows' pixels, moved to where the lattice wants them.
     """
 
-    def __init__(self, method: NearRegular, exemplar: Exemplar) -> None:
+    def __init__(self, method: NearRegular, exemplar: Exemplar, rows: bool) -> None:
         assert method.lattice is not None
         assert method.block_size is not None and method.border_width is not None
         self.exemplar, self.vectors = exemplar, method.lattice
@@ -60,13 +104,24 @@ class BlockSample:
         self.free = abs(x1 * y2 - x2 * y1) < _FREE
         self.windows = self._windows(exemplar)
         self.pixels = self.windows.pixels
+        #: Which pixel of the sample is at each place, if they were moved.
+        self.lookup: NDArray[np.int32] | None = None
+        if (
+            method.rectify
+            and not self.free
+            and exemplar.mask is None
+            and not self.windows.period[2]
+        ):
+            self.lookup = rectified(self.pixels, self.vectors, method.rectify, rows=rows)
+            flat = self.pixels.reshape(-1, self.pixels.shape[2])
+            self.pixels = np.ascontiguousarray(flat[self.lookup])
         self.turned = np.ascontiguousarray(self.pixels.transpose(1, 0, 2))
         if method.blend_width is None and method.blend == "feather":
             wide = method.preset != "paper" and self.blockiness() > _BLOCKY
             method = replace(method, blend_width=round(_WIDE * method.block_size) if wide else 4)
         self.method = method
+        self._borders: dict[tuple[int, int, int], Border] = {}
         self.steps = np.zeros((0, 2), np.int64)
-        self.aligned = np.arange(self.windows.usable.size, dtype=np.int32)
         self.search: Any = _NO_SEARCH
         if self.free:
             self.search = self._features()
@@ -75,8 +130,6 @@ class BlockSample:
         # In no order, so that the first that will do is any of them.
         order = np.argsort(draw(0, "steps", np.arange(len(steps))), kind="stable")
         self.steps = np.ascontiguousarray(steps[order])
-        if method.rectify and exemplar.mask is None:
-            self.aligned = self._aligned(method.rectify)
 
     def _windows(self, exemplar: Exemplar) -> Windows:
         if exemplar.tileable:
@@ -103,33 +156,6 @@ class BlockSample:
         """The sample with every pixel replaced by the mean of its similar ones."""
         return MeanTile(self.pixels, self.vectors).at(*np.indices(self.pixels.shape[:2]))
 
-    def _aligned(self, reach: int) -> NDArray[np.int32]:
-        """For each place the one near by that lies most as the mean tile does there."""
-        tile, side = self.mean_tile().astype(np.int32), self.side
-        height, width = self.pixels.shape[:2]
-        rows, columns = height - side + 1, width - side + 1
-        usable = self.windows.usable[:rows, :columns]
-        best = np.full((rows, columns), np.iinfo(np.int64).max)
-        place = np.arange(self.windows.usable.size, dtype=np.int32).reshape(height, width)
-        found = place[:rows, :columns].copy()
-        around = range(-reach, reach + 1)
-        pixels = self.pixels.astype(np.int32)
-        for dy, dx in sorted(((a, b) for a in around for b in around), key=_nearest):
-            y, x = max(0, -dy), max(0, -dx)
-            h, w = height - abs(dy), width - abs(dx)
-            if h < side or w < side:
-                continue
-            moved = pixels[y + dy : y + dy + h, x + dx : x + dx + w]
-            error = ((moved - tile[y : y + h, x : x + w]) ** 2).sum(axis=2)
-            error = box_sums(error, side, side)
-            here = (slice(y, y + error.shape[0]), slice(x, x + error.shape[1]))
-            there = (slice(y + dy, y + dy + error.shape[0]), slice(x + dx, x + dx + error.shape[1]))
-            better = (error < best[here]) & (usable[there] > 0)
-            best[here][better] = error[better]
-            found[here][better] = place[:rows, :columns][there][better]
-        place[:rows, :columns] = found
-        return np.ascontiguousarray(place.ravel())
-
     def blockiness(self) -> float:
         """How much of what similar places differ by is brightness and colour of whole blocks.
 
@@ -144,17 +170,16 @@ class BlockSample:
         whole = float(parts.var(axis=(0, 1, 2, 3)).sum())
         return float(means.var(axis=(0, 1)).sum()) / whole if whole > 0 else 0.0
 
-    def wedges(self, height: int, width: int, reach: int) -> NDArray[np.uint8]:
-        """Which neighbour each border pixel of a block's window is taken from (Fig. 4.8b).
-
-        1 to 4 for above, left, below and right, 0 off the border, which reaches so far to either
-        side; `height` and `width` are the block's.
-        """
-        v, u = np.indices((height + 2 * self.margin, width + 2 * self.margin))
-        away = np.stack([v, u, v[::-1], u[:, ::-1]]) - (self.margin - reach)
-        nearest = away.min(axis=0)
-        border = (nearest >= 0) & (nearest < 2 * reach)
-        return np.where(border, away.argmin(axis=0) + 1, 0).astype(np.uint8)
+    def border(self, height: int, width: int, reach: int) -> Border:
+        """The border of gaps of one size, which reaches so far to either side of their edges."""
+        key = height, width, reach
+        if key not in self._borders:
+            wedges = wedges_of(height, width, self.margin, reach)
+            runs = self.zone(wedges).runs
+            # In an order in which a few of them are all around, so that bad fits soon show.
+            order = np.argsort(draw(0, "runs", np.arange(len(runs))), kind="stable")
+            self._borders[key] = Border(wedges, np.ascontiguousarray(runs[order]))
+        return self._borders[key]
 
     def zone(self, wedges: NDArray[np.uint8], block_side: int = 4) -> Any:
         """The border as what a search looks at."""
@@ -166,7 +191,7 @@ class BlockSample:
     def _features(self) -> Any:
         """All windows' borders in few numbers, for the unconstrained search (section 5.2)."""
         size = self.side - 2 * self.margin
-        zone = self.zone(self.wedges(size, size, self.margin), _BLOCK_SIDE)
+        zone = self.zone(wedges_of(size, size, self.margin, self.margin), _BLOCK_SIDE)
         height, width = self.pixels.shape[:2]
         rows, columns = height - self.side + 1, width - self.side + 1
         stride = 1
@@ -204,7 +229,3 @@ _NO_SEARCH = (
     np.zeros((1, 0), np.int16),
     np.zeros(0, np.int32),
 )
-
-
-def _nearest(step: tuple[int, int]) -> tuple[int, int, int]:
-    return step[0] ** 2 + step[1] ** 2, *step

@@ -1,0 +1,330 @@
+"""Near-regular synthesis: like its twin, the same at any place, going on with the lattice."""
+
+import pickle
+
+import numpy as np
+import pytest
+
+import reference
+import weft
+from weft.methods import _near_regular_kernels as kernels
+from weft.methods.near_regular_sample import wedges_of
+from weft.methods.rectification import rectified
+from weft.patch_synthesis import RectifiedSynthesis
+
+
+def noise(*shape, seed=0):
+    return np.random.default_rng(seed).integers(0, 256, shape, np.uint8)
+
+
+def wall(height, width, tile=(12, 16), offset=8, seed=1, spread=40):
+    """Bricks in running bond: mortar, and bricks of their own colours."""
+    rng = np.random.default_rng(seed)
+    pixels = np.empty((height, width, 3), np.uint8)
+    tones = rng.integers(90, 90 + spread, (height // tile[0] + 2, width // tile[1] + 3, 3))
+    y, x = np.indices((height, width))
+    row = y // tile[0]
+    column = (x + offset * (row % 2)) // tile[1]
+    pixels[:] = tones[row, column]
+    pixels += rng.integers(0, 9, pixels.shape).astype(np.uint8)
+    pixels[(y % tile[0] < 2) | ((x + offset * (row % 2)) % tile[1] < 2)] = 220
+    return pixels
+
+
+def model_of(pixels, **parameters):
+    return weft.NearRegular(**parameters).fit(weft.Exemplar(pixels))
+
+
+def usable_of(model):
+    y, x = np.nonzero(model.blocks.windows.usable)
+    return list(zip(y.tolist(), x.tolist(), strict=True))
+
+
+@pytest.mark.parametrize(
+    "parameters",
+    [
+        {},
+        {"match": "gncc", "variety": 0.0},
+        {"candidates": 1, "tolerance": 0, "variety": 5.0},
+        {"border_width": 2, "lattice": (8.0, 12.25, -16.5, 0.3)},
+    ],
+    ids=str,
+)
+@pytest.mark.parametrize("corner", [(0, 0), (-35, 1000)])
+def test_like_its_twin(parameters, corner):
+    pixels = noise(44, 48, 3) // 2 + wall(44, 48) // 2
+    settings = {
+        "lattice": (16.0, 0.0, 8.0, 12.0),
+        "block_size": 9,
+        "border_width": 6,
+        "tolerance": 1,
+        "candidates": 3,
+        "rectify": 0,
+    } | parameters
+    model = model_of(pixels, **settings)
+    twin = reference.NearRegularTwin(pixels, usable_of(model), model.method, 7)
+    result = model.window(*corner, 25, 30, seed=7)
+    assert np.array_equal(result.source, twin.source(*corner, 25, 30))
+
+
+@pytest.mark.parametrize("unconstrained", [False, True])
+def test_windows_of_the_plane_agree(unconstrained):
+    pixels = wall(60, 64)
+    lattice = (1, 0, 0, 1) if unconstrained else (16, 0, 8, 12)
+    for blend in ("cut", "feather"):
+        model = model_of(pixels, lattice=lattice, block_size=14, border_width=8, blend=blend)
+        whole = model.sample((150, 140), seed=3)
+        for window in ((0, 0, 1, 1), (13, 27, 40, 50), (149, 139, 1, 1), (60, 0, 90, 140)):
+            part = model.window(*window, seed=3)
+            y, x, height, width = window
+            assert np.array_equal(part.image, whole.image[y : y + height, x : x + width])
+            if blend == "cut":
+                assert np.array_equal(part.source, whole.source[y : y + height, x : x + width])
+
+
+@pytest.mark.parametrize("corner", [(2**40, -(2**40)), (-(2**40), 2**40), (12345678901, 3)])
+def test_far_windows_agree_and_stay_on_the_lattice(corner):
+    model = model_of(wall(60, 64, spread=1), lattice=(16, 0, 8, 12), block_size=14, border_width=8)
+    a = model.window(*corner, 50, 60, seed=3).image if max(corner) < 2**40 else None
+    y, x = (c - 20 if c > 0 else c for c in corner)
+    b = model.window(y, x, 70, 80, seed=3).image
+    if a is not None:
+        oy, ox = corner[0] - y, corner[1] - x
+        assert np.array_equal(a, b[oy : oy + 50, ox : ox + 60])
+    v, u = np.indices(b.shape[:2])
+    row = (v + y) // 12
+    mortar = ((v + y) % 12 < 2) | ((u + x + 8 * (row % 2)) % 16 < 2)
+    assert (b[mortar] > 200).all() and (b[~mortar] < 150).all()
+
+
+def test_places_are_refused_past_the_plane():
+    model = model_of(wall(60, 64), lattice=(16, 0, 8, 12))
+    for at in (2**40 + 1, 0.5, None, True):
+        with pytest.raises(weft.InvalidInputError, match="2\\*\\*40"):
+            model.window(0, at, 9, 9)
+
+
+def test_a_regular_sample_goes_on_for_ever():
+    """Also where the vectors are fractions: places are rounded block by block."""
+    tile = noise(7, 11, 3)
+    exact = np.tile(tile, (6, 4, 1))
+    out = model_of(exact, lattice=(11, 0, 0, 7)).sample((300, 200), seed=1).image
+    assert np.array_equal(out, np.tile(tile, (43, 19, 1))[:300, :200])
+    y, x = np.indices((90, 100))
+    slanted = np.rint(127 + 60 * np.sin(x * 2 * np.pi / 12.3) + 60 * np.sin(y * 2 * np.pi / 9.7))
+    model = model_of(slanted.astype(np.uint8), lattice=(12.3, 0, 0, 9.7), rectify=0, tolerance=0)
+    far = model.window(10**6, 10**6, 150, 150, seed=1).image.astype(int)
+    y, x = np.indices(far.shape) + 10**6
+    ideal = 127 + 60 * np.sin(x * 2 * np.pi / 12.3) + 60 * np.sin(y * 2 * np.pi / 9.7)
+    steepest = 60 * 2 * np.pi / 9.7 + 60 * 2 * np.pi / 12.3
+    assert np.abs(far - ideal).max() < steepest  # within a pixel, a million pixels away
+
+
+def test_blocks_do_not_repeat_what_those_drawn_beside_show():
+    pixels = wall(200, 200)
+    model = model_of(pixels, lattice=(16, 0, 8, 12), block_size=30, border_width=10, rectify=0)
+    result = model.sample(600, seed=2)
+    y, x, sy, sx, _ = result.placements.T
+    drawn = (y + 5) // 30 % 2 == (x + 5) // 30 % 2
+    near = again = chance = 0
+    other = np.random.default_rng(0).permutation(len(y))
+    for i in np.flatnonzero(drawn):
+        away = np.stack([y - y[i], x - x[i]])
+        others = drawn & (np.abs(away).max(axis=0) <= 60) & (np.abs(away).sum(axis=0) <= 60)
+        others[i] = False
+        shift = np.stack([sy - sy[i], sx - sx[i]])
+        overlap = np.prod(np.clip(30 - np.abs(shift), 0, None), axis=0)
+        overlap[(shift == away).all(axis=0)] = 0
+        near += others.sum()
+        again += (overlap[others] > 30 * 30 / 8).sum()
+        shift = np.stack([sy[other] - sy[i], sx[other] - sx[i]])
+        overlap = np.prod(np.clip(30 - np.abs(shift), 0, None), axis=0)
+        chance += (overlap[others] > 30 * 30 / 8).sum()
+    # Where all places show something again, the one that shows least is taken.
+    assert near > 1000 and again < near * 0.02 < chance / 2
+
+
+@pytest.mark.parametrize("tileable", [True, "x", "y"])
+def test_what_goes_around_keeps_whole_tiles(tileable):
+    model = model_of(wall(96, 96, spread=1), lattice=(16, 0, 8, 12), block_size=20)
+    result = model.sample((97, 110), seed=1, tileable=tileable)
+    assert 0 < result.provenance["strain"] < 0.1
+    twice = np.tile(result.image, (2, 2, 1))[..., 0] > 160
+    rows, columns = twice.mean(axis=1) > 0.6, twice[:, :110].mean(axis=1)
+    if tileable in (True, "y"):  # beds all the way down, none thicker across the border
+        runs = np.diff(np.flatnonzero(np.diff(np.r_[0, rows.astype(int), 0])))[::2]
+        assert runs.max() <= 4 and len(runs) == 16
+    assert columns.size
+
+
+def test_strain_is_refused_and_a_good_size_named():
+    model = model_of(wall(96, 96), lattice=(16, 0, 0, 24), block_size=40)
+    with pytest.raises(weft.InvalidInputError, match=r"strained by .*96x\d+ would do"):
+        model.sample((36, 96), tileable=True)
+    model.sample((36, 96))
+    model.sample((36, 96), tileable="x")
+
+
+@pytest.mark.parametrize(
+    "lattice, message",
+    [
+        ((8, 0, 16, 0), "line"),
+        ((0, 0, 8, 8), "1 pixel"),
+        ((90, 0, 0, 8), "smaller"),
+        ((40, 0, 0, 40), "two tiles"),
+    ],
+)
+def test_bad_lattices(lattice, message):
+    for method in (weft.NearRegular, weft.BestTile):
+        with pytest.raises(weft.InvalidInputError, match=message):
+            method(lattice=lattice).fit(weft.Exemplar(noise(50, 60)))
+
+
+def test_bad_sizes():
+    exemplar = weft.Exemplar(noise(50, 60))
+    for parameters, message in (
+        ({"border_width": 5}, "even"),
+        ({"block_size": 20, "border_width": 20}, "less than the block"),
+        ({"block_size": 40, "border_width": 12}, "room for 50 together"),
+    ):
+        with pytest.raises(weft.InvalidInputError, match=message):
+            weft.NearRegular(lattice=(8, 0, 0, 8), **parameters).fit(exemplar)
+
+
+def test_the_papers_preset():
+    model = model_of(wall(128, 128), lattice=(16, 0, 8, 12), preset="paper")
+    m = model.method
+    assert (m.block_size, m.border_width, m.blend, m.blend_width) == (40, 10, "feather", 4)
+    assert (m.tolerance, m.rectify, m.variety) == (3, 0, 0.0)
+
+
+def test_blending_is_linear():
+    """Equations 4.6 to 4.10: over a corner the shares are products, over an edge they fall."""
+    model = model_of(noise(60, 60), lattice=(1, 0, 0, 1), block_size=12, border_width=6,
+                     blend="feather", blend_width=4)  # fmt: skip
+    result = model.sample(48, seed=1)
+    coordinates, share = result.layers((8, 8, 8, 8))
+    alpha = np.array([1, 1, 0.8, 0.6, 0.4, 0.2, 0, 0])  # the corner is at (12, 12)
+    parts = [np.outer(a, b) for a in (alpha, 1 - alpha) for b in (alpha, 1 - alpha)]
+    expected = np.sort(np.stack(parts), axis=0)[::-1].transpose(1, 2, 0)
+    assert np.abs(np.sort(share, axis=2)[..., ::-1] - expected).max() < 0.02
+    assert (coordinates[..., 0, 0] >= 0).all()
+
+
+def test_blocks_that_would_show_are_blended_widely():
+    light = wall(128, 128).astype(int) + np.linspace(-60, 60, 128).astype(int)[:, None]
+    light = np.clip(light, 0, 255).astype(np.uint8)
+    wide = model_of(light, lattice=(16, 0, 8, 12), blend="feather").method
+    narrow = model_of(wall(128, 128, spread=1), lattice=(16, 0, 8, 12), blend="feather").method
+    assert narrow.blend_width == 4 and wide.blend_width > wide.block_size // 2
+
+
+@pytest.mark.parametrize("seed", range(20))
+def test_least_paths(seed):
+    """Against every path, by the cost of the pixels beside it."""
+    rng = np.random.default_rng(seed)
+    length, depth = 4, 4
+    error = rng.integers(0, 1000, (length, depth)).astype(np.int64)
+    begin, end = (int(k) for k in rng.integers(1, depth, 2))
+    if abs(begin - end) > length - 1:
+        return
+
+    def cost(path):
+        total = sum(int(error[i, k - 1] + error[i, k]) for i, k in enumerate(path) if i)
+        for i in range(1, length):
+            a, b = sorted(path[i - 1 : i + 1])
+            total += int(error[i - 1, a:b].sum() + error[i, a:b].sum())
+        return total
+
+    paths = [
+        (begin, a, b, end)
+        for a in range(1, depth)
+        for b in range(1, depth)
+        if abs(a - begin) <= 1 and abs(b - begin) <= 2 and abs(b - end) <= 1 and abs(a - end) <= 2
+    ]
+    found = np.zeros(length, np.int32)
+    scratch = np.zeros((length, depth + 1), np.int64), np.zeros((length, depth + 1), np.int32)
+    kernels.path_through(error, begin, end, *scratch, found)
+    assert tuple(found) in paths and cost(tuple(found)) == min(map(cost, paths))
+
+
+def test_wedges_do_not_overlap_and_are_even():
+    wedges = wedges_of(10, 12, 4, 3)
+    counts = np.bincount(wedges.ravel())
+    assert counts[0] == 18 * 20 - 16 * 18 + 4 * 6
+    # Trapezia, and the diagonals between them on one side or the other.
+    assert abs(counts[1] - counts[3]) <= 6 and abs(counts[2] - counts[4]) <= 6
+    assert (wedges[1, 1:-1] == 1).all() and (wedges[0] == 0).all()
+
+
+def test_a_bent_sample_is_rectified():
+    """Columns that wander come out straight, every pixel still one of the sample's."""
+    straight = wall(120, 128, spread=1)
+    y = np.arange(120)
+    bend = np.rint(2 * np.sin(y * 2 * np.pi / 60)).astype(int)
+    bent = np.stack([np.roll(line, b, axis=0) for line, b in zip(straight, bend, strict=True)])
+    found = rectified(bent, (16, 0, 8, 12), 3)
+    mended = bent.reshape(-1, 3)[found]
+    inside = (slice(6, -6), slice(6, -6))
+
+    def off(pixels):
+        return np.abs(pixels.astype(int) - straight)[inside].mean()
+
+    assert off(mended) < off(bent) / 2
+
+
+def test_rectified_results_are_saved_and_replayed(tmp_path):
+    pixels = wall(90, 96)
+    height = noise(180, 192)
+    exemplar = weft.Exemplar(pixels)
+    result = weft.NearRegular(lattice=(16, 0, 8, 12)).fit(exemplar).sample((70, 80), seed=1)
+    assert isinstance(result, RectifiedSynthesis)
+    source = result.source
+    assert np.array_equal(result.image, pixels[source[..., 0], source[..., 1]])
+    double = height.reshape(90, 2, 96, 2)[source[..., 0], :, source[..., 1]]
+    expected = double.transpose(0, 2, 1, 3).reshape(140, 160)
+    assert np.array_equal(result.render(height), expected)
+    result.save(tmp_path / "r.npz")
+    again = weft.Synthesis.load(tmp_path / "r.npz", exemplar)
+    assert isinstance(again, RectifiedSynthesis)
+    assert np.array_equal(again.image, result.image) and np.array_equal(again.source, source)
+    for what in ("sources", "seams", "error"):
+        assert np.array_equal(again.draw(what), result.draw(what))
+
+
+def test_lattice_mode_keeps_the_rules():
+    """What test_invariants holds without a lattice: threads, pickles, masks, samples that tile."""
+    pixels = wall(96, 96)
+    settings = {"lattice": (16, 0, 8, 12), "block_size": 17}
+    model = model_of(pixels, **settings)
+    for wrap in ((False, False), (True, False), (True, True)):
+        canvas = weft.Canvas(120, 128, wrap)
+        one = model.sample(canvas, seed=5, threads=1)
+        for other in (
+            model.sample(canvas, seed=5, threads=4),
+            pickle.loads(pickle.dumps(model)).sample(canvas, seed=5),
+        ):
+            assert np.array_equal(one.image, other.image)
+            assert np.array_equal(one.source, other.source)
+    mask = np.ones((96, 96), bool)
+    mask[40:50, 40:60] = False
+    masked = weft.NearRegular(**settings).fit(weft.Exemplar(pixels, mask=mask))
+    source = masked.sample(150, seed=1).source
+    assert mask[source[..., 0], source[..., 1]].all()
+    tiling = weft.NearRegular(**settings).fit(weft.Exemplar(pixels, tileable=True))
+    result = tiling.sample(150, seed=1)
+    assert np.array_equal(result.image, pixels[result.source[..., 0], result.source[..., 1]])
+    assert result.placements[:, 2].max() > 96 - 17  # windows go over the border
+
+
+def test_rows_only():
+    """Boards: one vector is found, and joints stay where they are."""
+    rng = np.random.default_rng(4)
+    boards = rng.integers(90, 140, (128, 128, 1)) + rng.integers(0, 30, (128, 1, 3))
+    boards = np.broadcast_to(np.sort(boards, axis=1), (128, 128, 3)).astype(np.uint8)
+    boards[np.arange(128) % 16 < 2] = 20
+    model = model_of(boards)
+    if model.method.lattice == (1.0, 0.0, 0.0, 1.0):
+        pytest.skip("the detector sees no rows here")
+    dark = model.sample((200, 200), seed=1).image.max(axis=2) < 60
+    assert dark[np.arange(200) % 16 < 2].mean() > 0.95
