@@ -79,13 +79,15 @@ def correlate(
         at_f = np.fft.rfft2(f[k], sums.padded)
         at_g = at_f if alike else np.fft.rfft2(g[k], sums.padded)
         spectrum = spectrum + at_f * at_g.conj()
-        s_f, energy_f = sums.over_first(f[k]), sums.over_first(f[k] ** 2)
+        s_f = sums.over_first(f[k])
+        spread_f = _spread(sums.count, s_f, sums.over_first(f[k] ** 2))
         if alike:  # the other part is what the opposite shift leaves
-            s_g, energy_g = s_f[::-1, ::-1], energy_f[::-1, ::-1]
+            s_g, spread_g = s_f[::-1, ::-1], spread_f[::-1, ::-1]
         else:
-            s_g, energy_g = sums.over_second(g[k]), sums.over_second(g[k] ** 2)
+            s_g = sums.over_second(g[k])
+            spread_g = _spread(sums.count, s_g, sums.over_second(g[k] ** 2))
         above -= s_f * s_g
-        below += np.sqrt(_spread(sums.count, s_f, energy_f) * _spread(sums.count, s_g, energy_g))
+        below += np.sqrt(spread_f * spread_g)
     # Eq. 3.13: the sum of the numerators over the sum of the denominators.
     above += sums.count * sums.cut(np.fft.irfft2(spectrum, sums.padded))
     result = np.divide(above, below, out=np.zeros(sums.shape), where=below > 0)
@@ -116,8 +118,9 @@ def _checked(
 
 def _spread(count: Floats, sums: Floats, squares: Floats) -> Floats:
     """N S_ff - S_f^2: N^2 times the variance of the overlap, 0 where it is only rounding."""
-    spread = count * squares - sums**2
-    spread[spread <= _FLAT * count * float(squares.max())] = 0
+    least = _FLAT * float(squares.max()) * count
+    spread = count * squares - sums * sums
+    spread *= spread > least
     return spread
 
 

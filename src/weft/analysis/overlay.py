@@ -46,6 +46,9 @@ def draw_lattice(exemplar: Exemplar, lattice: Lattice | None) -> NDArray[np.uint
     levels = exemplar.as_matching(exemplar.pixels)
     colors = exemplar.channels - exemplar.alpha
     levels = levels[..., :3] if colors >= 3 else np.repeat(levels[..., :1], 3, axis=2)
+    if exemplar.alpha:  # clear pixels are white
+        clear = 255 - exemplar.as_matching(exemplar.pixels)[..., -1:].astype(int)
+        levels = np.minimum(levels + clear, 255).astype(np.uint8)
     picture = levels.copy()
     if lattice is None:
         return picture

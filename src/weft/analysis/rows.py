@@ -58,11 +58,12 @@ def find_rows(flat: Relief) -> tuple[Floats, float] | None:
 
 
 def _with_edges(levels: Floats) -> Floats:
-    """Levels, and beside them the steps down and to the right, with as much energy in all."""
+    """Mean level, and beside it the steps down and to the right, with as much energy in all."""
     steps = [np.sqrt((np.gradient(levels, axis=axis) ** 2).sum(axis=0)) for axis in (1, 2)]
     edges = np.stack(steps)
-    share = levels.var(axis=(1, 2)).sum() / max(edges.var(axis=(1, 2)).sum(), 1e-12)
-    found: Floats = np.moveaxis(np.concatenate([levels, edges * share**0.5]), 0, 2)
+    grey = levels.mean(axis=0, keepdims=True)
+    share = levels.var(axis=(1, 2)).mean() / max(edges.var(axis=(1, 2)).sum(), 1e-12)
+    found: Floats = np.moveaxis(np.concatenate([grey, edges * share**0.5]), 0, 2)
     return found
 
 
