@@ -204,7 +204,7 @@ class RefinementModel(PixelModel):
     levels : list of Level
         From the finest to the coarsest; one where search is "pca".
     open : bool
-        The start was left open; where the canvas has a guide it is one that follows it.
+        The start was left open; where the canvas has a guide seeds are planted.
     start : Model or None
         What makes the pictures to refine; None plants seed points.
     """
@@ -274,12 +274,6 @@ class RefinementModel(PixelModel):
 
     def grow(self, growth: Growth) -> None:
         """Refine a start until it stays as it is, from the coarsest level to the finest."""
-        if growth.canvas.guide is not None and self.start is not None:
-            if "guide" not in self.start.method.supports and not self.open:
-                raise InvalidInputError(
-                    f"init is '{self.method.init}', which follows no guide; use 'seeds' or "
-                    "'ashikhmin'"
-                )
         made = None
         if self.start is not None and self.method.joints is not None:
             made = self.start.sample(growth.canvas, seed=growth.seed, threads=growth.threads)

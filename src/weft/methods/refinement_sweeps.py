@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 from abc import ABC, abstractmethod
 from typing import TYPE_CHECKING, Any
 
@@ -94,7 +95,7 @@ class Refining:
         """Seed points, or another method's result as far as this level shows it."""
         level, growth, model = self.model.levels[number], self.growth, self.model
         guided = growth.canvas.guide is not None
-        if model.start is None or (guided and "guide" not in model.start.method.supports):
+        if model.start is None or (guided and model.open):
             spacing = max(1, round(model.scale / (2**number * self.method.seed_density)))
             shape, wrap = self.known[number].shape, growth.canvas.wrap
             places, y, x = plant_seeds(
@@ -109,9 +110,10 @@ class Refining:
             source = np.full(shape, -1, np.int32)
             source[np.ix_(y, x)] = level.windows.from_sample(level.plain.to_sample(places))
             return source
-        made = self.made or model.start.sample(
-            growth.canvas, seed=growth.seed, threads=growth.threads
-        )
+        canvas = growth.canvas
+        if "guide" not in model.start.method.supports:
+            canvas = dataclasses.replace(canvas, guide=None)
+        made = self.made or model.start.sample(canvas, seed=growth.seed, threads=growth.threads)
         step = 2**number
         y, x = np.moveaxis(made.source[::step, ::step], -1, 0)
         return np.where(y < 0, np.int32(-1), _nearest(level, y // step, x // step))
