@@ -1,1 +1,1 @@
-"""What a sample is: the scale of its structure, how regular it is, whether it tiles."""
+"""What a sample is: its scale, regularity and lattice, and whether it tiles."""
