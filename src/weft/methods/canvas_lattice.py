@@ -51,7 +51,7 @@ class CanvasLattice:
     Examples
     --------
     >>> from weft.canvas import Canvas
-    >>> round(CanvasLattice((50, 0, 25, 20), Canvas(100, 205, (True, True))).strain, 3)
+    >>> round(CanvasLattice((50, 0, 25, 20), Canvas(120, 205, (True, True))).strain, 3)
     0.025
     """
 

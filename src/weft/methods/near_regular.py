@@ -107,7 +107,7 @@ class NearRegular(Method):
         low=0,
         high=64,
         unit="px",
-        default_text="the tolerance; 0 in the paper",
+        default_text="3, a tenth of the shorter vector at most; 0 in the paper",
     )
     match: str = parameter(
         "difference",
@@ -269,7 +269,9 @@ def _settled(method: NearRegular, exemplar: Exemplar) -> tuple[NearRegular, bool
         near = paper or vectors == ANYWHERE
         settled["tolerance"] = _TOLERANCE if near else min(_TOLERANCE, small)
     if method.rectify is None:
-        settled["rectify"] = 0 if paper else settled.get("tolerance", method.tolerance)
+        # Little beside the tile, or one thing would be taken for the next.
+        shortest = float(min(np.hypot(x1, y1), np.inf if rows else np.hypot(x2, y2)))
+        settled["rectify"] = 0 if paper else min(_TOLERANCE, round(shortest / 10))
     shorter = min(exemplar.shape)
     size, border = method.block_size, method.border_width
     if border is not None and border % 2:

@@ -97,7 +97,7 @@ def _moved(
         best[better] = mean[better]
         found[:, better] = np.array([[dy], [dx]])
     sure = total // len(shifts) - best
-    around = max(1, radius // _GRID)
+    around = max(2, radius // 2)
     weight = _smooth(sure, around)
     moved = []
     for k in (0, 1):

@@ -1,0 +1,170 @@
+"""The experiments of the thesis on near-regular textures, run again with weft.
+
+python examples/paper_near_regular.py EXPERIMENT -o FOLDER
+
+Experiments: fig410 (both ways of matching), fig411 (after gap filling, and a repeated tile), fig413
+(blending), fig52 (tile, thesis, weft, quilting), fig510 (where joints broke), fig511 (fractions and
+bent samples), fig512 (wide blending), fig513 (unconstrained), blocks (section 5.2: block sizes);
+`all` runs every one. Figures are those of the thesis: 410 is 4.10.
+Needs Pillow beside weft: pip install 'weft[test]'.
+"""
+
+from __future__ import annotations
+
+import argparse
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from paper_patch_sampling import load, sheet, shrunk
+
+import weft
+
+REGULAR = ("bricks", "tiles", "weave")
+IRREGULAR = ("pebbles", "leaves", "grass")
+
+
+def small(name: str) -> np.ndarray:
+    """A sample of 128 pixels or less, as in the thesis: half the resolution."""
+    return shrunk(load(name, 256), 2)
+
+
+def make(pixels: np.ndarray, size: int = 256, **parameters: Any) -> np.ndarray:
+    method = parameters.pop("method", "near-regular")
+    return weft.synthesize(pixels, size, method=method, seed=1, **parameters).image
+
+
+def paper(pixels: np.ndarray, **parameters: Any) -> np.ndarray:
+    return make(pixels, preset="paper", **parameters)
+
+
+def rows(folder: Path, name: str, labels: str, lines: list[list[np.ndarray]]) -> None:
+    """Write a picture of lines that have the same labels, separated by commas."""
+    named = [list(zip(labels.split(", "), line, strict=True)) for line in lines]
+    sheet(folder / f"{name}.png", named)
+
+
+def fig410(folder: Path) -> None:
+    """Borders by correlation, and by differences of colours."""
+    samples = [small(name) for name in REGULAR]
+    lines = [[s, paper(s, match="gncc"), paper(s, match="difference")] for s in samples]
+    rows(folder, "fig410", "sample, gncc, difference", lines)
+
+
+def fig411(folder: Path) -> None:
+    """A repeated tile beside blocks and gaps before they are blended."""
+    samples = [small(name) for name in REGULAR]
+    rows(
+        folder,
+        "fig411",
+        "sample, best-tile, gaps filled",
+        [[s, make(s, method="best-tile"), paper(s, blend="none")] for s in samples],
+    )
+
+
+def fig413(folder: Path) -> None:
+    """Without and with blending; and cut, with and without rectifying the sample."""
+    samples = [small(name) for name in REGULAR]
+    ways = [{"preset": "paper", "blend": "none"}, {"preset": "paper"}, {"rectify": 0}, {}]
+    rows(
+        folder,
+        "fig413",
+        "sample, pasted, blended, cut, cut and rectified",
+        [[s, *(make(s, **way) for way in ways)] for s in samples],
+    )
+
+
+def fig52(folder: Path) -> None:
+    """A repeated tile, the thesis's method, weft's defaults, and quilting with blocks of 50."""
+    lines = []
+    for name in REGULAR:
+        s = small(name)
+        quilted = make(s, method="quilting", patch_size=50, boundary_width=10)
+        lines.append([s, make(s, method="best-tile"), paper(s), make(s), quilted])
+    rows(folder, "fig52", "sample, best-tile, thesis, near-regular, quilting", lines)
+
+
+def fig510(folder: Path) -> None:
+    """Joints that do not meet: as in the thesis, with shifts, and on a rectified sample."""
+    s = load("bricks")[:256, :256]
+    ways = [{"preset": "paper", "block_size": 80}, {"rectify": 0}, {}]
+    rows(
+        folder,
+        "fig510",
+        "sample, thesis, cut, cut and rectified",
+        [[s, *(make(s, 384, **way) for way in ways)]],
+    )
+
+
+def fig511(folder: Path) -> None:
+    """Vectors rounded to pixels and with their fractions; a bent sample, as it is and rectified."""
+    y, x = np.indices((128, 128))
+    waves = 127 + 50 * np.sin(x * 2 * np.pi / 12.45) + 50 * np.sin(y * 2 * np.pi / 9.55)
+    waves = np.repeat(np.rint(waves).astype(np.uint8)[..., None], 3, axis=2)
+    lattices = [(12, 0, 0, 10), (12.45, 0, 0, 9.55)]
+    lines = [[waves, *(paper(waves, lattice=lattice) for lattice in lattices)]]
+    straight = small("tiles")
+    bend = np.rint(2 * np.sin(np.arange(len(straight)) * 2 * np.pi / 60)).astype(int)
+    bent = np.stack([np.roll(row, b, axis=0) for row, b in zip(straight, bend, strict=True)])
+    lattice = weft.NearRegular().fit(weft.Exemplar(straight)).method.lattice
+    mended = make(bent, lattice=lattice, rectify=3)
+    lines.append([bent, make(bent, lattice=lattice, rectify=0), mended])
+    rows(folder, "fig511", "sample, rounded or bent, mended", lines)
+
+
+def fig512(folder: Path) -> None:
+    """Blended over 4 pixels, over 28, and as wide as weft chooses: uneven light."""
+    s = small("bricks").astype(float)
+    light = np.linspace(0.6, 1.3, s.shape[1])[None, :, None]
+    s = np.clip(s * light, 0, 255).astype(np.uint8)
+    ways = [{"blend_width": 4}, {"blend_width": 28}, {}]
+    wide = {"blend": "feather", "block_size": 40, "border_width": 30}
+    rows(
+        folder,
+        "fig512",
+        "sample, over 4 pixels, over 28, by itself",
+        [[s, *(make(s, **wide, **way) for way in ways)]],
+    )
+
+
+def fig513(folder: Path) -> None:
+    """Unconstrained: the thesis's preset, weft's defaults, and quilting."""
+    free = {"lattice": (1, 0, 0, 1)}
+    lines = []
+    for name in IRREGULAR:
+        s = small(name)
+        quilted = make(s, method="quilting", patch_size=50, boundary_width=10)
+        lines.append([s, paper(s, **free), make(s, **free), quilted])
+    rows(folder, "fig513", "sample, thesis, near-regular, quilting", lines)
+
+
+def blocks(folder: Path) -> None:
+    """Blocks of 20 to 60 pixels: larger ones have fewer seams and less variety."""
+    lines = []
+    for name in REGULAR:
+        s = small(name)
+        lines.append([s, *(paper(s, block_size=size) for size in (20, 30, 40, 60))])
+    rows(folder, "blocks", "sample, 20, 30, 40, 60", lines)
+
+
+EXPERIMENTS: dict[str, Callable[[Path], None]] = {
+    f.__name__: f for f in (fig410, fig411, fig413, fig52, fig510, fig511, fig512, fig513, blocks)
+}
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(
+        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
+    parser.add_argument("experiment", choices=[*EXPERIMENTS, "all"])
+    parser.add_argument("-o", "--output", type=Path, default=Path(), metavar="FOLDER")
+    args = parser.parse_args()
+    args.output.mkdir(parents=True, exist_ok=True)
+    for name in EXPERIMENTS if args.experiment == "all" else [args.experiment]:
+        EXPERIMENTS[name](args.output)
+        print(args.output / f"{name}.png")
+
+
+if __name__ == "__main__":
+    main()
