@@ -126,7 +126,9 @@ def contrast_of(field: Field, pair: Floats, reach: int) -> float:
     return float(found.value[0] - _UNSURE / max(found.count[0], 1) ** 0.5)
 
 
-def stand_out(field: Field, vectors: Floats, whole: Floats, reach: int) -> tuple[float, float, int]:
+def stand_out(
+    field: Field, vectors: Floats, whole: Floats, reach: int, near: float = 0.5
+) -> tuple[float, float, int]:
     """How much higher the multiples of a larger tile are than the other multiples of a smaller.
 
     Tells alternating colours, where they are, from elements of any colour, where they are not.
@@ -141,6 +143,9 @@ def stand_out(field: Field, vectors: Floats, whole: Floats, reach: int) -> tuple
         Whole numbers; the larger tile is `whole @ vectors`.
     reach : int
         Multiples of up to this many times each vector of the smaller tile are looked at.
+    near : float
+        Pixels that the others may be from a whole shift, in x and y: between pixels a hard edge
+        correlates less, and a vector of 22.5 pixels is there every second time.
 
     Returns
     -------
@@ -160,7 +165,8 @@ def stand_out(field: Field, vectors: Floats, whole: Floats, reach: int) -> tuple
     order = np.argsort(-far[own], kind="stable")
     further = np.cumsum(heights[own][order]) / np.arange(1, own.sum() + 1)
     number = np.searchsorted(-far[own][order], -far[~own], side="right")
-    gaps = (further[number - 1] - heights[~own])[number > 0]
+    off = np.maximum(abs(x - np.rint(x)), abs(y - np.rint(y)))[counts][~own]
+    gaps = (further[number - 1] - heights[~own])[(number > 0) & (off <= near)]
     if not len(gaps):
         return 0.0, 0.0, 0
     error = (gaps.var() / len(gaps) + heights[own].var() / own.sum() + 1e-9) ** 0.5

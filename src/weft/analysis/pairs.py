@@ -30,6 +30,7 @@ _LOWER = 0.1  # of its mean, that a larger tile's multiples may be above those o
 _UNSURE = (0.35, 4.0)  # the same, in so few standard errors
 _HIGHER = ((0.2, 5.0), (0.15, 20.0))  # it counts instead with such a gap and errors
 _OWN = 6  # and as many multiples
+_NEAR = 0.3  # of a pixel, that the others may be from a whole shift
 
 
 def best_pair(field: Field, goodness: str) -> tuple[Floats, float] | None:
@@ -135,7 +136,7 @@ def _multiply(field: Field, vectors: Floats) -> Floats:
         for across in (1, index):
             for slant in range(index // across):
                 whole = np.array([[across, slant], [0.0, index // across]])
-                gap, errors, count = stand_out(field, vectors, whole, reach)
+                gap, errors, count = stand_out(field, vectors, whole, reach, _NEAR)
                 higher = any(gap > least and errors > sure for least, sure in _HIGHER)
                 if higher and count >= _OWN:
                     larger = reduced(whole @ vectors)
