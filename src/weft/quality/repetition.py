@@ -1,0 +1,205 @@
+"""Visible repetition: what comes back at one and the same shift, from the picture alone."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from weft.quality.spectrum import mean_power
+from weft.quality.view import View, box_sums
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    Floats = NDArray[np.float64]
+
+_WIDTH = 32  # pixels of the windows whose mean power is taken out
+_NARROWEST = 24  # sides of less are not looked at
+_WIDEST = 1024
+_NEAR = 6  # shifts of fewer pixels are a matter of sharpness
+_ERRORS = 6  # standard errors of a correlation that pass for chance
+_LEAST = 0.0625  # of the picture must overlap
+_CELL = 8  # half the side of a square of the map
+
+
+@dataclass(frozen=True, eq=False)
+class Repetition:
+    """What `repetition` finds.
+
+    Attributes
+    ----------
+    period : float
+        Largest share of the result that comes back at one shift.
+    repeats : float
+        Share of it that comes back within half the sample's side.
+    shifts : tuple of (int, int)
+        The shifts (y, x) with the largest shares, at most six, largest first.
+    """
+
+    period: float
+    repeats: float
+    shifts: tuple[tuple[int, int], ...]
+
+
+def repetition(sample: View, result: View) -> Repetition | None:
+    """Find what comes back.
+
+    *Definition.* Both pictures are divided by the sample's mean power at each frequency, in windows
+    of 32 pixels, so that pixels are nearly independent of each other and a correlation with itself
+    at a shift is the share of the picture that is repeated there. What the sample has at the same
+    shift is subtracted, or the most that it has at any, where it is too small for the shift. Then
+    `period` is the largest share at any shift, `repeats` the sum of those within half the sample's
+    side; 6 standard errors or less are nothing.
+
+    *Unit.* Share of the result. *Good.* Low. A sample of a quarter of the result's size must come
+    back about four times, so `repeats` is seldom 0 where pixels are copied. *Blind to* copies that
+    are turned, scaled or blended, and to repetition that the eye sees without pixels being equal.
+
+    Returns
+    -------
+    Repetition or None
+        None for sides below 24 pixels, and where the sample does not vary or is masked too much.
+    """
+    found = _both(sample, result)
+    if found is None:
+        return None
+    _, _, shares = found
+    height, width = (side // 2 for side in shares.shape)
+    share = shares[height:].copy()  # the rest mirrors it
+    share[0, : width + 1] = 0
+    top = _local_maxima(share)
+    y, x = np.nonzero((share > 0) & top)
+    if not len(y):
+        return Repetition(0.0, 0.0, ())
+    order = np.argsort(-share[y, x], kind="stable")
+    y, x = y[order], x[order] - width
+    values = share[y, x + width]
+    reach = sample.side // 2
+    near = np.maximum(y, abs(x)) <= reach
+    shifts = tuple(zip(y[:6].tolist(), x[:6].tolist(), strict=True))
+    return Repetition(float(values[0]), min(1.0, float(values[near].sum())), shifts)
+
+
+def repetition_map(
+    sample: View, result: View, shifts: tuple[tuple[int, int], ...]
+) -> Floats | None:
+    """Where a result repeats itself at these shifts, (H, W): 0 not at all, 1 pixel by pixel.
+
+    Of a result of more than 1024 pixels a side only the middle is looked at; the rest is 0.
+    """
+    found = _both(sample, result)
+    if found is None:
+        return None
+    white, part, _ = found
+    inside = np.zeros(white.shape)
+    for dy, dx in shifts:
+        height, width = white.shape[0] - dy, white.shape[1] - abs(dx)
+        first = white[:height, max(0, -dx) : max(0, -dx) + width]
+        second = white[dy:, max(0, dx) : max(0, dx) + width]
+        above = box_sums(first * second, _CELL)
+        below = np.sqrt(box_sums(first**2, _CELL) * box_sums(second**2, _CELL)) + 1e-9
+        alike = np.clip(above / below, 0, 1) ** 2
+        for y, x in ((0, max(0, -dx)), (dy, max(0, dx))):
+            box = inside[y : y + height, x : x + width]
+            np.maximum(box, alike, out=box)
+    whole = np.zeros(result.shape)
+    top, left = ((h - o) // 2 for h, o in zip(result.shape, part.shape, strict=True))
+    whole[top : top + part.shape[0], left : left + part.shape[1]] = inside
+    return whole
+
+
+def _both(sample: View, result: View) -> tuple[Floats, View, Floats] | None:
+    """The result with a flat spectrum, its part that is looked at, and what comes back in it."""
+    part = result.centre(_WIDEST)
+    if min(*sample.shape, *part.shape) < _NARROWEST:
+        return None
+    width = min(_WIDTH, 2 ** int(np.log2(min(sample.shape) // 2)))
+    power = mean_power(sample, width)
+    if power is None or not power.max() > 1e-3:
+        return None
+    own, _ = _whitened(sample, power, width)
+    white, spread = _whitened(part, power, width)
+    if not spread > 0:
+        return None
+    ours, theirs = _shares(own, sample.usable), _shares(white, None)
+    return white, part, np.maximum(theirs - _explained(ours, theirs.shape), 0)
+
+
+def _whitened(view: View, power: Floats, width: int) -> tuple[Floats, float]:
+    """The picture divided by the root of the power, as smooth as that is; mean 0, variance 1."""
+    height, across = view.shape
+    y, x = np.fft.fftfreq(height)[:, None] * width, np.fft.rfftfreq(across)[None] * width
+    full = np.concatenate([power, power[:1]]) + 1 / 12  # frequency -0.5 is 0.5
+    rows, columns = y % width, np.broadcast_to(x, (1, across // 2 + 1))
+    top, left = np.floor(rows).astype(int), np.floor(columns).astype(int)
+    left = np.minimum(left, full.shape[1] - 2)
+    dy, dx = rows - top, columns - left
+    smooth = (1 - dy) * ((1 - dx) * full[top, left] + dx * full[top, left + 1]) + dy * (
+        (1 - dx) * full[top + 1, left] + dx * full[top + 1, left + 1]
+    )
+    level = view.flat.astype(np.float64)
+    white = np.fft.irfft2(np.fft.rfft2(level) / np.sqrt(smooth), view.shape)
+    white = np.where(view.usable, white, 0)
+    # A few strong edges must not stand for the whole picture.
+    spread = float(np.sqrt((white[view.usable] ** 2).mean()))
+    if spread > 0:
+        white = np.clip(white / spread, -3, 3)
+        white -= white[view.usable].mean() * view.usable
+        white /= np.sqrt((white[view.usable] ** 2).mean())
+    return white, spread
+
+
+def _shares(white: Floats, usable: NDArray[np.bool_] | None) -> Floats:
+    """Correlation at every shift less what may be chance, no shift in the middle."""
+    height, width = white.shape
+    size = (2 * height, 2 * width)
+    products = np.fft.irfft2(np.abs(np.fft.rfft2(white, size)) ** 2, size)
+    if usable is None or usable.all():
+        rows = np.maximum(0, height - abs(np.arange(-height + 1, height)))
+        columns = np.maximum(0, width - abs(np.arange(-width + 1, width)))
+        count = np.outer(rows, columns).astype(np.float64)
+    else:
+        count = np.fft.irfft2(np.abs(np.fft.rfft2(usable.astype(float), size)) ** 2, size)
+        count = np.rint(_middle(count, height, width))
+    products = _middle(products, height, width)
+    enough = count >= _LEAST * height * width
+    count = np.maximum(count, 1)
+    share = products / count - _ERRORS / np.sqrt(count)
+    share[~enough] = 0
+    # Nearer shifts are how smooth the picture is.
+    y, x = np.ogrid[1 - height : height, 1 - width : width]
+    share[np.maximum(abs(y), abs(x)) <= _NEAR] = 0
+    return np.maximum(share, 0)
+
+
+def _middle(wrapped: Floats, height: int, width: int) -> Floats:
+    rows = np.arange(1 - height, height)
+    return wrapped[np.ix_(rows, np.arange(1 - width, width))]
+
+
+def _explained(own: Floats, shape: tuple[int, int]) -> Floats:
+    """What the sample has within two pixels of each shift; the most it has, where it ends."""
+    near = own
+    for axis in (0, 1):
+        stack = [np.roll(near, k, axis) for k in range(-2, 3)]
+        near = np.maximum.reduce(stack)
+    result = np.full(shape, own.max())
+    ours, theirs = ((shape[0] // 2, shape[1] // 2), (own.shape[0] // 2, own.shape[1] // 2))
+    # Where less than a half of it overlaps, the sample has too little to say.
+    y, x = (min(a, b // 2) for a, b in zip(ours, theirs, strict=True))
+    result[ours[0] - y : ours[0] + y + 1, ours[1] - x : ours[1] + x + 1] = near[
+        theirs[0] - y : theirs[0] + y + 1, theirs[1] - x : theirs[1] + x + 1
+    ]
+    return result
+
+
+def _local_maxima(values: Floats) -> NDArray[np.bool_]:
+    around = np.pad(values, 1, constant_values=-np.inf)
+    height, width = values.shape
+    result = np.ones(values.shape, bool)
+    for dy in range(3):
+        for dx in range(3):
+            result &= values >= around[dy : dy + height, dx : dx + width]
+    return result
