@@ -104,7 +104,7 @@ class Lattice:
             near = ours.nearest((x, y))
             if math.hypot(near[0] - x, near[1] - y) > tolerance * math.hypot(x, y):
                 return False
-        return len(ours.vectors) == 1 or 0.5 < ours.area / theirs.area < 1.5
+        return len(ours.vectors) == 1 or 0.7 < ours.area / theirs.area < 1.4
 
     def nearest(self, place: Vector) -> Vector:
         """The multiple that is nearest to a place (x, y); of one vector it or its opposite."""
