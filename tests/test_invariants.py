@@ -119,6 +119,7 @@ def border_against_inside(picture, axis):
     return (border - inside.mean()) / inside.std()
 
 
+@pytest.mark.pictures
 @every("method", "real")
 @pytest.mark.parametrize("name", ["pebbles", "grass", "wood"])
 def test_a_wrapped_canvas_has_no_seam_at_its_border(method, real, name):
@@ -243,6 +244,7 @@ def test_a_model_does_not_remember(method, way):
         assert same(model.sample(canvas, seed=1), result)
 
 
+@pytest.mark.pictures
 @every("method", "kind", "way")
 def test_threads_change_nothing(method, kind, way):
     exemplar = weft.Exemplar(noise((40, 41, 3)))
@@ -278,6 +280,7 @@ for method in METHODS:
 """
 
 
+@pytest.mark.pictures
 def test_processes_change_nothing(capsys):
     exec(SCRIPT, {})
     expected = capsys.readouterr().out
@@ -305,6 +308,7 @@ def test_dtype_and_channels_are_kept(method, kind, dtype, channels):
     assert result.image.flags.c_contiguous
 
 
+@pytest.mark.pictures
 @every("method", "kind", "way")
 @pytest.mark.parametrize("name", ["pebbles", "wood"])
 def test_depth_does_not_change_what_goes_where(method, kind, way, name):

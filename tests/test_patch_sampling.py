@@ -295,6 +295,7 @@ def test_the_set_psi_b(distances, d_max):
         assert chosen == allowed
 
 
+@pytest.mark.pictures
 def test_similar_patches_are_drawn_more_often():
     """Frequencies of the similarity rule are the alpha_i of section 2.1 (5 sigma)."""
     keys, energy, epsilon = [0, 100, 400, 899, 901, 2500], 900, 1.0
@@ -333,6 +334,7 @@ def test_other_searches_on_real_samples_lose_little(search):
     assert error(epsilon=0.0, search=search) - best < 0.25 * (worst - best)
 
 
+@pytest.mark.pictures
 def test_thinned_out_windows_lose_little(rng):
     """A large sample is looked at on a grid and then climbed; boundaries still match."""
     exemplar = weft.load_exemplar("sample:pebbles")

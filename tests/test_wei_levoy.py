@@ -156,6 +156,7 @@ def border_difference(image, axis):
     return steps[-1] / steps[:-1].mean()
 
 
+@pytest.mark.pictures
 @pytest.mark.parametrize("levels", [1, 3])
 @pytest.mark.parametrize("name", ["pebbles", "wood"])
 def test_a_further_pass_closes_the_seam(levels, name):
