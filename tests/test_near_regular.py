@@ -261,7 +261,7 @@ def test_a_bent_sample_is_rectified():
     """Columns that wander come out straight, every pixel still one of the sample's."""
     straight = wall(120, 128, spread=1)
     y = np.arange(120)
-    bend = np.rint(2 * np.sin(y * 2 * np.pi / 60)).astype(int)
+    bend = np.rint(2 * np.sin(y * 2 * np.pi / 120)).astype(int)
     bent = np.stack([np.roll(line, b, axis=0) for line, b in zip(straight, bend, strict=True)])
     found = rectified(bent, (16, 0, 8, 12), 3)
     mended = bent.reshape(-1, 3)[found]

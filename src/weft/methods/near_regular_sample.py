@@ -29,7 +29,7 @@ _FREE = 4.0  # pixels of a tile so small that any place is similar
 _BLOCK_SIDE = 16  # of the low resolution that unconstrained gaps are looked for by
 _NUMBERS = 288  # that describe a border there, at most
 _WINDOWS = 16384  # that the unconstrained search looks at; more are thinned out
-_BLOCKY = 0.5  # share of brightness in what similar places differ by, from which blocks show
+_BLOCKY = 0.15  # share of brightness in what similar places differ by, from which blocks show
 _WIDE = 0.7  # of a block that is feathered then
 
 

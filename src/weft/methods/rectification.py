@@ -13,6 +13,7 @@ if TYPE_CHECKING:
 
 _ROUNDS = 2  # the mean tile gets sharper by the first
 _GRID = 4  # px between the places where the shift is found
+_GAIN = (3, 4)  # what is left of the difference, at most, where a part is moved
 _LEAST, _MOST = 4, 12  # px around such a place that are compared
 
 
@@ -85,7 +86,7 @@ def _moved(
     area = _box_means(np.ones((height, width), np.uint32), grid, radius)
     best = np.full(area.shape, np.iinfo(np.int64).max)
     found = np.zeros((2, *area.shape), np.int64)
-    total = np.zeros(area.shape, np.int64)
+    total, still = np.zeros(area.shape, np.int64), area
     rows, columns = np.arange(height), np.arange(width)
     for dy, dx in shifts:
         lines = levels[(rows + dy).clip(0, height - 1)]
@@ -93,9 +94,11 @@ def _moved(
         error *= error
         mean = _box_means(error.sum(axis=2).astype(np.uint32), grid, radius) // area
         total += mean
+        still = mean if (dy, dx) == (0, 0) else still
         better = mean < best
         best[better] = mean[better]
         found[:, better] = np.array([[dy], [dx]])
+    found[:, best * _GAIN[1] > still * _GAIN[0]] = 0
     sure = total // len(shifts) - best
     around = max(2, radius // 2)
     weight = _smooth(sure, around)
