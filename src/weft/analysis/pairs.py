@@ -138,6 +138,9 @@ def _multiply(field: Field, vectors: Floats) -> Floats:
                 whole = np.array([[across, slant], [0.0, index // across]])
                 gap, errors, count = stand_out(field, vectors, whole, reach, _NEAR)
                 higher = any(gap > least and errors > sure for least, sure in _HIGHER)
+                if not count:  # all of them lie between pixels, which explains half of a gap
+                    gap, _, count = stand_out(field, vectors, whole, reach)
+                    higher = gap > 0.5
                 if higher and count >= _OWN:
                     larger = reduced(whole @ vectors)
                     return fit_vectors(field.correlation, larger, _REACH)[0]
