@@ -346,7 +346,7 @@ def fill_gaps(
                         border[v, u, k] = pixels[p, q, k]
             gather(border, 0, 0, runs, query)
             count = 0
-            if steps.shape[0] == 0:
+            if steps.shape[0] == 0 and blocks.shape[0] > 0:
                 block_means(border, 0, 0, blocks, side, means)
                 project(basis, offset, shift, means, coordinates)
                 count = nearest_by_features(features, positions, coordinates, wanted, keys, places)
@@ -366,7 +366,7 @@ def fill_gaps(
                         factor += (
                             variety
                             * shown_again(here, other[n], width, dy[n], dx[n], size_y, size_x)
-                            // (size_y * size_x)
+                            // max(size_y * size_x, 1)
                         )
                     key = factor * mismatch(
                         pixels, turned, here // width, here % width, runs, query,
@@ -403,7 +403,7 @@ def fill_gaps(
                             factor += (
                                 variety
                                 * shown_again(here, other[n], width, dy[n], dx[n], size_y, size_x)
-                                // (size_y * size_x)
+                                // max(size_y * size_x, 1)
                             )
                         key = factor * mismatch(
                             pixels, turned, here // width, here % width, runs, query,

@@ -173,6 +173,11 @@ class Blocks:
         sample, windows, method = self.sample, self.sample.windows, self.sample.method
         channels, wanted = sample.pixels.shape[2], method.candidates or 1
         low, side, basis, offset, shift, features, places = sample.search
+        if sample.free and len(low) == 0:  # no borders to look at: any place
+            i, j = cells.T
+            choice = self.bits[i, j] % np.uint64(len(windows.centres))
+            self.place[i, j] = windows.centres[choice.astype(np.int64)]
+            return
         kernels.fill_gaps(
             sample.pixels, sample.turned, windows.usable, windows.period,
             sample.steps, windows.centres, np.ascontiguousarray(cells), self.phase, self.bits,
