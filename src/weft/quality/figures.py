@@ -71,7 +71,7 @@ _HALVES = "1 = as the sample's halves"
 
 FIGURES: dict[str, Figure] = {
     "patches": Figure(
-        "patches", _HALVES, "low", 1.5,
+        "patches", _HALVES, "low", 1.6,
         "Whether small patches, at four scales, look as they do in the sample.",
         "where in the picture they are; repetition; structure above 50 pixels",
         "has patches that the sample has not",
@@ -83,13 +83,13 @@ FIGURES: dict[str, Figure] = {
         "has other colours than the sample",
     ),
     "spectrum": Figure(
-        "spectrum", _HALVES, "low", 2.0,
+        "spectrum", _HALVES, "low", 1.5,
         "Whether as much varies at each period and in each direction.",
         "phase: edges and noise can have one spectrum",
         "varies more or less than the sample at some periods",
     ),
     "autocorrelation": Figure(
-        "autocorrelation", _HALVES, "low", 2.0,
+        "autocorrelation", _HALVES, "low", 2.2,
         "Whether it is as alike to itself at short shifts.",
         "what it is that is alike",
         "has another rhythm than the sample",
@@ -101,13 +101,13 @@ FIGURES: dict[str, Figure] = {
         "loses the sample's regular order",
     ),
     "seams": Figure(
-        "seams", "1 = as the sample's own", "low", 2.5,
+        "seams", "1 = as the sample's own", "low", 2.0,
         "Steps between neighbouring lines that what is around them does not explain.",
         "feathered seams; joints that end",
-        "has visible seams", 0.5,
+        "has visible seams",
     ),
     "sharpness": Figure(
-        "sharpness", "ratio", "one", 1.18,
+        "sharpness", "ratio", "one", 1.2,
         "How strong the finest detail is beside the sample's.",
         "what the detail is",
         "is blurred|is noisier than the sample",
@@ -119,13 +119,13 @@ FIGURES: dict[str, Figure] = {
         "is blurred in places", 0.05,
     ),
     "period": Figure(
-        "period", "share", "low", 0.1,
+        "period", "share", "low", 0.12,
         "The largest part that comes back at one and the same shift.",
         "copies that are turned, scaled or blended",
         "repeats itself at one distance",
     ),
     "repeats": Figure(
-        "near repeats", "share", "low", 0.3,
+        "near repeats", "share", "low", 0.25,
         "How much comes back within half the sample's side.",
         "copies that are turned, scaled or blended",
         "shows the same things side by side",
@@ -147,7 +147,7 @@ FIGURES: dict[str, Figure] = {
         "copies a large part of the sample in one piece",
     ),
     "evenness": Figure(
-        "evenness of use", "share", "high", 0.4,
+        "evenness of use", "share", "high", 0.33,
         "How much of the sample was used, counting what was used seldom for less.",
         "in what order the parts were used",
         "uses only a part of the sample",

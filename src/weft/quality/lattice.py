@@ -14,7 +14,8 @@ if TYPE_CHECKING:
 
 _CONFIDENCE = 0.5  # a lattice of less is too uncertain to be missed
 _MULTIPLES = 3
-_FAINT = 0.05  # contrast of correlations; a sample of less shows too little to compare
+_STEADY = 0.4  # of the sample's contrast; where its halves have less, it is no rule
+_FAINT = 0.08  # contrast of correlations; a sample of less shows too little to compare
 
 
 def lattice_kept(sample: View, result: View, lattice: Lattice | None) -> float | None:
@@ -38,23 +39,30 @@ def lattice_kept(sample: View, result: View, lattice: Lattice | None) -> float |
     Returns
     -------
     float or None
-        None without a lattice of confidence 0.5, or for a result that is smaller than its vectors.
+        None without a lattice of confidence 0.5, or where the sample's halves hardly have it, and
+        for results that are smaller than its vectors.
     """
     if lattice is None or lattice.confidence < _CONFIDENCE:
         return None
-    multiples, between = _places(lattice)
-    inside = [(abs(m) < np.array(sample.shape[::-1]) / 2).all(axis=1) for m in (multiples, between)]
-    multiples, between = multiples[inside[0]], between[inside[1]]
-    limit = np.array([min(sides) for sides in zip(sample.shape, result.shape, strict=True)][::-1])
-    inside = [(abs(m) < 0.75 * limit).all(axis=1) for m in (multiples, between)]
-    multiples, between = multiples[inside[0]], between[inside[1]]
+    halves = [half for pair in sample.halves for half in pair]
+    own, made = (_contrast(view, lattice, sample.shape) for view in (sample, result))
+    if own is None or made is None or own < _FAINT:
+        return None
+    parts = [_contrast(half, lattice, sample.shape) for half in halves]
+    steady = [part for part in parts if part is not None]
+    if not steady or np.mean(steady) < _STEADY * own:
+        return None
+    return max(0.0, made / own)
+
+
+def _contrast(view: View, lattice: Lattice, sample: tuple[int, int]) -> float | None:
+    """The correlation at multiples that lie in half the sample, less that between them."""
+    limit = np.minimum(np.array(sample) // 2, 0.75 * np.array(view.shape))[::-1]
+    multiples, between = (places[(abs(places) < limit).all(axis=1)] for places in _places(lattice))
     if not len(multiples) or not len(between):
         return None
-    contrast = [
-        _at(view.correlation, multiples, 2).mean() - _at(view.correlation, between, 0).mean()
-        for view in (sample, result)
-    ]
-    return None if contrast[0] < _FAINT else max(0.0, float(contrast[1] / contrast[0]))
+    at = _at(view.correlation, multiples, 2).mean() - _at(view.correlation, between, 0).mean()
+    return float(at)
 
 
 def _places(lattice: Lattice) -> tuple[NDArray[np.float64], NDArray[np.float64]]:

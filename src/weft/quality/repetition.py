@@ -20,8 +20,10 @@ _NARROWEST = 24  # sides of less are not looked at
 _WIDEST = 1024
 _NEAR = 6  # shifts of fewer pixels are a matter of sharpness
 _ERRORS = 6  # standard errors of a correlation that pass for chance
-_LEAST = 0.0625  # of the picture must overlap
+_FEWEST = 64  # pixels must overlap
+_HALF = 0.25  # of the sample: what it has at larger shifts is left to chance
 _CELL = 8  # half the side of a square of the map
+_RIM = 8  # pixels that whitening spoils, because transforms go around
 
 
 @dataclass(frozen=True, eq=False)
@@ -46,15 +48,16 @@ class Repetition:
 def repetition(sample: View, result: View) -> Repetition | None:
     """Find what comes back.
 
-    *Definition.* Both pictures are divided by the sample's mean power at each frequency, in windows
-    of 32 pixels, so that pixels are nearly independent of each other and a correlation with itself
-    at a shift is the share of the picture that is repeated there. What the sample has at the same
-    shift is subtracted, or the most that it has at any, where it is too small for the shift. Then
-    `period` is the largest share at any shift, `repeats` the sum of those within half the sample's
-    side; 6 standard errors or less are nothing.
+    *Definition.* Both pictures are divided by the root of their mean power at each frequency, in
+    windows of 32 pixels, so that pixels are nearly independent of each other, and the correlation
+    with itself at a shift is the share of the overlap that is repeated there. 6 standard errors,
+    and the most that the sample has at any shift, are subtracted: what repeats in it may repeat.
+    Times the overlap that is the share of the picture that comes back. `period` is the largest at
+    any shift, `repeats` the sum within half the sample's side.
 
     *Unit.* Share of the result. *Good.* Low. A sample of a quarter of the result's size must come
-    back about four times, so `repeats` is seldom 0 where pixels are copied. *Blind to* copies that
+    back about four times, so `repeats` is seldom 0 where pixels are copied; one that is laid side
+    by side has a period of a half and more. *Blind to* copies that
     are turned, scaled or blended, and to repetition that the eye sees without pixels being equal.
 
     Returns
@@ -65,7 +68,7 @@ def repetition(sample: View, result: View) -> Repetition | None:
     found = _both(sample, result)
     if found is None:
         return None
-    _, _, shares = found
+    shares = found[1]
     height, width = (side // 2 for side in shares.shape)
     share = shares[height:].copy()  # the rest mirrors it
     share[0, : width + 1] = 0
@@ -92,7 +95,7 @@ def repetition_map(
     found = _both(sample, result)
     if found is None:
         return None
-    white, part, _ = found
+    white = found[0]
     inside = np.zeros(white.shape)
     for dy, dx in shifts:
         height, width = white.shape[0] - dy, white.shape[1] - abs(dx)
@@ -105,30 +108,35 @@ def repetition_map(
             box = inside[y : y + height, x : x + width]
             np.maximum(box, alike, out=box)
     whole = np.zeros(result.shape)
-    top, left = ((h - o) // 2 for h, o in zip(result.shape, part.shape, strict=True))
-    whole[top : top + part.shape[0], left : left + part.shape[1]] = inside
+    top, left = ((h - o) // 2 for h, o in zip(result.shape, white.shape, strict=True))
+    whole[top : top + white.shape[0], left : left + white.shape[1]] = inside
     return whole
 
 
-def _both(sample: View, result: View) -> tuple[Floats, View, Floats] | None:
-    """The result with a flat spectrum, its part that is looked at, and what comes back in it."""
+def _both(sample: View, result: View) -> tuple[Floats, Floats] | None:
+    """The middle of the result with a flat spectrum, and what comes back in it."""
     part = result.centre(_WIDEST)
     if min(*sample.shape, *part.shape) < _NARROWEST:
         return None
     width = min(_WIDTH, 2 ** int(np.log2(min(sample.shape) // 2)))
-    power = mean_power(sample, width)
+    own, white = _whitened(sample, width), _whitened(part, width)
+    if own is None or white is None:
+        return None
+    rim = slice(_RIM, -_RIM), slice(_RIM, -_RIM)
+    own, white, usable = own[rim], white[rim], sample.usable[rim]
+    if usable.sum() < _NARROWEST:
+        return None
+    ours, overlap = _alike(own, usable)
+    most = float(np.where(overlap >= _HALF, ours, 0).max())
+    theirs, overlap = _alike(white, np.ones(white.shape, bool))
+    return white, np.maximum(theirs - most, 0) * overlap
+
+
+def _whitened(view: View, width: int) -> Floats | None:
+    """The picture divided by the root of its power; mean 0, variance 1. None if it is flat."""
+    power = mean_power(view, width)
     if power is None or not power.max() > 1e-3:
         return None
-    own, _ = _whitened(sample, power, width)
-    white, spread = _whitened(part, power, width)
-    if not spread > 0:
-        return None
-    ours, theirs = _shares(own, sample.usable), _shares(white, None)
-    return white, part, np.maximum(theirs - _explained(ours, theirs.shape), 0)
-
-
-def _whitened(view: View, power: Floats, width: int) -> tuple[Floats, float]:
-    """The picture divided by the root of the power, as smooth as that is; mean 0, variance 1."""
     height, across = view.shape
     y, x = np.fft.fftfreq(height)[:, None] * width, np.fft.rfftfreq(across)[None] * width
     full = np.concatenate([power, power[:1]]) + 1 / 12  # frequency -0.5 is 0.5
@@ -139,60 +147,42 @@ def _whitened(view: View, power: Floats, width: int) -> tuple[Floats, float]:
     smooth = (1 - dy) * ((1 - dx) * full[top, left] + dx * full[top, left + 1]) + dy * (
         (1 - dx) * full[top + 1, left] + dx * full[top + 1, left + 1]
     )
-    level = view.flat.astype(np.float64)
+    fade = [np.minimum(1, (np.minimum(k, k[::-1]) + 1) / _RIM) for k in map(np.arange, view.shape)]
+    level = view.flat * np.outer(*fade)
     white = np.fft.irfft2(np.fft.rfft2(level) / np.sqrt(smooth), view.shape)
     white = np.where(view.usable, white, 0)
-    # A few strong edges must not stand for the whole picture.
+    white -= white[view.usable].mean() * view.usable
     spread = float(np.sqrt((white[view.usable] ** 2).mean()))
-    if spread > 0:
-        white = np.clip(white / spread, -3, 3)
-        white -= white[view.usable].mean() * view.usable
-        white /= np.sqrt((white[view.usable] ** 2).mean())
-    return white, spread
+    if not spread > 0:
+        return None
+    # A few strong edges must not stand for the whole picture.
+    white = np.clip(white / spread, -3, 3)
+    result: Floats = white / np.sqrt((white[view.usable] ** 2).mean())
+    return result
 
 
-def _shares(white: Floats, usable: NDArray[np.bool_] | None) -> Floats:
-    """Correlation at every shift less what may be chance, no shift in the middle."""
+def _alike(white: Floats, usable: NDArray[np.bool_]) -> tuple[Floats, Floats]:
+    """Correlation at every shift less what may be chance, and how much of the picture overlaps."""
     height, width = white.shape
     size = (2 * height, 2 * width)
-    products = np.fft.irfft2(np.abs(np.fft.rfft2(white, size)) ** 2, size)
-    if usable is None or usable.all():
-        rows = np.maximum(0, height - abs(np.arange(-height + 1, height)))
-        columns = np.maximum(0, width - abs(np.arange(-width + 1, width)))
-        count = np.outer(rows, columns).astype(np.float64)
+    products = _middle(np.fft.irfft2(np.abs(np.fft.rfft2(white, size)) ** 2, size), height, width)
+    if usable.all():
+        sides = (side - abs(np.arange(1 - side, side)) for side in (height, width))
+        count = np.outer(*sides).astype(np.float64)
     else:
         count = np.fft.irfft2(np.abs(np.fft.rfft2(usable.astype(float), size)) ** 2, size)
         count = np.rint(_middle(count, height, width))
-    products = _middle(products, height, width)
-    enough = count >= _LEAST * height * width
-    count = np.maximum(count, 1)
-    share = products / count - _ERRORS / np.sqrt(count)
-    share[~enough] = 0
+    some = np.maximum(count, 1)
+    alike = np.clip(products / some - _ERRORS / np.sqrt(some), 0, 1)
     # Nearer shifts are how smooth the picture is.
     y, x = np.ogrid[1 - height : height, 1 - width : width]
-    share[np.maximum(abs(y), abs(x)) <= _NEAR] = 0
-    return np.maximum(share, 0)
+    alike[(np.maximum(abs(y), abs(x)) <= _NEAR) | (count < _FEWEST)] = 0
+    return alike, count / usable.sum()
 
 
 def _middle(wrapped: Floats, height: int, width: int) -> Floats:
     rows = np.arange(1 - height, height)
     return wrapped[np.ix_(rows, np.arange(1 - width, width))]
-
-
-def _explained(own: Floats, shape: tuple[int, int]) -> Floats:
-    """What the sample has within two pixels of each shift; the most it has, where it ends."""
-    near = own
-    for axis in (0, 1):
-        stack = [np.roll(near, k, axis) for k in range(-2, 3)]
-        near = np.maximum.reduce(stack)
-    result = np.full(shape, own.max())
-    ours, theirs = ((shape[0] // 2, shape[1] // 2), (own.shape[0] // 2, own.shape[1] // 2))
-    # Where less than a half of it overlaps, the sample has too little to say.
-    y, x = (min(a, b // 2) for a, b in zip(ours, theirs, strict=True))
-    result[ours[0] - y : ours[0] + y + 1, ours[1] - x : ours[1] + x + 1] = near[
-        theirs[0] - y : theirs[0] + y + 1, theirs[1] - x : theirs[1] + x + 1
-    ]
-    return result
 
 
 def _local_maxima(values: Floats) -> NDArray[np.bool_]:
