@@ -32,10 +32,12 @@ if TYPE_CHECKING:
     from weft.methods.quilting import Quilting
     from weft.methods.refinement import Refinement
     from weft.methods.wei_levoy import WeiLevoy
+    from weft.quality.assess import Assessment, assess
     from weft.synthesis import Synthesis
     from weft.tasks.analyze import analyze
     from weft.tasks.fill import fill
     from weft.tasks.fuse import fuse
+    from weft.tasks.report import Report, report
     from weft.tasks.synthesize import load_exemplar, synthesize
 
 __version__ = "0.1.0"
@@ -43,6 +45,7 @@ __version__ = "0.1.0"
 _HOME = {
     "METHODS": "method",
     "Ashikhmin": "methods.ashikhmin",
+    "Assessment": "quality.assess",
     "BestTile": "methods.best_tile",
     "Canvas": "canvas",
     "CancelledError": "errors",
@@ -57,15 +60,18 @@ _HOME = {
     "PatchSampling": "methods.patch_sampling",
     "Quilting": "methods.quilting",
     "Refinement": "methods.refinement",
+    "Report": "tasks.report",
     "Synthesis": "synthesis",
     "UnsupportedError": "errors",
     "WeftError": "errors",
     "WeiLevoy": "methods.wei_levoy",
     "analyze": "tasks.analyze",
+    "assess": "quality.assess",
     "fill": "tasks.fill",
     "fuse": "tasks.fuse",
     "load_exemplar": "tasks.synthesize",
     "read_image": "io",
+    "report": "tasks.report",
     "synthesize": "tasks.synthesize",
     "write_image": "io",
 }
@@ -73,6 +79,7 @@ _HOME = {
 __all__ = [
     "METHODS",
     "Ashikhmin",
+    "Assessment",
     "BestTile",
     "CancelledError",
     "Canvas",
@@ -87,15 +94,18 @@ __all__ = [
     "PatchSampling",
     "Quilting",
     "Refinement",
+    "Report",
     "Synthesis",
     "UnsupportedError",
     "WeftError",
     "WeiLevoy",
     "analyze",
+    "assess",
     "fill",
     "fuse",
     "load_exemplar",
     "read_image",
+    "report",
     "synthesize",
     "write_image",
 ]

@@ -30,6 +30,7 @@ usage: weft COMMAND ...      (weft COMMAND --help says more)
   fuse      merge several materials where a map says
   replay    lay a saved result again with another map of the same sample
   analyze   say what a sample is like: its scale, its lattice, whether it tiles
+  report    say how good a result is, in figures and maps of where it fails
   methods   list the methods, or the parameters of one
   samples   list the samples that ship with weft
 
@@ -79,6 +80,16 @@ examples:
   weft analyze stones.png
   weft analyze stone_wall/ --json
   weft analyze brick.png --overlay lattice.png
+"""
+_REPORT_ABOUT = """\
+Say how good a result is beside its sample: a page with pictures, maps of where it fails, and every
+figure beside that of real pictures of the surface.\
+"""
+_REPORT = """\
+examples:
+  weft report brick.png wall.png -o report.html
+  weft report brick.png wall.png --source wall.npz -o report.html
+  weft report brick.png tile.png --tileable --json
 """
 
 
@@ -304,6 +315,39 @@ def _analyze(argv: list[str]) -> None:
         print(found)
 
 
+def _report(argv: list[str]) -> None:
+    parser = Parser("report", _REPORT_ABOUT, _REPORT)
+    add = parser.add_argument
+    add("sample", metavar="SAMPLE", help="picture, folder of maps, or sample:NAME")
+    add("result", metavar="RESULT", help="what was made from it")
+    text = "what --save-source saved: says what was copied from where, and the parameters"
+    add("--source", metavar="F.npz", help=text)
+    text = "look at the border as well; x or y for one axis (default: what the source says)"
+    add("--tileable", nargs="?", const="xy", choices=("x", "y", "xy"), help=text)
+    add("-o", "--output", metavar="OUT.html", help="the page to write")
+    add("--json", action="store_true", help="print the figures as JSON")
+    add_huge(parser)
+    args = parser.parse(argv)
+    if args.output is None and not args.json:
+        raise InvalidInputError("nothing to do; give -o report.html, --json, or both")
+    from weft import io
+    from weft.tasks.report import report as measure
+
+    if args.output is not None:
+        io.check_output(args.output, suffixes=(".html",))
+    sample, result = load(args.sample, args)[0], load(args.result, args)[0]
+    wrap = None if args.tileable is None else ("y" in args.tileable, "x" in args.tileable)
+    found = measure(sample, result, args.source, tileable=wrap)
+    if args.output is not None:
+        found.save(args.output)
+    if args.json:
+        import json
+
+        print(json.dumps(found.as_dict(), indent=1))
+    else:
+        print(found.assessment.verdict())
+
+
 def _methods(argv: list[str]) -> None:
     parser = Parser("methods", "List the methods, or the parameters of one.", "")
     parser.add_argument("method", metavar="NAME", nargs="?")
@@ -336,6 +380,7 @@ _COMMANDS = {
     "fuse": _fuse,
     "replay": _replay,
     "analyze": _analyze,
+    "report": _report,
     "methods": _methods,
     "samples": _samples,
 }

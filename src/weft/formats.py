@@ -264,3 +264,25 @@ def file_error(path: StrPath, what: str, why: object = "") -> FileError:
 def show(path: str) -> str:
     """Return a path that prints on one line."""
     return "".join(c if c.isprintable() else ascii(c)[1:-1] for c in path) or "''"
+
+
+def png(pixels: NDArray[np.uint8]) -> bytes:
+    """Return a grey or RGB picture as a PNG file in memory, to be put into a page."""
+    import struct
+    import zlib
+
+    levels = pixels if pixels.ndim == 3 else pixels[..., None]
+    height, width, channels = levels.shape
+    lines = np.zeros((height, 1 + width * channels), np.uint8)
+    lines[:, 0] = 2  # each line less the one above
+    flat = levels.reshape(height, -1)
+    lines[0, 1:] = flat[0]
+    lines[1:, 1:] = flat[1:] - flat[:-1]
+
+    def chunk(kind: bytes, data: bytes) -> bytes:
+        body = kind + data
+        return struct.pack(">I", len(data)) + body + struct.pack(">I", zlib.crc32(body))
+
+    about = struct.pack(">IIBBBBB", width, height, 8, 2 if channels == 3 else 0, 0, 0, 0)
+    parts = ((b"IHDR", about), (b"IDAT", zlib.compress(lines.tobytes(), 6)), (b"IEND", b""))
+    return b"\x89PNG\r\n\x1a\n" + b"".join(chunk(*part) for part in parts)

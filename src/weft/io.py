@@ -354,3 +354,9 @@ def _target(given: str) -> str:
         return target
     except (OSError, ValueError) as error:
         raise file_error(given, "is not a usable path", error) from None
+
+
+def write_text(path: StrPath, text: str) -> None:
+    """Write a text in UTF-8; the file appears whole or not at all."""
+    with atomic(path) as temporary, open(temporary, "w", encoding="utf-8", newline="\n") as file:
+        file.write(text)
