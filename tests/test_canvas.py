@@ -104,7 +104,9 @@ def test_known_pixels_must_be_of_the_samples_kind(known):
     hole = np.zeros((20, 20), bool)
     hole[5:9, 5:9] = True
     with pytest.raises(InvalidInputError, match="known"):
-        weft.synthesize(SAMPLE, Canvas(20, 20, known=known, hole=hole), seed=1, patch_size=6)
+        weft.synthesize(
+            SAMPLE, Canvas(20, 20, known=known, hole=hole), method="quilting", patch_size=6
+        )
 
 
 def test_known_pixels_must_be_finite():
@@ -112,7 +114,7 @@ def test_known_pixels_must_be_finite():
     known[0, 0], hole[5:9, 5:9] = np.nan, True
     with pytest.raises(InvalidInputError, match="NaN"):
         canvas = Canvas(20, 20, known=known, hole=hole)
-        weft.synthesize(SAMPLE / 255, canvas, seed=1, patch_size=6)
+        weft.synthesize(SAMPLE / 255, canvas, seed=1, method="patch-sampling", patch_size=6)
 
 
 @pytest.mark.parametrize("known_from", [(-1, 0), (0, 5), (10, 10)])
@@ -121,7 +123,7 @@ def test_known_from_must_lie_in_the_sample(known_from):
     hole[5:9, 5:9] = True
     canvas = Canvas(20, 20, known=SAMPLE[:20, :20], hole=hole, known_from=known_from)
     with pytest.raises(InvalidInputError):
-        weft.synthesize(SAMPLE, canvas, seed=1, patch_size=6)
+        weft.synthesize(SAMPLE, canvas, seed=1, method="patch-sampling", patch_size=6)
 
 
 @pytest.mark.parametrize("wrap", [True, (True,), "yes", None, (1, 0, 1)])

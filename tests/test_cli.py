@@ -78,7 +78,8 @@ def test_synth_makes_what_the_library_makes(here, capsys):
     assert (made == weft.synthesize("sample.png", (90, 100), seed=7).image).all()
     err = capsys.readouterr().err
     assert re.fullmatch(
-        r"weft: made 100x90 out\.png with patch-sampling, patch size \d+, seed 7, "
+        r"weft: auto: .*structure.*: (graphcut|patch-sampling)\n"
+        r"weft: made 100x90 out\.png with \1, patch size \d+, seed 7, "
         r"in [\d.]+ s \([\d.e-]+ megapixels/s\)\n",
         err,
     ), err
@@ -280,6 +281,7 @@ def test_samples_version_and_help(capsys):
 
 # What is left when it fails.
 
+PATCHES = ["synth", "sample.png", "-o", "x.png", "--method", "patch-sampling"]
 WRONG = [
     ([], "a command is missing"),
     (["snyth"], "unknown command 'snyth'; did you mean 'synth'"),
@@ -308,12 +310,13 @@ WRONG = [
         "pixels at once",
     ),
     (["synth", "sample.png", "-o", "x.png", "--method", "quiltin"], "did you mean 'quilting'"),
-    (["synth", "sample.png", "-o", "x.png", "--patchsize", "9"], "did you mean '--patch-size'"),
-    (["synth", "sample.png", "-o", "x.png", "--patch-size", "0"], "1 or more"),
-    (["synth", "sample.png", "-o", "x.png", "--patch-size", "big"], "invalid int value"),
-    (["synth", "sample.png", "-o", "x.png", "--patch-size", "70"], "largest that fits is 64"),
-    (["synth", "sample.png", "-o", "x.png", "--blend", "cutt"], "did you mean 'cut'"),
-    (["synth", "sample.png", "-o", "x.png", "--epsilon", "nan"], "number"),
+    ([*PATCHES, "--patchsize", "9"], "did you mean '--patch-size'"),
+    (["synth", "sample.png", "-o", "x.png", "--patch-size", "9"], "--method patch-sampling or"),
+    ([*PATCHES, "--patch-size", "0"], "1 or more"),
+    ([*PATCHES, "--patch-size", "big"], "invalid int value"),
+    ([*PATCHES, "--patch-size", "70"], "largest that fits is 64"),
+    ([*PATCHES, "--blend", "cutt"], "did you mean 'cut'"),
+    ([*PATCHES, "--epsilon", "nan"], "number"),
     (["synth", "sample.png", "-o", "x.png", "--seed", "-1"], "--seed is -1"),
     (["synth", "sample.png", "-o", "x.png", "--threads", "0"], "--threads is 0"),
     (["synth", "sample.png", "-o", "x.png", "--tileable=z"], "invalid choice"),
@@ -328,7 +331,7 @@ WRONG = [
     (["synth", "uneven", "-o", "x"], "one size"),
     (["synth", "sample.png", "-o", "x.png", "--guide", "nowhere.png"], "nowhere.png"),
     (
-        ["synth", "sample.png", "-o", "x.png", "--guide", "photo.png"],
+        [*PATCHES, "--guide", "photo.png"],
         "patch-sampling does not do following a guide; these do: .*ashikhmin",
     ),
     (
@@ -469,7 +472,8 @@ def test_stopping_leaves_nothing(here, number, code, kind):
     write_image("maps/albedo.png", noise(700, 700, 3))
     before = listing(here)
     sample, output = ("large.png", "x.png") if kind == "one" else ("maps", "new")
-    words = ["--search", "exhaustive", "--patch-size", 64, "--repeat-distance", 0]
+    words = ["--method", "patch-sampling", "--search", "exhaustive", "--patch-size", 64]
+    words += ["--repeat-distance", 0]
     run = process("synth", sample, "-o", output, "--size", 6000, *words)
     time.sleep(1.5)
     assert run.poll() is None, run.communicate()
@@ -489,7 +493,8 @@ def test_a_bar_on_a_terminal(here):
     import termios
 
     write_image("large.png", noise(400, 400, 3))
-    words = ["--search", "exhaustive", "--patch-size", "64", "--size", "600"]
+    words = ["--method", "patch-sampling", "--search", "exhaustive", "--size", "600"]
+    words += ["--patch-size", "64"]
     command = [sys.executable, "-m", "weft.cli", "synth", "large.png", "-o", "x.png", *words]
     ours, theirs = pty.openpty()
     fcntl.ioctl(theirs, termios.TIOCSWINSZ, struct.pack("HHHH", 24, 80, 0, 0))

@@ -333,11 +333,13 @@ def test_the_sample_is_not_changed():
     pixels = noise(30, 30, 3)
     before = pixels.copy()
     for blend in ("feather", "cut"):
-        weft.synthesize(pixels, 40, seed=1, patch_size=8, blend=blend)
+        weft.synthesize(pixels, 40, seed=1, method="patch-sampling", patch_size=8, blend=blend)
     assert np.array_equal(pixels, before)
     hole = np.zeros((30, 30), bool)
     hole[5:9, 5:9] = True
     canvas = weft.Canvas(30, 30, known=pixels, hole=hole)
-    result = weft.synthesize(noise(20, 20, 3), canvas, seed=1, patch_size=8)
+    result = weft.synthesize(
+        noise(20, 20, 3), canvas, seed=1, method="patch-sampling", patch_size=8
+    )
     result.image[:] = 0
     assert np.array_equal(pixels, before)

@@ -141,7 +141,7 @@ def test_faint_pictures_are_stretched(rng, kind, dtype):
     order = np.argsort(faint, axis=None, kind="stable")
     assert (np.diff(matching.ravel()[order].astype(int)) >= 0).all()
     assert np.ptp(matching) >= 4 * np.ptp(faint) and matching.max() > 200
-    result = weft.synthesize(deep, 30, seed=1, patch_size=5, blend="none")
+    result = weft.synthesize(deep, 30, seed=1, method="patch-sampling", patch_size=5, blend="none")
     source = result.source
     assert np.array_equal(result.image, deep[source[..., 0], source[..., 1]])
 
@@ -238,6 +238,6 @@ def test_either_byte_order(rng, dtype):
 
     pixels = (rng.random((24, 24)) * 60000).astype(dtype)
     native = pixels.astype(pixels.dtype.newbyteorder("="))
-    one = weft.synthesize(pixels, 40, seed=1, patch_size=8)
-    other = weft.synthesize(native, 40, seed=1, patch_size=8)
+    one = weft.synthesize(pixels, 40, seed=1, method="patch-sampling", patch_size=8)
+    other = weft.synthesize(native, 40, seed=1, method="patch-sampling", patch_size=8)
     assert np.array_equal(one.image, other.image)

@@ -148,7 +148,7 @@ def test_unknown_methods_name_the_nearest(wrong, right):
 
 
 def test_quite_unknown_methods_list_all():
-    with pytest.raises(InvalidInputError, match="known: " + ", ".join(sorted(EVERY))):
+    with pytest.raises(InvalidInputError, match="known: " + ", ".join(sorted(["auto", *EVERY]))):
         METHODS["zzz"]
 
 

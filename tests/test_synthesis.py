@@ -159,7 +159,7 @@ def test_source_is_the_heaviest_layer():
 
 
 def test_source_of_a_tall_result_is_put_together_from_bands():
-    result = weft.synthesize(SAMPLE, (600, 20), seed=1, patch_size=10)
+    result = weft.synthesize(SAMPLE, (600, 20), seed=1, method="patch-sampling", patch_size=10)
     assert np.array_equal(result.source, result.layers()[0][:, :, 0])
 
 
@@ -258,7 +258,7 @@ def test_saved_and_loaded(tmp_path, make_one):
 
 
 def test_a_saved_result_is_small(tmp_path):
-    result = weft.synthesize("sample:pebbles", (1024, 1024), seed=1)
+    result = weft.synthesize("sample:pebbles", (1024, 1024), method="patch-sampling", seed=1)
     result.save(tmp_path / "wall.npz")
     assert (tmp_path / "wall.npz").stat().st_size < result.image.nbytes / 50
 

@@ -23,6 +23,7 @@ if TYPE_CHECKING:
     from weft.io import read_image, write_image
     from weft.method import METHODS, Method
     from weft.methods.ashikhmin import Ashikhmin
+    from weft.methods.auto import Auto
     from weft.methods.best_tile import BestTile
     from weft.methods.efros_leung import EfrosLeung
     from weft.methods.exact_matching import ExactMatching
@@ -46,6 +47,7 @@ _HOME = {
     "METHODS": "method",
     "Ashikhmin": "methods.ashikhmin",
     "Assessment": "quality.assess",
+    "Auto": "methods.auto",
     "BestTile": "methods.best_tile",
     "Canvas": "canvas",
     "CancelledError": "errors",
@@ -80,6 +82,7 @@ __all__ = [
     "METHODS",
     "Ashikhmin",
     "Assessment",
+    "Auto",
     "BestTile",
     "CancelledError",
     "Canvas",

@@ -145,7 +145,8 @@ def main(argv: list[str] | None = None) -> int:
 
 def _finish(message: str, quiet: bool) -> None:
     if not quiet:
-        say(message)
+        for line in message.splitlines():
+            say(line)
 
 
 def _synth(argv: list[str]) -> None:
@@ -185,7 +186,7 @@ def _fill(argv: list[str]) -> None:
     parser.add_argument("photo", metavar="PHOTO", help="picture, folder of maps, or sample:NAME")
     parser.add_argument("--mask", metavar="M", required=True, help="picture, white where to fill")
     parser.add_argument("--sample", metavar="S", help="learn from this picture, not from the photo")
-    args, method, parameters = parse_task(parser, argv)
+    args, method, parameters = parse_task(parser, argv, "patch-sampling")
     method(**parameters)  # finds wrong values before anything is read
 
     def work(bar: Bar, outputs: Outputs) -> str:
@@ -352,14 +353,14 @@ def _methods(argv: list[str]) -> None:
     parser = Parser("methods", "List the methods, or the parameters of one.", "")
     parser.add_argument("method", metavar="NAME", nargs="?")
     name = parser.parse(argv).method
-    from weft.method import CANVAS_KINDS, METHODS
+    from weft.method import AUTO, CANVAS_KINDS, METHODS, method_class
 
     if name is None:
-        for slug, cls in METHODS.items():
+        for slug, cls in ((AUTO, method_class(AUTO)), *METHODS.items()):
             kinds = ", ".join(text for kind, text in CANVAS_KINDS.items() if kind in cls.supports)
             print(f"{slug:16}  {cls.title:22}  {kinds}")
         return
-    cls = METHODS[name]
+    cls = method_class(name)
     print(f"{cls.title}\n{cls.paper}\n")
     for field, values in parameters_of(cls):
         print(f"--{field.name.replace('_', '-')}\n    {field.metadata['help']}\n    {values}")

@@ -223,7 +223,9 @@ class _Registry(Mapping[str, type[Method]]):
 
     def __getitem__(self, slug: str) -> type[Method]:
         if slug not in self._names:
-            raise InvalidInputError(f"unknown method '{slug}'{did_you_mean(slug, self._names)}")
+            raise InvalidInputError(
+                f"unknown method '{slug}'{did_you_mean(slug, [AUTO, *self._names])}"
+            )
         from importlib import import_module
 
         module = import_module("weft.methods." + slug.replace("-", "_"))
@@ -242,6 +244,9 @@ class _Registry(Mapping[str, type[Method]]):
     def __len__(self) -> int:
         return len(self._names)
 
+
+#: The name that stands for the method that suits the sample best.
+AUTO = "auto"
 
 #: Every method by its slug.
 METHODS: Mapping[str, type[Method]] = _Registry(
@@ -271,6 +276,27 @@ def thread_count(threads: int | None) -> int:
     return threads or os.cpu_count() or 1
 
 
+def method_class(name: str) -> type[Method]:
+    """Return the method of that slug; "auto" too, which is a choice among them and not one of them.
+
+    Raises
+    ------
+    InvalidInputError
+        For an unknown method, with the nearest right name.
+    """
+    if name == AUTO:
+        from importlib import import_module
+
+        auto: type[Method] = import_module("weft.methods.auto").Auto
+        return auto
+    return METHODS[name]
+
+
+def owners(parameter: str) -> list[str]:
+    """The methods that have a parameter of this name."""
+    return [s for s in METHODS if parameter in (f.name for f in dataclasses.fields(METHODS[s]))]
+
+
 def make_method(method: str | Method, parameters: Mapping[str, Any]) -> Method:
     """Return the method of that slug with these parameters.
 
@@ -286,11 +312,13 @@ def make_method(method: str | Method, parameters: Mapping[str, Any]) -> Method:
     """
     if not isinstance(method, (str, Method)):
         raise InvalidInputError(f"method is {method!r}; it must be a name or a Method")
-    cls = METHODS[method] if isinstance(method, str) else type(method)
+    cls = method_class(method) if isinstance(method, str) else type(method)
     known = [field.name for field in dataclasses.fields(cls)]
     for name in parameters:
         if name not in known:
             near = did_you_mean(name, known)
+            if cls.slug == AUTO and owners(name):
+                near = f"; these methods do: {', '.join(owners(name))}"
             raise InvalidInputError(f"{cls.slug} has no parameter '{name}'{near}")
     return (
         cls(**parameters) if isinstance(method, str) else dataclasses.replace(method, **parameters)

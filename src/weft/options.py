@@ -57,12 +57,16 @@ def add_limits(parser: Parser) -> None:
 
 
 def parse_task(
-    parser: Parser, argv: list[str], default: str = "patch-sampling"
+    parser: Parser, argv: list[str], default: str = "auto"
 ) -> tuple[argparse.Namespace, type[Method], dict[str, Any]]:
-    """Parse what all tasks take, and the parameters of the chosen method."""
+    """Parse what all tasks take, and the parameters of the chosen method.
+
+    A task with another default than "auto" takes that for "auto" too.
+    """
     add = parser.add_argument
     add("-o", "--output", metavar="OUT", required=True, help="file, or folder, to write")
-    add("--method", default=default, metavar="NAME", help="see 'weft methods'")
+    text = "chosen by the sample" if default == "auto" else default
+    add("--method", default=default, metavar="NAME", help=f"see 'weft methods'; default: {text}")
     add("--seed", type=int, metavar="N", help="the same seed gives the same bytes")
     text = "repeats without a seam, along both axes or one"
     add("--tileable", nargs="?", choices=("xy", "x", "y"), metavar="x|y", help=text)
@@ -75,9 +79,12 @@ def parse_task(
     chooser = argparse.ArgumentParser(add_help=False, allow_abbrev=False, exit_on_error=False)
     chooser.add_argument("--method", default=default, nargs="?")
     name = chooser.parse_known_args(argv)[0].method or ""
-    from weft.method import METHODS
+    from weft.method import AUTO, method_class
 
-    method = METHODS[name]
+    name = default if name == AUTO else name
+    method = method_class(name)
+    if name == AUTO:
+        _refuse_parameters(parser, argv)
     group = parser.add_argument_group(f"parameters of {name}")
     for field, values in parameters_of(method):
         kind: Any = {"int": int, "float": float}.get(str(field.type).split(" ")[0], str)
@@ -89,7 +96,10 @@ def parse_task(
             metavar=field.metadata["unit"].upper() or ("TEXT" if kind is str else "N"),
             help=text.replace("%", "%%"),
         )
+    if name == AUTO:
+        group.description = "none; with --method NAME --help stand those of another method"
     args = parser.parse(argv)
+    args.method = name
     if args.threads is not None and args.threads < 1:
         raise InvalidInputError(f"--threads is {args.threads}; it must be 1 or more")
     if args.seed is not None and not 0 <= args.seed < 2**64:
@@ -100,6 +110,20 @@ def parse_task(
         if name.startswith("parameter_") and value is not None
     }
     return args, method, given
+
+
+def _refuse_parameters(parser: Parser, argv: list[str]) -> None:
+    """Name the methods that have a parameter which "auto" chooses by itself."""
+    from weft.method import owners
+
+    for word in argv:
+        option = word.split("=")[0]
+        if option.startswith("--") and option not in parser._option_string_actions:
+            able = owners(option[2:].replace("-", "_"))
+            if able:
+                raise InvalidInputError(
+                    f"{option} belongs to a method, so name one: --method {' or '.join(able)}"
+                )
 
 
 def parameters_of(method: type[Method]) -> Iterator[tuple[Any, str]]:

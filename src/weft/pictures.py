@@ -74,8 +74,10 @@ def write(
 
 
 def report(args: argparse.Namespace, result: Synthesis, what: str, start: float) -> str:
-    """Say in one line what was made, how, and how fast."""
+    """Say in a line what was made, how, and how fast; why so, in lines above, where weft chose."""
     used, took = result.provenance, perf_counter() - start
+    why = f"auto: {used['reason']}\n" if "reason" in used else ""
+    why += "".join(f"note: {warning}\n" for warning in used.get("warnings", ()))
     if "window_width" in used:
         looked = f"window width {used['window_width'] or 'by sample'}"
     elif "lattice" in used:
@@ -85,7 +87,7 @@ def report(args: argparse.Namespace, result: Synthesis, what: str, start: float)
         looked = f"patch size {used['patch_size'] or max(result.arrays()['weights'].shape[1:])}"
     hole = result.canvas.hole
     area = result.shape[0] * result.shape[1] if hole is None else int(hole.sum())
-    return (
+    return why + (
         f"{what} {args.output} with {used['method']}, {looked}, seed {used['seed']}, "
         f"in {took:.2f} s ({area / took / 1e6:.3g} megapixels/s)"
     )

@@ -1,4 +1,4 @@
-"""What a sample is like: scale, regularity and lattice, whether it tiles, windows that follow."""
+"""What a sample is like: scale, lattice, evenness, whether it tiles; the method that follows."""
 
 from __future__ import annotations
 
@@ -8,12 +8,14 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from weft.analysis.evenness import Evenness
 from weft.analysis.lattice import Lattice, find_lattice
 from weft.analysis.regularity import regularity
 from weft.analysis.scale import DominantScale, dominant_scale
 from weft.analysis.tiling import SEAMLESS, border_steps
 from weft.errors import InvalidInputError
 from weft.method import METHODS
+from weft.methods.auto import Auto, Choice
 from weft.tasks.synthesize import load_exemplar
 
 if TYPE_CHECKING:
@@ -73,6 +75,11 @@ class Analysis:
         See `weft.analysis.tiling.border_steps`.
     tiles : (bool, bool)
         Whether it repeats without a seam, downwards and to the right.
+    evenness : Evenness
+        See `weft.analysis.evenness`.
+    choice : Choice
+        What "auto" takes for an output of twice the sample's size, and why; see
+        `weft.methods.auto`.
     windows : dict of str to int or None
         What each method with a window takes for this sample by itself; None where it cannot be
         made from this sample at all.
@@ -93,6 +100,8 @@ class Analysis:
     lattice: Lattice | None
     border_steps: tuple[float, float]
     tiles: tuple[bool, bool]
+    evenness: Evenness
+    choice: Choice
     windows: dict[str, int | None]
 
     def as_dict(self) -> dict[str, Any]:
@@ -116,6 +125,8 @@ class Analysis:
             ("regularity", f"{self.regularity:g}"),
             ("lattice", _words(self.lattice)),
             ("tiles", f"{words[self.tiles]} ({across})"),
+            ("auto", self.choice.reason),
+            *(("note", warning) for warning in self.choice.warnings),
             *(("window", f"{'none' if width is None else f'{width} px'} for {slug}")
               for slug, width in self.windows.items()),
         ]  # fmt: skip
@@ -155,6 +166,8 @@ def analyze(sample: Sample) -> Analysis:
     exemplar = load_exemplar(sample)
     found = dominant_scale(exemplar)
     down, right = border_steps(exemplar)
+    model = Auto().fit(exemplar)
+    look = model.findings
     return Analysis(
         name=exemplar.name,
         height=exemplar.shape[0],
@@ -168,9 +181,11 @@ def analyze(sample: Sample) -> Analysis:
         confidence=found.confidence,
         spectrum=_bands(found),
         regularity=regularity(exemplar),
-        lattice=find_lattice(exemplar),
+        lattice=look.lattice if look.exact else find_lattice(exemplar),
         border_steps=(down, right),
         tiles=(down <= SEAMLESS, right <= SEAMLESS),
+        evenness=look.evenness,
+        choice=model.choose((2 * exemplar.shape[0], 2 * exemplar.shape[1])),
         windows=_windows(exemplar),
     )
 

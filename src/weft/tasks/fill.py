@@ -11,7 +11,7 @@ import numpy as np
 from weft.canvas import Canvas, as_canvas
 from weft.errors import InvalidInputError
 from weft.exemplar import Exemplar
-from weft.method import Method, make_method
+from weft.method import AUTO, Method, make_method
 from weft.pixel_synthesis import PixelSynthesis
 from weft.random import seed_number
 from weft.tasks.synthesize import load_exemplar
@@ -26,6 +26,9 @@ if TYPE_CHECKING:
 
     #: A path, a PIL image or a bool array (H, W), True where the photo is to be filled.
     Mask = str | os.PathLike[str] | NDArray[np.bool_] | Any
+
+#: The method for holes; what "auto" stands for here.
+DEFAULT = "patch-sampling"
 
 #: Usable pixels around the holes that patches are taken from. More make it slower, and what is
 #: further away looks less like the place.
@@ -47,7 +50,7 @@ def fill(
     mask: Mask,
     *,
     sample: Sample | None = None,
-    method: str | Method = "patch-sampling",
+    method: str | Method = DEFAULT,
     seed: Seed = None,
     tileable: bool | str = False,
     threads: int | None = None,
@@ -107,6 +110,7 @@ def fill(
     >>> bool((result.image[~hole] == photo[~hole]).all())
     True
     """
+    method = DEFAULT if getattr(method, "slug", method) == AUTO else method
     chosen = make_method(method, parameters)
     seed = seed_number(seed)
     whole = load_exemplar(photo)

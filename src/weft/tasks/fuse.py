@@ -12,7 +12,7 @@ from weft.analysis.scale import dominant_scale
 from weft.canvas import Canvas, as_canvas
 from weft.errors import InvalidInputError, UnsupportedError
 from weft.exemplar import Exemplar
-from weft.method import METHODS, Method, make_method
+from weft.method import AUTO, METHODS, Method, make_method
 from weft.pixel_synthesis import PixelSynthesis
 from weft.random import draw, seed_number
 from weft.seams.merge import island
@@ -28,6 +28,9 @@ if TYPE_CHECKING:
     from weft.random import Seed
     from weft.tasks.synthesize import Sample
 
+#: The method for fusion; what "auto" stands for here.
+DEFAULT = "refinement"
+
 # Labels of mixed regions start here: that of samples a < b of n is _MIXED + a * n + b.
 _MIXED = 1 << 16
 
@@ -39,7 +42,7 @@ def fuse(
     *,
     colors: Sequence[Any] | None = None,
     mixed: Mapping[Any, tuple[int, int]] | None = None,
-    method: str | Method = "refinement",
+    method: str | Method = DEFAULT,
     seed: Seed = None,
     tileable: bool | str = False,
     threads: int | None = None,
@@ -101,6 +104,7 @@ def fuse(
     (80, 90, 3)
     """
     number = seed_number(seed)
+    method = DEFAULT if getattr(method, "slug", method) == AUTO else method
     chosen = make_method(method, parameters)
     exemplars = [load_exemplar(sample) for sample in samples]
     _check_kinds(exemplars)

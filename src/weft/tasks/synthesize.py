@@ -11,7 +11,7 @@ import numpy as np
 from weft.canvas import as_canvas
 from weft.errors import InvalidInputError
 from weft.exemplar import Exemplar
-from weft.method import Method, make_method
+from weft.method import AUTO, Method, make_method
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -35,7 +35,7 @@ def synthesize(
     sample: Sample,
     size: Canvas | int | tuple[int, int],
     *,
-    method: str | Method = "patch-sampling",
+    method: str | Method = AUTO,
     seed: Seed = None,
     tileable: bool | str = False,
     guide: Sample | None = None,
@@ -53,7 +53,8 @@ def synthesize(
     size : int, (int, int) or Canvas
         Height and width of the output in pixels.
     method : str or Method
-        A name in `weft.METHODS`, or a method with its parameters.
+        A name in `weft.METHODS`, or a method with its parameters. By default `Auto` looks at the
+        sample and chooses; the result's `provenance` says what and why.
     seed : int, numpy Generator or None
         The same seed gives the same bytes, whatever the number of threads.
     tileable : bool or {"x", "y"}

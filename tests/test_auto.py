@@ -1,0 +1,210 @@
+"""The method that is chosen for a sample, what is said of it, and where it may be asked for."""
+
+import dataclasses
+import pickle
+import re
+
+import numpy as np
+import pytest
+
+import weft
+from families import canvas_of, kinds_of, noise
+from weft.analysis.evenness import Evenness
+from weft.analysis.lattice import Lattice
+from weft.canvas import Canvas
+from weft.errors import InvalidInputError
+from weft.methods import auto
+from weft.methods.auto import Findings, choose, look
+
+EVEN = Evenness(0.0, 0.0, 0.0, (1.0, 1.0))
+GRASS = Findings((256, 256), None, True, 11.5, 5000, EVEN)
+TILES = Lattice(((31.05, 0.0), (-0.25, 102.17)), 0.87)
+ROWS = Lattice(((0.0, 46.0),), 0.95)
+
+
+def with_(**changes):
+    return dataclasses.replace(GRASS, **changes)
+
+
+RULE = [
+    (GRASS, Canvas(512, 512), "patch-sampling", "fine structure, 11.5 px of 256"),
+    (with_(scale=16.0), Canvas(512, 512), "patch-sampling", "fine"),
+    (with_(scale=16.1), Canvas(512, 512), "graphcut", "irregular structure of 16.1 px"),
+    (with_(scale=40.0), Canvas(1024, 1024), "graphcut", "irregular"),
+    (with_(scale=40.0), Canvas(1024, 1025), "quilting", "1.05 megapixels would take graphcut too"),
+    (with_(scale=40.0), Canvas(8192, 8192), "quilting", "67.1 megapixels .* graphcut 11 minutes"),
+    (with_(colors=2), Canvas(512, 512), "quilting", r"few colours \(2\)"),
+    (with_(lattice=ROWS), Canvas(512, 512), "quilting", "rows, distance 46.0 px"),
+    (with_(lattice=TILES), Canvas(9999, 9999), "near-regular", "lattice 31.1 x 102.2 px.* 0.87"),
+    (
+        with_(lattice=TILES),
+        Canvas(512, 512, (True, True)),
+        "near-regular",
+        "confidence 0.87: near-regular",
+    ),
+    (with_(lattice=TILES), Canvas(150, 150, (True, True)), "quilting", "150x150 would strain by"),
+    (with_(lattice=TILES, shape=(100, 120)), Canvas(150, 150), "graphcut", "irregular"),
+    (with_(shape=(300, 31)), Canvas(512, 512), "graphcut", "too small to be analysed, 31x300"),
+    (with_(shape=(300, 31)), Canvas(2048, 2048), "quilting", "too small"),
+    (with_(shape=(1, 2)), Canvas(2048, 2048), "graphcut", "too small"),
+]
+
+
+@pytest.mark.parametrize(("findings", "canvas", "method", "reason"), RULE)
+def test_the_rule(findings, canvas, method, reason):
+    choice = choose(findings, canvas)
+    assert choice.method == method
+    assert choice.reason.endswith(f": {method}") and "\n" not in str(choice)
+    assert re.search(reason, choice.reason), choice.reason
+    assert choice.warnings == ()
+
+
+@pytest.mark.parametrize(
+    ("even", "words"),
+    [
+        (Evenness(0.4, 80.0, 0.1, (1.0, 1.0)), "light changes by 80 of 255 levels.* even it out"),
+        (Evenness(0.4, 80.0, 0.6, (1.0, 1.0)), "60 % .* one object, or too few things"),
+        (Evenness(0.0, 0.0, 0.0, (1.0, 0.5)), "2 times as large at one side.* straighten"),
+        (Evenness(0.4, 20.0, 0.3, (1.0, 1.0)), None),
+        (Evenness(0.2, 90.0, 0.3, (1.0, 1.0)), None),
+    ],
+)
+def test_what_no_method_can_do_is_said_and_made_all_the_same(even, words):
+    choice = choose(with_(evenness=even), Canvas(512, 512))
+    assert choice.method == "patch-sampling"
+    assert len(choice.warnings) == (words is not None)
+    if words:
+        assert re.search(words, str(choice))
+
+
+CHOSEN = {
+    "bricks": "near-regular",
+    "tiles": "near-regular",
+    "weave": "near-regular",
+    "grass": "patch-sampling",
+    "wood": "patch-sampling",
+    "leaves": "graphcut",
+}
+
+
+@pytest.mark.parametrize("name", CHOSEN)
+def test_samples_get_the_method_for_them(name):
+    exemplar = weft.load_exemplar(f"sample:{name}")
+    choice = choose(look(exemplar), Canvas(512, 512))
+    assert choice.method == CHOSEN[name] and not choice.warnings
+
+
+def test_a_lattice_is_found_in_a_larger_sample_too():
+    tiles = weft.load_exemplar("sample:tiles").pixels
+    large = look(weft.Exemplar(tiles.repeat(4, 0).repeat(4, 1)))
+    assert not large.exact and large.lattice.same_as(Lattice(((124.2, 0.0), (-1, 408.7)), 1.0))
+    # A fine one is lost where pixels are averaged, and found in a part.
+    y, x = np.indices((1100, 1000))
+    fine = (127 + 90 * ((x // 2 + y // 3) % 2)).astype(np.uint8)
+    found = look(weft.Exemplar(fine))
+    assert found.lattice is not None and found.lattice.area < 40
+    assert choose(found, Canvas(500, 500)).parameters == {}  # it is found again, exactly
+
+
+def test_light_one_object_and_perspective_are_noticed():
+    leaves = weft.load_exemplar("sample:leaves").pixels
+    falling = leaves * np.linspace(1, 0.3, 256)[:, None, None]
+    (warning,) = choose(look(weft.Exemplar(falling.astype(np.uint8))), Canvas(99, 99)).warnings
+    assert "light" in warning
+    y, x = np.indices(leaves.shape[:2])
+    object_ = np.where((np.hypot(y - 120, x - 130) < 70)[..., None], leaves, 240).astype(np.uint8)
+    (warning,) = choose(look(weft.Exemplar(object_)), Canvas(99, 99)).warnings
+    assert "one object" in warning
+    # A floor of stones, half as large at the far end.
+    tiles = weft.load_exemplar("sample:tiles").pixels
+    size = 0.5 + 0.5 * np.arange(256) / 255
+    down = np.cumsum(1 / size**2).astype(int) % 256
+    right = ((np.arange(256) - 128) / size[:, None] + 128).astype(int) % 256
+    floor = look(weft.Exemplar(tiles[down[:, None], right]))
+    assert floor.evenness.perspective[0] > 1.3 and floor.evenness.perspective[1] == 1
+    turned = look(weft.Exemplar(np.ascontiguousarray(tiles[down[:, None], right].swapaxes(0, 1))))
+    assert turned.evenness.perspective == floor.evenness.perspective[::-1]
+
+
+def test_the_result_is_that_of_the_method_by_name():
+    for name, size in (("grass", 120), ("tiles", 90), ("leaves", 60)):
+        exemplar = weft.load_exemplar(f"sample:{name}")
+        made = weft.synthesize(exemplar, size, seed=3, tileable="x")
+        about = dict(made.provenance)
+        assert about.pop("reason").endswith(about["method"])
+        seed = about.pop("seed")
+        known = {f.name for f in dataclasses.fields(weft.METHODS[about["method"]])}
+        parameters = {k: v for k, v in about.items() if k in known}
+        again = weft.synthesize(
+            exemplar, size, method=about["method"], seed=seed, tileable="x", **parameters
+        )
+        assert np.array_equal(made.image, again.image)
+        assert np.array_equal(made.source, again.source)
+        options = {"method": "auto", "tileable": "x", "threads": 1}
+        same = weft.synthesize(exemplar, size, seed=3, **options)
+        assert np.array_equal(made.image, same.image)
+
+
+@pytest.mark.parametrize("kind", ["plain", "xy", "hole", "wrapped hole", "guide"])
+def test_any_canvas_that_a_method_does(kind):
+    assert kind in {"plain", "xy", *kinds_of("patch-sampling"), *kinds_of("refinement")}
+    pixels = noise((30, 31, 3))
+    model = weft.Auto().fit(weft.Exemplar(pixels))
+    made = model.sample(canvas_of(kind, pixels), seed=1)
+    wanted = {"guide": "refinement", "hole": "patch-sampling", "wrapped hole": "patch-sampling"}
+    assert made.provenance["method"] == wanted.get(kind, "graphcut")
+    same = pickle.loads(pickle.dumps(model)).sample(canvas_of(kind, pixels), seed=1)
+    assert np.array_equal(made.image, same.image)
+
+
+@pytest.mark.parametrize("shape", [(1, 1), (1, 40), (2, 300), (33, 32), (400, 33)])
+@pytest.mark.parametrize("value", ["noise", "constant"])
+def test_samples_of_any_size_give_something(shape, value):
+    pixels = noise((*shape, 3)) if value == "noise" else np.full((*shape, 3), 9, np.uint8)
+    made = weft.synthesize(pixels, (37, 41), seed=1)
+    assert made.image.shape == (37, 41, 3) and "reason" in made.provenance
+    assert value == "noise" or (made.image == 9).all()
+
+
+def test_a_mask_that_leaves_little_gets_a_method_that_takes_it():
+    grass = weft.load_exemplar("sample:grass").pixels
+    mask = np.random.default_rng(0).random(grass.shape[:2]) < 0.7  # no patch is whole
+    made = weft.synthesize(weft.Exemplar(grass, mask=mask), 40, seed=1)
+    assert made.provenance["method"] in ("graphcut", "ashikhmin")
+    assert "which this sample does not do" in made.provenance["reason"]
+    wide = np.zeros((700, 900), bool)
+    wide[640:, 850:] = True
+    assert look(weft.Exemplar(np.zeros((700, 900), np.uint8), mask=wide)).colors == 1
+
+
+def test_holes_and_fusion_keep_their_own():
+    photo = weft.load_exemplar("sample:pebbles").pixels[:80, :80]
+    hole = np.zeros((80, 80), bool)
+    hole[30:50, 30:45] = True
+    plain = weft.fill(photo, hole, seed=1)
+    for method in ("auto", weft.Auto()):
+        assert np.array_equal(weft.fill(photo, hole, seed=1, method=method).image, plain.image)
+    assert weft.fill(photo, hole, method="auto", seed=1, patch_size=12).provenance["method"] == (
+        "patch-sampling"
+    )
+    materials = [photo[:40, :40], 255 - photo[:40, :40]]
+    made = [
+        weft.fuse(materials, "gradient", 24, seed=1, **method)
+        for method in ({}, {"method": "auto"})
+    ]
+    assert np.array_equal(made[0].image, made[1].image)
+
+
+def test_parameters_belong_to_a_method():
+    with pytest.raises(InvalidInputError, match="these methods do: patch-sampling, quilting"):
+        weft.synthesize(noise((40, 40)), 40, patch_size=9)
+    with pytest.raises(InvalidInputError, match="auto has no parameter 'nothing'"):
+        weft.synthesize(noise((40, 40)), 40, nothing=9)
+    assert "auto" not in weft.METHODS
+    assert weft.Auto().settle(weft.Exemplar(noise((9, 9)))) == weft.Auto()
+
+
+def test_few_colours_are_counted():
+    drawing = (np.indices((200, 200)).sum(0) // 3 % 2 * 255).astype(np.uint8)
+    assert auto._colors(weft.Exemplar(drawing)) == 2
+    assert auto._colors(weft.Exemplar(noise((60, 60, 3)))) == 1200
