@@ -86,10 +86,10 @@ def seams(model: Seams, result: View) -> float | None:
     """Say how much more the picture breaks off than the sample does.
 
     *Definition.* The step from each pixel to the next is predicted from the 30 steps beside it, in
-    five lines and without its own; least squares on the sample say how. The logarithm of what is
-    left of it, over what is usually left where steps are as large, is averaged over 17 pixels
-    along the line. What passes the sample's own quantile of 99 % is summed up; over the same of
-    the sample, in the quarter of it with most.
+    five lines and without its own; least squares on the sample say how. What is left of it, over
+    what is usually left where steps are as large, is averaged over 17 pixels along the line. What
+    passes the sample's own quantile of 99 % is summed up; over the same of the sample, in the
+    quarter of it with most.
 
     *Unit.* 1 is as many and as strong as the sample's own. *Good.* Low, up to about 2. *Blind to*
     seams that are feathered or follow outlines, and to joints that end: what they break is not a
@@ -169,7 +169,7 @@ def _fit(grey: Floats, usable: NDArray[np.bool_]) -> Model | None:
 
 
 def _surprise(grey: Floats, model: Model) -> Floats:
-    """Of each step, the logarithm of what is left of it over what usually is."""
+    """Of each step, what is left of it over what usually is."""
     weights, knots, usual = model
     steps = _steps(grey)
     left, activity = _inner(steps).copy(), np.zeros_like(_inner(steps))
@@ -178,7 +178,7 @@ def _surprise(grey: Floats, model: Model) -> Floats:
         left -= np.float32(weight) * beside
         activity += beside * beside
     expected = np.interp(activity / len(weights), knots, usual)
-    return np.log1p(left * left / expected).astype(np.float32)
+    return np.sqrt(left * left / expected).astype(np.float32)
 
 
 def _pooled(surprise: Floats) -> Floats:
