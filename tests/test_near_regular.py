@@ -8,6 +8,7 @@ import pytest
 import reference
 import weft
 from weft.methods import _near_regular_kernels as kernels
+from weft.methods.mean_tile import origin_of
 from weft.methods.near_regular_sample import wedges_of
 from weft.methods.rectification import rectified
 from weft.patch_synthesis import RectifiedSynthesis
@@ -65,6 +66,78 @@ def test_like_its_twin(parameters, corner):
     twin = reference.NearRegularTwin(pixels, usable_of(model), model.method, 7)
     result = model.window(*corner, 25, 30, seed=7)
     assert np.array_equal(result.source, twin.source(*corner, 25, 30))
+
+
+def ellipse(shape, place, radius):
+    y, x = np.indices(shape)
+    return ((y - place[0]) / radius[0]) ** 2 + ((x - place[1]) / radius[1]) ** 2 < 1
+
+
+@pytest.mark.parametrize(
+    "inside, radius, parameters",
+    [
+        (True, (17, 15), {}),
+        (True, (19, 16), {"match": "gncc", "variety": 0.0}),
+        (False, (26, 30), {"variety": 3.0}),
+        (False, (9, 6), {"lattice": (8.0, 12.25, -16.5, 0.3), "tolerance": 0}),
+        (True, (3, 11), {"lattice": (1.0, 0.0, 0.0, 1.0)}),
+    ],
+)
+def test_holes_are_filled_like_the_twin_does(inside, radius, parameters):
+    pixels = noise(80, 84, 3) // 2 + wall(80, 84) // 2
+    settings = {
+        "lattice": (16.0, 0.0, 8.0, 12.0),
+        "block_size": 9,
+        "border_width": 6,
+        "tolerance": 1,
+        "candidates": 3,
+        "rectify": 0,
+    } | parameters
+    if inside:
+        hole = ellipse((80, 84), (41, 44), radius)
+        mask = ~hole
+        mask[28 if "lattice" in parameters else 80 :] = False
+        exemplar = weft.Exemplar(pixels, mask=mask)
+        canvas = weft.Canvas(80, 84, known=pixels, hole=hole, known_from=(0, 0))
+    else:
+        other = noise(60, 64, 3, seed=5) // 2 + wall(67, 69, seed=2)[7:, 5:] // 2
+        hole = ellipse((60, 64), (33, 34), radius)
+        exemplar = weft.Exemplar(pixels)
+        canvas = weft.Canvas(60, 64, known=other, hole=hole)
+    model = weft.NearRegular(**settings).fit(exemplar)
+    origin = (0, 0) if model.blocks.free else origin_of(canvas, exemplar, model.blocks.vectors)
+    twin = reference.NearRegularHoleTwin(pixels, usable_of(model), model.method, 7, canvas, origin)
+    result = model.sample(canvas, seed=7)
+    assert np.array_equal(result.source[hole], twin.source(canvas, origin)[hole])
+
+
+@pytest.mark.parametrize("tileable", [False, True, "x"])
+def test_holes_go_on_with_the_surroundings(tileable):
+    """Mortar where it was, whether the pixels are part of the sample or of another wall."""
+    pixels = wall(120, 128, spread=1)
+    hole = ellipse((120, 128), (50, 60), (25, 20)) | ellipse((120, 128), (120, 20), (12, 9))
+    hole |= np.roll(hole, 8, axis=0) & (np.indices(hole.shape)[0] < 12)
+    blank = np.where(hole[..., None], 255, pixels).astype(np.uint8)
+    settings = {"method": "near-regular", "lattice": (16, 0, 8, 12), "seed": 3}
+    for sample in (None, wall(90, 100, spread=1)[5:, 3:]):
+        result = weft.fill(blank, hole, sample=sample, tileable=tileable, **settings)
+        assert np.array_equal(result.image[~hole], pixels[~hole])
+        assert ((result.image[..., 0] > 180) == (pixels[..., 0] > 180)).all()
+        if sample is None:
+            assert not hole[result.source[..., 0], result.source[..., 1]][hole].any()
+
+
+def test_holes_that_leave_no_whole_piece():
+    pixels = wall(96, 96)
+    small = np.zeros((96, 96), bool)
+    small[40:50, 40:50] = True
+    with pytest.raises(weft.InvalidInputError, match="make them smaller"):
+        weft.fill(pixels, small, method="near-regular", lattice=(16, 0, 8, 12), block_size=45)
+    # Whole windows in one corner alone, and not at all places of the large tile.
+    large = np.ones((96, 96), bool)
+    large[:40, :40] = False
+    with pytest.raises(weft.InvalidInputError, match="no whole piece of .*give a sample"):
+        weft.fill(pixels, large, method="near-regular", lattice=(32, 0, 0, 48), block_size=24)
 
 
 @pytest.mark.parametrize("unconstrained", [False, True])
@@ -221,16 +294,19 @@ def test_blocks_that_would_show_are_blended_widely():
 
 @pytest.mark.parametrize("seed", range(20))
 def test_least_paths(seed):
-    """Against every path, by the cost of the pixels beside it."""
+    """Against every path, by the cost of the pixels beside it and beyond."""
     rng = np.random.default_rng(seed)
     length, depth = 4, 4
     error = rng.integers(0, 1000, (length, depth)).astype(np.int64)
+    beyond = rng.integers(-1000, 1000, (length, depth + 1)).astype(np.int64) * (seed % 2)
     begin, end = (int(k) for k in rng.integers(1, depth, 2))
     if abs(begin - end) > length - 1:
         return
 
     def cost(path):
-        total = sum(int(error[i, k - 1] + error[i, k]) for i, k in enumerate(path) if i)
+        total = sum(
+            int(error[i, k - 1] + error[i, k] + beyond[i, k]) for i, k in enumerate(path) if i
+        )
         for i in range(1, length):
             a, b = sorted(path[i - 1 : i + 1])
             total += int(error[i - 1, a:b].sum() + error[i, a:b].sum())
@@ -244,7 +320,7 @@ def test_least_paths(seed):
     ]
     found = np.zeros(length, np.int32)
     scratch = np.zeros((length, depth + 1), np.int64), np.zeros((length, depth + 1), np.int32)
-    kernels.path_through(error, begin, end, *scratch, found)
+    kernels.path_through(error, beyond[: length * (seed % 2)], begin, end, *scratch, found)
     assert tuple(found) in paths and cost(tuple(found)) == min(map(cost, paths))
 
 

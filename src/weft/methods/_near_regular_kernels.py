@@ -21,6 +21,9 @@ UNIT = cython.declare(cython.longlong, 1 << 16)  # positions are in 1/65536 pixe
 TRIES = cython.declare(cython.Py_ssize_t, 256)  # sources that a block tries for one of its own
 SUBSET = cython.declare(cython.Py_ssize_t, 512)  # lattice positions that a gap looks at
 CHANNELS = cython.declare(cython.Py_ssize_t, 64)  # of a correlation
+KNOWN = cython.declare(cython.int, 5)  # the wedge of pixels that are there already
+BESIDE = cython.declare(cython.int, 1)  # the state of a known pixel beside a hole; 0 in the hole
+OFF = cython.declare(cython.int, 2)  # the state of any other
 
 
 @cython.cfunc
@@ -91,8 +94,10 @@ def shown_again(
 ) -> cython.longlong:
     """How many pixels of the sample two blocks both show, `dy` and `dx` apart.
 
-    One that goes on where the other ends in the sample shows nothing twice.
+    One that goes on where the other ends in the sample shows nothing twice. -1 shows nothing.
     """
+    if other < 0:
+        return 0
     y: cython.longlong = place // width - other // width
     x: cython.longlong = place % width - other % width
     if y == dy and x == dx:
@@ -287,8 +292,9 @@ def fill_gaps(
     """Choose the source of each gap of `cells` by its four neighbours' borders (section 4.2.2).
 
     Of the similar places the `wanted` best ones are found, and then the best window within the
-    tolerance around them. Without `steps` the shortlist is that of the nearest `features`. The six
-    arrays before `place` are scratch. What a place shows again of its neighbours makes it
+    tolerance around them. Without `steps` the shortlist is that of the nearest `features`, and
+    without `blocks` of all `centres`. The six arrays before `place` are scratch, but `border` has
+    what is known already where `wedges` is 5. What a place shows again of its neighbours makes it
     count worse: by `variety` 1/256 where it is all.
     """
     c: cython.Py_ssize_t
@@ -304,6 +310,7 @@ def fill_gaps(
     y: cython.longlong
     x: cython.longlong
     count: cython.Py_ssize_t
+    all_places: cython.Py_ssize_t = steps.shape[0] if steps.shape[0] else centres.shape[0]
     tried: cython.Py_ssize_t
     wedge: cython.int
     here: cython.int
@@ -338,7 +345,7 @@ def fill_gaps(
             for v in range(wedges.shape[0]):
                 for u in range(wedges.shape[1]):
                     wedge = wedges[v, u]
-                    if wedge == 0:
+                    if wedge == 0 or wedge == KNOWN:
                         continue
                     p = other[wedge] // width + off_y[wedge] + v
                     q = other[wedge] % width + off_x[wedge] + u
@@ -353,12 +360,15 @@ def fill_gaps(
             else:
                 k = cython.cast(
                     cython.Py_ssize_t,
-                    bits[i, j] % cython.cast(cython.ulonglong, steps.shape[0]),
+                    bits[i, j] % cython.cast(cython.ulonglong, all_places),
                 )
                 tried = 0
-                for t in range(steps.shape[0]):
-                    here = similar(usable, period, steps, phase[i, j, 0], phase[i, j, 1], k)
-                    k = k + 1 if k + 1 < steps.shape[0] else 0
+                for t in range(all_places):
+                    if steps.shape[0]:
+                        here = similar(usable, period, steps, phase[i, j, 0], phase[i, j, 1], k)
+                    else:
+                        here = centres[k]
+                    k = k + 1 if k + 1 < all_places else 0
                     if here < 0:
                         continue
                     factor = 256
@@ -377,7 +387,7 @@ def fill_gaps(
                         cython.address(keys[0]), cython.address(places[0]),
                     )  # fmt: skip
                     tried += 1
-                    if tried == SUBSET:
+                    if tried == SUBSET and steps.shape[0]:
                         break
             # The best one first, so that all others are soon given up.
             n = 0
@@ -440,6 +450,54 @@ def differ(
     return total
 
 
+@cython.cfunc
+@cython.inline
+@cython.nogil
+@cython.exceptval(check=False)
+def state_of(
+    state: cython.const[cython.uchar][:, ::1],
+    wrap: cython.const[cython.int][::1],
+    y: cython.longlong,
+    x: cython.longlong,
+) -> cython.int:
+    """HOLE, BESIDE a hole or OFF, which is also all that is not on the canvas."""
+    if wrap[0]:
+        y = y % wrap[0]
+        y = y + wrap[0] if y < 0 else y
+    if wrap[1]:
+        x = x % wrap[1]
+        x = x + wrap[1] if x < 0 else x
+    if y < 0 or x < 0 or y >= state.shape[0] or x >= state.shape[1]:
+        return OFF
+    return state[y, x]
+
+
+@cython.cfunc
+@cython.inline
+@cython.nogil
+@cython.exceptval(check=False)
+def leaves(
+    pixels: cython.const[cython.uchar][:, :, ::1],
+    y: cython.Py_ssize_t,
+    x: cython.Py_ssize_t,
+    known: cython.const[cython.uchar][:, :, ::1],
+    v: cython.longlong,
+    u: cython.longlong,
+) -> cython.longlong:
+    """Squared difference, counted twice, of a pixel of the sample and a known one of the canvas."""
+    k: cython.Py_ssize_t
+    d: cython.int
+    total: cython.longlong = 0
+    v = v % known.shape[0]
+    u = u % known.shape[1]
+    v = v + known.shape[0] if v < 0 else v
+    u = u + known.shape[1] if u < 0 else u
+    for k in range(pixels.shape[2]):
+        d = cython.cast(cython.int, pixels[y, x, k]) - known[v, u, k]
+        total += d * d
+    return 2 * total
+
+
 def meet(
     pixels: cython.const[cython.uchar][:, :, ::1],
     place: cython.const[cython.int][:, ::1],
@@ -451,6 +509,7 @@ def meet(
     reach: cython.Py_ssize_t,
     slack: cython.Py_ssize_t,
     box: cython.Py_ssize_t,
+    state: cython.const[cython.uchar][:, ::1],
     error: cython.longlong[:, ::1],
     corners: cython.int[:, :, ::1],
     first: cython.Py_ssize_t,
@@ -460,7 +519,8 @@ def meet(
 
     Seams stay within `reach` of the grid; that is `inset` inside of the windows.
     `corners` gets (dy, dx) for each vertex of rows `first` to `last`, at most `slack` either way:
-    the place whose box of 2 x `box` pixels differs least between the two. `error` is scratch.
+    the place whose box of 2 x `box` pixels differs least between the two. Where there is a
+    `state`, pixels that do not show do not count. `error` is scratch.
     """
     i: cython.Py_ssize_t
     j: cython.Py_ssize_t
@@ -482,6 +542,7 @@ def meet(
     size_x: cython.longlong
     total: cython.longlong
     least: cython.longlong
+    kind: cython.int
     drawn: cython.bint
     width: cython.Py_ssize_t = pixels.shape[1]
     with cython.nogil:
@@ -509,6 +570,12 @@ def meet(
                 for v in range(2 * reach):
                     for u in range(2 * reach):
                         error[v, u] = differ(pixels, ay + v, ax + u, by + v, bx + u)
+                        if state.shape[0]:
+                            kind = state_of(
+                                state, wrap, rows[i] - reach + v, columns[j] - reach + u
+                            )
+                            if kind == OFF:
+                                error[v, u] = 0
                 least = -1
                 for y in range(-slack, slack + 1):
                     for x in range(-slack, slack + 1):
@@ -529,6 +596,7 @@ def meet(
 @cython.exceptval(check=False)
 def least_path(
     error: cython.const[cython.longlong][:, ::1],
+    beyond: cython.const[cython.longlong][:, ::1],
     length: cython.Py_ssize_t,
     depth: cython.Py_ssize_t,
     begin: cython.Py_ssize_t,
@@ -540,7 +608,8 @@ def least_path(
     """Find the cheapest boundary along a band between two given places.
 
     Line i of the band belongs to one side up to path[i] and to the other from there on. Both
-    pixels beside every piece of the boundary count, also where it runs across from line to line.
+    pixels beside every piece of the boundary count, also where it runs across from line to line,
+    and for each place on a line what is `beyond`, if anything.
     It stays within one step a line of both its ends, so that no two paths of a corner cross.
     """
     i: cython.Py_ssize_t
@@ -575,6 +644,8 @@ def least_path(
                 total[i, k] = NEVER
             elif total[i, k] < NEVER:
                 total[i, k] += error[i, k - 1] + error[i, k]
+                if beyond.shape[0]:
+                    total[i, k] += beyond[i, k]
     k = end
     for i in range(length - 1, -1, -1):
         path[i] = cython.cast(cython.int, k)
@@ -591,7 +662,10 @@ def cut_edges(
     inset: cython.Py_ssize_t,
     reach: cython.Py_ssize_t,
     upright: cython.bint,
+    known: cython.const[cython.uchar][:, :, ::1],
+    state: cython.const[cython.uchar][:, ::1],
     error: cython.longlong[:, ::1],
+    beyond: cython.longlong[:, ::1],
     total: cython.longlong[:, ::1],
     came: cython.int[:, ::1],
     path: cython.int[::1],
@@ -602,7 +676,8 @@ def cut_edges(
     """Cut along the left edges of blocks (`upright`) or their upper ones, rows `first` to `last`.
 
     paths[i, j] says for each line of the window of block (i, j) where in it the block begins. The
-    four arrays before `paths` are scratch.
+    five arrays before `paths` are scratch. Where there is a `state`, differences that do not show
+    do not count, but those to `known` pixels beside a hole do, as if the block went on there.
     """
     i: cython.Py_ssize_t
     j: cython.Py_ssize_t
@@ -615,6 +690,11 @@ def cut_edges(
     stop: cython.Py_ssize_t
     begin: cython.Py_ssize_t
     end: cython.Py_ssize_t
+    v: cython.Py_ssize_t
+    u: cython.Py_ssize_t
+    y: cython.longlong
+    x: cython.longlong
+    kind: cython.int
     size: cython.longlong
     length: cython.longlong
     a: cython.int
@@ -669,7 +749,24 @@ def cut_edges(
                             error[n, k] = differ(pixels, ay + n, ax + k, by + n, bx + k)
                         else:
                             error[n, k] = differ(pixels, ay + k, ax + n, by + k, bx + n)
-                least_path(error, stop - start, 2 * reach, begin, end, total, came, path)
+                for n in range(stop - start):
+                    if state.shape[0] == 0:
+                        break
+                    beyond[n, 0] = 0
+                    for k in range(2 * reach):
+                        y = rows[i] + (start - inset - reach + n if upright else k - reach)
+                        x = columns[j] + (k - reach if upright else start - inset - reach + n)
+                        kind = state_of(state, wrap, y, x)
+                        beyond[n, k + 1] = beyond[n, k]
+                        if kind == OFF:
+                            error[n, k] = 0
+                        if kind == BESIDE:
+                            # A boundary past this pixel leaves it to the block before.
+                            v = n if upright else k
+                            u = k if upright else n
+                            beyond[n, k + 1] += leaves(pixels, ay + v, ax + u, known, y, x)
+                            beyond[n, k + 1] -= leaves(pixels, by + v, bx + u, known, y, x)
+                least_path(error, beyond, stop - start, 2 * reach, begin, end, total, came, path)
                 for t in range(paths.shape[2]):
                     if t < start:
                         n = begin
@@ -680,9 +777,9 @@ def cut_edges(
                     paths[i, j, t] = cython.cast(cython.int, inset + n)
 
 
-def path_through(error, begin, end, total, came, path):
+def path_through(error, beyond, begin, end, total, came, path):
     """Fill `path` with the cheapest boundary through a whole band."""
-    least_path(error, error.shape[0], error.shape[1], begin, end, total, came, path)
+    least_path(error, beyond, error.shape[0], error.shape[1], begin, end, total, came, path)
 
 
 def compare(pixels, turned, y, x, runs, query, by_correlation):

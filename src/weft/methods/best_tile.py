@@ -11,7 +11,7 @@ from weft.canvas import Canvas, as_canvas
 from weft.errors import InvalidInputError
 from weft.method import Method, parameter
 from weft.methods.canvas_lattice import CanvasLattice, check_lattice, check_place, found_vectors
-from weft.methods.mean_tile import MeanTile
+from weft.methods.mean_tile import origin_of
 from weft.pixel_synthesis import PixelSynthesis
 from weft.progress import Progress
 from weft.random import draw, seed_number
@@ -262,11 +262,8 @@ class BestTileModel:
         canvas = as_canvas(size, tileable)
         self.method.require(canvas)
         canvas.check_known(self.exemplar)
-        origin = (0, 0)
-        if canvas.known_from is not None:
-            origin = canvas.known_from
-        elif canvas.known is not None and not canvas.hole.all():  # type: ignore[union-attr]
-            origin = self._offset(canvas)
+        assert self.method.lattice is not None
+        origin = origin_of(canvas, self.exemplar, self.method.lattice)
         return self._made(canvas, origin, seed_number(seed), progress)
 
     def window(
@@ -285,16 +282,6 @@ class BestTileModel:
         """
         check_place(y, x)
         return self._made(Canvas(height, width), (y, x), seed_number(seed), None)
-
-    def _offset(self, canvas: Canvas) -> tuple[int, int]:
-        """Where in the sample's plane the canvas's surroundings are."""
-        assert canvas.known is not None and canvas.hole is not None
-        assert self.method.lattice is not None
-        known = self.exemplar.as_matching(canvas.known)
-        if known.shape[2] != self.levels.shape[2]:
-            raise InvalidInputError("a canvas's known pixels have no maps; use weft.fill")
-        mean = MeanTile(self.levels, self.method.lattice, self.exemplar.mask)
-        return mean.offset(known, ~canvas.hole)
 
     def _made(
         self,

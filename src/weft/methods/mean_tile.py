@@ -6,11 +6,15 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from weft.errors import InvalidInputError
 from weft.methods.canvas_lattice import CanvasLattice
 from weft.search.translation import Spectra, fast_size, window_mismatch
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
+
+    from weft.canvas import Canvas
+    from weft.exemplar import Exemplar
 
 
 class MeanTile:
@@ -86,3 +90,22 @@ class MeanTile:
             number.append((part * self._bins[k]).astype(np.int64) % self._bins[k])
         result: NDArray[np.int64] = number[0] * self._bins[1] + number[1]
         return result
+
+
+def origin_of(canvas: Canvas, exemplar: Exemplar, vectors: tuple[float, ...]) -> tuple[int, int]:
+    """Where in the sample's plane a canvas's corner lies: what is known there goes on."""
+    if canvas.known_from is not None:
+        return canvas.known_from
+    if canvas.known is None or canvas.hole is None or canvas.hole.all():
+        return 0, 0
+    known = known_levels(canvas, exemplar)
+    return MeanTile(exemplar.matching(), vectors, exemplar.mask).offset(known, ~canvas.hole)
+
+
+def known_levels(canvas: Canvas, exemplar: Exemplar) -> NDArray[np.uint8]:
+    """The canvas's known pixels as they are matched, (H, W, K)."""
+    assert canvas.known is not None
+    known = exemplar.as_matching(canvas.known)
+    if known.shape[2] != exemplar.matching().shape[2]:
+        raise InvalidInputError("a canvas's known pixels have no maps; use weft.fill")
+    return known

@@ -11,7 +11,9 @@ from weft.canvas import Canvas, as_canvas
 from weft.errors import InvalidInputError
 from weft.method import Method, parameter
 from weft.methods.canvas_lattice import ANYWHERE, check_lattice, check_place, found_vectors
+from weft.methods.mean_tile import origin_of
 from weft.methods.near_regular_blocks import Blocks
+from weft.methods.near_regular_holes import HoleBlocks
 from weft.methods.near_regular_sample import BlockSample, has_room
 from weft.random import seed_number
 
@@ -52,7 +54,7 @@ class NearRegular(Method):
         "Near-regular texture synthesis by constrained random sampling and gap filling, a thesis: "
         "chapter 4"
     )
-    supports: ClassVar[frozenset[str]] = frozenset({"wrap", "random_access"})
+    supports: ClassVar[frozenset[str]] = frozenset({"wrap", "known", "random_access"})
 
     lattice: tuple[float, ...] | None = parameter(
         None,
@@ -173,7 +175,8 @@ class NearRegularModel:
         ----------
         size : Canvas, int or (int, int)
             What to make: height and width, or a Canvas. Where it wraps, the lattice is stretched
-            until whole tiles fit; `provenance["strain"]` says how much.
+            until whole tiles fit; `provenance["strain"]` says how much. A hole goes on with the
+            lattice of its surroundings.
         seed : int, numpy Generator or None
             The same seed gives the same bytes, at any number of threads.
         tileable : bool or {"x", "y"}
@@ -190,11 +193,16 @@ class NearRegularModel:
         Raises
         ------
         InvalidInputError
-            If the lattice would have to be stretched too much; a good size is named.
+            If the lattice would have to be stretched too much; a good size is named. If a hole
+            leaves no whole piece that lies right.
         """
         canvas = as_canvas(size, tileable)
         self.method.require(canvas)
-        return self._made(canvas, (0, 0), seed, threads, progress)
+        canvas.check_known(self.exemplar)
+        origin = (0, 0)
+        if not self.blocks.free:
+            origin = origin_of(canvas, self.exemplar, self.blocks.vectors)
+        return self._made(canvas, origin, seed, threads, progress)
 
     def window(
         self,
@@ -245,7 +253,8 @@ class NearRegularModel:
         threads: int | None,
         progress: ProgressCallback | None,
     ) -> PatchSynthesis:
-        return Blocks(self.blocks, canvas, origin, seed_number(seed), threads, progress).result()
+        kind = Blocks if canvas.known is None else HoleBlocks
+        return kind(self.blocks, canvas, origin, seed_number(seed), threads, progress).result()
 
 
 def _settled(method: NearRegular, exemplar: Exemplar) -> tuple[NearRegular, bool]:
@@ -317,11 +326,25 @@ def _block_size(vectors: tuple[float, ...], exemplar: Exemplar, border: int | No
     area = abs(x1 * y2 - x2 * y1)
     shorter = min(exemplar.shape)
     size, least = int(_PAPER * shorter), max(1, round(_LEAST * shorter))
-    while size > 1:
-        window = size + (size // 3 * 2 if border is None else border)
-        height, width = (max(0, n - window) for n in exemplar.shape)
-        enough = height * width >= _PLACES * area or size <= least
-        if enough and has_room(exemplar, window):
+    while size > least:
+        height, width = (max(0, n - _window(size, border)) for n in exemplar.shape)
+        if height * width >= _PLACES * area:
             break
         size -= 1
-    return max(size, 1)
+    if exemplar.mask is None:
+        while size > 1 and _window(size, border) > shorter:
+            size -= 1
+        return max(size, 1)
+    # What a mask leaves must have a place for every part of the tile.
+    low, high = 0, max(size, 1)
+    while low < high:
+        size = (low + high + 1) // 2
+        if has_room(exemplar, _window(size, border), vectors):
+            low = size
+        else:
+            high = size - 1
+    return max(low, 1)
+
+
+def _window(size: int, border: int | None) -> int:
+    return size + (size // 3 * 2 if border is None else border)

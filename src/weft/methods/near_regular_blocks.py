@@ -10,6 +10,7 @@ import numpy as np
 
 from weft.method import thread_count
 from weft.methods import _near_regular_kernels as kernels
+from weft.methods.block_axis import Axis
 from weft.methods.canvas_lattice import CanvasLattice
 from weft.patch_synthesis import PatchSynthesis, RectifiedSynthesis
 from weft.progress import Progress, ProgressCallback
@@ -21,60 +22,8 @@ if TYPE_CHECKING:
     from weft.canvas import Canvas
     from weft.methods.near_regular_sample import BlockSample, Border
 
-#: Blocks around those that show that their sources hang on: 1 beside a gap, and 2 for each colour
-#: but the last, which is drawn with regard to the ones before.
-_RING = 7
 _PIECE = 32  # gaps that a thread fills at a time
 _BOX = 3  # half the side of what is compared where four blocks meet
-
-
-class Axis:
-    """Blocks along one axis.
-
-    Attributes
-    ----------
-    first : int
-        Number of the first block; numbers count from the plane's origin.
-    edges : int64 array (n + 1,)
-        Where blocks begin and the last one ends, in canvas pixels.
-    period : int
-        The canvas's length if it goes around, else 0.
-    shown : slice
-        The blocks that can show.
-    """
-
-    def __init__(self, length: int, size: int, margin: int, origin: int, wraps: bool) -> None:
-        if wraps:
-            count = 2 * max(1, -(-length // (2 * size)))
-            self.first, self.period, self.shown = 0, length, slice(0, count)
-            self.edges = np.arange(count + 1, dtype=np.int64) * length // count
-        else:
-            begin = (origin - margin) // size
-            end = (origin + length - 1 + margin) // size + 1
-            self.first, self.period = begin - _RING, 0
-            self.shown = slice(_RING, end - begin + _RING)
-            numbers = np.arange(begin - _RING, end + _RING + 1, dtype=np.int64)
-            self.edges = numbers * size - origin
-        self.sizes = np.diff(self.edges)
-        self.numbers = self.first + np.arange(len(self.sizes), dtype=np.int64)
-
-    @property
-    def count(self) -> int:
-        """How many blocks there are."""
-        return len(self.sizes)
-
-    def kept(
-        self, length: int, side: int, margin: int, reach: int
-    ) -> tuple[int, NDArray[np.int64]]:
-        """What of the blocks' windows is laid: how many lines, and from which one on.
-
-        All of them, unless the canvas is smaller than a window. No window may lie over itself.
-        """
-        lines = min(side, length)
-        first = np.full(self.shown.stop - self.shown.start, margin - reach)
-        if not self.period:
-            first = np.maximum(first, margin - self.edges[:-1][self.shown])
-        return lines, np.minimum(first, side - lines)
 
 
 class Blocks:
@@ -120,18 +69,22 @@ class Blocks:
         )
         self.gap = (number[0] + number[1]) % 2 == 1
         self.number = number
+        self.drawn, self.laid = ~self.gap, np.ones(shape, bool)
+        #: Where a hole is filled: the canvas's bytes, and which of them are known.
+        self.known = np.zeros((0, 0, 0), np.uint8)
+        self.state = np.zeros((0, 0), np.uint8)
 
     def result(self) -> PatchSynthesis:
         """Choose all blocks and describe how they are laid."""
-        self._draw()
         if self.threads > 1:
             with ThreadPoolExecutor(self.threads) as pool:
-                self._fill(pool.map)
-                cuts, zones, weights = self._joined(pool.map)
-        else:
-            self._fill(map)
-            cuts, zones, weights = self._joined(map)
-        return self._laid(cuts, zones, weights)
+                return self._chosen(pool.map)
+        return self._chosen(map)
+
+    def _chosen(self, map_: Callable[..., Iterable[Any]]) -> PatchSynthesis:
+        self._draw()
+        self._fill(map_)
+        return self._laid(*self._joined(map_))
 
     def _draw(self) -> None:
         """Section 4.2.1: every second block, one colour after the other."""
@@ -139,7 +92,7 @@ class Blocks:
         i, j = self.number
         color = (i + j) // 2 % 2 * 2 + (i - j) // 2 % 2
         for k in range(4):
-            cells = np.argwhere(~self.gap & (color == k)).astype(np.int32)
+            cells = np.argwhere(self.drawn & (color == k)).astype(np.int32)
             kernels.draw_blocks(
                 windows.usable, windows.period, sample.steps, windows.centres,
                 np.ascontiguousarray(cells), self.phase, self.bits,
@@ -263,11 +216,15 @@ class Blocks:
 
         def meet(i: int) -> None:
             scratch = np.empty((2 * reach, 2 * reach), np.int64)
-            kernels.meet(*shared, parity, inset, reach, slack, box, scratch, corners, i, i + 1)
+            about = inset, reach, slack, box, self.state
+            kernels.meet(*shared, parity, *about, scratch, corners, i, i + 1)
 
         def cut(i: int) -> None:
             scratch = (
+                self.known,
+                self.state,
                 np.empty((side, 2 * reach), np.int64),
+                np.empty((side if len(self.state) else 0, 2 * reach + 1), np.int64),
                 np.empty((side, 2 * reach + 1), np.int64),
                 np.empty((side, 2 * reach + 1), np.int32),
                 np.empty(side, np.int32),
@@ -336,9 +293,10 @@ class Blocks:
         )
         kind = 2 * self.gap[rows, columns] + self.rows.numbers[rows][:, None] % 2
         order = np.argsort(kind.ravel(), kind="stable")
+        order = order[self.laid[rows, columns].ravel()[order]]
         placements = placements.reshape(-1, 5)[order].astype(np.int32)
-        if cuts.size:
-            cuts = np.ascontiguousarray(cuts.reshape(len(order), -1)[order])
+        if cuts.ndim == 3:
+            cuts = np.ascontiguousarray(cuts.reshape(kind.size, -1)[order])
         about: dict[str, Any] = {"seed": self.seed}
         if any(self.origin):
             about["origin"] = list(self.origin)
@@ -347,6 +305,7 @@ class Blocks:
         about = {
             "sample_shape": sample.exemplar.shape,
             "exemplar": sample.exemplar,
+            "known_from": self.canvas.known_from,
             "provenance": self.method.describe() | about,
         }
         plan = self.canvas, np.ascontiguousarray(placements), weights, cuts

@@ -30,6 +30,7 @@ _BLOCK_SIDE = 16  # of the low resolution that unconstrained gaps are looked for
 _NUMBERS = 288  # that describe a border there, at most
 _WINDOWS = 16384  # that the unconstrained search looks at; more are thinned out
 _BLOCKY = 0.15  # share of brightness in what similar places differ by, from which blocks show
+_CELL = 1.5  # pixels; a tile is cut into such parts to see whether all of them are there
 _WIDE = 0.7  # of a block that is feathered then
 
 
@@ -122,7 +123,7 @@ class BlockSample:
         self.method = method
         self._borders: dict[tuple[int, int, int], Border] = {}
         self.steps = np.zeros((0, 2), np.int64)
-        self.search: Any = _NO_SEARCH
+        self.search: Any = NO_SEARCH
         if self.free:
             self.search = self._features()
             return
@@ -175,10 +176,7 @@ class BlockSample:
         key = height, width, reach
         if key not in self._borders:
             wedges = wedges_of(height, width, self.margin, reach)
-            runs = self.zone(wedges).runs
-            # In an order in which a few of them are all around, so that bad fits soon show.
-            order = np.argsort(draw(0, "runs", np.arange(len(runs))), kind="stable")
-            self._borders[key] = Border(wedges, np.ascontiguousarray(runs[order]))
+            self._borders[key] = Border(wedges, in_no_order(self.zone(wedges).runs))
         return self._borders[key]
 
     def zone(self, wedges: NDArray[np.uint8], block_side: int = 4) -> Any:
@@ -200,7 +198,7 @@ class BlockSample:
         usable = self.windows.usable[:rows:stride, :columns:stride]
         take = np.flatnonzero(usable)
         if zone.area == 0 or len(take) == 0:
-            return _NO_SEARCH
+            return NO_SEARCH
         pyramid = QuadtreePyramid(self.pixels)
         windows = pyramid.windows(zone.blocks, zone.side, stride, *usable.shape)
         pca = fit_pca(np.ascontiguousarray(windows[:, take]), 0.97)
@@ -209,18 +207,34 @@ class BlockSample:
         return zone.blocks, zone.side, pca.basis, pca.offset, pca.shift, pca.features, places
 
 
-def has_room(exemplar: Exemplar, side: int) -> bool:
-    """Whether a square of this side lies on usable pixels."""
+def in_no_order(runs: NDArray[np.int32]) -> NDArray[np.int32]:
+    """Put runs in an order in which a few of them are all around, so that bad fits soon show."""
+    order = np.argsort(draw(0, "runs", np.arange(len(runs))), kind="stable")
+    return np.ascontiguousarray(runs[order])
+
+
+def has_room(exemplar: Exemplar, side: int, vectors: tuple[float, ...] | None = None) -> bool:
+    """Whether a square of this side lies on usable pixels; with vectors, at any place of a tile."""
     if exemplar.mask is None:
         return side <= min(exemplar.shape)
     try:
-        windows_of(exemplar, (0, side - 1, 0, side - 1))
+        windows = windows_of(exemplar, (0, side - 1, 0, side - 1))
     except InvalidInputError:
         return False
-    return True
+    if vectors is None:
+        return True
+    lattice = CanvasLattice(vectors)
+    y, x = np.nonzero(windows.usable)
+    cells = [max(1, round(float(np.hypot(*v)) / _CELL)) for v in lattice.sample]
+    number = []
+    for k in (0, 1):
+        along = y * lattice.inverse[0, k] + x * lattice.inverse[1, k]
+        number.append(((along - np.floor(along)) * cells[k]).astype(np.int64) % cells[k])
+    found = np.unique(number[0] * cells[1] + number[1])
+    return len(found) == cells[0] * cells[1]
 
 
-_NO_SEARCH = (
+NO_SEARCH = (
     np.zeros((0, 2), np.int32),
     1,
     np.zeros((1, 1), np.int16),

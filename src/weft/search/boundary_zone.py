@@ -106,7 +106,7 @@ def boundary_zone(
     sides = (shown[:, :depth], shown[:depth], shown[:, -depth:], shown[-depth:])
     return BoundaryZone(
         weight=weight.astype(np.uint16),
-        runs=_runs(zone),
+        runs=runs_over(zone),
         blocks=np.ascontiguousarray(blocks, np.int32),
         side=side,
         bands=np.array([depth, top, left, bottom, right, *(s.any() for s in sides)], np.int32),
@@ -150,7 +150,7 @@ def _row_runs(
     return start, stop, row
 
 
-def _runs(zone: NDArray[np.bool_]) -> NDArray[np.int32]:
+def runs_over(zone: NDArray[np.bool_]) -> NDArray[np.int32]:
     """Cover the zone with runs, each pixel along the direction in which its part is longer."""
     flat = _run_lengths(zone) >= _run_lengths(zone.T).T
     start, stop, row = _row_runs(zone & flat)
