@@ -1,0 +1,195 @@
+"""What `weft report` writes, and what it refuses."""
+
+from __future__ import annotations
+
+import base64
+import json
+from html.parser import HTMLParser
+
+import numpy as np
+import pytest
+
+import weft
+from weft import cli
+from weft.errors import FileError, InvalidInputError
+from weft.formats import png
+from weft.io import write_image, write_text
+from weft.tasks.report import report
+
+EMPTY = {"meta", "br", "img"}
+
+
+class Page(HTMLParser):
+    """Checks that tags close in order; keeps what the tests ask for."""
+
+    def __init__(self, text):
+        super().__init__()
+        self.open, self.tags, self.words = [], [], []
+        self.feed(text)
+        self.close()
+        assert self.open == []
+
+    def handle_starttag(self, tag, attrs):
+        self.tags.append((tag, dict(attrs)))
+        if tag not in EMPTY:
+            self.open.append(tag)
+
+    def handle_endtag(self, tag):
+        assert self.open.pop() == tag
+
+    def handle_data(self, data):
+        self.words.append(data)
+
+
+@pytest.fixture(scope="module")
+def files(tmp_path_factory):
+    """A sample, a result and its source, under names that a page must not take for markup."""
+    folder = tmp_path_factory.mktemp("report")
+    pixels = weft.load_exemplar("sample:weave").pixels[:96, :96]
+    sample = folder / 'we<b>"a&v e.png'
+    write_image(sample, pixels)
+    made = weft.synthesize(pixels, (106, 128), method="quilting", seed=1, tileable="x")
+    write_image(folder / "made.png", made.image)
+    made.save(folder / "made.npz")
+    return sample, folder / "made.png", folder / "made.npz"
+
+
+def run(*words):
+    return cli.main(["report", *map(str, words)])
+
+
+def test_the_page_is_whole_and_needs_nothing_else(files, tmp_path, capsys):
+    sample, made, source = files
+    assert run(sample, made, "--source", source, "-o", tmp_path / "r.html") == 0
+    said = capsys.readouterr()
+    assert said.err == "" and said.out.count("\n") == 1 and said.out[0].isupper()
+    text = (tmp_path / "r.html").read_text("utf-8")
+    page = Page(text)
+    pictures = [attrs for tag, attrs in page.tags if tag == "img"]
+    assert len(pictures) == 6  # sample, result, seams, repetition, source, use
+    for picture in pictures:
+        assert picture["alt"] and picture["src"].startswith("data:image/png;base64,")
+        base64.b64decode(picture["src"].partition(",")[2], validate=True)
+    assert not {tag for tag, _ in page.tags} & {"script", "link", "iframe", "b"}
+    assert "http" not in text and "url(" not in text
+    assert "prefers-color-scheme: dark" in text
+    words = "".join(page.words)
+    assert sample.name in words and any(sample.name in p["alt"] for p in pictures)
+    assert said.out.strip() in words
+    assert "quilting" in words and "patch_size" in words  # the parameters
+    assert "seam at the wrap" in words
+
+
+def test_without_a_source(files, tmp_path):
+    sample, made, _ = files
+    assert run(sample, made, "-o", tmp_path / "r.html") == 0
+    page = Page((tmp_path / "r.html").read_text("utf-8"))
+    assert len([tag for tag, _ in page.tags if tag == "img"]) == 4
+    assert "Without a source" in "".join(page.words)
+
+
+def test_json_has_all_figures(files, capsys):
+    sample, made, source = files
+    assert run(sample, made, "--source", source, "--json") == 0
+    found = json.loads(capsys.readouterr().out)
+    direct = report(sample, made, source).as_dict()
+    assert found == json.loads(json.dumps(direct, allow_nan=False))
+    assert found["provenance"]["method"] == "quilting" and found["copied"] > 0.9
+    assert 0.5 < found["real"]["patches"] < 2 and found["real"]["copied"] is None
+    assert found["wrap"] < 0.1  # the source says that it tiles
+
+
+def test_tileable_may_be_said(files, capsys):
+    sample, made, source = files
+    assert run(sample, made, "--json") == 0
+    assert json.loads(capsys.readouterr().out)["wrap"] is None
+    assert run(sample, made, "--json", "--tileable", "y") == 0
+    down = json.loads(capsys.readouterr().out)["wrap"]
+    assert run(sample, made, "--json", "--tileable") == 0
+    assert json.loads(capsys.readouterr().out)["wrap"] >= down > 0.2
+    assert run(sample, made, "--source", source, "--json", "--tileable", "x") == 0
+    assert json.loads(capsys.readouterr().out)["wrap"] < 0.1
+
+
+@pytest.mark.parametrize(
+    "change, message",
+    [
+        (lambda s, m, z, t: [s, m], "give -o report.html, --json, or both"),
+        (lambda s, m, z, t: [s], "RESULT"),
+        (lambda s, m, z, t: [s, t / "no.png", "--json"], "no.png: cannot read"),
+        (lambda s, m, z, t: [t / "no.png", m, "--json"], "no.png: cannot read"),
+        (lambda s, m, z, t: [s, m, "-o", t / "r.htm"], "did you mean '.html'"),
+        (lambda s, m, z, t: [s, m, "-o", t / "no" / "r.html"], "does not exist"),
+        (lambda s, m, z, t: [s, m, "--source", t / "no.npz", "--json"], "does not exist"),
+        (lambda s, m, z, t: [s, m, "--source", m, "--json"], "is not a saved weft result"),
+        (lambda s, m, z, t: [s, s, "--source", z, "--json"], "the source makes 128x106 from 96x96"),
+        (lambda s, m, z, t: [m, m, "--source", z, "--json"], "sample are 128x106 and 128x106"),
+        (lambda s, m, z, t: [s, t / "grey.png", "--json"], "uint8 with 1 channels"),
+        (lambda s, m, z, t: [s, t / "deep.png", "--json"], "the result is uint16"),
+        (lambda s, m, z, t: [s, m, "--jso"], "did you mean '--json'"),
+    ],
+)
+def test_what_cannot_be_reported_is_one_line(change, message, files, tmp_path, capsys):
+    write_image(tmp_path / "grey.png", np.zeros((40, 40), np.uint8))
+    write_image(tmp_path / "deep.png", np.zeros((40, 40, 3), np.uint16))
+    before = sorted(tmp_path.iterdir())
+    assert run(*change(*files, tmp_path)) == 2
+    said = capsys.readouterr()
+    assert said.out == "" and said.err.count("\n") == 1 and message in said.err
+    assert sorted(tmp_path.iterdir()) == before
+
+
+def test_a_picture_of_another_source_is_noted(files):
+    sample, _, source = files
+    other = weft.synthesize(sample, (106, 128), method="quilting", seed=2)
+    assert any(
+        "not the picture that the source gives" in n
+        for n in report(sample, other.image, source).notes
+    )
+    assert report(sample, other, other.source).notes == report(sample, other).notes == ()
+
+
+@pytest.mark.parametrize("dtype", [np.uint8, np.uint16, np.float32])
+@pytest.mark.parametrize("channels", [(), (2,), (4,), (5,)])
+@pytest.mark.parametrize("own, made", [((1, 1), (1, 1)), ((40, 30), (5, 60))])
+def test_any_picture_makes_a_page(dtype, channels, own, made, rng):
+    sample = (rng.random((*own, *channels)) * 200).astype(dtype)
+    result = (rng.random((*made, *channels)) * 200).astype(dtype)
+    found = report(sample, result, rng.integers(0, own, (*made, 2)))
+    Page(found.html())
+    assert "nan" not in found.html().partition("Figures")[2].lower()
+
+
+def test_large_pictures_are_shown_smaller(rng):
+    sample = rng.integers(0, 256, (8, 8), np.uint8)
+    text = report(sample, np.tile(sample, (2, 260))).html()
+    assert "2080x16 pixels, shown at 1:3" in text
+
+
+@pytest.mark.parametrize("shape", [(1, 1), (5, 7), (1, 9, 3), (8, 1, 1), (6, 4, 3)])
+def test_png_in_memory_is_the_picture(shape, rng, tmp_path):
+    pixels = rng.integers(0, 256, shape, np.uint8)
+    (tmp_path / "p.png").write_bytes(png(pixels))
+    np.testing.assert_array_equal(
+        weft.read_image(tmp_path / "p.png").pixels,
+        pixels.squeeze(2) if shape[2:] == (1,) else pixels,
+    )
+
+
+def test_texts_appear_whole_or_not_at_all(tmp_path):
+    write_text(tmp_path / "a.html", "ä\n")
+    assert (tmp_path / "a.html").read_bytes() == "ä\n".encode()
+    with pytest.raises(FileError):
+        write_text(tmp_path / "no" / "a.html", "x")
+    with pytest.raises(UnicodeEncodeError):
+        write_text(tmp_path / "a.html", "\ud800")
+    assert [path.name for path in tmp_path.iterdir()] == ["a.html"]
+    assert (tmp_path / "a.html").read_bytes() == "ä\n".encode()
+
+
+def test_only_a_page_can_be_saved(tmp_path, rng):
+    found = report(rng.integers(0, 9, (8, 8), np.uint8), rng.integers(0, 9, (8, 8), np.uint8))
+    with pytest.raises(FileError, match="'.png'"):
+        found.save(tmp_path / "r.png")
+    with pytest.raises(InvalidInputError, match="dtype and channels must be equal"):
+        report(np.zeros((8, 8), np.uint8), np.zeros((8, 8, 3), np.uint8))
