@@ -3,10 +3,11 @@
     python benchmarks/run.py [all | TABLE ...] [--json FILE] [--update docs/benchmarks.md]
 
 The tables of the patch methods are in patch.py, those of the pixel methods in pixel.py, those of
-whole processes in process.py; --help names them. Prints Markdown. Every time is a median of several
-runs, and what is compared is run in turn, so that a busy machine disturbs all alike; look at the
-ratios first. --update puts the tables into a page between its <!-- NAME --> and <!-- end NAME -->
-lines, and names the machine. Needs weft[test].
+near-regular textures in near_regular.py, those of whole processes in process.py; --help names
+them. Prints Markdown. Every time is a median of several runs, and what is compared is run in turn,
+so that a busy machine disturbs all alike; look at the ratios first. --update puts the tables into
+a page between its <!-- NAME --> and <!-- end NAME --> lines, and names the machine. Needs
+weft[test].
 """
 
 from __future__ import annotations
@@ -18,13 +19,16 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
+import near_regular
 import patch
 import pixel
 import process
 from shared import Table, in_child, machine, paper
 
 TABLES: dict[str, Callable[[], Table]] = {
-    table.__name__: table for table in (*patch.TABLES, *process.TABLES, *pixel.TABLES)
+    table.__name__: table
+    for module in (patch, process, pixel, near_regular)
+    for table in module.TABLES
 }
 
 
