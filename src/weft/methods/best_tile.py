@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, ClassVar
+from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
 
@@ -24,7 +24,7 @@ if TYPE_CHECKING:
     from weft.random import Seed
 
 _LIMIT = 0.05  # strain of a lattice that goes around a canvas
-_BAND = 256  # rows that are made at a time
+_BAND = 16  # rows that are made at a time
 _CHOICE = (0.4, 0.7)  # of the sample's sides, between which a tile is chosen where nothing repeats
 _TRIES = 16  # sizes that are tried there
 
@@ -292,11 +292,18 @@ class BestTileModel:
     ) -> PixelSynthesis:
         assert self.method.lattice is not None
         lattice = CanvasLattice(self.method.lattice, canvas, self.limit)
-        index = np.empty(canvas.shape, np.int32)
+        index = np.full(canvas.shape, -1, np.int32)
+        flat = self.exemplar.pixels.reshape(-1, *self.exemplar.pixels.shape[2:])
+
+        def preview() -> NDArray[Any]:
+            shown: NDArray[Any] = flat[index]
+            shown[index < 0] = 0
+            return shown
+
         width = self.exemplar.shape[1]
         # A float holds 2**40 to 2**-13 pixel, and what goes around a canvas counts from its corner.
         corner = np.asarray(origin) - self.anchors[0]
-        progress = Progress(callback, canvas.height, "rows", lambda: self.exemplar.pixels)
+        progress = Progress(callback, canvas.height, "rows", preview)
         repeats = [np.rint(n @ lattice.inverse).astype(np.int64) for n in np.diag(canvas.shape)]
         for top in range(0, canvas.height, _BAND):
             y = np.arange(top, min(top + _BAND, canvas.height))[:, None] + corner[0]

@@ -22,7 +22,7 @@ if TYPE_CHECKING:
     from weft.canvas import Canvas
     from weft.methods.near_regular_sample import BlockSample, Border
 
-_PIECE = 32  # gaps that a thread fills at a time
+_PIECE = 8  # gaps that a thread fills at a time
 _BOX = 3  # half the side of what is compared where four blocks meet
 
 
