@@ -36,6 +36,7 @@ if TYPE_CHECKING:
     from weft.quality.assess import Assessment, assess
     from weft.synthesis import Synthesis
     from weft.tasks.analyze import analyze
+    from weft.tasks.compare import compare
     from weft.tasks.fill import fill
     from weft.tasks.fuse import fuse
     from weft.tasks.report import Report, report
@@ -69,6 +70,7 @@ _HOME = {
     "WeiLevoy": "methods.wei_levoy",
     "analyze": "tasks.analyze",
     "assess": "quality.assess",
+    "compare": "tasks.compare",
     "fill": "tasks.fill",
     "fuse": "tasks.fuse",
     "load_exemplar": "tasks.synthesize",
@@ -104,6 +106,7 @@ __all__ = [
     "WeiLevoy",
     "analyze",
     "assess",
+    "compare",
     "fill",
     "fuse",
     "load_exemplar",

@@ -13,6 +13,7 @@ from weft.options import (
     Parser,
     add_huge,
     add_limits,
+    check_numbers,
     parameters_of,
     parse_colors,
     parse_mixed,
@@ -30,6 +31,7 @@ usage: weft COMMAND ...      (weft COMMAND --help says more)
   fuse      merge several materials where a map says
   replay    lay a saved result again with another map of the same sample
   analyze   say what a sample is like: its scale, its lattice, whether it tiles
+  compare   every method on one sample, side by side: pictures, figures, times
   report    say how good a result is, in figures and maps of where it fails
   methods   list the methods, or the parameters of one
   samples   list the samples that ship with weft
@@ -80,6 +82,15 @@ examples:
   weft analyze stones.png
   weft analyze stone_wall/ --json
   weft analyze brick.png --overlay lattice.png
+"""
+_COMPARE_ABOUT = """\
+Make the same from one sample with every method: a page with the pictures, where every pixel comes
+from, figures, times and parameters. Slow methods get fast options, and the page says so.\
+"""
+_COMPARE = """\
+examples:
+  weft compare brick.png -o compare.html
+  weft compare brick.png --methods quilting,graphcut,near-regular --size 512 -o compare.html --json
 """
 _REPORT_ABOUT = """\
 Say how good a result is beside its sample: a page with pictures, maps of where it fails, and every
@@ -316,6 +327,49 @@ def _analyze(argv: list[str]) -> None:
         print(found)
 
 
+def _compare(argv: list[str]) -> None:
+    start = perf_counter()
+    parser = Parser("compare", _COMPARE_ABOUT, _COMPARE)
+    add = parser.add_argument
+    add("sample", metavar="SAMPLE", help="picture, folder of maps, or sample:NAME")
+    add("-o", "--output", metavar="OUT.html", help="the page to write")
+    add("--methods", metavar="A,B,...", help="these only; see 'weft methods'")
+    add("--size", metavar="WxH|N", help="in pixels; default: twice the sample's, at most 512")
+    add("--seed", type=int, metavar="N", default=1, help="of all methods; default: 1")
+    text = "compare tileable outputs; along both axes or one"
+    add("--tileable", nargs="?", const="xy", choices=("xy", "x", "y"), metavar="x|y", help=text)
+    add("--threads", type=int, metavar="N", help="use at most so many")
+    add("--json", action="store_true", help="print the figures as JSON")
+    add_limits(parser)
+    args = parser.parse(argv)
+    if args.output is None and not args.json:
+        raise InvalidInputError("nothing to do; give -o compare.html, --json, or both")
+    size = None if args.size is None else parse_size(args.size, args.allow_huge)
+    names = None if args.methods is None else [word.strip() for word in args.methods.split(",")]
+    check_numbers(args)
+
+    def work(bar: Bar, outputs: Outputs) -> str:
+        from weft import io
+        from weft.tasks.compare import compare
+
+        if args.output is not None:
+            io.check_output(args.output, suffixes=(".html",))
+        exemplar = load(args.sample, args)[0]
+        found = compare(exemplar, size, methods=names, **settings(args, bar))
+        if args.output is not None:
+            found.save(outputs.add(args.output))
+        if args.json:
+            import json
+
+            print(json.dumps(found.as_dict(), indent=1, default=str))
+        best, took = found.entries[0], perf_counter() - start
+        said = f"compared {len(found.entries)} methods in {took:.1f} s"
+        said += f"; the best score has {best.method}" if best.assessment is not None else ""
+        return said + (f"; {args.output} shows all" if args.output is not None else "")
+
+    _finish(run(work, args.quiet), args.quiet)
+
+
 def _report(argv: list[str]) -> None:
     parser = Parser("report", _REPORT_ABOUT, _REPORT)
     add = parser.add_argument
@@ -382,6 +436,7 @@ _COMMANDS = {
     "replay": _replay,
     "analyze": _analyze,
     "report": _report,
+    "compare": _compare,
     "methods": _methods,
     "samples": _samples,
 }

@@ -100,16 +100,21 @@ def parse_task(
         group.description = "none; with --method NAME --help stand those of another method"
     args = parser.parse(argv)
     args.method = name
-    if args.threads is not None and args.threads < 1:
-        raise InvalidInputError(f"--threads is {args.threads}; it must be 1 or more")
-    if args.seed is not None and not 0 <= args.seed < 2**64:
-        raise InvalidInputError(f"--seed is {args.seed}; it must be from 0 to 2**64 - 1")
+    check_numbers(args)
     given = {
         name.removeprefix("parameter_"): value
         for name, value in vars(args).items()
         if name.startswith("parameter_") and value is not None
     }
     return args, method, given
+
+
+def check_numbers(args: argparse.Namespace) -> None:
+    """Raise `InvalidInputError` unless --threads and --seed are in their ranges."""
+    if args.threads is not None and args.threads < 1:
+        raise InvalidInputError(f"--threads is {args.threads}; it must be 1 or more")
+    if args.seed is not None and not 0 <= args.seed < 2**64:
+        raise InvalidInputError(f"--seed is {args.seed}; it must be from 0 to 2**64 - 1")
 
 
 def _refuse_parameters(parser: Parser, argv: list[str]) -> None:

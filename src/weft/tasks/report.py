@@ -165,8 +165,8 @@ def report(
     if min(exemplar.shape) < 64:
         notes.append("The sample is so small that its halves say little.")
     return Report(
-        sample=_shown(exemplar, exemplar.pixels),
-        result=_shown(exemplar, pixels),
+        sample=as_shown(exemplar, exemplar.pixels),
+        result=as_shown(exemplar, pixels),
         name=exemplar.name,
         result_name=named,
         assessment=found,
@@ -196,7 +196,7 @@ def _another(source: Synthesis, exemplar: Exemplar, pixels: NDArray[Any]) -> lis
     return [f"The result is not {text}. What is said of copying may not hold for it."]
 
 
-def _shown(exemplar: Exemplar, pixels: NDArray[Any]) -> Bytes:
+def as_shown(exemplar: Exemplar, pixels: NDArray[Any]) -> Bytes:
     """Three channels of bytes, to look at."""
     levels = exemplar.as_matching(pixels)
     colors = levels.shape[2] - exemplar.alpha
@@ -207,7 +207,7 @@ def _maps(
     exemplar: Exemplar, pixels: NDArray[Any], source: NDArray[Any] | None
 ) -> dict[str, Bytes]:
     own, made = views(exemplar, pixels)
-    picture = _shown(exemplar, pixels)
+    picture = as_shown(exemplar, pixels)
     maps = {}
     seams = seam_map(Seams(own), made)
     if seams is not None:
@@ -229,7 +229,7 @@ def _maps(
         np.add.at(count, (where[known][:, 0], where[known][:, 1]), 1)
         usual = max(float(count.mean()), 1e-9)
         often = np.clip(np.log2((count + usual / 8) / usual) / 3, -1, 1)
-        shown = _shown(exemplar, exemplar.pixels)
+        shown = as_shown(exemplar, exemplar.pixels)
         seldom = _marked(shown, np.maximum(-often, 0), (0, 90, 255))
         maps["use"] = _marked(seldom, np.maximum(often, 0), (255, 150, 0), 1.0)
     return maps

@@ -1,0 +1,143 @@
+"""Every method on one sample: figures, times, and a page with everything in it."""
+
+import base64
+import json
+import re
+from html.parser import HTMLParser
+
+import numpy as np
+import pytest
+
+import weft
+from families import noise
+from weft.cli import main
+from weft.errors import CancelledError, FileError, InvalidInputError
+from weft.io import read_image, write_image
+from weft.tasks.compare import FAST, compare
+
+WEAVE = weft.load_exemplar("sample:weave").pixels[:64, :70]
+
+
+class Page(HTMLParser):
+    """What a page has: ids, links, pictures, and whether its elements are closed in order."""
+
+    def __init__(self, text):
+        super().__init__()
+        self.ids, self.links, self.pictures, self.open, self.text = [], [], [], [], ""
+        self.feed(text)
+
+    def handle_starttag(self, tag, attrs):
+        about = dict(attrs)
+        self.ids += [about["id"]] if "id" in about else []
+        self.links += [about["href"]] if "href" in about else []
+        self.pictures += [about] if tag == "img" else []
+        if tag not in ("img", "meta", "br"):
+            self.open.append(tag)
+
+    def handle_endtag(self, tag):
+        assert self.open.pop() == tag
+
+    def handle_data(self, data):
+        self.text += data
+
+
+@pytest.fixture(scope="module")
+def found():
+    sample = weft.Exemplar(WEAVE, name="a <b> & 'c'.png")
+    return compare(sample, (56, 60), seed=5, threads=2)
+
+
+def test_every_method_is_there_best_first(found):
+    assert sorted(e.method for e in found.entries) == sorted(weft.METHODS)
+    ranks = [entry.rank for entry in found.entries]
+    assert ranks == sorted(ranks) and found.shape == (56, 60) and found.seed == 5
+    for entry in found.entries:
+        parameters, note = FAST.get(entry.method, ({}, ""))
+        assert entry.note == note and entry.seconds > 0
+        if entry.method not in ("quilting", "best-tile", "graphcut"):
+            continue
+        again = weft.synthesize(WEAVE, (56, 60), method=entry.method, seed=5, **parameters)
+        assert np.array_equal(entry.result.image, again.image)
+        assert entry.assessment == weft.assess(weft.Exemplar(WEAVE), again)
+    assert set(FAST) <= set(weft.METHODS)
+
+
+def test_the_page_needs_nothing_but_itself(found, tmp_path):
+    found.save(tmp_path / "c.html")
+    page = Page((tmp_path / "c.html").read_text("utf-8"))
+    assert not page.open and "a <b> & 'c'.png" in page.text and "<b>" not in found.html()
+    assert sorted(page.ids) == sorted(weft.METHODS)
+    assert sorted(page.links) == sorted(f"#{slug}" for slug in weft.METHODS)
+    assert len(page.pictures) == 1 + 2 * len(weft.METHODS)
+    for number, picture in enumerate(page.pictures):
+        assert picture["alt"] and picture["src"].startswith("data:image/png;base64,")
+        (tmp_path / f"{number}.png").write_bytes(base64.b64decode(picture["src"][22:]))
+    assert np.array_equal(read_image(tmp_path / "0.png").pixels, WEAVE)
+    best = found.entries[0].result
+    assert np.array_equal(read_image(tmp_path / "1.png").pixels, best.image)
+    assert np.array_equal(read_image(tmp_path / "2.png").pixels, best.draw())
+    assert found.choice.reason in page.text and "with search=pca" in page.text
+    assert not re.search(r'(src|href)="(?!data:|#)', found.html())
+    with pytest.raises(FileError):
+        found.save(tmp_path / "c.png")
+
+
+def test_figures_are_plain_values(found):
+    about = json.loads(json.dumps(found.as_dict()))
+    assert [m["method"] for m in about["methods"]] == [e.method for e in found.entries]
+    assert about["methods"][0]["figures"]["score"] == found.entries[0].rank
+    assert about["auto"]["method"] in weft.METHODS and about["width"] == 60
+
+
+def test_a_method_that_cannot_says_why():
+    mask = np.ones((40, 40), bool)
+    mask[::8] = False  # no whole patch of ten pixels
+    sample = weft.Exemplar(noise((40, 40)), mask=mask)
+    found = compare(sample, 30, methods=["quilting", "ashikhmin"], seed=1)
+    able, unable = found.entries
+    assert able.method == "ashikhmin" and unable.result is None and unable.rank == float("inf")
+    assert "patch" in unable.note and unable.as_dict()["figures"] is None
+    page = Page(found.html())
+    assert f"It cannot do this: {unable.note}." in page.text and not page.open
+
+
+@pytest.mark.parametrize(
+    ("methods", "message"),
+    [(["quiltin"], "did you mean 'quilting'"), ([], "at least one"), (["quilting"] * 2, "once")],
+)
+def test_wrong_methods_are_found_before_any_work(methods, message):
+    with pytest.raises(InvalidInputError, match=message):
+        compare("nowhere.png", 30, methods=methods)
+
+
+def test_progress_counts_methods_and_cancels_within_one():
+    seen = []
+
+    def callback(done, total, stage, preview):
+        seen.append((done, total, stage))
+        assert done == 0 or preview().shape == (90, 90, 3)
+        return len(seen) < 12
+
+    with pytest.raises(CancelledError):
+        compare(WEAVE, 90, methods=["quilting", "ashikhmin"], seed=1, progress=callback)
+    assert seen[-1][0] in (0, 1) and set(seen) <= {(n, 2, "methods") for n in (0, 1)}
+
+
+def test_the_command(tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    write_image("s.png", WEAVE)
+    words = ["compare", "s.png", "--methods", "quilting, best-tile", "--size", "60x50"]
+    assert main([*words, "-o", "c.html", "--json", "--tileable", "x"]) == 0
+    out, err = capsys.readouterr()
+    about = json.loads(out)
+    assert {m["method"] for m in about["methods"]} == {"quilting", "best-tile"}
+    assert (about["height"], about["width"], about["seed"]) == (50, 60, 1)
+    assert "compared 2 methods" in err and (tmp_path / "c.html").exists()
+    for wrong, message in (
+        (words, "nothing to do"),
+        ([*words, "-o", "c.png"], "cannot write '.png'"),
+        ([*words, "--json", "--seed", "-1"], "--seed is -1"),
+        ([*words, "--json", "--methods", "quiltin"], "did you mean"),
+    ):
+        assert main(wrong) == 2
+        assert message in capsys.readouterr().err
