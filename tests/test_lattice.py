@@ -320,6 +320,13 @@ def test_an_overlay_that_cannot_be_written(capsys):
     assert out == "" and ".xyz" in err and err.count("\n") == 1
 
 
+@pytest.mark.parametrize("shape", [(27, 28), (28, 28), (29, 40), (30, 31)])
+def test_small_samples_that_once_failed(shape):
+    pixels = np.random.default_rng(shape[0] * 50 + shape[1]).integers(0, 256, shape, np.uint8)
+    found = find_lattice(Exemplar(pixels))
+    assert found is None or found.confidence < 0.9
+
+
 @pytest.mark.parametrize("channels", [(), (1,), (2,), (3,), (4,), (7,)])
 def test_overlays_of_any_sample(channels, rng):
     exemplar = Exemplar(rng.integers(0, 256, (20, 30, *channels), np.uint8))

@@ -57,7 +57,7 @@ def best_pair(field: Field, goodness: str) -> tuple[Floats, float] | None:
     for k in np.argsort(-first, kind="stable")[:_PAIRS]:
         if first[k] <= 0:
             break
-        fitted, _ = fit_vectors(field.correlation, pairs[k], _REACH)
+        fitted = _fitted(field, pairs[k])
         if any(abs(fitted - other).max() < 0.5 for other in tried):
             continue
         tried.append(fitted)
@@ -125,8 +125,15 @@ def _divide(field: Field, vectors: Floats) -> Floats:
                 lower = _LOWER + 0.5 / float(np.hypot(*basis[0]))
                 alike = gap < lower or (gap < _UNSURE[0] and errors < _UNSURE[1])
                 if count and alike and contrast_of(field, basis, reach) > own / 2:
-                    return fit_vectors(field.correlation, basis, _REACH)[0]
+                    return _fitted(field, basis)
     return vectors
+
+
+def _fitted(field: Field, vectors: Floats) -> Floats:
+    """The vectors below a pixel; as they are, where a fit to a small sample folds them together."""
+    found = fit_vectors(field.correlation, vectors, _REACH)[0]
+    areas = [abs(np.linalg.det(pair)) for pair in (found, vectors)]
+    return found if areas[0] > areas[1] / 2 else vectors
 
 
 def _multiply(field: Field, vectors: Floats) -> Floats:
@@ -143,5 +150,5 @@ def _multiply(field: Field, vectors: Floats) -> Floats:
                     higher = gap > 0.5
                 if higher and count >= _OWN:
                     larger = reduced(whole @ vectors)
-                    return fit_vectors(field.correlation, larger, _REACH)[0]
+                    return _fitted(field, larger)
     return vectors

@@ -45,7 +45,7 @@ def find_rows(flat: Relief) -> tuple[Floats, float] | None:
     """
     height, width = flat.usable.shape
     reach = int(0.6 * min(height, width))
-    if reach < _FEWEST * _CLOSEST + 1:
+    if (reach - 1) / _FEWEST <= _CLOSEST:
         return None
     correlation = correlate(_with_edges(flat.levels), first_mask=flat.usable >= 0.5)
     coarse = np.deg2rad(np.arange(0, 180, 3.0))
