@@ -227,12 +227,14 @@ def test_figures_are_the_same_every_time():
     assert again == measured("cobbles", "real")
 
 
-@pytest.mark.parametrize("dtype", [np.uint8, np.uint16, np.float32, np.float64])
-@pytest.mark.parametrize("channels", [(), (1,), (2,), (4,), (9,)])
+@pytest.mark.parametrize(
+    "dtype, channels",
+    [(np.uint8, (2,)), (np.uint16, ()), (np.uint16, (4,)), (np.float32, (1,)), (np.float64, (9,))],
+)
 def test_any_kind_of_picture(dtype, channels, rng):
     top = {"uint8": 255, "uint16": 65535}.get(np.dtype(dtype).name, 1)
-    sample = (rng.random((40, 36, *channels)) * top).astype(dtype)
-    result = (rng.random((30, 50, *channels)) * top).astype(dtype)
+    sample = (rng.random((30, 28, *channels)) * top).astype(dtype)
+    result = (rng.random((26, 40, *channels)) * top).astype(dtype)
     found = assess(sample, result)
     assert found.patches < 3 and found.score is not None
 
@@ -243,8 +245,20 @@ def test_depths_are_alike():
     assert wide.as_dict() == measured("cobbles", "real").as_dict()
 
 
-@pytest.mark.parametrize("own", [(1, 1), (1, 40), (3, 3), (7, 9), (20, 20), (33, 48)])
-@pytest.mark.parametrize("made", [(1, 1), (50, 1), (5, 6), (31, 31), (64, 40)])
+@pytest.mark.parametrize(
+    "own, made",
+    [
+        ((1, 1), (1, 1)),
+        ((1, 1), (40, 33)),
+        ((1, 40), (50, 1)),
+        ((3, 3), (5, 6)),
+        ((7, 9), (31, 31)),
+        ((20, 20), (20, 20)),
+        ((33, 36), (1, 1)),
+        ((33, 36), (5, 40)),
+        ((33, 36), (31, 40)),
+    ],
+)
 @pytest.mark.parametrize("plain", [False, True])
 def test_small_and_flat_pictures_give_none_and_no_warning(own, made, plain, rng):
     colours = 1 if plain else 256

@@ -103,12 +103,8 @@ def test_tileable_may_be_said(files, capsys):
     sample, made, source = files
     assert run(sample, made, "--json") == 0
     assert json.loads(capsys.readouterr().out)["wrap"] is None
-    assert run(sample, made, "--json", "--tileable", "y") == 0
-    down = json.loads(capsys.readouterr().out)["wrap"]
-    assert run(sample, made, "--json", "--tileable") == 0
-    assert json.loads(capsys.readouterr().out)["wrap"] >= down > 0.2
-    assert run(sample, made, "--source", source, "--json", "--tileable", "x") == 0
-    assert json.loads(capsys.readouterr().out)["wrap"] < 0.1
+    assert run(sample, made, "--json", "--source", source, "--tileable") == 0
+    assert json.loads(capsys.readouterr().out)["wrap"] > 0.2  # to the right it does
 
 
 @pytest.mark.parametrize(
@@ -140,18 +136,21 @@ def test_what_cannot_be_reported_is_one_line(change, message, files, tmp_path, c
 
 
 def test_a_picture_of_another_source_is_noted(files):
-    sample, _, source = files
-    other = weft.synthesize(sample, (106, 128), method="quilting", seed=2)
-    assert any(
-        "not the picture that the source gives" in n
-        for n in report(sample, other.image, source).notes
-    )
-    assert report(sample, other, other.source).notes == report(sample, other).notes == ()
+    sample, made, source = files
+    turned = weft.read_image(made).pixels[::-1].copy()
+    assert "not the picture that the source gives" in report(sample, turned, source).notes[0]
+    assert report(sample, weft.Synthesis.load(source)).notes == ()
 
 
-@pytest.mark.parametrize("dtype", [np.uint8, np.uint16, np.float32])
-@pytest.mark.parametrize("channels", [(), (2,), (4,), (5,)])
-@pytest.mark.parametrize("own, made", [((1, 1), (1, 1)), ((40, 30), (5, 60))])
+@pytest.mark.parametrize(
+    "dtype, channels, own, made",
+    [
+        (np.uint8, (2,), (1, 1), (1, 1)),
+        (np.uint16, (4,), (1, 9), (20, 20)),
+        (np.float32, (), (28, 30), (5, 40)),
+        (np.uint8, (5,), (30, 20), (31, 40)),
+    ],
+)
 def test_any_picture_makes_a_page(dtype, channels, own, made, rng):
     sample = (rng.random((*own, *channels)) * 200).astype(dtype)
     result = (rng.random((*made, *channels)) * 200).astype(dtype)
