@@ -143,7 +143,7 @@ def test_what_does_not_fit_is_refused():
     refused("two numbers of samples", [A, B], HALVES, mixed={2: (0, 2)})
     refused("colours of the samples beside", [A, B], HALVES + 5, mixed={2: (0, 1)})
     refused("shape", [A, B], np.zeros((3, 3, 3, 3), np.uint8))
-    for method in ("quilting", "patch-sampling"):
+    for method in ("quilting", "patch-sampling", "near-regular"):
         refused(
             "cannot fuse.*these do: .*refinement", [A, B], HALVES, method=method,
             error=weft.UnsupportedError,

@@ -296,13 +296,15 @@ def _check_kinds(exemplars: list[Exemplar]) -> None:
             )
 
 
+def _fuses(method: type[Method]) -> bool:
+    """Whether a method fills holes by single pixels: it has no patches and no blocks to lay."""
+    lays = hasattr(method, "patch_size") or hasattr(method, "block_size")
+    return "known" in method.supports and not lays
+
+
 def _check_method(method: Method, canvas: Canvas) -> None:
-    if getattr(method, "patch_size", 0) != 0 or "known" not in method.supports:
-        able = [
-            slug
-            for slug in METHODS
-            if "known" in METHODS[slug].supports and not hasattr(METHODS[slug], "patch_size")
-        ]
+    if not _fuses(type(method)):
+        able = [slug for slug in METHODS if _fuses(METHODS[slug])]
         raise UnsupportedError(
             f"{method.slug} cannot fuse, for that takes a method that copies single pixels and "
             f"fills holes; these do: {', '.join(able)}"
