@@ -4,8 +4,8 @@ python examples/paper_near_regular.py EXPERIMENT -o FOLDER
 
 Experiments: fig410 (both ways of matching), fig411 (after gap filling, and a repeated tile), fig413
 (blending), fig52 (tile, thesis, weft, quilting), fig510 (where joints broke), fig511 (fractions and
-bent samples), fig512 (wide blending), fig513 (unconstrained), blocks (section 5.2: block sizes);
-`all` runs every one. Figures are those of the thesis: 410 is 4.10.
+bent samples), fig512 (wide blending), fig513 (unconstrained), blocks (section 5.2: block sizes),
+holes (not in the thesis); `all` runs every one. Figures are those of the thesis: 410 is 4.10.
 Needs Pillow beside weft: pip install 'weft[test]'.
 """
 
@@ -148,8 +148,30 @@ def blocks(folder: Path) -> None:
     rows(folder, "blocks", "sample, 20, 30, 40, 60", lines)
 
 
+def holes(folder: Path) -> None:
+    """Holes that go on with the lattice, beside methods that know of none."""
+    y, x = np.indices((256, 256)) - 128
+    angle, away = np.arctan2(y, x), np.hypot(y, x)
+    hole = away < 44 * (1 + 0.25 * np.sin(3 * angle) + 0.1 * np.sin(7 * angle))
+    lines = []
+    for name in ("bricks", "fishscale", "fence"):
+        photo = load(name, 256).reshape(256, 256, -1)
+        if photo.shape[2] == 4:  # before a sky
+            share = photo[..., 3:] / 255
+            photo = np.rint(photo[..., :3] * share + (1 - share) * (170, 190, 210))
+        photo = np.broadcast_to(photo, (256, 256, 3)).astype(np.uint8)
+        shown = np.where(hole[..., None], np.uint8([255, 0, 255]), photo)
+        filled = [
+            weft.fill(photo, hole, method=method, seed=1).image
+            for method in ("patch-sampling", "quilting", "near-regular")
+        ]
+        lines.append([shown, *filled])
+    rows(folder, "holes", "hole, patch-sampling, quilting, near-regular", lines)
+
+
 EXPERIMENTS: dict[str, Callable[[Path], None]] = {
-    f.__name__: f for f in (fig410, fig411, fig413, fig52, fig510, fig511, fig512, fig513, blocks)
+    f.__name__: f
+    for f in (fig410, fig411, fig413, fig52, fig510, fig511, fig512, fig513, blocks, holes)
 }
 
 
