@@ -18,7 +18,7 @@ LEVELS = [
     ["methods"],
     ["method"],
     ["search", "seams", "analysis"],
-    ["synthesis", "patch_synthesis", "pixel_synthesis", "saved"],
+    ["synthesis", "patch_synthesis", "pixel_synthesis", "saved", "drawing"],
     ["exemplar", "canvas", "_compositing"],
     ["io"],
     ["formats"],

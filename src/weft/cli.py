@@ -20,7 +20,7 @@ from weft.options import (
     parse_size,
     parse_task,
 )
-from weft.pictures import load, open_sample, report, settings, write
+from weft.pictures import load, open_sample, report, settings, write, write_debug
 from weft.terminal import Bar, Outputs, Stopped, run, say
 
 _ABOUT = """\
@@ -47,6 +47,7 @@ examples:
   weft synth brick.png -o tile.png --size 512 --tileable --seed 7
   weft synth stone_wall/ -o big/ --size 2048        a folder of aligned maps
   weft synth brick.png -o wall.png --method quilting --patch-size 48
+  weft synth brick.png -o wall.png --best-of 8      the best of eight seeds
   weft synth moss.png -o face.png --method ashikhmin --guide face.png
   weft synth photo.png -o new.png --method refinement --sample-guide painted.png --guide other.png
 """
@@ -169,7 +170,13 @@ def _synth(argv: list[str]) -> None:
     parser.add_argument("--guide", metavar="G", help="picture to follow, of the output's size")
     text = "what stands for the sample in the guide, such as a painted map of what is where in it"
     parser.add_argument("--sample-guide", metavar="S", help=text)
+    text = "make N with the seeds from --seed on, and keep the one with the best figures"
+    parser.add_argument("--best-of", type=int, metavar="N", default=1, help=text)
+    text = "write how it was put together: coordinates, patches, seams, uncertainty"
+    parser.add_argument("--debug", metavar="DIR", help=text)
     args, method, parameters = parse_task(parser, argv)
+    if not 1 <= args.best_of <= 1000:
+        raise InvalidInputError(f"--best-of is {args.best_of}; it must be from 1 to 1000")
     size = None if args.size is None else parse_size(args.size, args.allow_huge)
     chosen = method(**parameters)
 
@@ -177,14 +184,18 @@ def _synth(argv: list[str]) -> None:
         from weft.tasks.synthesize import synthesize
 
         exemplar, pictures, targets = open_sample(args.sample, args, outputs)
+        if args.debug is not None:
+            outputs.make_folder(args.debug)
         guide = None if args.guide is None else load(args.guide, args)[0]
         own = None if args.sample_guide is None else load(args.sample_guide, args)[0]
         size_made = size or (2 * exemplar.shape[0], 2 * exemplar.shape[1])
         if guide is not None:
             size_made = size or guide.shape
-        guides: dict[str, Any] = {"guide": guide, "sample_guide": own}
+        guides: dict[str, Any] = {"guide": guide, "sample_guide": own, "best_of": args.best_of}
         result = synthesize(exemplar, size_made, method=chosen, **guides, **settings(args, bar))
         write(result, exemplar, pictures, targets, args, outputs)
+        if args.debug is not None:
+            write_debug(result, args.debug, outputs)
         what = f"made {result.shape[1]}x{result.shape[0]}"
         return report(args, result, what, start)
 

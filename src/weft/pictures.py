@@ -73,11 +73,29 @@ def write(
         result.save(outputs.add(args.save_source))
 
 
+#: The pictures of --debug, by what `Synthesis.draw` calls them.
+DEBUG = {
+    "coordinates": "sources",
+    "patches": "patches",
+    "seams": "seams",
+    "uncertainty": "uncertainty",
+}
+
+
+def write_debug(result: Synthesis, folder: str, outputs: Outputs) -> None:
+    """Write how a result was put together."""
+    from weft.io import write_image
+
+    for name, what in DEBUG.items():
+        write_image(outputs.add(os.path.join(folder, f"{name}.png")), result.draw(what))
+
+
 def report(args: argparse.Namespace, result: Synthesis, what: str, start: float) -> str:
     """Say in a line what was made, how, and how fast; why so, in lines above, where weft chose."""
     used, took = result.provenance, perf_counter() - start
     why = f"auto: {used['reason']}\n" if "reason" in used else ""
     why += "".join(f"note: {warning}\n" for warning in used.get("warnings", ()))
+    why += f"best of: {used['best_of']['told']}\n" if "best_of" in used else ""
     if "window_width" in used:
         looked = f"window width {used['window_width'] or 'by sample'}"
     elif "lattice" in used:

@@ -51,3 +51,22 @@ class Progress:
             return
         if self.callback(self.done, self.total, self.stage, self.preview) is False:
             raise CancelledError(f"cancelled after {self.done} of {self.total} {self.stage}")
+
+    def within(self) -> ProgressCallback | None:
+        """A callback for the work of one step: it only says how many steps are done, and cancels.
+
+        Examples
+        --------
+        >>> seen = []
+        >>> steps = Progress(lambda *now: seen.append(now[:3]), 2, "outputs", lambda: None)
+        >>> Progress(steps.within(), 99, "pixels", lambda: None).advance(40); seen
+        [(0, 2, 'outputs')]
+        """
+        callback = self.callback
+        if callback is None:
+            return None
+
+        def ask(done: int, total: int, stage: str, preview: Callable[[], Any]) -> bool:
+            return callback(self.done, self.total, self.stage, preview) is not False
+
+        return ask

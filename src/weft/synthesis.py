@@ -275,11 +275,11 @@ class Synthesis:
 
         Parameters
         ----------
-        what : {"sources", "seams", "error"}
+        what : {"sources", "seams", "error", "patches", "uncertainty"}
             False colours by source position (red to the right, green downwards); the picture's
             seams in red over its grey version; or how much overlapping patches differ, or a copied
             pixel from what its upper and left neighbours' sources go on with, black for not at
-            all.
+            all; or as `weft.drawing.draw_pieces` and `draw_uncertainty` do.
 
         Returns
         -------
@@ -292,8 +292,13 @@ class Synthesis:
             colour[..., 1::-1] = np.rint(np.maximum(source, 0) * scale)
             colour[source[..., 0] < 0] = 0
             return colour
+        if what in ("patches", "uncertainty"):
+            from weft.drawing import draw_pieces, draw_uncertainty
+
+            return draw_pieces(self) if what == "patches" else draw_uncertainty(self)
         if what not in ("seams", "error"):
-            raise InvalidInputError(f"cannot draw {what!r}; known: sources, seams, error")
+            known = "sources, seams, error, patches, uncertainty"
+            raise InvalidInputError(f"cannot draw {what!r}; known: {known}")
         picture = grey_of(self.image)
         if what == "seams":
             y, x = np.indices(self.shape)

@@ -67,7 +67,7 @@ class Outputs:
 
     def __init__(self) -> None:
         self._folders: set[str] = set()
-        self._made: str | None = None
+        self._made: list[str] = []
         self._stack = ExitStack()
 
     def __enter__(self) -> Outputs:
@@ -90,8 +90,8 @@ class Outputs:
             os.mkdir(path)
         except OSError as error:
             why = "it is a file" if os.path.exists(path) else error.strerror
-            raise FileError(f"{path}: cannot make this folder for the maps: {why}") from None
-        self._made = path
+            raise FileError(f"{path}: cannot make this folder: {why}") from None
+        self._made.append(path)
 
     def add(self, path: str) -> str:
         """Return where to write what is to appear at `path`."""
@@ -107,9 +107,9 @@ class Outputs:
                 for name in os.listdir(folder):
                     if name.startswith(f".weft-{os.getpid()}-"):
                         os.unlink(os.path.join(folder, name))
-        if self._made is not None:
+        for folder in self._made:
             with suppress(OSError):
-                os.rmdir(self._made)
+                os.rmdir(folder)
 
 
 def run(work: Callable[[Bar, Outputs], Result], quiet: bool) -> Result:

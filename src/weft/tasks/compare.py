@@ -18,7 +18,7 @@ from weft.random import seed_number
 from weft.tasks.synthesize import load_exemplar
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Sequence
+    from collections.abc import Sequence
 
     from weft.exemplar import Exemplar
     from weft.progress import ProgressCallback
@@ -188,7 +188,7 @@ def compare(
     canvas, number = as_canvas(size, tileable), seed_number(seed)
     done: list[Entry] = []
     count = Progress(progress, len(names), "methods", lambda: done and _last(done))
-    options: dict[str, Any] = {"seed": number, "threads": threads, "progress": _within(count)}
+    options: dict[str, Any] = {"seed": number, "threads": threads, "progress": count.within()}
     for name in names:
         parameters, note = FAST.get(name, ({}, ""))
         start = perf_counter()
@@ -206,18 +206,6 @@ def compare(
     choice = AutoModel(Auto(), exemplar).choose(canvas)
     ranked = sorted(done, key=lambda entry: (entry.result is None, entry.rank))
     return Comparison(exemplar, canvas.shape, number, choice, tuple(ranked))
-
-
-def _within(count: Progress) -> Callable[..., bool] | None:
-    """Ask the callback within a method too, where it only says how many methods are done."""
-    if count.callback is None:
-        return None
-    callback = count.callback
-
-    def ask(done: int, total: int, stage: str, preview: Callable[[], Any]) -> bool:
-        return callback(count.done, count.total, count.stage, preview) is not False
-
-    return ask
 
 
 def _last(done: list[Entry]) -> Any:

@@ -40,6 +40,7 @@ def synthesize(
     tileable: bool | str = False,
     guide: Sample | None = None,
     sample_guide: Sample | None = None,
+    best_of: int = 1,
     threads: int | None = None,
     progress: ProgressCallback | None = None,
     **parameters: Any,
@@ -65,6 +66,9 @@ def synthesize(
     sample_guide : path, array, PIL image or Exemplar, optional
         A picture of the sample's size that stands for it in the guide, see `Exemplar`: a map of
         labels, or anything else that says what is where.
+    best_of : int
+        Make so many with different seeds, from `seed` on, and keep the one that
+        `weft.quality` likes best; its provenance has its own seed and the scores of all.
     threads : int, optional
         At most so many.
     progress : callable, optional
@@ -99,12 +103,20 @@ def synthesize(
             raise InvalidInputError("the canvas has a guide; give none beside it")
         canvas = dataclasses.replace(canvas, guide=_guide(guide))
     chosen.require(canvas)
+    if best_of != 1:
+        from weft.tasks.best_of import check_count
+
+        check_count(best_of)
     exemplar = load_exemplar(sample)
     if sample_guide is not None:
         if canvas.guide is None:
             raise InvalidInputError("sample_guide has no effect without a guide")
         exemplar = exemplar.with_guide(_guide(sample_guide))
     model = chosen.fit(exemplar)
+    if best_of != 1:
+        from weft.tasks.best_of import best_of as keep_best
+
+        return keep_best(model, canvas, best_of, seed=seed, threads=threads, progress=progress)
     return model.sample(canvas, seed=seed, threads=threads, progress=progress)
 
 

@@ -1,0 +1,98 @@
+"""The best of several seeds: which is kept, what is told, and that it can be made again."""
+
+import re
+
+import numpy as np
+import pytest
+
+import weft
+from families import noise
+from weft.cli import main
+from weft.errors import CancelledError, InvalidInputError
+from weft.io import read_image, write_image
+
+SAMPLE = weft.load_exemplar("sample:pebbles").pixels[:72, :80]
+QUILTING = {"method": "quilting", "patch_size": 20}
+
+
+def test_the_best_score_is_kept_and_can_be_made_again():
+    exemplar = weft.Exemplar(SAMPLE)
+    best = weft.synthesize(exemplar, 90, seed=11, best_of=4, threads=2, **QUILTING)
+    each = {s: weft.synthesize(exemplar, 90, seed=s, **QUILTING) for s in range(11, 15)}
+    scores = {str(s): weft.assess(exemplar, made).score for s, made in each.items()}
+    about = best.provenance["best_of"]
+    assert about["scores"] == scores and len(set(scores.values())) > 1
+    kept = best.provenance["seed"]
+    assert scores[str(kept)] == min(scores.values())
+    assert np.array_equal(best.image, each[kept].image)
+    assert np.array_equal(best.source, each[kept].source)
+    others = sorted(score for seed, score in scores.items() if seed != str(kept))
+    assert about["told"] == (
+        f"seed {kept} of 11 to 14: score {scores[str(kept)]:.2f}, "
+        f"the others {others[0]:.2f} to {others[-1]:.2f}"
+    )
+
+
+def test_of_equal_ones_the_first_is_kept():
+    flat = np.full((40, 40, 3), 77, np.uint8)
+    best = weft.synthesize(flat, 50, seed=2**64 - 2, best_of=3, **QUILTING)
+    assert best.provenance["seed"] == 2**64 - 2
+    assert set(best.provenance["best_of"]["scores"]) == {str(2**64 - 2), str(2**64 - 1), "0"}
+
+
+def test_what_cannot_be_judged_is_made_all_the_same(monkeypatch):
+    monkeypatch.setattr("weft.tasks.best_of.assess", lambda *_: weft.Assessment())
+    made = weft.synthesize(noise((30, 30)), 30, seed=3, best_of=2)
+    assert made.provenance["seed"] == 3
+    assert made.provenance["best_of"]["told"] == "seed 3 of 3 to 4: too small to be judged"
+
+
+def test_a_large_output_is_judged_by_its_middle():
+    from weft.tasks.best_of import _score
+
+    made = weft.synthesize(SAMPLE, (40, 1100), seed=1, method="quilting")
+    exemplar = weft.Exemplar(SAMPLE)
+    middle = np.s_[:, 38:1062]
+    assert _score(made) == weft.assess(exemplar, made.image[middle], made.source[middle]).score
+
+
+@pytest.mark.parametrize("count", [0, -1, 1001, 2.0, "3"])
+def test_a_wrong_number_is_refused_before_any_work(count):
+    with pytest.raises(InvalidInputError, match="best_of is .*; it must be an integer from 1"):
+        weft.synthesize("nowhere.png", 40, best_of=count)
+
+
+def test_progress_counts_outputs_and_cancels_within_one():
+    seen = []
+
+    def callback(done, total, stage, preview):
+        seen.append((done, total, stage))
+        assert preview().shape == (120, 120, 3)
+        return len(seen) < 9
+
+    with pytest.raises(CancelledError):
+        weft.synthesize(SAMPLE, 120, seed=1, best_of=5, progress=callback, **QUILTING)
+    assert {total for _, total, _ in seen} == {5} and {stage for *_, stage in seen} == {"outputs"}
+
+
+def test_the_command_and_the_pictures_of_debug(tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    write_image("s.png", SAMPLE)
+    words = ["synth", "s.png", "--size", "90", "--seed", "5", "--method", "quilting"]
+    assert main([*words, "-o", "a.png", "--best-of", "2", "--debug", "how"]) == 0
+    kept = re.search(r"best of: seed (\d) of 5 to 6: score", capsys.readouterr().err).group(1)
+    assert main([*words, "-o", "b.png", "--seed", kept, "--quiet"]) == 0
+    assert np.array_equal(read_image("a.png").pixels, read_image("b.png").pixels)
+    names = ["coordinates", "patches", "seams", "uncertainty"]
+    assert sorted(p.name for p in (tmp_path / "how").iterdir()) == [f"{n}.png" for n in names]
+    made = weft.synthesize(SAMPLE, 90, seed=int(kept), method="quilting")
+    for name, what in zip(names, ["sources", *names[1:]], strict=True):
+        assert np.array_equal(read_image(f"how/{name}.png").pixels, made.draw(what))
+    for wrong, message in (
+        (["-o", "c.png", "--best-of", "0"], "--best-of is 0"),
+        (["-o", "c.png", "--debug", "s.png"], "it is a file"),
+        (["-o", "c.png", "--debug", "new", "--sample-guide", "s.png"], "without a guide"),
+    ):
+        assert main([*words, *wrong]) == 2
+        assert message in capsys.readouterr().err
+    assert not (tmp_path / "new").exists() and not (tmp_path / "c.png").exists()
