@@ -165,7 +165,7 @@ FIGURES: dict[str, Figure] = {
         "has pieces that do not fit each other",
     ),
     "wrap": Figure(
-        "seam at the wrap", "share", "low", 0.15,
+        "seam at the wrap", "share", "low", 0.1,
         "How much of the border shows as a seam when the result is laid side by side.",
         "striking parts that give a tile away",
         "shows a seam where it repeats", 0.01,
