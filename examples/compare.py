@@ -1,0 +1,28 @@
+"""Some methods on one sample, side by side: one page with pictures, sources, figures and times.
+
+python examples/compare.py -o FOLDER
+"""
+
+import argparse
+from pathlib import Path
+
+import weft
+
+parser = argparse.ArgumentParser(description=__doc__)
+parser.add_argument("-o", "--output", type=Path, default=Path(), metavar="FOLDER")
+folder = parser.parse_args().output
+folder.mkdir(parents=True, exist_ok=True)
+
+sample = weft.load_exemplar("sample:weave")
+small = weft.Exemplar(sample.pixels[:96, :96], name="weave")
+methods = ["quilting", "near-regular", "ashikhmin", "best-tile"]
+found = weft.compare(small, 144, methods=methods, seed=7)
+print(f"auto: {found.choice.reason}")
+for entry in found.entries:
+    print(f"{entry.method:16} {entry.seconds:6.2f} s  {entry.assessment.verdict()}")
+found.save(folder / "compare.html")
+
+# Of four seeds the best by the same figures.
+best = weft.synthesize(small, 144, seed=7, best_of=4)
+print(best.provenance["best_of"]["told"])
+weft.write_image(folder / "best_of.png", best.image)
