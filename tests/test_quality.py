@@ -293,6 +293,15 @@ def test_masks_hide_what_is_under_them(rng):
         assert assess(Exemplar(pixels, mask=few), result).patches is None
 
 
+def test_of_a_large_result_the_middle_is_looked_at(rng):
+    sample = rng.integers(0, 256, (16, 16, 3), np.uint8)
+    source = rng.integers(0, 16, (20, 2100, 2))
+    result = sample[source[..., 0], source[..., 1]]
+    middle = slice(26, 26 + 2048)
+    found = assess(sample, result, source)
+    assert found == assess(sample, result[:, middle], source[:, middle])
+
+
 def test_what_does_not_go_together_is_refused():
     sample = np.zeros((20, 20, 3), np.uint8)
     with pytest.raises(InvalidInputError, match="uint8 with 1 channels, the sample uint8 with 3"):
@@ -302,7 +311,7 @@ def test_what_does_not_go_together_is_refused():
     with pytest.raises(InvalidInputError, match="the source is 8x9"):
         assess(sample, np.zeros((9, 9, 3), np.uint8), np.zeros((9, 8, 2), int))
     with pytest.raises(InvalidInputError, match="leaves the sample, which is 20x20"):
-        assess(sample, np.zeros((9, 9, 3), np.uint8), np.full((9, 9, 2), 20))
+        assess(sample, np.zeros((9, 9, 3), np.uint8), np.full((9, 9, 2), 2**40 + 20))
     made = weft.synthesize(surface("cobbles")[0], 64, method="quilting", seed=1)
     with pytest.raises(InvalidInputError, match="from a sample of 256x128, not 20x20"):
         assess(sample, made)

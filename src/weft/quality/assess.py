@@ -13,7 +13,7 @@ from weft.analysis.lattice import find_lattice
 from weft.errors import InvalidInputError
 from weft.exemplar import Exemplar
 from weft.quality.color import color_distance
-from weft.quality.copying import copying
+from weft.quality.copying import check_source, copying
 from weft.quality.figures import FIGURES
 from weft.quality.lattice import lattice_kept
 from weft.quality.patches import patch_distance
@@ -21,12 +21,15 @@ from weft.quality.repetition import repetition
 from weft.quality.seams import Seams, seams
 from weft.quality.sharpness import sharpness
 from weft.quality.spectrum import autocorrelation_distance, spectrum_distance
-from weft.quality.view import views
+from weft.quality.view import middle, views
 from weft.quality.wrap import wrap_seam
 from weft.synthesis import Synthesis
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
+
+WIDEST = 2048
+"""Of a result of more pixels a side only the middle is looked at, but for the wrap."""
 
 _DIGITS = 3
 _POWER = 4  # of the mean that is the score: the worst figures decide
@@ -127,7 +130,8 @@ def assess(
     """Measure how good a result is.
 
     The figures of one pair of pictures are the same in every run. They compare with the sample, so
-    they say nothing about whether the sample itself is any good.
+    they say nothing about whether the sample itself is any good. Of a result of more than 2048
+    pixels a side the middle is looked at, and its border if it is to repeat.
 
     Parameters
     ----------
@@ -173,9 +177,12 @@ def assess(
             tileable = result.canvas.wrap
         result = result.image if result.exemplar is not None else result.render(exemplar)
     wrap = tileable if isinstance(tileable, tuple) else (bool(tileable),) * 2
-    own, made = views(exemplar, result)
-    used = None if source is None else copying(own, made, source)
-    model = Seams(own)
+    own, whole = views(exemplar, result)
+    made = whole.centre(WIDEST)
+    model, used = Seams(own), None
+    if source is not None:
+        source = check_source(source, own.shape, whole.shape)
+        used = copying(own, made, middle(source, made.shape))
     came_back = repetition(own, made)
     patches, scales = patch_distance(own, made)
     color_levels, color = color_distance(own, made)
@@ -195,7 +202,7 @@ def assess(
         "soft": soft,
         "period": None if came_back is None else came_back.period,
         "repeats": None if came_back is None else came_back.repeats,
-        "wrap": wrap_seam(model, made, wrap),
+        "wrap": wrap_seam(model, whole, wrap),
     }
     if used is not None:
         figures |= dataclasses.asdict(used)

@@ -84,7 +84,7 @@ def copying(sample: View, result: View, source: NDArray[Any]) -> Copying | None:
     known = source[..., 0] >= 0
     if not known.any():
         return None
-    place = np.indices(result.shape).transpose(1, 2, 0)
+    place = np.indices(result.shape, np.int32).transpose(1, 2, 0)
     piece = pieces(source - place, known)
     areas = np.bincount(piece[known])
     own = areas[piece[known]]
@@ -101,7 +101,7 @@ def copying(sample: View, result: View, source: NDArray[Any]) -> Copying | None:
 
 def check_source(
     source: NDArray[Any], sample: tuple[int, int], result: tuple[int, int]
-) -> NDArray[np.int64]:
+) -> NDArray[np.int32]:
     """Return the source in whole numbers, or raise `InvalidInputError`."""
     given = np.asarray(source)
     if given.shape != (*result, 2) or given.dtype.kind not in "iu":
@@ -110,17 +110,17 @@ def check_source(
             f"the source is {size} of {given.dtype}, the result is {result[1]}x{result[0]}; it "
             "must be rows and columns, (H, W, 2), of the result's size"
         )
-    whole = given.astype(np.int64)
-    whole[(whole < 0).any(axis=2)] = -1
-    if (whole >= sample).any():
+    if (given >= sample).any():
         raise InvalidInputError(
             f"the source leaves the sample, which is {sample[1]}x{sample[0]}; give the sample that "
             "the result was made from"
         )
+    whole: NDArray[np.int32] = np.maximum(given, -1).astype(np.int32)
+    whole[(whole < 0).any(axis=2)] = -1
     return whole
 
 
-def pieces(shift: NDArray[np.int64], known: NDArray[np.bool_]) -> NDArray[np.int64]:
+def pieces(shift: NDArray[np.int32], known: NDArray[np.bool_]) -> NDArray[np.int64]:
     """Number the connected areas of one shift, (H, W); each pixel without a source is its own."""
     height, width = known.shape
     alike_x = (shift[:, 1:] == shift[:, :-1]).all(axis=2) & known[:, 1:] & known[:, :-1]
@@ -145,7 +145,7 @@ def pieces(shift: NDArray[np.int64], known: NDArray[np.bool_]) -> NDArray[np.int
     return numbered
 
 
-def _evenness(sample: View, used: NDArray[np.int64]) -> float:
+def _evenness(sample: View, used: NDArray[np.int32]) -> float:
     rows, columns = (min(_GRID, side) for side in sample.shape)
     y = np.arange(sample.shape[0]) * rows // sample.shape[0]
     x = np.arange(sample.shape[1]) * columns // sample.shape[1]
@@ -181,7 +181,7 @@ def _starts(length: int, side: int) -> list[int]:
 
 
 def _joints(
-    sample: View, result: View, source: NDArray[np.int64], known: NDArray[np.bool_]
+    sample: View, result: View, source: NDArray[np.int32], known: NDArray[np.bool_]
 ) -> float | None:
     total, count, steps, pairs = 0.0, 0, 0.0, 0
     own, made = sample.levels.astype(np.int32), result.levels.astype(np.int32)

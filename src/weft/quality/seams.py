@@ -21,6 +21,7 @@ _ROWS = 2  # lines above and below
 _LEARN = 2**14  # places
 _ALONG = 8  # half the pixels along a line that are looked at together
 _USUAL = 0.99  # of the sample's places
+_WIDEST = 2048  # pixels a side that the border of a result is compared with
 _BORDER = 2 * (_REACH + _ALONG)
 
 
@@ -73,13 +74,11 @@ class Seams:
 
     def border(self, result: View, axis: int) -> float:
         """The share of the border along an axis that is a seam; see `weft.quality.wrap`."""
-        model = self._models[axis]
-        assert model is not None
-        grey = result.grey if axis else result.grey.T
-        usual = np.quantile(_pooled(_surprise(grey, model)), _USUAL)
-        beside = np.concatenate([grey[:, -_BORDER:], grey[:, :_BORDER]], axis=1)
-        across = _pooled(_surprise(beside, model))
-        return float((across[:, across.shape[1] // 2] > usual).mean())
+        usual = np.quantile(self._along(result.centre(_WIDEST), axis), _USUAL)
+        across = np.take(result.levels, np.arange(-_BORDER, _BORDER), axis)
+        beside = View(across, np.ones(across.shape[:2], bool), result.axis, result.side)
+        found = self._along(beside, axis)
+        return float((np.take(found, found.shape[axis] // 2, axis) > usual).mean())
 
 
 def seams(model: Seams, result: View) -> float | None:
@@ -156,9 +155,9 @@ def _fit(grey: Floats, usable: NDArray[np.bool_]) -> Model | None:
     y, x = np.divmod(places, place.shape[1])
     beside = np.stack([_inner(steps, *at)[y, x] for at in _beside()], axis=1).astype(np.float64)
     step = _inner(steps)[y, x].astype(np.float64)
-    gram = beside.T @ beside
+    gram = np.einsum("ni,nj->ij", beside, beside, optimize=False)  # in one order everywhere
     ridge = 1e-4 * np.trace(gram) / len(gram) + len(places) / 12  # the rounding to bytes
-    weights = np.linalg.solve(gram + ridge * np.eye(len(gram)), beside.T @ step)
+    weights = np.linalg.solve(gram + ridge * np.eye(len(gram)), np.einsum("ni,n->i", beside, step))
     left = (step - beside @ weights) ** 2
     activity = (beside**2).mean(axis=1)
     order = np.argsort(activity, kind="stable")

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cached_property
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, TypeVar
 
 import numpy as np
 
@@ -20,6 +20,8 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     Floats = NDArray[np.float64]
+
+Kind = TypeVar("Kind", bound=np.generic)
 
 _WIDEST = 640  # pixels a side that measures which need transforms look at
 _SMOOTH = 4  # the mean over a square of this share of the side is slow lighting
@@ -59,7 +61,8 @@ class View:
     @cached_property
     def grey(self) -> NDArray[np.float32]:
         """Brightness along the axis, in levels; (H, W)."""
-        along: NDArray[np.float32] = (self.levels @ self.axis).astype(np.float32)
+        # Sums of whole numbers that float32 holds exactly, so the same in any order.
+        along: NDArray[np.float32] = self.levels.astype(np.float32) @ self.axis.astype(np.float32)
         return along / np.float32(np.sqrt(float(self.axis @ self.axis)))
 
     @cached_property
@@ -84,11 +87,10 @@ class View:
 
     def centre(self, widest: int) -> View:
         """The middle of a picture with longer sides than this."""
-        sizes = tuple(min(side, widest) for side in self.shape)
-        if sizes == self.shape:
+        if max(self.shape) <= widest:
             return self
-        corner = ((side - size) // 2 for side, size in zip(self.shape, sizes, strict=True))
-        return self.part(*corner, *sizes)
+        shape = (min(self.shape[0], widest), min(self.shape[1], widest))
+        return View(middle(self.levels, shape), middle(self.usable, shape), self.axis, self.side)
 
     @cached_property
     def halves(self) -> tuple[tuple[View, View], ...]:
@@ -108,6 +110,12 @@ class View:
             View(level, mask, self.axis, max(1, self.side >> k))
             for k, (level, mask) in enumerate(zip(levels, masks, strict=True))
         ]
+
+
+def middle(values: NDArray[Kind], shape: tuple[int, int]) -> NDArray[Kind]:
+    """The part of this height and width in the middle."""
+    top, left = ((side - size) // 2 for side, size in zip(values.shape, shape, strict=False))
+    return values[top : top + shape[0], left : left + shape[1]]
 
 
 def views(sample: Exemplar, result: NDArray[Any]) -> tuple[View, View]:

@@ -10,11 +10,11 @@ import numpy as np
 
 from weft.errors import InvalidInputError
 from weft.exemplar import Exemplar, check_pixels
-from weft.quality.assess import Assessment, assess
+from weft.quality.assess import WIDEST, Assessment, assess
 from weft.quality.copying import check_source
 from weft.quality.repetition import repetition, repetition_map
 from weft.quality.seams import Seams, seam_map
-from weft.quality.view import views
+from weft.quality.view import middle, views
 from weft.quality.yardstick import real_crops
 from weft.synthesis import Synthesis
 from weft.tasks.synthesize import load_exemplar
@@ -162,6 +162,8 @@ def report(
     )
     if source is None:
         notes.append("Without a source it is not known what was copied from where.")
+    if max(pixels.shape[:2]) > WIDEST:
+        notes.append(f"Of this large result the middle, {WIDEST} pixels a side, was looked at.")
     if min(exemplar.shape) < 64:
         notes.append("The sample is so small that its halves say little.")
     return Report(
@@ -206,6 +208,10 @@ def as_shown(exemplar: Exemplar, pixels: NDArray[Any]) -> Bytes:
 def _maps(
     exemplar: Exemplar, pixels: NDArray[Any], source: NDArray[Any] | None
 ) -> dict[str, Bytes]:
+    shape = (min(pixels.shape[0], WIDEST), min(pixels.shape[1], WIDEST))
+    if source is not None:
+        source = middle(check_source(source, exemplar.shape, pixels.shape[:2]), shape)
+    pixels = middle(pixels, shape)
     own, made = views(exemplar, pixels)
     picture = as_shown(exemplar, pixels)
     maps = {}
@@ -218,15 +224,14 @@ def _maps(
         if strength is not None:
             maps["repetition"] = _marked(picture, strength, (255, 0, 200))
     if source is not None:
-        where = check_source(source, exemplar.shape, made.shape)
-        known = where[..., 0] >= 0
+        known = source[..., 0] >= 0
         scale = 255 / np.maximum(np.array(exemplar.shape) - 1, 1)
         colour = np.full((*made.shape, 3), 96, np.uint8)
-        colour[..., 1::-1] = np.rint(np.maximum(where, 0) * scale)
+        colour[..., 1::-1] = np.rint(np.maximum(source, 0) * scale)
         colour[~known] = 0
         maps["source"] = colour
         count = np.zeros(exemplar.shape)
-        np.add.at(count, (where[known][:, 0], where[known][:, 1]), 1)
+        np.add.at(count, (source[known][:, 0], source[known][:, 1]), 1)
         usual = max(float(count.mean()), 1e-9)
         often = np.clip(np.log2((count + usual / 8) / usual) / 3, -1, 1)
         shown = as_shown(exemplar, exemplar.pixels)
