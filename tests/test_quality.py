@@ -204,6 +204,16 @@ def test_pieces_are_what_hangs_together(seed):
     assert len(pairs) == len({a for a, _ in pairs}) == len({b for _, b in pairs})
 
 
+def test_what_was_known_is_not_called_copied():
+    photo = surface("cobbles")[0]
+    hole = np.zeros(photo.shape[:2], bool)
+    hole[40:90, 60:120] = True
+    filled = weft.fill(photo, hole, method="quilting", seed=1)
+    found = assess(photo, filled)
+    assert found.largest < 0.2 and found.copied > 0.5
+    assert weft.report(photo, filled).assessment == found
+
+
 def test_copying_by_hand():
     sample = np.arange(64, dtype=np.uint8).reshape(8, 8) * 3
     source = np.indices((8, 16)).transpose(1, 2, 0) % (8, 8)  # twice, side by side

@@ -172,7 +172,7 @@ def assess(
                 f"{result.sample_shape[0]}, not {exemplar.shape[1]}x{exemplar.shape[0]}"
             )
         if source is None:
-            source = result.source
+            source = made_from(result)
         if tileable is None:
             tileable = result.canvas.wrap
         result = result.image if result.exemplar is not None else result.render(exemplar)
@@ -207,6 +207,14 @@ def assess(
     if used is not None:
         figures |= dataclasses.asdict(used)
     return _concluded({name: _rounded(value) for name, value in figures.items()})
+
+
+def made_from(result: Synthesis) -> NDArray[np.int32]:
+    """The source of what was made: -1 where pixels were known, which nobody copied."""
+    source = result.source
+    if result.canvas.hole is not None:
+        source[~result.canvas.hole] = -1
+    return source
 
 
 def _rounded(value: Any) -> Any:

@@ -26,7 +26,7 @@ class Copying:
     Attributes
     ----------
     copied : float
-        Share of the result in pieces of at least 64 pixels.
+        Share of what was made in pieces of at least 64 pixels.
     piece : float
         Side in pixels of a square of the size of the piece that a pixel usually lies in.
     largest : float
@@ -90,7 +90,7 @@ def copying(sample: View, result: View, source: NDArray[Any]) -> Copying | None:
     own = areas[piece[known]]
     index = np.where(known, source[..., 0] * sample.shape[1] + source[..., 1], -1)
     return Copying(
-        copied=float((own >= _PIECE).sum() / known.size),
+        copied=float((own >= _PIECE).mean()),
         piece=float(np.sqrt(own.mean())),
         largest=float(areas.max() / sample.usable.sum()),
         evenness=_evenness(sample, source[known]),

@@ -10,7 +10,7 @@ import numpy as np
 
 from weft.errors import InvalidInputError
 from weft.exemplar import Exemplar, check_pixels
-from weft.quality.assess import WIDEST, Assessment, assess
+from weft.quality.assess import WIDEST, Assessment, assess, made_from
 from weft.quality.copying import check_source
 from weft.quality.repetition import repetition, repetition_map
 from weft.quality.seams import Seams, seam_map
@@ -156,7 +156,7 @@ def report(
                 f"result and sample are {_size(pixels.shape)} and {_size(exemplar.shape)}"
             )
         notes += _another(source, exemplar, pixels)
-        source = source.source
+        source = made_from(source)
     found = assess(
         exemplar, pixels, source, tileable=bool(tileable) if tileable is None else tileable
     )
