@@ -16,7 +16,7 @@ folder = parser.parse_args().output
 folder.mkdir(parents=True, exist_ok=True)
 
 stone = weft.load_exemplar("sample:stone_wall")  # albedo, with four aligned maps
-result = weft.synthesize(stone, (384, 512), seed=7)
+result = weft.synthesize(stone, (384, 512), method="quilting", seed=7)
 weft.write_image(folder / "maps_albedo.png", result.image)
 for name, pixels in result.maps.items():
     weft.write_image(folder / f"maps_{name}.png", pixels)
