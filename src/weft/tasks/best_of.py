@@ -106,4 +106,6 @@ def _told(kept: int, scores: dict[int, float | None]) -> str:
         return f"{said}too small to be judged"
     others = sorted(_key(score) for number, score in scores.items() if number != kept)
     said += f"score {scores[kept]:.2f}"
-    return said + (f", the others {others[0]:.2f} to {others[-1]:.2f}" if others else "")
+    if len(others) < 2:
+        return said + "".join(f", the other {score:.2f}" for score in others)
+    return f"{said}, the others {others[0]:.2f} to {others[-1]:.2f}"
