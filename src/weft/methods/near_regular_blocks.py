@@ -22,7 +22,7 @@ if TYPE_CHECKING:
     from weft.canvas import Canvas
     from weft.methods.near_regular_sample import BlockSample, Border
 
-_PIECE = 8  # gaps that a thread fills at a time
+_PIECE = 32  # gaps that a thread fills at a time, at most
 _BOX = 3  # half the side of what is compared where four blocks meet
 
 
@@ -105,14 +105,14 @@ class Blocks:
         shown[self.rows.shown, self.columns.shown] = True
         cells = np.argwhere(self.gap & shown).astype(np.int32)
         progress = Progress(self.callback, len(cells), "gaps", self._preview)
-        jobs = []
+        jobs, most = [], min(_PIECE, len(cells) // 8 + 1)
         sizes = self.rows.sizes[cells[:, 0]], self.columns.sizes[cells[:, 1]]
         for height in np.unique(sizes[0]):
             for width in np.unique(sizes[1]):
                 own = np.ascontiguousarray(cells[(sizes[0] == height) & (sizes[1] == width)])
                 if len(own):
                     border = self.sample.border(int(height), int(width), self.reach)
-                    jobs += [(border, own[k : k + _PIECE]) for k in range(0, len(own), _PIECE)]
+                    jobs += [(border, own[k : k + most]) for k in range(0, len(own), most)]
 
         def fill(job: tuple[Border, NDArray[np.int32]]) -> int:
             border, piece = job
