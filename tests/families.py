@@ -15,6 +15,15 @@ import pytest
 import weft
 
 DTYPES = (np.uint8, np.uint16, np.float32, np.float64)
+#: Every dtype and every number of channels (None: two axes), though not each with each.
+FORMATS = (
+    (np.uint8, None),
+    (np.uint8, 3),
+    (np.uint16, 1),
+    (np.uint16, 4),
+    (np.float32, 2),
+    (np.float64, 5),
+)
 WRAPS = {"plain": (False, False), "x": (False, True), "y": (True, False), "xy": (True, True)}
 BLENDS = ("feather", "feather-at-end", "cut", "none")
 SEARCHES = ("exhaustive", "quadtree", "pca", "kdtree", "kdtree-pca")
@@ -171,7 +180,7 @@ def kinds_of(slug: str, way: str = "") -> list[str]:
     return kinds + ["guide"] * ("guide" in supports and way not in TRIALS[slug].unguided)
 
 
-def every(*axes: str, family: str | None = None) -> Any:
+def every(*axes: str, family: str | None = None, kinds: Any = None) -> Any:
     """Parametrize a test by the methods, all or of one family, and what each of them does.
 
     Parameters
@@ -180,6 +189,8 @@ def every(*axes: str, family: str | None = None) -> Any:
         "method" first; the kinds of canvas it supports, the names of its `ways`, its `real`.
     family : {"patch", "pixel"}, optional
         Only these methods.
+    kinds : sequence of str, optional
+        Of the kinds of canvas only these.
     """
     cases = []
     for slug in METHODS:
@@ -187,7 +198,7 @@ def every(*axes: str, family: str | None = None) -> Any:
         if family in (None, trial.family):
             values = {
                 "method": [slug],
-                "kind": kinds_of(slug),
+                "kind": [kind for kind in kinds_of(slug) if kinds is None or kind in kinds],
                 "way": list(trial.ways),
                 "real": list(trial.real),
             }

@@ -15,6 +15,7 @@ from hypothesis import strategies as st
 import weft
 from families import (
     DTYPES,
+    FORMATS,
     METHODS,
     SEARCHES,
     TRIALS,
@@ -33,6 +34,10 @@ def make(method, pixels, kind, way=None, *, seed=7, threads=None, size=(40, 37),
     model = method_of(method, way, **parameters).fit(exemplar)
     canvas = canvas_of(kind, exemplar.pixels, size)
     return model.sample(canvas, seed=seed, threads=threads)
+
+
+def shape_of(channels):
+    return (30, 31) if channels is None else (30, 31, channels)
 
 
 def pebbles(side):
@@ -94,13 +99,10 @@ def test_maps_travel_with_the_picture(method, kind):
     assert np.array_equal(result.maps["same"], result.image)
 
 
-@every("method", "kind", "way")
-@pytest.mark.parametrize("dtype", DTYPES)
-@pytest.mark.parametrize("channels", [1, 3, 4])
+@every("method", "kind", "way", kinds=("hole", "wrapped hole"))
+@pytest.mark.parametrize(("dtype", "channels"), FORMATS)
 def test_known_pixels_are_untouched(method, kind, way, dtype, channels):
-    if "hole" not in kind:
-        return
-    result = make(method, noise((30, 31, channels), dtype), kind, way)
+    result = make(method, noise(shape_of(channels), dtype), kind, way)
     hole = result.canvas.hole
     assert np.array_equal(result.image[~hole], result.canvas.known[~hole])
     assert np.array_equal(result.render()[~hole], result.canvas.known[~hole])
@@ -252,8 +254,7 @@ def test_threads_change_nothing(method, kind, way):
     canvas = canvas_of(kind, exemplar.pixels, (largest, largest - 10))
     model = method_of(method, way).fit(exemplar)
     one = model.sample(canvas, seed=1, threads=1)
-    for threads in (2, 4):
-        assert same(model.sample(canvas, seed=1, threads=threads), one)
+    assert same(model.sample(canvas, seed=1, threads=3), one)
 
 
 @every("method", family="patch")
@@ -298,10 +299,9 @@ def test_processes_change_nothing(capsys):
 
 
 @every("method", "kind")
-@pytest.mark.parametrize("dtype", DTYPES)
-@pytest.mark.parametrize("channels", [None, 1, 2, 3, 4, 5])
+@pytest.mark.parametrize(("dtype", "channels"), FORMATS)
 def test_dtype_and_channels_are_kept(method, kind, dtype, channels):
-    shape = (30, 31) if channels is None else (30, 31, channels)
+    shape = shape_of(channels)
     result = make(method, noise(shape, dtype), kind)
     assert result.image.dtype == dtype
     assert result.image.shape == (*result.shape, *shape[2:])
@@ -310,13 +310,12 @@ def test_dtype_and_channels_are_kept(method, kind, dtype, channels):
 
 @pytest.mark.pictures
 @every("method", "kind", "way")
-@pytest.mark.parametrize("name", ["pebbles", "wood"])
-def test_depth_does_not_change_what_goes_where(method, kind, way, name):
+def test_depth_does_not_change_what_goes_where(method, kind, way):
     """The 16-bit and the floating version of an 8-bit picture have its source map.
 
     For samples whose values span an eighth of the range or more; see test_exemplar.py.
     """
-    pixels = weft.load_exemplar(f"sample:{name}").pixels[:40, :40]
+    pixels = weft.load_exemplar("sample:pebbles").pixels[:40, :40]
     eight = make(method, pixels, kind, way)
     deep = make(method, pixels.astype(np.uint16) * 257, kind, way)
     assert np.array_equal(deep.source, eight.source)

@@ -12,6 +12,7 @@ import numpy as np
 import pytest
 
 import weft
+from weft.analysis.lattice import Lattice
 from weft.errors import InvalidInputError
 from weft.exemplar import Exemplar
 from weft.quality.assess import Assessment, assess
@@ -172,6 +173,22 @@ def test_repetition_is_a_share_and_says_the_shift(rng):
     # A sample that repeats by itself is no reason for complaint.
     regular = np.tile(rng.integers(0, 256, (40, 40), np.uint8), (4, 4))
     assert repetition(*views(Exemplar(regular), np.tile(regular, (2, 2)))).period < 0.05
+
+
+def test_what_a_lattice_makes_come_back_by_chance_is_no_repetition(rng):
+    tiles = rng.integers(0, 256, (16, 40, 40), np.uint8)
+    lattice = Lattice(((40.0, 0.0), (0.0, 40.0)))
+
+    def laid(which):
+        return np.block([[tiles[k] for k in row] for row in which])
+
+    sample = Exemplar(laid(np.arange(16).reshape(4, 4)))
+    even = views(sample, laid(rng.integers(0, 16, (9, 9))))
+    assert repetition(*even).repeats > 0.2 > 0.1 > repetition(*even, lattice).repeats
+    assert repetition(*even, lattice).period < 0.12
+    for few in (np.zeros((9, 9), int), np.tile([[0, 5], [5, 0]], (4, 4))):
+        found = repetition(*views(sample, laid(few)), lattice)
+        assert found.period > 0.3 and found.repeats > 0.8
 
 
 def flooded(shift, known):

@@ -183,7 +183,8 @@ def assess(
     if source is not None:
         source = check_source(source, own.shape, whole.shape)
         used = copying(own, made, middle(source, made.shape))
-    came_back = repetition(own, made)
+    lattice = find_lattice(exemplar)
+    came_back = repetition(own, made, lattice)
     patches, scales = patch_distance(own, made)
     color_levels, color = color_distance(own, made)
     decibels, spectrum = spectrum_distance(own, made)
@@ -196,7 +197,7 @@ def assess(
         "spectrum": spectrum,
         "spectrum_decibels": decibels,
         "autocorrelation": autocorrelation_distance(own, made),
-        "lattice": lattice_kept(own, made, find_lattice(exemplar)),
+        "lattice": lattice_kept(own, made, lattice),
         "seams": seams(model, made),
         "sharpness": sharp,
         "soft": soft,

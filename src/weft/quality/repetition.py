@@ -13,6 +13,8 @@ from weft.quality.view import View, box_sums
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
+    from weft.analysis.lattice import Lattice
+
     Floats = NDArray[np.float64]
 
 _WIDTH = 32  # pixels of the windows whose mean power is taken out
@@ -20,10 +22,13 @@ _NARROWEST = 24  # sides of less are not looked at
 _WIDEST = 1024
 _NEAR = 6  # shifts of fewer pixels are a matter of sharpness
 _ERRORS = 6  # standard errors of a correlation that pass for chance
+_SHOWN = 6  # shifts that are told
 _FEWEST = 64  # pixels must overlap
 _HALF = 0.25  # of the sample: what it has at larger shifts is left to chance
 _CELL = 8  # half the side of a square of the map
 _RIM = 8  # pixels that whitening spoils, because transforms go around
+_CONFIDENCE = 0.5  # a lattice of less is no reason to repeat
+_AT = 3  # pixels from a multiple of the lattice are still at it
 
 
 @dataclass(frozen=True, eq=False)
@@ -45,7 +50,7 @@ class Repetition:
     shifts: tuple[tuple[int, int], ...]
 
 
-def repetition(sample: View, result: View) -> Repetition | None:
+def repetition(sample: View, result: View, lattice: Lattice | None = None) -> Repetition | None:
     """Find what comes back.
 
     *Definition.* Both pictures are divided by the root of their mean power at each frequency, in
@@ -55,10 +60,22 @@ def repetition(sample: View, result: View) -> Repetition | None:
     Times the overlap that is the share of the picture that comes back. `period` is the largest at
     any shift, `repeats` the sum within half the sample's side.
 
+    A result that keeps a lattice can repeat at its multiples only, and must: of a sample that
+    holds n tiles, used evenly, each comes back at any multiple with a chance of 1 / n. So much is
+    subtracted there. (Elsewhere chance is spread over so many shifts that the standard errors
+    cover it.)
+
     *Unit.* Share of the result. *Good.* Low. A sample of a quarter of the result's size must come
     back about four times, so `repeats` is seldom 0 where pixels are copied; one that is laid side
     by side has a period of a half and more. *Blind to* copies that
     are turned, scaled or blended, and to repetition that the eye sees without pixels being equal.
+
+    Parameters
+    ----------
+    sample, result : View
+        From `views`.
+    lattice : Lattice, optional
+        The sample's, from `weft.analysis.lattice.find_lattice`.
 
     Returns
     -------
@@ -72,17 +89,44 @@ def repetition(sample: View, result: View) -> Repetition | None:
     height, width = (side // 2 for side in shares.shape)
     share = shares[height:].copy()  # the rest mirrors it
     share[0, : width + 1] = 0
-    top = _local_maxima(share)
-    y, x = np.nonzero((share > 0) & top)
-    if not len(y):
-        return Repetition(0.0, 0.0, ())
-    order = np.argsort(-share[y, x], kind="stable")
-    y, x = y[order], x[order] - width
-    values = share[y, x + width]
+    y, x = np.nonzero((share > 0) & _local_maxima(share))
+    values, shifts = share[y, x], np.stack([y, x - width], axis=1)
+    multiples, chance = _multiples(lattice, sample, share.shape)
+    at = np.zeros(len(shifts), bool)
+    if len(multiples):
+        apart = abs(shifts[:, None] - multiples).max(axis=2)
+        at = apart.min(axis=1) <= _AT
+        overlap = (1 - abs(shifts) / (height + 1, width + 1)).prod(axis=1)
     reach = sample.side // 2
-    near = np.maximum(y, abs(x)) <= reach
-    shifts = tuple(zip(y[:6].tolist(), x[:6].tolist(), strict=True))
-    return Repetition(float(values[0]), min(1.0, float(values[near].sum())), shifts)
+    near = abs(shifts).max(axis=1, initial=0) <= reach
+    repeats = float(values[near & ~at].sum())
+    if at.any():
+        within = multiples[abs(multiples).max(axis=1) <= reach]
+        expected = chance * (1 - abs(within) / (height + 1, width + 1)).prod(axis=1).sum()
+        repeats += max(0.0, float(values[near & at].sum()) - float(expected))
+        values = np.maximum(values - at * chance * overlap, 0)
+    order = np.argsort(-values, kind="stable")
+    order = order[values[order] > 0][:_SHOWN]
+    period = float(values.max(initial=0.0))
+    told = tuple((int(dy), int(dx)) for dy, dx in shifts[order])
+    return Repetition(period, min(1.0, repeats), told)
+
+
+def _multiples(
+    lattice: Lattice | None, sample: View, shape: tuple[int, ...]
+) -> tuple[NDArray[np.float64], float]:
+    """Multiples (y, x) of the lattice in half a plane, and the chance to repeat at each."""
+    if lattice is None or len(lattice.vectors) < 2 or lattice.confidence < _CONFIDENCE:
+        return np.zeros((0, 2)), 0.0
+    vectors = np.array(lattice.reduced().vectors)[:, ::-1]
+    limit = np.array([shape[0], (shape[1] + 1) // 2])
+    most = int(np.ceil(np.hypot(*limit) / np.linalg.norm(vectors, axis=1).min())) * 2
+    steps = np.arange(-most, most + 1)
+    i, j = (part.ravel() for part in np.meshgrid(steps, steps))
+    places = np.stack([i, j], axis=1) @ vectors
+    inside = (abs(places) < limit).all(axis=1) & ((i != 0) | (j != 0))
+    places = places[inside & ((places[:, 0] > 0) | ((places[:, 0] == 0) & (places[:, 1] > 0)))]
+    return places, min(1.0, lattice.area / float(sample.usable.sum()))
 
 
 def repetition_map(

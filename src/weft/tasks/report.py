@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from weft.analysis.lattice import find_lattice
 from weft.errors import InvalidInputError
 from weft.exemplar import Exemplar, check_pixels
 from weft.quality.assess import WIDEST, Assessment, assess, made_from
@@ -218,7 +219,7 @@ def _maps(
     seams = seam_map(Seams(own), made)
     if seams is not None:
         maps["seams"] = _marked(picture, np.minimum(seams / _SEAM, 1), (255, 40, 0))
-    found = repetition(own, made)
+    found = repetition(own, made, find_lattice(exemplar))
     if found is not None:
         strength = repetition_map(own, made, found.shifts)
         if strength is not None:
