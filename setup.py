@@ -37,6 +37,8 @@ KERNELS = [
     "weft.methods._graphcut_kernels",
     "weft.methods._refinement_kernels",
     "weft.methods._near_regular_kernels",
+    "weft.methods._near_regular_gap_kernels",
+    "weft.methods._near_regular_seam_kernels",
 ]
 CHECKS = os.environ.get("WEFT_CHECKS") == "1"
 BASE = "build/checks" if CHECKS else "build/plain"  # apart, or one would take the other's objects

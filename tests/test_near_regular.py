@@ -7,7 +7,7 @@ import pytest
 
 import reference
 import weft
-from weft.methods import _near_regular_kernels as kernels
+from weft.methods import _near_regular_seam_kernels as kernels
 from weft.methods.mean_tile import origin_of
 from weft.methods.near_regular_sample import wedges_of
 from weft.methods.rectification import rectified

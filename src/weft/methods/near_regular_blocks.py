@@ -9,7 +9,9 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from weft.method import thread_count
+from weft.methods import _near_regular_gap_kernels as gap_kernels
 from weft.methods import _near_regular_kernels as kernels
+from weft.methods import _near_regular_seam_kernels as seam_kernels
 from weft.methods.block_axis import Axis
 from weft.methods.canvas_lattice import CanvasLattice
 from weft.patch_synthesis import PatchSynthesis, RectifiedSynthesis
@@ -131,7 +133,7 @@ class Blocks:
             choice = self.bits[i, j] % np.uint64(len(windows.centres))
             self.place[i, j] = windows.centres[choice.astype(np.int64)]
             return
-        kernels.fill_gaps(
+        gap_kernels.fill_gaps(
             sample.pixels, sample.turned, windows.usable, windows.period,
             sample.steps, windows.centres, np.ascontiguousarray(cells), self.phase, self.bits,
             self.rows.edges, self.columns.edges, self.wrap, border.wedges, border.runs,
@@ -217,7 +219,7 @@ class Blocks:
         def meet(i: int) -> None:
             scratch = np.empty((2 * reach, 2 * reach), np.int64)
             about = inset, reach, slack, box, self.state
-            kernels.meet(*shared, parity, *about, scratch, corners, i, i + 1)
+            seam_kernels.meet(*shared, parity, *about, scratch, corners, i, i + 1)
 
         def cut(i: int) -> None:
             scratch = (
@@ -230,8 +232,10 @@ class Blocks:
                 np.empty(side, np.int32),
             )
             if i < shown.stop:
-                kernels.cut_edges(*shared, corners, inset, reach, True, *scratch, upright, i, i + 1)
-            kernels.cut_edges(*shared, corners, inset, reach, False, *scratch, lying, i, i + 1)
+                seam_kernels.cut_edges(
+                    *shared, corners, inset, reach, True, *scratch, upright, i, i + 1
+                )
+            seam_kernels.cut_edges(*shared, corners, inset, reach, False, *scratch, lying, i, i + 1)
 
         lines = range(shown.start, shown.stop + 1)
         list(map_(meet, lines))

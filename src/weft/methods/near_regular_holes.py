@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from weft.errors import InvalidInputError
-from weft.methods import _near_regular_kernels as kernels
+from weft.methods import _near_regular_gap_kernels as kernels
 from weft.methods.mean_tile import known_levels
 from weft.methods.near_regular_blocks import Blocks
 from weft.methods.near_regular_sample import NO_SEARCH, in_no_order
