@@ -56,10 +56,39 @@ def test_a_large_output_is_judged_by_its_middle():
     assert _score(made) == weft.assess(exemplar, made.image[middle], made.source[middle]).score
 
 
-@pytest.mark.parametrize("count", [0, -1, 1001, 2.0, "3"])
+def test_the_best_of_several_methods():
+    exemplar = weft.Exemplar(SAMPLE)
+    small = weft.Quilting(patch_size=8)
+    best = weft.synthesize(exemplar, 90, seed=3, best_of=["quilting", "best-tile", small])
+    each = {
+        "quilting": weft.Quilting(),
+        "best-tile": weft.BestTile(),
+        "quilting 2": small,
+    }
+    made = {name: weft.synthesize(exemplar, 90, seed=3, method=m) for name, m in each.items()}
+    scores = {name: weft.assess(exemplar, result).score for name, result in made.items()}
+    about = best.provenance["best_of"]
+    assert about["scores"] == scores
+    kept = min(scores, key=scores.get)
+    assert np.array_equal(best.image, made[kept].image) and best.provenance["seed"] == 3
+    assert about["told"].startswith(f"{kept} of quilting, best-tile, quilting 2: score ")
+
+
+@pytest.mark.parametrize("count", [0, -1, 1001, 2.0, "3", [], None])
 def test_a_wrong_number_is_refused_before_any_work(count):
-    with pytest.raises(InvalidInputError, match="best_of is .*; it must be an integer from 1"):
+    with pytest.raises(InvalidInputError, match="best_of is .*; it must be .*from 1 to 1000"):
         weft.synthesize("nowhere.png", 40, best_of=count)
+
+
+def test_methods_are_named_in_one_place_and_must_all_be_able():
+    with pytest.raises(InvalidInputError, match="name quilting there and not beside it"):
+        weft.synthesize("nowhere.png", 40, method="quilting", best_of=["graphcut"])
+    with pytest.raises(InvalidInputError, match="unknown method 'quilt'"):
+        weft.synthesize("nowhere.png", 40, best_of=["quilt", "graphcut"])
+    with pytest.raises(weft.UnsupportedError, match="best-tile"):
+        weft.synthesize(
+            "nowhere.png", 40, best_of=["refinement", "best-tile"], guide=np.zeros((40, 40))
+        )
 
 
 def test_progress_counts_outputs_and_cancels_within_one():
@@ -89,7 +118,8 @@ def test_the_command_and_the_pictures_of_debug(tmp_path, monkeypatch, capsys):
     for name, what in zip(names, ["sources", *names[1:]], strict=True):
         assert np.array_equal(read_image(f"how/{name}.png").pixels, made.draw(what))
     for wrong, message in (
-        (["-o", "c.png", "--best-of", "0"], "--best-of is 0"),
+        (["-o", "c.png", "--best-of", "0"], "best_of is 0"),
+        (["-o", "c.png", "--best-of", "graphcut"], "name quilting there"),
         (["-o", "c.png", "--debug", "s.png"], "it is a file"),
         (["-o", "c.png", "--debug", "new", "--sample-guide", "s.png"], "without a guide"),
     ):

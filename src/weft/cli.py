@@ -15,6 +15,7 @@ from weft.options import (
     add_limits,
     check_numbers,
     parameters_of,
+    parse_best_of,
     parse_colors,
     parse_mixed,
     parse_size,
@@ -48,6 +49,7 @@ examples:
   weft synth stone_wall/ -o big/ --size 2048        a folder of aligned maps
   weft synth brick.png -o wall.png --method quilting --patch-size 48
   weft synth brick.png -o wall.png --best-of 8      the best of eight seeds
+  weft synth brick.png -o wall.png --best-of quilting,graphcut,near-regular
   weft synth moss.png -o face.png --method ashikhmin --guide face.png
   weft synth photo.png -o new.png --method refinement --sample-guide painted.png --guide other.png
 """
@@ -170,15 +172,18 @@ def _synth(argv: list[str]) -> None:
     parser.add_argument("--guide", metavar="G", help="picture to follow, of the output's size")
     text = "what stands for the sample in the guide, such as a painted map of what is where in it"
     parser.add_argument("--sample-guide", metavar="S", help=text)
-    text = "make N with the seeds from --seed on, and keep the one with the best figures"
-    parser.add_argument("--best-of", type=int, metavar="N", default=1, help=text)
+    text = "make N with the seeds from --seed on, or one with each method, and keep the best"
+    parser.add_argument("--best-of", metavar="N|NAME,...", default="1", help=text)
     text = "write how it was put together: coordinates, patches, seams, uncertainty"
     parser.add_argument("--debug", metavar="DIR", help=text)
     args, method, parameters = parse_task(parser, argv)
-    if not 1 <= args.best_of <= 1000:
-        raise InvalidInputError(f"--best-of is {args.best_of}; it must be from 1 to 1000")
+    best_of = parse_best_of(args.best_of)
     size = None if args.size is None else parse_size(args.size, args.allow_huge)
     chosen = method(**parameters)
+    if best_of != 1:
+        from weft.tasks.best_of import tries
+
+        tries(chosen, best_of)  # finds wrong names before anything is read
 
     def work(bar: Bar, outputs: Outputs) -> str:
         from weft.tasks.synthesize import synthesize
@@ -191,7 +196,7 @@ def _synth(argv: list[str]) -> None:
         size_made = size or (2 * exemplar.shape[0], 2 * exemplar.shape[1])
         if guide is not None:
             size_made = size or guide.shape
-        guides: dict[str, Any] = {"guide": guide, "sample_guide": own, "best_of": args.best_of}
+        guides: dict[str, Any] = {"guide": guide, "sample_guide": own, "best_of": best_of}
         result = synthesize(exemplar, size_made, method=chosen, **guides, **settings(args, bar))
         write(result, exemplar, pictures, targets, args, outputs)
         if args.debug is not None:

@@ -164,6 +164,14 @@ def parse_size(text: str, huge: bool) -> tuple[int, int]:
     return height, width
 
 
+def parse_best_of(text: str) -> int | list[str]:
+    """A number of seeds, or names of methods."""
+    try:
+        return int(text)
+    except ValueError:
+        return [word.strip() for word in text.split(",")]
+
+
 def parse_colors(text: str) -> list[tuple[int, ...]]:
     """Colours from '#rrggbb,#rrggbb,...' or grey levels '0,255,...', for maps of 8 bits."""
     return [_color(word.strip()) for word in text.split(",")]

@@ -126,7 +126,7 @@ FIGURES: dict[str, Figure] = {
     ),
     "repeats": Figure(
         "near repeats", "share", "low", 0.2,
-        "How much comes back within half the sample's side.",
+        "How much comes back within half the sample's side, beyond what a lattice makes come back.",
         "copies that are turned, scaled or blended",
         "shows the same things side by side",
     ),

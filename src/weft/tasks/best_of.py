@@ -5,13 +5,17 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from weft.errors import InvalidInputError
+from weft.method import AUTO, make_method
 from weft.progress import Progress
 from weft.quality.assess import assess
 from weft.random import seed_number
 
 if TYPE_CHECKING:
+    from collections.abc import Sequence
+
     from weft.canvas import Canvas
-    from weft.method import Model
+    from weft.exemplar import Exemplar
+    from weft.method import Method
     from weft.progress import ProgressCallback
     from weft.random import Seed
     from weft.synthesis import Synthesis
@@ -20,16 +24,40 @@ _MOST = 1000
 _JUDGED = 1024  # pixels a side of the middle by which a larger output is judged
 
 
-def check_count(count: int) -> None:
-    """Raise `InvalidInputError` unless so many outputs can be made."""
-    if type(count) is not int or not 1 <= count <= _MOST:
-        raise InvalidInputError(f"best_of is {count!r}; it must be an integer from 1 to {_MOST}")
+def tries(method: Method, count: int | Sequence[str | Method]) -> list[tuple[Method, int]]:
+    """Each method that is to be tried, and how far its seed is from the first.
+
+    Parameters
+    ----------
+    method : Method
+        What is tried with several seeds.
+    count : int, or sequence of str and Method
+        How many seeds, or what is tried in its place, each with the same seed.
+
+    Raises
+    ------
+    InvalidInputError
+        If it is no such number, no list of methods, or a list beside a method that was chosen.
+    """
+    if isinstance(count, int) and not isinstance(count, bool):
+        if not 1 <= count <= _MOST:
+            raise InvalidInputError(f"best_of is {count}; it must be from 1 to {_MOST}")
+        return [(method, k) for k in range(count)]
+    if not isinstance(count, (list, tuple)) or not count:
+        raise InvalidInputError(
+            f"best_of is {count!r}; it must be an integer from 1 to {_MOST}, or a list of methods"
+        )
+    if method.slug != AUTO:
+        raise InvalidInputError(
+            f"the methods to try are those of best_of; name {method.slug} there and not beside it"
+        )
+    return [(make_method(one, {}), 0) for one in count]
 
 
 def best_of(
-    model: Model,
+    tried: Sequence[tuple[Method, int]],
+    exemplar: Exemplar,
     canvas: Canvas,
-    count: int,
     *,
     seed: Seed = None,
     threads: int | None = None,
@@ -39,49 +67,59 @@ def best_of(
 
     Parameters
     ----------
-    model : Model
-        The fitted method.
+    tried : sequence of (Method, int)
+        From `tries`.
+    exemplar : Exemplar
+        The sample.
     canvas : Canvas
         What to make.
-    count : int
-        So many, with `seed` and the seeds after it.
     seed, threads, progress
         As for `weft.synthesize`; progress counts outputs, and is also asked within each.
 
     Returns
     -------
     Synthesis
-        Its provenance has its own seed, and under "best_of" the scores of all and `told`, a line.
+        Its provenance has its own method and seed, and under "best_of" the scores of all and
+        `told`, a line.
 
     Examples
     --------
     >>> import weft
     >>> from weft.canvas import Canvas
-    >>> model = weft.Quilting().fit(weft.load_exemplar("sample:weave"))
-    >>> best = best_of(model, Canvas(96, 96), 2, seed=7)
-    >>> again = model.sample(96, seed=best.provenance["seed"])
+    >>> sample = weft.load_exemplar("sample:weave")
+    >>> best = best_of(tries(weft.Quilting(), 2), sample, Canvas(96, 96), seed=7)
+    >>> again = weft.Quilting().fit(sample).sample(96, seed=best.provenance["seed"])
     >>> bool((again.image == best.image).all()), sorted(best.provenance["best_of"]["scores"])
     (True, ['7', '8'])
     """
-    check_count(count)
     first = seed_number(seed)
-    seeds = [(first + k) % 2**64 for k in range(count)]
+    seeds = [(first + further) % 2**64 for _, further in tried]
+    methods = [method for method, _ in tried]
+    several = len(set(seeds)) == 1 and len(tried) > 1
+    names = _distinct([method.slug for method in methods]) if several else list(map(str, seeds))
     best: Synthesis | None = None
-    scores: dict[int, float | None] = {}
-    steps = Progress(progress, count, "outputs", lambda: None if best is None else best.image)
-    for number in seeds:
+    kept = names[0]
+    scores: dict[str, float | None] = {}
+    fitted: Method | None = None
+    steps = Progress(progress, len(tried), "outputs", lambda: None if best is None else best.image)
+    for name, method, number in zip(names, methods, seeds, strict=True):
+        if method is not fitted:
+            model, fitted = method.fit(exemplar), method
         made = model.sample(canvas, seed=number, threads=threads, progress=steps.within())
-        scores[number] = _score(made)
-        if best is None or _key(scores[number]) < _key(scores[best.provenance["seed"]]):
-            best = made
+        scores[name] = _score(made)
+        if best is None or _key(scores[name]) < _key(scores[kept]):
+            best, kept = made, name
         steps.advance(1)
     assert best is not None
-    kept = best.provenance["seed"]
-    best.provenance["best_of"] = {
-        "scores": {str(number): score for number, score in scores.items()},
-        "told": _told(kept, scores),
-    }
+    told = _told(kept, scores, "" if several else "seed ")
+    best.provenance["best_of"] = {"scores": scores, "told": told}
     return best
+
+
+def _distinct(names: list[str]) -> list[str]:
+    """The same method with other parameters gets a number."""
+    count = [names[:k].count(name) for k, name in enumerate(names)]
+    return [f"{name} {k + 1}" if k else name for name, k in zip(names, count, strict=True)]
 
 
 def _score(made: Synthesis) -> float | None:
@@ -99,12 +137,13 @@ def _key(score: float | None) -> float:
     return float("inf") if score is None else score
 
 
-def _told(kept: int, scores: dict[int, float | None]) -> str:
-    seeds = list(scores)
-    said = f"seed {kept} of {seeds[0]} to {seeds[-1]}: "
+def _told(kept: str, scores: dict[str, float | None], what: str) -> str:
+    names = list(scores)
+    among = f"{names[0]} to {names[-1]}" if what else ", ".join(names)
+    said = f"{what}{kept} of {among}: "
     if scores[kept] is None:
         return f"{said}too small to be judged"
-    others = sorted(_key(score) for number, score in scores.items() if number != kept)
+    others = sorted(_key(score) for name, score in scores.items() if name != kept)
     said += f"score {scores[kept]:.2f}"
     if len(others) < 2:
         return said + "".join(f", the other {score:.2f}" for score in others)

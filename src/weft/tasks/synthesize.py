@@ -14,7 +14,7 @@ from weft.exemplar import Exemplar
 from weft.method import AUTO, Method, make_method
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping
+    from collections.abc import Mapping, Sequence
 
     from numpy.typing import NDArray
 
@@ -40,7 +40,7 @@ def synthesize(
     tileable: bool | str = False,
     guide: Sample | None = None,
     sample_guide: Sample | None = None,
-    best_of: int = 1,
+    best_of: int | Sequence[str | Method] = 1,
     threads: int | None = None,
     progress: ProgressCallback | None = None,
     **parameters: Any,
@@ -66,9 +66,10 @@ def synthesize(
     sample_guide : path, array, PIL image or Exemplar, optional
         A picture of the sample's size that stands for it in the guide, see `Exemplar`: a map of
         labels, or anything else that says what is where.
-    best_of : int
-        Make so many with different seeds, from `seed` on, and keep the one that
-        `weft.quality` likes best; its provenance has its own seed and the scores of all.
+    best_of : int, or sequence of str and Method
+        Make so many with different seeds, from `seed` on, or one with each of these methods, and
+        keep the one that `weft.quality` likes best; its provenance has its own method and seed,
+        and the scores of all.
     threads : int, optional
         At most so many.
     progress : callable, optional
@@ -102,22 +103,24 @@ def synthesize(
         if canvas.guide is not None:
             raise InvalidInputError("the canvas has a guide; give none beside it")
         canvas = dataclasses.replace(canvas, guide=_guide(guide))
-    chosen.require(canvas)
+    tried = [(chosen, 0)]
     if best_of != 1:
-        from weft.tasks.best_of import check_count
+        from weft.tasks.best_of import tries
 
-        check_count(best_of)
+        tried = tries(chosen, best_of)
+    for one, _ in tried:
+        one.require(canvas)
     exemplar = load_exemplar(sample)
     if sample_guide is not None:
         if canvas.guide is None:
             raise InvalidInputError("sample_guide has no effect without a guide")
         exemplar = exemplar.with_guide(_guide(sample_guide))
-    model = chosen.fit(exemplar)
+    how: dict[str, Any] = {"seed": seed, "threads": threads, "progress": progress}
     if best_of != 1:
         from weft.tasks.best_of import best_of as keep_best
 
-        return keep_best(model, canvas, best_of, seed=seed, threads=threads, progress=progress)
-    return model.sample(canvas, seed=seed, threads=threads, progress=progress)
+        return keep_best(tried, exemplar, canvas, **how)
+    return chosen.fit(exemplar).sample(canvas, **how)
 
 
 def _guide(picture: Sample) -> NDArray[Any]:
