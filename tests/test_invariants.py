@@ -247,7 +247,7 @@ def test_a_model_does_not_remember(method, way):
 
 
 @pytest.mark.pictures
-@every("method", "kind", "way")
+@every("method", "kind", "way", kinds=("plain", "xy", "wrapped hole"))
 def test_threads_change_nothing(method, kind, way):
     exemplar = weft.Exemplar(noise((40, 41, 3)))
     largest = 60 if way == "single pixels" else TRIALS[method].largest
@@ -309,7 +309,7 @@ def test_dtype_and_channels_are_kept(method, kind, dtype, channels):
 
 
 @pytest.mark.pictures
-@every("method", "kind", "way")
+@every("method", "kind", "way", kinds=("plain", "wrapped hole", "guide"))
 def test_depth_does_not_change_what_goes_where(method, kind, way):
     """The 16-bit and the floating version of an 8-bit picture have its source map.
 

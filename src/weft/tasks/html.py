@@ -51,7 +51,7 @@ def document(title: str, parts: Iterable[str]) -> str:
 
 
 def show(picture: NDArray[np.uint8], title: str, text: str) -> str:
-    """A picture in the page itself; a large one is shown by every so manieth pixel."""
+    """A picture in the page itself; a large one is shown by every second, third, ... pixel."""
     height, width = picture.shape[:2]
     step = -(-max(height, width) // _WIDEST)
     data = base64.b64encode(png(np.ascontiguousarray(picture[::step, ::step]))).decode("ascii")
