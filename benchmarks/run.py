@@ -3,11 +3,12 @@
     python benchmarks/run.py [all | TABLE ...] [--json FILE] [--update docs/benchmarks.md]
 
 The tables of the patch methods are in patch.py, those of the pixel methods in pixel.py, those of
-near-regular textures in near_regular.py, those of whole processes in process.py; --help names
-them. Prints Markdown. Every time is a median of several runs, and what is compared is run in turn,
-so that a busy machine disturbs all alike; look at the ratios first. --update puts the tables into
-a page between its <!-- NAME --> and <!-- end NAME --> lines, and names the machine. Needs
-weft[test].
+near-regular textures in near_regular.py, those of whole processes in process.py, those of measures
+and of quality against time in judging.py; --help names them. Prints Markdown. Every time is a
+median of several runs, and what is compared is run in turn, so that a busy machine disturbs all
+alike; look at the ratios first. --update puts the tables into a page between its <!-- NAME --> and
+<!-- end NAME --> lines and charts beside it, and names the machine. Pictures and scores of all
+methods are gallery.py's. Needs weft[test].
 """
 
 from __future__ import annotations
@@ -19,15 +20,16 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
+import judging
 import near_regular
 import patch
 import pixel
 import process
-from shared import Table, in_child, machine, paper
+from shared import Table, in_child, machine, paper, put
 
 TABLES: dict[str, Callable[[], Table]] = {
     table.__name__: table
-    for module in (patch, process, pixel, near_regular)
+    for module in (patch, process, pixel, near_regular, judging)
     for table in module.TABLES
 }
 
@@ -60,19 +62,13 @@ def main() -> None:
         found[name] = {"notes": table[0].strip(), "head": table[1], "rows": table[2]}
         if args.update:
             put(args.update, name, text if everything else f"{text}\n{measured}")
+            if name in judging.CHARTS:
+                chart = args.update.parent / "img" / f"{name}.svg"
+                chart.write_text(judging.CHARTS[name](table[2]), encoding="utf-8")
     if args.update and everything:
         put(args.update, "machine", measured)
     if args.json:
         args.json.write_text(json.dumps(found, indent=1), encoding="utf-8")
-
-
-def put(page: Path, name: str, text: str) -> None:
-    """Replace what lies between a table's two marks."""
-    first, last = f"<!-- {name} -->\n", f"<!-- end {name} -->"
-    whole = page.read_text(encoding="utf-8")
-    head, mark, rest = whole.partition(first)
-    if mark:
-        page.write_text(f"{head}{mark}{text}{last}{rest.partition(last)[2]}", encoding="utf-8")
 
 
 if __name__ == "__main__":

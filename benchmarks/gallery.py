@@ -1,0 +1,227 @@
+"""Every test surface with every method: makes the pictures, measures them, writes docs/quality.md.
+
+    python benchmarks/gallery.py --jobs 2                     # everything, about 20 minutes
+    python benchmarks/gallery.py --surfaces bark --methods quilting auto --docs FOLDER
+
+From each surface of benchmarks/surfaces, 256x256, each method makes 512x512 with seed 1 at its
+defaults, with one thread; efros-leung, which is slow, 256x256 from the upper left 128x128. Beside
+that it makes half as large a tileable output, of which only the seam at the wrap is measured. The
+tables and pictures go between the marks of docs/quality.md and docs/quality-figures.md, and to
+docs/img/quality; what is written by hand there stays. With a part of the surfaces or methods name
+another folder with --docs: it gets its own pages.
+
+Full-size pictures, sources (.npz) and figures (.json) are kept in --keep. A run that was
+interrupted goes on from there; what other code of weft, another surface or another size has made is
+made again. benchmarks/judged.csv has scores of a measure that is not part of weft; the pages show
+those of pictures that are still the same. Needs weft[test].
+"""
+
+from __future__ import annotations
+
+import os
+
+os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # before NumPy: one job, one core
+
+import argparse
+import csv
+import dataclasses
+import hashlib
+import json
+from collections.abc import Iterator, Sequence
+from pathlib import Path
+from time import perf_counter
+from typing import Any
+
+import numpy as np
+from shared import HERE
+
+import weft
+from weft.method import AUTO, make_method
+from weft.quality.seams import Seams
+from weft.quality.view import views
+from weft.quality.wrap import wrap_seam
+
+ROOT = HERE.parent
+SURFACES = HERE / "surfaces" / "MANIFEST.csv"
+METHODS = (AUTO, *weft.METHODS)
+SEED = 1
+SIZE = 512
+#: Methods that get a smaller part of the sample, and make as much less: they are slow.
+PARTS = {"efros-leung": 2}
+#: The slow ones first, so that no core waits for the last one.
+_SLOW = ("wei-levoy", "efros-leung", "graphcut", "exact-matching")
+#: Parts of weft that change neither pixels nor figures.
+_OUTSIDE = ("tasks", "cli.py", "options.py", "pictures.py", "terminal.py", "samples")
+
+
+@dataclasses.dataclass(frozen=True)
+class Job:
+    """One surface with one method."""
+
+    surface: str
+    file: str
+    method: str
+    size: int
+    keep: str
+    code: str
+
+    @property
+    def place(self) -> Path:
+        """Where its files lie, without their suffix."""
+        return Path(self.keep) / self.method / self.surface
+
+    @property
+    def part(self) -> int:
+        return PARTS.get(self.method, 1)
+
+    def sample(self) -> weft.Exemplar:
+        whole = weft.load_exemplar(self.file)
+        high, wide = (side // self.part for side in whole.shape)
+        pixels = np.ascontiguousarray(whole.pixels[:high, :wide])
+        return weft.Exemplar(pixels, alpha=whole.alpha, name=self.surface)
+
+    def key(self) -> str:
+        """What the result hangs on."""
+        found = hashlib.sha256(Path(self.file).read_bytes())
+        found.update(f"{self.code} {self.method} {self.size} {self.part} {SEED}".encode())
+        return found.hexdigest()[:16]
+
+    def kept(self) -> dict[str, Any] | None:
+        """What an earlier run has found, if it would come out the same now."""
+        file = self.place.with_suffix(".json")
+        if not file.exists() or not self.place.with_suffix(".png").exists():
+            return None
+        found: dict[str, Any] = json.loads(file.read_text(encoding="utf-8"))
+        return found if found["key"] == self.key() else None
+
+    def run(self) -> dict[str, Any]:
+        """Make, measure and keep it."""
+        exemplar, size = self.sample(), self.size // self.part
+        start = perf_counter()
+        model = make_method(self.method, {}).fit(exemplar)
+        made = model.sample(size, seed=SEED, threads=1)
+        made.image  # rendering is part of the work  # noqa: B018
+        seconds = perf_counter() - start
+        figures = weft.assess(exemplar, made)
+        found = {
+            "key": self.key(),
+            "surface": self.surface,
+            "method": self.method,
+            "seconds": round(seconds, 3),
+            "picture": picture_hash(made.image),
+            "provenance": made.provenance,
+            "verdict": figures.verdict(),
+            "figures": figures.as_dict() | {"wrap": wrap(model, exemplar, size // 2)},
+        }
+        self.place.parent.mkdir(parents=True, exist_ok=True)
+        made.save(self.place.with_suffix(".npz"))
+        weft.write_image(self.place.with_suffix(".png"), made.image, alpha=exemplar.alpha)
+        text = json.dumps(found, indent=1)
+        self.place.with_suffix(".json").write_text(text, encoding="utf-8")  # last: it is done
+        return found
+
+
+def wrap(model: Any, exemplar: weft.Exemplar, size: int) -> float | None:
+    """The seam at the wrap of a tileable output; a little larger where a lattice asks for it."""
+    for side in range(size, 2 * size, 8):
+        try:
+            made = model.sample(side, seed=SEED, tileable=True, threads=1)
+        except weft.InvalidInputError:
+            continue
+        own, result = views(exemplar, made.image)
+        found = wrap_seam(Seams(own), result, (True, True))
+        return None if found is None else round(found, 3)
+    return None
+
+
+def picture_hash(pixels: np.ndarray) -> str:
+    """A name for a picture's bytes, the same on every machine."""
+    found = hashlib.sha256(f"{pixels.shape} {pixels.dtype.str}".encode())
+    found.update(np.ascontiguousarray(pixels).tobytes())
+    return found.hexdigest()[:16]
+
+
+def code_hash() -> str:
+    """A name for all code of weft that pixels and figures hang on."""
+    home = Path(weft.__file__).parent
+    found = hashlib.sha256()
+    for file in sorted(home.rglob("*.py")):
+        name = file.relative_to(home)
+        if name.parts[0] not in _OUTSIDE:
+            found.update(f"{name.as_posix()}\n".encode() + file.read_bytes())
+    return found.hexdigest()
+
+
+def surfaces() -> dict[str, dict[str, str]]:
+    """The rows of the list of surfaces, by name."""
+    with open(SURFACES, encoding="utf-8", newline="") as file:
+        return {row["surface"]: row for row in csv.DictReader(file)}
+
+
+def results(todo: Sequence[Job], jobs: int) -> Iterator[dict[str, Any]]:
+    """Run them, each as soon as a process is free; with one job in this process."""
+    if jobs == 1:
+        yield from map(Job.run, todo)
+        return
+    from concurrent.futures import ProcessPoolExecutor, as_completed
+    from multiprocessing import get_context
+
+    with ProcessPoolExecutor(jobs, mp_context=get_context("spawn")) as pool:
+        waiting = [pool.submit(Job.run, job) for job in todo]
+        try:
+            for future in as_completed(waiting):
+                yield future.result()
+        except BaseException:
+            pool.shutdown(cancel_futures=True)
+            raise
+
+
+def main(words: Sequence[str] | None = None) -> None:
+    import gallery_page
+
+    listed = surfaces()
+    parser = argparse.ArgumentParser(
+        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
+    some: dict[str, Any] = {"nargs": "+", "metavar": "NAME"}
+    parser.add_argument("--surfaces", choices=listed, default=list(listed), **some)
+    parser.add_argument("--methods", choices=METHODS, default=list(METHODS), **some)
+    parser.add_argument("--size", type=int, default=SIZE, metavar="PIXELS")
+    parser.add_argument("--jobs", type=int, default=1, metavar="N", help="processes, 1 core each")
+    parser.add_argument("--keep", type=Path, default=ROOT / "build" / "gallery", metavar="DIR")
+    parser.add_argument("--docs", type=Path, default=ROOT / "docs", metavar="DIR")
+    args = parser.parse_args(words)
+    names = [name for name in listed if name in args.surfaces]
+    methods = [name for name in METHODS if name in args.methods]
+    whole = len(names) == len(listed) and len(methods) == len(METHODS) and args.size == SIZE
+    if not whole and args.docs.resolve() == (ROOT / "docs").resolve():
+        parser.error("the pages show all surfaces and methods; for a part name another --docs")
+
+    start, code = perf_counter(), code_hash()
+    todo = []
+    done: dict[tuple[str, str], dict[str, Any]] = {}
+    for name in names:
+        file = str((SURFACES.parent / listed[name]["file"]).resolve())
+        for method in methods:
+            job = Job(name, file, method, args.size, str(args.keep), code)
+            found = job.kept()
+            if found is None:
+                todo.append(job)
+            else:
+                done[name, method] = found
+    todo.sort(key=lambda job: _SLOW.index(job.method) if job.method in _SLOW else len(_SLOW))
+    print(f"{len(done)} kept, {len(todo)} to make, {args.jobs} at a time", flush=True)
+    for count, found in enumerate(results(todo, args.jobs), 1):
+        name, method = found["surface"], found["method"]
+        done[name, method] = found
+        score, flags = found["figures"]["score"], ", ".join(found["figures"]["flags"])
+        seconds = f"{perf_counter() - start:5.0f} s"
+        print(f"{seconds} {count}/{len(todo)} {method} {name} {score} {flags}", flush=True)
+    shown = {name: listed[name] for name in names}
+    gallery_page.write(args.docs, shown, methods, done, args.keep)
+    minutes = (perf_counter() - start) / 60
+    print(f"{args.docs / 'quality.md'}: {minutes:.1f} minutes, {args.jobs} at a time")
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,338 @@
+"""What gallery.py has found, as pages: tables of scores and figures, and the pictures."""
+
+from __future__ import annotations
+
+import csv
+import shutil
+import statistics
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import dataclass, fields
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from PIL import Image
+from shared import HERE, put, rows_of
+
+import weft
+from weft.method import AUTO, method_class
+from weft.quality.figures import FIGURES
+from weft.tasks.report import as_shown
+
+ROOT = HERE.parent
+JUDGED = HERE / "judged.csv"
+PAGES = ("quality.md", "quality-figures.md")
+KINDS = {"near-regular": ("near-regular", "regular"), "irregular": (), "stochastic": ()}
+_MIDDLE = 320  # pixels a side of an output that is shown beside the others
+_ACROSS = 5  # pictures in a row
+_GAP = 6
+_QUALITY = 58  # of WebP: what keeps all pictures together below 6 MB
+LIMITED = {name: figure for name, figure in FIGURES.items() if figure.limit is not None}
+
+
+@dataclass(frozen=True)
+class Gallery:
+    """What the pages show.
+
+    Attributes
+    ----------
+    surfaces : mapping
+        Rows of the list of surfaces by name.
+    methods : sequence of str
+        Columns.
+    found : mapping
+        What `gallery.Job.run` returns, by surface and method.
+    keep : Path
+        Where the full-size pictures are.
+    """
+
+    surfaces: Mapping[str, Mapping[str, str]]
+    methods: Sequence[str]
+    found: Mapping[tuple[str, str], Mapping[str, Any]]
+    keep: Path
+
+    @property
+    def shown(self) -> list[str]:
+        """The methods themselves."""
+        return [method for method in self.methods if method != AUTO]
+
+    def column(self, method: str, names: Iterable[str] | None = None) -> list[Mapping[str, Any]]:
+        return [self.found[name, method] for name in names or self.surfaces]
+
+    def kinds(self) -> dict[str, list[str]]:
+        """The surfaces of each kind that there is."""
+        kinds = {
+            kind: [n for n, row in self.surfaces.items() if row["class"] in (kind, *more)]
+            for kind, more in KINDS.items()
+        }
+        return {kind: names for kind, names in kinds.items() if names}
+
+
+def write(
+    docs: Path,
+    surfaces: Mapping[str, Mapping[str, str]],
+    methods: Sequence[str],
+    found: Mapping[tuple[str, str], Mapping[str, Any]],
+    keep: Path,
+) -> None:
+    """Put tables between the marks of the pages, and pictures beside them."""
+    gallery = Gallery(surfaces, methods, found, keep)
+    images = docs / "img" / "quality"
+    images.mkdir(parents=True, exist_ok=True)
+    for name in PAGES:
+        if not (docs / name).exists():
+            shutil.copyfile(ROOT / "docs" / name, docs / name)
+    for old in images.iterdir():
+        old.unlink()
+    for name in surfaces:
+        draw(gallery, name, images)
+    first, second = (docs / name for name in PAGES)
+    for page, name, text in (
+        (first, "summary", summary(gallery)),
+        (first, "scores", scores(gallery)),
+        (first, "judged", judged(gallery)),
+        (first, "pictures", pictures(gallery)),
+        (second, "figures", figures(gallery)),
+    ):
+        if not put(page, name, text):
+            raise SystemExit(f"{page} has no line <!-- {name} -->")
+
+
+# --------------------------------------------------------------------------------------- tables
+
+
+def page_of(method: str) -> str:
+    return f"[{method}]({method}.md)"
+
+
+def good(made: Mapping[str, Any]) -> bool:
+    """No figure passes its limit."""
+    return made["figures"]["score"] is not None and not made["figures"]["flags"]
+
+
+def score(made: Mapping[str, Any]) -> str:
+    value = made["figures"]["score"]
+    return "–" if value is None else f"**{value:.2f}**" if good(made) else f"{value:.2f}"
+
+
+def values(made: Iterable[Mapping[str, Any]], name: str) -> list[float]:
+    return [one["figures"][name] for one in made if one["figures"][name] is not None]
+
+
+def summary(gallery: Gallery) -> str:
+    """All surfaces together, by kind, and by what is wrong."""
+
+    def row(title: str, cell: Callable[[list[Mapping[str, Any]]], str], names: Any = None) -> Any:
+        return [title, *(cell(gallery.column(method, names)) for method in gallery.methods)]
+
+    def middle(name: str, form: str) -> Callable[[list[Mapping[str, Any]]], str]:
+        return lambda made: _over(statistics.median, values(made, name), form)
+
+    def mean(made: list[Mapping[str, Any]]) -> str:
+        return _over(statistics.fmean, values(made, "score"), ".2f")
+
+    head = ["", *map(page_of, gallery.methods)]
+    count = len(gallery.surfaces)
+    whole = [
+        row("mean score", mean),
+        row("median score", middle("score", ".2f")),
+        row(f"good, of {count}", lambda made: str(sum(map(good, made)))),
+        row("seconds, median", lambda made: _seconds(s["seconds"] for s in made)),
+        row("seam at the wrap, median", middle("wrap", ".3f")),
+    ]
+    kinds = [
+        row(f"{kind}, {len(names)}", lambda made: f"{mean(made)} ({sum(map(good, made))})", names)
+        for kind, names in gallery.kinds().items()
+    ]
+    faults = []
+    for name, figure in LIMITED.items():
+        counts = row(
+            f"{figure.title}, {figure.within()}",
+            lambda made, name=name: str(sum(_over_limit(one, name) for one in made) or ""),
+        )
+        if any(counts[1:]):
+            faults.append(counts)
+    parts = (
+        rows_of(head, whole),
+        "By kind of surface, the mean score (and how many are good):\n",
+        rows_of(head, kinds),
+        f"How many of the {count} are beyond which limit (at the wrap: of the tileable ones):\n",
+        rows_of(head, faults),
+    )
+    return "\n".join(parts)
+
+
+def _over_limit(made: Mapping[str, Any], name: str) -> bool:
+    value = made["figures"][name]
+    return value is not None and LIMITED[name].badness(value) > 1
+
+
+def _over(mean: Callable[[list[float]], float], found: list[float], form: str) -> str:
+    return format(mean(found), form) if found else "–"
+
+
+def _seconds(found: Iterable[float]) -> str:
+    middle = statistics.median(found)
+    return f"{middle:.2g}" if middle < 10 else f"{middle:.0f}"
+
+
+def scores(gallery: Gallery) -> str:
+    """The score of every surface with every method; of auto also what it took."""
+    rows = []
+    for name, about in gallery.surfaces.items():
+        cells = []
+        for method in gallery.methods:
+            made = gallery.found[name, method]
+            chosen = f" {made['provenance']['method']}" if method == AUTO else ""
+            cells.append(f"{score(made)}{chosen}")
+        rows.append([f"[{name}](#{name})", about["class"], *cells])
+    return rows_of(["surface", "kind", *map(page_of, gallery.methods)], rows)
+
+
+def judged(gallery: Gallery) -> str:
+    """Scores of the independent measure, of the pictures that are still the same."""
+    with open(JUDGED, encoding="utf-8", newline="") as file:
+        listed = {(row["surface"], row["method"]): row for row in csv.DictReader(file)}
+    changed, rows, same = 0, [], {method: [] for method in gallery.methods}
+    for name in gallery.surfaces:
+        cells = []
+        for method in gallery.methods:
+            row = listed.get((name, method))
+            if row is None:
+                cells.append("–")
+            elif row["picture"] != gallery.found[name, method]["picture"]:
+                cells.append("picture changed")
+                changed += 1
+            else:
+                same[method].append(row)
+                cells.append(_marked(row))
+        real = listed.get((name, "real"))
+        rows.append([name, "" if real is None else _marked(real), *cells])
+    totals = [_totals([listed[key] for key in listed if key[1] == "real"])]
+    totals += [_totals(found) for found in same.values()]
+    rows.insert(0, ["mean (good, of)", *totals])
+    known = sum(map(len, same.values()))
+    text = f"{known} of {known + changed} judged pictures are as they were when they were judged.\n"
+    return f"{text}\n{rows_of(['', 'real', *map(page_of, gallery.methods)], rows)}"
+
+
+def _marked(row: Mapping[str, str]) -> str:
+    value = f"{float(row['score']):.2f}"
+    return f"**{value}**" if row["good"] == "yes" else value
+
+
+def _totals(found: list[Mapping[str, str]]) -> str:
+    if not found:
+        return ""
+    mean = statistics.fmean(float(row["score"]) for row in found)
+    return f"{mean:.2f} ({sum(row['good'] == 'yes' for row in found)}, {len(found)})"
+
+
+def figures(gallery: Gallery) -> str:
+    """A section for each surface, a row for each method."""
+    titles = [figure.title for name, figure in LIMITED.items()]
+    parts = []
+    for name, about in gallery.surfaces.items():
+        rows = []
+        for method in gallery.methods:
+            made = gallery.found[name, method]
+            flags = made["figures"]["flags"]
+            cells = [
+                ("–" if value is None else f"**{value:.2f}**" if over else f"{value:.2f}")
+                for value, over in (
+                    (made["figures"][key], key in flags or _over_limit(made, key))
+                    for key in LIMITED
+                )
+            ]
+            rows.append([page_of(method), score(made), *cells])
+        told = "".join(
+            f"* {method}: {made['verdict']}{_parameters(made)}\n"
+            for method, made in ((m, gallery.found[name, m]) for m in gallery.methods)
+        )
+        table = rows_of(["method", "score", *titles], rows)
+        parts.append(f"## {name}\n\n{about['subject']}; {about['class']}.\n\n{table}\n{told}")
+    return "\n".join(parts)
+
+
+def _parameters(made: Mapping[str, Any]) -> str:
+    """What differs from the method's defaults, because the sample asked for it."""
+    given = made["provenance"]
+    usual = {field.name: field.default for field in fields(method_class(given["method"]))}
+    told = [
+        f"{name} {_plain(given[name])}"
+        for name, default in usual.items()
+        if name in given and given[name] != default and given[name] is not None
+    ]
+    reason = f" {given['reason']}." if "reason" in given else ""
+    return f"{reason} ({', '.join(told)})" if told else reason
+
+
+def _plain(value: Any) -> str:
+    return " ".join(f"{v:g}" for v in value) if isinstance(value, (list, tuple)) else str(value)
+
+
+# ------------------------------------------------------------------------------------- pictures
+
+
+def pictures(gallery: Gallery) -> str:
+    """A section for each surface: the sample beside what auto makes, and all methods."""
+    parts = []
+    for name, about in gallery.surfaces.items():
+        told = [f"### {name}\n", f"{about['subject'][:1].upper()}{about['subject'][1:]}."]
+        if (name, AUTO) in gallery.found:
+            made = gallery.found[name, AUTO]
+            told[-1] += f" {page_of(AUTO)}: {made['provenance']['reason']}; score {score(made)}."
+            told.append(f"\n![{name}: sample, and what auto made](img/quality/{name}.webp)")
+        if gallery.shown:
+            listed = ", ".join(gallery.shown)
+            told.append(f"\n![{name}: {listed}](img/quality/{name}-methods.webp)\n")
+            cells = [f"{page_of(m)} {score(gallery.found[name, m])}" for m in gallery.shown]
+            lines = [cells[at : at + _ACROSS] for at in range(0, len(cells), _ACROSS)]
+            lines[-1] += [""] * (len(lines[0]) - len(lines[-1]))
+            told.append(rows_of(lines[0], lines[1:]))
+        told.append(f"All figures: [{name}](quality-figures.md#{name}).\n")
+        parts.append("\n".join(told))
+    return "\n".join(parts)
+
+
+def draw(gallery: Gallery, name: str, images: Path) -> None:
+    """Write the pictures of a surface."""
+    file = (HERE / "surfaces" / gallery.surfaces[name]["file"]).resolve()
+    exemplar = weft.load_exemplar(file)
+
+    def shown(method: str) -> np.ndarray:
+        path = gallery.keep / method / f"{name}.png"
+        return as_shown(exemplar, weft.read_image(path).pixels)
+
+    if (name, AUTO) in gallery.found:
+        row = [as_shown(exemplar, exemplar.pixels), shown(AUTO)]
+        _save(images / f"{name}.webp", [row])
+    middles = [_middle(shown(method)) for method in gallery.shown]
+    lines = [middles[at : at + _ACROSS] for at in range(0, len(middles), _ACROSS)]
+    if lines:
+        _save(images / f"{name}-methods.webp", lines)
+
+
+def _middle(pixels: np.ndarray) -> np.ndarray:
+    """The middle of a large picture; a small one in the middle of white."""
+    found = np.full((_MIDDLE, _MIDDLE, 3), 255, np.uint8)
+    high, wide = (min(side, _MIDDLE) for side in pixels.shape[:2])
+    top, left = ((side - cut) // 2 for side, cut in zip(pixels.shape, (high, wide), strict=False))
+    y, x = (_MIDDLE - high) // 2, (_MIDDLE - wide) // 2
+    found[y : y + high, x : x + wide] = pixels[top : top + high, left : left + wide]
+    return found
+
+
+def _save(path: Path, lines: Sequence[Sequence[np.ndarray]]) -> None:
+    """Lay pictures in lines; those of a line may differ in size."""
+    wide = max(sum(p.shape[1] + _GAP for p in line) for line in lines) - _GAP
+    heights = [max(p.shape[0] for p in line) for line in lines]
+    whole = Image.new("RGB", (wide, sum(heights) + _GAP * (len(lines) - 1)), "white")
+    y = 0
+    for line, height in zip(lines, heights, strict=True):
+        x = 0
+        for pixels in line:
+            whole.paste(Image.fromarray(pixels), (x, y))
+            x += pixels.shape[1] + _GAP
+        y += height + _GAP
+    whole.save(path, quality=_QUALITY, method=6)
