@@ -176,6 +176,13 @@ def test_a_run_on_arrays_loads_no_more_than_it_needs():
     assert not modules_after(code) & needless
 
 
+def test_a_command_with_a_method_neither_chooses_nor_measures(tmp_path):
+    words = ["synth", "sample:grass", "-o", f"{tmp_path}/o.png", "--size", "64", "--quiet"]
+    code = f"from weft.cli import main\nassert main({[*words, '--method', 'quilting']}) == 0"
+    needless = ("weft.quality", "weft.methods.auto", "weft.analysis.lattice", "weft.tasks.report")
+    assert [m for m in modules_after(code) if m.startswith(needless)] == []
+
+
 def test_public_names_are_all_there():
     import weft
 
