@@ -218,7 +218,8 @@ def quality_against_time_chart(rows: Sequence[Sequence[str]]) -> str:
     parts.append(_text(_LEFT - 6, _TOP - 8, "score (lower is better)", "start"))
     front = " ".join(f"{x.place(s):.1f},{y.place(v):.1f}" for _, s, v, best in points if best)
     parts.append(f'<polyline points="{front}" fill="none" stroke="#aaa" stroke-dasharray="4 3"/>')
-    taken: list[tuple[float, float, float]] = []
+    # Labels give way to points and to each other.
+    taken = [(y.place(v) + 4, x.place(s) - 5, x.place(s) + 5) for _, s, v, _ in points]
     for title, seconds, value, best in sorted(points, key=lambda p: -p[2]):
         across, down = x.place(seconds), y.place(value)
         color = _COLORS[methods.index(title.partition(",")[0]) % len(_COLORS)]
