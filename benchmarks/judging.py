@@ -228,13 +228,11 @@ def quality_against_time_chart(rows: Sequence[Sequence[str]]) -> str:
             f'<circle cx="{across:.1f}" cy="{down:.1f}" r="4" fill="{fill}" stroke="{color}" '
             'stroke-width="1.5"/>'
         )
-        line, end = down + 4, across + 8 + 5.6 * len(title)
-        while any(
-            abs(line - at) < _LINE and across < to and begin < end for at, begin, to in taken
-        ):
+        line, start, end = down + 4, across + 8, across + 8 + 5.6 * len(title)
+        while any(abs(line - at) < _LINE and start < to and begin < end for at, begin, to in taken):
             line += 1
-        taken.append((line, across, end))
-        parts.append(_text(across + 8, line, title, "start", color))
+        taken.append((line, start, end))
+        parts.append(_text(start, line, title, "start", color))
     return "\n".join([*parts, "</svg>", ""])
 
 
