@@ -19,7 +19,7 @@ import numpy as np
 import weft
 
 HERE = Path(__file__).resolve().parent
-sys.path.insert(0, str(HERE.parent / "examples"))
+sys.path.append(str(HERE.parent / "examples"))
 import paper_patch_sampling as paper  # noqa: E402
 
 PATCH_METHODS = ("patch-sampling", "quilting")
