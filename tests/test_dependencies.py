@@ -12,14 +12,15 @@ ROOT = Path(__file__).parent.parent / "src" / "weft"
 #: From the top down; a module may import from its own level and from those below.
 LEVELS = [
     ["__main__", "cli"],
+    ["commands"],
     ["options", "terminal", "pictures"],
     ["tasks"],
     ["quality"],
     ["methods"],
     ["method"],
     ["search", "seams", "analysis"],
-    ["synthesis", "patch_synthesis", "pixel_synthesis", "saved", "drawing"],
-    ["exemplar", "canvas", "_compositing"],
+    ["synthesis", "patch_synthesis", "pixel_synthesis", "warped_synthesis"] + ["saved", "drawing"],
+    ["exemplar", "canvas", "_compositing", "_warp_kernels"],
     ["io"],
     ["formats"],
     ["progress", "random"],

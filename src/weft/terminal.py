@@ -180,6 +180,14 @@ def run(work: Callable[[Bar, Outputs], Result], quiet: bool) -> Result:
     return result  # type: ignore[return-value]
 
 
+def finish(work: Callable[[Bar, Outputs], str], quiet: bool) -> None:
+    """`run`, and what `work` returns is said unless `quiet`."""
+    message = run(work, quiet)
+    if not quiet:
+        for line in message.splitlines():
+            say(line)
+
+
 def say(text: str) -> None:
     """Print one line about this program on stderr."""
     print("weft: " + " ".join(text.split()), file=sys.stderr, flush=True)
