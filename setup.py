@@ -17,6 +17,7 @@ from setuptools.command.build_ext import build_ext
 
 KERNELS = [
     "weft._compositing",
+    "weft._warp_kernels",
     "weft.search._kernels",
     "weft.search._coherence_kernels",
     "weft.search._projection_kernels",
@@ -39,6 +40,7 @@ KERNELS = [
     "weft.methods._near_regular_kernels",
     "weft.methods._near_regular_gap_kernels",
     "weft.methods._near_regular_seam_kernels",
+    "weft.methods._near_regular_warp_kernels",
 ]
 CHECKS = os.environ.get("WEFT_CHECKS") == "1"
 BASE = "build/checks" if CHECKS else "build/plain"  # apart, or one would take the other's objects

@@ -64,13 +64,21 @@ class PatchSynthesis(Synthesis):
         x = np.arange(left, left + width)[None, :, None]
         # There is always a row to point at, though nothing shows of it.
         at = np.resize(self.placements, (max(len(self.placements), 1), 5))[patch]
-        source_y = ((y - at[..., 0]) % self.shape[0] + at[..., 2]) % self.sample_shape[0]
-        source_x = ((x - at[..., 1]) % self.shape[1] + at[..., 3]) % self.sample_shape[1]
+        v, u = (y - at[..., 0]) % self.shape[0], (x - at[..., 1]) % self.shape[1]
+        v, u = self._within(patch, v, u)
+        source_y = (v + at[..., 2]) % self.sample_shape[0]
+        source_x = (u + at[..., 3]) % self.sample_shape[1]
         coordinates = np.stack([source_y, source_x], axis=-1).astype(np.int32)
         coordinates[(patch < 0) | (share == 0)] = -1
         total = share.sum(axis=2, keepdims=True)  # below 1 where more patches meet than are kept
         share /= np.where(total > 0, total, 1)
         return coordinates, share
+
+    def _within(
+        self, patch: NDArray[np.int32], y: NDArray[Any], x: NDArray[Any]
+    ) -> tuple[NDArray[Any], NDArray[Any]]:
+        """Which pixel of its patch is shown at each pixel of it."""
+        return y, x
 
     def _lay(self, out: NDArray[Any], pixels: NDArray[Any], window: Window, alpha: bool) -> None:
         top, left, height, _ = window
@@ -142,13 +150,16 @@ class RectifiedSynthesis(PatchSynthesis):
         coordinates[there] = np.stack(np.divmod(place, width), axis=-1)
         return coordinates, share
 
-    def _lay(self, out: NDArray[Any], pixels: NDArray[Any], window: Window, alpha: bool) -> None:
+    def _rectified(self, pixels: NDArray[Any]) -> NDArray[Any]:
         height, width = self.sample_shape
         scale = pixels.shape[0] // height
         blocks = pixels.reshape(height, scale, width, scale, -1)
         y, x = np.divmod(self.lookup, width)
         moved = blocks[y, :, x].transpose(0, 2, 1, 3, 4).reshape(pixels.shape)
-        super()._lay(out, np.ascontiguousarray(moved), window, alpha)
+        return np.ascontiguousarray(moved)
+
+    def _lay(self, out: NDArray[Any], pixels: NDArray[Any], window: Window, alpha: bool) -> None:
+        super()._lay(out, self._rectified(pixels), window, alpha)
 
     def moved(
         self,
@@ -158,7 +169,7 @@ class RectifiedSynthesis(PatchSynthesis):
         to: tuple[int, int],
         source_to: tuple[int, int],
         provenance: dict[str, Any],
-    ) -> PatchSynthesis:
+    ) -> RectifiedSynthesis:
         """See `Synthesis.moved`."""
         plain = super().moved(canvas, exemplar, to=to, source_to=source_to, provenance=provenance)
         height, width = exemplar.shape

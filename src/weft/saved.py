@@ -13,6 +13,7 @@ from weft.errors import FileError
 from weft.io import atomic
 from weft.patch_synthesis import PatchSynthesis, RectifiedSynthesis
 from weft.pixel_synthesis import PixelSynthesis
+from weft.warped_synthesis import WarpedSynthesis
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -21,10 +22,13 @@ if TYPE_CHECKING:
     from weft.synthesis import Synthesis
 
 _FORMAT = 1
+_WIDEST = 1 << 24  # px of a block; no sample is as large
 #: The kinds of results, the arrays of each and their types.
 _PATCHES: dict[str, type] = {"placements": np.int32, "weights": np.uint16, "cuts": np.uint16}
+_RECTIFIED: dict[str, type] = {**_PATCHES, "lookup": np.int32}
 _KINDS: dict[type[Synthesis], dict[str, type]] = {
-    RectifiedSynthesis: {**_PATCHES, "lookup": np.int32},
+    WarpedSynthesis: {**_RECTIFIED, "warps": np.int16, "within": np.int32},
+    RectifiedSynthesis: _RECTIFIED,
     PatchSynthesis: _PATCHES,
     PixelSynthesis: {"index": np.int32},
 }
@@ -116,6 +120,8 @@ def _check_patches(
     weights: NDArray[Any],
     cuts: NDArray[Any],
     lookup: NDArray[Any] | None = None,
+    warps: NDArray[Any] | None = None,
+    within: NDArray[Any] | None = None,
 ) -> None:
     """Raise unless the kernels may trust these arrays."""
     if placements.shape[1:] != (5,) or weights.ndim != 3 or cuts.ndim != 2:
@@ -132,6 +138,15 @@ def _check_patches(
             raise _Damage("its moved pixels do not fit its sample")
         if ((lookup < 0) | (lookup >= lookup.size)).any():
             raise _Damage("its moved pixels lie outside")
+    if warps is not None and within is not None:
+        nodes = warps.shape[1:2] if warps.ndim == 4 else (0,)
+        if nodes[0] < 2 or warps.shape[1:] != (*nodes, *nodes, 2):
+            raise _Damage("its warps have another shape")
+        if len(warps) > len(placements) or within.shape != (len(warps), 5):
+            raise _Damage("its warps do not fit its patches")
+        least = np.array([0, 0, 1, 1, 0])
+        if ((within < least) | (within > _WIDEST)).any():
+            raise _Damage("its warps lie outside")
 
 
 def _check_pixels(

@@ -111,6 +111,13 @@ class NearRegular(Method):
         unit="px",
         default_text="3, a tenth of the shorter vector at most; 0 in the paper",
     )
+    warp: int = parameter(
+        0,
+        "how far parts of a gap's piece are moved and resampled to meet its neighbours; 0 copies",
+        low=0,
+        high=8,
+        unit="px",
+    )
     match: str = parameter(
         "difference",
         "how borders are compared: squared differences of colours, or their correlation",
@@ -292,6 +299,8 @@ def _settled(method: NearRegular, exemplar: Exemplar) -> tuple[NearRegular, bool
     if border is None:
         border = 10 if paper else size // 3 * 2
         border = min(border, (size - 1) // 2 * 2, max(0, shorter - size) // 2 * 2)
+    if method.warp and border < 2:
+        raise InvalidInputError(f"warp is {method.warp}; it needs a border_width of 2 or more")
     if border >= size:
         raise InvalidInputError(f"border_width is {border}; it must be less than the block, {size}")
     if size + border > shorter:

@@ -14,9 +14,11 @@ from weft.methods import _near_regular_kernels as kernels
 from weft.methods import _near_regular_seam_kernels as seam_kernels
 from weft.methods.block_axis import Axis
 from weft.methods.canvas_lattice import CanvasLattice
+from weft.methods.near_regular_warps import Warps
 from weft.patch_synthesis import PatchSynthesis, RectifiedSynthesis
 from weft.progress import Progress, ProgressCallback
 from weft.random import draw
+from weft.warped_synthesis import WarpedSynthesis
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -25,6 +27,7 @@ if TYPE_CHECKING:
     from weft.methods.near_regular_sample import BlockSample, Border
 
 _PIECE = 32  # gaps that a thread fills at a time, at most
+_LINES = 4  # of blocks that a thread cuts at a time
 _BOX = 3  # half the side of what is compared where four blocks meet
 
 
@@ -75,6 +78,7 @@ class Blocks:
         #: Where a hole is filled: the canvas's bytes, and which of them are known.
         self.known = np.zeros((0, 0, 0), np.uint8)
         self.state = np.zeros((0, 0), np.uint8)
+        self.warps: Warps | None = None
 
     def result(self) -> PatchSynthesis:
         """Choose all blocks and describe how they are laid."""
@@ -86,6 +90,8 @@ class Blocks:
     def _chosen(self, map_: Callable[..., Iterable[Any]]) -> PatchSynthesis:
         self._draw()
         self._fill(map_)
+        if self.method.warp:
+            self.warps = Warps(self, map_)
         return self._laid(*self._joined(map_))
 
     def _draw(self) -> None:
@@ -214,14 +220,16 @@ class Blocks:
         box = min(_BOX, reach - slack)
         parity = (self.rows.first + self.columns.first) % 2
         shown = self.rows.shown
-        shared = self.sample.pixels, self.place, self.rows.edges, self.columns.edges, self.wrap
+        about = self.rows.edges, self.columns.edges, self.wrap
 
         def meet(i: int) -> None:
             scratch = np.empty((2 * reach, 2 * reach), np.int64)
-            about = inset, reach, slack, box, self.state
-            seam_kernels.meet(*shared, parity, *about, scratch, corners, i, i + 1)
+            seam_kernels.meet(
+                self.sample.pixels, self.place, *about, parity,
+                inset, reach, slack, box, self.state, scratch, corners, i, i + 1,
+            )  # fmt: skip
 
-        def cut(i: int) -> None:
+        def cut(lines: range) -> None:
             scratch = (
                 self.known,
                 self.state,
@@ -231,15 +239,18 @@ class Blocks:
                 np.empty((side, 2 * reach + 1), np.int32),
                 np.empty(side, np.int32),
             )
-            if i < shown.stop:
-                seam_kernels.cut_edges(
-                    *shared, corners, inset, reach, True, *scratch, upright, i, i + 1
-                )
-            seam_kernels.cut_edges(*shared, corners, inset, reach, False, *scratch, lying, i, i + 1)
+            pixels, place = self.sample.pixels, self.place
+            if self.warps:
+                beside = {k % count[0] for k in range(lines.start - 1, lines.stop)}
+                pixels, place = self.warps.shown(sorted(beside))
+            shared = pixels, place, *about, corners, inset, reach
+            ends = lines.start, min(lines.stop, shown.stop)
+            seam_kernels.cut_edges(*shared, True, *scratch, upright, *ends)
+            seam_kernels.cut_edges(*shared, False, *scratch, lying, lines.start, lines.stop)
 
         lines = range(shown.start, shown.stop + 1)
         list(map_(meet, lines))
-        list(map_(cut, lines))
+        list(map_(cut, (lines[k : k + _LINES] for k in range(0, len(lines), _LINES))))
         return upright, lying
 
     def _cuts(self, upright: NDArray[np.int32], lying: NDArray[np.int32]) -> NDArray[np.uint16]:
@@ -313,9 +324,15 @@ class Blocks:
             "provenance": self.method.describe() | about,
         }
         plan = self.canvas, np.ascontiguousarray(placements), weights, cuts
-        if sample.lookup is None:
+        lookup = sample.lookup
+        if self.warps:
+            if lookup is None:
+                lookup = np.arange(height * width, dtype=np.int32).reshape(height, width)
+            warps, within = self.warps.of(order, v, u)
+            return WarpedSynthesis(*plan, lookup=lookup, warps=warps, within=within, **about)
+        if lookup is None:
             return PatchSynthesis(*plan, **about)
-        return RectifiedSynthesis(*plan, lookup=sample.lookup, **about)
+        return RectifiedSynthesis(*plan, lookup=lookup, **about)
 
     def _preview(self) -> NDArray[np.uint8]:
         """The blocks that are there, with straight edges."""

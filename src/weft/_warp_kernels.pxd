@@ -1,0 +1,5 @@
+ctypedef fused value:
+    unsigned char
+    unsigned short
+    float
+    double
