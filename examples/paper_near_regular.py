@@ -3,9 +3,11 @@
 python examples/paper_near_regular.py EXPERIMENT -o FOLDER
 
 Experiments: fig410 (both ways of matching), fig411 (after gap filling, and a repeated tile), fig413
-(blending), fig52 (tile, thesis, weft, quilting), fig510 (where joints broke), fig511 (fractions and
-bent samples), fig512 (wide blending), fig513 (unconstrained), blocks (section 5.2: block sizes),
-holes (not in the thesis); `all` runs every one. Figures are those of the thesis: 410 is 4.10.
+(blending), fig52 (5.2 to 5.9: every near-regular sample by repetition, thesis, weft and quilting),
+fig510 (where joints broke), fig511 (fractions and bent samples), fig512 (wide blending), fig513
+(5.13 to 5.17: every other sample, unconstrained), blocks (section 5.2: block sizes), holes and
+figures (what weft.assess says of fig52 and fig513), which are not in the thesis; `all` runs every
+one. Figures are those of the thesis: 410 is 4.10.
 Needs Pillow beside weft: pip install 'weft[test]'.
 """
 
@@ -22,12 +24,24 @@ from paper_patch_sampling import load, sheet, shrunk
 import weft
 
 REGULAR = ("bricks", "tiles", "weave")
-IRREGULAR = ("pebbles", "leaves", "grass")
+ALL_REGULAR = (
+    *("bricks", "tiles", "weave", "fishscale", "fence", "mosaic"),
+    *("gingham", "boards", "shingles", "perspective"),
+)
+IRREGULAR = ("pebbles", "stone_wall", "cobbles", "leaves", "wood", "grass")
 
 
 def small(name: str) -> np.ndarray:
     """A sample of 128 pixels or less, as in the thesis: half the resolution."""
-    return shrunk(load(name, 256), 2)
+    return shrunk(opaque(load(name, 256)), 2)
+
+
+def opaque(pixels: np.ndarray) -> np.ndarray:
+    """What is seen before a sky, where there is alpha."""
+    if pixels.ndim < 3 or pixels.shape[2] != 4:
+        return pixels
+    share = pixels[..., 3:] / 255
+    return np.rint(pixels[..., :3] * share + (1 - share) * (170, 190, 210)).astype(np.uint8)
 
 
 def make(pixels: np.ndarray, size: int = 256, **parameters: Any) -> np.ndarray:
@@ -75,14 +89,42 @@ def fig413(folder: Path) -> None:
     )
 
 
+#: What is compared; quilting with the thesis's blocks and overlaps, and with its own.
+QUILTING: dict[str, dict[str, Any]] = {
+    "quilting of 50": {"method": "quilting", "patch_size": 50, "boundary_width": 10},
+    "quilting": {"method": "quilting"},
+}
+WAYS: dict[str, dict[str, Any]] = {
+    "best-tile": {"method": "best-tile"},
+    "thesis": {"preset": "paper"},
+    "near-regular": {},
+    **QUILTING,
+}
+FREE: dict[str, dict[str, Any]] = {
+    "thesis": {"preset": "paper", "lattice": (1, 0, 0, 1)},
+    "near-regular": {"lattice": (1, 0, 0, 1)},
+    **QUILTING,
+}
+
+
+def repeated(pixels: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """The sample again and again, and where each pixel comes from."""
+    source = np.moveaxis(np.indices((256, 256)), 0, -1) % pixels.shape[:2]
+    return pixels[source[..., 0], source[..., 1]], source
+
+
+def compared(pixels: np.ndarray, ways: dict[str, dict[str, Any]]) -> dict[str, np.ndarray]:
+    return {"sample": pixels, **{way: make(pixels, **with_) for way, with_ in ways.items()}}
+
+
 def fig52(folder: Path) -> None:
-    """A repeated tile, the thesis's method, weft's defaults, and quilting with blocks of 50."""
+    """Every near-regular sample: repeated, its best tile, the thesis, weft, quilting."""
     lines = []
-    for name in REGULAR:
-        s = small(name)
-        quilted = make(s, method="quilting", patch_size=50, boundary_width=10)
-        lines.append([s, make(s, method="best-tile"), paper(s), make(s), quilted])
-    rows(folder, "fig52", "sample, best-tile, thesis, near-regular, quilting", lines)
+    for name in ALL_REGULAR:
+        made = compared(small(name), WAYS)
+        pictures = list(made.values())
+        lines.append([pictures[0], repeated(pictures[0])[0], *pictures[1:]])
+    rows(folder, "fig52", ", ".join(["sample", "repeated", *WAYS]), lines)
 
 
 def fig510(folder: Path) -> None:
@@ -129,14 +171,30 @@ def fig512(folder: Path) -> None:
 
 
 def fig513(folder: Path) -> None:
-    """Unconstrained: the thesis's preset, weft's defaults, and quilting."""
-    free = {"lattice": (1, 0, 0, 1)}
-    lines = []
-    for name in IRREGULAR:
-        s = small(name)
-        quilted = make(s, method="quilting", patch_size=50, boundary_width=10)
-        lines.append([s, paper(s, **free), make(s, **free), quilted])
-    rows(folder, "fig513", "sample, thesis, near-regular, quilting", lines)
+    """Every other sample, unconstrained: the thesis's preset, weft's defaults, and quilting."""
+    lines = [list(compared(small(name), FREE).values()) for name in IRREGULAR]
+    rows(folder, "fig513", ", ".join(["sample", *FREE]), lines)
+
+
+def figures(folder: Path) -> None:
+    """What weft.assess says of the pictures of fig52 and fig513, as a table in Markdown."""
+    text = ""
+    for title, names, ways in (("near-regular", ALL_REGULAR, WAYS), ("others", IRREGULAR, FREE)):
+        text += f"| {title} | {' | '.join(['repeated', *ways])} |\n{'|---' * (len(ways) + 2)}|\n"
+        found = []
+        for name in names:
+            sample = small(name)
+            scores = [weft.assess(sample, *repeated(sample)).score]
+            for way in ways.values():
+                settings = {"method": "near-regular"} | way
+                result = weft.synthesize(sample, 256, seed=1, **settings)
+                scores.append(weft.assess(result.exemplar, result).score)
+            found.append(scores)
+            text += f"| {name} | {' | '.join(f'{score:.2f}' for score in scores)} |\n"
+        means = np.mean(found, axis=0)
+        text += f"| mean | {' | '.join(f'{mean:.2f}' for mean in means)} |\n\n"
+    (folder / "figures.md").write_text(text)
+    print(text)
 
 
 def blocks(folder: Path) -> None:
@@ -155,11 +213,8 @@ def holes(folder: Path) -> None:
     hole = away < 44 * (1 + 0.25 * np.sin(3 * angle) + 0.1 * np.sin(7 * angle))
     lines = []
     for name in ("bricks", "fishscale", "fence"):
-        photo = load(name, 256).reshape(256, 256, -1)
-        if photo.shape[2] == 4:  # before a sky
-            share = photo[..., 3:] / 255
-            photo = np.rint(photo[..., :3] * share + (1 - share) * (170, 190, 210))
-        photo = np.broadcast_to(photo, (256, 256, 3)).astype(np.uint8)
+        photo = opaque(load(name, 256).reshape(256, 256, -1))
+        photo = np.broadcast_to(photo, (256, 256, 3))
         shown = np.where(hole[..., None], np.uint8([255, 0, 255]), photo)
         filled = [
             weft.fill(photo, hole, method=method, seed=1).image
@@ -171,7 +226,10 @@ def holes(folder: Path) -> None:
 
 EXPERIMENTS: dict[str, Callable[[Path], None]] = {
     f.__name__: f
-    for f in (fig410, fig411, fig413, fig52, fig510, fig511, fig512, fig513, blocks, holes)
+    for f in (
+        *(fig410, fig411, fig413, fig52, fig510, fig511, fig512, fig513),
+        *(blocks, holes, figures),
+    )
 }
 
 
@@ -185,7 +243,6 @@ def main() -> None:
     args.output.mkdir(parents=True, exist_ok=True)
     for name in EXPERIMENTS if args.experiment == "all" else [args.experiment]:
         EXPERIMENTS[name](args.output)
-        print(args.output / f"{name}.png")
 
 
 if __name__ == "__main__":
