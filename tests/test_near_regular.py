@@ -9,6 +9,7 @@ import reference
 import weft
 from weft.methods import _near_regular_seam_kernels as kernels
 from weft.methods.mean_tile import origin_of
+from weft.methods.near_regular_rows import axis_of_rows
 from weft.methods.near_regular_sample import wedges_of
 from weft.methods.rectification import rectified
 from weft.patch_synthesis import RectifiedSynthesis
@@ -509,14 +510,42 @@ def test_lattice_mode_keeps_the_rules():
     assert result.placements[:, 2].max() > 96 - 17  # windows go over the border
 
 
-def test_rows_only():
-    """Boards: one vector is found, and joints stay where they are."""
+def boards(height, width, tone=40):
+    """Boards that lie, each with grain and a colour of its own."""
     rng = np.random.default_rng(4)
-    boards = rng.integers(90, 140, (128, 128, 1)) + rng.integers(0, 30, (128, 1, 3))
-    boards = np.broadcast_to(np.sort(boards, axis=1), (128, 128, 3)).astype(np.uint8)
-    boards[np.arange(128) % 16 < 2] = 20
-    model = model_of(boards)
-    if model.method.lattice == (1.0, 0.0, 0.0, 1.0):
-        pytest.skip("the detector sees no rows here")
-    dark = model.sample((200, 200), seed=1).image.max(axis=2) < 60
-    assert dark[np.arange(200) % 16 < 2].mean() > 0.95
+    tones = rng.integers(90, 90 + tone, (height // 16 + 1, 3))[np.arange(height) // 16]
+    pixels = tones[:, None] + rng.integers(0, 9, (height, width, 1))
+    pixels[np.arange(height) % 16 < 2] = 20
+    return pixels.astype(np.uint8)
+
+
+@pytest.mark.parametrize("stands", [False, True])
+def test_boards_go_on(stands):
+    """One vector is found, joints stay where they are and boards do not end."""
+    pixels = boards(128, 128)
+    pixels = pixels.swapaxes(0, 1) if stands else pixels
+    model = model_of(np.ascontiguousarray(pixels))
+    assert model.blocks.row_axis == int(stands)
+    out = model.sample((300, 300), seed=1)
+    image = out.image.swapaxes(0, 1) if stands else out.image
+    dark = image.max(axis=2) < 60
+    assert dark[np.arange(300) % 16 < 2].mean() > 0.98
+    # Means over 20 pixels along each board.
+    parts = image[:, :300].reshape(300, 15, 20, 3).mean(axis=2)[np.arange(300) % 16 > 4]
+    assert np.ptp(parts, axis=1).max() < 9
+    assert len(np.unique(parts[::11, 0].round(-1), axis=0)) > 2
+    part = model.window(40, 90, 50, 60, seed=1).image
+    assert np.array_equal(part, out.image[40:90, 90:150])
+
+
+def test_rows_of_mixed_colours_are_free():
+    """What differs along a row may come from any row."""
+    rng = np.random.default_rng(0)
+    pixels = boards(128, 128, tone=2).astype(int)
+    pixels += rng.integers(-30, 30, (8, 8, 1)).repeat(16, 0).repeat(16, 1)
+    pixels[np.arange(128) % 16 < 2] = 20
+    mixed = axis_of_rows(pixels.astype(np.uint8), (0, 16, 7, 0))
+    assert mixed is None and axis_of_rows(boards(128, 128), (0, 16, 7, 0)) == 0
+    assert axis_of_rows(boards(128, 128), (8, 14, -14, 8)) is None
+    flat = np.full((128, 128, 3), 9, np.uint8)
+    assert axis_of_rows(flat, (0, 16, 7, 0)) is None

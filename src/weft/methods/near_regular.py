@@ -26,6 +26,7 @@ if TYPE_CHECKING:
 _PAPER = 40 / 128  # block over the sample's side
 _LEAST = 0.15  # the smallest block that is chosen, over the sample's shorter side
 _PLACES = 6.0  # similar places that a block should have to choose from
+_ROWS = 4  # rows to choose from, where nothing else repeats
 _TOLERANCE = 3  # px (section 4.2.2)
 
 
@@ -295,7 +296,7 @@ def _settled(method: NearRegular, exemplar: Exemplar) -> tuple[NearRegular, bool
     if size is None:
         size = max(1, int(_PAPER * shorter))
         if not paper:
-            size = _block_size(vectors, exemplar, border)
+            size = _block_size(vectors, exemplar, border, rows)
     if border is None:
         border = 10 if paper else size // 3 * 2
         border = min(border, (size - 1) // 2 * 2, max(0, shorter - size) // 2 * 2)
@@ -329,7 +330,9 @@ def _found(exemplar: Exemplar) -> tuple[tuple[float, ...], bool]:
     return (x, y, -y * step, x * step), True
 
 
-def _block_size(vectors: tuple[float, ...], exemplar: Exemplar, border: int | None) -> int:
+def _block_size(
+    vectors: tuple[float, ...], exemplar: Exemplar, border: int | None, rows: bool
+) -> int:
     """The largest block, up to the paper's, that has a choice of places."""
     x1, y1, x2, y2 = vectors
     area = abs(x1 * y2 - x2 * y1)
@@ -337,7 +340,9 @@ def _block_size(vectors: tuple[float, ...], exemplar: Exemplar, border: int | No
     size, least = int(_PAPER * shorter), max(1, round(_LEAST * shorter))
     while size > least:
         height, width = (max(0, n - _window(size, border)) for n in exemplar.shape)
-        if height * width >= _PLACES * area:
+        room = height * abs(y1) + width * abs(x1)
+        few = rows and room < (_ROWS - 1) * (x1 * x1 + y1 * y1)
+        if height * width >= _PLACES * area and not few:
             break
         size -= 1
     if exemplar.mask is None:

@@ -14,6 +14,7 @@ from weft.methods import _near_regular_kernels as kernels
 from weft.methods import _near_regular_seam_kernels as seam_kernels
 from weft.methods.block_axis import Axis
 from weft.methods.canvas_lattice import CanvasLattice
+from weft.methods.near_regular_rows import ANY, rows_shown
 from weft.methods.near_regular_warps import Warps
 from weft.patch_synthesis import PatchSynthesis, RectifiedSynthesis
 from weft.progress import Progress, ProgressCallback
@@ -50,8 +51,10 @@ class Blocks:
         limit = max(1, self.method.tolerance or 0) / size
         self.lattice = CanvasLattice(sample.vectors, canvas, limit)
         self.rows, self.columns = (
-            Axis(length, size, sample.margin, at, wraps)
-            for length, at, wraps in zip(canvas.shape, origin, canvas.wrap, strict=True)
+            Axis(length, size, sample.margin, at, wraps, pitch)
+            for length, at, wraps, pitch in zip(
+                canvas.shape, origin, canvas.wrap, sample.pitch, strict=True
+            )
         )
         self.wrap = np.array([self.rows.period, self.columns.period], np.int32)
         least = min(int(axis.sizes.min()) for axis in (self.rows, self.columns))
@@ -78,6 +81,8 @@ class Blocks:
         #: Where a hole is filled: the canvas's bytes, and which of them are known.
         self.known = np.zeros((0, 0, 0), np.uint8)
         self.state = np.zeros((0, 0), np.uint8)
+        #: Which rows of the sample blocks are to show, see `rows_shown`.
+        self.row = rows_shown(self) if canvas.known is None else None
         self.warps: Warps | None = None
 
     def result(self) -> PatchSynthesis:
@@ -96,16 +101,32 @@ class Blocks:
 
     def _draw(self) -> None:
         """Section 4.2.1: every second block, one colour after the other."""
-        sample, windows = self.sample, self.sample.windows
+        windows = self.sample.windows
         i, j = self.number
         color = (i + j) // 2 % 2 * 2 + (i - j) // 2 % 2
         for k in range(4):
-            cells = np.argwhere(self.drawn & (color == k)).astype(np.int32)
-            kernels.draw_blocks(
-                windows.usable, windows.period, sample.steps, windows.centres,
-                np.ascontiguousarray(cells), self.phase, self.bits,
-                self.rows.edges, self.columns.edges, self.wrap, self.place,
-            )  # fmt: skip
+            for steps, cells in self._by_rows(np.argwhere(self.drawn & (color == k))):
+                kernels.draw_blocks(
+                    windows.usable, windows.period, steps, windows.centres,
+                    cells, self.phase, self.bits,
+                    self.rows.edges, self.columns.edges, self.wrap, self.place,
+                )  # fmt: skip
+
+    def _by_rows(
+        self, cells: NDArray[Any]
+    ) -> Iterable[tuple[NDArray[np.int64], NDArray[np.int32]]]:
+        """Steps that lead to the rows that blocks are to show, and these blocks."""
+        cells = np.ascontiguousarray(cells, np.int32)
+        if self.row is None:
+            yield self.sample.steps, cells
+            return
+        row = self.row[cells[:, 0], cells[:, 1]]
+        for number in np.unique(row):
+            own = self.sample.rows == number if number != ANY else slice(None)
+            yield (
+                np.ascontiguousarray(self.sample.steps[own]),
+                np.ascontiguousarray(cells[row == number]),
+            )
 
     def _fill(self, map_: Callable[..., Iterable[Any]]) -> None:
         """Section 4.2.2: the gaps that show, each by its four neighbours."""
@@ -139,21 +160,22 @@ class Blocks:
             choice = self.bits[i, j] % np.uint64(len(windows.centres))
             self.place[i, j] = windows.centres[choice.astype(np.int64)]
             return
-        gap_kernels.fill_gaps(
-            sample.pixels, sample.turned, windows.usable, windows.period,
-            sample.steps, windows.centres, np.ascontiguousarray(cells), self.phase, self.bits,
-            self.rows.edges, self.columns.edges, self.wrap, border.wedges, border.runs,
-            low, side, basis, offset, shift, features, places,
-            method.tolerance or 0, wanted, round(256 * (method.variety or 0.0)),
-            method.match == "gncc",
-            np.zeros((*border.wedges.shape, channels), np.uint8),
-            np.empty(int((border.wedges > 0).sum()) * channels, np.uint8),
-            np.empty(len(low) * channels, np.int32),
-            np.empty(len(basis), np.int16),
-            np.empty(wanted, np.int64),
-            np.empty(wanted, np.int32),
-            self.place,
-        )  # fmt: skip
+        for steps, own in self._by_rows(cells):
+            gap_kernels.fill_gaps(
+                sample.pixels, sample.turned, windows.usable, windows.period,
+                steps, windows.centres, own, self.phase, self.bits,
+                self.rows.edges, self.columns.edges, self.wrap, border.wedges, border.runs,
+                low, side, basis, offset, shift, features, places,
+                method.tolerance or 0, wanted, round(256 * (method.variety or 0.0)),
+                method.match == "gncc",
+                np.zeros((*border.wedges.shape, channels), np.uint8),
+                np.empty(int((border.wedges > 0).sum()) * channels, np.uint8),
+                np.empty(len(low) * channels, np.int32),
+                np.empty(len(basis), np.int16),
+                np.empty(wanted, np.int64),
+                np.empty(wanted, np.int32),
+                self.place,
+            )  # fmt: skip
 
     def _joined(
         self, map_: Callable[..., Iterable[Any]]

@@ -10,6 +10,7 @@ import numpy as np
 from weft.errors import InvalidInputError
 from weft.methods.canvas_lattice import CanvasLattice
 from weft.methods.mean_tile import MeanTile
+from weft.methods.near_regular_rows import axis_of_rows, pitch_of_rows
 from weft.methods.rectification import rectified
 from weft.random import draw
 from weft.search.boundary_zone import boundary_zone
@@ -123,14 +124,28 @@ class BlockSample:
         self.method = method
         self._borders: dict[tuple[int, int, int], Border] = {}
         self.steps = np.zeros((0, 2), np.int64)
+        #: Along which axis rows change that have a colour each, see `axis_of_rows`.
+        self.row_axis: int | None = None
+        #: How blocks are laid along both axes, see `Axis`.
+        self.pitch: list[tuple[int, int] | None] = [None, None]
         self.search: Any = NO_SEARCH
         if self.free:
             self.search = self._features()
             return
-        steps = CanvasLattice(self.vectors).steps(*exemplar.shape)
+        lattice = CanvasLattice(self.vectors)
+        steps = lattice.steps(*exemplar.shape)
         # In no order, so that the first that will do is any of them.
         order = np.argsort(draw(0, "steps", np.arange(len(steps))), kind="stable")
         self.steps = np.ascontiguousarray(steps[order])
+        #: The multiple of the first vector in each of them.
+        self.rows = np.rint(self.steps @ lattice.inverse[:, 0] / 65536).astype(np.int64)
+        size = self.side - 2 * self.margin
+        # Blocks must hold a whole row.
+        if rows and exemplar.mask is None and size >= float(np.hypot(x1, y1)):
+            self.row_axis = axis_of_rows(self.pixels, self.vectors)
+        if self.row_axis is not None:
+            about = self.pixels, self.vectors, self.row_axis, size
+            self.pitch[self.row_axis] = pitch_of_rows(*about)
 
     def _windows(self, exemplar: Exemplar) -> Windows:
         if exemplar.tileable:
