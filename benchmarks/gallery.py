@@ -51,7 +51,7 @@ PARTS = {"efros-leung": 2}
 #: The slow ones first, so that no core waits for the last one.
 _SLOW = ("wei-levoy", "efros-leung", "graphcut", "exact-matching")
 #: Parts of weft that change neither pixels nor figures.
-_OUTSIDE = ("tasks", "cli.py", "options.py", "pictures.py", "terminal.py", "samples")
+_OUTSIDE = ("commands", "tasks", "cli.py", "options.py", "pictures.py", "terminal.py", "samples")
 
 
 @dataclasses.dataclass(frozen=True)
