@@ -137,7 +137,7 @@ SETTINGS = (
     Setting("ashikhmin", {"passes": 5}),
     Setting("wei-levoy"),
     Setting("wei-levoy", {"leaves": 1}),
-    Setting("wei-levoy", {"search": "full"}),
+    Setting("wei-levoy", {"leaves": 32}),
     Setting("efros-leung", {"search": "pca"}),
     Setting("efros-leung", {"search": "pca", "candidates": 8}),
 )
