@@ -129,9 +129,12 @@ def rows_shown(blocks: Blocks) -> NDArray[np.int64] | None:
         place %= int(windows.period[2 + axis])
     there = (place >= 0) & (place < len(usable))
     there[there] = usable[place[there]] > 0
-    count = there.sum(axis=-1)
-    bits = draw(blocks.seed, "rows", blocks.number[axis])
-    chosen = (bits % np.maximum(count, 1).astype(np.uint64)).astype(np.int64)
+    # One after the other, up or down, from a row that is drawn for every round of them.
+    count = np.maximum(there.sum(axis=-1), 1)
+    rounds, turn = np.divmod(np.broadcast_to(blocks.number[axis], count.shape), count)
+    bits = draw(blocks.seed, "rows", rounds)
+    turn = np.where(bits >> np.uint64(63), turn, -turn)
+    chosen = ((bits % count.astype(np.uint64)).astype(np.int64) + turn) % count
     first = (there.cumsum(axis=-1) == chosen[..., None] + 1).argmax(axis=-1)
-    result: NDArray[np.int64] = np.where(count > 0, numbers[first], ANY)
+    result: NDArray[np.int64] = np.where(there.any(axis=-1), numbers[first], ANY)
     return result
