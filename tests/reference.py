@@ -2517,6 +2517,20 @@ class NearRegularTwin:
         height, width = pixels.shape[:2]
         self.steps = self.all_steps(height, width)
         self.places = {}
+        self.visibility = [[self.shows(y, x) for x in range(width)] for y in range(height)]
+
+    def shows(self, y, x):
+        """How much a seam shows at a pixel of the sample."""
+        if self.method.seam_cost != "gradient":
+            return 1
+        last = len(self.pixels) - 1, len(self.pixels[0]) - 1
+        above, below = self.pixels[max(y - 1, 0)][x], self.pixels[min(y + 1, last[0])][x]
+        left, right = self.pixels[y][max(x - 1, 0)], self.pixels[y][min(x + 1, last[1])]
+        soft = 40 * len(self.channels)
+        steep = sum(
+            (below[k] - above[k]) ** 2 + (right[k] - left[k]) ** 2 for k in self.channels
+        )
+        return max(1, 4096 * soft // (soft + steep))
 
     def all_steps(self, height, width):
         """Multiples in 1/65536 pixel, sorted by random bits."""
@@ -2644,12 +2658,14 @@ class NearRegularTwin:
         return min(near, key=lambda place: (key(place), place))
 
     def difference(self, a, b, y, x):
-        """Squared difference of what blocks a and b have at a pixel of the plane."""
-        colours = [
-            self.colour_of(i, j, y - i * self.size + self.m, x - j * self.size + self.m)
-            for i, j in (a, b)
-        ]
-        return sum((colours[0][k] - colours[1][k]) ** 2 for k in self.channels)
+        """Squared difference of what blocks a and b have at a pixel, by how much it shows there."""
+        colours, shows = [], 0
+        for i, j in (a, b):
+            v, u = y - i * self.size + self.m, x - j * self.size + self.m
+            colours.append(self.colour_of(i, j, v, u))
+            top, left = self.place(i, j)
+            shows += self.visibility[top + v][left + u]
+        return shows * sum((colours[0][k] - colours[1][k]) ** 2 for k in self.channels)
 
     def colour_of(self, i, j, v, u):
         """What block (i, j) has at a pixel of its window."""
@@ -3023,9 +3039,10 @@ class NearRegularHoleTwin(NearRegularTwin):
             if (y, x) in self.beside:
                 i, j = a if k < at else b
                 v, u = self.place(i, j)
-                there = self.pixels[v + y - i * self.size + self.m][u + x - j * self.size + self.m]
-                known = self.known[y, x]
-                total += 2 * sum((there[c] - known[c]) ** 2 for c in self.channels)
+                v, u = v + y - i * self.size + self.m, u + x - j * self.size + self.m
+                there, known = self.pixels[v][u], self.known[y, x]
+                shows = 2 * self.visibility[v][u]
+                total += 2 * shows * sum((there[c] - known[c]) ** 2 for c in self.channels)
         return total
 
     def corner(self, i, j):

@@ -18,19 +18,20 @@ OFF = cython.declare(cython.int, 2)  # the state of any other
 @cython.exceptval(check=False)
 def differ(
     pixels: cython.const[cython.uchar][:, :, ::1],
+    visibility: cython.const[cython.ushort][:, ::1],
     ay: cython.Py_ssize_t,
     ax: cython.Py_ssize_t,
     by: cython.Py_ssize_t,
     bx: cython.Py_ssize_t,
 ) -> cython.longlong:
-    """Squared difference of two pixels of the sample."""
+    """Squared difference of two pixels of the sample, by how much a step shows at them."""
     k: cython.Py_ssize_t
     d: cython.int
     total: cython.longlong = 0
     for k in range(pixels.shape[2]):
         d = cython.cast(cython.int, pixels[ay, ax, k]) - pixels[by, bx, k]
         total += d * d
-    return total
+    return total * (visibility[ay, ax] + visibility[by, bx])
 
 
 @cython.cfunc
@@ -61,6 +62,7 @@ def state_of(
 @cython.exceptval(check=False)
 def leaves(
     pixels: cython.const[cython.uchar][:, :, ::1],
+    visibility: cython.const[cython.ushort][:, ::1],
     y: cython.Py_ssize_t,
     x: cython.Py_ssize_t,
     known: cython.const[cython.uchar][:, :, ::1],
@@ -78,11 +80,12 @@ def leaves(
     for k in range(pixels.shape[2]):
         d = cython.cast(cython.int, pixels[y, x, k]) - known[v, u, k]
         total += d * d
-    return 2 * total
+    return 2 * total * (2 * visibility[y, x])
 
 
 def meet(
     pixels: cython.const[cython.uchar][:, :, ::1],
+    visibility: cython.const[cython.ushort][:, ::1],
     place: cython.const[cython.int][:, ::1],
     rows: cython.const[cython.longlong][::1],
     columns: cython.const[cython.longlong][::1],
@@ -152,7 +155,7 @@ def meet(
                 bx = b % width + inset + (0 if drawn else size_x)
                 for v in range(2 * reach):
                     for u in range(2 * reach):
-                        error[v, u] = differ(pixels, ay + v, ax + u, by + v, bx + u)
+                        error[v, u] = differ(pixels, visibility, ay + v, ax + u, by + v, bx + u)
                         if state.shape[0]:
                             kind = state_of(
                                 state, wrap, rows[i] - reach + v, columns[j] - reach + u
@@ -237,6 +240,7 @@ def least_path(
 
 def cut_edges(
     pixels: cython.const[cython.uchar][:, :, ::1],
+    visibility: cython.const[cython.ushort][:, ::1],
     place: cython.const[cython.int][:, ::1],
     rows: cython.const[cython.longlong][::1],
     columns: cython.const[cython.longlong][::1],
@@ -329,9 +333,9 @@ def cut_edges(
                 for n in range(stop - start):
                     for k in range(2 * reach):
                         if upright:
-                            error[n, k] = differ(pixels, ay + n, ax + k, by + n, bx + k)
+                            error[n, k] = differ(pixels, visibility, ay + n, ax + k, by + n, bx + k)
                         else:
-                            error[n, k] = differ(pixels, ay + k, ax + n, by + k, bx + n)
+                            error[n, k] = differ(pixels, visibility, ay + k, ax + n, by + k, bx + n)
                 for n in range(stop - start):
                     if state.shape[0] == 0:
                         break
@@ -347,8 +351,8 @@ def cut_edges(
                             # A boundary past this pixel leaves it to the block before.
                             v = n if upright else k
                             u = k if upright else n
-                            beyond[n, k + 1] += leaves(pixels, ay + v, ax + u, known, y, x)
-                            beyond[n, k + 1] -= leaves(pixels, by + v, bx + u, known, y, x)
+                            beyond[n, k + 1] += leaves(pixels, visibility, ay + v, ax + u, known, y, x)
+                            beyond[n, k + 1] -= leaves(pixels, visibility, by + v, bx + u, known, y, x)
                 least_path(error, beyond, stop - start, 2 * reach, begin, end, total, came, path)
                 for t in range(paths.shape[2]):
                     if t < start:

@@ -88,6 +88,12 @@ class NearRegular(Method):
         "joining blocks: cut along least error or feathered as the preset says, or pasted",
         choices=("auto", "cut", "feather", "none"),
     )
+    seam_cost: str = parameter(
+        "gradient",
+        "where a cut shows: less where the sample has edges of its own, or everywhere alike",
+        choices=("gradient", "difference"),
+        needs=("blend", ("auto", "cut")),
+    )
     blend_width: int | None = parameter(
         None,
         "width of the feathered area between blocks",

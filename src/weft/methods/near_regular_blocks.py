@@ -247,7 +247,7 @@ class Blocks:
         def meet(i: int) -> None:
             scratch = np.empty((2 * reach, 2 * reach), np.int64)
             seam_kernels.meet(
-                self.sample.pixels, self.place, *about, parity,
+                self.sample.pixels, self.sample.visibility, self.place, *about, parity,
                 inset, reach, slack, box, self.state, scratch, corners, i, i + 1,
             )  # fmt: skip
 
@@ -261,11 +261,11 @@ class Blocks:
                 np.empty((side, 2 * reach + 1), np.int32),
                 np.empty(side, np.int32),
             )
-            pixels, place = self.sample.pixels, self.place
+            looked = self.sample.pixels, self.sample.visibility, self.place
             if self.warps:
                 beside = {k % count[0] for k in range(lines.start - 1, lines.stop)}
-                pixels, place = self.warps.shown(sorted(beside))
-            shared = pixels, place, *about, corners, inset, reach
+                looked = self.warps.shown(sorted(beside))
+            shared = *looked, *about, corners, inset, reach
             ends = lines.start, min(lines.stop, shown.stop)
             seam_kernels.cut_edges(*shared, True, *scratch, upright, *ends)
             seam_kernels.cut_edges(*shared, False, *scratch, lying, lines.start, lines.stop)

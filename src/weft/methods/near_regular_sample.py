@@ -32,6 +32,7 @@ _NUMBERS = 288  # that describe a border there, at most
 _WINDOWS = 16384  # that the unconstrained search looks at; more are thinned out
 _BLOCKY = 0.15  # share of brightness in what similar places differ by, from which blocks show
 _CELL = 1.5  # pixels; a tile is cut into such parts to see whether all of them are there
+_SOFT = 40  # squared difference of a channel, two pixels apart, that hides half of a seam
 _WIDE = 0.7  # of a block that is feathered then
 
 
@@ -94,6 +95,8 @@ class BlockSample:
         There is no lattice: any place is similar to any other.
     pixels : uint8 array (H', W', K)
         The windows' pixels, moved to where the lattice wants them.
+    visibility : uint16 array (H', W')
+        How much a seam shows at each of them.
     """
 
     def __init__(self, method: NearRegular, exemplar: Exemplar, rows: bool) -> None:
@@ -117,6 +120,7 @@ class BlockSample:
             self.lookup = rectified(self.pixels, self.vectors, method.rectify, rows=rows)
             flat = self.pixels.reshape(-1, self.pixels.shape[2])
             self.pixels = np.ascontiguousarray(flat[self.lookup])
+        self.visibility = visibility(self.pixels, method.seam_cost == "gradient")
         self.turned = np.ascontiguousarray(self.pixels.transpose(1, 0, 2))
         if method.blend_width is None and method.blend == "feather":
             wide = method.preset != "paper" and self.blockiness() > _BLOCKY
@@ -220,6 +224,26 @@ class BlockSample:
         y, x = np.divmod(take, usable.shape[1])
         places = (y * stride * width + x * stride).astype(np.int32)
         return zone.blocks, zone.side, pca.basis, pca.offset, pca.shift, pca.features, places
+
+
+def visibility(pixels: NDArray[np.uint8], gradient: bool) -> NDArray[np.uint16]:
+    """How much a seam shows at each pixel, for 1 at least; everywhere alike unless by `gradient`.
+
+    Where the sample has an edge of its own, such as a joint, one more does not show.
+
+    Examples
+    --------
+    >>> step = np.array([[[10], [10], [10], [90], [90]]], np.uint8)
+    >>> visibility(step, gradient=True).tolist()
+    [[4096, 4096, 25, 25, 4096]]
+    """
+    if not gradient:
+        return np.ones(pixels.shape[:2], np.uint16)
+    levels = np.pad(pixels.astype(np.int32), ((1, 1), (1, 1), (0, 0)), mode="edge")
+    steep = (levels[2:, 1:-1] - levels[:-2, 1:-1]) ** 2 + (levels[1:-1, 2:] - levels[1:-1, :-2]) ** 2
+    soft = _SOFT * pixels.shape[2]
+    shown = 4096 * soft // (soft + steep.sum(axis=2))
+    return np.maximum(shown, 1).astype(np.uint16)
 
 
 def in_no_order(runs: NDArray[np.int32]) -> NDArray[np.int32]:

@@ -66,12 +66,16 @@ class Warps:
 
         list(map_(estimate, range(0, len(cells), _PIECE)))
 
-    def shown(self, rows: list[int]) -> tuple[NDArray[np.uint8], NDArray[np.int32]]:
+    def shown(
+        self, rows: list[int]
+    ) -> tuple[NDArray[np.uint8], NDArray[np.uint16], NDArray[np.int32]]:
         """What seams look at: the sample with the warped pieces of these rows of blocks below it.
 
         Returns
         -------
         pixels : uint8 array (rows, columns, K)
+        visibility : uint16 array (rows, columns)
+            Of warped pieces as if they were not.
         place : int32 array
             Places of all blocks, in these pixels.
         """
@@ -82,6 +86,8 @@ class Warps:
         side = sample.side
         pixels = np.empty((height + side * len(cells), width, channels), np.uint8)
         pixels[:height] = sample.pixels
+        visibility = np.ones(pixels.shape[:2], np.uint16)
+        visibility[:height] = sample.visibility
         for k, (i, j) in enumerate(cells):
             piece = pixels[height + side * k : height + side * (k + 1)]
             y, x = divmod(int(place[i, j]), width)
@@ -90,8 +96,11 @@ class Warps:
             _warp_kernels.warp_into(
                 piece, sample.pixels, y, x, side, self.nodes[i, j][None], about, 0, 1, False
             )
+            visibility[height + side * k :, :side][:side] = sample.visibility[
+                y : y + side, x : x + side
+            ]
             place[i, j] = (height + side * k) * width
-        return pixels, place
+        return pixels, visibility, place
 
     def of(
         self, order: NDArray[np.int64], row: NDArray[Any], column: NDArray[Any]
