@@ -799,27 +799,40 @@ def efros_leung(method, exemplar, canvas, seed):
 # Wei and Levoy (2000): pyramids, trees of vectors, causal windows
 
 
-def coarser(levels, wrap):
+def coarser(levels, wrap, start=(0, 0)):
     """Every second pixel of the 1 4 6 4 1 mean, rounded; beyond a border the last pixel goes on."""
     height, width = levels.shape[:2]
-    result = np.zeros(((height + 1) // 2, (width + 1) // 2, levels.shape[2]), np.uint8)
+    shape = (height + 1 - start[0]) // 2, (width + 1 - start[1]) // 2
+    result = np.zeros((*shape, levels.shape[2]), np.uint8)
     for y, x in np.ndindex(result.shape[:2]):
         total = np.full(levels.shape[2], 128)
         for v, u in itertools.product(range(-2, 3), repeat=2):
             weight = (1, 4, 6, 4, 1)[v + 2] * (1, 4, 6, 4, 1)[u + 2]
-            at = _tap(2 * y + v, height, wrap[0]), _tap(2 * x + u, width, wrap[1])
+            at = 2 * y + start[0] + v, 2 * x + start[1] + u
+            at = _tap(at[0], height, wrap[0]), _tap(at[1], width, wrap[1])
             total += weight * levels[at].astype(int)
         result[y, x] = total // 256
     return result
 
 
-def coarser_mask(mask, wrap):
+def coarser_mask(mask, wrap, start=(0, 0)):
     """Whether all pixels that count for a coarser one are in the mask."""
     height, width = mask.shape
-    result = np.ones(((height + 1) // 2, (width + 1) // 2), bool)
+    result = np.ones(((height + 1 - start[0]) // 2, (width + 1 - start[1]) // 2), bool)
     for y, x in np.ndindex(result.shape):
         for v, u in itertools.product(range(-2, 3), repeat=2):
-            result[y, x] &= mask[_tap(2 * y + v, height, wrap[0]), _tap(2 * x + u, width, wrap[1])]
+            at = 2 * y + start[0] + v, 2 * x + start[1] + u
+            result[y, x] &= mask[_tap(at[0], height, wrap[0]), _tap(at[1], width, wrap[1])]
+    return result
+
+
+def stacked(levels, number, wrap, halve=coarser):
+    """A coarser level, which is every 2**number-th pixel, for each pixel to be the first."""
+    if not number:
+        return levels
+    result = np.empty_like(levels)
+    for y, x in itertools.product((0, 1), repeat=2):
+        result[y::2, x::2] = stacked(halve(levels, wrap, (y, x)), number - 1, wrap, halve)
     return result
 
 
@@ -2120,42 +2133,83 @@ def similar_places(pixels, centres, reach, count, candidates):
 
 
 class RefinedLevel:
-    """A sample at one resolution, for `refinement`."""
+    """A sample at one resolution, for `refinement`; places are of the sample on all levels."""
 
-    def __init__(self, exemplar, pixels, mask, number, reach, scale):
-        self.exemplar, self.pixels, self.number, self.reach = exemplar, pixels, number, reach
-        self.shape, self.tileable, self.mask = mask.shape, exemplar.tileable, mask
-        self.centres = window_centres(mask, [reach] * 4, exemplar.tileable)
+    def __init__(self, pixels, mask, tileable, number, reach, side, whole=False):
+        self.pixels, self.mask, self.tileable = pixels, mask, tileable
+        self.shape, self.number, self.reach, self.side = mask.shape, number, reach, side
+        self.whole, self.similar, self.guide, self.windows = whole, {}, None, {}
+        steps = list(itertools.product(range(-reach, reach + 1), repeat=2))
+        self.centres = [
+            (y, x)
+            for y, x in np.ndindex(mask.shape)
+            if all(at is not None and mask[at] for at in (self.at((y, x), *s) for s in steps))
+        ]
         self.centre_set = set(self.centres)
-        self.side = max(1, round(scale / 2**number))
-        self.offset = reach if exemplar.tileable else 0
-        self.similar, self.guide = {}, None
 
-    def find_similar(self, count, coarser_level):
-        """Fill `similar`: exactly on the coarsest level, then around parents' similar places."""
-        if coarser_level is None:
-            step = -(-(len(self.centres) ** 2) // 2**24)
+    def at(self, place, dy, dx):
+        """The pixel beside a place, 2**number pixels for a step; mirrored beyond a border."""
+        result = []
+        for first, step, length in zip(place, (dy, dx), self.shape, strict=True):
+            first, start = divmod(first, 2**self.number)
+            count = len(range(start, length, 2**self.number))
+            step = first + step
+            if self.whole and not self.tileable and not 0 <= step < count:
+                return None
+            step %= count if self.tileable else 2 * count
+            step = min(step, 2 * count - 1 - step) if not self.tileable else step
+            result.append(start + step * 2**self.number)
+        return tuple(result)
 
-            def candidates(centre):
-                return self.centres[::step]
-        else:
+    def around(self, place, steps):
+        """Rows and columns of the pixels at some steps from a place, to index with."""
+        if place not in self.windows:
+            reach = range(-self.reach, self.reach + 1)
+            self.windows[place] = {s: self.at(place, *s) for s in itertools.product(reach, reach)}
+        window = self.windows[place]
+        return tuple(np.array([window[s] for s in steps], int).reshape(-1, 2).T)
 
-            def candidates(centre):
-                y, x = centre
-                parent = nearest_centre(coarser_level.centres, y // 2, x // 2)
-                around = [
-                    (2 * v + y % 2 + dy, 2 * u + x % 2 + dx)
-                    for v, u in coarser_level.similar[parent]
-                    for dy in (-1, 0, 1)
-                    for dx in (-1, 0, 1)
-                ]
-                return [place for place in around if place in self.centre_set]
-
-        self.similar = similar_places(self.pixels, self.centres, self.reach, count, candidates)
+    def beside(self, place, dy, dx):
+        """Where a source goes on, or None."""
+        inside = self.tileable or all(
+            0 <= k + d * 2**self.number < n
+            for k, d, n in zip(place, (dy, dx), self.shape, strict=True)
+        )
+        place = self.at(place, dy, dx) if inside else None
+        return place if place in self.centre_set else None
 
     def cell(self, place):
         """The square of the sample that a place lies in."""
-        return tuple((k + self.offset) // self.side for k in place)
+        return tuple(k // self.side for k in place)
+
+
+def registered_similar(pictures, masks, tileable, reach, count):
+    """The places like each: exactly on the coarsest level, then around parents' similar places."""
+    parents, parents_similar = None, None
+    for pixels, mask in list(zip(pictures, masks, strict=True))[::-1]:
+        centres = window_centres(mask, [reach] * 4, tileable)
+        centre_set = set(centres)
+        step = -(-(len(centres) ** 2) // 2**24)
+
+        def candidates(centre, every=centres[::step], among=centre_set, older=parents,
+                       older_similar=parents_similar):  # fmt: skip
+            if older is None:
+                return every
+            y, x = centre
+            around = [
+                (2 * v + y % 2 + dy, 2 * u + x % 2 + dx)
+                for v, u in older_similar[nearest_centre(older, y // 2, x // 2)]
+                for dy in (-1, 0, 1)
+                for dx in (-1, 0, 1)
+            ]
+            return [place for place in around if place in among]
+
+        parents_similar = similar_places(pixels, centres, reach, count, candidates)
+        parents = centres
+    return {
+        (y, x): parents_similar[nearest_centre(parents, y, x)]
+        for y, x in np.ndindex(masks[0].shape)
+    }
 
 
 def turned_lines(unknown, turn, cyclic, to_and_fro):
@@ -2185,20 +2239,32 @@ def refinement(method, exemplar, canvas, seed, start=None, components=None):
             break
         depth += 1
     tiles = (exemplar.tileable,) * 2
-    pixels = exemplar.matching()
-    mask = np.ones(exemplar.shape, bool) if exemplar.mask is None else exemplar.mask
-    levels = []
-    for number in range(depth):
-        level = RefinedLevel(exemplar, pixels, mask, number, reach, max(1, width // 2))
-        if not level.centres:
+    masks = [np.ones(exemplar.shape, bool) if exemplar.mask is None else exemplar.mask]
+    pictures = [exemplar.matching()]
+    for _ in range(depth - 1):
+        mask = coarser_mask(masks[-1], tiles)
+        if not window_centres(mask, [reach] * 4, exemplar.tileable):
             break  # the mask leaves nothing
-        levels.append(level)
-        pixels, mask = coarser(pixels, tiles), coarser_mask(mask, tiles)
-    for number in range(len(levels) - 1, -1, -1):
-        finer = number < len(levels) - 1
-        if coherent:
-            count = min(method.similar, 1) if finer else method.similar
-            levels[number].find_similar(count, levels[number + 1] if finer else None)
+        masks.append(mask)
+        pictures.append(coarser(pictures[-1], tiles))
+    levels = []
+    for number in range(len(masks)):
+        fine = coherent and not number and len(masks) > 1 and method.joints is None
+        levels.append(
+            RefinedLevel(
+                stacked(pictures[0], number, tiles),
+                stacked(masks[0], number, tiles, coarser_mask),
+                exemplar.tileable, number, min(reach, 1) if fine else reach, max(1, width // 2),
+                not coherent,
+            )
+        )  # fmt: skip
+    if coherent:
+        similar = registered_similar(pictures, masks, exemplar.tileable, reach, method.similar)
+        for level in levels:
+            level.similar = {
+                place: [p for p in places if p in level.centre_set]
+                for place, places in similar.items()
+            }
     picture = np.zeros((*canvas.shape, exemplar.matching().shape[2]), np.uint8)
     hole = np.ones(canvas.shape, bool) if canvas.hole is None else canvas.hole
     picture[~hole] = exemplar.as_matching(canvas.known)[~hole] if not hole.all() else 0
@@ -2217,8 +2283,11 @@ def refinement(method, exemplar, canvas, seed, start=None, components=None):
         weight = max(1, round(256 * method.guide_weight * picture.shape[2] / guide[0].shape[2]))
         shown, own = (np.asarray(g, np.uint8) for g in guide)
         for level in levels:
-            level.guide = shown.astype(int), own.astype(int), weight
-            shown, own = coarser(shown, canvas.wrap), coarser(own, tiles)
+            level.guide = shown.astype(int), None, weight
+            shown = coarser(shown, canvas.wrap)
+        for level in levels:
+            shown, _, weight = level.guide
+            level.guide = shown, stacked(own, level.number, tiles).astype(int), weight
     below = None
     for level, (picture, known) in list(zip(levels, stack, strict=True))[::-1]:
         coarsest = below is None
@@ -2227,27 +2296,30 @@ def refinement(method, exemplar, canvas, seed, start=None, components=None):
         seeds = coarsest and start is None
         if seeds:
             spacing = max(1, round(max(1, width // 2) / (step * method.seed_density)))
+            plain = level.guide and (level.guide[0], level.guide[1][::step, ::step], weight)
             points = seed_points(
-                level.pixels, level.mask, known.shape, canvas.wrap, spacing, method.matches, seed,
-                level.guide,
+                level.pixels[::step, ::step], level.mask[::step, ::step], known.shape, canvas.wrap,
+                spacing, method.matches, seed, plain,
             )  # fmt: skip
-            for (y, x), place in points.items():
-                source[y][x] = place
+            for (y, x), (v, u) in points.items():
+                source[y][x] = nearest_centre(level.centres, v * step, u * step)
         for y, x in np.ndindex(known.shape):
             if coarsest and not seeds:
                 v, u = (int(k) for k in start[y * step, x * step])
-                source[y][x] = None if v < 0 else (v // step, u // step)
+                source[y][x] = None if v < 0 else (v, u)
             elif not coarsest and not known[y, x]:  # whose parents are not known either
                 v, u = below[y // 2][x // 2]
-                source[y][x] = 2 * v + y % 2, 2 * u + x % 2
+                v, u = v + y % 2 * step, u + x % 2 * step
+                if exemplar.tileable:
+                    v, u = v % exemplar.shape[0], u % exemplar.shape[1]
+                source[y][x] = v, u
             if known[y, x]:
                 source[y][x] = None
                 if kept[y * step, x * step]:
-                    v, u = (int(k) for k in start[y * step, x * step])
-                    source[y][x] = v // step, u // step
+                    source[y][x] = tuple(int(k) for k in start[y * step, x * step])
                 elif canvas.known_from is not None:
                     v, u = y * step + canvas.known_from[0], x * step + canvas.known_from[1]
-                    source[y][x] = v // step, u // step
+                    source[y][x] = v, u
             if source[y][x] is not None and (not seeds or known[y, x]):
                 source[y][x] = nearest_centre(level.centres, *source[y][x])
         done = np.array([[s is not None for s in row] for row in source]) | known
@@ -2312,14 +2384,15 @@ def seam_belts(source, reach, wrap, exemplar):
     return belts
 
 
-def _known_distance(level, picture, y, x, known, place):
-    """Sum of squared differences over the known pixels of a window."""
-    total = 0
-    for dy, dx in known:
-        here = picture[(y + dy) % len(picture), (x + dx) % picture.shape[1]].astype(int)
-        v, u = (place[0] + dy) % level.shape[0], (place[1] + dx) % level.shape[1]
-        total += int(((level.pixels[v, u] - here) ** 2).sum())
-    return total
+def _steps_away(picture, y, x, steps):
+    """The pixels of a canvas at some steps from one, around its borders."""
+    dy, dx = np.array(steps, int).reshape(-1, 2).T
+    return picture[(y + dy) % len(picture), (x + dx) % picture.shape[1]].astype(int)
+
+
+def _known_distance(level, here, known, place):
+    """Sum of squared differences over the known pixels of a window, which are `here`."""
+    return int(((level.pixels[level.around(place, known)] - here) ** 2).sum())
 
 
 def _settle(level, picture, done, source, y, x, place):
@@ -2337,7 +2410,8 @@ def _asked(level, unknown):
         kind = tuple(shown[at] // 64)
         wanted[kind] = wanted.get(kind, 0) + 1
     kinds = {at: tuple(own[at] // 64) for at in level.centres}
-    return {at: max(256, 256 * wanted.get(k, 0) // there[k]) for at, k in kinds.items()}
+    least = max(256 // 4**level.number, 1)
+    return {at: max(least, 256 * wanted.get(k, 0) // there[k]) for at, k in kinds.items()}
 
 
 def _coherent_sweep(
@@ -2346,13 +2420,17 @@ def _coherent_sweep(
 ):  # fmt: skip
     weight = round(1024 * method.evenness / 2**above)
     wanted = int(unknown.sum())
-    share = max(1.0, wanted / len(level.centres))
+    count = len(level.centres)
     room = {}
     asked = _asked(level, unknown) if level.guide else {}
     for place in level.centres:
         room[level.cell(place)] = room.get(level.cell(place), 0) + asked.get(place, 1)
     if level.guide:
-        room, share = {cell: n // 256 for cell, n in room.items()}, 1
+        room = {cell: 2 * n // 256 for cell, n in room.items()}
+    else:
+        room = {
+            cell: 2 * n * max(wanted, count // 4**level.number) // count for cell, n in room.items()
+        }
     tried = []
     if not settled and turn == 0:
         count = max(2**23 // wanted, 64)
@@ -2364,24 +2442,29 @@ def _coherent_sweep(
     for y, x in line:
         own = source[y][x]
         beside = known_window(done, y, x, canvas.wrap, [min(1, level.reach)] * 4)
-        places = coherent_places(source, y, x, beside, level, level.centre_set)
-        places = [p for p in [own, *places] if p in level.centre_set]
-        places += [other for p in dict.fromkeys(places) for other in level.similar[p]]
+        places = [own] if own in level.centre_set else []
+        for dy, dx in reversed(beside):
+            other = source[(y + dy) % len(source)][(x + dx) % len(source[0])]
+            place = None if other is None else level.beside(other, -dy, -dx)
+            places += [place] if place is not None and place not in places else []
+        near = len(places)
+        places += [other for p in places for other in level.similar[p]]
         known = known_window(done, y, x, canvas.wrap, [level.reach] * 4)
-        best = None
-        for place in [*places, *tried]:
+        here, best = _steps_away(picture, y, x, known), None
+        for k, place in enumerate([*places, *tried]):
             cell = level.cell(place)
-            capacity = max(1, int(room[cell] * share))
+            capacity = max(1, room[cell])
             over = usage.get(cell, 0) - capacity
             factor = 256 + min(weight * over // capacity, 2**14) if over > 0 else 256
-            cost = _known_distance(level, picture, y, x, known, place) * factor
+            if near <= k < len(places):
+                factor = factor * round(256 * method.coherence) // 256
+            cost = _known_distance(level, here, known, place) * factor
             if level.guide:
                 shown, theirs, heavy = level.guide
                 every = known_window(np.ones_like(done), y, x, canvas.wrap, [level.reach] * 4)
-                for dy, dx in [*every, (0, 0)]:
-                    here = shown[(y + dy) % len(shown), (x + dx) % shown.shape[1]]
-                    v, u = (place[0] + dy) % len(theirs), (place[1] + dx) % theirs.shape[1]
-                    cost += heavy * int(((theirs[v, u] - here) ** 2).sum())
+                every += [(0, 0)]
+                away = theirs[level.around(place, every)] - _steps_away(shown, y, x, every)
+                cost += heavy * int((away**2).sum())
             if best is None or cost < best[0]:
                 best = cost, place
         if best is None:
@@ -2434,9 +2517,8 @@ def _component_sweep(
             query = component_coordinates(here, known, components, reach)
             unlike = ((np.array(level.features) - query) ** 2).sum(axis=1).tolist()
             places = sorted(places, key=lambda n: unlike[n])[: method.candidates]
-        best = min(
-            (_known_distance(level, picture, y, x, known, level.centres[n]), n) for n in places
-        )
+        here = _steps_away(picture, y, x, known)
+        best = min((_known_distance(level, here, known, level.centres[n]), n) for n in places)
         _settle(level, picture, done, source, y, x, level.centres[best[1]])
 
 

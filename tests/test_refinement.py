@@ -90,7 +90,7 @@ def test_levels_are_the_slow_twins(kind, tileable, init):
     mask = np.ones(pixels.shape[:2], bool)
     mask[:9, 30:] = False
     exemplar = weft.Exemplar(pixels, mask=mask, tileable=tileable)
-    method = weft.Refinement(window_width=13, iterations=2, init=init)
+    method = weft.Refinement(window_width=13, iterations=1, init=init, similar=1 + tileable)
     canvas = canvas_of(kind, pixels, (13, 15))
     model = method.fit(exemplar)
     assert len(model.levels) == 2
@@ -116,7 +116,9 @@ def test_the_depth_follows_the_window_and_the_sample():
     for width, depth in ((3, 1), (7, 1), (9, 2), (15, 3), (29, 3), (99, 3)):
         levels = weft.Refinement(window_width=width).fit(weft.Exemplar(pixels)).levels
         assert len(levels) == depth
-        assert levels[0].reach == min(3, width // 2)
+        assert [level.reach for level in levels] == [1 if depth > 1 else min(3, width // 2)] + [
+            3
+        ] * (depth - 1)
     model = weft.Refinement(window_width=29, search="pca").fit(weft.Exemplar(pixels))
     assert len(model.levels) == 1 and model.levels[0].reach == 14
 

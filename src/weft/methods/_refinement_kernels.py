@@ -61,9 +61,11 @@ def coherent(
     wrap_x: cython.bint,
     pixels: cython.const[cython.uchar][:, :, ::1],
     usable: cython.const[cython.uchar][:, ::1],
+    settled: cython.const[cython.int][::1],
     period: cython.const[cython.int][::1],
     reach: cython.Py_ssize_t,
     similar: cython.const[cython.int][:, ::1],
+    margin: cython.longlong,
     tried: cython.const[cython.int][::1],
     cells: cython.const[cython.int][::1],
     usage: cython.int[::1],
@@ -143,6 +145,8 @@ def coherent(
                 if best >= 0 and g >= least:
                     continue
             factor = excess(cells[place], usage, capacity, weight)
+            if near <= i and i < count:
+                factor = factor * margin // 256
             d = run_distance(
                 pixels, place // columns, place % columns, runs, n, query,
                 (least - g) // factor if best >= 0 else -1,
@@ -152,6 +156,7 @@ def coherent(
                 best = place
         if best < 0:
             continue
+        best = settled[best]
         if own >= 0:
             usage[cells[own]] -= 1
         usage[cells[best]] += 1
@@ -227,17 +232,18 @@ def nearest(
 
 
 def refine_coherently(
-    levels, done, source, order, wrap, pixels, usable, period, reach, similar, tried, cells, usage,
-    capacity, weight, guide, own_guide, guide_weight, all_known, runs, query, guide_runs,
-    guide_query, places,
+    levels, done, source, order, wrap, pixels, usable, settled, period, reach, similar, margin,
+    tried, cells, usage, capacity, weight, guide, own_guide, guide_weight, all_known, runs, query,
+    guide_runs, guide_query, places,
 ):  # fmt: skip
     """Give each pixel in `order` the best of its candidates; return how many changed.
 
     Candidates are its own place, where the sources of its eight neighbours go on, the places
-    `similar` to these, and those `tried`; of equals the first is best. The distance to a place
-    in a cell that has been used more often than its capacity counts more, by the share of the
-    excess times `weight` / 256. To this comes the distance between the two guides, over the whole
-    window, times `guide_weight` / 256.
+    `similar` to these, and those `tried`; of equals the first is best. The distance to a similar
+    place counts `margin` / 256 times. The distance to a place in a cell that has been used more
+    often than its capacity counts more, by the share of the excess times `weight` / 256. To this
+    comes the distance between the two guides, over the whole window, times `guide_weight` / 256.
+    What a pixel takes is `settled`: the same place, but not beyond a border.
     """
     lv: cython.uchar[:, :, ::1] = levels
     dn: cython.uchar[:, ::1] = done
@@ -247,9 +253,11 @@ def refine_coherently(
     wx: cython.bint = wrap[1]
     px: cython.const[cython.uchar][:, :, ::1] = pixels
     us: cython.const[cython.uchar][:, ::1] = usable
+    se: cython.const[cython.int][::1] = settled
     pe: cython.const[cython.int][::1] = period
     re: cython.Py_ssize_t = reach
     si: cython.const[cython.int][:, ::1] = similar
+    ma: cython.longlong = margin
     tr: cython.const[cython.int][::1] = tried
     ce: cython.const[cython.int][::1] = cells
     ug: cython.int[::1] = usage
@@ -267,8 +275,8 @@ def refine_coherently(
     changed: cython.Py_ssize_t
     with cython.nogil:
         changed = coherent(
-            lv, dn, so, od, wy, wx, px, us, pe, re, si, tr, ce, ug, ca, we, gu, og, gw, ak, ru, qu,
-            gr, gq, pl,
+            lv, dn, so, od, wy, wx, px, us, se, pe, re, si, ma, tr, ce, ug, ca, we, gu, og, gw, ak,
+            ru, qu, gr, gq, pl,
         )  # fmt: skip
     return changed
 

@@ -11,28 +11,22 @@ import numpy as np
 import weft._cpu  # noqa: F401  before any kernel, to choose which
 from weft.analysis.scale import dominant_scale
 from weft.errors import InvalidInputError
-from weft.exemplar import Exemplar
 from weft.method import METHODS, Method, parameter
 from weft.methods.pixel_growth import PixelModel, settle_window
+from weft.methods.refinement_levels import component_level, pyramid_levels
 from weft.methods.refinement_sweeps import Refining
 from weft.seams.belts import seam_belts
-from weft.search.pyramid import gaussian_pyramid, mask_pyramid
-from weft.search.similar import nearest_centre, similar_places
-from weft.search.window_components import window_components
 from weft.search.windows import windows_of
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from weft.canvas import Canvas
+    from weft.exemplar import Exemplar
     from weft.method import Model
     from weft.methods.pixel_growth import Growth
-    from weft.search.window_components import WindowComponents
-    from weft.search.windows import Windows
 
-_REACH = 3  # pixels from the middle of a window to its side, on every level of a pyramid
 _WIDEST = 29  # pixels; with less than its four levels noise decides, and the picture falls apart
-_FINEST = 24  # pixels; a coarser sample has too few windows left
 
 
 @dataclass(frozen=True)
@@ -106,6 +100,13 @@ class Refinement(Method):
         high=32,
         needs=("search", ("coherent",)),
     )
+    coherence: float = parameter(
+        2.0,
+        "a place like a coherent one is taken if it is so many times nearer; more: larger pieces",
+        low=1.0,
+        high=100.0,
+        needs=("search", ("coherent",)),
+    )
     evenness: float = parameter(
         1.0,
         "how much a part of the sample that has been used too often counts as worse",
@@ -163,37 +164,6 @@ class Refinement(Method):
         return dataclasses.replace(settled, init=init)
 
 
-@dataclass(frozen=True, eq=False)
-class Level:
-    """The sample at one resolution.
-
-    Attributes
-    ----------
-    plain : Windows
-        Of single pixels: any that is usable.
-    windows : Windows
-        Of 2 * reach + 1 pixels a side.
-    reach : int
-        From the middle of a window to its side.
-    centre : int32 array (H', W')
-        See `nearest_centre`.
-    similar : int32 array (H' * W', k)
-        See `similar_places`.
-    cells : int32 array (H' * W')
-        The sample is cut into squares as large as its scale, to see how evenly it is used.
-    components : WindowComponents, optional
-        In their stead where search is "pca".
-    """
-
-    plain: Windows
-    windows: Windows
-    reach: int
-    centre: NDArray[np.int32]
-    similar: NDArray[np.int32]
-    cells: NDArray[np.int32]
-    components: WindowComponents | None = None
-
-
 class RefinementModel(PixelModel):
     """A sample prepared for iterative refinement.
 
@@ -219,58 +189,13 @@ class RefinementModel(PixelModel):
         self.start = None if init == "seeds" else METHODS[init]().fit(exemplar)
         width: int = self.method.window_width  # type: ignore[assignment]
         self.scale = max(1, width // 2)
-        self.levels: list[Level] = []
         if method.search == "coherent":
-            self._build_levels(min(_REACH, width // 2))
+            # A belt is filled on one level, so that it has to see more.
+            narrow = method.joints is None
+            self.levels = pyramid_levels(exemplar, width, method.similar, narrow)
         else:
-            self.levels.append(self._component_level(width // 2))
-        self.windows = self.levels[0].windows
-
-    def _build_levels(self, reach: int) -> None:
-        """Fill `levels`: so many that a window on the coarsest is as wide as was asked for."""
-        width: int = self.method.window_width  # type: ignore[assignment]
-        shape, depth = self.exemplar.shape, 1
-        while (2 * reach + 1) << (depth - 1) < width and min(shape) >> depth >= _FINEST:
-            depth += 1
-        tiles = (self.exemplar.tileable,) * 2
-        pictures = gaussian_pyramid(self.exemplar.matching(), depth, tiles)
-        masks = mask_pyramid(_mask(self.exemplar), depth, tiles)
-        samples = [
-            Exemplar(picture, mask=mask, tileable=tiles[0], alpha=False, name=self.exemplar.name)
-            for picture, mask in zip(pictures, masks, strict=True)
-        ]
-        whole = [windows_of(samples[0], (reach,) * 4, pictures[0])]
-        for k in range(1, depth):
-            try:
-                whole.append(windows_of(samples[k], (reach,) * 4, pictures[k]))
-            except InvalidInputError:  # the mask leaves no window of this level
-                break
-        coarser = None
-        for k in range(len(whole) - 1, -1, -1):
-            similar = min(self.method.similar, 1) if coarser else self.method.similar
-            level = Level(
-                windows_of(samples[k], (0, 0, 0, 0), pictures[k]),
-                whole[k],
-                reach,
-                nearest_centre(whole[k]),
-                similar_places(whole[k], reach, similar, coarser),
-                _cells(whole[k], max(1, round(self.scale / 2**k))),
-            )
-            self.levels.insert(0, level)
-            coarser = whole[k], level.similar
-
-    def _component_level(self, reach: int) -> Level:
-        """One resolution, and windows as large as they are (section 3)."""
-        windows = windows_of(self.exemplar, (reach,) * 4)
-        return Level(
-            windows_of(self.exemplar, (0, 0, 0, 0)),
-            windows,
-            reach,
-            nearest_centre(windows),
-            np.zeros((0, 0), np.int32),
-            _cells(windows, self.scale),
-            window_components(windows, reach, self.method.variance),
-        )
+            self.levels = [component_level(exemplar, width // 2, method.variance)]
+        self.windows = windows_of(exemplar, (0,) * 4)
 
     def grow(self, growth: Growth) -> None:
         """Refine a start until it stays as it is, from the coarsest level to the finest."""
@@ -296,13 +221,3 @@ class RefinementModel(PixelModel):
         growth.source[kept] = self.windows.from_sample(place[kept])
         growth.done[kept] = 1
         growth.hole = None if not growth.done.any() else growth.done == 0
-
-
-def _mask(exemplar: Exemplar) -> NDArray[np.bool_]:
-    return np.ones(exemplar.shape, bool) if exemplar.mask is None else exemplar.mask
-
-
-def _cells(windows: Windows, side: int) -> NDArray[np.int32]:
-    y, x = np.indices(windows.usable.shape, np.int32) // side
-    result: NDArray[np.int32] = (y * (x.max() + 1) + x).ravel()
-    return result

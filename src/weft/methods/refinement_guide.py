@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from weft.search.pyramid import gaussian_pyramid
+from weft.search.stack import gaussian_stack
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -27,9 +28,9 @@ class Guide:
     ----------
     canvas : uint8 array (H, W, G)
     sample : uint8 array (H', W', G)
-        As padded as the pixels of the level's windows.
+        Laid as the level's pixels are.
     plain : uint8 array (H'', W'', G)
-        The sample's without padding.
+        The sample's as a pyramid has it.
     weight : int
         Of a squared difference, in 1/256; 0 without a guide.
     """
@@ -39,8 +40,10 @@ class Guide:
     plain: NDArray[np.uint8]
     weight: int
 
-    def demand(self, wanted: NDArray[np.bool_], centres: NDArray[np.int32]) -> NDArray[np.int64]:
-        """How often each centre is to be used, in 1/256: 1 or, as the guide asks, more.
+    def demand(
+        self, wanted: NDArray[np.bool_], centres: NDArray[np.int32], least: int
+    ) -> NDArray[np.int64]:
+        """How often each centre is to be used, in 1/256: `least` or, as the guide asks, more.
 
         What the canvas's guide shows twice as often as the sample's has to be used twice as often.
         """
@@ -51,7 +54,7 @@ class Guide:
         there, asked = (
             np.bincount(k, minlength=count) for k in (kinds[: len(own)], kinds[len(own) :])
         )
-        share = np.maximum(ONE * asked // np.maximum(there, 1), ONE)
+        share = np.maximum(ONE * asked // np.maximum(there, 1), least)
         result: NDArray[np.int64] = share[kinds[: len(own)]]
         return result
 
@@ -65,16 +68,11 @@ def guides_of(model: RefinementModel, growth: Growth) -> list[Guide]:
     given = exemplar.as_guide(canvas.guide)
     own = exemplar.as_guide(exemplar.pixels if exemplar.guide is None else exemplar.guide)
     pictures = gaussian_pyramid(given, depth, canvas.wrap)
-    samples = gaussian_pyramid(own, depth, (exemplar.tileable,) * 2)
+    samples = gaussian_stack(own, depth, (exemplar.tileable,) * 2)
     share = growth.levels.shape[2] / given.shape[2]
     weight = max(1, round(ONE * model.method.guide_weight * share))
-    return [
-        Guide(picture, _padded(sample, level.windows.period), sample, weight)
-        for picture, sample, level in zip(pictures, samples, model.levels, strict=True)
-    ]
-
-
-def _padded(sample: NDArray[np.uint8], period: NDArray[np.int32]) -> NDArray[np.uint8]:
-    """With its other side around it, where the sample tiles."""
-    pads = ((int(period[0]),) * 2, (int(period[1]),) * 2, (0, 0))
-    return np.ascontiguousarray(np.pad(sample, pads, mode="wrap"))
+    guides = []
+    for picture, phases, level in zip(pictures, samples, model.levels, strict=True):
+        assert level.layout is not None
+        guides.append(Guide(picture, level.layout.lay(phases), phases[0], weight))
+    return guides

@@ -18,12 +18,15 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from weft.methods.pixel_growth import Growth
-    from weft.methods.refinement import Level, RefinementModel
+    from weft.methods.refinement import RefinementModel
+    from weft.methods.refinement_levels import Level
     from weft.synthesis import Synthesis
 
 _TRIED = 2**23  # comparisons of the first iteration with places of the whole sample, in all
 _TRIED_LEAST = 64  # of these, at each pixel
 _ONE = 1024  # weight of evenness on the coarsest level, in 1/256
+_ROOM = 2  # a part of the sample may be used so many times as often as all others
+_NO_PERIOD = np.zeros(4, np.int32)  # what is beyond the border of a sample is laid
 _ALL = 8  # compare with all windows where less than one part in so many of a window is known
 
 
@@ -66,14 +69,16 @@ class Refining:
         for number in range(coarsest - 1, -1, -1):
             source = self._children(number, source)
             self._refine(number, source)
-        made = ~self.known[0]
-        self.growth.source[made] = source[made]
+        made, model = ~self.known[0], self.model
+        self.growth.source[made] = model.windows.from_sample(
+            model.levels[0].places.ravel()[source]
+        )[made]
         self.growth.about["convergence"] = self.curve
 
     def _refine(self, number: int, source: NDArray[np.int32]) -> None:
         """Sweep over a level until it stays as it is."""
         level, known, picture = self.model.levels[number], self.known[number], self.pictures[number]
-        flat = level.windows.pixels.reshape(-1, picture.shape[2])
+        flat = level.pixels.reshape(-1, picture.shape[2])
         made = ~known & (source >= 0)
         picture[made] = flat[source[made]]
         source[known] = self._own_places(number)[known]
@@ -108,7 +113,8 @@ class Refining:
                 self.guides[number],
             )
             source = np.full(shape, -1, np.int32)
-            source[np.ix_(y, x)] = level.windows.from_sample(level.plain.to_sample(places))
+            v, u = np.divmod(level.plain.to_sample(places), level.plain.shape[1])
+            source[np.ix_(y, x)] = level.at(v << number, u << number)
             return source
         canvas = growth.canvas
         if "guide" not in model.start.method.supports:
@@ -116,23 +122,23 @@ class Refining:
         made = self.made or model.start.sample(canvas, seed=growth.seed, threads=growth.threads)
         step = 2**number
         y, x = np.moveaxis(made.source[::step, ::step], -1, 0)
-        return np.where(y < 0, np.int32(-1), _nearest(level, y // step, x // step))
+        return np.where(y < 0, np.int32(-1), level.at(y, x))
 
     def _children(self, number: int, coarser: NDArray[np.int32]) -> NDArray[np.int32]:
         """The source of each pixel goes on from its parent's."""
-        windows, level = self.model.levels[number + 1].windows, self.model.levels[number]
+        exemplar, step = self.model.exemplar, 2**number
+        places = self.model.levels[number + 1].places.ravel()
         y, x = np.indices(self.known[number].shape)
-        v, u = np.divmod(coarser[y // 2, x // 2], windows.pixels.shape[1])
-        top, left = windows.period[:2]
-        return _nearest(level, 2 * (v - top) + y % 2, 2 * (u - left) + x % 2)
+        v, u = np.divmod(places[coarser[y // 2, x // 2]], exemplar.shape[1])
+        v, u = v + y % 2 * step, u + x % 2 * step
+        return self.model.levels[number].at(v, u, exemplar.tileable)
 
     def _own_places(self, number: int) -> NDArray[np.int32]:
         """Where known pixels are in the sample, if they are; sources of their neighbours go on."""
         step = 2**number
         index = self.model.windows.to_sample(self.growth.source)[::step, ::step]
         y, x = np.divmod(index, self.model.exemplar.shape[1])
-        place = _nearest(self.model.levels[number], y // step, x // step)
-        return np.where(index < 0, np.int32(-1), place)
+        return np.where(index < 0, np.int32(-1), self.model.levels[number].at(y, x))
 
     def _show(self, number: int) -> None:
         """Let the preview show a coarse level; the finest is what it shows."""
@@ -218,15 +224,19 @@ class _CoherentSweep(_Sweep):
         cells = level.cells
         made = source[unknown & (done > 0)]
         self.usage = np.bincount(cells[made], minlength=cells.max() + 1).astype(np.int32)
-        centres = level.windows.centres
+        # As often as all others, or once: on a coarse level for all that a pixel stands for.
+        centres = level.centres
+        least = len(centres) >> 2 * number
+        room: NDArray[Any]
         if self.guide.weight:
-            demand = self.guide.demand(unknown, centres)
-            room: NDArray[Any] = np.bincount(cells[centres], demand, len(self.usage)) // ONE
+            demand = self.guide.demand(unknown, centres, max(ONE >> 2 * number, 1))
+            room = _ROOM * np.bincount(cells[centres], demand, len(self.usage)) // ONE
         else:
             count = np.bincount(cells[centres], minlength=len(self.usage))
-            room = count * max(1.0, self.wanted / len(centres))
+            room = _ROOM * count * max(self.wanted, least) // len(centres)
         self.capacity = np.maximum(room, 1).astype(np.int32)
         self.weight = round(_ONE * refining.method.evenness / 2**coarser)
+        self.margin = round(256 * refining.method.coherence)
         self.places = np.zeros(10 * (1 + level.similar.shape[1]), np.int32)
         self.around = np.ones(done.shape, np.uint8)
         self.guide_runs = np.zeros_like(self.runs)
@@ -241,13 +251,13 @@ class _CoherentSweep(_Sweep):
         return [line[::-1].copy() for line in lines[::-1]] if turn % 2 else lines
 
     def run(self, line: NDArray[np.int32], turn: int) -> int:
-        windows = self.level.windows
+        level = self.level
         return int(
             kernels.refine_coherently(
                 self.picture, self.done, self.source, line, self.wrap,
-                windows.pixels, windows.usable, windows.period, self.level.reach,
-                self.level.similar, self._tried(int(line[0]), turn),
-                self.level.cells, self.usage, self.capacity, self.weight,
+                level.pixels, level.usable, level.settled, _NO_PERIOD, level.reach,
+                level.similar, self.margin, self._tried(int(line[0]), turn),
+                level.cells, self.usage, self.capacity, self.weight,
                 self.guide.canvas, self.guide.sample, self.guide.weight, self.around,
                 self.runs, self.query, self.guide_runs, self.guide_query, self.places,
             )
@@ -255,7 +265,7 @@ class _CoherentSweep(_Sweep):
 
     def _tried(self, first: int, turn: int) -> NDArray[np.int32]:
         """Places that the first iteration tries at every pixel: all, if they are not too many."""
-        centres = self.level.windows.centres
+        centres = self.level.centres
         if self.settled or turn:
             return centres[:0]
         count = max(_TRIED // self.wanted, _TRIED_LEAST)
@@ -277,7 +287,7 @@ class _ComponentSweep(_Sweep):
         assert components is not None
         self.components = components
         count = len(components.features)
-        candidates = min(refining.method.candidates, len(self.level.windows.centres))
+        candidates = min(refining.method.candidates, len(self.level.centres))
         self.scratch = (
             self.runs,
             self.query,
@@ -293,13 +303,13 @@ class _ComponentSweep(_Sweep):
         return _cyclic(lines, turn, self.done.shape) if self.cyclic else lines
 
     def run(self, line: NDArray[np.int32], turn: int) -> int:
-        windows, by = self.level.windows, self.components
+        level, by = self.level, self.components
         # From the second iteration neighbourhoods are full, around the borders (section 3).
         wrap = (True, True) if turn and not self.cyclic else self.wrap
         return int(
             kernels.refine_by_components(
                 self.picture, self.done, self.source, line, wrap,
-                windows.pixels, windows.centres, self.level.reach,
+                level.pixels, level.centres, level.reach,
                 by.mean, by.basis, by.level, by.offset, by.shift, by.features,
                 len(self.query) // _ALL, *self.scratch,
             )
@@ -325,13 +335,3 @@ def _cyclic(
     if turn % 4 > 1:
         lines = [line[::-1] for line in lines[::-1]]
     return [np.ascontiguousarray(line, np.int32) for line in lines]
-
-
-def _nearest(level: Level, y: NDArray[Any], x: NDArray[Any]) -> NDArray[np.int32]:
-    """The window nearest to a place of the sample at this level."""
-    top, left = level.windows.period[:2]
-    height, width = level.centre.shape
-    result: NDArray[np.int32] = level.centre[
-        np.clip(y + top, 0, height - 1), np.clip(x + left, 0, width - 1)
-    ]
-    return result

@@ -41,15 +41,7 @@ def gaussian_pyramid(
     """
     result = [levels]
     for _ in range(count - 1):
-        total = levels.astype(np.uint16)  # 255 * 16 * 16 + 128 fits
-        for axis in (0, 1):
-            taps = _taps(total.shape[axis], wrap[axis])
-            total = np.sum(
-                [np.uint16(w) * total.take(t, axis) for w, t in zip(_WEIGHTS, taps, strict=True)],
-                axis=0,
-                dtype=np.uint16,
-            )
-        levels = np.ascontiguousarray((total + np.uint16(128)) >> np.uint16(8), np.uint8)
+        levels = halve(levels, wrap)
         result.append(levels)
     return result
 
@@ -67,15 +59,38 @@ def mask_pyramid(
     """
     result = [mask]
     for _ in range(count - 1):
-        for axis in (0, 1):
-            taps = _taps(mask.shape[axis], wrap[axis])
-            mask = np.logical_and.reduce([mask.take(t, axis) for t in taps])
-        result.append(np.ascontiguousarray(mask))
+        mask = halve_mask(mask, wrap)
+        result.append(mask)
     return result
 
 
-def _taps(length: int, wrap: bool) -> list[NDArray[np.intp]]:
+def halve(
+    levels: NDArray[np.uint8], wrap: tuple[bool, bool], start: tuple[int, int] = (0, 0)
+) -> NDArray[np.uint8]:
+    """Return the next coarser level; `start` is which of its pixels the first one lies on."""
+    total = levels.astype(np.uint16)  # 255 * 16 * 16 + 128 fits
+    for axis in (0, 1):
+        taps = _taps(total.shape[axis], wrap[axis], start[axis])
+        total = np.sum(
+            [np.uint16(w) * total.take(t, axis) for w, t in zip(_WEIGHTS, taps, strict=True)],
+            axis=0,
+            dtype=np.uint16,
+        )
+    return np.ascontiguousarray((total + np.uint16(128)) >> np.uint16(8), np.uint8)
+
+
+def halve_mask(
+    mask: NDArray[np.bool_], wrap: tuple[bool, bool], start: tuple[int, int] = (0, 0)
+) -> NDArray[np.bool_]:
+    """Return which pixels of `halve` are means of pixels of the mask alone."""
+    for axis in (0, 1):
+        taps = _taps(mask.shape[axis], wrap[axis], start[axis])
+        mask = np.logical_and.reduce([mask.take(t, axis) for t in taps])
+    return np.ascontiguousarray(mask)
+
+
+def _taps(length: int, wrap: bool, start: int = 0) -> list[NDArray[np.intp]]:
     """For each weight, the pixels of an axis that it goes to."""
-    every = np.arange(0, length, 2)
+    every = np.arange(start, length, 2)
     reach = range(-2, 3)
     return [(every + k) % length if wrap else (every + k).clip(0, length - 1) for k in reach]

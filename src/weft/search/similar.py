@@ -62,19 +62,19 @@ def similar_places(
     )
     rank = np.zeros(windows.usable.size, np.int32)
     rank[centres] = np.arange(len(centres), dtype=np.int32)
-    result: NDArray[np.int32] = found[rank[nearest_centre(windows).ravel()]]
+    result: NDArray[np.int32] = found[rank[nearest_centre(windows.usable).ravel()]]
     return result
 
 
-def nearest_centre(windows: Windows) -> NDArray[np.int32]:
+def nearest_centre(usable: NDArray[np.uint8]) -> NDArray[np.int32]:
     """Return for each pixel of `windows` a flat index where a window is centred: its own, or near.
 
     Where the sample has a mask the nearest along the row is taken, and the row nearest to one
     that has any.
     """
-    height, width = windows.usable.shape
+    height, width = usable.shape
     columns = np.arange(width)
-    there = windows.usable.astype(bool)
+    there = usable.astype(bool)
     rows = np.flatnonzero(there.any(axis=1))
     result = np.empty((height, width), np.int32)
     for y in range(height):

@@ -99,6 +99,19 @@ def windows_of(
         pads = ((up, down), (left, right))
         levels = np.pad(levels, (*pads, (0, 0)), mode="wrap")
         mask = np.pad(mask, pads, mode="wrap")
+    usable = whole_windows(mask, reach)
+    if not usable.any():
+        raise InvalidInputError(
+            f"no whole window of {left + right + 1}x{up + down + 1} pixels lies on usable pixels "
+            f"of {exemplar.name}, which is {exemplar.shape[1]}x{exemplar.shape[0]}; make "
+            "window_width smaller"
+        )
+    return Windows(np.ascontiguousarray(levels), usable, period, exemplar.shape)
+
+
+def whole_windows(mask: NDArray[np.bool_], reach: Reach) -> NDArray[np.uint8]:
+    """Return 1 where the whole window around a pixel lies on the mask."""
+    up, down, left, right = reach
     height, width = mask.shape
     usable = np.zeros((height, width), np.uint8)
     inside = (max(height - up - down, 0), max(width - left - right, 0))
@@ -108,10 +121,4 @@ def windows_of(
         v, u = up + down + 1, left + right + 1
         count = total[v:, u:] - total[:-v, u:] - total[v:, :-u] + total[:-v, :-u]
         usable[up : up + inside[0], left : left + inside[1]] = count == v * u
-    if not usable.any():
-        raise InvalidInputError(
-            f"no whole window of {left + right + 1}x{up + down + 1} pixels lies on usable pixels "
-            f"of {exemplar.name}, which is {exemplar.shape[1]}x{exemplar.shape[0]}; make "
-            "window_width smaller"
-        )
-    return Windows(np.ascontiguousarray(levels), usable, period, exemplar.shape)
+    return usable
