@@ -478,7 +478,10 @@ def test_stopping_leaves_nothing(here, number, code, kind):
     time.sleep(1.5)
     assert run.poll() is None, run.communicate()
     run.send_signal(number)
-    err = run.communicate(timeout=60)[1]
+    try:
+        err = run.communicate(timeout=60)[1]
+    finally:
+        run.kill()
     assert run.returncode == code
     assert err == "weft: stopped; nothing was written\n"
     assert listing(here) == before
