@@ -14,6 +14,7 @@ from weft.analysis.lattice import find_lattice
 
 _SHIFTS = 400  # that the direct definition is timed on
 _FAR = 10**9
+_SIDE = 512
 
 
 def bricks(side: int) -> np.ndarray:
@@ -59,6 +60,7 @@ def near_regular() -> Table:
     crop = weft.NearRegular(preset="paper", lattice=find_vectors(small))
     blocks = crop.fit(weft.Exemplar(bricks(128)))
     own = weft.NearRegular().fit(weft.Exemplar(small))
+    bent = weft.NearRegular(warp=2).fit(weft.Exemplar(small))
     seeds = iter(range(10**9))
     took = medians(
         {
@@ -67,6 +69,8 @@ def near_regular() -> Table:
             "correlation": lambda: correlate(small),
             "blocks": lambda: blocks.sample(256, seed=next(seeds)).image,
             "window": windows(own),
+            "still": lambda: own.sample(_SIDE, seed=next(seeds)).image,
+            "warped": lambda: bent.sample(_SIDE, seed=next(seeds)).image,
         },
         15,
     )
@@ -84,6 +88,8 @@ def near_regular() -> Table:
         ["the same, megapixels/s", f"{speed:.3g}", "15"],
         ["the same, peak memory", f"{run['peak']:.0f} MiB", "1024 MiB"],
         ["256 at 10^9, -10^9", ms(took["window"]), "20 ms"],
+        [f"256 to {_SIDE}, sample", ms(took["still"]), ""],
+        ["the same with warp 2", ms(took["warped"]), ""],
     ]
     notes = f"""
 Bricks, RGB, defaults but for the blocks, which are the paper's. The definition is the time of
