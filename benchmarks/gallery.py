@@ -11,8 +11,9 @@ docs/img/quality; what is written by hand there stays. With a part of the surfac
 another folder with --docs: it gets its own pages.
 
 Full-size pictures, sources (.npz) and figures (.json) are kept in --keep. A run that was
-interrupted goes on from there; what other code of weft, another surface or another size has made is
-made again. benchmarks/judged.csv has scores of a measure that is not part of weft; the pages show
+interrupted goes on from there. Only what may have changed is made again: pictures after a change of
+the method's code, of what it imports, of the surface or the size, and figures after one of the
+measures. benchmarks/judged.csv has scores of a measure that is not part of weft; the pages show
 those of pictures that are still the same. Needs weft[test].
 """
 
@@ -34,6 +35,7 @@ from typing import Any
 
 import numpy as np
 from shared import HERE
+from sources import code_hash
 
 import weft
 from weft.method import AUTO, make_method
@@ -50,8 +52,6 @@ SIZE = 512
 PARTS = {"efros-leung": 2}
 #: The slow ones first, so that no core waits for the last one.
 _SLOW = ("wei-levoy", "efros-leung", "graphcut", "exact-matching")
-#: Parts of weft that change neither pixels nor figures.
-_OUTSIDE = ("commands", "tasks", "cli.py", "options.py", "pictures.py", "terminal.py", "samples")
 
 
 @dataclasses.dataclass(frozen=True)
@@ -63,7 +63,6 @@ class Job:
     method: str
     size: int
     keep: str
-    code: str
 
     @property
     def place(self) -> Path:
@@ -80,58 +79,84 @@ class Job:
         pixels = np.ascontiguousarray(whole.pixels[:high, :wide])
         return weft.Exemplar(pixels, alpha=whole.alpha, name=self.surface)
 
-    def key(self) -> str:
-        """What the result hangs on."""
+    def keys(self) -> list[str]:
+        """What its pictures hang on, and what its figures hang on."""
+        slug = self.method.replace("-", "_")
+        code = code_hash(f"weft.methods.{slug}")
         found = hashlib.sha256(Path(self.file).read_bytes())
-        found.update(f"{self.code} {self.method} {self.size} {self.part} {SEED}".encode())
-        return found.hexdigest()[:16]
+        found.update(f"{code} {self.method} {self.size} {self.part} {SEED}".encode())
+        pictures = found.hexdigest()[:16]
+        found.update(code_hash("weft.quality.assess").encode())
+        return [pictures, found.hexdigest()[:16]]
 
     def kept(self) -> dict[str, Any] | None:
-        """What an earlier run has found, if it would come out the same now."""
-        file = self.place.with_suffix(".json")
-        if not file.exists() or not self.place.with_suffix(".png").exists():
+        """What an earlier run has kept, if its pictures would come out the same now."""
+        if not self.place.with_suffix(".json").exists():
             return None
-        found: dict[str, Any] = json.loads(file.read_text(encoding="utf-8"))
-        return found if found["key"] == self.key() else None
+        found: dict[str, Any] = json.loads(self.place.with_suffix(".json").read_text("utf-8"))
+        return found if found["keys"][0] == self.keys()[0] else None
+
+    def done(self) -> dict[str, Any] | None:
+        """The same, if its figures would come out the same too."""
+        found = self.kept()
+        return found if found and found["keys"][1] == self.keys()[1] else None
 
     def run(self) -> dict[str, Any]:
-        """Make, measure and keep it."""
+        """Make it unless it is kept, measure it, and keep it."""
+        found = self.kept() or self.make()
+        exemplar = self.sample()
+        picture, tile = (weft.read_image(file).pixels for file in self.files())
+        source = weft.Synthesis.load(self.place.with_suffix(".npz")).source
+        figures = weft.assess(exemplar, picture, source)
+        own, result = views(exemplar, tile)
+        wrap = wrap_seam(Seams(own), result, (True, True))
+        found |= {
+            "keys": self.keys(),
+            "verdict": figures.verdict(),
+            "figures": figures.as_dict() | {"wrap": None if wrap is None else round(wrap, 3)},
+        }
+        text = json.dumps(found, indent=1)
+        self.place.with_suffix(".json").write_text(text, encoding="utf-8")  # last: it is done
+        return found
+
+    def files(self) -> tuple[Path, Path]:
+        """The picture, and the tileable one."""
+        return (
+            self.place.with_suffix(".png"),
+            self.place.with_name(f"{self.surface}-tile.png"),
+        )
+
+    def make(self) -> dict[str, Any]:
+        """Make the pictures."""
         exemplar, size = self.sample(), self.size // self.part
         start = perf_counter()
         model = make_method(self.method, {}).fit(exemplar)
         made = model.sample(size, seed=SEED, threads=1)
         made.image  # rendering is part of the work  # noqa: B018
         seconds = perf_counter() - start
-        figures = weft.assess(exemplar, made)
-        found = {
-            "key": self.key(),
+        self.place.parent.mkdir(parents=True, exist_ok=True)
+        made.save(self.place.with_suffix(".npz"))
+        for file, pixels in zip(
+            self.files(), (made.image, tileable(model, size // 2).image), strict=True
+        ):
+            weft.write_image(file, pixels, alpha=exemplar.alpha)
+        return {
             "surface": self.surface,
             "method": self.method,
             "seconds": round(seconds, 3),
             "picture": picture_hash(made.image),
             "provenance": made.provenance,
-            "verdict": figures.verdict(),
-            "figures": figures.as_dict() | {"wrap": wrap(model, exemplar, size // 2)},
         }
-        self.place.parent.mkdir(parents=True, exist_ok=True)
-        made.save(self.place.with_suffix(".npz"))
-        weft.write_image(self.place.with_suffix(".png"), made.image, alpha=exemplar.alpha)
-        text = json.dumps(found, indent=1)
-        self.place.with_suffix(".json").write_text(text, encoding="utf-8")  # last: it is done
-        return found
 
 
-def wrap(model: Any, exemplar: weft.Exemplar, size: int) -> float | None:
-    """The seam at the wrap of a tileable output; a little larger where a lattice asks for it."""
+def tileable(model: Any, size: int) -> weft.Synthesis:
+    """A tileable output; a little larger where the lattice of a sample asks for it."""
     for side in range(size, 2 * size, 8):
         try:
-            made = model.sample(side, seed=SEED, tileable=True, threads=1)
+            return model.sample(side, seed=SEED, tileable=True, threads=1)
         except weft.InvalidInputError:
             continue
-        own, result = views(exemplar, made.image)
-        found = wrap_seam(Seams(own), result, (True, True))
-        return None if found is None else round(found, 3)
-    return None
+    return model.sample(2 * size, seed=SEED, tileable=True, threads=1)
 
 
 def picture_hash(pixels: np.ndarray) -> str:
@@ -139,17 +164,6 @@ def picture_hash(pixels: np.ndarray) -> str:
     found = hashlib.sha256(f"{pixels.shape} {pixels.dtype.str}".encode())
     found.update(np.ascontiguousarray(pixels).tobytes())
     return found.hexdigest()[:16]
-
-
-def code_hash() -> str:
-    """A name for all code of weft that pixels and figures hang on."""
-    home = Path(weft.__file__).parent
-    found = hashlib.sha256()
-    for file in sorted(home.rglob("*.py")):
-        name = file.relative_to(home)
-        if name.parts[0] not in _OUTSIDE:
-            found.update(f"{name.as_posix()}\n".encode() + file.read_bytes())
-    return found.hexdigest()
 
 
 def surfaces() -> dict[str, dict[str, str]]:
@@ -197,14 +211,14 @@ def main(words: Sequence[str] | None = None) -> None:
     if not whole and args.docs.resolve() == (ROOT / "docs").resolve():
         parser.error("the pages show all surfaces and methods; for a part name another --docs")
 
-    start, code = perf_counter(), code_hash()
+    start = perf_counter()
     todo = []
     done: dict[tuple[str, str], dict[str, Any]] = {}
     for name in names:
         file = str((SURFACES.parent / listed[name]["file"]).resolve())
         for method in methods:
-            job = Job(name, file, method, args.size, str(args.keep), code)
-            found = job.kept()
+            job = Job(name, file, method, args.size, str(args.keep))
+            found = job.done()
             if found is None:
                 todo.append(job)
             else:
