@@ -2456,7 +2456,7 @@ def _coherent_sweep(
             capacity = max(1, room[cell])
             over = usage.get(cell, 0) - capacity
             factor = 256 + min(weight * over // capacity, 2**14) if over > 0 else 256
-            if near <= k < len(places):
+            if k >= near:
                 factor = factor * round(256 * method.coherence) // 256
             cost = _known_distance(level, here, known, place) * factor
             if level.guide:
@@ -2609,9 +2609,7 @@ class NearRegularTwin:
         above, below = self.pixels[max(y - 1, 0)][x], self.pixels[min(y + 1, last[0])][x]
         left, right = self.pixels[y][max(x - 1, 0)], self.pixels[y][min(x + 1, last[1])]
         soft = 40 * len(self.channels)
-        steep = sum(
-            (below[k] - above[k]) ** 2 + (right[k] - left[k]) ** 2 for k in self.channels
-        )
+        steep = sum((below[k] - above[k]) ** 2 + (right[k] - left[k]) ** 2 for k in self.channels)
         return max(1, 4096 * soft // (soft + steep))
 
     def all_steps(self, height, width):
@@ -2873,13 +2871,14 @@ class WarpedTwin(NearRegularTwin):
     def __init__(self, pixels, usable, method, seed):
         super().__init__(pixels, usable, method, seed)
         self.last = min(max(self.size // 10, 1), 8)
-        wide = np.pad(pixels.astype(int), ((4, 4), (4, 4), (0, 0)), mode="edge")
+        levels = pixels.astype(int)
+        wide = np.pad(levels, ((4, 4), (4, 4), (0, 0)), mode="edge")
         around = sum(
             wide[v : v + pixels.shape[0], u : u + pixels.shape[1]]
             for v in range(9)
             for u in range(9)
         )
-        self.relief = np.clip(128 + pixels - around // 81, 0, 255).tolist()
+        self.relief = np.clip(128 + levels - around // 81, 0, 255).tolist()
         self.nodes, self.warped = {}, {}
 
     def node_place(self, k):

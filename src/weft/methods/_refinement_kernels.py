@@ -145,7 +145,7 @@ def coherent(
                 if best >= 0 and g >= least:
                     continue
             factor = excess(cells[place], usage, capacity, weight)
-            if near <= i and i < count:
+            if i >= near:
                 factor = factor * margin // 256
             d = run_distance(
                 pixels, place // columns, place % columns, runs, n, query,
@@ -239,8 +239,8 @@ def refine_coherently(
     """Give each pixel in `order` the best of its candidates; return how many changed.
 
     Candidates are its own place, where the sources of its eight neighbours go on, the places
-    `similar` to these, and those `tried`; of equals the first is best. The distance to a similar
-    place counts `margin` / 256 times. The distance to a place in a cell that has been used more
+    `similar` to these, and those `tried`; of equals the first is best. The distance to one of
+    the latter two counts `margin` / 256 times. That to a place in a cell that has been used more
     often than its capacity counts more, by the share of the excess times `weight` / 256. To this
     comes the distance between the two guides, over the whole window, times `guide_weight` / 256.
     What a pixel takes is `settled`: the same place, but not beyond a border.
