@@ -143,11 +143,12 @@ def without_tone(pixels: NDArray[np.uint8]) -> NDArray[np.uint8]:
     array([128, 128, 128, 128, 128, 128], dtype=uint8)
     """
     side = 2 * _AROUND + 1
-    total = np.pad(pixels.astype(np.int64), ((_AROUND,) * 2, (_AROUND,) * 2, (0, 0)), mode="edge")
+    levels = pixels.astype(np.int64)
+    total = np.pad(levels, ((_AROUND,) * 2, (_AROUND,) * 2, (0, 0)), mode="edge")
     for axis in (0, 1):
         total = np.cumsum(total, axis=axis)
         total = np.insert(total, 0, 0, axis=axis)
         n = pixels.shape[axis]
         total = total.take(range(side, n + side), axis) - total.take(range(n), axis)
-    result: NDArray[np.uint8] = np.clip(128 + pixels - total // side**2, 0, 255).astype(np.uint8)
+    result: NDArray[np.uint8] = np.clip(128 + levels - total // side**2, 0, 255).astype(np.uint8)
     return result
