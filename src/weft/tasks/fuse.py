@@ -249,6 +249,9 @@ class _Fusion:
         method = self.method
         if getattr(method, "window_width", 0) is None:
             method = dataclasses.replace(method, window_width=width)  # type: ignore[call-arg]
+        if method.slug == DEFAULT and method.init == "auto":  # type: ignore[attr-defined]
+            # Patches of another start end along the belt; seeds lie all over it (section 4).
+            method = dataclasses.replace(method, init="seeds")  # type: ignore[call-arg]
         made = self._sample(merged, canvas, _MIXED + a * len(self.exemplars) + b, method)
         self.index = np.where(belt, places.ravel()[made.index], self.index)
 
