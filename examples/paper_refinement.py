@@ -2,10 +2,10 @@
 
 python examples/paper_refinement.py EXPERIMENT -o FOLDER
 
-Experiments that draw a picture: fig4 fig5 fig7 fig8 fig9 fig12 fig13 density evenness init; that
-print a table and write it as Markdown: table1 (takes a minute); `all` runs every one. Figures are
-those of the paper on iterative texture refinement and texture fusion; density is of its section 6.
-Needs Pillow beside weft: pip install 'weft[test]'.
+Experiments that draw a picture: fig4 fig5 fig7 fig8 fig9 fig12 fig13 density evenness coherence
+init; that print a table and write it as Markdown: table1 (takes a minute); `all` runs every one.
+Figures are those of the paper on iterative texture refinement and texture fusion; density is of
+its section 6. Needs Pillow beside weft: pip install 'weft[test]'.
 """
 
 from __future__ import annotations
@@ -187,6 +187,19 @@ def evenness(folder: Path, suffix: str) -> None:
     sheet(folder / f"evenness_refinement{suffix}", [row])
 
 
+def coherence(folder: Path, suffix: str) -> None:
+    """How much nearer what goes on from no neighbour must be, and the sources."""
+    rows = []
+    for name in ("pebbles", "stone_wall"):
+        sample = load(name, 192)
+        row = [("sample", sample)]
+        for margin in (1.0, 2.0):
+            result = make(sample, 224, coherence=margin)
+            row += [(f"coherence {margin:g}", result.image), ("sources", result.draw("sources"))]
+        rows.append(row)
+    sheet(folder / f"coherence_refinement{suffix}", rows)
+
+
 def init(folder: Path, suffix: str) -> None:
     """What it starts from."""
     rows = []
@@ -234,7 +247,8 @@ are of the last iteration.
 
 
 FIGURES: dict[str, Callable[[Path, str], None]] = {
-    f.__name__: f for f in (fig4, fig5, fig7, fig8, fig9, fig12, fig13, density, evenness, init)
+    f.__name__: f
+    for f in (fig4, fig5, fig7, fig8, fig9, fig12, fig13, density, evenness, coherence, init)
 }
 TABLES: dict[str, Callable[[], Table]] = {"table1": table1}
 
