@@ -129,13 +129,15 @@ def test_a_parameter_without_effect_is_refused(slug, field):
         return
     other, values = needs
     (switch,) = [f for f in dataclasses.fields(METHODS[slug]) if f.name == other]
-    low = field.metadata["low"]
+    given = field.metadata["low"]
+    if field.metadata["choices"]:
+        (given, *_) = (name for name in field.metadata["choices"] if name != field.default)
     for choice in switch.metadata["choices"]:
         if choice in values:
-            METHODS[slug](**{other: choice, field.name: low})
+            METHODS[slug](**{other: choice, field.name: given})
         else:
             with pytest.raises(InvalidInputError, match=f"{field.name} has no effect unless"):
-                METHODS[slug](**{other: choice, field.name: low})
+                METHODS[slug](**{other: choice, field.name: given})
             METHODS[slug](**{other: choice, field.name: field.default})
 
 

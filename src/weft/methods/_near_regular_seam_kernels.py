@@ -351,8 +351,12 @@ def cut_edges(
                             # A boundary past this pixel leaves it to the block before.
                             v = n if upright else k
                             u = k if upright else n
-                            beyond[n, k + 1] += leaves(pixels, visibility, ay + v, ax + u, known, y, x)
-                            beyond[n, k + 1] -= leaves(pixels, visibility, by + v, bx + u, known, y, x)
+                            beyond[n, k + 1] += leaves(
+                                pixels, visibility, ay + v, ax + u, known, y, x
+                            )
+                            beyond[n, k + 1] -= leaves(
+                                pixels, visibility, by + v, bx + u, known, y, x
+                            )
                 least_path(error, beyond, stop - start, 2 * reach, begin, end, total, came, path)
                 for t in range(paths.shape[2]):
                     if t < start:

@@ -240,10 +240,12 @@ def visibility(pixels: NDArray[np.uint8], gradient: bool) -> NDArray[np.uint16]:
     if not gradient:
         return np.ones(pixels.shape[:2], np.uint16)
     levels = np.pad(pixels.astype(np.int32), ((1, 1), (1, 1), (0, 0)), mode="edge")
-    steep = (levels[2:, 1:-1] - levels[:-2, 1:-1]) ** 2 + (levels[1:-1, 2:] - levels[1:-1, :-2]) ** 2
+    steep = (levels[2:, 1:-1] - levels[:-2, 1:-1]) ** 2
+    steep += (levels[1:-1, 2:] - levels[1:-1, :-2]) ** 2
     soft = _SOFT * pixels.shape[2]
-    shown = 4096 * soft // (soft + steep.sum(axis=2))
-    return np.maximum(shown, 1).astype(np.uint16)
+    shown = np.maximum(4096 * soft // (soft + steep.sum(axis=2)), 1)
+    result: NDArray[np.uint16] = shown.astype(np.uint16)
+    return result
 
 
 def in_no_order(runs: NDArray[np.int32]) -> NDArray[np.int32]:
