@@ -26,7 +26,8 @@ KINDS = {"near-regular": ("near-regular", "regular"), "irregular": (), "stochast
 _MIDDLE = 320  # pixels a side of an output that is shown beside the others
 _ACROSS = 5  # pictures in a row
 _GAP = 6
-_QUALITY = 58  # of WebP: what keeps all pictures together below 6 MB
+_SKY = np.array((120, 160, 220))  # behind what is transparent
+_QUALITY = 68  # of WebP: what keeps all pictures together below 6 MB
 LIMITED = {name: figure for name, figure in FIGURES.items() if figure.limit is not None}
 
 
@@ -282,7 +283,7 @@ def pictures(gallery: Gallery) -> str:
         if (name, AUTO) in gallery.found:
             made = gallery.found[name, AUTO]
             told[-1] += f" {page_of(AUTO)}: {made['provenance']['reason']}; score {score(made)}."
-            told.append(f"\n![{name}: sample, and what auto made](img/quality/{name}.webp)")
+            told.append(f"\n![{name}: sample, tile, and what auto made](img/quality/{name}.webp)")
         if gallery.shown:
             listed = ", ".join(gallery.shown)
             told.append(f"\n![{name}: {listed}](img/quality/{name}-methods.webp)\n")
@@ -300,17 +301,28 @@ def draw(gallery: Gallery, name: str, images: Path) -> None:
     file = (HERE / "surfaces" / gallery.surfaces[name]["file"]).resolve()
     exemplar = weft.load_exemplar(file)
 
-    def shown(method: str) -> np.ndarray:
-        path = gallery.keep / method / f"{name}.png"
-        return as_shown(exemplar, weft.read_image(path).pixels)
+    def shown(method: str, kind: str = "") -> np.ndarray:
+        path = gallery.keep / method / f"{name}{kind}.png"
+        return flat(exemplar, weft.read_image(path).pixels)
 
     if (name, AUTO) in gallery.found:
-        row = [as_shown(exemplar, exemplar.pixels), shown(AUTO)]
-        _save(images / f"{name}.webp", [row])
+        tile = as_shown(exemplar, weft.read_image(gallery.keep / AUTO / f"{name}-tile.png").pixels)
+        tile = np.roll(tile, [side // 2 for side in tile.shape[:2]], (0, 1))
+        left = _stack([flat(exemplar, exemplar.pixels), tile])
+        _save(images / f"{name}.webp", [[left, shown(AUTO)]])
     middles = [_middle(shown(method)) for method in gallery.shown]
     lines = [middles[at : at + _ACROSS] for at in range(0, len(middles), _ACROSS)]
     if lines:
         _save(images / f"{name}-methods.webp", lines)
+
+
+def flat(exemplar: weft.Exemplar, pixels: np.ndarray) -> np.ndarray:
+    """Three channels of bytes; what is transparent over a plain background."""
+    if not exemplar.alpha:
+        return as_shown(exemplar, pixels)
+    share = pixels[..., -1:] / 255
+    found: np.ndarray = np.rint(pixels[..., :3] * share + _SKY * (1 - share)).astype(np.uint8)
+    return found
 
 
 def _middle(pixels: np.ndarray) -> np.ndarray:
@@ -320,6 +332,17 @@ def _middle(pixels: np.ndarray) -> np.ndarray:
     top, left = ((side - cut) // 2 for side, cut in zip(pixels.shape, (high, wide), strict=False))
     y, x = (_MIDDLE - high) // 2, (_MIDDLE - wide) // 2
     found[y : y + high, x : x + wide] = pixels[top : top + high, left : left + wide]
+    return found
+
+
+def _stack(pictures: Sequence[np.ndarray]) -> np.ndarray:
+    """Pictures one below the other."""
+    size = sum(p.shape[0] + _GAP for p in pictures) - _GAP, max(p.shape[1] for p in pictures)
+    found = np.full((*size, 3), 255, np.uint8)
+    y = 0
+    for pixels in pictures:
+        found[y : y + pixels.shape[0], : pixels.shape[1]] = pixels
+        y += pixels.shape[0] + _GAP
     return found
 
 

@@ -1,0 +1,206 @@
+"""The command that makes docs/quality.md, on a tiny part; the surfaces and charts of benchmarks."""
+
+import csv
+import dataclasses
+import re
+import sys
+import xml.etree.ElementTree as ET
+from pathlib import Path
+
+import numpy as np
+import pytest
+from PIL import Image
+
+import weft
+from weft.io import read_image
+from weft.method import make_method
+
+ROOT = Path(__file__).parent.parent
+sys.path.insert(0, str(ROOT / "benchmarks"))
+import gallery  # noqa: E402
+import gallery_page  # noqa: E402
+import judging  # noqa: E402
+import sources  # noqa: E402
+
+METHODS = ["auto", "quilting"]
+WORDS = ["--surfaces", "grass_gray", "--methods", *METHODS, "--size", "64"]
+MARKS = re.compile(r"(<!-- (\w+) -->\n).*?(<!-- end \2 -->)", re.S)
+
+
+def between(page, name):
+    text = page.read_text("utf-8")
+    return text.split(f"<!-- {name} -->\n")[1].split(f"<!-- end {name} -->")[0]
+
+
+@pytest.fixture(scope="module")
+def made(tmp_path_factory):
+    """Folders of pages and of what was kept."""
+    folder = tmp_path_factory.mktemp("gallery")
+    run(folder)
+    return folder
+
+
+def run(folder, *more):
+    gallery.main([*WORDS, "--keep", f"{folder}/keep", "--docs", f"{folder}/docs", *more])
+
+
+def test_what_is_written_by_hand_stays(made):
+    for name in gallery_page.PAGES:
+        old, new = ((where / name).read_text("utf-8") for where in (ROOT / "docs", made / "docs"))
+        assert MARKS.sub(r"\1\3", old) == MARKS.sub(r"\1\3", new)
+        assert old != new
+
+
+def test_every_picture_and_figure_is_there(made):
+    pictures = between(made / "docs" / "quality.md", "pictures")
+    shown = re.findall(r"\]\(img/quality/(\S+)\)", pictures)
+    assert sorted(shown) == sorted(p.name for p in (made / "docs/img/quality").iterdir())
+    assert len(shown) == 2
+    with Image.open(made / "docs/img/quality/grass_gray.webp") as sheet:
+        assert sheet.size == (256 + 6 + 64, 256 + 6 + 32)
+    scores = between(made / "docs" / "quality.md", "scores")
+    figures = between(made / "docs" / "quality-figures.md", "figures")
+    assert "### grass_gray\n" in pictures and "## grass_gray\n" in figures
+    assert "[grass_gray](#grass_gray)" in scores
+    for method in METHODS:
+        assert figures.count(f"| [{method}]({method}.md) |") == 1
+
+
+def test_pictures_and_figures_are_what_the_library_makes(made):
+    exemplar = weft.load_exemplar(ROOT / "benchmarks/surfaces/grass_gray.png")
+    again = weft.synthesize(exemplar, 64, method="quilting", seed=1)
+    kept = read_image(made / "keep/quilting/grass_gray.png").pixels
+    assert np.array_equal(kept, again.image)
+    value = weft.assess(exemplar, again).score
+    row = next(r for r in between(made / "docs/quality.md", "scores").split("\n") if "grass" in r)
+    assert row.split(" | ")[-1].strip("*| ") == f"{value:.2f}"
+
+
+def test_a_second_run_makes_only_what_is_missing(made, tmp_path, capsys):
+    before = (made / "docs" / "quality.md").read_bytes()
+    (made / "keep/quilting/grass_gray.json").unlink()
+    run(made)
+    assert "1 kept, 1 to make" in capsys.readouterr().out
+    run(made)
+    assert "2 kept, 0 to make" in capsys.readouterr().out
+    after = (made / "docs" / "quality.md").read_bytes()
+    timed = re.compile(rb"\| seconds.*")
+    assert timed.sub(b"", after) == timed.sub(b"", before)
+
+
+def test_what_may_have_changed_is_made_again(made, monkeypatch):
+    file = str(ROOT / "benchmarks/surfaces/grass_gray.png")
+    job = gallery.Job("grass_gray", file, "quilting", 64, f"{made}/keep")
+    assert job.done() == job.kept() == job.run()
+    for change in ({"size": 65}, {"file": __file__}, {"surface": "bark"}):
+        assert dataclasses.replace(job, **change).kept() is None
+
+    def other(*modules):
+        return changed if modules == ("weft.quality.assess",) else sources.code_hash(*modules)
+
+    changed = "measures"
+    monkeypatch.setattr(gallery, "code_hash", other)
+    assert job.kept() and job.done() is None
+    monkeypatch.setattr(gallery.Job, "make", None)  # pictures are not made again for that
+    assert job.run()["figures"]["score"] > 0 and job.done()
+    monkeypatch.setattr(gallery, "code_hash", lambda *modules: "method")
+    assert job.kept() is None
+
+
+def test_what_a_method_hangs_on():
+    names = {
+        slug: {str(p.relative_to(sources.HOME)) for p in sources.files_of(f"weft.methods.{slug}")}
+        for slug in ("quilting", "near_regular", "auto")
+    }
+    assert {"methods/quilting.py", "methods/_patch_kernels.py", "search/_kernels.py",
+            "search/_kernels.pxd", "random.py"} <= names["quilting"]  # fmt: skip
+    for name in ("methods/near_regular.py", "quality/assess.py", "cli.py", "tasks/synthesize.py"):
+        assert name not in names["quilting"]
+    assert "analysis/lattice.py" in names["near_regular"]
+    assert names["quilting"] | names["near_regular"] < names["auto"]
+
+
+def test_a_part_is_no_page_of_the_repository(capsys):
+    with pytest.raises(SystemExit):
+        gallery.main(["--methods", "quilting"])
+    assert "name another --docs" in capsys.readouterr().err
+
+
+def test_scores_are_shown_for_the_same_picture_only(made, tmp_path, monkeypatch):
+    name = gallery.picture_hash(read_image(made / "keep/quilting/grass_gray.png").pixels)
+    judged = tmp_path / "judged.csv"
+    judged.write_text(
+        "surface,method,score,good,flags,picture\n"
+        f"grass_gray,quilting,0.37,yes,,{name}\n"
+        "grass_gray,auto,0.38,no,swd,0123456789abcdef\n"
+        "grass_gray,real,1.25,no,seam,\n"
+    )
+    monkeypatch.setattr(gallery_page, "JUDGED", judged)
+    run(made)
+    lines = between(made / "docs" / "quality.md", "judged").splitlines()
+    assert lines[0].startswith("1 of 2 judged pictures")
+    assert lines[4] == "| mean (good, of) | 1.25 (0, 1) |  | 0.37 (1, 1) |"
+    assert lines[5] == "| grass_gray | 1.25 | picture changed | **0.37** |"
+
+
+def test_slow_methods_get_a_part():
+    file = str(ROOT / "benchmarks/surfaces/bark.png")
+    whole, part = (
+        gallery.Job("bark", file, method, 512, "").sample().shape
+        for method in ("quilting", "efros-leung")
+    )
+    assert whole == (256, 256) and part == (128, 128)
+
+
+def test_surfaces_are_listed_and_free():
+    folder = gallery.SURFACES.parent
+    listed = gallery.surfaces()
+    assert len(listed) == 24 and list(listed) == sorted(listed)
+    own = sorted(row["file"] for row in listed.values() if "/" not in row["file"])
+    assert own == sorted(p.name for p in folder.glob("*.png"))
+    for row in listed.values():
+        assert all(row.values()) and "CC0" in row["licence"]
+        pixels = read_image((folder / row["file"]).resolve()).pixels
+        assert pixels.shape[:2] == (int(row["height"]), int(row["width"])) == (256, 256)
+    assert sum(p.stat().st_size for p in folder.iterdir()) < 3_000_000
+
+
+def test_the_gallery_is_small():
+    pictures = list((ROOT / "docs" / "img" / "quality").iterdir())
+    assert len(pictures) == 48 and sum(p.stat().st_size for p in pictures) < 10_000_000
+
+
+@pytest.mark.parametrize("method", ["patch-sampling", "quilting"])
+def test_pages_show_their_own_method(method):
+    """Pages of methods borrow pictures of what auto has made; there it must have taken them."""
+    shown = re.findall(
+        r"\(img/quality/(\w+)\.webp\)", (ROOT / "docs" / f"{method}.md").read_text("utf-8")
+    )
+    assert shown
+    for surface in shown:
+        row = re.search(rf"^\| \[{surface}\].*", between(ROOT / "docs/quality.md", "scores"), re.M)
+        assert row[0].split(" | ")[2].endswith(f" {method}")
+
+
+def test_judged_scores_are_of_known_pictures():
+    with open(gallery_page.JUDGED, encoding="utf-8", newline="") as file:
+        rows = list(csv.DictReader(file))
+    for row in rows:
+        assert row["surface"] in gallery.surfaces() and row["good"] in ("yes", "no")
+        assert row["method"] in ("real", *gallery.METHODS) and float(row["score"]) >= 0
+        assert re.fullmatch("[0-9a-f]{16}|", row["picture"])
+        assert bool(row["picture"]) == (row["method"] != "real")
+
+
+def test_quality_against_time(monkeypatch):
+    monkeypatch.setattr(judging, "NAMES", ("bricks",))
+    monkeypatch.setattr(judging, "_SEEDS", (1,))
+    for setting in judging.SETTINGS:
+        make_method(setting.method, setting.parameters)
+    some = [judging.Setting("quilting"), judging.Setting("quilting", {"candidates": 5})]
+    notes, head, rows = judging.quality_against_time(some, 48, 64)
+    assert "48 to 64" in notes and [len(row) for row in rows] == [len(head)] * 2
+    assert float(rows[0][1]) <= float(rows[1][1]) and rows[0][3] == "yes"
+    chart = ET.fromstring(judging.quality_against_time_chart(rows))
+    texts = [node.text for node in chart.iter("{http://www.w3.org/2000/svg}text")]
+    assert {"quilting", "quilting, candidates 5", "seconds"} <= set(texts)
