@@ -1,6 +1,6 @@
 """Every test surface with every method: makes the pictures, measures them, writes docs/quality.md.
 
-    python benchmarks/gallery.py --jobs 2                     # everything, about 20 minutes
+    python benchmarks/gallery.py --jobs 2                     # everything; 15 minutes with one
     python benchmarks/gallery.py --surfaces bark --methods quilting auto --docs FOLDER
 
 From each surface of benchmarks/surfaces, 256x256, each method makes 512x512 with seed 1 at its
