@@ -227,9 +227,15 @@ def quality_against_time_chart(rows: Sequence[Sequence[str]]) -> str:
             f'<circle cx="{across:.1f}" cy="{down:.1f}" r="4" fill="{fill}" stroke="{color}" '
             'stroke-width="1.5"/>'
         )
-        line, start, end = down + 4, across + 8, across + 8 + 5.6 * len(title)
-        while any(abs(line - at) < _LINE and start < to and begin < end for at, begin, to in taken):
-            line += 1
+        start, end = across + 8, across + 8 + 5.6 * len(title)
+        line = next(
+            line
+            for step in range(10**4)
+            for line in [down + 4 + (step + 1) // 2 * (1 if step % 2 else -1)]
+            if all(
+                abs(line - at) >= _LINE or start >= to or begin >= end for at, begin, to in taken
+            )
+        )
         taken.append((line, start, end))
         parts.append(_text(start, line, title, "start", color))
     return "\n".join([*parts, "</svg>", ""])
