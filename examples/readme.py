@@ -1,4 +1,4 @@
-"""The picture at the top of the README: shipped samples, and what the methods make of them."""
+"""The picture at the top of the README: shipped samples, and what weft makes of them by itself."""
 
 import argparse
 import os
@@ -7,16 +7,15 @@ import numpy as np
 
 import weft
 
-ROWS = [[("pebbles", "patch-sampling"), ("bricks", "quilting")],
-        [("leaves", "patch-sampling"), ("stone_wall/albedo", "quilting")]]  # fmt: skip
+ROWS = [["pebbles", "bricks"], ["leaves", "stone_wall/albedo"], ["weave", "tiles"]]
 
 
-def beside(name: str, method: str) -> np.ndarray:
+def beside(name: str) -> np.ndarray:
     """The sample on white, its output to the right."""
-    sample = weft.read_image(f"sample:{name}").pixels[:192, :192]
-    result = weft.synthesize(sample, (384, 448), method=method, seed=7).image
-    left = np.full((384, 200, 3), 255, np.uint8)
-    left[:192, :192] = sample
+    sample = weft.read_image(f"sample:{name}").pixels
+    result = weft.synthesize(sample, (384, 448), seed=7).image
+    left = np.full((384, 264, 3), 255, np.uint8)
+    left[: len(sample), : len(sample[0])] = sample
     gap = np.full((384, 8, 3), 255, np.uint8)
     return np.concatenate([left, result, gap], axis=1)
 
@@ -24,7 +23,7 @@ def beside(name: str, method: str) -> np.ndarray:
 parser = argparse.ArgumentParser(description=__doc__)
 parser.add_argument("-o", "--output", default=".", help="folder to write readme.jpg to")
 folder = parser.parse_args().output
-rows = [np.concatenate([beside(*cell) for cell in row], axis=1) for row in ROWS]
+rows = [np.concatenate([beside(name) for name in row], axis=1) for row in ROWS]
 gap = np.full((8, rows[0].shape[1], 3), 255, np.uint8)
-picture = np.concatenate([rows[0], gap, rows[1]], axis=0)
+picture = np.concatenate([part for row in rows for part in (row, gap)][:-1], axis=0)
 weft.write_image(os.path.join(folder, "readme.jpg"), picture)
