@@ -12,6 +12,7 @@ from weft.errors import InvalidInputError
 from weft.method import Method, parameter
 from weft.methods.canvas_lattice import CanvasLattice, check_lattice, check_place, found_vectors
 from weft.methods.mean_tile import origin_of
+from weft.methods.parallelogram import integrated, runs_of
 from weft.pixel_synthesis import PixelSynthesis
 from weft.progress import Progress
 from weft.random import draw, seed_number
@@ -137,24 +138,24 @@ class BestTileModel:
             mask = self.exemplar.mask
         total = np.zeros((height, width), np.int64)
         fits = np.ones((height, width), bool)
-        fits &= _integrated((~mask).astype(np.int64), self._tile(vectors, border), outside=1) == 0
+        fits &= integrated((~mask).astype(np.int64), self._tile(vectors, border), outside=1) == 0
         if not fits.any():
             return None
         for k in (0, 1) if border else ():
             step = np.rint(sides[k]).astype(int)
-            other = _runs(np.zeros(2), sides[1 - k], (border + 1) // 2)
+            other = runs_of(np.zeros(2), sides[1 - k], (border + 1) // 2)
             y, x = np.indices((height, width)) + step[:, None, None]
             inside = (y >= 0) & (y < height) & (x >= 0) & (x < width)
             levels = self.levels.astype(np.int64)
             there = levels[np.clip(y, 0, height - 1), np.clip(x, 0, width - 1)]
             error = np.where(inside, ((levels - there) ** 2).sum(axis=2), 0)
-            total += _integrated(error, other, outside=0)
+            total += integrated(error, other, outside=0)
         return np.where(fits, total, -1)
 
     def _tile(self, vectors: tuple[float, ...], border: int) -> NDArray[np.int64]:
         """The rows of a tile with half its borders."""
         x1, y1, x2, y2 = vectors
-        return _runs(np.array([y1, x1]), np.array([y2, x2]), border // 2)
+        return runs_of(np.array([y1, x1]), np.array([y2, x2]), border // 2)
 
     def _best(
         self, error: NDArray[np.int64], vectors: tuple[float, ...], wanted: int
@@ -365,49 +366,3 @@ def _first(
             times = np.floor_divide(i * d - j * c, det), np.floor_divide(j * a - i * b, det)
             found = found - times[0][..., None] * around[0] - times[1][..., None] * around[1]
     return [found[..., 0], found[..., 1]]
-
-
-def _runs(first: NDArray[np.float64], second: NDArray[np.float64], reach: int) -> NDArray[np.int64]:
-    """Rows of the pixels within `reach` of a parallelogram or, with a zero side, of a segment.
-
-    Returns
-    -------
-    int array (n, 3)
-        Row, first column, and the column after the last, all from the parallelogram's corner.
-    """
-    corners = np.stack([0 * first, first, first + second, second])
-    low = np.ceil(corners[:, 0].min()).astype(int) - reach
-    high = max(np.ceil(corners[:, 0].max()).astype(int) + reach, low + 1)
-    runs = []
-    for row in range(low, high):
-        # The parallelogram's part within reach of this row lies between its sides there.
-        near = np.clip([row - reach, row + reach], corners[:, 0].min(), corners[:, 0].max())
-        crossed = []
-        for k in range(4):
-            (y, x), (v, u) = corners[k], corners[(k + 1) % 4]
-            crossed += [x] if near[0] <= y <= near[1] else []
-            for at in near:
-                if min(y, v) <= at <= max(y, v) and y != v:
-                    crossed.append(x + (at - y) / (v - y) * (u - x))
-        left = int(np.ceil(min(crossed))) - reach
-        runs.append((row, left, max(int(np.ceil(max(crossed))) + reach, left + 1)))
-    return np.array(runs, np.int64).reshape(-1, 3)
-
-
-def _integrated(
-    values: NDArray[np.int64], runs: NDArray[np.int64], outside: int
-) -> NDArray[np.int64]:
-    """Sum over the runs at every place; `outside` is the value of pixels that are not there."""
-    height, width = values.shape
-    low = min(0, int(runs[:, 0].min())), min(0, int(runs[:, 1].min()))
-    high = max(0, int(runs[:, 0].max())), max(0, int(runs[:, 2].max()))
-    pads = ((-low[0], high[0]), (-low[1], high[1]))
-    wide = np.pad(values, pads, constant_values=outside)
-    sums = np.zeros((wide.shape[0], wide.shape[1] + 1), np.int64)
-    np.cumsum(wide, axis=1, out=sums[:, 1:])
-    total = np.zeros((height, width), np.int64)
-    for row, left, right in runs.tolist():
-        lines = sums[row - low[0] : row - low[0] + height]
-        total += lines[:, right - low[1] : right - low[1] + width]
-        total -= lines[:, left - low[1] : left - low[1] + width]
-    return total
