@@ -169,7 +169,12 @@ def parse_best_of(text: str) -> int | list[str]:
     try:
         return int(text)
     except ValueError:
-        return [word.strip() for word in text.split(",")]
+        return parse_names(text)
+
+
+def parse_names(text: str) -> list[str]:
+    """Names of methods, with commas between them."""
+    return [word.strip() for word in text.split(",")]
 
 
 def parse_colors(text: str) -> list[tuple[int, ...]]:

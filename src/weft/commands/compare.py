@@ -6,7 +6,7 @@ from time import perf_counter
 from typing import TYPE_CHECKING
 
 from weft.errors import InvalidInputError
-from weft.options import Parser, add_limits, check_numbers, parse_size
+from weft.options import Parser, add_limits, check_numbers, parse_names, parse_size
 from weft.pictures import load, settings
 from weft.terminal import finish
 
@@ -44,7 +44,7 @@ def run(argv: list[str]) -> None:
     if args.output is None and not args.json:
         raise InvalidInputError("nothing to do; give -o compare.html, --json, or both")
     size = None if args.size is None else parse_size(args.size, args.allow_huge)
-    names = None if args.methods is None else [word.strip() for word in args.methods.split(",")]
+    names = None if args.methods is None else parse_names(args.methods)
     check_numbers(args)
 
     def work(bar: Bar, outputs: Outputs) -> str:

@@ -16,6 +16,28 @@ OFF = cython.declare(cython.int, 2)  # the state of any other
 @cython.inline
 @cython.nogil
 @cython.exceptval(check=False)
+def squared(
+    one: cython.const[cython.uchar][:, :, ::1],
+    ay: cython.Py_ssize_t,
+    ax: cython.Py_ssize_t,
+    other: cython.const[cython.uchar][:, :, ::1],
+    by: cython.Py_ssize_t,
+    bx: cython.Py_ssize_t,
+) -> cython.longlong:
+    """Squared difference of two pixels."""
+    k: cython.Py_ssize_t
+    d: cython.int
+    total: cython.longlong = 0
+    for k in range(one.shape[2]):
+        d = cython.cast(cython.int, one[ay, ax, k]) - other[by, bx, k]
+        total += d * d
+    return total
+
+
+@cython.cfunc
+@cython.inline
+@cython.nogil
+@cython.exceptval(check=False)
 def differ(
     pixels: cython.const[cython.uchar][:, :, ::1],
     visibility: cython.const[cython.ushort][:, ::1],
@@ -25,13 +47,8 @@ def differ(
     bx: cython.Py_ssize_t,
 ) -> cython.longlong:
     """Squared difference of two pixels of the sample, by how much a step shows at them."""
-    k: cython.Py_ssize_t
-    d: cython.int
-    total: cython.longlong = 0
-    for k in range(pixels.shape[2]):
-        d = cython.cast(cython.int, pixels[ay, ax, k]) - pixels[by, bx, k]
-        total += d * d
-    return total * (visibility[ay, ax] + visibility[by, bx])
+    shows: cython.longlong = visibility[ay, ax] + visibility[by, bx]
+    return shows * squared(pixels, ay, ax, pixels, by, bx)
 
 
 @cython.cfunc
@@ -70,17 +87,12 @@ def leaves(
     u: cython.longlong,
 ) -> cython.longlong:
     """Squared difference, counted twice, of a pixel of the sample and a known one of the canvas."""
-    k: cython.Py_ssize_t
-    d: cython.int
-    total: cython.longlong = 0
     v = v % known.shape[0]
     u = u % known.shape[1]
     v = v + known.shape[0] if v < 0 else v
     u = u + known.shape[1] if u < 0 else u
-    for k in range(pixels.shape[2]):
-        d = cython.cast(cython.int, pixels[y, x, k]) - known[v, u, k]
-        total += d * d
-    return 2 * total * (2 * visibility[y, x])
+    shows: cython.longlong = 2 * visibility[y, x]
+    return 2 * shows * squared(pixels, y, x, known, v, u)
 
 
 def meet(

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from weft.canvas import grown
 from weft.errors import InvalidInputError
 from weft.methods import _near_regular_gap_kernels as kernels
 from weft.methods.mean_tile import known_levels
@@ -49,11 +50,11 @@ class HoleBlocks(Blocks):
         assert canvas.hole is not None
         self.hole = canvas.hole
         self.known = np.ascontiguousarray(known_levels(canvas, sample.exemplar))
-        around = _grown(self.hole, 2 * sample.margin or 1, canvas.wrap)
+        around = grown(self.hole, 2 * sample.margin or 1, canvas.wrap)
         #: Known pixels that count: as near to the hole as a border is wide.
         self.near = around & ~self.hole
         self.state = np.where(self.hole, _HOLE, _OFF).astype(np.uint8)
-        self.state[_grown(self.hole, 1, canvas.wrap) & ~self.hole] = _BESIDE
+        self.state[grown(self.hole, 1, canvas.wrap) & ~self.hole] = _BESIDE
         self.laid = self._see(self.hole)
         #: Drawn blocks that see known pixels, so that they are not random.
         self.bound = self.laid & ~self.gap & self._see(self.near)
@@ -115,7 +116,7 @@ class HoleBlocks(Blocks):
         """What is known beside the hole and part of the sample is not to be shown again."""
         if self.canvas.known_from is None:
             return
-        beside = _grown(self.laid, 1, (self.rows.period > 0, self.columns.period > 0)) & ~self.laid
+        beside = grown(self.laid, 1, (self.rows.period > 0, self.columns.period > 0)) & ~self.laid
         cells = np.argwhere(beside)
         place = np.stack([self.rows.edges[cells[:, 0]], self.columns.edges[cells[:, 1]]], axis=1)
         place += np.array(self.canvas.known_from) - self.sample.margin
@@ -199,16 +200,3 @@ class HoleBlocks(Blocks):
         canvas = super()._preview()
         canvas[~self.hole] = self.known[~self.hole][:, : canvas.shape[2]]
         return canvas
-
-
-def _grown(mask: NDArray[np.bool_], steps: int, wrap: tuple[bool, bool]) -> NDArray[np.bool_]:
-    """Add all at most so many steps away along both axes, going around where they wrap."""
-    for axis in (0, 1):
-        length = mask.shape[axis]
-        reach = min(steps, length)
-        pads = [(0, 0), (0, 0)]
-        pads[axis] = (reach + 1, reach)
-        total = np.pad(mask, pads, mode="wrap" if wrap[axis] else "constant").cumsum(axis)
-        ends = np.arange(2 * reach + 1, length + 2 * reach + 1)
-        mask = total.take(ends, axis) > total.take(ends - 2 * reach - 1, axis)
-    return mask

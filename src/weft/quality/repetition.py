@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -91,20 +91,21 @@ def repetition(sample: View, result: View, lattice: Lattice | None = None) -> Re
     share[0, : width + 1] = 0
     y, x = np.nonzero((share > 0) & _local_maxima(share))
     values, shifts = share[y, x], np.stack([y, x - width], axis=1)
-    multiples, chance = _multiples(lattice, sample, share.shape)
-    at = np.zeros(len(shifts), bool)
-    if len(multiples):
-        apart = abs(shifts[:, None] - multiples).max(axis=2)
-        at = apart.min(axis=1) <= _AT
-        overlap = (1 - abs(shifts) / (height + 1, width + 1)).prod(axis=1)
     reach = sample.side // 2
     near = abs(shifts).max(axis=1, initial=0) <= reach
-    repeats = float(values[near & ~at].sum())
-    if at.any():
-        within = multiples[abs(multiples).max(axis=1) <= reach]
-        expected = chance * (1 - abs(within) / (height + 1, width + 1)).prod(axis=1).sum()
-        repeats += max(0.0, float(values[near & at].sum()) - float(expected))
-        values = np.maximum(values - at * chance * overlap, 0)
+    repeats = float(values.sum(where=near))
+    if lattice is not None and len(lattice.vectors) == 2 and lattice.confidence >= _CONFIDENCE:
+        vectors = np.array(lattice.reduced().vectors)[:, ::-1]
+        chance = min(1.0, lattice.area / float(sample.usable.sum()))
+        at = _at_multiple(shifts, vectors)
+        within = _multiples(vectors, min(reach, height), min(reach, width))
+        by_chance, expected = (
+            chance * (1 - abs(places) / (height + 1, width + 1)).prod(axis=1)
+            for places in (shifts, within)
+        )
+        beside = float(values.sum(where=near & at)) - float(expected.sum())
+        repeats = float(values.sum(where=near & ~at)) + max(0.0, beside)
+        values = np.maximum(values - at * by_chance, 0)
     order = np.argsort(-values, kind="stable")
     order = order[values[order] > 0][:_SHOWN]
     period = float(values.max(initial=0.0))
@@ -112,21 +113,31 @@ def repetition(sample: View, result: View, lattice: Lattice | None = None) -> Re
     return Repetition(period, min(1.0, repeats), told)
 
 
-def _multiples(
-    lattice: Lattice | None, sample: View, shape: tuple[int, ...]
-) -> tuple[NDArray[np.float64], float]:
-    """Multiples (y, x) of the lattice in half a plane, and the chance to repeat at each."""
-    if lattice is None or len(lattice.vectors) < 2 or lattice.confidence < _CONFIDENCE:
-        return np.zeros((0, 2)), 0.0
-    vectors = np.array(lattice.reduced().vectors)[:, ::-1]
-    limit = np.array([shape[0], (shape[1] + 1) // 2])
-    most = int(np.ceil(np.hypot(*limit) / np.linalg.norm(vectors, axis=1).min())) * 2
-    steps = np.arange(-most, most + 1)
-    i, j = (part.ravel() for part in np.meshgrid(steps, steps))
-    places = np.stack([i, j], axis=1) @ vectors
-    inside = (abs(places) < limit).all(axis=1) & ((i != 0) | (j != 0))
-    places = places[inside & ((places[:, 0] > 0) | ((places[:, 0] == 0) & (places[:, 1] > 0)))]
-    return places, min(1.0, lattice.area / float(sample.usable.sum()))
+def _at_multiple(shifts: NDArray[Any], vectors: Floats) -> NDArray[np.bool_]:
+    """Which shifts (y, x) lie at one of the multiples of half a plane."""
+    low = np.floor(shifts @ np.linalg.inv(vectors))
+    at = np.zeros(len(shifts), bool)
+    for corner in ((0, 0), (0, 1), (1, 0), (1, 1)):  # of the tile that a shift lies in
+        places = (low + corner) @ vectors
+        at |= (abs(shifts - places).max(axis=1, initial=0) <= _AT) & _in_half(places)
+    return at
+
+
+def _in_half(places: Floats) -> NDArray[np.bool_]:
+    """Of each place (y, x) and the one opposite, the one that is looked at."""
+    y, x = places.T
+    half: NDArray[np.bool_] = (y > 0) | ((y == 0) & (x > 0))
+    return half
+
+
+def _multiples(vectors: Floats, height: int, width: int) -> Floats:
+    """Multiples (y, x) of the vectors up to so far in half a plane."""
+    corners = np.array([[height, width], [height, -width]]) @ np.linalg.inv(vectors)
+    most = np.ceil(abs(corners).max(axis=0)).astype(int)
+    times = np.stack(np.meshgrid(*(np.arange(-n, n + 1) for n in most)), axis=-1).reshape(-1, 2)
+    places: Floats = times @ vectors
+    inside: Floats = places[_in_half(places) & (abs(places) <= (height, width)).all(axis=1)]
+    return inside
 
 
 def repetition_map(

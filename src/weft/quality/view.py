@@ -13,6 +13,7 @@ from weft.errors import InvalidInputError
 from weft.exemplar import Exemplar, check_pixels
 from weft.random import draw
 from weft.search.pyramid import gaussian_pyramid, mask_pyramid
+from weft.search.windows import whole_windows
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -184,16 +185,7 @@ def box_sums(values: NDArray[Any], radius: int, axes: tuple[int, ...] = (0, 1)) 
 
 def window_corners(usable: NDArray[np.bool_], width: int) -> NDArray[np.int64]:
     """Flat indices of the upper left corners of all windows that are wholly usable."""
-    height, across = usable.shape
-    if min(height, across) < width:
-        return np.zeros(0, np.int64)
-    running = np.zeros((height + 1, across + 1), np.int64)
-    running[1:, 1:] = usable.cumsum(axis=0).cumsum(axis=1)
-    inside = running[width:, width:] - running[:-width, width:]
-    inside -= running[width:, :-width] - running[:-width, :-width]
-    y, x = np.nonzero(inside == width * width)
-    corners: NDArray[np.int64] = y * across + x
-    return corners
+    return np.flatnonzero(whole_windows(usable, (0, width - 1, 0, width - 1)))
 
 
 def some(places: NDArray[np.int64], count: int, purpose: str) -> NDArray[np.int64]:

@@ -6,6 +6,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from weft.canvas import grown
+
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
@@ -43,12 +45,4 @@ def seam_belts(
         if not wrap[axis]:
             broken.swapaxes(0, axis)[-1] = False
         belts |= broken | np.roll(broken, 1, axis)
-    for axis in (0, 1):
-        line, seams = belts.swapaxes(0, axis), belts.swapaxes(0, axis).copy()
-        for k in range(1, min(reach, len(line))):
-            if wrap[axis]:
-                line |= np.roll(seams, k, 0) | np.roll(seams, -k, 0)
-            else:
-                line[k:] |= seams[:-k]
-                line[:-k] |= seams[k:]
-    return belts
+    return grown(belts, reach - 1, wrap)

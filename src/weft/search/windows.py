@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from weft.errors import InvalidInputError
+from weft.search.translation import box_sums
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -115,10 +116,7 @@ def whole_windows(mask: NDArray[np.bool_], reach: Reach) -> NDArray[np.uint8]:
     height, width = mask.shape
     usable = np.zeros((height, width), np.uint8)
     inside = (max(height - up - down, 0), max(width - left - right, 0))
-    total = np.zeros((height + 1, width + 1), np.int64)
-    total[1:, 1:] = mask.cumsum(0).cumsum(1)
     if 0 not in inside:
         v, u = up + down + 1, left + right + 1
-        count = total[v:, u:] - total[:-v, u:] - total[v:, :-u] + total[:-v, :-u]
-        usable[up : up + inside[0], left : left + inside[1]] = count == v * u
+        usable[up : up + inside[0], left : left + inside[1]] = box_sums(mask, v, u) == v * u
     return usable

@@ -8,6 +8,7 @@ from weft.errors import InvalidInputError
 from weft.method import AUTO, make_method
 from weft.progress import Progress
 from weft.quality.assess import assess
+from weft.quality.view import middle
 from weft.random import seed_number
 
 if TYPE_CHECKING:
@@ -126,11 +127,8 @@ def _score(made: Synthesis) -> float | None:
     assert made.exemplar is not None
     if max(made.shape) <= _JUDGED:
         return assess(made.exemplar, made).score
-    middle = tuple(
-        slice((side - min(side, _JUDGED)) // 2, (side + min(side, _JUDGED)) // 2)
-        for side in made.shape
-    )
-    return assess(made.exemplar, made.image[middle], made.source[middle]).score
+    shape = min(made.shape[0], _JUDGED), min(made.shape[1], _JUDGED)
+    return assess(made.exemplar, middle(made.image, shape), middle(made.source, shape)).score
 
 
 def _key(score: float | None) -> float:

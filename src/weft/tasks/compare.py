@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import dataclasses
-import os
 from dataclasses import dataclass
 from time import perf_counter
 from typing import TYPE_CHECKING, Any
@@ -15,6 +14,7 @@ from weft.methods.auto import Auto, AutoModel, Choice
 from weft.progress import Progress
 from weft.quality.assess import Assessment, assess
 from weft.random import seed_number
+from weft.tasks.html import Page
 from weft.tasks.synthesize import load_exemplar
 
 if TYPE_CHECKING:
@@ -79,7 +79,7 @@ class Entry:
 
 
 @dataclass(frozen=True, eq=False)
-class Comparison:
+class Comparison(Page):
     """What `compare` finds.
 
     Attributes
@@ -118,19 +118,6 @@ class Comparison:
         from weft.tasks.compare_page import page
 
         return page(self)
-
-    def save(self, path: str | os.PathLike[str]) -> None:
-        """Write the page.
-
-        Raises
-        ------
-        FileError
-            If it cannot be written there.
-        """
-        from weft import io
-
-        io.check_output(path, suffixes=(".html",))
-        io.write_text(path, self.html())
 
 
 def compare(

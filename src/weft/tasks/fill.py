@@ -8,12 +8,13 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from weft.canvas import Canvas, as_canvas
+from weft.canvas import Canvas, as_canvas, grown
 from weft.errors import InvalidInputError
 from weft.exemplar import Exemplar
 from weft.method import AUTO, Method, make_method
 from weft.pixel_synthesis import PixelSynthesis
 from weft.random import seed_number
+from weft.search.translation import box_sums
 from weft.tasks.synthesize import load_exemplar
 
 if TYPE_CHECKING:
@@ -217,10 +218,10 @@ class _Region:
         cells = _in_cells(hole) > 0
         supply = np.zeros(cells.shape, np.int64) if usable is None else _in_cells(usable)
         steps = -(-reach // _CELL)
-        near = _grow(cells, steps, wrap)
+        near = grown(cells, steps, wrap)
         if usable is not None:
             while not near.all():
-                wider = _grow(near, max(1, steps // 8), wrap)
+                wider = grown(near, max(1, steps // 8), wrap)
                 if supply[wider].sum() > NEIGHBOURHOOD:
                     break
                 near = wider
@@ -253,19 +254,6 @@ def _in_cells(mask: NDArray[np.bool_]) -> NDArray[np.int64]:
         starts = np.arange(0, mask.shape[axis], _CELL)
         mask = np.add.reduceat(mask, starts, axis=axis, dtype=np.int64)
     return mask  # type: ignore[return-value]
-
-
-def _grow(cells: NDArray[np.bool_], steps: int, wrap: tuple[bool, bool]) -> NDArray[np.bool_]:
-    """Add all cells at most `steps` away along both axes."""
-    for axis in (0, 1):
-        length = cells.shape[axis]
-        steps_here = min(steps, length)
-        pads = [(0, 0), (0, 0)]
-        pads[axis] = (steps_here + 1, steps_here)
-        total = np.pad(cells, pads, mode="wrap" if wrap[axis] else "constant").cumsum(axis)
-        ends = np.arange(2 * steps_here + 1, length + 2 * steps_here + 1)
-        cells = total.take(ends, axis) > total.take(ends - 2 * steps_here - 1, axis)
-    return cells
 
 
 def _span(taken: NDArray[np.bool_], wraps: bool) -> tuple[int, int]:
@@ -363,7 +351,4 @@ def _windows(mask: NDArray[np.bool_], side: int) -> int:
     """Count the square windows that are True all over."""
     if side > min(mask.shape):
         return 0
-    total = np.zeros((mask.shape[0] + 1, mask.shape[1] + 1), np.int64)
-    total[1:, 1:] = mask.cumsum(0).cumsum(1)
-    inside = total[side:, side:] - total[:-side, side:] - total[side:, :-side]
-    return int(np.count_nonzero(inside + total[:-side, :-side] == side * side))
+    return int(np.count_nonzero(box_sums(mask, side, side) == side * side))

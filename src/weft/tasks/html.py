@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import base64
 import json
+import os
 from html import escape
 from typing import TYPE_CHECKING, Any
 
@@ -37,6 +38,27 @@ td.number { text-align: right; font-variant-numeric: tabular-nums; white-space: 
 .over { color: var(--bad); font-weight: 600; } .within { color: var(--good); }
 .small { font-size: .9rem; opacity: .85; }
 """
+
+
+class Page:
+    """What can be shown as a page and written as one."""
+
+    def html(self) -> str:
+        """Return a page that needs nothing but itself."""
+        raise NotImplementedError
+
+    def save(self, path: str | os.PathLike[str]) -> None:
+        """Write the page.
+
+        Raises
+        ------
+        FileError
+            If it cannot be written there.
+        """
+        from weft import io
+
+        io.check_output(path, suffixes=(".html",))
+        io.write_text(path, self.html())
 
 
 def document(title: str, parts: Iterable[str]) -> str:

@@ -18,6 +18,7 @@ from weft.quality.seams import Seams, seam_map
 from weft.quality.view import middle, views
 from weft.quality.yardstick import real_crops
 from weft.synthesis import Synthesis
+from weft.tasks.html import Page
 from weft.tasks.synthesize import load_exemplar
 
 if TYPE_CHECKING:
@@ -32,7 +33,7 @@ _SAME = 2.0  # levels; a picture further than this from what its source gives is
 
 
 @dataclass(frozen=True, eq=False)
-class Report:
+class Report(Page):
     """What `report` finds.
 
     Attributes
@@ -84,19 +85,6 @@ class Report:
         from weft.tasks.report_page import page
 
         return page(self)
-
-    def save(self, path: str | os.PathLike[str]) -> None:
-        """Write the page.
-
-        Raises
-        ------
-        FileError
-            If it cannot be written there.
-        """
-        from weft import io
-
-        io.check_output(path, suffixes=(".html",))
-        io.write_text(path, self.html())
 
 
 def report(
