@@ -14,6 +14,7 @@ from weft.search import _kernels
 from weft.search.boundary_zone import BoundaryZone, boundary_zone
 from weft.search.pca import ZonePCA, fit_pca
 from weft.search.quadtree_pyramid import QuadtreePyramid
+from weft.search.translation import box_sums
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -182,12 +183,9 @@ class PatchAnalysis:
         if (rows, columns) in self._usable:
             return self._usable[rows, columns]
         height, width = self.exemplar.shape
-        bad = np.zeros((self.mask.shape[0] + 1, self.mask.shape[1] + 1), np.int64)
-        bad[1:, 1:] = (~self.mask).cumsum(0).cumsum(1)
-        inside = bad[rows:, columns:] - bad[:-rows, columns:] - bad[rows:, :-columns]
-        inside = inside + bad[:-rows, :-columns]
+        bad = box_sums(~self.mask, rows, columns)
         # A sample that tiles is padded: beyond its own size windows come a second time.
-        usable = np.ascontiguousarray(inside[:height, :width] == 0, np.uint8)
+        usable = np.ascontiguousarray(bad[:height, :width] == 0, np.uint8)
         if not usable.any():
             raise InvalidInputError(
                 f"no {columns}x{rows} window lies in the usable part of {self.exemplar.name}; "

@@ -12,6 +12,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from weft.search.translation import box_sums
+
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
@@ -164,11 +166,7 @@ def _tile(zone: NDArray[np.bool_], side: int) -> NDArray[np.int64]:
     """Blocks inside the zone that together cover it, each mostly pixels of its own."""
     if side == 1:
         return np.argwhere(zone)
-    total = np.zeros((zone.shape[0] + 1, zone.shape[1] + 1), np.int64)
-    total[1:, 1:] = zone.cumsum(0).cumsum(1)
-    inside = (
-        total[side:, side:] - total[:-side, side:] - total[side:, :-side] + total[:-side, :-side]
-    ) == side * side
+    inside = box_sums(zone, side, side) == side * side
     left = zone.copy()
     chosen = []
     for own_share in (side * side, side * side // 2):  # whole blocks first
