@@ -1,7 +1,7 @@
 """The compiled part of the build; everything else is in pyproject.toml.
 
-The kernels are Python files in Cython's pure Python mode. With ``WEFT_CHECKS=1`` they are built to
-run the tests against instead of for speed: Cython checks the bounds of arrays, and the compiler
+The kernels are Python files in Cython's pure Python mode. With ``WEFTEX_CHECKS=1`` they are built
+to run the tests against instead of for speed: Cython checks the bounds of arrays, and the compiler
 (GCC or Clang) ends the process at an integer overflow or beyond a fixed array.
 """
 
@@ -15,34 +15,13 @@ from pathlib import Path
 import setuptools
 from setuptools.command.build_ext import build_ext
 
-KERNELS = [
-    "weft._compositing",
-    "weft._warp_kernels",
-    "weft.search._kernels",
-    "weft.search._coherence_kernels",
-    "weft.search._projection_kernels",
-    "weft.search._similar_kernels",
-    "weft.search._tsvq_kernels",
-    "weft.search._color_kernels",
-    "weft.search._window_kernels",
-    "weft.search._weighted_kernels",
-    "weft.search._exhaustive_kernels",
-    "weft.search._half_known_kernels",
-    "weft.seams._kernels",
-    "weft.seams._maxflow_kernels",
-    "weft.methods._patch_kernels",
-    "weft.methods._efros_leung_kernels",
-    "weft.methods._wei_levoy_kernels",
-    "weft.methods._ashikhmin_kernels",
-    "weft.methods._exact_kernels",
-    "weft.methods._graphcut_kernels",
-    "weft.methods._refinement_kernels",
-    "weft.methods._near_regular_kernels",
-    "weft.methods._near_regular_gap_kernels",
-    "weft.methods._near_regular_seam_kernels",
-    "weft.methods._near_regular_warp_kernels",
-]
-CHECKS = os.environ.get("WEFT_CHECKS") == "1"
+#: Every kernel is a file of this pattern, beside what it serves.
+KERNELS = sorted(
+    ".".join(file.with_suffix("").parts[1:]) for file in Path("src").rglob("*kernels.py")
+)
+#: What every kernel needs for its arrays, compiled once and not in each of them.
+SHARED = "weftex._memoryviews"
+CHECKS = os.environ.get("WEFTEX_CHECKS") == "1"
 BASE = "build/checks" if CHECKS else "build/plain"  # apart, or one would take the other's objects
 MSVC = sys.platform == "win32"
 # No contraction into fused multiply-adds: floating point must give the same bytes everywhere.
@@ -59,7 +38,7 @@ FAST = not CHECKS and platform.machine() in ("x86_64", "AMD64")
 
 NO_COMPILER = """
 
-weft needs a C compiler, and this one could not build a module for Python:
+weftex needs a C compiler, and this one could not build a module for Python:
 
   {error}
 
@@ -98,11 +77,20 @@ class BuildKernels(build_ext):
 
     def write_c(self):
         from Cython.Build import cythonize
+        from Cython.Build.SharedModule import generate_shared_module
+        from Cython.Compiler.Main import CompilationOptions
 
+        shared = Path(BASE, "c", python_file(SHARED)).with_suffix(".c")
+        if not shared.exists():
+            shared.parent.mkdir(parents=True, exist_ok=True)
+            generate_shared_module(
+                CompilationOptions(shared_c_file_path=str(shared), language_level=3)
+            )
         cythonize(
             [setuptools.Extension(name, [python_file(name)]) for name in KERNELS],
             build_dir=f"{BASE}/c",
             nthreads=os.cpu_count() or 1,
+            shared_utility_qualified_name=SHARED,
             compiler_directives={
                 "language_level": 3,
                 "boundscheck": CHECKS,
@@ -114,7 +102,7 @@ class BuildKernels(build_ext):
         )
         for extension in self.extensions:
             source = Path(BASE, "c", extension.sources[0]).with_suffix(".c")
-            if extension.name.startswith("weft._avx2."):  # a copy, or their objects would collide
+            if extension.name.startswith("weftex._avx2."):  # a copy, or their objects would collide
                 copy = Path(BASE, "avx2", extension.sources[0]).with_suffix(".c")
                 copy.parent.mkdir(parents=True, exist_ok=True)
                 shutil.copy2(source, copy)
@@ -143,10 +131,10 @@ def extension(name, kernel, flags):
 
 
 if __name__ == "__main__":  # processes that Cython starts import this file
-    modules = [extension(name, name, FLAGS) for name in KERNELS]
-    if FAST:  # and once more for processors with AVX2, see weft/_cpu.py
+    modules = [extension(name, name, FLAGS) for name in [SHARED, *KERNELS]]
+    if FAST:  # and once more for processors with AVX2, see weftex/dispatch.py
         modules += [
-            extension(name.replace("weft.", "weft._avx2.", 1), name, FLAGS + AVX2)
+            extension(name.replace("weftex.", "weftex._avx2.", 1), name, FLAGS + AVX2)
             for name in KERNELS
         ]
     setuptools.setup(

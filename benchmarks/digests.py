@@ -1,11 +1,11 @@
 """Digests of what every method makes: a refactoring must not change a byte of any output.
 
-    python benchmarks/digests.py                      # compare with digests.json, every build, 1 and 2 threads
-    python benchmarks/digests.py --only graphcut      # only the cases whose name contains this
-    python benchmarks/digests.py --write              # after a change of pixels that is wanted
+    python benchmarks/digests.py                  # compare: both builds, 1 and 2 threads
+    python benchmarks/digests.py --only graphcut  # only the cases whose name contains this
+    python benchmarks/digests.py --write          # after a change of pixels that is wanted
 
-A case is METHOD/WAY/CANVAS/PIXELS. Its digest covers the picture, the source coordinates, the layers
-with their weights, and the maps replayed. Samples are crops of the packaged ones.
+A case is METHOD/WAY/CANVAS/PIXELS. Its digest covers the picture, the source coordinates, the
+layers with their weights, and the maps replayed. Samples are crops of the packaged ones.
 """
 
 from __future__ import annotations
@@ -23,7 +23,7 @@ from typing import Any
 
 import numpy as np
 
-import weft
+import weftex
 
 HERE = Path(__file__).resolve().parent
 RECORD = HERE / "digests.json"
@@ -75,11 +75,11 @@ MORE: dict[str, dict[str, tuple[str, dict[str, Any]]]] = {
 
 @cache
 def sample(name: str, side: int = 192) -> np.ndarray:
-    pixels = weft.load_exemplar(f"sample:{name}").pixels
+    pixels = weftex.load_exemplar(f"sample:{name}").pixels
     return np.ascontiguousarray(pixels[:side, :side])
 
 
-def formats() -> dict[str, weft.Exemplar]:
+def formats() -> dict[str, weftex.Exemplar]:
     """A small sample in every dtype, with and without colour, alpha, maps and a mask."""
     pebbles = sample("pebbles", 66)[:60]
     if pebbles.ndim == 2:
@@ -94,14 +94,14 @@ def formats() -> dict[str, weft.Exemplar]:
     mask = np.ones(grey.shape, bool)
     mask[20:23, 30:34] = False
     return {
-        "8 bit": weft.Exemplar(pebbles),
-        "grey": weft.Exemplar(grey),
-        "alpha": weft.Exemplar(alpha),
-        "16 bit": weft.Exemplar(pebbles.astype(np.uint16) * 257),
-        "float": weft.Exemplar((pebbles / 255).astype(np.float32)),
-        "maps": weft.Exemplar(pebbles, maps=maps),
-        "mask": weft.Exemplar(pebbles, mask=mask),
-        "tileable": weft.Exemplar(pebbles, tileable=True),
+        "8 bit": weftex.Exemplar(pebbles),
+        "grey": weftex.Exemplar(grey),
+        "alpha": weftex.Exemplar(alpha),
+        "16 bit": weftex.Exemplar(pebbles.astype(np.uint16) * 257),
+        "float": weftex.Exemplar((pebbles / 255).astype(np.float32)),
+        "maps": weftex.Exemplar(pebbles, maps=maps),
+        "mask": weftex.Exemplar(pebbles, mask=mask),
+        "tileable": weftex.Exemplar(pebbles, tileable=True),
     }
 
 
@@ -116,7 +116,7 @@ def digest(result: Any) -> str:
     return whole.hexdigest()[:16]
 
 
-def made(method: Any, exemplar: weft.Exemplar, canvas: Any, threads: int) -> str:
+def made(method: Any, exemplar: weftex.Exemplar, canvas: Any, threads: int) -> str:
     return digest(method.fit(exemplar).sample(canvas, seed=5, threads=threads))
 
 
@@ -152,17 +152,19 @@ def small_cases(slug: str, threads: int) -> Iterator[Case]:
 
 def material_cases(slug: str, threads: int) -> Iterator[Case]:
     """Defaults, and ways of its own, on materials of a real size."""
-    side = 48 if slug == "efros-leung" else 128
-    ways = {"default": ("bricks" if slug in ("near-regular", "best-tile") else "pebbles", {})}
+    regular = slug in ("near-regular", "best-tile")
+    side = 192 if regular else 48 if slug == "efros-leung" else 128
+    ways: dict[str, Any] = {"default": ("bricks" if regular else "pebbles", {})}
     for way, (name, parameters) in (ways | MORE[slug]).items():
-        exemplar = weft.Exemplar(sample(name, 192 if slug in ("near-regular", "best-tile") else side))
+        exemplar = weftex.Exemplar(sample(name, side))
         size = (72, 70) if slug == "efros-leung" else SIZES.get(name, (150, 161))
         wraps = {"plain": (False, False), "xy": (True, True)}
         for kind, wrap in wraps.items():
+            canvas = weftex.Canvas(*size, wrap)
             yield (
                 f"{slug}/{way}/{kind}/{name}",
-                lambda p=parameters, e=exemplar, w=wrap: made(
-                    weft.METHODS[slug](**p), e, weft.Canvas(*size, w), threads
+                lambda p=parameters, e=exemplar, c=canvas: made(
+                    weftex.METHODS[slug](**p), e, c, threads
                 ),
             )
 
@@ -178,20 +180,20 @@ def patch_cases(threads: int) -> Iterator[Case]:
                     yield (
                         f"{slug}/{search} {blend}/{kind}/8 bit",
                         lambda s=slug, m=method, k=kind: made(
-                            weft.METHODS[s](**m), exemplar, canvas_of(k, exemplar.pixels), threads
+                            weftex.METHODS[s](**m), exemplar, canvas_of(k, exemplar.pixels), threads
                         ),
                     )
 
 
 def window_cases(threads: int) -> Iterator[Case]:
     """Windows of an endless plane."""
-    exemplar = weft.Exemplar(sample("bricks"))
+    exemplar = weftex.Exemplar(sample("bricks"))
     for slug in ("near-regular", "best-tile"):
         for y, x in ((0, 0), (-70, 1000), (2**33, -(2**35) - 3)):
             yield (
                 f"{slug}/default/window {y} {x}/bricks",
                 lambda s=slug, y=y, x=x: digest(
-                    weft.METHODS[s]().fit(exemplar).window(y, x, 90, 110, seed=5)
+                    weftex.METHODS[s]().fit(exemplar).window(y, x, 90, 110, seed=5)
                 ),
             )
 
@@ -209,29 +211,31 @@ def fused_cases(threads: int) -> Iterator[Case]:
         yield (
             f"{slug}/fused/two/8 bit",
             lambda s=slug, p=small, h=half: digest(
-                weft.fuse([m[:64, :64] for m in materials[:2]], waves[h, h], method=s, seed=5,
+                weftex.fuse([m[:64, :64] for m in materials[:2]], waves[h, h], method=s, seed=5,
                           threads=threads, **p)
             ),
         )  # fmt: skip
     yield (
         "refinement/fused/three/8 bit",
-        lambda: digest(weft.fuse(materials, three.astype(np.uint8), seed=5, threads=threads)),
+        lambda: digest(weftex.fuse(materials, three.astype(np.uint8), seed=5, threads=threads)),
     )
     yield (
         "refinement/fused/tileable/8 bit",
-        lambda: digest(weft.fuse(materials[:2], waves, seed=5, tileable="y", threads=threads)),
+        lambda: digest(weftex.fuse(materials[:2], waves, seed=5, tileable="y", threads=threads)),
     )
     yield (
         "refinement/fused/gradient/8 bit",
         lambda: digest(
-            weft.fuse(materials[:2], "gradient", size=(160, 100), seed=5, threads=threads)
+            weftex.fuse(materials[:2], "gradient", size=(160, 100), seed=5, threads=threads)
         ),
     )
     mixed = np.where(abs(x - 65) < 25, 2, x > 65).astype(np.uint8)
     yield (
         "refinement/fused/mixed/8 bit",
         lambda: digest(
-            weft.fuse(materials[:2], mixed, mixed={2: (0, 1)}, colors=[0, 1], seed=5, threads=threads)
+            weftex.fuse(
+                materials[:2], mixed, mixed={2: (0, 1)}, colors=[0, 1], seed=5, threads=threads
+            )
         ),
     )
 
@@ -243,39 +247,44 @@ def task_cases(threads: int) -> Iterator[Case]:
             yield (
                 f"auto/default/{'xy' if tileable else 'plain'}/{name}",
                 lambda n=name, t=tileable: digest(
-                    weft.synthesize(f"sample:{n}", (200, 190), seed=5, tileable=t, threads=threads)
+                    weftex.synthesize(
+                        f"sample:{n}", (200, 190), seed=5, tileable=t, threads=threads
+                    )
                 ),
             )
     y, x = np.indices((128, 128))
     hole = (y - 60) ** 2 + (x - 70) ** 2 < 500
-    wide = np.zeros(weft.load_exemplar("sample:stone_wall").shape, bool)
+    wide = np.zeros(weftex.load_exemplar("sample:stone_wall").shape, bool)
     wide[40:75, 50:90] = True
     for name in ("bricks", "leaves"):
-        for slug in ("auto", *(slug for slug in FILLS if "known" in weft.METHODS[slug].supports)):
-            small = {"exact-matching": {"levels": 1}, "efros-leung": {"window_width": 7}}
+        for slug in ("auto", *(slug for slug in FILLS if "known" in weftex.METHODS[slug].supports)):
+            given = {"exact-matching": {"levels": 1}, "efros-leung": {"window_width": 7}}
+            small = given.get(slug, {})
             yield (
                 f"{slug}/filled/hole/{name}",
-                lambda n=name, s=slug, p=small.get(slug, {}): digest(
-                    weft.fill(sample(n, 128), hole, method=s, seed=5, threads=threads, **p)
+                lambda n=name, s=slug, p=small: digest(
+                    weftex.fill(sample(n, 128), hole, method=s, seed=5, threads=threads, **p)
                 ),
             )
     for slug in ("auto", "graphcut", "refinement"):
         yield (
             f"{slug}/filled/hole/stone_wall with maps",
             lambda s=slug: digest(
-                weft.fill("sample:stone_wall", wide, method=s, seed=5, threads=threads)
+                weftex.fill("sample:stone_wall", wide, method=s, seed=5, threads=threads)
             ),
         )
     yield (
         "auto/filled/from a sample/bricks",
         lambda: digest(
-            weft.fill(sample("bricks", 128), hole, sample=sample("bricks"), seed=5, threads=threads)
+            weftex.fill(
+                sample("bricks", 128), hole, sample=sample("bricks"), seed=5, threads=threads
+            )
         ),
     )
     yield (
         "quilting/best of 3/plain/bricks",
         lambda: digest(
-            weft.synthesize(
+            weftex.synthesize(
                 sample("bricks"), 160, seed=5, method="quilting", best_of=3, threads=threads
             )
         ),
@@ -283,7 +292,7 @@ def task_cases(threads: int) -> Iterator[Case]:
     yield (
         "ashikhmin/guided/guide/pebbles",
         lambda: digest(
-            weft.synthesize(
+            weftex.synthesize(
                 sample("pebbles", 96), 100, method="ashikhmin", guide=sample("leaves", 100), seed=5,
                 threads=threads,
             )
@@ -298,15 +307,15 @@ def computed(only: str, threads: int) -> dict[str, str]:
         if only in name:
             try:
                 found[name] = work()
-            except weft.WeftError as error:
+            except weftex.WeftexError as error:
                 found[name] = type(error).__name__
     return found
 
 
 def in_process(only: str, threads: int, kernels: str) -> dict[str, str]:
-    environment = {k: v for k, v in os.environ.items() if k != "WEFT_KERNELS"}
+    environment = {k: v for k, v in os.environ.items() if k != "WEFTEX_KERNELS"}
     if kernels == "baseline":
-        environment["WEFT_KERNELS"] = "baseline"
+        environment["WEFTEX_KERNELS"] = "baseline"
     words = [sys.executable, __file__, "--one", str(threads), "--only", only]
     done = subprocess.run(words, env=environment, stdout=subprocess.PIPE, text=True, check=True)
     return dict(json.loads(done.stdout))
@@ -338,7 +347,8 @@ def main() -> int:
         for name in differ:
             print(f"{name}: {expected.get(name, 'absent')} is now {found.get(name, 'absent')}")
         wrong += len(differ)
-        print(f"{len(found) - len(differ)} of {len(found)} equal, {kernels} kernels, {threads} threads")
+        equal = f"{len(found) - len(differ)} of {len(found)} equal"
+        print(f"{equal}, {kernels} kernels, {threads} threads")
     return wrong > 0
 
 

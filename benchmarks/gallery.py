@@ -13,8 +13,8 @@ another folder with --docs: it gets its own pages.
 Full-size pictures, sources (.npz) and figures (.json) are kept in --keep. A run that was
 interrupted goes on from there. Only what may have changed is made again: pictures after a change of
 the method's code, of what it imports, of the surface or the size, and figures after one of the
-measures. benchmarks/judged.csv has scores of a measure that is not part of weft; the pages show
-those of pictures that are still the same. Needs weft[test].
+measures. benchmarks/judged.csv has scores of a measure that is not part of weftex; the pages show
+those of pictures that are still the same. Needs weftex[test].
 """
 
 from __future__ import annotations
@@ -37,15 +37,15 @@ import numpy as np
 from shared import HERE
 from sources import code_hash
 
-import weft
-from weft.method import AUTO, make_method
-from weft.quality.seams import Seams
-from weft.quality.view import views
-from weft.quality.wrap import wrap_seam
+import weftex
+from weftex.quality.seams import Seams
+from weftex.quality.view import views
+from weftex.quality.wrap import wrap_seam
+from weftex.tasks.method_names import AUTO, make_method
 
 ROOT = HERE.parent
 SURFACES = HERE / "surfaces" / "MANIFEST.csv"
-METHODS = (AUTO, *weft.METHODS)
+METHODS = (AUTO, *weftex.METHODS)
 SEED = 1
 SIZE = 512
 #: Methods that get a smaller part of the sample, and make as much less: they are slow.
@@ -73,20 +73,20 @@ class Job:
     def part(self) -> int:
         return PARTS.get(self.method, 1)
 
-    def sample(self) -> weft.Exemplar:
-        whole = weft.load_exemplar(self.file)
+    def sample(self) -> weftex.Exemplar:
+        whole = weftex.load_exemplar(self.file)
         high, wide = (side // self.part for side in whole.shape)
         pixels = np.ascontiguousarray(whole.pixels[:high, :wide])
-        return weft.Exemplar(pixels, alpha=whole.alpha, name=self.surface)
+        return weftex.Exemplar(pixels, alpha=whole.alpha, name=self.surface)
 
     def keys(self) -> list[str]:
         """What its pictures hang on, and what its figures hang on."""
         slug = self.method.replace("-", "_")
-        code = code_hash(f"weft.methods.{slug}")
+        code = code_hash(f"weftex.methods.{slug}")
         found = hashlib.sha256(Path(self.file).read_bytes())
         found.update(f"{code} {self.method} {self.size} {self.part} {SEED}".encode())
         pictures = found.hexdigest()[:16]
-        found.update(code_hash("weft.quality.assess").encode())
+        found.update(code_hash("weftex.quality.assess").encode())
         return [pictures, found.hexdigest()[:16]]
 
     def kept(self) -> dict[str, Any] | None:
@@ -105,9 +105,9 @@ class Job:
         """Make it unless it is kept, measure it, and keep it."""
         found = self.kept() or self.make()
         exemplar = self.sample()
-        picture, tile = (weft.read_image(file).pixels for file in self.files())
-        source = weft.Synthesis.load(self.place.with_suffix(".npz")).source
-        figures = weft.assess(exemplar, picture, source)
+        picture, tile = (weftex.read_image(file).pixels for file in self.files())
+        source = weftex.Synthesis.load(self.place.with_suffix(".npz")).source
+        figures = weftex.assess(exemplar, picture, source)
         own, result = views(exemplar, tile)
         wrap = wrap_seam(Seams(own), result, (True, True))
         found |= {
@@ -139,7 +139,7 @@ class Job:
         for file, pixels in zip(
             self.files(), (made.image, tileable(model, size // 2).image), strict=True
         ):
-            weft.write_image(file, pixels, alpha=exemplar.alpha)
+            weftex.write_image(file, pixels, alpha=exemplar.alpha)
         return {
             "surface": self.surface,
             "method": self.method,
@@ -149,12 +149,12 @@ class Job:
         }
 
 
-def tileable(model: Any, size: int) -> weft.Synthesis:
+def tileable(model: Any, size: int) -> weftex.Synthesis:
     """A tileable output; a little larger where the lattice of a sample asks for it."""
     for side in range(size, 2 * size, 8):
         try:
             return model.sample(side, seed=SEED, tileable=True, threads=1)
-        except weft.InvalidInputError:
+        except weftex.InvalidInputError:
             continue
     return model.sample(2 * size, seed=SEED, tileable=True, threads=1)
 

@@ -14,10 +14,10 @@ import numpy as np
 from PIL import Image
 from shared import HERE, put, rows_of
 
-import weft
-from weft.method import AUTO, method_class
-from weft.quality.figures import FIGURES
-from weft.tasks.report import as_shown
+import weftex
+from weftex.quality.figures import FIGURES
+from weftex.tasks.method_names import AUTO, method_class
+from weftex.tasks.report import as_shown
 
 ROOT = HERE.parent
 JUDGED = HERE / "judged.csv"
@@ -299,14 +299,16 @@ def pictures(gallery: Gallery) -> str:
 def draw(gallery: Gallery, name: str, images: Path) -> None:
     """Write the pictures of a surface."""
     file = (HERE / "surfaces" / gallery.surfaces[name]["file"]).resolve()
-    exemplar = weft.load_exemplar(file)
+    exemplar = weftex.load_exemplar(file)
 
     def shown(method: str, kind: str = "") -> np.ndarray:
         path = gallery.keep / method / f"{name}{kind}.png"
-        return flat(exemplar, weft.read_image(path).pixels)
+        return flat(exemplar, weftex.read_image(path).pixels)
 
     if (name, AUTO) in gallery.found:
-        tile = as_shown(exemplar, weft.read_image(gallery.keep / AUTO / f"{name}-tile.png").pixels)
+        tile = as_shown(
+            exemplar, weftex.read_image(gallery.keep / AUTO / f"{name}-tile.png").pixels
+        )
         tile = np.roll(tile, [side // 2 for side in tile.shape[:2]], (0, 1))
         left = _stack([flat(exemplar, exemplar.pixels), tile])
         _save(images / f"{name}.webp", [[left, shown(AUTO)]])
@@ -316,7 +318,7 @@ def draw(gallery: Gallery, name: str, images: Path) -> None:
         _save(images / f"{name}-methods.webp", lines)
 
 
-def flat(exemplar: weft.Exemplar, pixels: np.ndarray) -> np.ndarray:
+def flat(exemplar: weftex.Exemplar, pixels: np.ndarray) -> np.ndarray:
     """Three channels of bytes; what is transparent over a plain background."""
     if not exemplar.alpha:
         return as_shown(exemplar, pixels)

@@ -15,9 +15,10 @@ from typing import Any
 
 from shared import Table, medians, ms, sample_of
 
-import weft
-from weft.method import AUTO, METHODS, make_method
-from weft.methods.auto import look
+import weftex
+from weftex.methods import METHODS
+from weftex.tasks.auto import look
+from weftex.tasks.method_names import AUTO, make_method
 
 NAMES = ("bricks", "stone_wall", "leaves", "grass")
 _SIDE, _SIZE = 192, 384  # of the comparison
@@ -29,25 +30,25 @@ _FAST = 1.0  # seconds up to which more than one seed is tried
 def judging() -> Table:
     """How long it takes to measure, to choose and to compare."""
     small, large = sample_of(256, "bricks"), sample_of(256, "leaves")
-    made = {size: weft.synthesize(small, size, method="quilting", seed=1) for size in (512, 2048)}
+    made = {size: weftex.synthesize(small, size, method="quilting", seed=1) for size in (512, 2048)}
     for result in made.values():
         _ = result.image, result.source
     samples = [sample_of(256, name) for name in (*NAMES, "pebbles", "weave", "tiles", "wood")]
     wide = sample_of(2048, "pebbles")
     took = medians(
         {
-            "measures": lambda: weft.assess(weft.Exemplar(small), made[512]),
-            "pictures": lambda: weft.assess(weft.Exemplar(small), made[512].image),
-            "large": lambda: weft.assess(weft.Exemplar(small), made[2048]),
-            "report": lambda: weft.report(small, made[512]).html(),
-            "wide": lambda: look(weft.Exemplar(wide)),
-            "three": lambda: weft.synthesize(large, 256, method="quilting", seed=1, best_of=3),
+            "measures": lambda: weftex.assess(weftex.Exemplar(small), made[512]),
+            "pictures": lambda: weftex.assess(weftex.Exemplar(small), made[512].image),
+            "large": lambda: weftex.assess(weftex.Exemplar(small), made[2048]),
+            "report": lambda: weftex.report(small, made[512]).html(),
+            "wide": lambda: look(weftex.Exemplar(wide)),
+            "three": lambda: weftex.synthesize(large, 256, method="quilting", seed=1, best_of=3),
         },
         3,
     )
-    choosing = medians({k: lambda s=s: look(weft.Exemplar(s)) for k, s in enumerate(samples)}, 5)
+    choosing = medians({k: lambda s=s: look(weftex.Exemplar(s)) for k, s in enumerate(samples)}, 5)
     start = perf_counter()
-    weft.compare(sample_of(_SIDE, "pebbles"), _SIZE, seed=1)
+    weftex.compare(sample_of(_SIDE, "pebbles"), _SIZE, seed=1)
     compared = perf_counter() - start
     named, loaded = processes()
     rows = [
@@ -60,7 +61,7 @@ def judging() -> Table:
         ["auto, 2048x2048", ms(took["wide"]), ""],
         ["best of 3, quilting, 256 to 256", ms(took["three"]), ""],
         [f"compare all {len(METHODS)} methods, {_SIDE} to {_SIZE}", ms(compared), "120 s"],
-        ["weft synth, 128 to 200, --method quilting", ms(named["quilting"]), ""],
+        ["weftex synth, 128 to 200, --method quilting", ms(named["quilting"]), ""],
         ["the same without --method", ms(named[AUTO]), ""],
         ["modules for choosing and measuring that --method quilting loads", str(loaded), "0"],
     ]
@@ -79,19 +80,20 @@ def processes() -> tuple[dict[str, float], int]:
     """Seconds of whole processes with and without a method, and what the first loads in vain."""
     with tempfile.TemporaryDirectory() as folder:
         sample = f"{folder}/sample.png"
-        weft.write_image(sample, sample_of(128, "leaves"))
+        weftex.write_image(sample, sample_of(128, "leaves"))
         words = ["synth", sample, "-o", f"{folder}/out.png", "--size", "200", "--seed", "7"]
         words.append("--quiet")
-        command = [sys.executable, "-m", "weft.cli", *words]
+        command = [sys.executable, "-m", "weftex.cli", *words]
         works = {
             "quilting": [*command, "--method", "quilting"],
             AUTO: command,
         }
         took = medians({k: lambda c=c: subprocess.run(c, check=True) for k, c in works.items()}, 7)
         code = (
-            "import sys; from weft.cli import main\n"
+            "import sys; from weftex.cli import main\n"
             f"main({[*words, '--method', 'quilting']!r})\n"
-            "print(sum(m.startswith(('weft.quality', 'weft.methods.auto', 'weft.analysis.lattice'))"
+            "print(sum(m.startswith(('weftex.quality', 'weftex.tasks.auto',"
+            " 'weftex.analysis.lattice'))"
             " for m in sys.modules))"
         )
         done = subprocess.run([sys.executable, "-c", code], stdout=subprocess.PIPE, check=True)
@@ -141,18 +143,18 @@ SETTINGS = (
 )
 
 
-def measured(setting: Setting, exemplar: weft.Exemplar, size: int) -> tuple[float, float]:
+def measured(setting: Setting, exemplar: weftex.Exemplar, size: int) -> tuple[float, float]:
     """Seconds of one thread and score, means over seeds; the slow get one."""
     seconds, scores = [], []
     for seed in _SEEDS:
         start = perf_counter()
         model = make_method(setting.method, setting.parameters).fit(
-            weft.Exemplar(exemplar.pixels, name=exemplar.name)
+            weftex.Exemplar(exemplar.pixels, name=exemplar.name)
         )
         made = model.sample(size, seed=seed, threads=1)
         made.image  # rendering is part of the work  # noqa: B018
         seconds.append(perf_counter() - start)
-        scores.append(weft.assess(exemplar, made).score or 0.0)
+        scores.append(weftex.assess(exemplar, made).score or 0.0)
         if seconds[0] > _FAST:
             break
     return statistics.median(seconds), statistics.fmean(scores)
@@ -162,7 +164,7 @@ def quality_against_time(
     settings: Sequence[Setting] = SETTINGS, side: int = _SIDE, size: int = _MADE
 ) -> Table:
     """Which method, and which of its settings, gives what for the same seconds."""
-    samples = [weft.Exemplar(sample_of(side, name), name=name) for name in NAMES]
+    samples = [weftex.Exemplar(sample_of(side, name), name=name) for name in NAMES]
     points = []
     for setting in settings:
         found = [measured(setting, sample, size) for sample in samples]
@@ -179,7 +181,7 @@ def quality_against_time(
         )
     notes = f"""
 Fit and sample with one thread, {side} to {size}, means over four samples; score of
-[weft's measures](measures.md), 0 is perfect and 1 is about a limit. Means of {len(_SEEDS)} seeds
+[weftex's measures](measures.md), 0 is perfect and 1 is about a limit. Means of {len(_SEEDS)} seeds
 up to {_FAST:g} s, one seed above. Best: nothing that takes less time has a better mean score.
 """
     return notes, ["method", "seconds", "score", "best", *NAMES], rows

@@ -8,9 +8,9 @@ from time import perf_counter
 import numpy as np
 from shared import Table, Work, child, medians, ms, sample_of
 
-import weft
-from weft.analysis.correlation import correlate
-from weft.analysis.lattice import find_lattice
+import weftex
+from weftex.analysis.correlation import correlate
+from weftex.analysis.lattice import find_lattice
 
 _SHIFTS = 400  # that the direct definition is timed on
 _FAR = 10**9
@@ -21,7 +21,7 @@ def bricks(side: int) -> np.ndarray:
     """A crop of bricks, or a larger wall of the same lattice."""
     if side <= 256:
         return sample_of(side, "bricks")
-    return weft.synthesize(sample_of(256, "bricks"), side, method="near-regular", seed=0).image
+    return weftex.synthesize(sample_of(256, "bricks"), side, method="near-regular", seed=0).image
 
 
 def direct(pixels: np.ndarray) -> float:
@@ -48,7 +48,7 @@ def direct(pixels: np.ndarray) -> float:
     return statistics.fmean(times) * (2 * height - 1) * (2 * width - 1)
 
 
-def windows(model: weft.NearRegularModel) -> Work:
+def windows(model: weftex.NearRegularModel) -> Work:
     """Windows of 256 pixels, far away and each at another place."""
     places = iter(range(10**9))
     return lambda: model.window(_FAR + 999 * next(places), -_FAR, 256, 256, seed=7).image
@@ -57,15 +57,15 @@ def windows(model: weft.NearRegularModel) -> Work:
 def near_regular() -> Table:
     """Lattice, correlation, synthesis and windows beside targets."""
     small, large = bricks(256), bricks(512)
-    crop = weft.NearRegular(preset="paper", lattice=find_vectors(small))
-    blocks = crop.fit(weft.Exemplar(bricks(128)))
-    own = weft.NearRegular().fit(weft.Exemplar(small))
-    bent = weft.NearRegular(warp=2).fit(weft.Exemplar(small))
+    crop = weftex.NearRegular(preset="paper", lattice=find_vectors(small))
+    blocks = crop.fit(weftex.Exemplar(bricks(128)))
+    own = weftex.NearRegular().fit(weftex.Exemplar(small))
+    bent = weftex.NearRegular(warp=2).fit(weftex.Exemplar(small))
     seeds = iter(range(10**9))
     took = medians(
         {
-            "lattice": lambda: find_lattice(weft.Exemplar(small)),
-            "large": lambda: find_lattice(weft.Exemplar(large)),
+            "lattice": lambda: find_lattice(weftex.Exemplar(small)),
+            "large": lambda: find_lattice(weftex.Exemplar(large)),
             "correlation": lambda: correlate(small),
             "blocks": lambda: blocks.sample(256, seed=next(seeds)).image,
             "window": windows(own),
@@ -101,7 +101,7 @@ is made once, in a process of its own whose memory is meant, picture included.
 
 def find_vectors(pixels: np.ndarray) -> tuple[float, ...]:
     """The vectors of a sample as a method takes them."""
-    lattice = find_lattice(weft.Exemplar(pixels))
+    lattice = find_lattice(weftex.Exemplar(pixels))
     assert lattice is not None
     return tuple(part for vector in lattice.reduced().vectors for part in vector)
 

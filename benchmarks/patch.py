@@ -19,8 +19,8 @@ from shared import (
     sampling,
 )
 
-import weft
-from weft.patch_synthesis import PatchSynthesis
+import weftex
+from weftex.results.patches import PatchSynthesis
 
 
 def speed() -> Table:
@@ -145,11 +145,11 @@ def recall() -> Table:
     ratios: dict[int, list[float]] = {k: [] for k in range(len(searches))}
     times: dict[int, list[float]] = {k: [] for k in range(len(searches))}
     for name in paper.SAMPLES:
-        exemplar = weft.Exemplar(paper.load(name, 128))
+        exemplar = weftex.Exemplar(paper.load(name, 128))
         truth = Truth(exemplar)
         works = {}
         for k, (search, given) in enumerate(searches):
-            model = weft.PatchSampling(search=search, **given, **common).fit(exemplar)
+            model = weftex.PatchSampling(search=search, **given, **common).fit(exemplar)
             ratios[k] += truth.ratios(model.sample(200, seed=1))
             works[k] = lambda model=model: model.sample(200, seed=1).image
         for k, took in medians(works, 5).items():
@@ -179,12 +179,12 @@ and its distance over the nearest one's (eq. 2), on average and for the worst tw
 class Truth:
     """Distances of eq. (2) to all windows of a sample, by a matrix product."""
 
-    def __init__(self, exemplar: weft.Exemplar) -> None:
+    def __init__(self, exemplar: weftex.Exemplar) -> None:
         self.exemplar = exemplar
         self.pixels = exemplar.pixels.reshape(*exemplar.shape, -1)
         self.windows: dict[bytes, tuple[np.ndarray, np.ndarray]] = {}
 
-    def ratios(self, result: weft.Synthesis) -> list[float]:
+    def ratios(self, result: weftex.Synthesis) -> list[float]:
         """Distance of each patch of a result over the least possible at its place."""
         found = []
         for k, (y, x, sy, sx, zone) in enumerate(result.placements.tolist()):

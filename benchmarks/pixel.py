@@ -11,9 +11,9 @@ from typing import Any
 import numpy as np
 from shared import Table, child, fitting, fuse_three, medians, ms, sample_of, sampling
 
-import weft
-from weft.search import _window_kernels as kernels
-from weft.search.windows import windows_of
+import weftex
+from weftex.search import window_kernels as kernels
+from weftex.search.windows import windows_of
 
 _STRIP = 24  # pixels that brute force is timed on
 
@@ -93,7 +93,7 @@ def one_search(levels: np.ndarray, width: int, causal: bool) -> float:
     """
     half = width // 2
     reach = (half, 0, half, half) if causal else (half, half, half, half)
-    windows = windows_of(weft.Exemplar(levels), reach)
+    windows = windows_of(weftex.Exemplar(levels), reach)
     runs = np.zeros(((2 * half + 1) * (half + 2), 3), np.int32)
     done = np.ones((4 * half + 3, 4 * half + 3 + _STRIP), np.uint8)
     canvas = np.resize(levels, (*done.shape, levels.shape[2]))
@@ -143,8 +143,8 @@ def brute_force(case: Case, model: Any, size: int) -> float:
 def available(cases: tuple[Case, ...]) -> Iterator[Case]:
     """Those whose method and parameters there are."""
     for case in cases:
-        if case.method in weft.METHODS:
-            fields = {f.name: f for f in dataclasses.fields(weft.METHODS[case.method])}
+        if case.method in weftex.METHODS:
+            fields = {f.name: f for f in dataclasses.fields(weftex.METHODS[case.method])}
             search = case.parameters.get("search")
             known = set(case.parameters) <= set(fields)
             if known and (not search or search in fields["search"].metadata["choices"]):
@@ -215,7 +215,7 @@ def pixel_growth(scale: float = 1.0) -> Table:
         ("colours", (8, 32, 128, 1000, 8000)),
         ("output side, of the first", (1, 2, 4)),
     )
-    methods = [(slug, round(size * scale)) for slug, size in GROWING if slug in weft.METHODS]
+    methods = [(slug, round(size * scale)) for slug, size in GROWING if slug in weftex.METHODS]
     rows = []
     for what, values in series:
         for value in values:
@@ -255,7 +255,7 @@ def fusion(scale: float = 1.0) -> Table:
         peak = child(method=method, size=size, fuse=True)["peak"]
         rows.append([method, ms(took), "5 s", f"{peak:.0f} MiB", "500 MiB"])
     notes = f"""
-`weft.fuse`, analysis included: pebbles, bricks and leaves of 192x192 in three bands, {size}x{size}.
+`weftex.fuse`, analysis included: pebbles, bricks, leaves of 192x192 in three bands, {size}x{size}.
 Memory is that of a process with NumPy and Pillow that does nothing else.
 """
     return notes, ["method", "time", "target", "peak memory", "target"], rows

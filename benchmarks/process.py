@@ -9,7 +9,7 @@ import tempfile
 
 from shared import PATCH_METHODS, Table, child, medians, ms, sample_of
 
-import weft
+import weftex
 
 
 def kernels() -> Table:
@@ -20,7 +20,7 @@ def kernels() -> Table:
             runs: dict[str, list[dict[str, float]]] = {"": [], "baseline": []}
             for _ in range(5):
                 for kind, found in runs.items():
-                    environment = {"WEFT_KERNELS": kind}
+                    environment = {"WEFTEX_KERNELS": kind}
                     found.append(
                         child(
                             environment, method=method, side=side, size=size, threads=1, repeats=3
@@ -29,7 +29,7 @@ def kernels() -> Table:
             fast, plain = (statistics.median(r["sample"] for r in runs[k]) for k in runs)
             ratio = f"{plain / fast:.2f} x"
             rows.append([method, f"{side} to {size}", ms(fast), ms(plain), ratio])
-    notes = "Sampling with one thread. The second kind is what WEFT_KERNELS=baseline chooses."
+    notes = "Sampling with one thread. The second kind is what WEFTEX_KERNELS=baseline chooses."
     return notes, ["method", "", "AVX2", "any x86-64", "ratio"], rows
 
 
@@ -40,15 +40,15 @@ def startup() -> Table:
         commands: dict[str, list[str]] = {
             "python -c pass": [python, "-c", "pass"],
             "import numpy": [python, "-c", "import numpy"],
-            "import weft": [python, "-c", "import weft"],
-            "import weft, numpy": [python, "-c", "import numpy, weft"],
+            "import weftex": [python, "-c", "import weftex"],
+            "import weftex, numpy": [python, "-c", "import numpy, weftex"],
         }
         for side, size in ((128, 200), (200, 800)):
-            weft.write_image(f"{folder}/{side}.png", sample_of(side, "bricks"))
+            weftex.write_image(f"{folder}/{side}.png", sample_of(side, "bricks"))
             for method in PATCH_METHODS:
-                label = f"weft synth --method {method}, {side} to {size}"
+                label = f"weftex synth --method {method}, {side} to {size}"
                 commands[label] = [
-                    *(python, "-m", "weft.cli", "synth", f"{folder}/{side}.png"),
+                    *(python, "-m", "weftex.cli", "synth", f"{folder}/{side}.png"),
                     *("-o", f"{folder}/out.png", "--size", str(size), "--method", method),
                     *("--seed", "7", "--quiet"),
                 ]
@@ -59,9 +59,9 @@ def startup() -> Table:
         took = medians(works, 15)
     base = took["import numpy"]
     targets = {
-        "import weft, numpy": "50 ms more",
-        "weft synth --method patch-sampling, 128 to 200": "2.5 x",
-        "weft synth --method patch-sampling, 200 to 800": "4 x",
+        "import weftex, numpy": "50 ms more",
+        "weftex synth --method patch-sampling, 128 to 200": "2.5 x",
+        "weftex synth --method patch-sampling, 200 to 800": "4 x",
     }
     rows = [[k, ms(v), f"{v / base:.2f} x", targets.get(k, "")] for k, v in took.items()]
     return "Median of 15 processes each, in turn.", ["", "time", "over numpy's", "target"], rows
@@ -84,7 +84,7 @@ def memory() -> Table:
         ("refinement", 192, 512),
         ("graphcut", 192, 512),
     )
-    for method, side, size in (job for job in jobs if job[0] in weft.METHODS):
+    for method, side, size in (job for job in jobs if job[0] in weftex.METHODS):
         run = child(method=method, side=side, size=size)
         what = f"{side} to {size}" if size else f"fit {side}"
         picture = 3 * size * size / 2**20

@@ -8,7 +8,7 @@ and of quality against time in judging.py; --help names them. Prints Markdown. E
 median of several runs, and what is compared is run in turn, so that a busy machine disturbs all
 alike; look at the ratios first. --update puts the tables into a page between its <!-- NAME --> and
 <!-- end NAME --> lines and charts beside it, and names the machine. Pictures and scores of all
-methods are gallery.py's. Needs weft[test].
+methods are gallery.py's. Needs weftex[test].
 """
 
 from __future__ import annotations

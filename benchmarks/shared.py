@@ -16,7 +16,7 @@ from typing import Any
 
 import numpy as np
 
-import weft
+import weftex
 
 HERE = Path(__file__).resolve().parent
 sys.path.append(str(HERE.parent / "examples"))
@@ -39,15 +39,15 @@ def machine() -> str:
     return (
         f"{name}, {os.cpu_count()} cores{load}; {platform.system()}, Python "
         f"{platform.python_version()}, NumPy {np.__version__} (BLAS threads: {blas}), "
-        f"weft {weft.__version__}"
+        f"weftex {weftex.__version__}"
     )
 
 
 def sample_of(side: int, name: str = "pebbles") -> np.ndarray:
-    """A crop of a packaged sample, or more of it made by weft where it is too small."""
+    """A crop of a packaged sample, or more of it made by weftex where it is too small."""
     pixels = paper.load(name)
     if side > min(pixels.shape[:2]):
-        return weft.synthesize(pixels, side, seed=0).image
+        return weftex.synthesize(pixels, side, seed=0).image
     return np.ascontiguousarray(pixels[:side, :side])
 
 
@@ -64,13 +64,13 @@ def medians(works: Mapping[Any, Work], repeats: int) -> dict[Any, float]:
 
 
 def fitting(pixels: np.ndarray, method: str = "patch-sampling", **parameters: Any) -> Work:
-    chosen = weft.METHODS[method](**parameters)
-    return lambda: chosen.fit(weft.Exemplar(pixels))  # a new one, as it caches
+    chosen = weftex.METHODS[method](**parameters)
+    return lambda: chosen.fit(weftex.Exemplar(pixels))  # a new one, as it caches
 
 
 def sampling(pixels: np.ndarray, size: int, method: str = "patch-sampling", **given: Any) -> Work:
     threads = given.pop("threads", None)
-    model = weft.METHODS[method](**given).fit(weft.Exemplar(pixels))
+    model = weftex.METHODS[method](**given).fit(weftex.Exemplar(pixels))
     seeds = iter(range(10**9))
     return lambda: model.sample(size, seed=next(seeds), threads=threads).image
 
@@ -81,7 +81,7 @@ def fuse_three(size: int, method: str) -> np.ndarray:
     labels = (y + size / 20 * np.sin(12 * x / size)) * 3 // size
     samples = [sample_of(192, name) for name in ("pebbles", "bricks", "leaves")]
     bands = labels.clip(0, 2).astype(int)
-    return weft.fuse(samples, bands, method=method, seed=1).image
+    return weftex.fuse(samples, bands, method=method, seed=1).image
 
 
 def child(environment: Mapping[str, str] | None = None, **job: Any) -> dict[str, float]:
@@ -114,7 +114,7 @@ def in_child(
     fit, sample = [], []
     for seed in range(repeats):
         start = perf_counter()
-        model = weft.METHODS[method]().fit(weft.Exemplar(pixels))
+        model = weftex.METHODS[method]().fit(weftex.Exemplar(pixels))
         fit.append(perf_counter() - start)
         if size:
             start = perf_counter()

@@ -1,4 +1,4 @@
-"""Which files of weft a result hangs on: a name for them that changes when one of them does."""
+"""Which files of weftex a result hangs on: a name for them that changes when one of them does."""
 
 from __future__ import annotations
 
@@ -8,21 +8,21 @@ from collections.abc import Iterator
 from functools import cache
 from pathlib import Path
 
-import weft
+import weftex
 
-HOME = Path(weft.__file__).parent
+HOME = Path(weftex.__file__).parent
 _BY_NAME = {"METHODS", "make_method"}  # who asks for methods by name may get any
 
 
 @cache
 def code_hash(*modules: str) -> str:
-    """A name for what modules of weft are made of, with all that they import.
+    """A name for what modules of weftex are made of, with all that they import.
 
     Examples
     --------
-    >>> code_hash("weft.methods.quilting") == code_hash("weft.methods.quilting")
+    >>> code_hash("weftex.methods.quilting") == code_hash("weftex.methods.quilting")
     True
-    >>> code_hash("weft.methods.quilting") == code_hash("weft.methods.ashikhmin")
+    >>> code_hash("weftex.methods.quilting") == code_hash("weftex.methods.ashikhmin")
     False
     """
     found = hashlib.sha256()
@@ -46,7 +46,7 @@ def files_of(*modules: str) -> list[Path]:
 
 @cache
 def _imported(file: Path) -> tuple[Path, ...]:
-    """Files of what it imports from weft, or might."""
+    """Files of what it imports from weftex, or might."""
     return tuple(_candidates(ast.parse(file.read_text(encoding="utf-8"))))
 
 
@@ -58,9 +58,9 @@ def _candidates(tree: ast.Module) -> Iterator[Path]:
         elif isinstance(node, ast.ImportFrom) and node.module:
             own = {alias.name for alias in node.names}
             names = [node.module, *(f"{node.module}.{name}" for name in own)]
-            if node.module == "weft.method" and own & _BY_NAME:
+            if node.module == "weftex.method" and own & _BY_NAME:
                 yield from (HOME / "methods").glob("*.py")
         for name in names:
             parts = name.removeprefix("cython.cimports.").split(".")
-            if parts[0] == "weft" and len(parts) > 1:
+            if parts[0] == "weftex" and len(parts) > 1:
                 yield HOME.joinpath(*parts[1:]).with_suffix(".py")

@@ -8,18 +8,18 @@ from pathlib import Path
 
 import numpy as np
 
-import weft
-from weft.analysis.scale import dominant_scale
+import weftex
+from weftex.analysis.scale import dominant_scale
 
 parser = argparse.ArgumentParser(description=__doc__)
 parser.add_argument("-o", "--output", type=Path, default=Path(), metavar="FOLDER")
 folder = parser.parse_args().output
 folder.mkdir(parents=True, exist_ok=True)
 
-print(weft.analyze("sample:bricks"))
+print(weftex.analyze("sample:bricks"))
 
 # The curve, fine structure on the right; its background is orange, the scale a red line.
-found = dominant_scale(weft.load_exemplar("sample:bricks"))
+found = dominant_scale(weftex.load_exemplar("sample:bricks"))
 plot = np.full((200, 400, 3), 255, np.uint8)
 octaves = np.log2(found.frequencies / found.frequencies[0])
 across = octaves / octaves[-1] * 399
@@ -29,4 +29,4 @@ plot[y < 199 * np.interp(at, across, found.power)] = 90
 plot[abs(y - 199 * np.interp(at, across, found.background)) < 2] = (255, 150, 0)
 scale = np.argmin(abs(1 / found.frequencies - found.scale))
 plot[:, round(across[scale])] = (200, 0, 0)
-weft.write_image(folder / "analyze_bricks.png", plot)
+weftex.write_image(folder / "analyze_bricks.png", plot)

@@ -6,17 +6,17 @@ python examples/ashikhmin.py -o FOLDER
 import argparse
 from pathlib import Path
 
-import weft
+import weftex
 
 parser = argparse.ArgumentParser(description=__doc__)
 parser.add_argument("-o", "--output", type=Path, default=Path(), metavar="FOLDER")
 folder = parser.parse_args().output
 folder.mkdir(parents=True, exist_ok=True)
 
-sample = weft.load_exemplar("sample:pebbles")
-model = weft.Ashikhmin(window_width=5, passes=2).fit(sample)
+sample = weftex.load_exemplar("sample:pebbles")
+model = weftex.Ashikhmin(window_width=5, passes=2).fit(sample)
 result = model.sample((384, 512), seed=7)
 
-weft.write_image(folder / "ashikhmin.png", result.image)
-weft.write_image(folder / "ashikhmin_sources.png", result.draw("sources"))
+weftex.write_image(folder / "ashikhmin.png", result.image)
+weftex.write_image(folder / "ashikhmin_sources.png", result.draw("sources"))
 print(f"{folder / 'ashikhmin.png'}: made; its sources in false colours are beside it")

@@ -6,23 +6,23 @@ python examples/compare.py -o FOLDER
 import argparse
 from pathlib import Path
 
-import weft
+import weftex
 
 parser = argparse.ArgumentParser(description=__doc__)
 parser.add_argument("-o", "--output", type=Path, default=Path(), metavar="FOLDER")
 folder = parser.parse_args().output
 folder.mkdir(parents=True, exist_ok=True)
 
-sample = weft.load_exemplar("sample:weave")
-small = weft.Exemplar(sample.pixels[:96, :96], name="weave")
+sample = weftex.load_exemplar("sample:weave")
+small = weftex.Exemplar(sample.pixels[:96, :96], name="weave")
 methods = ["quilting", "near-regular", "ashikhmin"]
-found = weft.compare(small, 128, methods=methods, seed=7)
+found = weftex.compare(small, 128, methods=methods, seed=7)
 print(f"auto: {found.choice.reason}")
 for entry in found.entries:
     print(f"{entry.method:16} {entry.seconds:6.2f} s  {entry.assessment.verdict()}")
 found.save(folder / "compare.html")
 
 # Of two seeds the best by the same figures.
-best = weft.synthesize(small, 128, seed=7, best_of=2)
+best = weftex.synthesize(small, 128, seed=7, best_of=2)
 print(best.provenance["best_of"]["told"])
-weft.write_image(folder / "best_of.png", best.image)
+weftex.write_image(folder / "best_of.png", best.image)

@@ -6,17 +6,17 @@ python examples/efros_leung.py -o FOLDER
 import argparse
 from pathlib import Path
 
-import weft
+import weftex
 
 parser = argparse.ArgumentParser(description=__doc__)
 parser.add_argument("-o", "--output", type=Path, default=Path(), metavar="FOLDER")
 folder = parser.parse_args().output
 folder.mkdir(parents=True, exist_ok=True)
 
-sample = weft.load_exemplar("sample:weave")
-model = weft.EfrosLeung(window_width=15).fit(sample)
+sample = weftex.load_exemplar("sample:weave")
+model = weftex.EfrosLeung(window_width=15).fit(sample)
 result = model.sample((160, 200), seed=7, tileable=True)
 
-weft.write_image(folder / "efros_leung.png", result.image)
-weft.write_image(folder / "efros_leung_sources.png", result.draw("sources"))
+weftex.write_image(folder / "efros_leung.png", result.image)
+weftex.write_image(folder / "efros_leung_sources.png", result.draw("sources"))
 print(f"{folder / 'efros_leung.png'}: each pixel by the 15x15 around it")

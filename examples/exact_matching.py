@@ -6,21 +6,21 @@ python examples/exact_matching.py -o FOLDER
 import argparse
 from pathlib import Path
 
-import weft
+import weftex
 
 parser = argparse.ArgumentParser(description=__doc__)
 parser.add_argument("-o", "--output", type=Path, default=Path(), metavar="FOLDER")
 folder = parser.parse_args().output
 folder.mkdir(parents=True, exist_ok=True)
 
-model = weft.ExactMatching().fit(weft.load_exemplar("sample:bricks"))
+model = weftex.ExactMatching().fit(weftex.load_exemplar("sample:bricks"))
 settled = model.method
 print(f"windows of {settled.window_width} px, a {settled.init} beginning")
 
 # `sample` gives the result alone; `measure` says what it cost as well.
 result, cost = model.measure((300, 400), seed=7)
-weft.write_image(folder / "exact_matching.png", result.image)
-weft.write_image(folder / "exact_matching_sources.png", result.draw("sources"))
+weftex.write_image(folder / "exact_matching.png", result.image)
+weftex.write_image(folder / "exact_matching_sources.png", result.draw("sources"))
 print(
     f"{folder / 'exact_matching.png'}: {cost.tested / cost.pixels:.1f} windows compared a pixel, "
     f"{cost.initialization:.2f} s for the beginning and {cost.synthesis:.2f} s for the rest"

@@ -8,7 +8,7 @@ from pathlib import Path
 
 import numpy as np
 
-import weft
+import weftex
 
 parser = argparse.ArgumentParser(description=__doc__)
 parser.add_argument("-o", "--output", type=Path, default=Path(), metavar="FOLDER")
@@ -21,9 +21,9 @@ label_map[:] = (200, 120, 40)  # leaves
 label_map[(y - 150) ** 2 + (x - 130) ** 2 < 95**2] = (120, 120, 140)  # a heap of pebbles
 label_map[y > 285 + 25 * np.sin(x / 50)] = (90, 60, 50)  # a wall at the foot
 
-samples = ["sample:leaves", "sample:pebbles", weft.load_exemplar("sample:stone_wall").pixels]
-result = weft.fuse(samples, label_map, seed=7)
+samples = ["sample:leaves", "sample:pebbles", weftex.load_exemplar("sample:stone_wall").pixels]
+result = weftex.fuse(samples, label_map, seed=7)
 
-weft.write_image(folder / "fuse_map.png", label_map)
-weft.write_image(folder / "fuse.png", result.image)
+weftex.write_image(folder / "fuse_map.png", label_map)
+weftex.write_image(folder / "fuse.png", result.image)
 print(folder / "fuse.png", result.image.shape)

@@ -8,14 +8,14 @@ from pathlib import Path
 
 import numpy as np
 
-import weft
+import weftex
 
 parser = argparse.ArgumentParser(description=__doc__)
 parser.add_argument("-o", "--output", type=Path, default=Path(), metavar="FOLDER")
 folder = parser.parse_args().output
 folder.mkdir(parents=True, exist_ok=True)
 
-sample = weft.load_exemplar("sample:pebbles")
+sample = weftex.load_exemplar("sample:pebbles")
 
 # A soft light, a disc and a slope, from 0 to 1.
 y, x = np.indices((320, 320)) / 320 - 0.5
@@ -29,18 +29,18 @@ colours = sample.pixels.reshape(-1, 3)
 colours = colours[np.argsort(colours.sum(axis=1))]
 bands = [band.mean(axis=0) for band in np.array_split(colours, 64)]
 guide = np.rint(np.array(bands)[np.rint(shape * 63).astype(int)]).astype(np.uint8)
-weft.write_image(folder / "guide.png", guide)
+weftex.write_image(folder / "guide.png", guide)
 
 for method in ("ashikhmin", "refinement"):
     for weight in (0.1, 0.3, 1.0):
-        result = weft.synthesize(
+        result = weftex.synthesize(
             sample, guide.shape[:2], method=method, guide=guide, guide_weight=weight, seed=7
         )
-        weft.write_image(folder / f"guided_{method}_{weight}.png", result.image)
+        weftex.write_image(folder / f"guided_{method}_{weight}.png", result.image)
 
 # Texture by numbers: orange leaves are 1 in the sample, and a wave is to be made of them. The map
 # could as well be painted; here it is where there is much more red than blue around.
-sample = weft.load_exemplar("sample:leaves")
+sample = weftex.load_exemplar("sample:leaves")
 red, _, blue = np.moveaxis(sample.pixels.astype(int), 2, 0)
 kernel = np.ones(15) / 15
 around = (red - blue).astype(float)
@@ -49,11 +49,11 @@ for axis in (0, 1):
 orange = (around > 75).astype(np.uint8)
 y, x = np.indices((256, 384))
 wave = (np.abs(y - 128 - 60 * np.sin(x / 40)) < 30).astype(np.uint8)
-result = weft.synthesize(
+result = weftex.synthesize(
     sample, wave.shape, method="refinement", guide=wave, sample_guide=orange, seed=3
 )
-weft.write_image(folder / "orange.png", 255 * orange)
-weft.write_image(folder / "wave.png", 255 * wave)
-weft.write_image(folder / "leaves_by_numbers.png", result.image)
+weftex.write_image(folder / "orange.png", 255 * orange)
+weftex.write_image(folder / "wave.png", 255 * wave)
+weftex.write_image(folder / "leaves_by_numbers.png", result.image)
 print(f"{folder}: guide.png and pebbles that follow it a little, more and closely; orange.png, "
       "wave.png and leaves_by_numbers.png")  # fmt: skip

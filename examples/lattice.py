@@ -6,9 +6,9 @@ python examples/lattice.py -o FOLDER
 import argparse
 from pathlib import Path
 
-import weft
-from weft.analysis.lattice import find_lattice
-from weft.analysis.overlay import draw_lattice
+import weftex
+from weftex.analysis.lattice import find_lattice
+from weftex.analysis.overlay import draw_lattice
 
 parser = argparse.ArgumentParser(description=__doc__)
 parser.add_argument("-o", "--output", type=Path, default=Path(), metavar="FOLDER")
@@ -19,7 +19,7 @@ here = Path(__file__).parent / "samples"
 names = ["sample:bricks", "sample:tiles", "sample:weave", "sample:grass"]
 names += [str(here / f"{name}.png") for name in ("fence", "gingham", "mosaic", "boards")]
 for name in names:
-    sample = weft.load_exemplar(name)
+    sample = weftex.load_exemplar(name)
     lattice = find_lattice(sample)
     short = Path(name.removeprefix("sample:")).stem
     if lattice is None:
@@ -27,4 +27,4 @@ for name in names:
         continue
     vectors = " ".join(f"[{x:7.2f}, {y:7.2f}]" for x, y in lattice.vectors)
     print(f"{short:8} {vectors:40} confidence {lattice.confidence:.2f}")
-    weft.write_image(folder / f"lattice_{short}.png", draw_lattice(sample, lattice))
+    weftex.write_image(folder / f"lattice_{short}.png", draw_lattice(sample, lattice))

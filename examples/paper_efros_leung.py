@@ -1,11 +1,11 @@
-"""The figures of non-parametric sampling, made again with weft.
+"""The figures of non-parametric sampling, made again with weftex.
 
 python examples/paper_efros_leung.py FIGURE -o FOLDER
 
 Figures: fig1 fig2 fig3, which are those of the comparison of non-parametric sampling and TSVQ
 (section III.A), and surfaces; `all` makes every one. The method is that of A. A. Efros and
 T. K. Leung, Texture synthesis by non-parametric sampling, ICCV 1999.
-Needs Pillow and SciPy beside weft: pip install 'weft[test]'.
+Needs Pillow and SciPy beside weftex: pip install 'weftex[test]'.
 """
 
 from __future__ import annotations
@@ -20,7 +20,7 @@ from paper_patch_sampling import load, sheet, shrunk
 from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
 
-import weft
+import weftex
 
 
 def rings(side: int, seed: int) -> np.ndarray:
@@ -35,8 +35,8 @@ def rings(side: int, seed: int) -> np.ndarray:
     return np.clip(picture, 0, 255).astype(np.uint8)
 
 
-def grow(pixels: np.ndarray, size: int, width: int, seed: int = 1) -> weft.Synthesis:
-    return weft.synthesize(pixels, size, method="efros-leung", window_width=width, seed=seed)
+def grow(pixels: np.ndarray, size: int, width: int, seed: int = 1) -> weftex.Synthesis:
+    return weftex.synthesize(pixels, size, method="efros-leung", window_width=width, seed=seed)
 
 
 def fig1(folder: Path, suffix: str) -> None:
@@ -62,13 +62,13 @@ def fig2(folder: Path, suffix: str) -> None:
         photo = load(name, 160)
         empty = np.where(hole.reshape(160, 160, *(1,) * (photo.ndim - 2)), 0, photo)
         empty = empty.astype(np.uint8)
-        filled = weft.fill(empty, hole, method="efros-leung", window_width=width, seed=2).image
+        filled = weftex.fill(empty, hole, method="efros-leung", window_width=width, seed=2).image
         assert (filled[~hole] == photo[~hole]).all()
         rows.append([("texture", photo), ("hole", empty), (f"filled, width {width}", filled)])
     sheet(folder / f"fig2_efros_leung{suffix}", rows)
 
 
-def pieces(result: weft.Synthesis) -> np.ndarray:
+def pieces(result: weftex.Synthesis) -> np.ndarray:
     """Size of the piece copied as a whole that each pixel belongs to."""
     source = result.source.astype(np.int64)
     height, width = source.shape[:2]

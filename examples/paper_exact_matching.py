@@ -1,11 +1,11 @@
-"""The figures and the table of exact neighborhood matching, made again with weft.
+"""The figures and the table of exact neighborhood matching, made again with weftex.
 
 python examples/paper_exact_matching.py EXPERIMENT -o FOLDER
 
 Experiments that draw a picture: fig6 fig7 fig8 fig10 fig13 levels; that print a table and write it
 as Markdown: table1 fig9 grouping; `all` runs every one. M. Sabha, P. Peers and P. Dutré, Texture
 synthesis using exact neighborhood matching, Computer Graphics Forum 26(2), 2007.
-Needs Pillow beside weft: pip install 'weft[test]'.
+Needs Pillow beside weftex: pip install 'weftex[test]'.
 """
 
 from __future__ import annotations
@@ -20,11 +20,11 @@ import numpy as np
 from paper_patch_sampling import Table, as_markdown, load, sheet, shrunk
 from PIL import Image
 
-import weft
-from weft.search import _window_kernels as kernels
-from weft.search.windows import windows_of
+import weftex
+from weftex.search import window_kernels as kernels
+from weftex.search.windows import windows_of
 
-#: What the paper does and weft does not by default.
+#: What the paper does and weftex does not by default.
 PAPER: dict[str, Any] = {"repeat_distance": 0, "tolerance": 0.0}
 
 
@@ -58,7 +58,7 @@ def brute_force(pixels: np.ndarray, width: int, count: int) -> float:
     No comparison ends early, and choosing from the distances is not counted.
     """
     half = width // 2
-    windows = windows_of(weft.Exemplar(pixels), (half, 0, half, half))
+    windows = windows_of(weftex.Exemplar(pixels), (half, 0, half, half))
     runs = np.zeros((width * (half + 2), 3), np.int32)
     done = np.ones((2 * half + 1, 2 * half + 17), np.uint8)
     canvas = np.resize(pixels, (*done.shape, 3))
@@ -86,7 +86,7 @@ extrapolated from 16 pixels. The paper's seconds are of an AMD64 4000+ (2.4 GHz)
         runs = []
         for seed in (1, 2, 3):
             start = perf_counter()
-            model = weft.ExactMatching(window_width=width, **PAPER).fit(weft.Exemplar(pixels))
+            model = weftex.ExactMatching(window_width=width, **PAPER).fit(weftex.Exemplar(pixels))
             analysis = perf_counter() - start
             _, cost = model.measure(400, seed=seed)
             tested = cost.tested / cost.pixels
@@ -104,12 +104,12 @@ extrapolated from 16 pixels. The paper's seconds are of an AMD64 4000+ (2.4 GHz)
 
 
 def fig6(folder: Path, suffix: str) -> None:
-    """Results for the rows of Table 1, with weft's own defaults but the window."""
+    """Results for the rows of Table 1, with weftex's own defaults but the window."""
     rows: list[list[tuple[str, np.ndarray]]] = []
     for n, (label, (pixels, width, _)) in enumerate(samples().items()):
         if n % 2 == 0:
             rows.append([])
-        made = weft.synthesize(
+        made = weftex.synthesize(
             pixels, 256, method="exact-matching", window_width=width, seed=1
         ).image
         rows[-1] += [(f"({label}) {pixels.shape[1]} px", pixels), (f"window {width}", made)]
@@ -123,8 +123,8 @@ def fig7(folder: Path, suffix: str) -> None:
         pixels = crop(name, 96)
         row = [("sample", pixels)]
         for tolerance in (0, 0.01, 0.05, 0.2, 1):
-            method = weft.ExactMatching(window_width=width, **PAPER | {"tolerance": tolerance})
-            made = method.fit(weft.Exemplar(pixels)).sample(140, seed=1).image
+            method = weftex.ExactMatching(window_width=width, **PAPER | {"tolerance": tolerance})
+            made = method.fit(weftex.Exemplar(pixels)).sample(140, seed=1).image
             row.append((f"tolerance {100 * tolerance:g} %", made))
         rows.append(row)
     sheet(folder / f"fig7_exact_matching{suffix}", rows)
@@ -146,8 +146,8 @@ def fig8(folder: Path, suffix: str) -> None:
         row = [("sample", pixels)]
         for tolerance in (0.0, 0.005, 0.01, 0.02):
             settings = PAPER | {"tolerance": tolerance, "init": "random"}
-            method = weft.ExactMatching(window_width=width, **settings)
-            made = method.fit(weft.Exemplar(pixels)).sample(180, seed=1).image
+            method = weftex.ExactMatching(window_width=width, **settings)
+            made = method.fit(weftex.Exemplar(pixels)).sample(180, seed=1).image
             row.append((f"tolerance {100 * tolerance:g} %", made))
         rows.append(row)
     sheet(folder / f"fig8_exact_matching{suffix}", rows)
@@ -161,8 +161,8 @@ each. At 100 % every window is compared, with early ends.
 """
     rows = []
     for tolerance in (0, 0.002, 0.005, 0.01, 0.02, 0.05, 0.1, 0.2, 0.5, 1):
-        method = weft.ExactMatching(window_width=15, **PAPER | {"tolerance": tolerance})
-        model = method.fit(weft.Exemplar(crop("pebbles", 96)))
+        method = weftex.ExactMatching(window_width=15, **PAPER | {"tolerance": tolerance})
+        model = method.fit(weftex.Exemplar(crop("pebbles", 96)))
         _, cost = model.measure(128, seed=1)
         seconds = cost.initialization + cost.synthesis
         tested = f"{cost.tested / cost.pixels:.1f}"
@@ -188,9 +188,9 @@ windows whose root mean square difference is at most the given share of the rang
     for label, (pixels, width) in cases.items():
         for limit in (0, 0.02, 0.05):
             start = perf_counter()
-            model = weft.ExactMatching(
+            model = weftex.ExactMatching(
                 window_width=width, grouping=limit, init="random", **PAPER
-            ).fit(weft.Exemplar(pixels))
+            ).fit(weftex.Exemplar(pixels))
             analysis = perf_counter() - start
             _, cost = model.measure(200, seed=1)
             tested = f"{cost.tested / cost.pixels:.1f}"
@@ -203,8 +203,8 @@ def fig10(folder: Path, suffix: str) -> None:
     """Where pixels come from, below the band of the initialisation in black."""
     rows = []
     for name, width in (("pebbles", 31), ("leaves", 31), ("weave", 31), ("bricks", 61)):
-        sample = weft.Exemplar(crop(name, 192))
-        model = weft.ExactMatching(window_width=width).fit(sample)
+        sample = weftex.Exemplar(crop(name, 192))
+        model = weftex.ExactMatching(window_width=width).fit(sample)
         result = model.sample(240, seed=1)
         band = np.zeros((width // 2, 240, 3), np.uint8)
         row = [("sample", sample.pixels), (model.method.init, result.image)]
@@ -215,13 +215,13 @@ def fig10(folder: Path, suffix: str) -> None:
 
 
 def fig13(folder: Path, suffix: str) -> None:
-    """More results, everything as weft proposes it."""
+    """More results, everything as weftex proposes it."""
     rows: list[list[tuple[str, np.ndarray]]] = []
     for n, name in enumerate(("weave", "pebbles", "tiles", "leaves", "stone_wall", "grass")):
         if n % 3 == 0:
             rows.append([])
         pixels = crop(name, 160)
-        made = weft.synthesize(pixels, 240, method="exact-matching", seed=1).image
+        made = weftex.synthesize(pixels, 240, method="exact-matching", seed=1).image
         rows[-1] += [("sample", pixels), ("exact-matching", made)]
     sheet(folder / f"fig13_exact_matching{suffix}", rows)
 
@@ -233,8 +233,8 @@ def levels(folder: Path, suffix: str) -> None:
         pixels = crop(name, 192)
         row = [("sample", pixels)]
         for count in (1, 2, 3):
-            method = weft.ExactMatching(window_width=15, levels=count)
-            made = method.fit(weft.Exemplar(pixels)).sample(240, seed=1).image
+            method = weftex.ExactMatching(window_width=15, levels=count)
+            made = method.fit(weftex.Exemplar(pixels)).sample(240, seed=1).image
             row.append((f"levels {count}", made))
         rows.append(row)
     sheet(folder / f"levels_exact_matching{suffix}", rows)

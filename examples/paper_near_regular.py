@@ -1,14 +1,14 @@
-"""The experiments of the thesis on near-regular textures, run again with weft.
+"""The experiments of the thesis on near-regular textures, run again with weftex.
 
 python examples/paper_near_regular.py EXPERIMENT -o FOLDER
 
 Experiments: fig410 (both ways of matching), fig411 (after gap filling, and a repeated tile), fig413
-(blending), fig52 (5.2 to 5.9: every near-regular sample by repetition, thesis, weft and quilting),
+(blending), fig52 (5.2 to 5.9: near-regular samples by repetition, thesis, weftex and quilting),
 fig510 (where joints broke), fig511 (fractions and bent samples), fig512 (wide blending), fig513
 (5.13 to 5.17: every other sample, unconstrained), blocks (section 5.2: block sizes), holes and
-figures (what weft.assess says of fig52 and fig513), which are not in the thesis; `all` runs every
+figures (what weftex.assess says of fig52 and fig513), which are not in the thesis; `all` runs every
 one. Figures are those of the thesis: 410 is 4.10.
-Needs Pillow beside weft: pip install 'weft[test]'.
+Needs Pillow beside weftex: pip install 'weftex[test]'.
 """
 
 from __future__ import annotations
@@ -21,7 +21,7 @@ from typing import Any
 import numpy as np
 from paper_patch_sampling import load, sheet, shrunk
 
-import weft
+import weftex
 
 REGULAR = ("bricks", "tiles", "weave")
 ALL_REGULAR = (
@@ -46,7 +46,7 @@ def opaque(pixels: np.ndarray) -> np.ndarray:
 
 def make(pixels: np.ndarray, size: int = 256, **parameters: Any) -> np.ndarray:
     method = parameters.pop("method", "near-regular")
-    return weft.synthesize(pixels, size, method=method, seed=1, **parameters).image
+    return weftex.synthesize(pixels, size, method=method, seed=1, **parameters).image
 
 
 def paper(pixels: np.ndarray, **parameters: Any) -> np.ndarray:
@@ -118,7 +118,7 @@ def compared(pixels: np.ndarray, ways: dict[str, dict[str, Any]]) -> dict[str, n
 
 
 def fig52(folder: Path) -> None:
-    """Every near-regular sample: repeated, its best tile, the thesis, weft, quilting."""
+    """Every near-regular sample: repeated, its best tile, the thesis, weftex, quilting."""
     lines = []
     for name in ALL_REGULAR:
         made = compared(small(name), WAYS)
@@ -149,14 +149,14 @@ def fig511(folder: Path) -> None:
     straight = small("tiles")
     bend = np.rint(2 * np.sin(np.arange(len(straight)) * 2 * np.pi / 60)).astype(int)
     bent = np.stack([np.roll(row, b, axis=0) for row, b in zip(straight, bend, strict=True)])
-    lattice = weft.NearRegular().fit(weft.Exemplar(straight)).method.lattice
+    lattice = weftex.NearRegular().fit(weftex.Exemplar(straight)).method.lattice
     mended = make(bent, lattice=lattice, rectify=3)
     lines.append([bent, make(bent, lattice=lattice, rectify=0), mended])
     rows(folder, "fig511", "sample, rounded or bent, mended", lines)
 
 
 def fig512(folder: Path) -> None:
-    """Blended over 4 pixels, over 28, and as wide as weft chooses: uneven light."""
+    """Blended over 4 pixels, over 28, and as wide as weftex chooses: uneven light."""
     s = small("bricks").astype(float)
     light = np.linspace(0.6, 1.3, s.shape[1])[None, :, None]
     s = np.clip(s * light, 0, 255).astype(np.uint8)
@@ -171,24 +171,24 @@ def fig512(folder: Path) -> None:
 
 
 def fig513(folder: Path) -> None:
-    """Every other sample, unconstrained: the thesis's preset, weft's defaults, and quilting."""
+    """Every other sample, unconstrained: the thesis's preset, weftex's defaults, and quilting."""
     lines = [list(compared(small(name), FREE).values()) for name in IRREGULAR]
     rows(folder, "fig513", ", ".join(["sample", *FREE]), lines)
 
 
 def figures(folder: Path) -> None:
-    """What weft.assess says of the pictures of fig52 and fig513, as a table in Markdown."""
+    """What weftex.assess says of the pictures of fig52 and fig513, as a table in Markdown."""
     text = ""
     for title, names, ways in (("near-regular", ALL_REGULAR, WAYS), ("others", IRREGULAR, FREE)):
         text += f"| {title} | {' | '.join(['repeated', *ways])} |\n{'|---' * (len(ways) + 2)}|\n"
         found = []
         for name in names:
             sample = small(name)
-            scores = [weft.assess(sample, *repeated(sample)).score]
+            scores = [weftex.assess(sample, *repeated(sample)).score]
             for way in ways.values():
                 settings = {"method": "near-regular"} | way
-                result = weft.synthesize(sample, 256, seed=1, **settings)
-                scores.append(weft.assess(result.exemplar, result).score)
+                result = weftex.synthesize(sample, 256, seed=1, **settings)
+                scores.append(weftex.assess(result.exemplar, result).score)
             found.append(scores)
             text += f"| {name} | {' | '.join(f'{score:.2f}' for score in scores)} |\n"
         means = np.mean(found, axis=0)
@@ -217,7 +217,7 @@ def holes(folder: Path) -> None:
         photo = np.broadcast_to(photo, (256, 256, 3))
         shown = np.where(hole[..., None], np.uint8([255, 0, 255]), photo)
         filled = [
-            weft.fill(photo, hole, method=method, seed=1).image
+            weftex.fill(photo, hole, method=method, seed=1).image
             for method in ("patch-sampling", "quilting", "near-regular")
         ]
         lines.append([shown, *filled])

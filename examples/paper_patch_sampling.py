@@ -1,11 +1,11 @@
-"""The experiments of the patch-based sampling paper, run again with weft.
+"""The experiments of the patch-based sampling paper, run again with weftex.
 
 python examples/paper_patch_sampling.py EXPERIMENT -o FOLDER
 
 Experiments that draw a picture: fig4 fig6 fig7 fig8 fig15 fig16 fig17; that print a table and write
 it as Markdown: copying edges table1; `all` runs every one. L. Liang, C. Liu, Y.-Q. Xu, B. Guo and
 H.-Y. Shum, Real-time texture synthesis by patch-based sampling, ACM Transactions on Graphics, 2001.
-Needs Pillow and SciPy beside weft: pip install 'weft[test]'.
+Needs Pillow and SciPy beside weftex: pip install 'weftex[test]'.
 """
 
 from __future__ import annotations
@@ -19,18 +19,18 @@ from typing import Any
 import numpy as np
 from PIL import Image, ImageDraw, ImageFont
 
-import weft
+import weftex
 
 HERE = Path(__file__).parent
 SAMPLES = ("bricks", "grass", "leaves", "pebbles", "stone_wall", "tiles", "weave", "wood")
-#: What the paper does and weft does not by default; its zones are "typically four pixels wide".
+#: What the paper does and weftex does not by default; its zones are "typically four pixels wide".
 PAPER: dict[str, Any] = {"repeat_distance": 0, "boundary_width": 4}
 
 
 def load(name: str, side: int | None = None) -> np.ndarray:
-    """Pixels of a sample that ships with weft or lies in examples/samples, or a crop of them."""
+    """Pixels of a sample that ships with weftex or lies in examples/samples, or a crop of them."""
     own = HERE / "samples" / f"{name}.png"
-    pixels = weft.load_exemplar(own if own.exists() else f"sample:{name}").pixels
+    pixels = weftex.load_exemplar(own if own.exists() else f"sample:{name}").pixels
     return np.ascontiguousarray(pixels[:side, :side])
 
 
@@ -42,7 +42,7 @@ def shrunk(pixels: np.ndarray, factor: int) -> np.ndarray:
 
 
 def make(pixels: np.ndarray, size: Any, seed: int = 1, **parameters: Any) -> np.ndarray:
-    return weft.synthesize(pixels, size, seed=seed, **parameters).image
+    return weftex.synthesize(pixels, size, seed=seed, **parameters).image
 
 
 # ------------------------------------------------------------------------------------- pictures
@@ -78,7 +78,7 @@ def fig4(folder: Path, suffix: str) -> None:
         hole = np.zeros(photo.shape[:2], bool)
         hole[64:192, 64:192] = True
         empty = np.where(hole[..., None], 0, photo).astype(np.uint8)
-        filled = weft.fill(empty, hole, seed=1).image
+        filled = weftex.fill(empty, hole, seed=1).image
         assert (filled[~hole] == photo[~hole]).all()
         rows.append([("(a) texture", photo), ("(b) hole", empty), ("(c) filled", filled)])
     sheet(folder / f"fig4{suffix}", rows)
@@ -187,7 +187,7 @@ def as_markdown(table: Table) -> str:
     return "\n".join([*notes.strip().splitlines(), "", *lines, ""])
 
 
-def largest_copy(result: weft.Synthesis) -> float:
+def largest_copy(result: weftex.Synthesis) -> float:
     """Area of the largest connected region copied with one offset, over the sample's area."""
     from scipy.sparse import coo_matrix
     from scipy.sparse.csgraph import connected_components
@@ -216,7 +216,7 @@ mean half of the sample. The paper names no share and found 93 % without.
 """
     settings: dict[str, dict[str, Any]] = {
         "paper's (repeat_distance 0)": PAPER,
-        "weft's": {},
+        "weftex's": {},
         "quilting": {"method": "quilting"},
     }
     limits = (0.25, 1 / 3, 0.5, 0.75)
@@ -224,9 +224,11 @@ mean half of the sample. The paper names no share and found 93 % without.
     for label, parameters in settings.items():
         copies = []
         for name in SAMPLES:
-            sample = weft.Exemplar(load(name, 128))
+            sample = weftex.Exemplar(load(name, 128))
             for k in range(25):
-                result = weft.synthesize(sample, 216, seed=k, patch_size=32 + k // 2, **parameters)
+                result = weftex.synthesize(
+                    sample, 216, seed=k, patch_size=32 + k // 2, **parameters
+                )
                 copies.append(largest_copy(result))
         at = np.array(copies)
         shares = [f"{100 * (at <= limit).mean():.0f} %" for limit in limits]
@@ -277,7 +279,7 @@ def turned(pixels: np.ndarray) -> np.ndarray:
     return np.ascontiguousarray(pixels.swapaxes(0, 1))
 
 
-def continuity(result: weft.Synthesis, zone: int, limits: Sequence[float]) -> tuple[float, float]:
+def continuity(result: weftex.Synthesis, zone: int, limits: Sequence[float]) -> tuple[float, float]:
     """Share of the outlines at one side of the seams that arrive at the other; how many a pixel."""
     total, length = np.zeros(2, int), 0
     size = result.weights.shape[1]
@@ -325,12 +327,12 @@ whose S and R are close (weave, leaves, pebbles, grass) cannot be measured so.
     for epsilon in (0.2, 0.05):
         mean = []
         for name in ("bricks", "tiles", "fishscale", "cobbles", "perspective", "stone_wall"):
-            exemplar = weft.Exemplar(load(name, 192))
+            exemplar = weftex.Exemplar(load(name, 192))
             own, density, limits = own_continuity(exemplar.pixels, zone)
 
             def shares(**parameters: Any) -> np.ndarray:
                 settings = PAPER | {"patch_size": 40, "boundary_width": zone} | parameters
-                model = weft.PatchSampling(**settings).fit(exemplar)  # noqa: B023
+                model = weftex.PatchSampling(**settings).fit(exemplar)  # noqa: B023
                 made = (model.sample(320, seed=k) for k in range(seeds))
                 return np.array([continuity(result, zone, limits) for result in made])  # noqa: B023
 
@@ -367,15 +369,15 @@ of {len(SAMPLES)} samples, all searches of a trial in turn. The paper's times ar
 and means of 500 trials. "x" is how many times shorter synthesis is than with the exhaustive search.
 """
     searches = ("exhaustive", "quadtree", "kdtree", "kdtree-pca", "pca")
-    method = {s: weft.PatchSampling(patch_size=32, search=s, **PAPER) for s in searches}
-    method["pca, weft's defaults"] = weft.PatchSampling()
+    method = {s: weftex.PatchSampling(patch_size=32, search=s, **PAPER) for s in searches}
+    method["pca, weftex's defaults"] = weftex.PatchSampling()
     times: dict[str, list[tuple[float, float]]] = {label: [] for label in method}
     for name in SAMPLES:
         sample = load(name, 128)
         for trial in range(trials + 1):
             for label, chosen in method.items():
                 start = perf_counter()
-                model = chosen.fit(weft.Exemplar(sample))
+                model = chosen.fit(weftex.Exemplar(sample))
                 middle = perf_counter()
                 _ = model.sample(200, seed=trial).image
                 if trial:  # the first warms caches up
@@ -390,7 +392,7 @@ and means of 500 trials. "x" is how many times shorter synthesis is than with th
             cells = [f"{1e3 * paper[0]:.0f} ms", f"{1e3 * paper[1]:.0f} ms", f"{ratio:.1f} x"]
         ratio = ours["exhaustive"][1] / sample_time
         rows.append([label, *cells, f"{fit:.1f} ms", f"{sample_time:.2f} ms", f"{ratio:.1f} x"])
-    head = ["search", "paper: analysis", "synthesis", "x", "weft: analysis", "synthesis", "x"]
+    head = ["search", "paper: analysis", "synthesis", "x", "weftex: analysis", "synthesis", "x"]
     return notes, head, rows
 
 

@@ -1,11 +1,11 @@
-"""The experiments of the paper on texture refinement, run again with weft.
+"""The experiments of the paper on texture refinement, run again with weftex.
 
 python examples/paper_refinement.py EXPERIMENT -o FOLDER
 
 Experiments that draw a picture: fig4 fig5 fig7 fig8 fig9 fig12 fig13 density evenness coherence
 init; that print a table and write it as Markdown: table1 (takes a minute); `all` runs every one.
 Figures are those of the paper on iterative texture refinement and texture fusion; density is of
-its section 6. Needs Pillow beside weft: pip install 'weft[test]'.
+its section 6. Needs Pillow beside weftex: pip install 'weftex[test]'.
 """
 
 from __future__ import annotations
@@ -20,17 +20,17 @@ import numpy as np
 from paper_patch_sampling import Table, as_markdown, load, sheet
 from PIL import Image, ImageDraw
 
-import weft
-from weft.analysis.scale import dominant_scale
-from weft.methods.seed_points import plant_seeds
-from weft.search.windows import windows_of
+import weftex
+from weftex.analysis.scale import dominant_scale
+from weftex.methods.refinement.seed_points import plant_seeds
+from weftex.search.windows import windows_of
 
-#: What the paper does and weft does not by default.
+#: What the paper does and weftex does not by default.
 PAPER: dict[str, Any] = {"search": "pca", "init": "seeds"}
 
 
-def make(pixels: np.ndarray, size: Any = 200, **parameters: Any) -> weft.Synthesis:
-    return weft.synthesize(pixels, size, method="refinement", seed=1, **parameters)
+def make(pixels: np.ndarray, size: Any = 200, **parameters: Any) -> weftex.Synthesis:
+    return weftex.synthesize(pixels, size, method="refinement", seed=1, **parameters)
 
 
 def curve(
@@ -62,7 +62,7 @@ def fig4(folder: Path, suffix: str) -> None:
     rows = []
     for name in ("pebbles", "weave", "grass"):
         sample = load(name, 192)
-        found = dominant_scale(weft.Exemplar(sample))
+        found = dominant_scale(weftex.Exemplar(sample))
         shown = sample.copy()
         side = round(found.scale)
         shown[8 : 8 + side, 8], shown[8 : 8 + side, 8 + side] = 255, 255
@@ -78,7 +78,7 @@ def fig5(folder: Path, suffix: str) -> None:
     rows = []
     for name in ("pebbles", "weave"):
         sample = load(name, 192)
-        exemplar = weft.Exemplar(sample)
+        exemplar = weftex.Exemplar(sample)
         scale = max(1, round(dominant_scale(exemplar).scale))
         plain = windows_of(exemplar, (0, 0, 0, 0))
         places, *_ = plant_seeds(plain, (192, 192), (False, False), scale, 5, seed=1)
@@ -143,7 +143,7 @@ def fig12(folder: Path, suffix: str) -> None:
         empty[hole] = 0
         row = [("hole", empty)]
         for label, how in (("from quilting", {}), ("from seeds", {"init": "seeds"})):
-            filled = weft.fill(empty, hole, method="refinement", seed=1, **how).image
+            filled = weftex.fill(empty, hole, method="refinement", seed=1, **how).image
             assert (filled[~hole] == photo[~hole]).all()
             row.append((label, filled))
         rows.append(row)
@@ -157,7 +157,7 @@ def fig13(folder: Path, suffix: str) -> None:
         sample = load(name, 192)
         row = [("sample", sample)]
         for method in ("quilting", "graphcut"):
-            made = weft.synthesize(sample, 224, method=method, seed=1).image
+            made = weftex.synthesize(sample, 224, method=method, seed=1).image
             row.append((method, made))
             row.append(("its joints refined", make(sample, 224, init=method, joints=24).image))
         rows.append(row)
@@ -226,14 +226,14 @@ are of the last iteration.
     rows = []
     make(load("pebbles", 64), 64)  # what is loaded at first use
     for side in (128, 192):
-        exemplar = weft.Exemplar(load("pebbles", side))
+        exemplar = weftex.Exemplar(load("pebbles", side))
         for label, how in (
             ("default", {}),
             ('init="seeds"', {"init": "seeds"}),
             ('search="pca"', {**PAPER, "threshold": 0.0}),
         ):
             start = process_time()
-            model = weft.Refinement(**how).fit(exemplar)
+            model = weftex.Refinement(**how).fit(exemplar)
             middle = process_time()
             result = model.sample(200, seed=1)
             times = f"{middle - start:.2f} s", f"{process_time() - middle:.2f} s"

@@ -1,4 +1,4 @@
-"""The experiments of Wei and Levoy's paper, run again with weft.
+"""The experiments of Wei and Levoy's paper, run again with weftex.
 
 python examples/paper_wei_levoy.py EXPERIMENT -o FOLDER
 
@@ -6,7 +6,7 @@ Experiments that draw a picture: surfaces levels windows search constrained tile
 that print a table and write it as Markdown: times; `all` runs every one. Seconds are of processor
 time. L.-Y. Wei and M. Levoy, Fast texture synthesis using tree-structured vector quantization,
 SIGGRAPH 2000.
-Needs Pillow beside weft: pip install 'weft[test]'.
+Needs Pillow beside weftex: pip install 'weftex[test]'.
 """
 
 from __future__ import annotations
@@ -21,7 +21,7 @@ from typing import Any
 import numpy as np
 from paper_patch_sampling import Table, as_markdown, load, sheet
 
-import weft
+import weftex
 
 #: A picture and its label.
 Labelled = tuple[str, np.ndarray]
@@ -29,11 +29,11 @@ Labelled = tuple[str, np.ndarray]
 
 def timed(pixels: np.ndarray, size: Any, trials: int = 1, **parameters: Any) -> tuple[Any, ...]:
     """A result with the seconds that analysis and synthesis took, medians of the trials."""
-    method = weft.METHODS[parameters.pop("method", "wei-levoy")](**parameters)
+    method = weftex.METHODS[parameters.pop("method", "wei-levoy")](**parameters)
     fits, samples = [], []
     for _ in range(trials):
         start = process_time()
-        model = method.fit(weft.Exemplar(pixels))
+        model = method.fit(weftex.Exemplar(pixels))
         middle = process_time()
         result = model.sample(size, seed=1)
         fits.append(middle - start)
@@ -53,8 +53,8 @@ def surfaces(folder: Path, suffix: str) -> None:
     """Sample, output and where each pixel comes from, with the defaults."""
     rows = []
     for name in ("weave", "pebbles", "bricks"):
-        exemplar = weft.load_exemplar(f"sample:{name}")
-        result = weft.WeiLevoy().fit(exemplar).sample(256, seed=1)
+        exemplar = weftex.load_exemplar(f"sample:{name}")
+        result = weftex.WeiLevoy().fit(exemplar).sample(256, seed=1)
         sources = result.draw("sources")
         rows.append(
             [("sample", exemplar.pixels), ("wei-levoy", result.image), ("sources", sources)]
@@ -121,7 +121,7 @@ def constrained(folder: Path, suffix: str) -> None:
             "full search": {"search": "full"},
         }.items():
             start = process_time()
-            filled = weft.fill(empty, hole, method="wei-levoy", seed=1, **how).image
+            filled = weftex.fill(empty, hole, method="wei-levoy", seed=1, **how).image
             assert (filled[~hole] == photo[~hole]).all()
             row.append((f"{label}, {process_time() - start:.2f} s", filled))
         rows.append(row)
@@ -131,7 +131,7 @@ def constrained(folder: Path, suffix: str) -> None:
 def tileable(folder: Path, suffix: str) -> None:
     """Twice as high and wide: the causal pass alone, and with the border gone over again."""
 
-    def twice(result: weft.Synthesis) -> np.ndarray:
+    def twice(result: weftex.Synthesis) -> np.ndarray:
         return np.tile(result.image, (2, 2, 1))
 
     rows = []
@@ -139,7 +139,7 @@ def tileable(folder: Path, suffix: str) -> None:
         sample = load(name, 160)
         row = [("sample", sample)]
         for count in (1, 3):
-            model = weft.WeiLevoy(levels=count).fit(weft.Exemplar(sample))
+            model = weftex.WeiLevoy(levels=count).fit(weftex.Exemplar(sample))
             plain, closed = (model.sample(96, seed=2, tileable=wrap) for wrap in (False, True))
             row.append((f"levels {count}, one causal pass", twice(plain)))
             row.append((f"levels {count}, tileable", twice(closed)))

@@ -6,19 +6,19 @@ python examples/refinement.py -o FOLDER
 import argparse
 from pathlib import Path
 
-import weft
+import weftex
 
 parser = argparse.ArgumentParser(description=__doc__)
 parser.add_argument("-o", "--output", type=Path, default=Path(), metavar="FOLDER")
 folder = parser.parse_args().output
 folder.mkdir(parents=True, exist_ok=True)
 
-sample = weft.load_exemplar("sample:stone_wall")
-model = weft.Refinement().fit(sample)
+sample = weftex.load_exemplar("sample:stone_wall")
+model = weftex.Refinement().fit(sample)
 result = model.sample((384, 512), seed=7)
 
-weft.write_image(folder / "refinement.png", result.image)
-weft.write_image(folder / "refinement_sources.png", result.draw("sources"))
+weftex.write_image(folder / "refinement.png", result.image)
+weftex.write_image(folder / "refinement_sources.png", result.draw("sources"))
 curve = result.provenance["convergence"]
 print(f"{folder / 'refinement.png'}: windows of {model.method.window_width} px")
 print(f"{len(curve)} iterations on {len(model.levels)} levels; the last changed "

@@ -6,7 +6,7 @@ python examples/report.py -o FOLDER
 import argparse
 from pathlib import Path
 
-import weft
+import weftex
 
 parser = argparse.ArgumentParser(description=__doc__)
 parser.add_argument("-o", "--output", type=Path, default=Path(), metavar="FOLDER")
@@ -15,10 +15,10 @@ folder.mkdir(parents=True, exist_ok=True)
 
 # Patches of 8 pixels are too small for pebbles.
 for patch_size in (None, 8):
-    made = weft.synthesize(
+    made = weftex.synthesize(
         "sample:pebbles", 256, method="quilting", patch_size=patch_size, seed=1, tileable=True
     )
-    found = weft.report("sample:pebbles", made)
+    found = weftex.report("sample:pebbles", made)
     figures = found.assessment
     print(f"patch size {patch_size or 'by sample'}: score {figures.score:.2f}")
     print(f"  {figures.verdict()}")

@@ -16,14 +16,14 @@ sys.path.insert(0, str(Path(__file__).parent))
 
 # The same examples everywhere and every time, however slow the machine.
 hypothesis.settings.register_profile(
-    "weft",
+    "weftex",
     deadline=None,
     derandomize=True,
     database=None,
     max_examples=25,
     suppress_health_check=[hypothesis.HealthCheck.too_slow],
 )
-hypothesis.settings.load_profile("weft")
+hypothesis.settings.load_profile("weftex")
 
 
 @pytest.fixture

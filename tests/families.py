@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-import weft
+import weftex
 
 DTYPES = (np.uint8, np.uint16, np.float32, np.float64)
 #: Every dtype and every number of channels (None: two axes), though not each with each.
@@ -168,12 +168,12 @@ TRIALS = {
 }
 
 #: Every method that has a line above; that all have one is a test of its own.
-METHODS = [slug for slug in weft.METHODS if slug in TRIALS]
+METHODS = [slug for slug in weftex.METHODS if slug in TRIALS]
 
 
 def kinds_of(slug: str, way: str = "") -> list[str]:
     """The kinds of canvas that a method declares, and does in this way."""
-    supports, kinds = weft.METHODS[slug].supports, ["plain"]
+    supports, kinds = weftex.METHODS[slug].supports, ["plain"]
     kinds += ["x", "y", "xy"] * ("wrap" in supports)
     kinds += ["hole"] * ("known" in supports)
     kinds += ["wrapped hole"] * (supports >= {"known", "wrap"})
@@ -210,11 +210,11 @@ def every(*axes: str, family: str | None = None, kinds: Any = None) -> Any:
     )
 
 
-def method_of(slug: str, way: str | None = None, **parameters: Any) -> weft.Method:
+def method_of(slug: str, way: str | None = None, **parameters: Any) -> weftex.Method:
     """The method with small parameters, those of the way, and these."""
     trial = TRIALS[slug]
     way_of = {} if way is None else trial.ways[way]
-    return weft.METHODS[slug](**trial.small | way_of | parameters)
+    return weftex.METHODS[slug](**trial.small | way_of | parameters)
 
 
 def noise(shape: Any, dtype: Any = np.uint8, seed: int = 2) -> Any:
@@ -237,21 +237,21 @@ def with_guides(exemplar: Any, size: tuple[int, int], rng: Any) -> Any:
     return exemplar.with_guide(own.astype(dtype)), guide.astype(dtype)
 
 
-def canvas_of(kind: str, pixels: Any, size: tuple[int, int] = (40, 37)) -> weft.Canvas:
+def canvas_of(kind: str, pixels: Any, size: tuple[int, int] = (40, 37)) -> weftex.Canvas:
     """A canvas of this kind; a hole's surroundings, and a guide, are pixels of the same sort."""
     if kind in WRAPS:
-        return weft.Canvas(*size, WRAPS[kind])
+        return weftex.Canvas(*size, WRAPS[kind])
     other = np.resize(pixels[::-1], (*size, *pixels.shape[2:])).astype(pixels.dtype)
     if kind == "guide":
-        return weft.Canvas(*size, guide=other)
+        return weftex.Canvas(*size, guide=other)
     y, x = np.indices(size)
     hole = (y - 18) ** 2 + (x - 15) ** 2 < 90
     hole[-3:, 25:] = True  # touches the border
     hole[:2, 30:33] = True
     other[hole] = 0
-    return weft.Canvas(*size, (kind == "wrapped hole",) * 2, known=other, hole=hole)
+    return weftex.Canvas(*size, (kind == "wrapped hole",) * 2, known=other, hole=hole)
 
 
-def made(result: weft.Synthesis) -> Any:
+def made(result: weftex.Synthesis) -> Any:
     """True where a pixel was made and not known."""
     return np.ones(result.shape, bool) if result.canvas.hole is None else result.canvas.hole

@@ -1,8 +1,8 @@
-"""Slow, obvious twins of weft's kernels and orderings, written from the definitions.
+"""Slow, obvious twins of weftex's kernels and orderings, written from the definitions.
 
 "Section", "equation" and "figure" are those of Liang, Liu, Xu, Guo and Shum (2001), Real-time
 texture synthesis by patch-based sampling. Nothing here is clever, nothing is shared with the
-package but the random bits (`weft.random.draw`), the bytes that matching looks at
+package but the random bits (`weftex.random.draw`), the bytes that matching looks at
 (`Exemplar.matching`, which has tests of its own) and the nouns.
 """
 
@@ -14,7 +14,7 @@ from fractions import Fraction
 
 import numpy as np
 
-from weft.random import draw
+from weftex.random import draw
 
 #: A source that repeats nothing may have this times the squared distance of one that does.
 VARIETY = 1.7

@@ -1,4 +1,4 @@
-"""What `weft analyze` says, and that it is true."""
+"""What `weftex analyze` says, and that it is true."""
 
 from __future__ import annotations
 
@@ -7,14 +7,14 @@ import json
 import numpy as np
 import pytest
 
-import weft
-from weft import cli
-from weft.analysis.regularity import regularity
-from weft.analysis.scale import dominant_scale
-from weft.analysis.tiling import SEAMLESS, border_steps
-from weft.exemplar import Exemplar
-from weft.io import write_image
-from weft.tasks.analyze import analyze
+import weftex
+from weftex import cli
+from weftex.analysis.regularity import regularity
+from weftex.analysis.scale import dominant_scale
+from weftex.analysis.tiling import SEAMLESS, border_steps
+from weftex.exemplar import Exemplar
+from weftex.io.pictures import write_image
+from weftex.tasks.analyze import analyze
 
 
 def steps_by_definition(levels, usable):
@@ -48,8 +48,8 @@ def test_tiles_are_told_from_crops():
     """Mostly; see `border_steps`."""
     tiles, crops = [], []
     for name in ("pebbles", "bricks", "grass", "weave", "leaves", "tiles", "wood"):
-        sample = weft.load_exemplar(f"sample:{name}")
-        model = weft.Quilting().fit(sample)
+        sample = weftex.load_exemplar(f"sample:{name}")
+        model = weftex.Quilting().fit(sample)
         for seed in range(3):
             tiles += border_steps(Exemplar(model.sample(160, seed=seed, tileable=True).image))
         for corner in (0, 30, 60):
@@ -84,7 +84,7 @@ def test_minus_zero_is_zero():
 
 
 def test_everything_is_what_its_own_function_says():
-    exemplar = weft.load_exemplar("sample:tiles")
+    exemplar = weftex.load_exemplar("sample:tiles")
     found = analyze(exemplar)
     scale = dominant_scale(exemplar)
     assert (found.height, found.width, found.channels, found.dtype) == (256, 256, 3, "uint8")
@@ -100,7 +100,7 @@ def test_everything_is_what_its_own_function_says():
 def test_windows_are_those_that_the_methods_take():
     exemplar = Exemplar(np.random.default_rng(0).integers(0, 256, (40, 40), np.uint8))
     windows = analyze(exemplar).windows
-    for slug, cls in weft.METHODS.items():
+    for slug, cls in weftex.METHODS.items():
         if "window_width" in cls.__dataclass_fields__:
             settled = cls().fit(exemplar).method
             assert windows.pop(slug) == settled.window_width
@@ -147,7 +147,7 @@ def test_bad_input_is_one_line(words, message, capsys, tmp_path, monkeypatch):
     write_image("a.png", np.zeros((8, 8), np.uint8))
     assert cli.main(["analyze", *words]) == 2
     out, err = capsys.readouterr()
-    assert out == "" and err.startswith("weft: error: ") and err.count("\n") == 1
+    assert out == "" and err.startswith("weftex: error: ") and err.count("\n") == 1
     assert message in err
 
 

@@ -6,12 +6,12 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 import reference
-import weft
+import weftex
 from families import noise, with_guides
-from weft.canvas import Canvas
-from weft.methods.pixel_order import layers
-from weft.search import _coherence_kernels
-from weft.search.windows import windows_of
+from weftex.canvas import Canvas
+from weftex.methods.pixels.order import layers
+from weftex.search import coherence_kernels as _coherence_kernels
+from weftex.search.windows import windows_of
 
 WRAPS = [(False, False), (False, True), (True, False), (True, True)]
 
@@ -42,7 +42,7 @@ def test_it_is_the_slow_twin(data):
         mask = np.ones(shape, bool)
         mask[0, rng.integers(shape[1])] = False
     pixels = few_colours(rng, (*shape, channels), colours)
-    exemplar = weft.Exemplar(pixels, mask=mask, tileable=draw(st.booleans()), alpha=False)
+    exemplar = weftex.Exemplar(pixels, mask=mask, tileable=draw(st.booleans()), alpha=False)
     size = draw(st.integers(1, 9)), draw(st.integers(1, 9))
     more, parameters = {}, {}
     if draw(st.booleans()):
@@ -56,7 +56,7 @@ def test_it_is_the_slow_twin(data):
         if draw(st.booleans()):
             exemplar, more["guide"] = with_guides(exemplar, size, rng)
         parameters["guide_weight"] = draw(st.sampled_from([0.01, 0.3, 3.0]))
-    method = weft.Ashikhmin(
+    method = weftex.Ashikhmin(
         window_width=draw(st.sampled_from([1, 3, 5])) if mask is None else 3,
         passes=draw(st.integers(1, 3)),
         jumps=draw(st.sampled_from([None, 0, 1, 10])),
@@ -69,28 +69,28 @@ def test_it_is_the_slow_twin(data):
 @pytest.mark.parametrize("wrap", WRAPS)
 @pytest.mark.parametrize("name", ["pebbles", "grass"])
 def test_real_samples_are_the_slow_twin(name, wrap):
-    exemplar = weft.Exemplar(weft.load_exemplar(f"sample:{name}").pixels[:30, :34])
-    check_twin(weft.Ashikhmin(), exemplar, Canvas(28, 31, wrap), 7)
+    exemplar = weftex.Exemplar(weftex.load_exemplar(f"sample:{name}").pixels[:30, :34])
+    check_twin(weftex.Ashikhmin(), exemplar, Canvas(28, 31, wrap), 7)
 
 
 @pytest.mark.parametrize("wrap", [(False, False), (True, True)])
 def test_holes_are_the_slow_twin(wrap):
     """Two holes of a photo, learnt from the rest of it, one of them over its border."""
-    photo = weft.load_exemplar("sample:pebbles").pixels[:36, :32]
+    photo = weftex.load_exemplar("sample:pebbles").pixels[:36, :32]
     hole = np.zeros(photo.shape[:2], bool)
     hole[12:19, 8:17] = hole[25:30, 27:] = True
-    exemplar = weft.Exemplar(photo, mask=~hole)
+    exemplar = weftex.Exemplar(photo, mask=~hole)
     canvas = Canvas(36, 32, wrap, known=photo, hole=hole, known_from=(0, 0))
-    result = check_twin(weft.Ashikhmin(), exemplar, canvas, 5)
+    result = check_twin(weftex.Ashikhmin(), exemplar, canvas, 5)
     assert np.array_equal(result.image[~hole], photo[~hole])
 
 
 def test_a_guide_beside_maps_is_the_slow_twin():
     """The guide is compared with the picture, what is made with all of its maps too."""
-    pixels = weft.load_exemplar("sample:pebbles").pixels[:24, :24]
-    exemplar = weft.Exemplar(pixels, maps={"height": noise((24, 24))})
+    pixels = weftex.load_exemplar("sample:pebbles").pixels[:24, :24]
+    exemplar = weftex.Exemplar(pixels, maps={"height": noise((24, 24))})
     canvas = Canvas(14, 15, (True, False), guide=pixels[5:19, 8:23].copy())
-    check_twin(weft.Ashikhmin(), exemplar, canvas, 5)
+    check_twin(weftex.Ashikhmin(), exemplar, canvas, 5)
 
 
 # Candidates
@@ -101,7 +101,7 @@ def test_coherent_places_are_each_there_once(data):
     draw = data.draw
     rng = np.random.default_rng(draw(st.integers(0, 10**6)))
     tileable, half = draw(st.booleans()), draw(st.integers(0, 2))
-    exemplar = weft.Exemplar(few_colours(rng, (7, 8), 3), tileable=tileable)
+    exemplar = weftex.Exemplar(few_colours(rng, (7, 8), 3), tileable=tileable)
     windows = windows_of(exemplar, (half,) * 4)
     centres = set(reference.window_centres(np.ones((7, 8), bool), [half] * 4, tileable))
     source = rng.integers(-1, 56, (6, 6)).astype(np.int32)  # anywhere, usable or not
@@ -119,7 +119,7 @@ def test_coherent_places_are_each_there_once(data):
 
 def test_pieces_of_the_sample_grow():
     """Most pixels go on from their left neighbour's source, unlike in a random order."""
-    result = weft.synthesize("sample:pebbles", 150, method="ashikhmin", seed=1)
+    result = weftex.synthesize("sample:pebbles", 150, method="ashikhmin", seed=1)
     steps = np.diff(result.source, axis=1)
     assert 0.7 < (steps == (0, 1)).all(axis=2).mean() < 0.99
 
@@ -128,7 +128,7 @@ def test_a_regular_pattern_is_continued():
     """Stripes that a window can see stay whole, whatever the start."""
     y, x = np.indices((40, 40))
     stripes = (((x + y) % 6) * 40).astype(np.uint8)
-    image = weft.synthesize(stripes, 60, method="ashikhmin", seed=1, passes=4).image
+    image = weftex.synthesize(stripes, 60, method="ashikhmin", seed=1, passes=4).image
     inside = image[8:].astype(int)
     assert (inside[1:, :-1] == inside[:-1, 1:]).mean() > 0.9
 
@@ -172,7 +172,7 @@ def two_halves(height=60, width=64):
     y, x = np.indices((height, width))
     guide = np.full((height, width, 3), 30, np.uint8)
     guide[(y - 30) ** 2 + (x - 30) ** 2 < 300] = 210
-    return weft.Exemplar(pixels), guide
+    return weftex.Exemplar(pixels), guide
 
 
 @pytest.mark.parametrize("passes", [1, 2])
@@ -182,21 +182,21 @@ def test_the_output_follows_the_guide(passes, wrap):
     canvas = Canvas(*guide.shape[:2], wrap, guide=guide)
     bright = guide[..., 0] > 100
     image = (
-        weft.Ashikhmin(passes=passes, guide_weight=1.0).fit(exemplar).sample(canvas, seed=1).image
+        weftex.Ashikhmin(passes=passes, guide_weight=1.0).fit(exemplar).sample(canvas, seed=1).image
     )
     follows = (image.mean(axis=2) > 120) == bright
     assert follows.mean() > 0.95
-    alone = weft.Ashikhmin(passes=passes).fit(exemplar).sample(Canvas(60, 64, wrap), seed=1).image
+    alone = weftex.Ashikhmin(passes=passes).fit(exemplar).sample(Canvas(60, 64, wrap), seed=1).image
     assert ((alone.mean(axis=2) > 120) == bright).mean() < 0.8
 
 
 def test_a_heavier_guide_is_followed_more():
-    exemplar = weft.load_exemplar("sample:pebbles")
+    exemplar = weftex.load_exemplar("sample:pebbles")
     guide = np.repeat(np.linspace(20, 200, 90).astype(np.uint8)[:, None], 90, 1)
     guide = np.repeat(guide[..., None], 3, 2)
     away = []
     for weight in (0.01, 0.1, 1.0, 10.0):
-        model = weft.Ashikhmin(guide_weight=weight).fit(exemplar)
+        model = weftex.Ashikhmin(guide_weight=weight).fit(exemplar)
         image = model.sample(Canvas(90, 90, guide=guide), seed=1).image
         away.append(np.abs(image.astype(int) - guide).mean())
     assert away == sorted(away, reverse=True)
@@ -209,15 +209,17 @@ def test_a_guided_hole():
     hole[10:50, 10:50] = True
     known = np.where(hole[..., None], 0, guide).astype(np.uint8)
     canvas = Canvas(60, 64, known=known, hole=hole, guide=guide)
-    image = weft.Ashikhmin(guide_weight=1.0).fit(exemplar).sample(canvas, seed=1).image
+    image = weftex.Ashikhmin(guide_weight=1.0).fit(exemplar).sample(canvas, seed=1).image
     assert np.array_equal(image[~hole], known[~hole])
     assert ((image.mean(axis=2) > 120) == (guide[..., 0] > 100))[hole].mean() > 0.9
 
 
 def test_guide_weight_without_a_guide_is_refused():
     exemplar, guide = two_halves()
-    model = weft.Ashikhmin(guide_weight=1.0).fit(exemplar)
-    with pytest.raises(weft.InvalidInputError, match="guide_weight has no effect without a guide"):
+    model = weftex.Ashikhmin(guide_weight=1.0).fit(exemplar)
+    with pytest.raises(
+        weftex.InvalidInputError, match="guide_weight has no effect without a guide"
+    ):
         model.sample(30, seed=1)
     assert model.sample(Canvas(60, 64, guide=guide), seed=1).image.shape == (60, 64, 3)
 
@@ -228,15 +230,17 @@ def test_guides_for_synthesize():
 
     exemplar, guide = two_halves()
     canvas = Canvas(60, 64, guide=guide)
-    expected = weft.Ashikhmin().fit(exemplar).sample(canvas, seed=2).image
-    for given_guide in (guide, Image.fromarray(guide), weft.Exemplar(guide)):
-        result = weft.synthesize(exemplar, (60, 64), method="ashikhmin", guide=given_guide, seed=2)
+    expected = weftex.Ashikhmin().fit(exemplar).sample(canvas, seed=2).image
+    for given_guide in (guide, Image.fromarray(guide), weftex.Exemplar(guide)):
+        result = weftex.synthesize(
+            exemplar, (60, 64), method="ashikhmin", guide=given_guide, seed=2
+        )
         assert np.array_equal(result.image, expected)
-    with pytest.raises(weft.InvalidInputError, match="the canvas has a guide"):
-        weft.synthesize(exemplar, canvas, method="ashikhmin", guide=guide)
-    with pytest.raises(weft.InvalidInputError, match="guide is 64x60, the canvas is 64x50"):
-        weft.synthesize(exemplar, (50, 64), method="ashikhmin", guide=guide)
-    with pytest.raises(weft.UnsupportedError, match="quilting does not do following a guide"):
-        weft.synthesize(exemplar, (60, 64), method="quilting", guide=guide)
-    with pytest.raises(weft.InvalidInputError, match="guide is uint8"):
-        weft.synthesize(exemplar, (60, 64), method="ashikhmin", guide=guide[..., 0])
+    with pytest.raises(weftex.InvalidInputError, match="the canvas has a guide"):
+        weftex.synthesize(exemplar, canvas, method="ashikhmin", guide=guide)
+    with pytest.raises(weftex.InvalidInputError, match="guide is 64x60, the canvas is 64x50"):
+        weftex.synthesize(exemplar, (50, 64), method="ashikhmin", guide=guide)
+    with pytest.raises(weftex.UnsupportedError, match="quilting does not do following a guide"):
+        weftex.synthesize(exemplar, (60, 64), method="quilting", guide=guide)
+    with pytest.raises(weftex.InvalidInputError, match="guide is uint8"):
+        weftex.synthesize(exemplar, (60, 64), method="ashikhmin", guide=guide[..., 0])

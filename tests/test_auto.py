@@ -7,14 +7,14 @@ import re
 import numpy as np
 import pytest
 
-import weft
+import weftex
 from families import canvas_of, kinds_of, noise
-from weft.analysis.evenness import Evenness
-from weft.analysis.lattice import Lattice
-from weft.canvas import Canvas
-from weft.errors import InvalidInputError
-from weft.methods import auto
-from weft.methods.auto import Findings, choose, look
+from weftex.analysis.evenness import Evenness
+from weftex.analysis.lattice import Lattice
+from weftex.canvas import Canvas
+from weftex.errors import InvalidInputError
+from weftex.tasks import auto
+from weftex.tasks.auto import Findings, choose, look
 
 EVEN = Evenness(0.0, 0.0, 0.0, (1.0, 1.0))
 GRASS = Findings((256, 256), None, True, 11.5, 5000, EVEN)
@@ -89,59 +89,59 @@ CHOSEN = {
 
 @pytest.mark.parametrize("name", CHOSEN)
 def test_samples_get_the_method_for_them(name):
-    exemplar = weft.load_exemplar(f"sample:{name}")
+    exemplar = weftex.load_exemplar(f"sample:{name}")
     choice = choose(look(exemplar), Canvas(512, 512))
     assert choice.method == CHOSEN[name] and not choice.warnings
 
 
 def test_a_lattice_is_found_in_a_larger_sample_too():
-    tiles = weft.load_exemplar("sample:tiles").pixels
-    large = look(weft.Exemplar(tiles.repeat(4, 0).repeat(4, 1)))
+    tiles = weftex.load_exemplar("sample:tiles").pixels
+    large = look(weftex.Exemplar(tiles.repeat(4, 0).repeat(4, 1)))
     assert not large.exact and large.lattice.same_as(Lattice(((124.2, 0.0), (-1, 408.7)), 1.0))
     # A fine one is lost where pixels are averaged, and found in a part.
     y, x = np.indices((1100, 1000))
     fine = (127 + 90 * ((x // 2 + y // 3) % 2)).astype(np.uint8)
-    found = look(weft.Exemplar(fine))
+    found = look(weftex.Exemplar(fine))
     assert found.lattice is not None and found.lattice.area < 40
     assert choose(found, Canvas(500, 500)).parameters == {}  # it is found again, exactly
 
 
 def test_light_one_object_and_perspective_are_noticed():
-    leaves = weft.load_exemplar("sample:leaves").pixels
+    leaves = weftex.load_exemplar("sample:leaves").pixels
     falling = leaves * np.linspace(1, 0.3, 256)[:, None, None]
-    (warning,) = choose(look(weft.Exemplar(falling.astype(np.uint8))), Canvas(99, 99)).warnings
+    (warning,) = choose(look(weftex.Exemplar(falling.astype(np.uint8))), Canvas(99, 99)).warnings
     assert "light" in warning
     y, x = np.indices(leaves.shape[:2])
     object_ = np.where((np.hypot(y - 120, x - 130) < 70)[..., None], leaves, 240).astype(np.uint8)
-    (warning,) = choose(look(weft.Exemplar(object_)), Canvas(99, 99)).warnings
+    (warning,) = choose(look(weftex.Exemplar(object_)), Canvas(99, 99)).warnings
     assert "one object" in warning
     # A floor of stones, half as large at the far end.
-    tiles = weft.load_exemplar("sample:tiles").pixels
+    tiles = weftex.load_exemplar("sample:tiles").pixels
     size = 0.5 + 0.5 * np.arange(256) / 255
     down = np.cumsum(1 / size**2).astype(int) % 256
     right = ((np.arange(256) - 128) / size[:, None] + 128).astype(int) % 256
-    floor = look(weft.Exemplar(tiles[down[:, None], right]))
+    floor = look(weftex.Exemplar(tiles[down[:, None], right]))
     assert floor.evenness.perspective[0] > 1.3 and floor.evenness.perspective[1] == 1
-    turned = look(weft.Exemplar(np.ascontiguousarray(tiles[down[:, None], right].swapaxes(0, 1))))
+    turned = look(weftex.Exemplar(np.ascontiguousarray(tiles[down[:, None], right].swapaxes(0, 1))))
     assert turned.evenness.perspective == floor.evenness.perspective[::-1]
 
 
 def test_the_result_is_that_of_the_method_by_name():
     for name, size in (("grass", 120), ("tiles", 90), ("leaves", 60)):
-        exemplar = weft.load_exemplar(f"sample:{name}")
-        made = weft.synthesize(exemplar, size, seed=3, tileable="x")
+        exemplar = weftex.load_exemplar(f"sample:{name}")
+        made = weftex.synthesize(exemplar, size, seed=3, tileable="x")
         about = dict(made.provenance)
         assert about.pop("reason").endswith(about["method"])
         seed = about.pop("seed")
-        known = {f.name for f in dataclasses.fields(weft.METHODS[about["method"]])}
+        known = {f.name for f in dataclasses.fields(weftex.METHODS[about["method"]])}
         parameters = {k: v for k, v in about.items() if k in known}
-        again = weft.synthesize(
+        again = weftex.synthesize(
             exemplar, size, method=about["method"], seed=seed, tileable="x", **parameters
         )
         assert np.array_equal(made.image, again.image)
         assert np.array_equal(made.source, again.source)
         options = {"method": "auto", "tileable": "x", "threads": 1}
-        same = weft.synthesize(exemplar, size, seed=3, **options)
+        same = weftex.synthesize(exemplar, size, seed=3, **options)
         assert np.array_equal(made.image, same.image)
 
 
@@ -149,7 +149,7 @@ def test_the_result_is_that_of_the_method_by_name():
 def test_any_canvas_that_a_method_does(kind):
     assert kind in {"plain", "xy", *kinds_of("patch-sampling"), *kinds_of("refinement")}
     pixels = noise((30, 31, 3))
-    model = weft.Auto().fit(weft.Exemplar(pixels))
+    model = weftex.Auto().fit(weftex.Exemplar(pixels))
     made = model.sample(canvas_of(kind, pixels), seed=1)
     wanted = {"guide": "refinement", "hole": "patch-sampling", "wrapped hole": "patch-sampling"}
     assert made.provenance["method"] == wanted.get(kind, "graphcut")
@@ -161,35 +161,35 @@ def test_any_canvas_that_a_method_does(kind):
 @pytest.mark.parametrize("value", ["noise", "constant"])
 def test_samples_of_any_size_give_something(shape, value):
     pixels = noise((*shape, 3)) if value == "noise" else np.full((*shape, 3), 9, np.uint8)
-    made = weft.synthesize(pixels, (37, 41), seed=1)
+    made = weftex.synthesize(pixels, (37, 41), seed=1)
     assert made.image.shape == (37, 41, 3) and "reason" in made.provenance
     assert value == "noise" or (made.image == 9).all()
 
 
 def test_a_mask_that_leaves_little_gets_a_method_that_takes_it():
-    grass = weft.load_exemplar("sample:grass").pixels
+    grass = weftex.load_exemplar("sample:grass").pixels
     mask = np.random.default_rng(0).random(grass.shape[:2]) < 0.7  # no patch is whole
-    made = weft.synthesize(weft.Exemplar(grass, mask=mask), 40, seed=1)
+    made = weftex.synthesize(weftex.Exemplar(grass, mask=mask), 40, seed=1)
     assert made.provenance["method"] in ("graphcut", "ashikhmin")
     assert "which this sample does not do" in made.provenance["reason"]
     wide = np.zeros((700, 900), bool)
     wide[640:, 850:] = True
-    assert look(weft.Exemplar(np.zeros((700, 900), np.uint8), mask=wide)).colors == 1
+    assert look(weftex.Exemplar(np.zeros((700, 900), np.uint8), mask=wide)).colors == 1
 
 
 def test_holes_and_fusion_keep_their_own():
-    photo = weft.load_exemplar("sample:pebbles").pixels[:80, :80]
+    photo = weftex.load_exemplar("sample:pebbles").pixels[:80, :80]
     hole = np.zeros((80, 80), bool)
     hole[30:50, 30:45] = True
-    plain = weft.fill(photo, hole, seed=1)
-    for method in ("auto", weft.Auto()):
-        assert np.array_equal(weft.fill(photo, hole, seed=1, method=method).image, plain.image)
-    assert weft.fill(photo, hole, method="auto", seed=1, patch_size=12).provenance["method"] == (
+    plain = weftex.fill(photo, hole, seed=1)
+    for method in ("auto", weftex.Auto()):
+        assert np.array_equal(weftex.fill(photo, hole, seed=1, method=method).image, plain.image)
+    assert weftex.fill(photo, hole, method="auto", seed=1, patch_size=12).provenance["method"] == (
         "patch-sampling"
     )
     materials = [photo[:40, :40], 255 - photo[:40, :40]]
     made = [
-        weft.fuse(materials, "gradient", 24, seed=1, **method)
+        weftex.fuse(materials, "gradient", 24, seed=1, **method)
         for method in ({}, {"method": "auto"})
     ]
     assert np.array_equal(made[0].image, made[1].image)
@@ -197,14 +197,14 @@ def test_holes_and_fusion_keep_their_own():
 
 def test_parameters_belong_to_a_method():
     with pytest.raises(InvalidInputError, match="these methods do: patch-sampling, quilting"):
-        weft.synthesize(noise((40, 40)), 40, patch_size=9)
+        weftex.synthesize(noise((40, 40)), 40, patch_size=9)
     with pytest.raises(InvalidInputError, match="auto has no parameter 'nothing'"):
-        weft.synthesize(noise((40, 40)), 40, nothing=9)
-    assert "auto" not in weft.METHODS
-    assert weft.Auto().settle(weft.Exemplar(noise((9, 9)))) == weft.Auto()
+        weftex.synthesize(noise((40, 40)), 40, nothing=9)
+    assert "auto" not in weftex.METHODS
+    assert weftex.Auto().settle(weftex.Exemplar(noise((9, 9)))) == weftex.Auto()
 
 
 def test_few_colours_are_counted():
     drawing = (np.indices((200, 200)).sum(0) // 3 % 2 * 255).astype(np.uint8)
-    assert auto._colors(weft.Exemplar(drawing)) == 2
-    assert auto._colors(weft.Exemplar(noise((60, 60, 3)))) == 1200
+    assert auto._colors(weftex.Exemplar(drawing)) == 2
+    assert auto._colors(weftex.Exemplar(noise((60, 60, 3)))) == 1200

@@ -5,21 +5,21 @@ import re
 import numpy as np
 import pytest
 
-import weft
+import weftex
 from families import noise
-from weft.cli import main
-from weft.errors import CancelledError, InvalidInputError
-from weft.io import read_image, write_image
+from weftex.cli import main
+from weftex.errors import CancelledError, InvalidInputError
+from weftex.io.pictures import read_image, write_image
 
-SAMPLE = weft.load_exemplar("sample:pebbles").pixels[:72, :80]
+SAMPLE = weftex.load_exemplar("sample:pebbles").pixels[:72, :80]
 QUILTING = {"method": "quilting", "patch_size": 20}
 
 
 def test_the_best_score_is_kept_and_can_be_made_again():
-    exemplar = weft.Exemplar(SAMPLE)
-    best = weft.synthesize(exemplar, 90, seed=11, best_of=4, threads=2, **QUILTING)
-    each = {s: weft.synthesize(exemplar, 90, seed=s, **QUILTING) for s in range(11, 15)}
-    scores = {str(s): weft.assess(exemplar, made).score for s, made in each.items()}
+    exemplar = weftex.Exemplar(SAMPLE)
+    best = weftex.synthesize(exemplar, 90, seed=11, best_of=4, threads=2, **QUILTING)
+    each = {s: weftex.synthesize(exemplar, 90, seed=s, **QUILTING) for s in range(11, 15)}
+    scores = {str(s): weftex.assess(exemplar, made).score for s, made in each.items()}
     about = best.provenance["best_of"]
     assert about["scores"] == scores and len(set(scores.values())) > 1
     kept = best.provenance["seed"]
@@ -35,38 +35,38 @@ def test_the_best_score_is_kept_and_can_be_made_again():
 
 def test_of_equal_ones_the_first_is_kept():
     flat = np.full((40, 40, 3), 77, np.uint8)
-    best = weft.synthesize(flat, 50, seed=2**64 - 2, best_of=3, **QUILTING)
+    best = weftex.synthesize(flat, 50, seed=2**64 - 2, best_of=3, **QUILTING)
     assert best.provenance["seed"] == 2**64 - 2
     assert set(best.provenance["best_of"]["scores"]) == {str(2**64 - 2), str(2**64 - 1), "0"}
 
 
 def test_what_cannot_be_judged_is_made_all_the_same(monkeypatch):
-    monkeypatch.setattr("weft.tasks.best_of.assess", lambda *_: weft.Assessment())
-    made = weft.synthesize(noise((30, 30)), 30, seed=3, best_of=2)
+    monkeypatch.setattr("weftex.tasks.best_of.assess", lambda *_: weftex.Assessment())
+    made = weftex.synthesize(noise((30, 30)), 30, seed=3, best_of=2)
     assert made.provenance["seed"] == 3
     assert made.provenance["best_of"]["told"] == "seed 3 of 3 to 4: too small to be judged"
 
 
 def test_a_large_output_is_judged_by_its_middle():
-    from weft.tasks.best_of import _score
+    from weftex.tasks.best_of import _score
 
-    made = weft.synthesize(SAMPLE, (40, 1100), seed=1, method="quilting")
-    exemplar = weft.Exemplar(SAMPLE)
+    made = weftex.synthesize(SAMPLE, (40, 1100), seed=1, method="quilting")
+    exemplar = weftex.Exemplar(SAMPLE)
     middle = np.s_[:, 38:1062]
-    assert _score(made) == weft.assess(exemplar, made.image[middle], made.source[middle]).score
+    assert _score(made) == weftex.assess(exemplar, made.image[middle], made.source[middle]).score
 
 
 def test_the_best_of_several_methods():
-    exemplar = weft.Exemplar(SAMPLE)
-    small = weft.Quilting(patch_size=8)
-    best = weft.synthesize(exemplar, 90, seed=3, best_of=["quilting", "best-tile", small])
+    exemplar = weftex.Exemplar(SAMPLE)
+    small = weftex.Quilting(patch_size=8)
+    best = weftex.synthesize(exemplar, 90, seed=3, best_of=["quilting", "best-tile", small])
     each = {
-        "quilting": weft.Quilting(),
-        "best-tile": weft.BestTile(),
+        "quilting": weftex.Quilting(),
+        "best-tile": weftex.BestTile(),
         "quilting 2": small,
     }
-    made = {name: weft.synthesize(exemplar, 90, seed=3, method=m) for name, m in each.items()}
-    scores = {name: weft.assess(exemplar, result).score for name, result in made.items()}
+    made = {name: weftex.synthesize(exemplar, 90, seed=3, method=m) for name, m in each.items()}
+    scores = {name: weftex.assess(exemplar, result).score for name, result in made.items()}
     about = best.provenance["best_of"]
     assert about["scores"] == scores
     kept = min(scores, key=scores.get)
@@ -77,16 +77,16 @@ def test_the_best_of_several_methods():
 @pytest.mark.parametrize("count", [0, -1, 1001, 2.0, "3", [], None])
 def test_a_wrong_number_is_refused_before_any_work(count):
     with pytest.raises(InvalidInputError, match="best_of is .*; it must be .*from 1 to 1000"):
-        weft.synthesize("nowhere.png", 40, best_of=count)
+        weftex.synthesize("nowhere.png", 40, best_of=count)
 
 
 def test_methods_are_named_in_one_place_and_must_all_be_able():
     with pytest.raises(InvalidInputError, match="name quilting there and not beside it"):
-        weft.synthesize("nowhere.png", 40, method="quilting", best_of=["graphcut"])
+        weftex.synthesize("nowhere.png", 40, method="quilting", best_of=["graphcut"])
     with pytest.raises(InvalidInputError, match="unknown method 'quilt'"):
-        weft.synthesize("nowhere.png", 40, best_of=["quilt", "graphcut"])
-    with pytest.raises(weft.UnsupportedError, match="best-tile"):
-        weft.synthesize(
+        weftex.synthesize("nowhere.png", 40, best_of=["quilt", "graphcut"])
+    with pytest.raises(weftex.UnsupportedError, match="best-tile"):
+        weftex.synthesize(
             "nowhere.png", 40, best_of=["refinement", "best-tile"], guide=np.zeros((40, 40))
         )
 
@@ -100,7 +100,7 @@ def test_progress_counts_outputs_and_cancels_within_one():
         return len(seen) < 9
 
     with pytest.raises(CancelledError):
-        weft.synthesize(SAMPLE, 120, seed=1, best_of=5, progress=callback, **QUILTING)
+        weftex.synthesize(SAMPLE, 120, seed=1, best_of=5, progress=callback, **QUILTING)
     assert {total for _, total, _ in seen} == {5} and {stage for *_, stage in seen} == {"outputs"}
 
 
@@ -114,7 +114,7 @@ def test_the_command_and_the_pictures_of_debug(tmp_path, monkeypatch, capsys):
     assert np.array_equal(read_image("a.png").pixels, read_image("b.png").pixels)
     names = ["coordinates", "patches", "seams", "uncertainty"]
     assert sorted(p.name for p in (tmp_path / "how").iterdir()) == [f"{n}.png" for n in names]
-    made = weft.synthesize(SAMPLE, 90, seed=int(kept), method="quilting")
+    made = weftex.synthesize(SAMPLE, 90, seed=int(kept), method="quilting")
     for name, what in zip(names, ["sources", *names[1:]], strict=True):
         assert np.array_equal(read_image(f"how/{name}.png").pixels, made.draw(what))
     for wrong, message in (

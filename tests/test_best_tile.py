@@ -4,13 +4,13 @@ import numpy as np
 import pytest
 
 import reference
-import weft
+import weftex
 from test_near_regular import noise, wall
-from weft.methods.mean_tile import MeanTile
+from weftex.methods.lattices.mean_tile import MeanTile
 
 
 def model_of(pixels, **parameters):
-    return weft.BestTile(**parameters).fit(weft.Exemplar(pixels))
+    return weftex.BestTile(**parameters).fit(weftex.Exemplar(pixels))
 
 
 @pytest.mark.parametrize("vectors", [(7, 0, 0, 6), (5.5, 2, -3, 6.25), (-5, 3, 4, 5)])
@@ -88,7 +88,7 @@ def test_it_goes_around(tileable):
             step = np.moveaxis(step, axis, 0).mean(axis=1)
             steps.append(step[-1] >= step.min())
     assert all(steps)
-    with pytest.raises(weft.InvalidInputError, match="would do"):
+    with pytest.raises(weftex.InvalidInputError, match="would do"):
         model.sample((30, 24), tileable=True)
 
 
@@ -102,7 +102,7 @@ def test_holes_go_on_with_the_surroundings():
         whole = pixels[corner[0] : corner[0] + 50, corner[1] : corner[1] + 60]
         known = np.where(hole[..., None], 0, whole).astype(np.uint8)
         for known_from in (corner, None):
-            canvas = weft.Canvas(50, 60, known=known, hole=hole, known_from=known_from)
+            canvas = weftex.Canvas(50, 60, known=known, hole=hole, known_from=known_from)
             image = model.sample(canvas).image
             assert np.array_equal(image[~hole], whole[~hole])
             assert np.abs(image.astype(int) - whole)[hole].mean() < 8

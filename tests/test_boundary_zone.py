@@ -7,8 +7,8 @@ from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 
 import reference
-from weft.search import _kernels
-from weft.search.boundary_zone import boundary_zone
+from weftex.search import zone_kernels as _kernels
+from weftex.search.boundary_zone import boundary_zone
 
 masks = arrays(bool, st.tuples(st.integers(1, 12), st.integers(1, 12)))
 widths = st.integers(1, 6)

@@ -3,9 +3,9 @@
 import numpy as np
 import pytest
 
-import weft
-from weft.canvas import MAX_PIXELS, Canvas, as_canvas
-from weft.errors import InvalidInputError
+import weftex
+from weftex.canvas import MAX_PIXELS, Canvas, as_canvas
+from weftex.errors import InvalidInputError
 
 KNOWN, HOLE = np.zeros((4, 6, 3), np.uint8), np.ones((4, 6), bool)
 
@@ -65,7 +65,7 @@ def test_the_message_names_size_and_limit():
 def test_known_pixels_need_a_hole_and_a_method_needs_both():
     with pytest.raises(InvalidInputError, match="known pixels need a hole"):
         Canvas(4, 6, known=KNOWN)
-    model = weft.PatchSampling(patch_size=2).fit(weft.Exemplar(KNOWN))
+    model = weftex.PatchSampling(patch_size=2).fit(weftex.Exemplar(KNOWN))
     with pytest.raises(InvalidInputError, match="a hole but no known pixels"):
         model.sample(Canvas(4, 6, hole=HOLE))
     with pytest.raises(InvalidInputError, match="known is 6x4, the canvas is 6x5"):
@@ -80,7 +80,7 @@ def test_odd_holes_work_or_are_refused(hole):
     """A mask with a channel axis, as image libraries give it, and a list of lists."""
     try:
         canvas = Canvas(4, 6, known=KNOWN, hole=hole)
-    except weft.WeftError:
+    except weftex.WeftexError:
         return
     assert canvas.hole.shape == (4, 6)
 
@@ -104,7 +104,7 @@ def test_known_pixels_must_be_of_the_samples_kind(known):
     hole = np.zeros((20, 20), bool)
     hole[5:9, 5:9] = True
     with pytest.raises(InvalidInputError, match="known"):
-        weft.synthesize(
+        weftex.synthesize(
             SAMPLE, Canvas(20, 20, known=known, hole=hole), method="quilting", patch_size=6
         )
 
@@ -114,7 +114,7 @@ def test_known_pixels_must_be_finite():
     known[0, 0], hole[5:9, 5:9] = np.nan, True
     with pytest.raises(InvalidInputError, match="NaN"):
         canvas = Canvas(20, 20, known=known, hole=hole)
-        weft.synthesize(SAMPLE / 255, canvas, seed=1, method="patch-sampling", patch_size=6)
+        weftex.synthesize(SAMPLE / 255, canvas, seed=1, method="patch-sampling", patch_size=6)
 
 
 @pytest.mark.parametrize("known_from", [(-1, 0), (0, 5), (10, 10)])
@@ -123,7 +123,7 @@ def test_known_from_must_lie_in_the_sample(known_from):
     hole[5:9, 5:9] = True
     canvas = Canvas(20, 20, known=SAMPLE[:20, :20], hole=hole, known_from=known_from)
     with pytest.raises(InvalidInputError):
-        weft.synthesize(SAMPLE, canvas, seed=1, method="patch-sampling", patch_size=6)
+        weftex.synthesize(SAMPLE, canvas, seed=1, method="patch-sampling", patch_size=6)
 
 
 @pytest.mark.parametrize("wrap", [True, (True,), "yes", None, (1, 0, 1)])
@@ -157,7 +157,7 @@ def test_labels_may_be_whole_numbers_of_any_type():
 def test_a_guide_is_of_the_kind_of_the_samples():
     """Labels by their colours, at any depth; pictures by dtype too."""
     labels = np.indices((8, 8))[0] // 4
-    exemplar = weft.Exemplar(np.zeros((8, 8, 3), np.uint8), guide=labels)
+    exemplar = weftex.Exemplar(np.zeros((8, 8, 3), np.uint8), guide=labels)
     for dtype in (np.uint8, np.uint16, np.int64, bool):
         Canvas(8, 8, guide=labels.astype(dtype)).check_guide(exemplar)
     for guide, message in (
@@ -186,7 +186,7 @@ def test_a_guide_is_of_the_kind_of_the_samples():
     ],
 )
 def test_a_guide_of_another_kind_names_the_fix(dtype, own, fix):
-    exemplar = weft.Exemplar(np.zeros((4, 4, 3), own))
+    exemplar = weftex.Exemplar(np.zeros((4, 4, 3), own))
     channels = 4 if dtype == own else 3
     canvas = Canvas(4, 6, guide=np.zeros((4, 6, channels), dtype))
     name = np.dtype(dtype).name

@@ -13,10 +13,10 @@ import time
 import numpy as np
 import pytest
 
-import weft
+import weftex
 from families import TRIALS, every, method_of
-from weft import cli
-from weft.io import read_image, read_maps, write_image
+from weftex import cli
+from weftex.io.pictures import read_image, read_maps, write_image
 
 
 def noise(height, width, *channels, dtype=np.uint8, seed=0):
@@ -50,11 +50,11 @@ def weft_run(*words):
     return cli.main([str(word) for word in words])
 
 
-ENVIRONMENT = os.environ | {"PYTHONPATH": os.path.dirname(os.path.dirname(weft.__file__))}
+ENVIRONMENT = os.environ | {"PYTHONPATH": os.path.dirname(os.path.dirname(weftex.__file__))}
 
 
 def process(*words, **options):
-    command = [sys.executable, "-m", "weft.cli", *map(str, words)]
+    command = [sys.executable, "-m", "weftex.cli", *map(str, words)]
     return subprocess.Popen(command, stderr=subprocess.PIPE, text=True, env=ENVIRONMENT, **options)
 
 
@@ -64,7 +64,7 @@ def fails(capsys, folder, *words):
     code = weft_run(*words)
     out, err = capsys.readouterr()
     assert code == 2 and out == ""
-    assert err.startswith("weft: error: ") and err.count("\n") == 1, err
+    assert err.startswith("weftex: error: ") and err.count("\n") == 1, err
     assert listing(folder) == before
     return err
 
@@ -75,11 +75,11 @@ def fails(capsys, folder, *words):
 def test_synth_makes_what_the_library_makes(here, capsys):
     assert weft_run("synth", "sample.png", "-o", "out.png", "--size", "100x90", "--seed", 7) == 0
     made = read_image("out.png").pixels
-    assert (made == weft.synthesize("sample.png", (90, 100), seed=7).image).all()
+    assert (made == weftex.synthesize("sample.png", (90, 100), seed=7).image).all()
     err = capsys.readouterr().err
     assert re.fullmatch(
-        r"weft: auto: .*structure.*: (graphcut|patch-sampling)\n"
-        r"weft: made 100x90 out\.png with \1, patch size \d+, seed 7, "
+        r"weftex: auto: .*structure.*: (graphcut|patch-sampling)\n"
+        r"weftex: made 100x90 out\.png with \1, patch size \d+, seed 7, "
         r"in [\d.]+ s \([\d.e-]+ megapixels/s\)\n",
         err,
     ), err
@@ -100,14 +100,14 @@ def test_a_seed_that_was_drawn_can_be_had_again(here, capsys):
 )
 def test_tileable(here, words, wrap):
     assert weft_run("synth", *words, "sample.png", "-o", "a.png", "--size", 80, "--seed", 1) == 0
-    expected = weft.synthesize("sample.png", 80, seed=1, tileable=wrap).image
+    expected = weftex.synthesize("sample.png", 80, seed=1, tileable=wrap).image
     assert (read_image("a.png").pixels == expected).all()
 
 
 def test_parameters_come_from_the_method(here):
     words = ["--method", "quilting", "--patch-size", 20, "--tolerance", 0.3, "--blend", "feather"]
     assert weft_run("synth", "sample.png", "-o", "a.png", "--seed", 1, *words, "--size=70") == 0
-    expected = weft.synthesize(
+    expected = weftex.synthesize(
         "sample.png", 70, method="quilting", seed=1, patch_size=20, tolerance=0.3, blend="feather"
     )
     assert (read_image("a.png").pixels == expected.image).all()
@@ -116,7 +116,7 @@ def test_parameters_come_from_the_method(here):
 def test_a_folder_gives_a_folder(here):
     assert weft_run("synth", "sample:stone_wall", "-o", "big/", "--size", 150, "--seed", 3) == 0
     maps = read_maps("big")
-    result = weft.synthesize("sample:stone_wall", 150, seed=3)
+    result = weftex.synthesize("sample:stone_wall", 150, seed=3)
     assert sorted(maps) == ["albedo", "ao", "height", "normal", "roughness"]
     assert (maps.pop("albedo").pixels == result.image).all()
     for name, picture in maps.items():
@@ -140,7 +140,7 @@ def test_every_method_has_its_options(here, capsys, method):
         words += ["--" + name.replace("_", "-"), text]
     assert weft_run("synth", "sample.png", "-o", "a.png", *words) == 0
     assert f"with {method}, " in capsys.readouterr().err
-    expected = weft.synthesize("sample.png", 50, method=chosen, seed=1).image
+    expected = weftex.synthesize("sample.png", 50, method=chosen, seed=1).image
     assert (read_image("a.png").pixels == expected).all()
     assert weft_run("synth", "--help", "--method", method) == 0
     out = capsys.readouterr().out
@@ -165,7 +165,7 @@ def test_kind_alpha_and_profile_are_kept(here, dtype, channels):
 
 def test_texture_by_numbers(here):
     """The sample has a map of labels, and the output follows another one."""
-    sample = weft.load_exemplar("sample.png").pixels
+    sample = weftex.load_exemplar("sample.png").pixels
     labels = np.zeros(sample.shape[:2], np.uint8)
     labels[:, labels.shape[1] // 2 :] = 200
     write_image("in.png", labels)
@@ -173,12 +173,14 @@ def test_texture_by_numbers(here):
     words = ["--method", "refinement", "--guide", "out.png", "--seed", 1]
     assert weft_run("synth", "sample.png", "-o", "a.png", *words, "--sample-guide", "in.png") == 0
     guides = {"guide": "out.png", "sample_guide": labels}
-    expected = weft.synthesize("sample.png", (20, 36), method="refinement", seed=1, **guides)
-    assert np.array_equal(weft.read_image("a.png").pixels, expected.image)
-    with pytest.raises(weft.InvalidInputError, match="sample_guide has no effect without a guide"):
-        weft.synthesize("sample.png", 20, method="refinement", sample_guide=labels)
-    with pytest.raises(weft.InvalidInputError, match="the guide of .* lacks"):
-        weft.synthesize(
+    expected = weftex.synthesize("sample.png", (20, 36), method="refinement", seed=1, **guides)
+    assert np.array_equal(weftex.read_image("a.png").pixels, expected.image)
+    with pytest.raises(
+        weftex.InvalidInputError, match="sample_guide has no effect without a guide"
+    ):
+        weftex.synthesize("sample.png", 20, method="refinement", sample_guide=labels)
+    with pytest.raises(weftex.InvalidInputError, match="the guide of .* lacks"):
+        weftex.synthesize(
             "sample.png", 9, method="refinement", guide=np.full((9, 9), 3), sample_guide=labels
         )
 
@@ -187,7 +189,7 @@ def test_a_guide_gives_the_size(here):
     write_image("guide.png", noise(50, 60, 3, seed=4))
     words = ["--method", "ashikhmin", "--guide", "guide.png", "--seed", 1]
     assert weft_run("synth", "sample.png", "-o", "a.png", *words, "--guide-weight", 2) == 0
-    expected = weft.synthesize(
+    expected = weftex.synthesize(
         "sample.png", (50, 60), method="ashikhmin", guide="guide.png", seed=1, guide_weight=2.0
     )
     assert (read_image("a.png").pixels == expected.image).all()
@@ -198,9 +200,11 @@ def test_fill(here, capsys):
     words = ["photo.png", "--mask", "hole.png", "-o", "out.png", "--seed", 1]
     assert weft_run("fill", *words) == 0
     assert "filled 400 pixels of out.png with patch-sampling" in capsys.readouterr().err
-    assert (read_image("out.png").pixels == weft.fill("photo.png", "hole.png", seed=1).image).all()
+    assert (
+        read_image("out.png").pixels == weftex.fill("photo.png", "hole.png", seed=1).image
+    ).all()
     assert weft_run("fill", *words, "--sample", "sample.png") == 0
-    expected = weft.fill("photo.png", "hole.png", seed=1, sample="sample.png").image
+    expected = weftex.fill("photo.png", "hole.png", seed=1, sample="sample.png").image
     assert (read_image("out.png").pixels == expected).all()
 
 
@@ -225,7 +229,7 @@ def test_fill_nothing(here, capsys):
 def test_the_input_may_be_overwritten(here):
     given = read_image("sample.png").pixels
     assert weft_run("synth", "sample.png", "-o", "sample.png", "--seed", 2) == 0
-    expected = weft.synthesize(given, (128, 144), seed=2).image
+    expected = weftex.synthesize(given, (128, 144), seed=2).image
     assert (read_image("sample.png").pixels == expected).all()
 
 
@@ -233,7 +237,7 @@ def test_replay(here):
     weft_run("synth", "sample.png", "-o", "a.png", "--save-source", "a.npz", "--size", "90x80")
     write_image("normal.png", noise(128, 144, 3, dtype=np.uint16))
     assert weft_run("replay", "a.npz", "normal.png", "-o", "n.png") == 0
-    expected = weft.Synthesis.load("a.npz").render(read_image("normal.png").pixels)
+    expected = weftex.Synthesis.load("a.npz").render(read_image("normal.png").pixels)
     assert expected.shape == (160, 180, 3)
     assert (read_image("n.png").pixels == expected).all()
     assert weft_run("replay", "a.npz", "sample.png", "-o", "again.png") == 0
@@ -254,15 +258,15 @@ def test_replay_over_a_background(here):
 def test_methods(capsys):
     assert weft_run("methods") == 0
     table = capsys.readouterr().out
-    assert all(slug in table and weft.METHODS[slug].title in table for slug in weft.METHODS)
-    for slug in weft.METHODS:
+    assert all(slug in table and weftex.METHODS[slug].title in table for slug in weftex.METHODS)
+    for slug in weftex.METHODS:
         assert weft_run("methods", slug) == 0
         text = capsys.readouterr().out
-        assert weft.METHODS[slug].paper in text
-        for field in dataclasses.fields(weft.METHODS[slug]):
+        assert weftex.METHODS[slug].paper in text
+        for field in dataclasses.fields(weftex.METHODS[slug]):
             assert f"--{field.name.replace('_', '-')}\n    {field.metadata['help']}\n" in text
     assert weft_run("methods", "quilting") == 0
-    default = weft.Quilting().randomness
+    default = weftex.Quilting().randomness
     assert f"from 0.001 to 1; default: {default:g}" in capsys.readouterr().out
 
 
@@ -270,7 +274,7 @@ def test_samples_version_and_help(capsys):
     assert weft_run("samples") == 0
     assert "sample:bricks\n" in capsys.readouterr().out
     assert weft_run("--version") == 0
-    assert capsys.readouterr().out == f"weft {weft.__version__}\n"
+    assert capsys.readouterr().out == f"weftex {weftex.__version__}\n"
     assert weft_run("--help") == 0
     out = capsys.readouterr().out
     assert all(name in out for name in ("synth", "fill", "replay", "methods", "samples"))
@@ -366,7 +370,7 @@ WRONG = [
         "equal",
     ),
     (["replay", "nowhere.npz", "sample.png", "-o", "x.png"], "nowhere.npz does not exist"),
-    (["replay", "photo.png", "sample.png", "-o", "x.png"], "not a saved weft result"),
+    (["replay", "photo.png", "sample.png", "-o", "x.png"], "not a saved weftex result"),
     (["replay", "a.npz", "photo.png", "-o", "x.png"], "integer multiple"),
     (["replay", "a.npz", "sample.png", "-o", "old.txt"], "cannot write '.txt'"),
     (["methods", "quiltin"], "did you mean 'quilting'"),
@@ -398,7 +402,7 @@ def test_bad_input_is_one_line_and_leaves_everything(here, capsys, words, messag
     (here / "uneven").mkdir()
     write_image("uneven/a.png", noise(40, 40))
     write_image("uneven/b.png", noise(40, 41))
-    weft.synthesize("sample.png", 80, seed=1).save("a.npz")
+    weftex.synthesize("sample.png", 80, seed=1).save("a.npz")
     assert re.search(message, fails(capsys, here, *words))
 
 
@@ -406,23 +410,23 @@ def test_not_enough_memory_is_one_line(here, capsys, monkeypatch):
     def fail(*_, **__):
         raise MemoryError
 
-    monkeypatch.setattr("weft.tasks.synthesize.synthesize", fail)
+    monkeypatch.setattr("weftex.tasks.synthesize.synthesize", fail)
     message = fails(capsys, here, "synth", "sample.png", "-o", "x.png")
     assert "not enough memory" in message
 
 
 def test_a_map_that_cannot_be_written_leaves_no_map(here, capsys, monkeypatch):
-    import weft.io
+    import weftex.io.pictures
 
-    real, seen = weft.io.write_image, []
+    real, seen = weftex.io.pictures.write_image, []
 
     def fail_third(*words, **options):
         seen.append(words)
         if len(seen) == 3:
-            raise weft.FileError("the disk is full")
+            raise weftex.FileError("the disk is full")
         real(*words, **options)
 
-    monkeypatch.setattr(weft.io, "write_image", fail_third)
+    monkeypatch.setattr(weftex.io.pictures, "write_image", fail_third)
     fails(capsys, here, "synth", "sample:stone_wall", "-o", "new", "--size", 80)
     assert len(seen) == 3
     (here / "old").mkdir()
@@ -459,7 +463,7 @@ def test_a_full_disk(here, output):
     run = process("synth", "sample.png", "-o", output, "--size", 300, preexec_fn=limit)
     err = run.communicate()[1]
     assert run.returncode == 2
-    assert err.startswith("weft: error: ") and err.count("\n") == 1, err
+    assert err.startswith("weftex: error: ") and err.count("\n") == 1, err
     assert listing(here) == before
 
 
@@ -483,7 +487,7 @@ def test_stopping_leaves_nothing(here, number, code, kind):
     finally:
         run.kill()
     assert run.returncode == code
-    assert err == "weft: stopped; nothing was written\n"
+    assert err == "weftex: stopped; nothing was written\n"
     assert listing(here) == before
 
 
@@ -498,7 +502,7 @@ def test_a_bar_on_a_terminal(here):
     write_image("large.png", noise(400, 400, 3))
     words = ["--method", "patch-sampling", "--search", "exhaustive", "--size", "600"]
     words += ["--patch-size", "64"]
-    command = [sys.executable, "-m", "weft.cli", "synth", "large.png", "-o", "x.png", *words]
+    command = [sys.executable, "-m", "weftex.cli", "synth", "large.png", "-o", "x.png", *words]
     ours, theirs = pty.openpty()
     fcntl.ioctl(theirs, termios.TIOCSWINSZ, struct.pack("HHHH", 24, 80, 0, 0))
     run = subprocess.Popen(command, stderr=theirs, env=ENVIRONMENT)

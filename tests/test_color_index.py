@@ -7,9 +7,9 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from weft.exemplar import Exemplar
-from weft.search.color_index import ColorIndex
-from weft.search.windows import windows_of
+from weftex.exemplar import Exemplar
+from weftex.search.color_index import ColorIndex
+from weftex.search.windows import windows_of
 
 
 def index_of(pixels, reach=1, **about):

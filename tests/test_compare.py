@@ -8,14 +8,14 @@ from html.parser import HTMLParser
 import numpy as np
 import pytest
 
-import weft
+import weftex
 from families import noise
-from weft.cli import main
-from weft.errors import CancelledError, FileError, InvalidInputError
-from weft.io import read_image, write_image
-from weft.tasks.compare import FAST, compare
+from weftex.cli import main
+from weftex.errors import CancelledError, FileError, InvalidInputError
+from weftex.io.pictures import read_image, write_image
+from weftex.tasks.compare import FAST, compare
 
-WEAVE = weft.load_exemplar("sample:weave").pixels[:64, :70]
+WEAVE = weftex.load_exemplar("sample:weave").pixels[:64, :70]
 
 
 class Page(HTMLParser):
@@ -43,12 +43,12 @@ class Page(HTMLParser):
 
 @pytest.fixture(scope="module")
 def found():
-    sample = weft.Exemplar(WEAVE, name="a <b> & 'c'.png")
+    sample = weftex.Exemplar(WEAVE, name="a <b> & 'c'.png")
     return compare(sample, (56, 60), seed=5, threads=2)
 
 
 def test_every_method_is_there_best_first(found):
-    assert sorted(e.method for e in found.entries) == sorted(weft.METHODS)
+    assert sorted(e.method for e in found.entries) == sorted(weftex.METHODS)
     ranks = [entry.rank for entry in found.entries]
     assert ranks == sorted(ranks) and found.shape == (56, 60) and found.seed == 5
     for entry in found.entries:
@@ -56,19 +56,19 @@ def test_every_method_is_there_best_first(found):
         assert entry.note == note and entry.seconds > 0
         if entry.method not in ("quilting", "best-tile", "graphcut"):
             continue
-        again = weft.synthesize(WEAVE, (56, 60), method=entry.method, seed=5, **parameters)
+        again = weftex.synthesize(WEAVE, (56, 60), method=entry.method, seed=5, **parameters)
         assert np.array_equal(entry.result.image, again.image)
-        assert entry.assessment == weft.assess(weft.Exemplar(WEAVE), again)
-    assert set(FAST) <= set(weft.METHODS)
+        assert entry.assessment == weftex.assess(weftex.Exemplar(WEAVE), again)
+    assert set(FAST) <= set(weftex.METHODS)
 
 
 def test_the_page_needs_nothing_but_itself(found, tmp_path):
     found.save(tmp_path / "c.html")
     page = Page((tmp_path / "c.html").read_text("utf-8"))
     assert not page.open and "a <b> & 'c'.png" in page.text and "<b>" not in found.html()
-    assert sorted(page.ids) == sorted(weft.METHODS)
-    assert sorted(page.links) == sorted(f"#{slug}" for slug in weft.METHODS)
-    assert len(page.pictures) == 1 + 2 * len(weft.METHODS)
+    assert sorted(page.ids) == sorted(weftex.METHODS)
+    assert sorted(page.links) == sorted(f"#{slug}" for slug in weftex.METHODS)
+    assert len(page.pictures) == 1 + 2 * len(weftex.METHODS)
     for number, picture in enumerate(page.pictures):
         assert picture["alt"] and picture["src"].startswith("data:image/png;base64,")
         (tmp_path / f"{number}.png").write_bytes(base64.b64decode(picture["src"][22:]))
@@ -86,13 +86,13 @@ def test_figures_are_plain_values(found):
     about = json.loads(json.dumps(found.as_dict()))
     assert [m["method"] for m in about["methods"]] == [e.method for e in found.entries]
     assert about["methods"][0]["figures"]["score"] == found.entries[0].rank
-    assert about["auto"]["method"] in weft.METHODS and about["width"] == 60
+    assert about["auto"]["method"] in weftex.METHODS and about["width"] == 60
 
 
 def test_a_method_that_cannot_says_why():
     mask = np.ones((40, 40), bool)
     mask[::8] = False  # no whole patch of ten pixels
-    sample = weft.Exemplar(noise((40, 40)), mask=mask)
+    sample = weftex.Exemplar(noise((40, 40)), mask=mask)
     found = compare(sample, 30, methods=["quilting", "ashikhmin"], seed=1)
     able, unable = found.entries
     assert able.method == "ashikhmin" and unable.result is None and unable.rank == float("inf")

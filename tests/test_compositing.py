@@ -6,7 +6,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 import reference
-from weft import _compositing
+from weftex.results import paste_kernels
 
 DTYPES = (np.uint8, np.uint16, np.float32, np.float64)
 
@@ -45,7 +45,7 @@ def layout(rng, canvas, sample, rows, columns, count, cut):
 def check(out, source, top, left, canvas, layout, scale, alpha):
     expected = out.copy()
     reference.paste_all(expected, source, top, left, canvas, *layout, scale, alpha)
-    _compositing.paste_all(out, source, top, left, *canvas, *layout, scale, alpha)
+    paste_kernels.paste_all(out, source, top, left, *canvas, *layout, scale, alpha)
     if out.dtype == np.float32 and alpha:
         # The kernel sums in float32 what the twin sums in float64.
         assert np.allclose(out, expected, rtol=1e-5, atol=1e-6)
@@ -80,8 +80,8 @@ def test_a_window_is_that_part_of_the_whole(dtype, cut, scale, data):
     plan = layout(rng, canvas, sample, 5, 4, 8, cut)
     whole = np.zeros((canvas[0] * scale, canvas[1] * scale, 3), dtype)
     part = np.zeros((rows * scale, columns * scale, 3), dtype)
-    _compositing.paste_all(whole, source, 0, 0, *canvas, *plan, scale, False)
-    _compositing.paste_all(part, source, top, left, *canvas, *plan, scale, False)
+    paste_kernels.paste_all(whole, source, 0, 0, *canvas, *plan, scale, False)
+    paste_kernels.paste_all(part, source, top, left, *canvas, *plan, scale, False)
     inside = np.ix_(
         range(top * scale, (top + rows) * scale), range(left * scale, (left + columns) * scale)
     )
@@ -95,7 +95,7 @@ def test_layers_are_the_slow_twin(cut, count, seed):
     plan = layout(rng, canvas, (6, 7), 5, 4, count, cut)
     patch = np.full((6, 5, 4), -1, np.int32)
     share = np.zeros((6, 5, 4), np.float32)
-    _compositing.layer_all(patch, share, 1, 2, *canvas, *plan)
+    paste_kernels.layer_all(patch, share, 1, 2, *canvas, *plan)
     for at, entries in reference.layers(window, canvas, *plan).items():
         got = [(int(p), float(s)) for p, s in zip(patch[at], share[at], strict=True) if s > 0]
         assert got == [(p, float(s)) for p, s in entries]
@@ -107,7 +107,7 @@ def test_whole_numbers_round_halves_up():
     for weight, expected in ((127, 0), (128, 1)):
         out[:] = 0
         weights = np.full((1, 1, 1), weight, np.uint16)
-        _compositing.paste_all(
+        paste_kernels.paste_all(
             out, source, 0, 0, 1, 1, one, weights, np.zeros((0, 0), np.uint16), 1, False
         )
         assert out[0, 0, 0] == expected
@@ -120,7 +120,7 @@ def test_constant_in_constant_out_whatever_the_weights(rng, dtype, alpha):
         out = np.broadcast_to(value, (9, 11, 4)).copy()
         source = np.broadcast_to(value, (6, 7, 4)).copy()
         plan = layout(rng, (9, 11), (6, 7), 5, 4, 12, False)
-        _compositing.paste_all(out, source, 0, 0, 9, 11, *plan, 1, alpha)
+        paste_kernels.paste_all(out, source, 0, 0, 9, 11, *plan, 1, alpha)
         assert np.array_equal(out, np.broadcast_to(value, out.shape))
 
 
@@ -134,7 +134,7 @@ def test_clear_pixels_bleed_no_colour(dtype):
     half = np.full((1, 1, 1), 128, np.uint16)
     for old, new in ((red, clear_green), (clear_green, red)):
         out = old.reshape(1, 1, 4).copy()
-        _compositing.paste_all(
+        paste_kernels.paste_all(
             out, new.reshape(1, 1, 4), 0, 0, 1, 1, one, half, np.zeros((0, 0), np.uint16), 1, True
         )
         assert out[0, 0, :3].tolist() == red[:3].tolist()
@@ -147,6 +147,6 @@ def test_more_patches_than_layers_keep_the_heaviest():
     placements = np.zeros((6, 5), np.int32)
     patch, share = np.full((1, 1, 4), -1, np.int32), np.zeros((1, 1, 4), np.float32)
     none = np.zeros((0, 0), np.uint16)
-    _compositing.layer_all(patch, share, 0, 0, 1, 1, placements, weights, none)
+    paste_kernels.layer_all(patch, share, 0, 0, 1, 1, placements, weights, none)
     assert patch[0, 0].tolist() == [5, 4, 3, 2]
     assert (np.diff(share[0, 0]) < 0).all()

@@ -8,8 +8,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from reference import normalised_correlation
-from weft.analysis.correlation import correlate
-from weft.errors import InvalidInputError
+from weftex.analysis.correlation import correlate
+from weftex.errors import InvalidInputError
 
 SIZES = [((8, 9), (8, 9)), ((7, 5), (3, 9)), ((3, 4), (6, 7)), ((1, 6), (4, 2)), ((9, 2), (1, 1))]
 

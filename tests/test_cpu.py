@@ -7,18 +7,18 @@ from pathlib import Path
 
 import pytest
 
-import weft
+import weftex
 
-FOLDER = Path(weft.__file__).parent
+FOLDER = Path(weftex.__file__).parent
 SCRIPT = """
 import hashlib, importlib, sys
 import numpy as np
-import weft, weft._cpu
+import weftex
 from families import TRIALS, canvas_of, kinds_of, method_of
 
 chosen = [importlib.import_module(name) for name in sys.argv[1:]]
 print(*("avx2" if "_avx2" in m.__file__ else "baseline" for m in chosen))
-pebbles = weft.load_exemplar("sample:pebbles").pixels[:60, :65]
+pebbles = weftex.load_exemplar("sample:pebbles").pixels[:60, :65]
 y, x = np.indices((50, 55))
 hole = (y - 22) ** 2 + (x - 25) ** 2 < 200
 known = pebbles[:50, 5:60].copy()
@@ -26,9 +26,9 @@ known[hole] = 0
 alpha = np.concatenate([pebbles, pebbles[..., :1]], axis=2)
 samples = {"bytes": pebbles, "grey": pebbles[..., 0].copy(), "alpha": alpha,
            "deep": pebbles.astype(np.uint16) * 257, "real": (pebbles / 255).astype(np.float32)}
-canvases = {"plain": weft.Canvas(70, 76), "tileable": weft.Canvas(70, 76, (True, True)),
-            "hole": weft.Canvas(50, 55, known=known, hole=hole)}
-for method in (m for m in weft.METHODS if TRIALS[m].family == "patch"):
+canvases = {"plain": weftex.Canvas(70, 76), "tileable": weftex.Canvas(70, 76, (True, True)),
+            "hole": weftex.Canvas(50, 55, known=known, hole=hole)}
+for method in (m for m in weftex.METHODS if TRIALS[m].family == "patch"):
     for search in ("exhaustive", "quadtree", "pca", "kdtree", "kdtree-pca"):
         for name, sample in samples.items():
             for kind, canvas in canvases.items():
@@ -37,8 +37,8 @@ for method in (m for m in weft.METHODS if TRIALS[m].family == "patch"):
                 for blend in ("feather", "feather-at-end", "cut"):
                     if blend == "feather-at-end" and search != "pca":
                         continue
-                    kind_of = weft.METHODS[method](patch_size=13, search=search, blend=blend)
-                    result = kind_of.fit(weft.Exemplar(sample)).sample(canvas, seed=3)
+                    kind_of = weftex.METHODS[method](patch_size=13, search=search, blend=blend)
+                    result = kind_of.fit(weftex.Exemplar(sample)).sample(canvas, seed=3)
                     whole = hashlib.sha256()
                     parts = [result.image, result.placements, result.cuts, *result.layers()]
                     base = known.repeat(2, 0).repeat(2, 1) if kind == "hole" else None
@@ -46,9 +46,9 @@ for method in (m for m in weft.METHODS if TRIALS[m].family == "patch"):
                     for part in parts:
                         whole.update(np.ascontiguousarray(part).tobytes())
                     print(method, search, name, kind, blend, whole.hexdigest())
-for method in (m for m in weft.METHODS if TRIALS[m].family == "pixel"):
+for method in (m for m in weftex.METHODS if TRIALS[m].family == "pixel"):
     for way in TRIALS[method].ways:
-        model = method_of(method, way).fit(weft.Exemplar(pebbles))
+        model = method_of(method, way).fit(weftex.Exemplar(pebbles))
         for kind in kinds_of(method, way):
             result = model.sample(canvas_of(kind, pebbles), seed=3)
             parts = result.image.tobytes() + result.source.tobytes()
@@ -57,7 +57,7 @@ for method in (m for m in weft.METHODS if TRIALS[m].family == "pixel"):
 
 
 KERNELS = [
-    ".".join(("weft", *file.relative_to(FOLDER / "_avx2").parent.parts, file.name.split(".")[0]))
+    ".".join(("weftex", *file.relative_to(FOLDER / "_avx2").parent.parts, file.name.split(".")[0]))
     for file in sorted((FOLDER / "_avx2").rglob("*.*"))
     if file.suffix in (".so", ".pyd")
 ]
@@ -68,7 +68,7 @@ def run(**environment):
     environment |= {"PYTHONPATH": os.pathsep.join(folders)}
     done = subprocess.run(
         [sys.executable, "-c", SCRIPT, *KERNELS],
-        env={k: v for k, v in os.environ.items() if k != "WEFT_KERNELS"} | environment,
+        env={k: v for k, v in os.environ.items() if k != "WEFTEX_KERNELS"} | environment,
         capture_output=True,
         check=False,
         text=True,
@@ -90,7 +90,7 @@ def fast():
 @pytest.mark.skipif(not fast(), reason="no AVX2 here, or not built for it")
 def test_kernels_of_both_kinds_make_the_same_bytes():
     """All methods, every kind of canvas, search, depth and seam."""
-    kind, expected = run(WEFT_KERNELS="baseline")
+    kind, expected = run(WEFTEX_KERNELS="baseline")
     assert kind.split() == ["baseline"] * len(KERNELS) and len(KERNELS) >= 5
     kind, found = run()
     assert kind.split() == ["avx2"] * len(KERNELS)
@@ -103,24 +103,24 @@ def test_kernels_of_both_kinds_make_the_same_bytes():
     "first",
     [
         *(
-            f"weft.synthesize(np.zeros((20, 20), np.uint8), 30, method='{m}')"
-            for m in weft.METHODS
+            f"weftex.synthesize(np.zeros((20, 20), np.uint8), 30, method='{m}')"
+            for m in weftex.METHODS
             if m != "best-tile"
         ),
-        "weft.PatchSampling(patch_size=4).fit(weft.Exemplar(np.zeros((20, 20), np.uint8)))",
-        "weft.Synthesis, weft.Quilting().fit(weft.Exemplar(np.zeros((20, 20), np.uint8)))",
+        "weftex.PatchSampling(patch_size=4).fit(weftex.Exemplar(np.zeros((20, 20), np.uint8)))",
+        "weftex.Synthesis, weftex.Quilting().fit(weftex.Exemplar(np.zeros((20, 20), np.uint8)))",
     ],
 )
 def test_every_kernel_is_the_fast_one_whatever_is_used_first(first):
     script = (
-        f"import sys, numpy as np, weft; {first}\n"
+        f"import sys, numpy as np, weftex; {first}\n"
         "for name, module in list(sys.modules.items()):\n"
-        "    if name.startswith('weft') and name.endswith(('_kernels', '_compositing')):\n"
+        "    if name.startswith('weftex') and name.endswith('kernels'):\n"
         "        print(name, '_avx2' in module.__file__)"
     )
     done = subprocess.run(
         [sys.executable, "-c", script],
-        env={k: v for k, v in os.environ.items() if k != "WEFT_KERNELS"},
+        env={k: v for k, v in os.environ.items() if k != "WEFTEX_KERNELS"},
         capture_output=True,
         check=False,
         text=True,
@@ -134,13 +134,13 @@ def test_every_kernel_is_the_fast_one_whatever_is_used_first(first):
 def test_the_baseline_can_be_asked_for():
     """It works on its own, whatever the machine."""
     script = (
-        "import weft._compositing as c, weft, numpy as np;"
+        "import weftex.results.paste_kernels as c, weftex, numpy as np;"
         "print('_avx2' in c.__file__);"
-        "weft.synthesize(np.zeros((20, 20), np.uint8), 30, seed=1, method='patch-sampling')"
+        "weftex.synthesize(np.zeros((20, 20), np.uint8), 30, seed=1, method='patch-sampling')"
     )
     done = subprocess.run(
         [sys.executable, "-c", script],
-        env=os.environ | {"WEFT_KERNELS": "baseline"},
+        env=os.environ | {"WEFTEX_KERNELS": "baseline"},
         capture_output=True,
         check=False,
         text=True,

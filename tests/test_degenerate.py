@@ -1,11 +1,11 @@
-"""Degenerate inputs are cases, not accidents: each works, or raises a WeftError."""
+"""Degenerate inputs are cases, not accidents: each works, or raises a WeftexError."""
 
 import itertools
 
 import numpy as np
 import pytest
 
-import weft
+import weftex
 from families import SEARCHES, TRIALS, every, kinds_of, method_of
 
 WRAPS = list(itertools.product([False, True], repeat=2))
@@ -27,10 +27,10 @@ def check(result, exemplar, size):
 
 
 def attempt(method, exemplar, canvas, **parameters):
-    """Run, or raise a WeftError of one line; True if there is a picture."""
+    """Run, or raise a WeftexError of one line; True if there is a picture."""
     try:
-        result = weft.METHODS[method](**parameters).fit(exemplar).sample(canvas, seed=3)
-    except weft.WeftError as error:
+        result = weftex.METHODS[method](**parameters).fit(exemplar).sample(canvas, seed=3)
+    except weftex.WeftexError as error:
         assert str(error) and "\n" not in str(error)
         return False
     check(result, exemplar, canvas.shape)
@@ -49,10 +49,10 @@ def noise(*shape):
 @pytest.mark.parametrize("value", [0, 1, 128, 255])
 @pytest.mark.parametrize("patch_size", [1, 2, 7, 8])
 def test_constant_samples(method, search, value, patch_size):
-    exemplar = weft.Exemplar(np.full((20, 22, 3), value, np.uint8))
+    exemplar = weftex.Exemplar(np.full((20, 22, 3), value, np.uint8))
     for wrap in ((False, False), (True, True)):
-        canvas = weft.Canvas(24, 21, wrap)
-        model = weft.METHODS[method](search=search, patch_size=patch_size).fit(exemplar)
+        canvas = weftex.Canvas(24, 21, wrap)
+        model = weftex.METHODS[method](search=search, patch_size=patch_size).fit(exemplar)
         result = model.sample(canvas, seed=1)
         check(result, exemplar, canvas.shape)
         assert (result.image == value).all()
@@ -64,9 +64,9 @@ def test_constant_samples(method, search, value, patch_size):
 )
 @pytest.mark.parametrize("tileable", [False, True])
 def test_tiny_samples(method, shape, tileable):
-    exemplar = weft.Exemplar(noise(*shape), tileable=tileable)
+    exemplar = weftex.Exemplar(noise(*shape), tileable=tileable)
     works = [
-        attempt(method, exemplar, weft.Canvas(*size, wrap), **parameters)
+        attempt(method, exemplar, weftex.Canvas(*size, wrap), **parameters)
         for size in ((1, 1), (5, 7))
         for wrap in ((False, False), (True, True))
         for parameters in ({}, {"patch_size": 1}, {"patch_size": 2}, {"patch_size": 3})
@@ -81,10 +81,10 @@ def test_tiny_samples(method, shape, tileable):
 @pytest.mark.parametrize("patch_size", [2, 3, 8, 16])
 def test_a_sample_of_one_patch(method, search, patch_size):
     """One window: every patch is the same one, whatever the search."""
-    exemplar = weft.Exemplar(noise(patch_size, patch_size, 3))
-    model = weft.METHODS[method](search=search, patch_size=patch_size).fit(exemplar)
+    exemplar = weftex.Exemplar(noise(patch_size, patch_size, 3))
+    model = weftex.METHODS[method](search=search, patch_size=patch_size).fit(exemplar)
     for wrap in WRAPS:
-        result = model.sample(weft.Canvas(20, 21, wrap), seed=1)
+        result = model.sample(weftex.Canvas(20, 21, wrap), seed=1)
         check(result, exemplar, (20, 21))
         assert (result.placements[:, 2:4] == 0).all()
 
@@ -93,31 +93,31 @@ def test_a_sample_of_one_patch(method, search, patch_size):
 @pytest.mark.parametrize("search", SEARCHES)
 @pytest.mark.parametrize("patch_size", [1, 6])
 def test_tiny_canvases(method, search, patch_size):
-    exemplar = weft.Exemplar(noise(20, 22, 3))
-    model = weft.METHODS[method](search=search, patch_size=patch_size).fit(exemplar)
+    exemplar = weftex.Exemplar(noise(20, 22, 3))
+    model = weftex.METHODS[method](search=search, patch_size=patch_size).fit(exemplar)
     for size in ((1, 1), (1, 2), (2, 1), (2, 2), (1, 40), (40, 1), (3, 3), (6, 6), (7, 5)):
         for wrap in WRAPS:
-            check(model.sample(weft.Canvas(*size, wrap), seed=1), exemplar, size)
+            check(model.sample(weftex.Canvas(*size, wrap), seed=1), exemplar, size)
 
 
 @every("method", family="patch")
 @pytest.mark.parametrize("channels", [1, 2, 7, 16, 40])
 @pytest.mark.parametrize("search", SEARCHES)
 def test_many_channels(method, channels, search):
-    exemplar = weft.Exemplar(noise(24, 24, channels))
-    assert attempt(method, exemplar, weft.Canvas(30, 30), search=search, patch_size=8)
+    exemplar = weftex.Exemplar(noise(24, 24, channels))
+    assert attempt(method, exemplar, weftex.Canvas(30, 30), search=search, patch_size=8)
 
 
 @every("method", family="patch")
 @pytest.mark.parametrize("patch_size, width", [(2, 1), (12, 6), (13, 6), (24, 12), (1, 11)])
 @pytest.mark.parametrize("search", SEARCHES)
 def test_huge_boundaries(method, patch_size, width, search):
-    exemplar = weft.Exemplar(noise(24, 24))
+    exemplar = weftex.Exemplar(noise(24, 24))
     sizes = ((25, 25), (13, 40), (30, 7)) if patch_size > 1 else ((9, 13),)
     for wrap in ((False, False), (True, True)):
         for size in sizes:
             assert attempt(
-                method, exemplar, weft.Canvas(*size, wrap),
+                method, exemplar, weftex.Canvas(*size, wrap),
                 patch_size=patch_size, boundary_width=width, search=search,
             )  # fmt: skip
 
@@ -131,29 +131,31 @@ def test_huge_boundaries(method, patch_size, width, search):
     ids=str,
 )  # fmt: skip
 def test_absurd_parameters_are_refused_before_work_starts(method, tileable, parameters):
-    exemplar = weft.Exemplar(noise(24, 24), tileable=tileable)
-    with pytest.raises(weft.InvalidInputError):
-        weft.METHODS[method](**parameters).fit(exemplar)
+    exemplar = weftex.Exemplar(noise(24, 24), tileable=tileable)
+    with pytest.raises(weftex.InvalidInputError):
+        weftex.METHODS[method](**parameters).fit(exemplar)
 
 
 @every("method", family="patch")
 @pytest.mark.parametrize("colours", [1, 2])
 def test_two_colours(method, colours):
-    exemplar = weft.Exemplar(((noise(30, 30) % colours) * 255).astype(np.uint8))
+    exemplar = weftex.Exemplar(((noise(30, 30) % colours) * 255).astype(np.uint8))
     for search in SEARCHES:
-        assert attempt(method, exemplar, weft.Canvas(40, 40), patch_size=8, search=search)
+        assert attempt(method, exemplar, weftex.Canvas(40, 40), patch_size=8, search=search)
 
 
 @every("method", family="patch")
 @pytest.mark.parametrize("patch_size", [1, 6])
 def test_holes_of_nothing_and_of_everything(method, patch_size):
-    exemplar = weft.Exemplar(noise(20, 20, 3))
-    model = weft.METHODS[method](patch_size=patch_size).fit(exemplar)
+    exemplar = weftex.Exemplar(noise(20, 20, 3))
+    model = weftex.METHODS[method](patch_size=patch_size).fit(exemplar)
     known = noise(15, 16, 3)
-    nothing = model.sample(weft.Canvas(15, 16, known=known, hole=np.zeros((15, 16), bool)), seed=1)
+    nothing = model.sample(
+        weftex.Canvas(15, 16, known=known, hole=np.zeros((15, 16), bool)), seed=1
+    )
     assert np.array_equal(nothing.image, known)
     everything = model.sample(
-        weft.Canvas(15, 16, known=known, hole=np.ones((15, 16), bool)), seed=1
+        weftex.Canvas(15, 16, known=known, hole=np.ones((15, 16), bool)), seed=1
     )
     check(everything, exemplar, (15, 16))
 
@@ -162,10 +164,10 @@ def test_holes_of_nothing_and_of_everything(method, patch_size):
 def test_masks_with_one_window(method):
     mask = np.zeros((30, 30), bool)
     mask[11:17, 7:13] = True
-    exemplar = weft.Exemplar(noise(30, 30), mask=mask)
+    exemplar = weftex.Exemplar(noise(30, 30), mask=mask)
     for search in SEARCHES:
-        assert attempt(method, exemplar, weft.Canvas(20, 20), patch_size=6, search=search)
-    assert not attempt(method, exemplar, weft.Canvas(20, 20), patch_size=7)
+        assert attempt(method, exemplar, weftex.Canvas(20, 20), patch_size=6, search=search)
+    assert not attempt(method, exemplar, weftex.Canvas(20, 20), patch_size=7)
 
 
 # Every method
@@ -174,10 +176,10 @@ def test_masks_with_one_window(method):
 @every("method", "way")
 @pytest.mark.parametrize("value", [0, 1, 128, 255])
 def test_constant_samples_in_every_way(method, way, value):
-    exemplar = weft.Exemplar(np.full((20, 22, 3), value, np.uint8))
+    exemplar = weftex.Exemplar(np.full((20, 22, 3), value, np.uint8))
     model = method_of(method, way).fit(exemplar)
     for wrap in wraps_of(method):
-        result = model.sample(weft.Canvas(24, 21, wrap), seed=1)
+        result = model.sample(weftex.Canvas(24, 21, wrap), seed=1)
         check(result, exemplar, (24, 21))
         assert (result.image == value).all()
 
@@ -189,9 +191,9 @@ def test_constant_samples_in_every_way(method, way, value):
 @pytest.mark.parametrize("tileable", [False, True])
 def test_defaults_work_on_tiny_samples(method, shape, tileable):
     """Windows shrink to fit; patches need three pixels."""
-    exemplar = weft.Exemplar(noise(*shape), tileable=tileable)
+    exemplar = weftex.Exemplar(noise(*shape), tileable=tileable)
     works = [
-        attempt(method, exemplar, weft.Canvas(*size, wrap))
+        attempt(method, exemplar, weftex.Canvas(*size, wrap))
         for size in ((1, 1), (5, 7))
         for wrap in wraps_of(method)
     ]
@@ -200,17 +202,17 @@ def test_defaults_work_on_tiny_samples(method, shape, tileable):
 
 @every("method", "way")
 def test_tiny_canvases_in_every_way(method, way):
-    exemplar = weft.Exemplar(noise(20, 22, 3))
+    exemplar = weftex.Exemplar(noise(20, 22, 3))
     model = method_of(method, way).fit(exemplar)
     for size in ((1, 1), (1, 2), (2, 1), (2, 2), (1, 40), (40, 1), (3, 3), (6, 6), (7, 5)):
         for wrap in wraps_of(method):
-            check(model.sample(weft.Canvas(*size, wrap), seed=1), exemplar, size)
+            check(model.sample(weftex.Canvas(*size, wrap), seed=1), exemplar, size)
 
 
 @every("method", "way")
 @pytest.mark.parametrize("channels", [1, 2, 7, 40])
 def test_many_channels_in_every_way(method, way, channels):
-    exemplar = weft.Exemplar(noise(24, 24, channels))
+    exemplar = weftex.Exemplar(noise(24, 24, channels))
     result = method_of(method, way).fit(exemplar).sample(30, seed=3)
     check(result, exemplar, (30, 30))
 
@@ -218,7 +220,7 @@ def test_many_channels_in_every_way(method, way, channels):
 @every("method", "way")
 @pytest.mark.parametrize("colours", [1, 2])
 def test_two_colours_in_every_way(method, way, colours):
-    exemplar = weft.Exemplar(((noise(30, 30) % colours) * 255).astype(np.uint8))
+    exemplar = weftex.Exemplar(((noise(30, 30) % colours) * 255).astype(np.uint8))
     result = method_of(method, way).fit(exemplar).sample(40, seed=3)
     check(result, exemplar, (40, 40))
 
@@ -227,28 +229,28 @@ def test_two_colours_in_every_way(method, way, colours):
 @pytest.mark.parametrize("width", [10**6 + 1, 10**9 + 1, 10**30 + 1])
 @pytest.mark.parametrize("tileable", [False, True])
 def test_absurd_windows_are_refused_before_work_starts(method, width, tileable):
-    exemplar = weft.Exemplar(noise(24, 24), tileable=tileable)
-    with pytest.raises(weft.InvalidInputError, match=str(width)):
-        weft.METHODS[method](**{TRIALS[method].window: width}).fit(exemplar)
+    exemplar = weftex.Exemplar(noise(24, 24), tileable=tileable)
+    with pytest.raises(weftex.InvalidInputError, match=str(width)):
+        weftex.METHODS[method](**{TRIALS[method].window: width}).fit(exemplar)
 
 
 @every("method", family="pixel")
 def test_even_windows_are_refused(method):
     if TRIALS[method].window != "window_width":
         return
-    with pytest.raises(weft.InvalidInputError, match="window_width is 6; it must be odd"):
-        weft.METHODS[method](window_width=6).fit(weft.Exemplar(noise(24, 24)))
+    with pytest.raises(weftex.InvalidInputError, match="window_width is 6; it must be odd"):
+        weftex.METHODS[method](window_width=6).fit(weftex.Exemplar(noise(24, 24)))
 
 
 @every("method", "way")
 def test_holes_of_nothing_and_of_everything_in_every_way(method, way):
     if "hole" not in kinds_of(method):
         return
-    exemplar = weft.Exemplar(noise(20, 20, 3))
+    exemplar = weftex.Exemplar(noise(20, 20, 3))
     model = method_of(method, way).fit(exemplar)
     known = noise(15, 16, 3)
     nothing, everything = (
-        model.sample(weft.Canvas(15, 16, known=known, hole=np.full((15, 16), hole)), seed=1)
+        model.sample(weftex.Canvas(15, 16, known=known, hole=np.full((15, 16), hole)), seed=1)
         for hole in (False, True)
     )
     assert np.array_equal(nothing.image, known)
@@ -259,14 +261,14 @@ def test_holes_of_nothing_and_of_everything_in_every_way(method, way):
 def test_holes_of_one_pixel_and_all_but_one(method, way):
     if "hole" not in kinds_of(method):
         return
-    exemplar = weft.Exemplar(noise(20, 20, 3))
+    exemplar = weftex.Exemplar(noise(20, 20, 3))
     model = method_of(method, way).fit(exemplar)
     known = noise(9, 8, 3)
     for place in ((0, 0), (4, 4), (8, 7)):
         for alone in (False, True):
             hole = np.full((9, 8), not alone)
             hole[place] = alone
-            result = model.sample(weft.Canvas(9, 8, known=known, hole=hole), seed=1)
+            result = model.sample(weftex.Canvas(9, 8, known=known, hole=hole), seed=1)
             assert np.array_equal(result.image[~hole], known[~hole])
             at = result.source[hole]
             assert (at >= 0).all() and (at < 20).all()
@@ -279,21 +281,21 @@ def test_masks_that_leave_few_windows(method, way, tileable):
     mask = np.zeros((30, 30), bool)
     mask[11:22, 7:18] = True
     mask[15, 17] = False
-    exemplar = weft.Exemplar(noise(30, 30), mask=mask, tileable=tileable)
+    exemplar = weftex.Exemplar(noise(30, 30), mask=mask, tileable=tileable)
     model = method_of(method, way).fit(exemplar)
     for wrap in wraps_of(method):
-        check(model.sample(weft.Canvas(20, 20, wrap), seed=1), exemplar, (20, 20))
-    stripes = weft.Exemplar(noise(30, 30), mask=np.indices((30, 30))[1] % 4 == 0)
+        check(model.sample(weftex.Canvas(20, 20, wrap), seed=1), exemplar, (20, 20))
+    stripes = weftex.Exemplar(noise(30, 30), mask=np.indices((30, 30))[1] % 4 == 0)
     trial = TRIALS[method]
     if "single" not in way and trial.window in trial.small | trial.ways[way]:
-        with pytest.raises(weft.InvalidInputError, match="lies (in|on) .*usable"):
+        with pytest.raises(weftex.InvalidInputError, match="lies (in|on) .*usable"):
             method_of(method, way).fit(stripes)
 
 
 @every("method")
 @pytest.mark.parametrize("value", [0.0, -1.0, 1e-30, 1e30, 1e300, -1e300])
 def test_constant_floats(method, value):
-    exemplar = weft.Exemplar(np.full((20, 20), value))
+    exemplar = weftex.Exemplar(np.full((20, 20), value))
     assert (method_of(method).fit(exemplar).sample(30, seed=1).image == value).all()
 
 
@@ -301,7 +303,7 @@ def test_constant_floats(method, value):
 def test_wild_floats(method):
     pixels = noise(20, 20).astype(float)
     pixels[3, 4], pixels[7, 7] = 1e308, -1e308
-    exemplar = weft.Exemplar(pixels)
+    exemplar = weftex.Exemplar(pixels)
     with np.errstate(over="ignore"):
         check(method_of(method).fit(exemplar).sample(30, seed=3), exemplar, (30, 30))
 
@@ -314,8 +316,8 @@ def test_arrays_of_any_layout(method):
     expected = None
     for view in (pixels, np.asfortranarray(pixels), frozen, pixels[::-1][::-1], [[1, 2], [3, 4]]):
         try:
-            result = weft.synthesize(view, 30, method=method_of(method), seed=1)
-        except weft.WeftError:
+            result = weftex.synthesize(view, 30, method=method_of(method), seed=1)
+        except weftex.WeftexError:
             assert isinstance(view, list)
             continue
         expected = result.image if expected is None else expected
@@ -326,20 +328,20 @@ def test_arrays_of_any_layout(method):
     "sample", [None, 5, "", "no/such/file.png", "sample:no-such", [[1, 2], [3]], {}, b"x", object()]
 )
 def test_samples_that_are_none(sample):
-    with pytest.raises(weft.WeftError):
-        weft.synthesize(sample, 30, seed=1)
+    with pytest.raises(weftex.WeftexError):
+        weftex.synthesize(sample, 30, seed=1)
 
 
 def test_the_sample_is_not_changed():
     pixels = noise(30, 30, 3)
     before = pixels.copy()
     for blend in ("feather", "cut"):
-        weft.synthesize(pixels, 40, seed=1, method="patch-sampling", patch_size=8, blend=blend)
+        weftex.synthesize(pixels, 40, seed=1, method="patch-sampling", patch_size=8, blend=blend)
     assert np.array_equal(pixels, before)
     hole = np.zeros((30, 30), bool)
     hole[5:9, 5:9] = True
-    canvas = weft.Canvas(30, 30, known=pixels, hole=hole)
-    result = weft.synthesize(
+    canvas = weftex.Canvas(30, 30, known=pixels, hole=hole)
+    result = weftex.synthesize(
         noise(20, 20, 3), canvas, seed=1, method="patch-sampling", patch_size=8
     )
     result.image[:] = 0

@@ -1,4 +1,4 @@
-"""Imports point one way, and importing weft costs next to nothing."""
+"""Imports point one way, and importing weftex costs next to nothing."""
 
 import ast
 import subprocess
@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-ROOT = Path(__file__).parent.parent / "src" / "weft"
+ROOT = Path(__file__).parent.parent / "src" / "weftex"
 
 #: From the top down; a module may import from its own level and from those below.
 LEVELS = [
@@ -29,7 +29,7 @@ LEVELS = [
 LEVEL = {name: n for n, names in enumerate(reversed(LEVELS)) for name in names}
 # Parts of one level that have nothing to do with each other.
 APART = [{"search", "seams"}, {"search", "analysis"}, {"seams", "analysis"}]
-KERNELS = sorted(p.relative_to(ROOT) for p in ROOT.rglob("*.py") if p.with_suffix(".pxd").exists())
+KERNELS = sorted(p.relative_to(ROOT) for p in ROOT.rglob("*kernels.py"))
 FILES = sorted(p.relative_to(ROOT) for p in ROOT.rglob("*.py"))
 
 
@@ -42,7 +42,7 @@ MODULES = {dotted(path) for path in FILES}
 
 
 def imports(path):
-    """(module of weft, when) of every import: "start", "later" in a function, "types" only."""
+    """(module of weftex, when) of every import: "start", "later" in a function, "types" only."""
     tree = ast.parse((ROOT / path).read_text())
     found = []
 
@@ -64,8 +64,8 @@ def imports(path):
     result = set()
     for name, when in found:
         name = name.removeprefix("cython.cimports.")
-        if name == "weft" or name.startswith("weft."):
-            name = name.removeprefix("weft").removeprefix(".")
+        if name == "weftex" or name.startswith("weftex."):
+            name = name.removeprefix("weftex").removeprefix(".")
             while name and name not in MODULES:
                 name = name.rpartition(".")[0]
             if name:
@@ -86,7 +86,7 @@ def test_every_part_has_a_level():
 def test_imports_point_down(path):
     module = dotted(path)
     if not module:
-        return  # weft/__init__.py names everything, lazily
+        return  # weftex/__init__.py names everything, lazily
     for other, _ in imports(path):
         if part(other) == part(module):
             continue
@@ -157,39 +157,44 @@ HEAVY = {
 
 
 def test_importing_weft_is_light():
-    before, after = modules_after("import numpy"), modules_after("import numpy, weft")
-    added = {m for m in after - before if not m.startswith("weft")}
+    before, after = modules_after("import numpy"), modules_after("import numpy, weftex")
+    added = {m for m in after - before if not m.startswith("weftex")}
     assert not added & HEAVY
     assert len(added) <= 5, sorted(added)
-    assert {m for m in after if m.startswith("weft")} <= {"weft", "weft.errors"}
+    assert {m for m in after if m.startswith("weftex")} <= {"weftex", "weftex.errors"}
 
 
 def test_a_run_on_arrays_loads_no_more_than_it_needs():
     code = (
-        "import numpy as np, weft\n"
+        "import numpy as np, weftex\n"
         "sample = (np.arange(60 * 60) % 251).astype(np.uint8).reshape(60, 60)\n"
-        "weft.synthesize(sample, 100, method='patch-sampling', seed=1).image"
+        "weftex.synthesize(sample, 100, method='patch-sampling', seed=1).image"
     )
     needless = {"OpenImageIO", "scipy", "PIL", "tqdm", "multiprocessing", "concurrent.futures"}
-    needless |= {"numpy.random", "difflib", "weft.io"}
+    needless |= {"numpy.random", "difflib", "weftex.io.pictures"}
     # A method that was named pays nothing for choosing one, or for measures.
-    needless |= {"weft.methods.auto", "weft.analysis.lattice", "weft.quality"}
+    needless |= {"weftex.tasks.auto", "weftex.analysis.lattice", "weftex.quality"}
     assert not modules_after(code) & needless
 
 
 def test_a_command_with_a_method_neither_chooses_nor_measures(tmp_path):
     words = ["synth", "sample:grass", "-o", f"{tmp_path}/o.png", "--size", "64", "--quiet"]
-    code = f"from weft.cli import main\nassert main({[*words, '--method', 'quilting']}) == 0"
-    needless = ("weft.quality", "weft.methods.auto", "weft.analysis.lattice", "weft.tasks.report")
+    code = f"from weftex.cli import main\nassert main({[*words, '--method', 'quilting']}) == 0"
+    needless = (
+        "weftex.quality",
+        "weftex.tasks.auto",
+        "weftex.analysis.lattice",
+        "weftex.tasks.report",
+    )
     assert [m for m in modules_after(code) if m.startswith(needless)] == []
 
 
 def test_public_names_are_all_there():
-    import weft
+    import weftex
 
-    assert set(weft.__all__) == set(weft._HOME)
-    for name in weft.__all__:
-        assert getattr(weft, name) is not None
-        assert name in dir(weft)
+    assert set(weftex.__all__) == set(weftex._HOME)
+    for name in weftex.__all__:
+        assert getattr(weftex, name) is not None
+        assert name in dir(weftex)
     with pytest.raises(AttributeError, match="no attribute 'nothing'"):
-        weft.nothing  # noqa: B018
+        weftex.nothing  # noqa: B018

@@ -10,16 +10,16 @@ import pkgutil
 
 import pytest
 
-import weft
+import weftex
 
 MODULES = [
     module.name
-    for module in pkgutil.walk_packages(weft.__path__, "weft.")
-    if not module.name.startswith("weft._avx2") and not module.name.endswith("__main__")
+    for module in pkgutil.walk_packages(weftex.__path__, "weftex.")
+    if not module.name.startswith("weftex._avx2") and not module.name.endswith("__main__")
 ]
 
 
-@pytest.mark.parametrize("name", ["weft", *MODULES])
+@pytest.mark.parametrize("name", ["weftex", *MODULES])
 def test_examples_in_docstrings(name, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     result = doctest.testmod(importlib.import_module(name), optionflags=doctest.ELLIPSIS)
@@ -27,7 +27,7 @@ def test_examples_in_docstrings(name, tmp_path, monkeypatch):
 
 
 def test_the_main_entry_points_have_examples():
-    from weft.tasks import fill, synthesize
+    from weftex.tasks import fill, synthesize
 
-    for module in (weft, synthesize, fill):
+    for module in (weftex, synthesize, fill):
         assert doctest.testmod(module).attempted > 0

@@ -3,12 +3,12 @@
 import numpy as np
 import pytest
 
-import weft
+import weftex
 from families import noise
-from weft.canvas import Canvas
-from weft.drawing import draw_pieces, uncertainty
-from weft.errors import InvalidInputError
-from weft.pixel_synthesis import PixelSynthesis
+from weftex.canvas import Canvas
+from weftex.errors import InvalidInputError
+from weftex.results.drawing import draw_pieces, uncertainty
+from weftex.results.pixels import PixelSynthesis
 
 
 def result_of(sample, source, canvas=None):
@@ -18,7 +18,7 @@ def result_of(sample, source, canvas=None):
 
 
 def test_what_is_copied_as_a_whole_is_certain_and_has_one_colour():
-    sample = weft.Exemplar(noise((30, 31, 3)))
+    sample = weftex.Exemplar(noise((30, 31, 3)))
     y, x = np.indices((20, 20))
     copied = result_of(sample, ((y + 4) * 31 + x + 7).astype(np.int32))
     assert (uncertainty(copied) == 0).all() and (copied.draw("uncertainty") == 0).all()
@@ -34,7 +34,7 @@ def test_what_is_copied_as_a_whole_is_certain_and_has_one_colour():
 
 
 def test_uncertainty_is_its_definition():
-    sample = weft.Exemplar(noise((23, 25, 3)))
+    sample = weftex.Exemplar(noise((23, 25, 3)))
     rng = np.random.default_rng(1)
     result = result_of(sample, rng.integers(0, 23 * 25, (300, 9)).astype(np.int32))
     pixels, made, source = sample.pixels.astype(float), result.image.astype(float), result.source
@@ -53,31 +53,31 @@ def test_uncertainty_is_its_definition():
 
 
 def test_what_wraps_and_what_is_known():
-    tile = weft.Exemplar(noise((12, 14)), tileable=True)
+    tile = weftex.Exemplar(noise((12, 14)), tileable=True)
     around = np.arange(12 * 14, dtype=np.int32).reshape(12, 14)
     assert not uncertainty(result_of(tile, around, Canvas(12, 14, (True, True)))).any()
     photo = noise((40, 40, 3))
     hole = np.zeros((40, 40), bool)
     hole[10:20, 12:25] = True
-    filled = weft.fill(photo, hole, sample=noise((30, 30, 3), seed=4), seed=1)
+    filled = weftex.fill(photo, hole, sample=noise((30, 30, 3), seed=4), seed=1)
     assert not uncertainty(filled)[~hole].any() and uncertainty(filled)[hole].any()
     assert not draw_pieces(filled)[~hole].any() and draw_pieces(filled)[hole].all()
 
 
 def test_maps_of_the_sample_do_not_matter_to_what_is_certain():
     pixels = noise((30, 30, 3), np.uint16)
-    sample = weft.Exemplar(pixels, maps={"height": noise((30, 30), np.float32)})
+    sample = weftex.Exemplar(pixels, maps={"height": noise((30, 30), np.float32)})
     copied = result_of(sample, np.arange(900, dtype=np.int32).reshape(30, 30))
     assert not uncertainty(copied).any()
 
 
 def test_it_needs_the_sample_and_a_known_name(tmp_path):
-    made = weft.synthesize(noise((30, 30)), 30, seed=1, method="quilting")
+    made = weftex.synthesize(noise((30, 30)), 30, seed=1, method="quilting")
     made.save(tmp_path / "r.npz")
     with pytest.raises(InvalidInputError, match="without its sample"):
-        weft.Synthesis.load(tmp_path / "r.npz").draw("uncertainty")
-    assert weft.Synthesis.load(tmp_path / "r.npz").draw("patches").shape == (30, 30, 3)
+        weftex.Synthesis.load(tmp_path / "r.npz").draw("uncertainty")
+    assert weftex.Synthesis.load(tmp_path / "r.npz").draw("patches").shape == (30, 30, 3)
     with pytest.raises(InvalidInputError, match="known: sources, seams, error, patches"):
         made.draw("nothing")
-    flat = weft.synthesize(np.zeros((9, 9), np.uint8), 12, seed=1)
+    flat = weftex.synthesize(np.zeros((9, 9), np.uint8), 12, seed=1)
     assert not flat.draw("uncertainty").any()

@@ -6,8 +6,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import reference
-import weft
-from weft.errors import InvalidInputError
+import weftex
+from weftex.errors import InvalidInputError
 
 WRAPS = [(False, False), (False, True), (True, False), (True, True)]
 
@@ -23,7 +23,7 @@ def blobs(shape, step, seed=0):
 
 
 def same(exemplar, canvas, seed=1, **parameters):
-    model = weft.ExactMatching(**parameters).fit(exemplar)
+    model = weftex.ExactMatching(**parameters).fit(exemplar)
     result = model.sample(canvas, seed=seed)
     wanted = reference.exact_matching(model.method, exemplar, canvas, seed)
     made = np.ones(canvas.shape, bool) if canvas.hole is None else canvas.hole
@@ -35,9 +35,9 @@ def same(exemplar, canvas, seed=1, **parameters):
 @pytest.mark.parametrize("init", ["random", "structured"])
 @pytest.mark.parametrize("tiles", [False, True])
 def test_it_is_the_slow_twin(wrap, init, tiles):
-    exemplar = weft.Exemplar(blobs((13, 15, 2), 64), tileable=tiles)
-    same(exemplar, weft.Canvas(9, 11, wrap), window_width=5, init=init)
-    same(exemplar, weft.Canvas(4, 3, wrap), window_width=7, init=init, repeat_distance=2)
+    exemplar = weftex.Exemplar(blobs((13, 15, 2), 64), tileable=tiles)
+    same(exemplar, weftex.Canvas(9, 11, wrap), window_width=5, init=init)
+    same(exemplar, weftex.Canvas(4, 3, wrap), window_width=7, init=init, repeat_distance=2)
 
 
 @pytest.mark.parametrize("wrap", WRAPS)
@@ -47,11 +47,11 @@ def test_holes_are_the_slow_twins(wrap, from_sample):
     hole = np.zeros((9, 8), bool)
     hole[1:6, 2:7] = hole[7:, :2] = True
     known = pixels[3:12, 4:12] if from_sample else noise((9, 8, 3), seed=5)
-    canvas = weft.Canvas(
+    canvas = weftex.Canvas(
         9, 8, wrap, known=known, hole=hole, known_from=(3, 4) if from_sample else None
     )
-    same(weft.Exemplar(pixels), canvas, window_width=5)
-    same(weft.Exemplar(pixels), canvas, window_width=3, passes=0, repeat_distance=3)
+    same(weftex.Exemplar(pixels), canvas, window_width=5)
+    same(weftex.Exemplar(pixels), canvas, window_width=3, passes=0, repeat_distance=3)
 
 
 @pytest.mark.parametrize(
@@ -79,11 +79,13 @@ def test_holes_are_the_slow_twins(wrap, from_sample):
 def test_every_parameter_is_the_slow_twins(parameters, name):
     pixels = {
         "few": blobs((16, 17), 86),
-        "pebbles": weft.load_exemplar("sample:pebbles").pixels[:16, :20],
+        "pebbles": weftex.load_exemplar("sample:pebbles").pixels[:16, :20],
     }[name]
-    exemplar = weft.Exemplar(pixels)
-    same(exemplar, weft.Canvas(6, 7), window_width=5, init="random", **parameters)
-    same(exemplar, weft.Canvas(7, 6, (True, True)), window_width=5, init="structured", **parameters)
+    exemplar = weftex.Exemplar(pixels)
+    same(exemplar, weftex.Canvas(6, 7), window_width=5, init="random", **parameters)
+    same(
+        exemplar, weftex.Canvas(7, 6, (True, True)), window_width=5, init="structured", **parameters
+    )
 
 
 @pytest.mark.parametrize("levels", [1, 2])
@@ -91,8 +93,8 @@ def test_every_parameter_is_the_slow_twins(parameters, name):
 def test_masks_are_the_slow_twins(levels, tiles):
     mask = np.ones((18, 20), bool)
     mask[6:9, :5] = mask[0, 16:] = False
-    exemplar = weft.Exemplar(blobs((18, 20), 50), mask=mask, tileable=tiles)
-    result = same(exemplar, weft.Canvas(7, 6, (True, False)), window_width=3, levels=levels)
+    exemplar = weftex.Exemplar(blobs((18, 20), 50), mask=mask, tileable=tiles)
+    result = same(exemplar, weftex.Canvas(7, 6, (True, False)), window_width=3, levels=levels)
     assert mask[result.source[..., 0], result.source[..., 1]].all()
 
 
@@ -105,8 +107,8 @@ def test_anything_small_is_the_slow_twins(data):
     known = hole = None
     if data.draw(st.booleans()):
         known, hole = noise(size, seed=7), noise(size, 2, seed=8).astype(bool)
-    canvas = weft.Canvas(*size, data.draw(st.sampled_from(WRAPS)), known=known, hole=hole)
-    exemplar = weft.Exemplar(pixels, tileable=data.draw(st.booleans()))
+    canvas = weftex.Canvas(*size, data.draw(st.sampled_from(WRAPS)), known=known, hole=hole)
+    exemplar = weftex.Exemplar(pixels, tileable=data.draw(st.booleans()))
     parameters = {
         "init": data.draw(st.sampled_from(["random", "structured"])),
         "copying": data.draw(st.sampled_from(["pixels", "blocks"])),
@@ -118,8 +120,8 @@ def test_anything_small_is_the_slow_twins(data):
 
 def test_each_pixel_has_the_colour_of_a_neighbour_beside_its_source():
     """Section 3: at tolerance 0 one direct neighbour or more matches exactly."""
-    pixels = weft.load_exemplar("sample:pebbles").pixels[:64, :64]
-    model = weft.ExactMatching(window_width=9, tolerance=0.0).fit(weft.Exemplar(pixels))
+    pixels = weftex.load_exemplar("sample:pebbles").pixels[:64, :64]
+    model = weftex.ExactMatching(window_width=9, tolerance=0.0).fit(weftex.Exemplar(pixels))
     result = model.sample((40, 50), seed=3)
     image, source = result.image, result.source
     # Colours that no whole window with room below touches are looked up as the nearest one.
@@ -138,10 +140,10 @@ def test_each_pixel_has_the_colour_of_a_neighbour_beside_its_source():
 
 def test_a_larger_tolerance_tests_more():
     """Figure 9; everything is a candidate at 100 %."""
-    exemplar = weft.Exemplar(weft.load_exemplar("sample:pebbles").pixels[:48, :48])
+    exemplar = weftex.Exemplar(weftex.load_exemplar("sample:pebbles").pixels[:48, :48])
     tested = []
     for tolerance in (0.0, 0.01, 0.05, 1.0):
-        model = weft.ExactMatching(
+        model = weftex.ExactMatching(
             window_width=7, tolerance=tolerance, init="random", candidates=10**6
         ).fit(exemplar)
         _, statistics = model.measure((16, 16), seed=1)
@@ -153,10 +155,10 @@ def test_a_larger_tolerance_tests_more():
 
 
 def test_grouping_shortens_lists():
-    exemplar = weft.load_exemplar("sample:weave")
+    exemplar = weftex.load_exemplar("sample:weave")
     cost = []
     for grouping in (0.0, 0.03):
-        model = weft.ExactMatching(
+        model = weftex.ExactMatching(
             window_width=11, grouping=grouping, init="random", candidates=10**6
         ).fit(exemplar)
         cost.append(model.measure((20, 40), seed=1)[1].tested)
@@ -164,8 +166,8 @@ def test_grouping_shortens_lists():
 
 
 def test_statistics_do_not_change_the_result():
-    exemplar = weft.Exemplar(blobs((30, 30), 40))
-    model = weft.ExactMatching(window_width=7).fit(exemplar)
+    exemplar = weftex.Exemplar(blobs((30, 30), 40))
+    model = weftex.ExactMatching(window_width=7).fit(exemplar)
     plain = model.sample((20, 22), seed=4)
     result, statistics = model.measure((20, 22), seed=4)
     assert np.array_equal(result.source, plain.source)
@@ -177,24 +179,24 @@ def test_statistics_do_not_change_the_result():
 def test_the_beginning_follows_the_sample():
     """Section 4.3: structured for near-regular samples, random for stochastic ones."""
     for name, init in (("bricks", "structured"), ("weave", "structured"), ("pebbles", "random")):
-        method = weft.ExactMatching().settle(weft.load_exemplar(f"sample:{name}"))
+        method = weftex.ExactMatching().settle(weftex.load_exemplar(f"sample:{name}"))
         assert (name, method.init) == (name, init)
         assert method.repeat_distance == (0 if init == "structured" else method.window_width // 2)
 
 
 def test_a_tolerance_is_proposed_where_colours_hardly_occur_twice():
-    assert weft.ExactMatching().settle(weft.load_exemplar("sample:weave")).tolerance == 0
-    assert weft.ExactMatching().settle(weft.load_exemplar("sample:grass")).tolerance == 0
-    many = weft.Exemplar(noise((40, 40, 3)))
-    assert 0 < weft.ExactMatching().settle(many).tolerance < 0.1
-    assert weft.ExactMatching(nearest_colors=4).settle(many).tolerance is None
+    assert weftex.ExactMatching().settle(weftex.load_exemplar("sample:weave")).tolerance == 0
+    assert weftex.ExactMatching().settle(weftex.load_exemplar("sample:grass")).tolerance == 0
+    many = weftex.Exemplar(noise((40, 40, 3)))
+    assert 0 < weftex.ExactMatching().settle(many).tolerance < 0.1
+    assert weftex.ExactMatching(nearest_colors=4).settle(many).tolerance is None
 
 
 def test_a_tile_is_gone_on_with():
     """A structured beginning and a whole window make a checkerboard's exact continuation."""
     y, x = np.indices((48, 48))
     board = ((y // 6 + x // 6) % 2 * 200).astype(np.uint8)
-    model = weft.ExactMatching(window_width=15, init="structured").fit(weft.Exemplar(board))
+    model = weftex.ExactMatching(window_width=15, init="structured").fit(weftex.Exemplar(board))
     image = model.sample((60, 70), seed=2).image.astype(int)
     assert np.array_equal(image[6:], 200 - image[:-6])
     assert np.array_equal(image[:, 6:], 200 - image[:, :-6])
@@ -212,12 +214,12 @@ def test_a_tile_is_gone_on_with():
 )
 def test_errors_name_what_is_wrong(parameters, message):
     with pytest.raises(InvalidInputError, match=message):
-        weft.ExactMatching(**parameters).fit(weft.Exemplar(noise((30, 40))))
+        weftex.ExactMatching(**parameters).fit(weftex.Exemplar(noise((30, 40))))
 
 
 def test_holes_are_filled_at_one_level():
     pixels = noise((30, 40))
-    canvas = weft.Canvas(30, 40, known=pixels, hole=pixels > 250)
-    model = weft.ExactMatching(levels=2).fit(weft.Exemplar(pixels))
+    canvas = weftex.Canvas(30, 40, known=pixels, hole=pixels > 250)
+    model = weftex.ExactMatching(levels=2).fit(weftex.Exemplar(pixels))
     with pytest.raises(InvalidInputError, match="levels is 2; holes are filled with 1"):
         model.sample(canvas, seed=1)

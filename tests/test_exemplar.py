@@ -5,8 +5,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from weft import Exemplar
-from weft.errors import InvalidInputError
+from weftex import Exemplar
+from weftex.errors import InvalidInputError
 
 GREY = np.arange(64, dtype=np.uint8).reshape(8, 8)
 
@@ -133,7 +133,7 @@ def test_alpha_of_any_depth_matches_the_same(rng, kind):
 @pytest.mark.parametrize("dtype", [np.uint16, np.float32, np.float64])
 def test_faint_pictures_are_stretched(rng, kind, dtype):
     """What 16 bits tell apart there, 8 bits could not."""
-    import weft
+    import weftex
 
     faint = FAINT[kind](wide(rng)).astype(np.uint8)
     deep = faint.astype(np.uint16) * 257 if dtype == np.uint16 else (faint / 255).astype(dtype)
@@ -141,7 +141,9 @@ def test_faint_pictures_are_stretched(rng, kind, dtype):
     order = np.argsort(faint, axis=None, kind="stable")
     assert (np.diff(matching.ravel()[order].astype(int)) >= 0).all()
     assert np.ptp(matching) >= 4 * np.ptp(faint) and matching.max() > 200
-    result = weft.synthesize(deep, 30, seed=1, method="patch-sampling", patch_size=5, blend="none")
+    result = weftex.synthesize(
+        deep, 30, seed=1, method="patch-sampling", patch_size=5, blend="none"
+    )
     source = result.source
     assert np.array_equal(result.image, deep[source[..., 0], source[..., 1]])
 
@@ -234,10 +236,10 @@ def test_matching_is_made_once(rng):
 @pytest.mark.parametrize("dtype", [">u2", ">f4", ">f8"])
 def test_either_byte_order(rng, dtype):
     """Files of other machines arrive as arrays of the other byte order."""
-    import weft
+    import weftex
 
     pixels = (rng.random((24, 24)) * 60000).astype(dtype)
     native = pixels.astype(pixels.dtype.newbyteorder("="))
-    one = weft.synthesize(pixels, 40, seed=1, method="patch-sampling", patch_size=8)
-    other = weft.synthesize(native, 40, seed=1, method="patch-sampling", patch_size=8)
+    one = weftex.synthesize(pixels, 40, seed=1, method="patch-sampling", patch_size=8)
+    other = weftex.synthesize(native, 40, seed=1, method="patch-sampling", patch_size=8)
     assert np.array_equal(one.image, other.image)

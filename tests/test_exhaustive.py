@@ -6,9 +6,9 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 import reference
-import weft
-from weft.search.exhaustive import ExhaustiveSearch, gaussian_weights
-from weft.search.windows import windows_of
+import weftex
+from weftex.search.exhaustive import ExhaustiveSearch, gaussian_weights
+from weftex.search.windows import windows_of
 
 WRAPS = [(False, False), (False, True), (True, False), (True, True)]
 
@@ -68,7 +68,7 @@ def test_it_finds_what_comparing_everything_finds(data):
     if draw(st.booleans()):
         mask = np.ones(pixels.shape[:2], bool)
         mask[3, 2] = False
-    exemplar = weft.Exemplar(pixels, mask=mask, tileable=draw(st.booleans()), alpha=False)
+    exemplar = weftex.Exemplar(pixels, mask=mask, tileable=draw(st.booleans()), alpha=False)
     reach = draw(st.integers(0, 3))
     windows = windows_of(exemplar, (reach,) * 4)
     search = ExhaustiveSearch(windows, gaussian_weights(2 * reach + 1, (2 * reach + 1) / 6.4))
@@ -88,7 +88,7 @@ def test_it_finds_what_comparing_everything_finds(data):
 
 def test_long_sums_do_not_overflow(rng):
     """Black against white, all over a window of 61 pixels with eight channels."""
-    exemplar = weft.Exemplar(np.full((70, 70, 8), 255, np.uint8), alpha=False)
+    exemplar = weftex.Exemplar(np.full((70, 70, 8), 255, np.uint8), alpha=False)
     windows = windows_of(exemplar, (30,) * 4)
     search = ExhaustiveSearch(windows, np.full((61, 61), 127, np.int16))
     done = np.ones((61, 61), np.uint8)

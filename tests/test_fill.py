@@ -9,8 +9,8 @@ from hypothesis import strategies as st
 from PIL import Image
 
 import families
-import weft
-from weft.tasks import fill as fill_module
+import weftex
+from weftex.tasks import fill as fill_module
 
 METHODS = [slug for slug in families.METHODS if "hole" in families.kinds_of(slug)]
 
@@ -46,7 +46,7 @@ def test_known_pixels_stay_and_holes_get_sample_pixels(method, kind):
     photo[hole] = 255
     trial = families.TRIALS[method]
     copying = {"blend": "none"} if trial.family == "patch" else trial.small
-    result = weft.fill(photo, hole, method=method, seed=1, **copying)
+    result = weftex.fill(photo, hole, method=method, seed=1, **copying)
     image = result.image
     assert image.dtype == photo.dtype and image.shape == photo.shape
     assert (image[~hole] == photo[~hole]).all()
@@ -68,7 +68,7 @@ def test_known_pixels_stay_and_holes_get_sample_pixels(method, kind):
 def test_known_pixels_stay_for_any_kind(dtype, channels, wrap, corner, size, seed):
     photo = noise(40, 50, *channels, dtype=dtype, seed=seed)
     hole = box((40, 50), (*corner, corner[0] + size[0], corner[1] + size[1]))
-    image = weft.fill(photo, hole, seed=seed, tileable=wrap).image
+    image = weftex.fill(photo, hole, seed=seed, tileable=wrap).image
     assert image.dtype == photo.dtype and image.shape == photo.shape
     assert (image[~hole] == photo[~hole]).all()
 
@@ -77,7 +77,7 @@ def test_constant_stays_constant():
     photo = np.full((60, 60, 3), 90, np.uint8)
     hole = box((60, 60), (20, 20, 40, 40))
     photo[hole] = 7
-    assert (weft.fill(photo, hole, seed=1).image == 90).all()
+    assert (weftex.fill(photo, hole, seed=1).image == 90).all()
 
 
 @pytest.mark.parametrize("method", METHODS)
@@ -85,7 +85,7 @@ def test_the_same_seed_gives_the_same_bytes(method):
     photo, hole = noise(70, 90, 3), HOLES["several"]
     small = families.TRIALS[method].small
     first, second = (
-        weft.fill(photo, hole, method=method, seed=5, threads=n, **small).image.tobytes()
+        weftex.fill(photo, hole, method=method, seed=5, threads=n, **small).image.tobytes()
         for n in (1, 2)
     )
     assert first == second
@@ -96,7 +96,7 @@ def test_what_marks_the_hole_does_not_matter():
     images = []
     for mark in (0, 65535):
         photo[hole] = mark
-        images.append(weft.fill(photo, hole, seed=2).image)
+        images.append(weftex.fill(photo, hole, seed=2).image)
     assert (images[0] == images[1]).all()
 
 
@@ -105,7 +105,7 @@ def test_a_regular_pattern_is_continued():
     photo = (((x // 8 + y // 8) % 2) * 200).astype(np.uint8)
     hole = box(photo.shape, (50, 60, 80, 95))
     broken = np.where(hole, 90, photo).astype(np.uint8)
-    assert (weft.fill(broken, hole, seed=1).image == photo).all()
+    assert (weftex.fill(broken, hole, seed=1).image == photo).all()
 
 
 def test_a_hole_across_the_border_of_a_tileable_photo():
@@ -113,12 +113,12 @@ def test_a_hole_across_the_border_of_a_tileable_photo():
     photo = (((x // 8 + y // 8) % 2) * 200).astype(np.uint8)
     hole = box(photo.shape, (50, 0, 70, 11), (50, 117, 70, 128))
     broken = np.where(hole, 90, photo).astype(np.uint8)
-    assert (weft.fill(broken, hole, seed=1, tileable=True).image == photo).all()
+    assert (weftex.fill(broken, hole, seed=1, tileable=True).image == photo).all()
 
 
 def test_a_mask_that_covers_nothing_changes_nothing():
     photo = noise(30, 40, 3)
-    result = weft.fill(photo, np.zeros((30, 40), bool), seed=1)
+    result = weftex.fill(photo, np.zeros((30, 40), bool), seed=1)
     assert (result.index == -1).all()
     assert (result.image == photo).all()
     assert (result.source == np.stack(np.mgrid[:30, :40], axis=-1)).all()
@@ -126,21 +126,21 @@ def test_a_mask_that_covers_nothing_changes_nothing():
 
 def test_a_mask_that_covers_everything_needs_a_sample():
     photo, everything = noise(50, 60, 3), np.ones((50, 60), bool)
-    with pytest.raises(weft.InvalidInputError, match="nothing to learn from.*sample"):
-        weft.fill(photo, everything)
+    with pytest.raises(weftex.InvalidInputError, match="nothing to learn from.*sample"):
+        weftex.fill(photo, everything)
     sample = noise(64, 64, 3, seed=1)
-    result = weft.fill(photo, everything, sample=sample, seed=1, blend="none")
+    result = weftex.fill(photo, everything, sample=sample, seed=1, blend="none")
     assert (result.image == sample[result.source[..., 0], result.source[..., 1]]).all()
 
 
 def test_from_a_sample_of_its_own():
     photo, sample, hole = noise(70, 90, 3), noise(80, 80, 3, seed=1), HOLES["border"]
-    result = weft.fill(photo, hole, sample=sample, seed=1, blend="none")
+    result = weftex.fill(photo, hole, sample=sample, seed=1, blend="none")
     image, source = result.image, result.source
     assert (image[~hole] == photo[~hole]).all()
     assert (source[~hole] == -1).all()
     assert (image[hole] == sample[tuple(source[hole].T)]).all()
-    with pytest.raises(weft.InvalidInputError, match="background"):
+    with pytest.raises(weftex.InvalidInputError, match="background"):
         result.render(sample[..., 0])
     around = np.zeros((70, 90), np.uint8)
     assert (result.render(sample[..., 0], background=around)[~hole] == 0).all()
@@ -154,38 +154,38 @@ def test_from_a_sample_of_its_own():
     ],
 )
 def test_a_sample_of_another_kind_is_refused(sample, message):
-    with pytest.raises(weft.InvalidInputError, match=message):
-        weft.fill(noise(70, 90, 3), HOLES["square"], sample=sample)
+    with pytest.raises(weftex.InvalidInputError, match=message):
+        weftex.fill(noise(70, 90, 3), HOLES["square"], sample=sample)
 
 
 def test_masks_that_do_not_fit_are_refused(tmp_path):
     photo = noise(70, 90, 3)
-    with pytest.raises(weft.InvalidInputError, match="mask is 8x9.*90x70"):
-        weft.fill(photo, np.ones((9, 8), bool))
-    with pytest.raises(weft.InvalidInputError, match="boolean"):
-        weft.fill(photo, np.ones((70, 90), np.uint8))
-    with pytest.raises(weft.FileError, match="nowhere"):
-        weft.fill(photo, tmp_path / "nowhere.png")
+    with pytest.raises(weftex.InvalidInputError, match="mask is 8x9.*90x70"):
+        weftex.fill(photo, np.ones((9, 8), bool))
+    with pytest.raises(weftex.InvalidInputError, match="boolean"):
+        weftex.fill(photo, np.ones((70, 90), np.uint8))
+    with pytest.raises(weftex.FileError, match="nowhere"):
+        weftex.fill(photo, tmp_path / "nowhere.png")
 
 
 def test_masks_from_files_and_pil_are_the_same(tmp_path):
     photo, hole = noise(70, 90, 3), HOLES["several"]
     image = Image.fromarray(hole)
     image.save(tmp_path / "hole.png")
-    images = [weft.fill(photo, m, seed=1).image for m in (hole, image, tmp_path / "hole.png")]
+    images = [weftex.fill(photo, m, seed=1).image for m in (hole, image, tmp_path / "hole.png")]
     assert (images[0] == images[1]).all() and (images[0] == images[2]).all()
 
 
 def test_all_maps_are_filled_alike():
     height = noise(70, 90, dtype=np.uint16)
-    exemplar = weft.Exemplar(noise(70, 90, 3), maps={"height": height})
+    exemplar = weftex.Exemplar(noise(70, 90, 3), maps={"height": height})
     hole = HOLES["several"]
-    result = weft.fill(exemplar, hole, seed=1, blend="none")
+    result = weftex.fill(exemplar, hole, seed=1, blend="none")
     filled = result.maps["height"]
     assert filled.dtype == np.uint16
     assert (filled == height[result.source[..., 0], result.source[..., 1]]).all()
-    with pytest.raises(weft.InvalidInputError, match="maps"):
-        weft.fill(exemplar, hole, sample=exemplar.pixels)
+    with pytest.raises(weftex.InvalidInputError, match="maps"):
+        weftex.fill(exemplar, hole, sample=exemplar.pixels)
 
 
 def test_maps_take_part_in_matching():
@@ -193,15 +193,15 @@ def test_maps_take_part_in_matching():
     y, x = np.mgrid[:128, :128]
     pattern = (((x // 8 + y // 8) % 2) * 200).astype(np.uint8)
     hole = box(pattern.shape, (50, 60, 70, 90))
-    exemplar = weft.Exemplar(np.full((128, 128), 60, np.uint8), maps={"height": pattern})
-    assert (weft.fill(exemplar, hole, seed=1).maps["height"] == pattern).all()
+    exemplar = weftex.Exemplar(np.full((128, 128), 60, np.uint8), maps={"height": pattern})
+    assert (weftex.fill(exemplar, hole, seed=1).maps["height"] == pattern).all()
 
 
 def test_save_and_replay(tmp_path):
     photo, hole = noise(70, 90, 3), HOLES["square"]
-    result = weft.fill(photo, hole, seed=1)
+    result = weftex.fill(photo, hole, seed=1)
     result.save(tmp_path / "f.npz")
-    again = weft.Synthesis.load(tmp_path / "f.npz")
+    again = weftex.Synthesis.load(tmp_path / "f.npz")
     assert (again.render(photo) == result.image).all()
     twice = noise(140, 180, dtype=np.uint16)
     assert (
@@ -214,7 +214,7 @@ def test_usable_pixels_of_the_photo_are_respected():
     photo, hole = noise(70, 160, 3), box((70, 160), (20, 60, 45, 80))
     mask = np.zeros((70, 160), bool)
     mask[:, 100:] = True
-    result = weft.fill(weft.Exemplar(photo, mask=mask), hole, seed=1)
+    result = weftex.fill(weftex.Exemplar(photo, mask=mask), hole, seed=1)
     assert mask[tuple(result.source[hole].T)].all()
 
 
@@ -223,7 +223,7 @@ def test_a_large_photo_is_filled_from_nearby(monkeypatch, wrap):
     monkeypatch.setattr(fill_module, "NEIGHBOURHOOD", 40_000)
     photo = noise(900, 1000)
     hole = box(photo.shape, (0, 980, 30, 1000))
-    result = weft.fill(photo, hole, seed=1, tileable=wrap, patch_size=16)
+    result = weftex.fill(photo, hole, seed=1, tileable=wrap, patch_size=16)
     source = result.source[hole].astype(int)
     far = np.abs(source - (15, 990))
     far = np.minimum(far, photo.shape - far) if wrap else far
@@ -234,13 +234,13 @@ def test_a_large_photo_is_filled_from_nearby(monkeypatch, wrap):
 
 def test_parameters_given_are_kept_and_the_rest_chosen():
     photo, hole = noise(300, 300), box((300, 300), (100, 100, 180, 180))
-    chosen = weft.fill(photo, hole, seed=1).provenance
+    chosen = weftex.fill(photo, hole, seed=1).provenance
     assert (chosen["patch_size"], chosen["boundary_width"]) == (48, 4)
-    given_size = weft.fill(photo, hole, seed=1, patch_size=20, epsilon=0.3).provenance
+    given_size = weftex.fill(photo, hole, seed=1, patch_size=20, epsilon=0.3).provenance
     assert (given_size["patch_size"], given_size["epsilon"]) == (20, 0.3)
-    assert weft.fill(photo, hole, seed=1, randomness=0.1).provenance["patch_size"] == 30
-    ready = weft.PatchSampling(patch_size=24, boundary_width=5)
-    kept = weft.fill(photo, hole, seed=1, method=ready).provenance
+    assert weftex.fill(photo, hole, seed=1, randomness=0.1).provenance["patch_size"] == 30
+    ready = weftex.PatchSampling(patch_size=24, boundary_width=5)
+    kept = weftex.fill(photo, hole, seed=1, method=ready).provenance
     assert (kept["patch_size"], kept["boundary_width"]) == (24, 5)
     assert kept["epsilon"] == ready.epsilon
 
@@ -249,17 +249,17 @@ def test_patches_shrink_where_holes_leave_little():
     hole = np.zeros((120, 120), bool)
     hole[::14] = hole[:, ::14] = True
     photo = noise(120, 120)
-    result = weft.fill(photo, hole, seed=1)
+    result = weftex.fill(photo, hole, seed=1)
     assert result.provenance["patch_size"] <= 13
     assert (result.image[~hole] == photo[~hole]).all()
 
 
 def test_single_pixels():
     photo, hole = noise(40, 50, 3), box((40, 50), (10, 10, 16, 20))
-    result = weft.fill(photo, hole, seed=1, patch_size=1)
+    result = weftex.fill(photo, hole, seed=1, patch_size=1)
     assert (result.image == photo[result.source[..., 0], result.source[..., 1]]).all()
 
 
 def test_progress_can_cancel():
-    with pytest.raises(weft.CancelledError):
-        weft.fill(noise(70, 90), HOLES["several"], seed=1, progress=lambda *_: False)
+    with pytest.raises(weftex.CancelledError):
+        weftex.fill(noise(70, 90), HOLES["several"], seed=1, progress=lambda *_: False)

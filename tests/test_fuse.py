@@ -4,9 +4,9 @@ import numpy as np
 import pytest
 from PIL import Image
 
-import weft
-from weft.cli import main
-from weft.tasks.fuse import stack
+import weftex
+from weftex.cli import main
+from weftex.tasks.fuse import stack
 
 SIZE = (70, 80)
 
@@ -31,7 +31,7 @@ def which(result, count):
 
 @pytest.mark.parametrize("tileable", [False, True, "x", "y"])
 def test_regions_are_of_their_samples(tileable):
-    result = weft.fuse([A, B, C], THREE, seed=1, tileable=tileable, **FAST)
+    result = weftex.fuse([A, B, C], THREE, seed=1, tileable=tileable, **FAST)
     assert result.image.shape == (*SIZE, 3)
     stacked = result.exemplar.pixels
     assert np.array_equal(result.image, stacked[tuple(np.moveaxis(result.source, -1, 0))])
@@ -44,7 +44,7 @@ def test_regions_are_of_their_samples(tileable):
 
 
 def test_the_boundary_is_merged_and_not_straight():
-    result = weft.fuse([A, B], HALVES, seed=1, iterations=4, window_width=21)
+    result = weftex.fuse([A, B], HALVES, seed=1, iterations=4, window_width=21)
     made = which(result, 2)
     first = (made == 0).sum(axis=1)
     assert first.min() > 30 and first.max() < 50
@@ -53,7 +53,7 @@ def test_the_boundary_is_merged_and_not_straight():
 
 def test_the_same_seed_the_same_bytes():
     images = [
-        weft.fuse([A, B], HALVES, seed=s, threads=t, **FAST).image.tobytes()
+        weftex.fuse([A, B], HALVES, seed=s, threads=t, **FAST).image.tobytes()
         for s, t in ((1, 1), (1, 2), (2, 1))
     ]
     assert images[0] == images[1] and images[0] != images[2]
@@ -61,7 +61,7 @@ def test_the_same_seed_the_same_bytes():
 
 @pytest.mark.parametrize("method", ["ashikhmin", "exact-matching", "efros-leung"])
 def test_with_other_pixel_methods(method):
-    result = weft.fuse([A, B], HALVES[:30, 20:60], method=method, seed=1, window_width=5)
+    result = weftex.fuse([A, B], HALVES[:30, 20:60], method=method, seed=1, window_width=5)
     made = which(result, 2)
     assert (made[:, :16] == 0).all() and (made[:, -16:] == 1).all()
 
@@ -69,7 +69,7 @@ def test_with_other_pixel_methods(method):
 def test_mixed_regions_are_of_both():
     labels = HALVES.copy()
     labels[:, 30:50] = 7
-    made = which(weft.fuse([A, B], labels, mixed={7: (1, 0)}, seed=3, **FAST), 2)
+    made = which(weftex.fuse([A, B], labels, mixed={7: (1, 0)}, seed=3, **FAST), 2)
     assert (made[:, :28] == 0).all() and (made[:, 52:] == 1).all()
     assert 0.1 < made[:, 30:50].mean() < 0.9
 
@@ -77,12 +77,12 @@ def test_mixed_regions_are_of_both():
 def test_everything_may_be_mixed():
     labels = np.full((30, 30), 2)
     labels[0, 0], labels[-1, -1] = 0, 1
-    result = weft.fuse([A, B], labels, mixed={2: (0, 1)}, seed=1, window_width=3)
+    result = weftex.fuse([A, B], labels, mixed={2: (0, 1)}, seed=1, window_width=3)
     assert len(np.unique(which(result, 2))) == 2
 
 
 def test_the_gradient_goes_over():
-    result = weft.fuse([A, B], "gradient", (260, 60), seed=1, **FAST)
+    result = weftex.fuse([A, B], "gradient", (260, 60), seed=1, **FAST)
     made = which(result, 2)
     assert made[:10].mean() < 0.35 and made[-40:].mean() > 0.9
 
@@ -90,44 +90,46 @@ def test_the_gradient_goes_over():
 def test_painted_maps_files_and_arrays_are_the_same(tmp_path):
     painted = np.array([(255, 0, 0), (0, 0, 255)], np.uint8)[HALVES]
     Image.fromarray(painted).save(tmp_path / "map.png")
-    expected = weft.fuse([A, B], HALVES, seed=1, **FAST).image
+    expected = weftex.fuse([A, B], HALVES, seed=1, **FAST).image
     for label_map in (painted, tmp_path / "map.png", Image.fromarray(painted)):
-        assert np.array_equal(weft.fuse([A, B], label_map, seed=1, **FAST).image, expected)
-    swapped = weft.fuse([B, A], painted, colors=[(0, 0, 255), (255, 0, 0)], seed=1, **FAST)
+        assert np.array_equal(weftex.fuse([A, B], label_map, seed=1, **FAST).image, expected)
+    swapped = weftex.fuse([B, A], painted, colors=[(0, 0, 255), (255, 0, 0)], seed=1, **FAST)
     assert (swapped.image[:, :30] < 60).all()
 
 
 @pytest.mark.parametrize("dtype", [np.uint16, np.float32])
 def test_any_depth(dtype):
-    result = weft.fuse([A.astype(dtype), B.astype(dtype)], HALVES, seed=1, **FAST)
+    result = weftex.fuse([A.astype(dtype), B.astype(dtype)], HALVES, seed=1, **FAST)
     assert result.image.dtype == dtype
 
 
 def test_maps_and_saved_results(tmp_path):
     exemplars = [
-        weft.Exemplar(p, maps={"level": p[..., 0].astype(np.uint16), str(k): p[..., 1].copy()})
+        weftex.Exemplar(p, maps={"level": p[..., 0].astype(np.uint16), str(k): p[..., 1].copy()})
         for k, p in enumerate((A, B))
     ]
-    result = weft.fuse(exemplars, HALVES, seed=1, **FAST)
+    result = weftex.fuse(exemplars, HALVES, seed=1, **FAST)
     assert list(result.maps) == ["level"]
     assert np.array_equal(result.maps["level"], result.image[..., 0])
     result.save(tmp_path / "f.npz")
-    again = weft.Synthesis.load(tmp_path / "f.npz", stack([weft.Exemplar(A), weft.Exemplar(B)]))
+    again = weftex.Synthesis.load(
+        tmp_path / "f.npz", stack([weftex.Exemplar(A), weftex.Exemplar(B)])
+    )
     assert np.array_equal(again.image, result.image)
 
 
 def test_masks_are_respected():
     mask = np.zeros(A.shape[:2], bool)
     mask[:, :30] = True
-    result = weft.fuse([weft.Exemplar(A, mask=mask), B], HALVES, seed=1, **FAST)
+    result = weftex.fuse([weftex.Exemplar(A, mask=mask), B], HALVES, seed=1, **FAST)
     source = result.source[which(result, 2) == 0]
     assert (source[:, 1] < 30).all()
 
 
 def test_what_does_not_fit_is_refused():
-    def refused(match, *args, error=weft.InvalidInputError, **more):
+    def refused(match, *args, error=weftex.InvalidInputError, **more):
         with pytest.raises(error, match=match):
-            weft.fuse(*args, **more)
+            weftex.fuse(*args, **more)
 
     refused("1 sample to fuse", [A], HALVES)
     refused("is uint16 with 3 channels", [A, B.astype(np.uint16)], HALVES)
@@ -146,15 +148,15 @@ def test_what_does_not_fit_is_refused():
     for method in ("quilting", "patch-sampling", "near-regular"):
         refused(
             "cannot fuse.*these do: .*refinement", [A, B], HALVES, method=method,
-            error=weft.UnsupportedError,
+            error=weftex.UnsupportedError,
         )  # fmt: skip
     refused("no parameter 'nothing'", [A, B], HALVES, nothing=3)
-    refused("nowhere.png", [A, B], "nowhere.png", error=weft.FileError)
+    refused("nowhere.png", [A, B], "nowhere.png", error=weftex.FileError)
 
 
 def test_progress_can_cancel():
-    with pytest.raises(weft.CancelledError):
-        weft.fuse([A, B], HALVES, seed=1, progress=lambda *_: False, **FAST)
+    with pytest.raises(weftex.CancelledError):
+        weftex.fuse([A, B], HALVES, seed=1, progress=lambda *_: False, **FAST)
 
 
 def test_the_command(tmp_path, capsys):
@@ -168,7 +170,7 @@ def test_the_command(tmp_path, capsys):
     common = ["--iterations", "2", "--window-width", "9", "--seed", "1"]
     command = ["fuse", path["a.png"], path["b.png"], "-o", out, *common]
     assert main([*command, "--map", path["map.png"], "--save-source", source]) == 0
-    expected = weft.fuse([A, B], HALVES, seed=1, **FAST)
+    expected = weftex.fuse([A, B], HALVES, seed=1, **FAST)
     assert np.array_equal(np.asarray(Image.open(out)), expected.image)
     assert "fused 2 samples in" in capsys.readouterr().err
     heights = [path["a_height.png"], path["b_height.png"]]

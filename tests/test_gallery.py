@@ -11,9 +11,9 @@ import numpy as np
 import pytest
 from PIL import Image
 
-import weft
-from weft.io import read_image
-from weft.method import make_method
+import weftex
+from weftex.io.pictures import read_image
+from weftex.tasks.method_names import make_method
 
 ROOT = Path(__file__).parent.parent
 sys.path.insert(0, str(ROOT / "benchmarks"))
@@ -67,11 +67,11 @@ def test_every_picture_and_figure_is_there(made):
 
 
 def test_pictures_and_figures_are_what_the_library_makes(made):
-    exemplar = weft.load_exemplar(ROOT / "benchmarks/surfaces/grass_gray.png")
-    again = weft.synthesize(exemplar, 64, method="quilting", seed=1)
+    exemplar = weftex.load_exemplar(ROOT / "benchmarks/surfaces/grass_gray.png")
+    again = weftex.synthesize(exemplar, 64, method="quilting", seed=1)
     kept = read_image(made / "keep/quilting/grass_gray.png").pixels
     assert np.array_equal(kept, again.image)
-    value = weft.assess(exemplar, again).score
+    value = weftex.assess(exemplar, again).score
     row = next(r for r in between(made / "docs/quality.md", "scores").split("\n") if "grass" in r)
     assert row.split(" | ")[-1].strip("*| ") == f"{value:.2f}"
 
@@ -96,7 +96,7 @@ def test_what_may_have_changed_is_made_again(made, monkeypatch):
         assert dataclasses.replace(job, **change).kept() is None
 
     def other(*modules):
-        return changed if modules == ("weft.quality.assess",) else sources.code_hash(*modules)
+        return changed if modules == ("weftex.quality.assess",) else sources.code_hash(*modules)
 
     changed = "measures"
     monkeypatch.setattr(gallery, "code_hash", other)
@@ -109,7 +109,7 @@ def test_what_may_have_changed_is_made_again(made, monkeypatch):
 
 def test_what_a_method_hangs_on():
     names = {
-        slug: {str(p.relative_to(sources.HOME)) for p in sources.files_of(f"weft.methods.{slug}")}
+        slug: {str(p.relative_to(sources.HOME)) for p in sources.files_of(f"weftex.methods.{slug}")}
         for slug in ("quilting", "near_regular", "auto")
     }
     assert {"methods/quilting.py", "methods/_patch_kernels.py", "search/_kernels.py",

@@ -8,13 +8,13 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import reference
-import weft
+import weftex
 from families import canvas_of
-from weft.methods import graphcut_growth
-from weft.methods.graphcut import GraphCut
-from weft.methods.graphcut_growth import Cutting
-from weft.methods.graphcut_placement import chances_of, variance
-from weft.search.translation import Spectra, fast_size, overlap_mismatch, window_mismatch
+from weftex.methods.graphcut import GraphCut
+from weftex.methods.graphcut import growth as graphcut_growth
+from weftex.methods.graphcut.growth import Cutting
+from weftex.methods.graphcut.placement import chances_of, variance
+from weftex.search.translation import Spectra, fast_size, overlap_mismatch, window_mismatch
 
 KINDS = ("plain", "x", "y", "xy", "hole", "wrapped hole")
 WAYS = {
@@ -28,7 +28,7 @@ WAYS = {
 
 
 def material(name, height, width, channels=3):
-    pixels = weft.load_exemplar(f"sample:{name}").pixels
+    pixels = weftex.load_exemplar(f"sample:{name}").pixels
     return np.ascontiguousarray(pixels[40 : 40 + height, 50 : 50 + width, :channels])
 
 
@@ -54,7 +54,7 @@ def check(exemplar, method, canvas, seed=5):
 def test_it_is_the_slow_twin(kind, way):
     pixels = few_levels((13, 14, 2)) if kind in ("x", "hole") else material("pebbles", 13, 14)
     canvas = canvas_of(kind, pixels, (24, 21)) if "hole" not in kind else small_hole(kind, pixels)
-    check(weft.Exemplar(pixels), GraphCut(**WAYS[way]), canvas)
+    check(weftex.Exemplar(pixels), GraphCut(**WAYS[way]), canvas)
 
 
 def small_hole(kind, pixels):
@@ -62,19 +62,19 @@ def small_hole(kind, pixels):
     hole = np.zeros(size, bool)
     hole[5:14, 4:13] = hole[-2:, 15:] = hole[:2, 9] = True
     known = np.resize(pixels[::-1], (*size, *pixels.shape[2:]))
-    return weft.Canvas(*size, (kind != "hole",) * 2, known=known, hole=hole)
+    return weftex.Canvas(*size, (kind != "hole",) * 2, known=known, hole=hole)
 
 
 @pytest.mark.parametrize("way", WAYS)
 @pytest.mark.parametrize("wrap", [False, True])
 def test_samples_that_tile_and_samples_with_masks(way, wrap):
     pixels = few_levels((11, 12, 3), seed=3)
-    canvas = weft.Canvas(17, 19, (wrap, wrap))
-    check(weft.Exemplar(pixels, tileable=True), GraphCut(**WAYS[way]), canvas)
+    canvas = weftex.Canvas(17, 19, (wrap, wrap))
+    check(weftex.Exemplar(pixels, tileable=True), GraphCut(**WAYS[way]), canvas)
     mask = np.ones((11, 12), bool)
     mask[2:4, 9:] = mask[10, :2] = False
     for tileable in (False, True):
-        exemplar = weft.Exemplar(pixels, mask=mask, tileable=tileable)
+        exemplar = weftex.Exemplar(pixels, mask=mask, tileable=tileable)
         check(exemplar, GraphCut(**WAYS[way]), canvas)
         result = GraphCut(**WAYS[way]).fit(exemplar).sample(canvas, seed=2)
         assert mask[tuple(result.source.transpose(2, 0, 1))].all()
@@ -85,8 +85,8 @@ def test_holes_whose_surroundings_are_the_sample(way):
     pixels = material("bricks", 18, 20)
     hole = np.zeros((18, 20), bool)
     hole[6:11, 7:12] = True
-    canvas = weft.Canvas(18, 20, known=pixels, hole=hole, known_from=(0, 0))
-    check(weft.Exemplar(pixels, mask=~hole), GraphCut(**WAYS[way] | {"variety": 1.0}), canvas)
+    canvas = weftex.Canvas(18, 20, known=pixels, hole=hole, known_from=(0, 0))
+    check(weftex.Exemplar(pixels, mask=~hole), GraphCut(**WAYS[way] | {"variety": 1.0}), canvas)
 
 
 @st.composite
@@ -95,7 +95,7 @@ def jobs(draw):
     pixels = few_levels(
         (draw(sides), draw(sides), draw(st.integers(1, 2))), draw(st.integers(0, 99))
     )
-    canvas = weft.Canvas(
+    canvas = weftex.Canvas(
         draw(st.integers(1, 14)), draw(st.integers(1, 14)),
         (draw(st.booleans()), draw(st.booleans())),
     )  # fmt: skip
@@ -105,7 +105,7 @@ def jobs(draw):
         "candidates": draw(st.integers(1, 3)),
         "refinements": draw(st.sampled_from([0.0, 1.0])),
     }
-    return weft.Exemplar(pixels, tileable=draw(st.booleans())), canvas, parameters
+    return weftex.Exemplar(pixels, tileable=draw(st.booleans())), canvas, parameters
 
 
 @given(jobs(), st.integers(0, 2**64 - 1))
@@ -169,8 +169,8 @@ def test_old_seams_need_no_nodes(name):
 
     Where all patches go on, which they do in a sample that tiles, costs are a metric.
     """
-    exemplar = weft.Exemplar(material(name, 15, 16), tileable=True)
-    canvas = weft.Canvas(20, 20)
+    exemplar = weftex.Exemplar(material(name, 15, 16), tileable=True)
+    canvas = weftex.Canvas(20, 20)
     method = (
         GraphCut(patch_size=8, candidates=3, tolerance=0.1, seam_cost="difference")
         .fit(exemplar)
@@ -214,7 +214,7 @@ def test_refinement_never_makes_seams_worse(seam_cost, kind, monkeypatch):
     method = GraphCut(patch_size=14, seam_cost=seam_cost, refinements=3.0)
     monkeypatch.setattr(graphcut_growth, "_BAND", 1000)
     monkeypatch.setattr(Cutting, "price", price)
-    method.fit(weft.Exemplar(pixels)).sample(canvas, seed=1)
+    method.fit(weftex.Exemplar(pixels)).sample(canvas, seed=1)
     assert len(totals) > 5
     assert all(later <= before for before, later in itertools.pairwise(totals))
     assert totals[-1] < totals[0]
@@ -222,7 +222,7 @@ def test_refinement_never_makes_seams_worse(seam_cost, kind, monkeypatch):
 
 def test_refinement_improves_the_picture():
     """What is beside a pixel in the sample differs less from what is beside it in the output."""
-    exemplar = weft.Exemplar(material("pebbles", 60, 60))
+    exemplar = weftex.Exemplar(material("pebbles", 60, 60))
     means = []
     for refinements in (0.0, 4.0):
         method = GraphCut(
@@ -237,7 +237,7 @@ def test_a_continued_patch_has_no_seam():
     """Of a sample that repeats, entire placement at tolerance 0 finds the exact fit."""
     y, x = np.indices((32, 32))
     pixels = ((y * 7 + x * 3) % 32 * 8).astype(np.uint8)
-    model = GraphCut(placement="entire", tolerance=0.0).fit(weft.Exemplar(pixels))
+    model = GraphCut(placement="entire", tolerance=0.0).fit(weftex.Exemplar(pixels))
     image = model.sample((40, 44), seed=3).image.astype(int)
     assert ((np.diff(image, axis=1) - 24) % 256 == 0).all()
     assert ((np.diff(image, axis=0) - 56) % 256 == 0).all()
@@ -293,7 +293,7 @@ def test_variance_is_numpys():
 
 def test_variety_keeps_repeats_apart():
     """Fewer pixels near each other come from the same place than in the paper's way."""
-    exemplar = weft.Exemplar(weft.load_exemplar("sample:leaves").pixels[:128, :128])
+    exemplar = weftex.Exemplar(weftex.load_exemplar("sample:leaves").pixels[:128, :128])
 
     def distinct(variety):
         source = GraphCut(variety=variety).fit(exemplar).sample(256, seed=4).source
@@ -328,15 +328,15 @@ def test_variety_keeps_repeats_apart():
     ],
 )
 def test_wrong_parameters_are_named(wrong, message):
-    with pytest.raises(weft.InvalidInputError, match=message):
-        GraphCut(**wrong).fit(weft.Exemplar(few_levels((30, 31))))
+    with pytest.raises(weftex.InvalidInputError, match=message):
+        GraphCut(**wrong).fit(weftex.Exemplar(few_levels((30, 31))))
 
 
 def test_a_mask_without_room_is_an_error_for_a_given_patch_only():
     mask = np.zeros((30, 31), bool)
     mask[::2] = True
-    exemplar = weft.Exemplar(few_levels((30, 31)), mask=mask)
-    with pytest.raises(weft.InvalidInputError, match="patch_size is 2; no patch"):
+    exemplar = weftex.Exemplar(few_levels((30, 31)), mask=mask)
+    with pytest.raises(weftex.InvalidInputError, match="patch_size is 2; no patch"):
         GraphCut(patch_size=2).fit(exemplar)
     model = GraphCut().fit(exemplar)
     assert model.method.patch_size == 1
@@ -344,5 +344,5 @@ def test_a_mask_without_room_is_an_error_for_a_given_patch_only():
 
 
 def test_defaults_follow_from_the_sample():
-    method = GraphCut().fit(weft.Exemplar(few_levels((100, 120)))).method
+    method = GraphCut().fit(weftex.Exemplar(few_levels((100, 120)))).method
     assert (method.patch_size, method.boundary_width) == (45, 15)

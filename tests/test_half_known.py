@@ -6,12 +6,13 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 import reference
-import weft
+import weftex
 from test_exhaustive import WRAPS, made_up, slow, states
-from weft.search import _half_known_kernels, half_known
-from weft.search.exhaustive import ExhaustiveSearch, gaussian_weights
-from weft.search.half_known import HalfKnownSearch
-from weft.search.windows import windows_of
+from weftex.search import half_known
+from weftex.search import half_known_kernels as _half_known_kernels
+from weftex.search.exhaustive import ExhaustiveSearch, gaussian_weights
+from weftex.search.half_known import HalfKnownSearch
+from weftex.search.windows import windows_of
 
 
 def search_of(exemplar, reach, candidates=8, variance=0.9):
@@ -61,7 +62,7 @@ def as_bytes(search, z):
 @given(st.integers(0, 10**6), st.integers(1, 3), st.sampled_from(["noise", "few", "smooth"]))
 def test_coordinates_are_weighted_least_squares(seed, reach, kind):
     rng = np.random.default_rng(seed)
-    exemplar = weft.Exemplar(made_up(rng, (20, 24), kind, rng.integers(1, 4)), alpha=False)
+    exemplar = weftex.Exemplar(made_up(rng, (20, 24), kind, rng.integers(1, 4)), alpha=False)
     search = search_of(exemplar, reach)
     width = 2 * reach + 1
     heavy = search.weights * (rng.random((width, width)) < 0.5)
@@ -75,7 +76,7 @@ def test_coordinates_are_weighted_least_squares(seed, reach, kind):
 @pytest.mark.parametrize("name", ["pebbles", "grass"])
 def test_a_whole_window_gets_its_own_coordinates(name):
     """All of the window is known, so only the ridge and rounding move it."""
-    exemplar = weft.Exemplar(weft.load_exemplar(f"sample:{name}").pixels[:48, :48])
+    exemplar = weftex.Exemplar(weftex.load_exemplar(f"sample:{name}").pixels[:48, :48])
     search = search_of(exemplar, 4)
     search.ridge *= 0
     heavy = search.weights.copy()
@@ -93,7 +94,7 @@ def test_a_whole_window_gets_its_own_coordinates(name):
 @given(st.integers(1, 400), st.integers(0, 3))
 def test_every_window_is_in_one_leaf(width, reach):
     pixels = made_up(np.random.default_rng(width), (9, width + 7), "few", 2)
-    search = search_of(weft.Exemplar(pixels), reach)
+    search = search_of(weftex.Exemplar(pixels), reach)
     found = sorted(place for places, _ in leaves_of(search) for place in places)
     assert found == search.windows.centres.tolist()
     assert (search.leaves == 64).sum() >= len(search.leaves) - 1
@@ -105,7 +106,7 @@ def test_it_is_the_slow_twin(data):
     rng = np.random.default_rng(draw(st.integers(0, 10**6)))
     kind = draw(st.sampled_from(["noise", "few", "extreme", "smooth"]))
     pixels = made_up(rng, (rng.integers(12, 30), rng.integers(12, 90)), kind, rng.integers(1, 4))
-    exemplar = weft.Exemplar(pixels, tileable=draw(st.booleans()), alpha=False)
+    exemplar = weftex.Exemplar(pixels, tileable=draw(st.booleans()), alpha=False)
     search = search_of(exemplar, draw(st.integers(0, 3)), draw(st.sampled_from([1, 7, 40])))
     width, leaves = len(search.weights), leaves_of(search)
     wrap = draw(st.sampled_from(WRAPS))
@@ -149,8 +150,8 @@ def shifted(windows, exemplar, own, dy, dx):
 @pytest.mark.parametrize("name", ["pebbles", "bricks", "grass"])
 def test_most_of_the_best_windows_are_found(name):
     """Along a front through what an exact search made."""
-    exemplar = weft.Exemplar(weft.load_exemplar(f"sample:{name}").pixels[:96, :96])
-    model = weft.EfrosLeung(window_width=11).fit(exemplar)
+    exemplar = weftex.Exemplar(weftex.load_exemplar(f"sample:{name}").pixels[:96, :96])
+    model = weftex.EfrosLeung(window_width=11).fit(exemplar)
     search = search_of(exemplar, 5, 32)
     result = model.sample(48, seed=1)
     source = model.windows.from_sample(result.index)
@@ -170,20 +171,20 @@ def test_most_of_the_best_windows_are_found(name):
 
 def test_with_room_for_all_windows_it_is_exact(monkeypatch):
     monkeypatch.setattr(half_known, "_LEAVES", 1000)
-    exemplar = weft.Exemplar(weft.load_exemplar("sample:pebbles").pixels[:40, :40])
-    near = weft.EfrosLeung(window_width=7, search="pca", candidates=10**6).fit(exemplar)
-    exact = weft.EfrosLeung(window_width=7).fit(exemplar)
+    exemplar = weftex.Exemplar(weftex.load_exemplar("sample:pebbles").pixels[:40, :40])
+    near = weftex.EfrosLeung(window_width=7, search="pca", candidates=10**6).fit(exemplar)
+    exact = weftex.EfrosLeung(window_width=7).fit(exemplar)
     assert np.array_equal(near.sample(24, seed=1).source, exact.sample(24, seed=1).source)
 
 
 @pytest.mark.parametrize("value", [0, 255])
 def test_a_constant_sample_has_no_components(value):
-    exemplar = weft.Exemplar(np.full((20, 20, 3), value, np.uint8))
-    result = weft.EfrosLeung(window_width=5, search="pca").fit(exemplar).sample(12, seed=1)
+    exemplar = weftex.Exemplar(np.full((20, 20, 3), value, np.uint8))
+    result = weftex.EfrosLeung(window_width=5, search="pca").fit(exemplar).sample(12, seed=1)
     assert (result.image == value).all()
 
 
 def test_parameters_of_pca_need_it():
     for name in ("candidates", "variance"):
-        with pytest.raises(weft.InvalidInputError, match=f"{name} has no effect unless search"):
-            weft.EfrosLeung(**{name: 0.5 if name == "variance" else 8})
+        with pytest.raises(weftex.InvalidInputError, match=f"{name} has no effect unless search"):
+            weftex.EfrosLeung(**{name: 0.5 if name == "variance" else 8})

@@ -12,7 +12,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-import weft
+import weftex
 from families import (
     DTYPES,
     FORMATS,
@@ -26,11 +26,11 @@ from families import (
     method_of,
     noise,
 )
-from weft import _compositing
+from weftex.results import paste_kernels
 
 
 def make(method, pixels, kind, way=None, *, seed=7, threads=None, size=(40, 37), **parameters):
-    exemplar = pixels if isinstance(pixels, weft.Exemplar) else weft.Exemplar(pixels)
+    exemplar = pixels if isinstance(pixels, weftex.Exemplar) else weftex.Exemplar(pixels)
     model = method_of(method, way, **parameters).fit(exemplar)
     canvas = canvas_of(kind, exemplar.pixels, size)
     return model.sample(canvas, seed=seed, threads=threads)
@@ -41,7 +41,7 @@ def shape_of(channels):
 
 
 def pebbles(side):
-    return weft.Exemplar(weft.load_exemplar("sample:pebbles").pixels[:side, :side])
+    return weftex.Exemplar(weftex.load_exemplar("sample:pebbles").pixels[:side, :side])
 
 
 def same(one, other):
@@ -49,7 +49,7 @@ def same(one, other):
 
 
 def test_every_method_has_a_trial():
-    missing = sorted(set(weft.METHODS) - set(TRIALS))
+    missing = sorted(set(weftex.METHODS) - set(TRIALS))
     assert not missing, f"say in TRIALS of tests/families.py how to try {', '.join(missing)}"
 
 
@@ -65,8 +65,8 @@ def test_constant_in_constant_out(method, kind, way, dtype):
     canvas = canvas_of(kind, pixels)
     if canvas.hole is not None:
         known = np.broadcast_to(value, (*canvas.shape, 4)).copy()
-        canvas = weft.Canvas(*canvas.shape, canvas.wrap, known=known, hole=canvas.hole)
-    image = method_of(method, way).fit(weft.Exemplar(pixels)).sample(canvas, seed=1).image
+        canvas = weftex.Canvas(*canvas.shape, canvas.wrap, known=known, hole=canvas.hole)
+    image = method_of(method, way).fit(weftex.Exemplar(pixels)).sample(canvas, seed=1).image
     assert np.array_equal(image, np.broadcast_to(value, image.shape))
 
 
@@ -94,8 +94,8 @@ def test_maps_travel_with_the_picture(method, kind):
     pixels = noise((30, 31, 3))
     canvas = canvas_of(kind, pixels)
     if canvas.hole is not None or kind == "guide":
-        return  # `weft.fill` does holes; a canvas's known pixels and its guide have no maps
-    result = method_of(method).fit(weft.Exemplar(pixels, maps={"same": pixels})).sample(canvas)
+        return  # `weftex.fill` does holes; a canvas's known pixels and its guide have no maps
+    result = method_of(method).fit(weftex.Exemplar(pixels, maps={"same": pixels})).sample(canvas)
     assert np.array_equal(result.maps["same"], result.image)
 
 
@@ -126,11 +126,11 @@ def border_against_inside(picture, axis):
 @pytest.mark.parametrize("name", ["pebbles", "grass", "wood"])
 def test_a_wrapped_canvas_has_no_seam_at_its_border(method, real, name):
     """No line pair stands out; without wrapping, the same measure shows that one does."""
-    if "wrap" not in weft.METHODS[method].supports:
+    if "wrap" not in weftex.METHODS[method].supports:
         return
-    exemplar = weft.load_exemplar(f"sample:{name}")
+    exemplar = weftex.load_exemplar(f"sample:{name}")
     patches = TRIALS[method].family == "patch"
-    model = weft.METHODS[method](**real).fit(exemplar)
+    model = weftex.METHODS[method](**real).fit(exemplar)
     size = (150, 140) if patches else (TRIALS[method].largest - 4, TRIALS[method].largest - 11)
     wrapped, plain = [], []
     for seed in range(6 if patches else 2):
@@ -158,10 +158,10 @@ def test_small_wrapped_canvases_have_no_seam_inside_either(method, size, boundar
     y, x = np.indices((64, 64)) * (2 * np.pi / 16)
     smooth = np.rint(127 + 60 * np.sin(x) + 60 * np.sin(y)).astype(np.uint8)
     steepest = np.abs(np.diff(smooth.astype(int), axis=1)).max()
-    model = weft.METHODS[method](
+    model = weftex.METHODS[method](
         patch_size=16, boundary_width=boundary_width, search="exhaustive", repeat_distance=0.0,
         **({"epsilon": 0.0} if method == "patch-sampling" else {"tolerance": 0.0}),
-    ).fit(weft.Exemplar(smooth))  # fmt: skip
+    ).fit(weftex.Exemplar(smooth))  # fmt: skip
     whole = model.sample((48, 48), seed=1, tileable=True).image.astype(int)  # three periods
     for axis in (0, 1):
         assert np.abs(np.roll(whole, 1, axis) - whole).max() <= 2 * steepest
@@ -176,7 +176,7 @@ def _unseen_borders(result):
     owner = np.full((height, length, 4), -1, np.int32)
     share = np.zeros((height, length, 4), np.float32)
     plan = result.placements, result.weights, result.cuts
-    _compositing.layer_all(owner, share, 0, 0, height, length, *plan)
+    paste_kernels.layer_all(owner, share, 0, 0, height, length, *plan)
     owner = owner[..., 0]
 
     def looked(patch, y, x):
@@ -229,7 +229,7 @@ def test_a_pickled_model_makes_the_same_bytes(method, kind, way):
 @pytest.mark.parametrize("search", SEARCHES)
 def test_a_pickled_search_structure_finds_the_same(method, kind, search):
     exemplar = pebbles(80)
-    model = weft.METHODS[method](
+    model = weftex.METHODS[method](
         patch_size=16, search=search, candidates=5 if search != "exhaustive" else 40
     ).fit(exemplar)
     assert pickled(model, canvas_of(kind, exemplar.pixels, (90, 95)))
@@ -249,7 +249,7 @@ def test_a_model_does_not_remember(method, way):
 @pytest.mark.pictures
 @every("method", "kind", "way", kinds=("plain", "xy", "wrapped hole"))
 def test_threads_change_nothing(method, kind, way):
-    exemplar = weft.Exemplar(noise((40, 41, 3)))
+    exemplar = weftex.Exemplar(noise((40, 41, 3)))
     largest = 60 if way == "single pixels" else TRIALS[method].largest
     canvas = canvas_of(kind, exemplar.pixels, (largest, largest - 10))
     model = method_of(method, way).fit(exemplar)
@@ -259,7 +259,7 @@ def test_threads_change_nothing(method, kind, way):
 
 @every("method", family="patch")
 def test_there_are_enough_patches_for_threads(method):
-    from weft.methods.patch_pasting import _THREADS_FROM
+    from weftex.methods.patches.pasting import _THREADS_FROM
 
     side = TRIALS[method].largest
     result = make(method, noise((40, 41, 3)), "plain", size=(side, side - 10))
@@ -267,16 +267,16 @@ def test_there_are_enough_patches_for_threads(method):
 
 
 SCRIPT = """
-import hashlib, weft
+import hashlib, weftex
 from families import METHODS, TRIALS
 for method in METHODS:
     side = TRIALS[method].largest
     for tileable in (False, True):
-        if tileable and "wrap" not in weft.METHODS[method].supports:
+        if tileable and "wrap" not in weftex.METHODS[method].supports:
             continue
-        sample = weft.load_exemplar("sample:pebbles").pixels[:60, :70]
+        sample = weftex.load_exemplar("sample:pebbles").pixels[:60, :70]
         size = (side, side + 3)
-        result = weft.synthesize(sample, size, method=method, seed=11, tileable=tileable)
+        result = weftex.synthesize(sample, size, method=method, seed=11, tileable=tileable)
         print(hashlib.sha256(result.image.tobytes() + result.source.tobytes()).hexdigest())
 """
 
@@ -315,7 +315,7 @@ def test_depth_does_not_change_what_goes_where(method, kind, way):
 
     For samples whose values span an eighth of the range or more; see test_exemplar.py.
     """
-    pixels = weft.load_exemplar("sample:pebbles").pixels[:40, :40]
+    pixels = weftex.load_exemplar("sample:pebbles").pixels[:40, :40]
     eight = make(method, pixels, kind, way)
     deep = make(method, pixels.astype(np.uint16) * 257, kind, way)
     assert np.array_equal(deep.source, eight.source)
@@ -335,7 +335,7 @@ def jobs(draw, method):
     rest = () if channels is None else (channels,)
     pixels = noise((*sample_shape, *rest), dtype, seed=int(rng.integers(2**30)))
     known = hole = None
-    supports = weft.METHODS[method].supports
+    supports = weftex.METHODS[method].supports
     if draw(st.booleans()) and "known" in supports:
         known = noise((*size, *rest), dtype, seed=1)
         hole = rng.random(size) < draw(st.sampled_from([0.02, 0.3, 0.95, 1.0]))
@@ -355,8 +355,8 @@ def jobs(draw, method):
             "repeat_distance": draw(st.sampled_from([0.0, 0.5, 2.0])),
             "edge_weight": draw(st.sampled_from([0.0, 1.0])),
         }
-    exemplar = weft.Exemplar(pixels, tileable=draw(st.booleans()))
-    canvas = weft.Canvas(*size, wrap, known=known, hole=hole, **guide or {})
+    exemplar = weftex.Exemplar(pixels, tileable=draw(st.booleans()))
+    canvas = weftex.Canvas(*size, wrap, known=known, hole=hole, **guide or {})
     return exemplar, canvas, way, parameters
 
 

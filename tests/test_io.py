@@ -23,15 +23,15 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from hypothesis.extra import numpy as hnp
 
-import weft.errors
-from weft import io
-from weft.errors import FileError, InvalidInputError
+import weftex.errors
+from weftex.errors import FileError, InvalidInputError
+from weftex.io import pictures as io
 
 Image = pytest.importorskip("PIL.Image")
 ImageCms = pytest.importorskip("PIL.ImageCms")
 tifffile = pytest.importorskip("tifffile")
 
-SRC = str(Path(weft.errors.__file__).parents[1])
+SRC = str(Path(weftex.errors.__file__).parents[1])
 RGB_PROFILE = ImageCms.ImageCmsProfile(ImageCms.createProfile("sRGB")).tobytes()
 GREY_PROFILE = RGB_PROFILE[:16] + b"GRAY" + RGB_PROFILE[20:]
 
@@ -60,7 +60,7 @@ def fails(path, match, call=io.read_image, error=FileError):
 
 
 def run(code, *args, **options):
-    """Run Python code with weft importable, in a process of its own."""
+    """Run Python code with weftex importable, in a process of its own."""
     env = os.environ | {"PYTHONPATH": SRC}
     command = [sys.executable, "-c", textwrap.dedent(code), *map(str, args)]
     return subprocess.run(command, env=env, capture_output=True, text=True, timeout=60, **options)
@@ -664,7 +664,7 @@ def test_unreadable_file_and_folder(tmp_path):
     os.chmod(tmp_path / "a.png", 0)
     code = """
         import os, sys
-        from weft import io
+        from weftex.io import pictures as io
         if os.getuid() == 0:
             os.setgid(65534); os.setuid(65534)
         try:
@@ -689,7 +689,7 @@ def test_empty_and_text(tmp_path, name, capfd):
     (tmp_path / name).write_bytes(b"")
     fails(tmp_path / name, "the file is empty")
     (tmp_path / name).write_text("this is no picture\n" * 100)
-    fails(tmp_path / name, r"not a picture that weft reads \(\.png, ")
+    fails(tmp_path / name, r"not a picture that weftex reads \(\.png, ")
     (tmp_path / name).write_bytes(b"P")
     fails(tmp_path / name, "not a picture")
     captured = capfd.readouterr()
@@ -712,7 +712,7 @@ def test_content_counts_not_the_name(tmp_path):
 
 
 def store(path, pixels):
-    """Write a picture, also in the format that weft only reads."""
+    """Write a picture, also in the format that weftex only reads."""
     if path.suffix == ".jxl":
         oiio_write(path, "jpegxl", np.atleast_3d(pixels))
     else:
@@ -776,7 +776,7 @@ def test_damage_never_crashes(tmp_path, suffix):
     store(tmp_path / f"a{suffix}", pixels.astype("f4") if suffix == ".exr" else pixels)
     code = """
         import random, sys
-        from weft import io
+        from weftex.io import pictures as io
         path = sys.argv[1]
         data = open(path, "rb").read()
         rng = random.Random(1)
@@ -833,7 +833,7 @@ def test_bombs_take_no_memory(tmp_path):
     code = """
         import resource, sys
         import OpenImageIO
-        from weft import io
+        from weftex.io import pictures as io
         before = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
         for path in sys.argv[1:]:
             try:
@@ -877,7 +877,7 @@ def test_a_tile_larger_than_its_picture_counts(tmp_path):
 @pytest.mark.parametrize("dtype", ["int8", "int16", "int32", "uint32"])
 def test_other_integers_are_refused(tmp_path, dtype):
     tifffile.imwrite(tmp_path / "a.tif", np.arange(12, dtype=dtype).reshape(3, 4))
-    fails(tmp_path / "a.tif", "weft reads uint8, uint16 and float")
+    fails(tmp_path / "a.tif", "weftex reads uint8, uint16 and float")
 
 
 def test_cmyk_and_lab_are_refused(tmp_path):
@@ -1048,7 +1048,7 @@ def test_read_only_folder_and_file(tmp_path):
         import os, sys
         import numpy as np
         import OpenImageIO
-        from weft import io
+        from weftex.io import pictures as io
         if os.getuid() == 0:
             os.setgid(65534); os.setuid(65534)
         for path in sys.argv[1:]:
@@ -1089,7 +1089,7 @@ def test_no_room_to_write(tmp_path, suffix):
     code = """
         import resource, sys
         import numpy as np
-        from weft import io
+        from weftex.io import pictures as io
         pixels = np.random.default_rng(0).integers(0, 256, (200, 200, 3), "u1")
         pixels = pixels.astype("f4") if ".exr" in sys.argv[1] else pixels
         for room in (1, 30_000, 100_000):
@@ -1206,7 +1206,7 @@ def test_kill_leaves_the_old_file(tmp_path, suffix):
     code = """
         import sys
         import numpy as np
-        from weft import io
+        from weftex.io import pictures as io
         pixels = np.random.default_rng(0).integers(0, 256, (1500, 1500, 3), "u1")
         print("go", flush=True)
         io.write_image(sys.argv[1], pixels)
@@ -1220,7 +1220,7 @@ def test_kill_leaves_the_old_file(tmp_path, suffix):
         with subprocess.Popen(command, env=env, stdout=subprocess.PIPE) as process:
             assert process.stdout.readline() == b"go\n"
             deadline = time.perf_counter() + 10
-            while not any(f.startswith(".weft-") for f in os.listdir(tmp_path)):
+            while not any(f.startswith(".weftex-") for f in os.listdir(tmp_path)):
                 assert time.perf_counter() < deadline
                 if process.poll() is not None:
                     break
@@ -1233,7 +1233,7 @@ def test_kill_leaves_the_old_file(tmp_path, suffix):
             np.testing.assert_array_equal(back, old)
         else:
             assert back.shape == (1500, 1500, 3)
-        for file in tmp_path.glob(".weft-*"):
+        for file in tmp_path.glob(".weftex-*"):
             file.unlink()
     assert caught
 
@@ -1244,7 +1244,7 @@ def test_interrupt_leaves_the_old_file(tmp_path):
     code = """
         import os, signal, sys
         import numpy as np
-        from weft import io
+        from weftex.io import pictures as io
         real = io.encode
         def encode(*args):
             os.kill(os.getpid(), signal.SIGINT)
@@ -1459,10 +1459,10 @@ def test_importing_does_not_load_the_library():
         import sys
         import numpy
         before = set(sys.modules)
-        from weft import io
+        from weftex.io import pictures as io
         io.check_output("a.png")
         io.sample_names()
-        print(*(m for m in set(sys.modules) - before if not m.startswith("weft")))
+        print(*(m for m in set(sys.modules) - before if not m.startswith("weftex")))
     """
     done = run(code)
     assert done.returncode == 0, done.stderr
@@ -1480,7 +1480,7 @@ def test_nothing_is_printed_at_the_end(tmp_path):
     (tmp_path / "f.tif").write_bytes((tmp_path / "e.tif").read_bytes()[:-300])
     code = """
         import sys
-        from weft import io
+        from weftex.io import pictures as io
         for path in sys.argv[1:]:
             try:
                 io.read_image(path, max_pixels=399 if "e.tif" in path else 400)

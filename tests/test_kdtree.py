@@ -5,10 +5,10 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-import weft
-from weft.errors import UnsupportedError
-from weft.patch_synthesis import PatchSynthesis
-from weft.search.kdtree import KDTree
+import weftex
+from weftex.errors import UnsupportedError
+from weftex.results.patches import PatchSynthesis
+from weftex.search.kdtree import KDTree
 
 
 def distances(points, query):
@@ -50,17 +50,17 @@ def test_without_scipy_the_error_says_what_to_install(monkeypatch):
     import sys
 
     monkeypatch.setitem(sys.modules, "scipy.spatial", None)
-    with pytest.raises(UnsupportedError, match=r"pip install 'weft\[kdtree\]'"):
+    with pytest.raises(UnsupportedError, match=r"pip install 'weftex\[kdtree\]'"):
         KDTree(np.zeros((1, 1), np.int16), np.zeros(1, np.int32), 0.5)
 
 
 @pytest.mark.parametrize("search", ["kdtree", "kdtree-pca"])
 def test_pictures_from_a_tree_match_about_as_well(search):
     """The paper's own accelerations lose little: boundaries fit nearly as in the full search."""
-    exemplar = weft.Exemplar(weft.load_exemplar("sample:grass").pixels[:72, :72])
+    exemplar = weftex.Exemplar(weftex.load_exemplar("sample:grass").pixels[:72, :72])
 
     def mismatch(search):
-        method = weft.PatchSampling(
+        method = weftex.PatchSampling(
             patch_size=20, boundary_width=4, epsilon=0, search=search, repeat_distance=0,
             blend="none",
         )  # fmt: skip
@@ -72,7 +72,7 @@ def test_pictures_from_a_tree_match_about_as_well(search):
 
 
 def mismatch_of_pasting(exemplar):
-    method = weft.PatchSampling(
+    method = weftex.PatchSampling(
         patch_size=20, boundary_width=4, epsilon=float("inf"), repeat_distance=0, blend="none"
     )
     return _seam_error(method.fit(exemplar).sample((120, 120), seed=4))

@@ -5,8 +5,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from weft.errors import InvalidInputError
-from weft.tasks.label_map import circle_map, distance_to, labels_of
+from weftex.errors import InvalidInputError
+from weftex.tasks.label_map import circle_map, distance_to, labels_of
 
 RED, BLUE, GREEN = (255, 0, 0), (0, 0, 255), (0, 255, 0)
 

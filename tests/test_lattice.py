@@ -11,17 +11,17 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-import weft
+import weftex
 from reference import goodness_of_vectors, share_of_tile
-from weft import cli
-from weft.analysis.correlation import correlate
-from weft.analysis.goodness import GOODNESS, Field, rate, tile_shares
-from weft.analysis.lattice import Lattice, find_lattice
-from weft.analysis.overlay import draw_lattice
-from weft.analysis.pairs import reduced
-from weft.analysis.peaks import find_peaks, fit_vectors
-from weft.errors import InvalidInputError
-from weft.exemplar import Exemplar
+from weftex import cli
+from weftex.analysis.correlation import correlate
+from weftex.analysis.goodness import GOODNESS, Field, rate, tile_shares
+from weftex.analysis.lattice import Lattice, find_lattice
+from weftex.analysis.overlay import draw_lattice
+from weftex.analysis.pairs import reduced
+from weftex.analysis.peaks import find_peaks, fit_vectors
+from weftex.errors import InvalidInputError
+from weftex.exemplar import Exemplar
 
 HERE = Path(__file__).parent
 SAMPLES = HERE.parent / "examples" / "samples"
@@ -100,7 +100,7 @@ def test_drawn_lattices(shape, kind, flaws, rng):
 
 
 def load(name):
-    return weft.load_exemplar(name if ":" in name else str(SAMPLES / name))
+    return weftex.load_exemplar(name if ":" in name else str(SAMPLES / name))
 
 
 @pytest.mark.parametrize("name", TRUTH)
@@ -300,8 +300,8 @@ def test_the_command_says_it_and_draws_it(capsys, tmp_path):
     found = json.loads(capsys.readouterr().out)["lattice"]
     assert Lattice(found["vectors"]).same_as(Lattice(TRUTH["sample:bricks"]))
     assert 0.5 <= found["confidence"] <= 1
-    exemplar = weft.load_exemplar("sample:bricks")
-    drawn = weft.read_image(target).pixels
+    exemplar = weftex.load_exemplar("sample:bricks")
+    drawn = weftex.read_image(target).pixels
     assert (drawn == draw_lattice(exemplar, find_lattice(exemplar))).all()
     changed = (drawn != exemplar.pixels).any(axis=2).mean()
     assert 0.01 < changed < 0.1

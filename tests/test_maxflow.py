@@ -9,8 +9,8 @@ from scipy.sparse import coo_array
 from scipy.sparse.csgraph import breadth_first_order, maximum_flow
 
 import reference
-import weft
-from weft.seams.maxflow import MOST, minimum_cut
+import weftex
+from weftex.seams.maxflow import MOST, minimum_cut
 
 
 def scipy_cut(arcs, source, sink):
@@ -92,7 +92,7 @@ def test_large_grids(shape, top, terminals):
 
 def test_the_cut_between_real_pictures():
     """A patch over another one: the seam is as cheap as SciPy's."""
-    pixels = weft.load_exemplar("sample:pebbles").pixels.astype(np.int32)
+    pixels = weftex.load_exemplar("sample:pebbles").pixels.astype(np.int32)
     step = np.abs(pixels[20:68, 30:78] - pixels[90:138, 70:118]).sum(axis=2)
     arcs = np.zeros((48, 48, 4), np.int32)
     arcs[:, :-1, 0] = arcs[:, 1:, 2] = step[:, 1:] + step[:, :-1]
@@ -129,7 +129,7 @@ def test_wrong_capacities_are_refused():
         for value in (-1, MOST + 1):
             wrong = [a.copy() for a in good]
             wrong[at].flat[1] = value
-            with pytest.raises(weft.InvalidInputError, match="from 0 to"):
+            with pytest.raises(weftex.InvalidInputError, match="from 0 to"):
                 minimum_cut(*wrong)
-    with pytest.raises(weft.InvalidInputError, match=r"\(H, W, 4\)"):
+    with pytest.raises(weftex.InvalidInputError, match=r"\(H, W, 4\)"):
         minimum_cut(good[0][:, :2], good[1], good[2])

@@ -5,7 +5,7 @@ import pytest
 from scipy import sparse
 from scipy.sparse.csgraph import maximum_flow
 
-from weft.seams.merge import _CORE, _RIM, island
+from weftex.seams.merge import _CORE, _RIM, island
 
 
 def cut_value(side, differ):

@@ -7,9 +7,11 @@ import math
 import numpy as np
 import pytest
 
-import weft
-from weft.errors import InvalidInputError, UnsupportedError
-from weft.method import CANVAS_KINDS, METHODS, Method, bounds, make_method, parameter
+import weftex
+from weftex.errors import InvalidInputError, UnsupportedError
+from weftex.method import CANVAS_KINDS, Method, bounds, parameter
+from weftex.methods import METHODS
+from weftex.tasks.method_names import make_method
 
 EVERY = list(METHODS)
 FIELDS = [(slug, f) for slug in EVERY for f in dataclasses.fields(METHODS[slug])]
@@ -26,9 +28,9 @@ def others(slug, field):
 def test_the_slug_is_one_guess_everywhere(slug):
     cls = METHODS[slug]
     assert cls.slug == slug
-    assert cls.__module__ == "weft.methods." + slug.replace("-", "_")
+    assert cls.__module__ == "weftex.methods." + slug.replace("-", "_")
     assert getattr(importlib.import_module(cls.__module__), cls.__name__) is cls
-    assert getattr(weft, cls.__name__) is cls
+    assert getattr(weftex, cls.__name__) is cls
     assert cls.title and cls.paper and "\n" not in cls.title
     assert cls.__doc__ and "Examples" in cls.__doc__
 
@@ -146,7 +148,7 @@ def test_unknown_methods_name_the_nearest(wrong, right):
     with pytest.raises(InvalidInputError, match=f"unknown method '{wrong}'; did you mean '{right}"):
         METHODS[wrong]
     with pytest.raises(InvalidInputError, match="did you mean"):
-        weft.synthesize(np.zeros((9, 9), np.uint8), 9, method=wrong)
+        weftex.synthesize(np.zeros((9, 9), np.uint8), 9, method=wrong)
 
 
 def test_quite_unknown_methods_list_all():
@@ -158,7 +160,7 @@ def test_the_registry_is_a_mapping():
     assert len(METHODS) == len(list(METHODS)) == len(dict(METHODS))
     assert "quilting" in METHODS and "zzz" not in METHODS and 5 not in METHODS
     assert METHODS.get("zzz") is None
-    assert METHODS.get("quilting") is weft.Quilting
+    assert METHODS.get("quilting") is weftex.Quilting
 
 
 @named
@@ -173,17 +175,17 @@ def test_unknown_parameters_and_values_name_the_nearest(slug, field):
 
 
 def test_make_method():
-    method = weft.Quilting(patch_size=9)
+    method = weftex.Quilting(patch_size=9)
     assert make_method(method, {}) == method
-    assert make_method(method, {"blend": "none"}) == weft.Quilting(patch_size=9, blend="none")
-    for wrong in (3, None, weft.Quilting):
+    assert make_method(method, {"blend": "none"}) == weftex.Quilting(patch_size=9, blend="none")
+    for wrong in (3, None, weftex.Quilting):
         with pytest.raises(InvalidInputError, match="must be a name or a Method"):
             make_method(wrong, {})
 
 
 def test_unknown_parameters_beside_a_method_are_refused_too():
     with pytest.raises(InvalidInputError, match="patchsize"):
-        make_method(weft.Quilting(), {"patchsize": 3})
+        make_method(weftex.Quilting(), {"patchsize": 3})
 
 
 @dataclasses.dataclass(frozen=True)
@@ -199,12 +201,12 @@ class Humble(Method):
 def test_unsupported_canvases_are_refused_with_those_that_can():
     known, hole = np.zeros((4, 4), np.uint8), np.ones((4, 4), bool)
     method = Humble()
-    method.require(weft.Canvas(4, 4))
+    method.require(weftex.Canvas(4, 4))
     for canvas, kind in (
-        (weft.Canvas(4, 4, (True, False)), "wrap"),
-        (weft.Canvas(4, 4, (False, True)), "wrap"),
-        (weft.Canvas(4, 4, known=known, hole=hole), "known"),
-        (weft.Canvas(4, 4, guide=known), "guide"),
+        (weftex.Canvas(4, 4, (True, False)), "wrap"),
+        (weftex.Canvas(4, 4, (False, True)), "wrap"),
+        (weftex.Canvas(4, 4, known=known, hole=hole), "known"),
+        (weftex.Canvas(4, 4, guide=known), "guide"),
     ):
         with pytest.raises(UnsupportedError) as caught:
             method.require(canvas)
@@ -216,11 +218,11 @@ def test_unsupported_canvases_are_refused_with_those_that_can():
 
 def test_fit_must_be_defined():
     with pytest.raises(TypeError, match="Humble does not define fit"):
-        Humble().fit(weft.Exemplar(np.zeros((4, 4), np.uint8)))
+        Humble().fit(weftex.Exemplar(np.zeros((4, 4), np.uint8)))
 
 
 def test_errors_are_what_python_programs_expect():
-    assert issubclass(weft.InvalidInputError, ValueError)
-    assert issubclass(weft.FileError, OSError)
-    for kind in (weft.InvalidInputError, weft.FileError, weft.UnsupportedError):
-        assert issubclass(kind, weft.WeftError)
+    assert issubclass(weftex.InvalidInputError, ValueError)
+    assert issubclass(weftex.FileError, OSError)
+    for kind in (weftex.InvalidInputError, weftex.FileError, weftex.UnsupportedError):
+        assert issubclass(kind, weftex.WeftexError)

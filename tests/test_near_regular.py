@@ -6,14 +6,14 @@ import numpy as np
 import pytest
 
 import reference
-import weft
-from weft.methods import _near_regular_seam_kernels as kernels
-from weft.methods.mean_tile import origin_of
-from weft.methods.near_regular_rows import axis_of_rows
-from weft.methods.near_regular_sample import wedges_of
-from weft.methods.rectification import rectified
-from weft.patch_synthesis import RectifiedSynthesis
-from weft.warped_synthesis import WarpedSynthesis
+import weftex
+from weftex.methods.lattices.mean_tile import origin_of
+from weftex.methods.near_regular import seam_kernels as kernels
+from weftex.methods.near_regular.block_sample import wedges_of
+from weftex.methods.near_regular.rectification import rectified
+from weftex.methods.near_regular.rows import axis_of_rows
+from weftex.results.patches import RectifiedSynthesis
+from weftex.results.warped import WarpedSynthesis
 
 
 def noise(*shape, seed=0):
@@ -35,7 +35,7 @@ def wall(height, width, tile=(12, 16), offset=8, seed=1, spread=40):
 
 
 def model_of(pixels, **parameters):
-    return weft.NearRegular(**parameters).fit(weft.Exemplar(pixels))
+    return weftex.NearRegular(**parameters).fit(weftex.Exemplar(pixels))
 
 
 def usable_of(model):
@@ -99,14 +99,14 @@ def test_holes_are_filled_like_the_twin_does(inside, radius, parameters):
         hole = ellipse((80, 84), (41, 44), radius)
         mask = ~hole
         mask[28 if "lattice" in parameters else 80 :] = False
-        exemplar = weft.Exemplar(pixels, mask=mask)
-        canvas = weft.Canvas(80, 84, known=pixels, hole=hole, known_from=(0, 0))
+        exemplar = weftex.Exemplar(pixels, mask=mask)
+        canvas = weftex.Canvas(80, 84, known=pixels, hole=hole, known_from=(0, 0))
     else:
         other = noise(60, 64, 3, seed=5) // 2 + wall(67, 69, seed=2)[7:, 5:] // 2
         hole = ellipse((60, 64), (33, 34), radius)
-        exemplar = weft.Exemplar(pixels)
-        canvas = weft.Canvas(60, 64, known=other, hole=hole)
-    model = weft.NearRegular(**settings).fit(exemplar)
+        exemplar = weftex.Exemplar(pixels)
+        canvas = weftex.Canvas(60, 64, known=other, hole=hole)
+    model = weftex.NearRegular(**settings).fit(exemplar)
     origin = (0, 0) if model.blocks.free else origin_of(canvas, exemplar, model.blocks.vectors)
     twin = reference.NearRegularHoleTwin(pixels, usable_of(model), model.method, 7, canvas, origin)
     result = model.sample(canvas, seed=7)
@@ -122,7 +122,7 @@ def test_holes_go_on_with_the_surroundings(tileable):
     blank = np.where(hole[..., None], 255, pixels).astype(np.uint8)
     settings = {"method": "near-regular", "lattice": (16, 0, 8, 12), "seed": 3}
     for sample in (None, wall(90, 100, spread=1)[5:, 3:]):
-        result = weft.fill(blank, hole, sample=sample, tileable=tileable, **settings)
+        result = weftex.fill(blank, hole, sample=sample, tileable=tileable, **settings)
         assert np.array_equal(result.image[~hole], pixels[~hole])
         assert ((result.image[..., 0] > 180) == (pixels[..., 0] > 180)).all()
         if sample is None:
@@ -133,13 +133,13 @@ def test_holes_that_leave_no_whole_piece():
     pixels = wall(96, 96)
     small = np.zeros((96, 96), bool)
     small[40:50, 40:50] = True
-    with pytest.raises(weft.InvalidInputError, match="make them smaller"):
-        weft.fill(pixels, small, method="near-regular", lattice=(16, 0, 8, 12), block_size=45)
+    with pytest.raises(weftex.InvalidInputError, match="make them smaller"):
+        weftex.fill(pixels, small, method="near-regular", lattice=(16, 0, 8, 12), block_size=45)
     # Whole windows in one corner alone, and not at all places of the large tile.
     large = np.ones((96, 96), bool)
     large[:40, :40] = False
-    with pytest.raises(weft.InvalidInputError, match="no whole piece of .*give a sample"):
-        weft.fill(pixels, large, method="near-regular", lattice=(32, 0, 0, 48), block_size=24)
+    with pytest.raises(weftex.InvalidInputError, match="no whole piece of .*give a sample"):
+        weftex.fill(pixels, large, method="near-regular", lattice=(32, 0, 0, 48), block_size=24)
 
 
 @pytest.mark.parametrize("unconstrained", [False, True])
@@ -175,7 +175,7 @@ def test_far_windows_agree_and_stay_on_the_lattice(corner):
 def test_places_are_refused_past_the_plane():
     model = model_of(wall(60, 64), lattice=(16, 0, 8, 12))
     for at in (2**40 + 1, 0.5, None, True):
-        with pytest.raises(weft.InvalidInputError, match="2\\*\\*40"):
+        with pytest.raises(weftex.InvalidInputError, match="2\\*\\*40"):
             model.window(0, at, 9, 9)
 
 
@@ -234,7 +234,7 @@ def test_what_goes_around_keeps_whole_tiles(tileable):
 
 def test_strain_is_refused_and_a_good_size_named():
     model = model_of(wall(96, 96), lattice=(16, 0, 0, 24), block_size=40)
-    with pytest.raises(weft.InvalidInputError, match=r"strained by .*96x\d+ would do"):
+    with pytest.raises(weftex.InvalidInputError, match=r"strained by .*96x\d+ would do"):
         model.sample((36, 96), tileable=True)
     model.sample((36, 96))
     model.sample((36, 96), tileable="x")
@@ -250,20 +250,20 @@ def test_strain_is_refused_and_a_good_size_named():
     ],
 )
 def test_bad_lattices(lattice, message):
-    for method in (weft.NearRegular, weft.BestTile):
-        with pytest.raises(weft.InvalidInputError, match=message):
-            method(lattice=lattice).fit(weft.Exemplar(noise(50, 60)))
+    for method in (weftex.NearRegular, weftex.BestTile):
+        with pytest.raises(weftex.InvalidInputError, match=message):
+            method(lattice=lattice).fit(weftex.Exemplar(noise(50, 60)))
 
 
 def test_bad_sizes():
-    exemplar = weft.Exemplar(noise(50, 60))
+    exemplar = weftex.Exemplar(noise(50, 60))
     for parameters, message in (
         ({"border_width": 5}, "even"),
         ({"block_size": 20, "border_width": 20}, "less than the block"),
         ({"block_size": 40, "border_width": 12}, "room for 50 together"),
     ):
-        with pytest.raises(weft.InvalidInputError, match=message):
-            weft.NearRegular(lattice=(8, 0, 0, 8), **parameters).fit(exemplar)
+        with pytest.raises(weftex.InvalidInputError, match=message):
+            weftex.NearRegular(lattice=(8, 0, 0, 8), **parameters).fit(exemplar)
 
 
 def test_the_papers_preset():
@@ -354,8 +354,8 @@ def test_a_bent_sample_is_rectified():
 def test_rectified_results_are_saved_and_replayed(tmp_path):
     pixels = wall(90, 96)
     height = noise(180, 192)
-    exemplar = weft.Exemplar(pixels)
-    result = weft.NearRegular(lattice=(16, 0, 8, 12)).fit(exemplar).sample((70, 80), seed=1)
+    exemplar = weftex.Exemplar(pixels)
+    result = weftex.NearRegular(lattice=(16, 0, 8, 12)).fit(exemplar).sample((70, 80), seed=1)
     assert isinstance(result, RectifiedSynthesis)
     source = result.source
     assert np.array_equal(result.image, pixels[source[..., 0], source[..., 1]])
@@ -363,7 +363,7 @@ def test_rectified_results_are_saved_and_replayed(tmp_path):
     expected = double.transpose(0, 2, 1, 3).reshape(140, 160)
     assert np.array_equal(result.render(height), expected)
     result.save(tmp_path / "r.npz")
-    again = weft.Synthesis.load(tmp_path / "r.npz", exemplar)
+    again = weftex.Synthesis.load(tmp_path / "r.npz", exemplar)
     assert isinstance(again, RectifiedSynthesis)
     assert np.array_equal(again.image, result.image) and np.array_equal(again.source, source)
     for what in ("sources", "seams", "error"):
@@ -407,10 +407,10 @@ def test_warps_bring_joints_together():
 @pytest.mark.parametrize("blend", ["cut", "feather"])
 def test_warped_results_are_the_same_in_parts_and_on_maps(blend, tmp_path):
     pixels = bent(90, 96)
-    exemplar = weft.Exemplar(pixels)
-    model = weft.NearRegular(**WARPED, blend=blend).fit(exemplar)
+    exemplar = weftex.Exemplar(pixels)
+    model = weftex.NearRegular(**WARPED, blend=blend).fit(exemplar)
     for wrap in ((False, False), (True, False), (True, True)):
-        canvas = weft.Canvas(96, 112, wrap)
+        canvas = weftex.Canvas(96, 112, wrap)
         whole = model.sample(canvas, seed=3, threads=1)
         assert np.array_equal(whole.image, model.sample(canvas, seed=3, threads=3).image)
         for top, left, height, width in ((0, 0, 1, 1), (13, 27, 40, 50), (60, 5, 36, 107)):
@@ -432,7 +432,7 @@ def test_warped_results_are_the_same_in_parts_and_on_maps(blend, tmp_path):
     flat = whole.render(np.full((90, 96), 7, np.uint16))
     assert (flat == 7).all()
     whole.save(tmp_path / "w.npz")
-    again = weft.Synthesis.load(tmp_path / "w.npz", exemplar)
+    again = weftex.Synthesis.load(tmp_path / "w.npz", exemplar)
     assert isinstance(again, WarpedSynthesis)
     assert np.array_equal(again.image, whole.image) and np.array_equal(again.source, source)
     for what in ("sources", "seams", "error"):
@@ -444,7 +444,9 @@ def test_warped_pixels_are_never_past_the_sample():
     pixels = np.dstack([bent(90, 96), np.full((90, 96), 255, np.uint8)])
     clear = (np.indices((90, 96))[0] % 12) < 2
     pixels[clear] = (0, 255, 0, 0)
-    result = weft.NearRegular(**WARPED | {"warp": 2}).fit(weft.Exemplar(pixels)).sample(150, seed=1)
+    result = (
+        weftex.NearRegular(**WARPED | {"warp": 2}).fit(weftex.Exemplar(pixels)).sample(150, seed=1)
+    )
     assert isinstance(result, WarpedSynthesis) and result.warps.any()
     seen = result.image[result.image[..., 3] > 0]
     solid = pixels[~clear]
@@ -458,14 +460,14 @@ def test_holes_are_filled_with_warps():
     hole = ellipse((120, 128), (50, 60), (30, 26))
     blank = np.where(hole[..., None], 255, pixels).astype(np.uint8)
     settings = {"method": "near-regular", "lattice": (16, 0, 8, 12), "seed": 3, "block_size": 20}
-    result = weft.fill(blank, hole, warp=2, **settings)
+    result = weftex.fill(blank, hole, warp=2, **settings)
     assert np.array_equal(result.image[~hole], pixels[~hole])
     assert isinstance(result, WarpedSynthesis) and result.warps.any()
     assert not hole[result.source[..., 0], result.source[..., 1]][hole].any()
 
 
 def test_warps_need_a_border():
-    with pytest.raises(weft.InvalidInputError, match="border_width"):
+    with pytest.raises(weftex.InvalidInputError, match="border_width"):
         model_of(wall(60, 60), lattice=(16, 0, 8, 12), block_size=20, border_width=0, warp=1)
 
 
@@ -481,8 +483,8 @@ def test_damaged_warps_are_refused(tmp_path):
         with np.load(name) as file:
             arrays = dict(file) | {key: value}
         np.savez(name, **arrays)
-        with pytest.raises(weft.FileError, match="warps"):
-            weft.Synthesis.load(name)
+        with pytest.raises(weftex.FileError, match="warps"):
+            weftex.Synthesis.load(name)
 
 
 def test_lattice_mode_keeps_the_rules():
@@ -491,7 +493,7 @@ def test_lattice_mode_keeps_the_rules():
     settings = {"lattice": (16, 0, 8, 12), "block_size": 17}
     model = model_of(pixels, **settings)
     for wrap in ((False, False), (True, False), (True, True)):
-        canvas = weft.Canvas(120, 128, wrap)
+        canvas = weftex.Canvas(120, 128, wrap)
         one = model.sample(canvas, seed=5, threads=1)
         for other in (
             model.sample(canvas, seed=5, threads=4),
@@ -501,10 +503,10 @@ def test_lattice_mode_keeps_the_rules():
             assert np.array_equal(one.source, other.source)
     mask = np.ones((96, 96), bool)
     mask[40:50, 40:60] = False
-    masked = weft.NearRegular(**settings).fit(weft.Exemplar(pixels, mask=mask))
+    masked = weftex.NearRegular(**settings).fit(weftex.Exemplar(pixels, mask=mask))
     source = masked.sample(150, seed=1).source
     assert mask[source[..., 0], source[..., 1]].all()
-    tiling = weft.NearRegular(**settings).fit(weft.Exemplar(pixels, tileable=True))
+    tiling = weftex.NearRegular(**settings).fit(weftex.Exemplar(pixels, tileable=True))
     result = tiling.sample(150, seed=1)
     assert np.array_equal(result.image, pixels[result.source[..., 0], result.source[..., 1]])
     assert result.placements[:, 2].max() > 96 - 17  # windows go over the border

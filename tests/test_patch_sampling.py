@@ -10,11 +10,11 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 import reference
-import weft
-import weft.methods.patch_pasting
+import weftex
+import weftex.methods.patches.pasting
 from families import every
-from weft.methods.patch_order import patch_starts, patches_around, spiral, wavefronts
-from weft.random import draw
+from weftex.methods.patches.order import patch_starts, patches_around, spiral, wavefronts
+from weftex.random import draw
 
 BLENDS = ("feather", "feather-at-end", "cut", "none")
 WRAPS = list(itertools.product([False, True], repeat=2))
@@ -45,7 +45,7 @@ def made_up(rng, shape, levels=256):
 
 def sampling(**more):
     kind = {"patch_size": 7, "boundary_width": 2, "search": "exhaustive"}
-    return weft.PatchSampling(**kind | more)
+    return weftex.PatchSampling(**kind | more)
 
 
 @pytest.mark.parametrize("wrap", WRAPS)
@@ -54,16 +54,16 @@ def sampling(**more):
 @pytest.mark.parametrize("repeat_distance", [0.0, 0.5, 1.5])
 def test_it_is_the_slow_twin(rng, wrap, choice, blend, repeat_distance):
     levels = 3 if repeat_distance else 256
-    exemplar = weft.Exemplar(made_up(rng, (14, 15, 3), levels))
+    exemplar = weftex.Exemplar(made_up(rng, (14, 15, 3), levels))
     method = sampling(blend=blend, choice=choice, repeat_distance=repeat_distance, epsilon=0.5)
-    compare(method, exemplar, weft.Canvas(19, 22, wrap))
+    compare(method, exemplar, weftex.Canvas(19, 22, wrap))
 
 
 @pytest.mark.parametrize("epsilon", [0.0, 0.05, 0.2, 1.0, 10.0, float("inf")])
 @pytest.mark.parametrize("choice", ["uniform", "similarity"])
 def test_every_tolerance(rng, epsilon, choice):
-    exemplar = weft.Exemplar(made_up(rng, (14, 15), 8))
-    compare(sampling(epsilon=epsilon, choice=choice), exemplar, weft.Canvas(19, 22))
+    exemplar = weftex.Exemplar(made_up(rng, (14, 15), 8))
+    compare(sampling(epsilon=epsilon, choice=choice), exemplar, weftex.Canvas(19, 22))
 
 
 @pytest.mark.parametrize("dtype", [np.uint16, np.float32, np.float64])
@@ -72,37 +72,37 @@ def test_every_depth(rng, dtype, channels):
     pixels = made_up(rng, (14, 15, channels))
     pixels = pixels.astype(np.uint16) * 257 if dtype == np.uint16 else (pixels / 255).astype(dtype)
     exact = dtype != np.float32 or channels != 4  # the kernel weighs alpha in float32
-    compare(sampling(), weft.Exemplar(pixels), weft.Canvas(19, 22), exact=exact)
+    compare(sampling(), weftex.Exemplar(pixels), weftex.Canvas(19, 22), exact=exact)
 
 
 def test_edges_maps_and_masks(rng):
     mask = np.ones((16, 17), bool)
     mask[9, 10] = False
-    exemplar = weft.Exemplar(
+    exemplar = weftex.Exemplar(
         made_up(rng, (16, 17, 3)), maps={"height": made_up(rng, (16, 17))}, mask=mask
     )
-    result = compare(sampling(edge_weight=1.0), exemplar, weft.Canvas(19, 22))
+    result = compare(sampling(edge_weight=1.0), exemplar, weftex.Canvas(19, 22))
     assert not (result.source == (9, 10)).all(axis=2).any()
 
 
 @pytest.mark.parametrize("wrap", WRAPS)
 def test_samples_that_tile(rng, wrap):
-    exemplar = weft.Exemplar(made_up(rng, (9, 10, 3)), tileable=True)
-    result = compare(sampling(), exemplar, weft.Canvas(30, 32, wrap))
+    exemplar = weftex.Exemplar(made_up(rng, (9, 10, 3)), tileable=True)
+    result = compare(sampling(), exemplar, weftex.Canvas(30, 32, wrap))
     assert (result.placements[:, 2] > 2).any()  # windows hang over the border
 
 
 def test_samples_that_tile_offer_each_window_once(rng):
     """B(x, y) for every (x, y) of the sample (section 2.4), on small canvases too."""
-    exemplar = weft.Exemplar(made_up(rng, (9, 10)), tileable=True)
+    exemplar = weftex.Exemplar(made_up(rng, (9, 10)), tileable=True)
     for seed in range(20):
-        compare(sampling(epsilon=float("inf")), exemplar, weft.Canvas(5, 20), seed)
+        compare(sampling(epsilon=float("inf")), exemplar, weftex.Canvas(5, 20), seed)
 
 
 @pytest.mark.parametrize("size", [(7, 7), (8, 7), (3, 30), (30, 3), (1, 9), (2, 2), (12, 13)])
 @pytest.mark.parametrize("wrap", WRAPS)
 def test_small_canvases(rng, size, wrap):
-    compare(sampling(), weft.Exemplar(made_up(rng, (14, 15))), weft.Canvas(*size, wrap))
+    compare(sampling(), weftex.Exemplar(made_up(rng, (14, 15))), weftex.Canvas(*size, wrap))
 
 
 @pytest.mark.parametrize("size, width", [(8, 4), (8, 3), (9, 4), (4, 2), (2, 1), (3, 1)])
@@ -111,7 +111,7 @@ def test_small_canvases(rng, size, wrap):
 def test_wide_boundaries(rng, size, width, wrap, shape):
     """Up to half of the patch, where three patches may overlap."""
     method = sampling(patch_size=size, boundary_width=width)
-    compare(method, weft.Exemplar(made_up(rng, (14, 15))), weft.Canvas(*shape, wrap))
+    compare(method, weftex.Exemplar(made_up(rng, (14, 15))), weftex.Canvas(*shape, wrap))
 
 
 @pytest.mark.parametrize("wrap", WRAPS)
@@ -120,13 +120,13 @@ def test_wide_boundaries(rng, size, width, wrap, shape):
 )
 def test_zones_on_either_side_of_a_patch_do_not_meet(rng, size, width, wrap):
     """A wrapped row's last patch has a zone at both ends; new pixels must join them to the rest."""
-    exemplar = weft.Exemplar(made_up(rng, (size + 3, size + 4)))
-    method = weft.PatchSampling(
+    exemplar = weftex.Exemplar(made_up(rng, (size + 3, size + 4)))
+    method = weftex.PatchSampling(
         patch_size=size, boundary_width=width, epsilon=float("inf"), repeat_distance=0
     )
     model = method.fit(exemplar)
     for length in [*range(size, 2 * size + 2), 5 * size, 7 * size + 1]:
-        canvas = weft.Canvas(length, length + 3, wrap)
+        canvas = weftex.Canvas(length, length + 3, wrap)
         result = model.sample(canvas, seed=1, threads=1)
         used = reference.zone_width(method, canvas)
         assert used == width if not any(wrap) else used == max(1, min(width, size // 4))
@@ -143,8 +143,8 @@ def test_zones_on_either_side_of_a_patch_do_not_meet(rng, size, width, wrap):
 def test_patches_of_one_pixel(rng, wrap, width):
     """Section 2.5: pixel-based nonparametric sampling with a window of 2 w_E + 1."""
     method = sampling(patch_size=1, boundary_width=width)
-    exemplar = weft.Exemplar(made_up(rng, (10, 11, 2), 16), alpha=False)
-    result = compare(method, exemplar, weft.Canvas(9, 8, wrap))
+    exemplar = weftex.Exemplar(made_up(rng, (10, 11, 2), 16), alpha=False)
+    result = compare(method, exemplar, weftex.Canvas(9, 8, wrap))
     assert result.placements.shape == (72, 5)
     # Only pixels with a whole window inside the sample.
     assert result.source.min() >= width
@@ -154,7 +154,9 @@ def test_patches_of_one_pixel(rng, wrap, width):
 @pytest.mark.parametrize("canvas", [(2, 3), (4, 4), (1, 5)])
 def test_windows_larger_than_a_wrapped_canvas(rng, canvas):
     method = sampling(patch_size=1, boundary_width=3)
-    compare(method, weft.Exemplar(made_up(rng, (12, 12), 16)), weft.Canvas(*canvas, (True, True)))
+    compare(
+        method, weftex.Exemplar(made_up(rng, (12, 12), 16)), weftex.Canvas(*canvas, (True, True))
+    )
 
 
 HOLES = {
@@ -179,8 +181,8 @@ HOLES = {
 def test_holes(rng, shape, wrap, patch_size, blend):
     hole = HOLES[shape](*np.indices((20, 21)))
     known = made_up(rng, (20, 21, 3), 16)
-    exemplar = weft.Exemplar(made_up(rng, (14, 15, 3), 16))
-    canvas = weft.Canvas(20, 21, wrap, known=known, hole=hole)
+    exemplar = weftex.Exemplar(made_up(rng, (14, 15, 3), 16))
+    canvas = weftex.Canvas(20, 21, wrap, known=known, hole=hole)
     result = compare(sampling(patch_size=patch_size, blend=blend), exemplar, canvas)
     assert np.array_equal(result.image[~hole], known[~hole])
     assert (result.source[hole] >= 0).all(), "all of the hole is filled"
@@ -189,31 +191,31 @@ def test_holes(rng, shape, wrap, patch_size, blend):
 @pytest.mark.parametrize("wrap", [(False, False), (True, True)])
 @pytest.mark.parametrize("repeat_distance", [0.0, 0.5, 1.5])
 @pytest.mark.parametrize("blend", ["feather", "cut"])
-@pytest.mark.parametrize("kind", [weft.PatchSampling, weft.Quilting])
+@pytest.mark.parametrize("kind", [weftex.PatchSampling, weftex.Quilting])
 def test_large_holes_keep_sources_apart(rng, wrap, repeat_distance, blend, kind):
     """Enough patches that some are further than two windows and more than eleven back."""
     y, x = np.indices((44, 46))
     hole = (y - 22) ** 2 + (x - 23) ** 2 < 400
     known = made_up(rng, (44, 46), 4)
-    exemplar = weft.Exemplar(made_up(rng, (14, 15), 4))
-    loose = {"epsilon": 1.0} if kind is weft.PatchSampling else {"tolerance": 0.5}
+    exemplar = weftex.Exemplar(made_up(rng, (14, 15), 4))
+    loose = {"epsilon": 1.0} if kind is weftex.PatchSampling else {"tolerance": 0.5}
     method = kind(
         patch_size=7, boundary_width=2, search="exhaustive", blend=blend,
         repeat_distance=repeat_distance, **loose,
     )  # fmt: skip
-    result = compare(method, exemplar, weft.Canvas(44, 46, wrap, known=known, hole=hole))
+    result = compare(method, exemplar, weftex.Canvas(44, 46, wrap, known=known, hole=hole))
     assert len(result.placements) > 40
 
 
 def test_a_holes_sources_keep_their_distance():
-    exemplar = weft.load_exemplar("sample:pebbles")
+    exemplar = weftex.load_exemplar("sample:pebbles")
     y, x = np.indices((260, 260))
     hole = np.maximum(abs(y - 130), abs(x - 130)) < 110
     known = np.resize(exemplar.pixels, (260, 260, 3)).copy()
 
     def repeats(distance):
-        method = weft.PatchSampling(patch_size=24, repeat_distance=distance)
-        canvas = weft.Canvas(260, 260, known=known, hole=hole)
+        method = weftex.PatchSampling(patch_size=24, repeat_distance=distance)
+        canvas = weftex.Canvas(260, 260, known=known, hole=hole)
         placements = method.fit(exemplar).sample(canvas, seed=2).placements
         at, source = placements[:, :2], placements[:, 2:4]
         count = 0
@@ -233,8 +235,8 @@ def test_holes_in_canvases_smaller_than_a_patch(rng, size, wrap):
     hole = np.ones(size, bool)
     hole[0, -1] = size == (1, 1)
     known = made_up(rng, (*size, 3))
-    exemplar = weft.Exemplar(made_up(rng, (14, 15, 3)))
-    canvas = weft.Canvas(*size, wrap, known=known, hole=hole)
+    exemplar = weftex.Exemplar(made_up(rng, (14, 15, 3)))
+    canvas = weftex.Canvas(*size, wrap, known=known, hole=hole)
     result = sampling().fit(exemplar).sample(canvas, seed=1)
     assert np.array_equal(result.image[~hole], known[~hole])
     assert (result.source[hole] >= 0).all()
@@ -250,9 +252,9 @@ def test_random_holes_are_filled_and_nothing_else(data):
     wrap = data.draw(st.sampled_from(WRAPS))
     patch_size = data.draw(st.sampled_from([1, 6, 8]))
     known = made_up(rng, (*size, 3))
-    exemplar = weft.Exemplar(made_up(rng, (12, 13, 3)))
-    canvas = weft.Canvas(*size, wrap, known=known, hole=hole)
-    method = weft.PatchSampling(patch_size=patch_size, boundary_width=2)
+    exemplar = weftex.Exemplar(made_up(rng, (12, 13, 3)))
+    canvas = weftex.Canvas(*size, wrap, known=known, hole=hole)
+    method = weftex.PatchSampling(patch_size=patch_size, boundary_width=2)
     result = method.fit(exemplar).sample(canvas, seed=1)
     assert np.array_equal(result.image[~hole], known[~hole])
     assert (result.source[hole] >= 0).all()
@@ -263,7 +265,7 @@ def test_random_holes_are_filled_and_nothing_else(data):
 
 def test_the_first_patch_is_any_window(rng):
     """Step 1, over many seeds: every window about equally often (chi-squared, 5 sigma)."""
-    exemplar = weft.Exemplar(made_up(rng, (11, 12)))
+    exemplar = weftex.Exemplar(made_up(rng, (11, 12)))
     model = sampling().fit(exemplar)
     counts = np.zeros((5, 6))
     for seed in range(1500):
@@ -313,21 +315,21 @@ def test_similar_patches_are_drawn_more_often():
 @pytest.mark.parametrize("blend", BLENDS)
 def test_other_searches_only_choose_what_exhaustive_search_may(rng, search, blend):
     """With epsilon 0 and all windows as candidates they all take the nearest."""
-    exemplar = weft.Exemplar(made_up(rng, (24, 25, 3)))
+    exemplar = weftex.Exemplar(made_up(rng, (24, 25, 3)))
     kind = {"patch_size": 8, "boundary_width": 2, "epsilon": 0.0, "blend": blend}
-    exact = weft.PatchSampling(search="exhaustive", **kind).fit(exemplar).sample(60, seed=3)
-    model = weft.PatchSampling(search=search, candidates=17 * 18, **kind).fit(exemplar)
+    exact = weftex.PatchSampling(search="exhaustive", **kind).fit(exemplar).sample(60, seed=3)
+    model = weftex.PatchSampling(search=search, candidates=17 * 18, **kind).fit(exemplar)
     assert np.array_equal(model.sample(60, seed=3).placements, exact.placements)
 
 
 @pytest.mark.parametrize("search", ["quadtree", "pca", "kdtree", "kdtree-pca"])
 def test_other_searches_on_real_samples_lose_little(search):
     """Boundaries match nearly as well as exhaustive search makes them."""
-    exemplar = weft.Exemplar(weft.load_exemplar("sample:pebbles").pixels[:96, :96])
+    exemplar = weftex.Exemplar(weftex.load_exemplar("sample:pebbles").pixels[:96, :96])
     kind = {"patch_size": 24, "boundary_width": 4, "repeat_distance": 0.0}
 
     def error(**more):
-        result = weft.PatchSampling(**kind, **more).fit(exemplar).sample(240, seed=1)
+        result = weftex.PatchSampling(**kind, **more).fit(exemplar).sample(240, seed=1)
         return result.draw("error").astype(float).mean()
 
     best, worst = error(epsilon=0.0, search="exhaustive"), error(epsilon=float("inf"))
@@ -337,16 +339,18 @@ def test_other_searches_on_real_samples_lose_little(search):
 @pytest.mark.pictures
 def test_thinned_out_windows_lose_little(rng):
     """A large sample is looked at on a grid and then climbed; boundaries still match."""
-    exemplar = weft.load_exemplar("sample:pebbles")
+    exemplar = weftex.load_exemplar("sample:pebbles")
     pixels = np.concatenate([exemplar.pixels, exemplar.pixels[::-1]])[:, :256]
     kind = {"patch_size": 32, "boundary_width": 8, "repeat_distance": 0.0}
-    model = weft.PatchSampling(epsilon=0.0, **kind).fit(weft.Exemplar(pixels))
+    model = weftex.PatchSampling(epsilon=0.0, **kind).fit(weftex.Exemplar(pixels))
     known = np.zeros((32, 32), bool)
     known[:8] = known[:, :8] = True
     assert model.structure(known).stride > 1
 
     def error(**more):
-        result = weft.PatchSampling(**kind, **more).fit(weft.Exemplar(pixels)).sample(300, seed=1)
+        result = (
+            weftex.PatchSampling(**kind, **more).fit(weftex.Exemplar(pixels)).sample(300, seed=1)
+        )
         return result.draw("error").astype(float).mean()
 
     best, worst = error(epsilon=0.0, search="exhaustive"), error(epsilon=float("inf"))
@@ -357,8 +361,8 @@ def test_masks_that_leave_no_window_on_the_coarse_grid(rng):
     """Lines through the sample leave windows at odd rows only, which a coarse grid skips."""
     mask = np.ones((340, 340), bool)
     mask[::6] = False
-    exemplar = weft.Exemplar(made_up(rng, (340, 340)), mask=mask)
-    model = weft.PatchSampling(patch_size=5, boundary_width=2).fit(exemplar)
+    exemplar = weftex.Exemplar(made_up(rng, (340, 340)), mask=mask)
+    model = weftex.PatchSampling(patch_size=5, boundary_width=2).fit(exemplar)
     result = model.sample(40, seed=1)
     assert mask[result.source[..., 0], result.source[..., 1]].all()
 
@@ -368,82 +372,82 @@ def test_masks_that_leave_no_window_on_the_coarse_grid(rng):
 
 def test_patch_size_follows_the_randomness_parameter():
     """w_B = lambda min(w_in, h_in), section 2.4."""
-    exemplar = weft.Exemplar(np.zeros((60, 100), np.uint8))
+    exemplar = weftex.Exemplar(np.zeros((60, 100), np.uint8))
     for share in (0.25, 0.5, 1.0):
-        assert weft.PatchSampling(randomness=share).fit(exemplar).patch_size == round(60 * share)
-    assert weft.PatchSampling(randomness=0.3, patch_size=20).fit(exemplar).patch_size == 20
+        assert weftex.PatchSampling(randomness=share).fit(exemplar).patch_size == round(60 * share)
+    assert weftex.PatchSampling(randomness=0.3, patch_size=20).fit(exemplar).patch_size == 20
 
 
 @pytest.mark.parametrize("threads", [0, -1, 1.0, "2", True, float("nan")])
 def test_bad_thread_counts_are_refused(threads):
-    model = sampling().fit(weft.Exemplar(np.zeros((20, 20), np.uint8)))
-    with pytest.raises(weft.InvalidInputError, match="threads is"):
+    model = sampling().fit(weftex.Exemplar(np.zeros((20, 20), np.uint8)))
+    with pytest.raises(weftex.InvalidInputError, match="threads is"):
         model.sample((30, 30), seed=1, threads=threads)
 
 
 def test_samples_that_tile_must_hold_a_window_too():
-    exemplar = weft.Exemplar(np.zeros((9, 20), np.uint8), tileable=True)
+    exemplar = weftex.Exemplar(np.zeros((9, 20), np.uint8), tileable=True)
     assert sampling(patch_size=9).fit(exemplar).sample(30, seed=1).shape == (30, 30)
     for kind in ({"patch_size": 10}, {"patch_size": 1, "boundary_width": 5}):
-        with pytest.raises(weft.InvalidInputError, match="20x9, smaller than the window"):
+        with pytest.raises(weftex.InvalidInputError, match="20x9, smaller than the window"):
             sampling(**kind).fit(exemplar)
 
 
 @pytest.mark.parametrize("search", ["exhaustive", "quadtree", "pca", "kdtree", "kdtree-pca"])
 def test_structures_for_holes_are_not_kept(rng, search):
     """Each hole has its own; a model that fills many must not grow."""
-    exemplar = weft.Exemplar(made_up(rng, (24, 25)))
-    model = weft.PatchSampling(patch_size=8, boundary_width=2, search=search).fit(exemplar)
+    exemplar = weftex.Exemplar(made_up(rng, (24, 25)))
+    model = weftex.PatchSampling(patch_size=8, boundary_width=2, search=search).fit(exemplar)
     model.sample((40, 40), seed=1)
     model.sample((40, 40), seed=1, tileable=True)
     kept = len(model._structures)
     assert len(pickle.dumps(model)) < 40000
     for seed in range(3):
         hole = rng.random((40, 41)) < 0.1
-        canvas = weft.Canvas(40, 41, known=made_up(rng, (40, 41)), hole=hole)
+        canvas = weftex.Canvas(40, 41, known=made_up(rng, (40, 41)), hole=hole)
         model.sample(canvas, seed=seed)
     assert len(model._structures) == kept
 
 
 def test_the_boundary_is_at_most_half_of_the_patch():
-    exemplar = weft.Exemplar(np.zeros((60, 100), np.uint8))
-    assert weft.PatchSampling(patch_size=21, boundary_width=10).fit(exemplar).boundary_width == 10
-    with pytest.raises(weft.InvalidInputError, match="boundary_width is 11; .* 10"):
-        weft.PatchSampling(patch_size=21, boundary_width=11).fit(exemplar)
+    exemplar = weftex.Exemplar(np.zeros((60, 100), np.uint8))
+    assert weftex.PatchSampling(patch_size=21, boundary_width=10).fit(exemplar).boundary_width == 10
+    with pytest.raises(weftex.InvalidInputError, match="boundary_width is 11; .* 10"):
+        weftex.PatchSampling(patch_size=21, boundary_width=11).fit(exemplar)
     for size in range(2, 60):
-        assert 1 <= weft.PatchSampling(patch_size=size).fit(exemplar).boundary_width <= size // 2
+        assert 1 <= weftex.PatchSampling(patch_size=size).fit(exemplar).boundary_width <= size // 2
 
 
 @every("method", family="patch")
 def test_a_patch_larger_than_the_sample_names_the_largest(method):
-    exemplar = weft.Exemplar(np.zeros((60, 100), np.uint8), name="brick.png")
-    with pytest.raises(weft.InvalidInputError, match=r"brick\.png is 100x60, .* fits is 60"):
-        weft.METHODS[method](patch_size=61).fit(exemplar)
-    with pytest.raises(weft.InvalidInputError, match="fits is 60"):
-        weft.METHODS[method](patch_size=1, boundary_width=40).fit(exemplar)
+    exemplar = weftex.Exemplar(np.zeros((60, 100), np.uint8), name="brick.png")
+    with pytest.raises(weftex.InvalidInputError, match=r"brick\.png is 100x60, .* fits is 60"):
+        weftex.METHODS[method](patch_size=61).fit(exemplar)
+    with pytest.raises(weftex.InvalidInputError, match="fits is 60"):
+        weftex.METHODS[method](patch_size=1, boundary_width=40).fit(exemplar)
 
 
 def test_a_mask_without_room_for_a_patch_is_refused():
     mask = np.zeros((60, 100), bool)
     mask[:9, :9] = True
-    with pytest.raises(weft.InvalidInputError, match="no 10x10 window lies in the usable part"):
-        weft.PatchSampling(patch_size=10).fit(
-            weft.Exemplar(np.zeros((60, 100), np.uint8), mask=mask)
+    with pytest.raises(weftex.InvalidInputError, match="no 10x10 window lies in the usable part"):
+        weftex.PatchSampling(patch_size=10).fit(
+            weftex.Exemplar(np.zeros((60, 100), np.uint8), mask=mask)
         )
 
 
 @pytest.mark.parametrize("threads", [0, -1, 1.5, "2", True])
 def test_bad_threads_are_refused(threads):
-    with pytest.raises(weft.InvalidInputError, match="threads is"):
-        weft.synthesize(np.zeros((40, 40), np.uint8), 40, seed=1, threads=threads)
+    with pytest.raises(weftex.InvalidInputError, match="threads is"):
+        weftex.synthesize(np.zeros((40, 40), np.uint8), 40, seed=1, threads=threads)
 
 
 def test_sources_nearby_keep_their_distance(rng):
     """repeat_distance: what lies within two patches does not show the same thing again."""
-    exemplar = weft.load_exemplar("sample:pebbles")
+    exemplar = weftex.load_exemplar("sample:pebbles")
 
     def repeats(distance):
-        method = weft.PatchSampling(patch_size=24, repeat_distance=distance)
+        method = weftex.PatchSampling(patch_size=24, repeat_distance=distance)
         placements = method.fit(exemplar).sample((400, 400), seed=2).placements
         at, source = placements[:, :2], placements[:, 2:4]
         count = total = 0
@@ -530,11 +534,11 @@ def test_threads_never_overtake_a_patch_that_overlaps(
             groups.append(group)
             yield group
 
-    monkeypatch.setattr(weft.methods.patch_pasting, "wavefronts", note)
-    method = weft.PatchSampling(
+    monkeypatch.setattr(weftex.methods.patches.pasting, "wavefronts", note)
+    method = weftex.PatchSampling(
         patch_size=size, boundary_width=overlap, epsilon=float("inf"), blend=blend
     )
-    result = method.fit(weft.Exemplar(made_up(rng, (40, 40)))).sample(shape, seed=1, threads=2)
+    result = method.fit(weftex.Exemplar(made_up(rng, (40, 40)))).sample(shape, seed=1, threads=2)
     assert groups, "threads were not used"
     at = result.placements[:, :2].astype(int)
     columns = len(np.unique(at[:, 1]))
@@ -591,11 +595,11 @@ def test_spirals_visit_each_cell_once_from_the_border_inwards(rows, columns, see
 @pytest.mark.parametrize("shape", [(260, 260), (1500, 33), (150, 401)])
 @pytest.mark.parametrize("wrap", [(False, False), (True, False), (True, True)])
 def test_threads_do_not_change_a_byte(rng, kind, shape, wrap):
-    model = weft.PatchSampling(**kind).fit(weft.Exemplar(made_up(rng, (40, 40))))
-    one = model.sample(weft.Canvas(*shape, wrap), seed=1, threads=1)
+    model = weftex.PatchSampling(**kind).fit(weftex.Exemplar(made_up(rng, (40, 40))))
+    one = model.sample(weftex.Canvas(*shape, wrap), seed=1, threads=1)
     assert len(one.placements) >= 300
     for threads in (2, 4):
-        other = model.sample(weft.Canvas(*shape, wrap), seed=1, threads=threads)
+        other = model.sample(weftex.Canvas(*shape, wrap), seed=1, threads=threads)
         assert np.array_equal(other.placements, one.placements)
         assert np.array_equal(other.image, one.image)
 
@@ -616,8 +620,8 @@ def test_threads_are_really_used(monkeypatch, rng):
             return super().submit(note, *args, **more)
 
     monkeypatch.setattr(concurrent.futures, "ThreadPoolExecutor", Pool)
-    model = weft.PatchSampling(patch_size=8, boundary_width=2).fit(
-        weft.Exemplar(made_up(rng, (40, 40)))
+    model = weftex.PatchSampling(patch_size=8, boundary_width=2).fit(
+        weftex.Exemplar(made_up(rng, (40, 40)))
     )
     model.sample((500, 500), seed=1, threads=4)
     assert len(seen) > 1
@@ -629,6 +633,6 @@ def test_threads_are_really_used(monkeypatch, rng):
 def test_by_default_there_are_as_many_threads_as_processors():
     assert (os.cpu_count() or 1) >= 1
     sample = np.random.default_rng(0).integers(0, 256, (40, 40)).astype(np.uint8)
-    model = weft.PatchSampling(patch_size=8, boundary_width=2).fit(weft.Exemplar(sample))
+    model = weftex.PatchSampling(patch_size=8, boundary_width=2).fit(weftex.Exemplar(sample))
     one = model.sample((200, 200), seed=1, threads=1)
     assert np.array_equal(model.sample((200, 200), seed=1).image, one.image)

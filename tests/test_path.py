@@ -8,7 +8,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 import reference
-from weft.seams.path import least_path
+from weftex.seams.path import least_path
 
 
 def costs(data, rows, columns, most):

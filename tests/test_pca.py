@@ -10,18 +10,18 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 import reference
-import weft
-from weft.search import _kernels
-from weft.search.pca import fit_pca
+import weftex
+from weftex.search import zone_kernels as _kernels
+from weftex.search.pca import fit_pca
 
 SAMPLES = ("pebbles", "grass", "bricks")
 
 
 def windows_of(name, patch=32, width=4):
     """Block means of all windows of a sample, as the method analyses them for figure 3 (d)."""
-    exemplar = weft.load_exemplar(f"sample:{name}")
-    exemplar = weft.Exemplar(exemplar.pixels[:128, :128])
-    method = weft.PatchSampling(patch_size=patch, boundary_width=width, search="quadtree")
+    exemplar = weftex.load_exemplar(f"sample:{name}")
+    exemplar = weftex.Exemplar(exemplar.pixels[:128, :128])
+    method = weftex.PatchSampling(patch_size=patch, boundary_width=width, search="quadtree")
     model = method.fit(exemplar)
     known = np.zeros((patch, patch), bool)
     known[:width] = known[:, :width] = True
@@ -177,9 +177,9 @@ def test_shortlist_holds_the_best_window(name, rng):
 
 
 SCRIPT = """
-import hashlib, weft
-exemplar = weft.load_exemplar("sample:pebbles")
-picture = weft.PatchSampling(patch_size=24).fit(exemplar).sample((150, 150), seed=3).image
+import hashlib, weftex
+exemplar = weftex.load_exemplar("sample:pebbles")
+picture = weftex.PatchSampling(patch_size=24).fit(exemplar).sample((150, 150), seed=3).image
 print(hashlib.sha256(picture.tobytes()).hexdigest())
 """
 

@@ -6,25 +6,25 @@ import pickle
 import numpy as np
 import pytest
 
-import weft
-from weft.pixel_synthesis import PixelSynthesis
+import weftex
+from weftex.results.pixels import PixelSynthesis
 
 SAMPLE = np.random.default_rng(5).integers(0, 256, (9, 11, 3)).astype(np.uint8)
 
 
 def make(hole=False, known_from=None, sample=SAMPLE, size=(7, 8), **more):
     index = np.random.default_rng(1).integers(0, 99, size).astype(np.int32)
-    canvas = weft.Canvas(*size, wrap=(True, False))
+    canvas = weftex.Canvas(*size, wrap=(True, False))
     if hole:
         where = np.random.default_rng(2).random(size) < 0.5
         known = np.random.default_rng(3).integers(0, 256, (*size, 3)).astype(np.uint8)
         if known_from is not None:
             y, x = known_from
             known = sample[y : y + size[0], x : x + size[1]]
-        canvas = weft.Canvas(*size, known=known, hole=where)
+        canvas = weftex.Canvas(*size, known=known, hole=where)
         index[~where] = -1
     return PixelSynthesis(
-        canvas, index, sample_shape=(9, 11), exemplar=weft.Exemplar(sample, **more),
+        canvas, index, sample_shape=(9, 11), exemplar=weftex.Exemplar(sample, **more),
         known_from=known_from, provenance={"method": "by hand"},
     )  # fmt: skip
 
@@ -81,7 +81,7 @@ def test_saved_results_are_the_same_again(tmp_path):
     for result in (make(), make(hole=True), make(hole=True, known_from=(1, 2))):
         result.save(tmp_path / "r.npz")
         known = result.canvas.known
-        again = weft.Synthesis.load(tmp_path / "r.npz", result.exemplar, known)
+        again = weftex.Synthesis.load(tmp_path / "r.npz", result.exemplar, known)
         assert isinstance(again, PixelSynthesis)
         assert np.array_equal(again.index, result.index) and again.index.dtype == np.int32
         assert np.array_equal(again.image, result.image)
@@ -94,8 +94,8 @@ def test_sources_outside_are_refused(tmp_path, value):
     result = make()
     result.index[3, 3] = value
     result.save(tmp_path / "r.npz")
-    with pytest.raises(weft.FileError, match="sources lie outside"):
-        weft.Synthesis.load(tmp_path / "r.npz")
+    with pytest.raises(weftex.FileError, match="sources lie outside"):
+        weftex.Synthesis.load(tmp_path / "r.npz")
 
 
 def test_sources_of_another_size_or_type_are_refused(tmp_path):
@@ -105,12 +105,12 @@ def test_sources_of_another_size_or_type_are_refused(tmp_path):
         arrays = dict(file)
     for index, text in ((arrays["index"][1:], "size"), (arrays["index"].astype(float), "types")):
         np.savez(path, about=arrays["about"], index=index)
-        with pytest.raises(weft.FileError, match=text):
-            weft.Synthesis.load(path)
+        with pytest.raises(weftex.FileError, match=text):
+            weftex.Synthesis.load(path)
     about = json.loads(str(arrays["about"])) | {"known_from": [5, 5]}
     np.savez(path, about=np.array(json.dumps(about)), index=arrays["index"])
-    with pytest.raises(weft.FileError, match="known pixels"):
-        weft.Synthesis.load(path)
+    with pytest.raises(weftex.FileError, match="known pixels"):
+        weftex.Synthesis.load(path)
 
 
 def test_drawings():
@@ -121,8 +121,8 @@ def test_drawings():
     assert np.array_equal(source[..., 1], np.rint(y * (255 / 8)))
     assert red.sum() > 20
     whole = PixelSynthesis(
-        weft.Canvas(9, 11), np.arange(99, dtype=np.int32).reshape(9, 11), sample_shape=(9, 11),
-        exemplar=weft.Exemplar(SAMPLE),
+        weftex.Canvas(9, 11), np.arange(99, dtype=np.int32).reshape(9, 11), sample_shape=(9, 11),
+        exemplar=weftex.Exemplar(SAMPLE),
     )  # fmt: skip
     assert not (whole.draw("seams") == (255, 0, 0)).all(axis=2).any()
     assert whole.draw("error").max() == 0
@@ -144,8 +144,8 @@ def test_error_is_what_the_neighbours_did_not_expect():
 
 def test_a_part_moves_into_the_whole():
     result = make(hole=True, known_from=(1, 2))
-    large = weft.Exemplar(np.tile(SAMPLE, (2, 2, 1)))
-    canvas = weft.Canvas(20, 20, (True, True))
+    large = weftex.Exemplar(np.tile(SAMPLE, (2, 2, 1)))
+    canvas = weftex.Canvas(20, 20, (True, True))
     moved = result.moved(canvas, large, to=(16, 17), source_to=(9, 13), provenance={"seed": 1})
     hole = result.canvas.hole
     y, x = np.nonzero(hole)

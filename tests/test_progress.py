@@ -5,10 +5,10 @@ import itertools
 import numpy as np
 import pytest
 
-import weft
+import weftex
 from families import every, kinds_of, method_of
-from weft.errors import CancelledError
-from weft.progress import Progress
+from weftex.errors import CancelledError
+from weftex.progress import Progress
 
 
 def test_counts_and_passes_everything_on():
@@ -51,8 +51,8 @@ def canvas_of(kind):
         hole[10:30, 5:20] = True
         known = SAMPLE.copy()
         known[hole] = 0
-        return weft.Canvas(40, 40, known=known, hole=hole)
-    return weft.Canvas(60, 50, (kind == "wrapped",) * 2)
+        return weftex.Canvas(40, 40, known=known, hole=hole)
+    return weftex.Canvas(60, 50, (kind == "wrapped",) * 2)
 
 
 @every("method", "way")
@@ -68,7 +68,7 @@ def test_every_stage_counts_up_to_its_total(method, way, kind):
         if len(seen) in (1, 3):
             previews.append(preview())
 
-    model = method_of(method, way).fit(weft.Exemplar(SAMPLE))
+    model = method_of(method, way).fit(weftex.Exemplar(SAMPLE))
     # With more threads a small picture may be whole before it is looked at for the first time.
     result = model.sample(canvas, seed=1, progress=callback, threads=1)
     stages = [list(calls) for _, calls in itertools.groupby(seen, lambda call: call[1:])]
@@ -93,7 +93,7 @@ def test_each_method_can_be_cancelled(method, way):
         calls.append(done)
         return len(calls) < 3
 
-    model = method_of(method, way).fit(weft.Exemplar(SAMPLE))
+    model = method_of(method, way).fit(weftex.Exemplar(SAMPLE))
     with pytest.raises(CancelledError):
         model.sample((60, 50), seed=1, progress=callback)
     assert len(calls) == 3
@@ -107,7 +107,7 @@ def test_cancelling_stops_at_once(threads):
         calls.append(done)
         return len(calls) < 3
 
-    model = weft.PatchSampling(patch_size=8).fit(weft.Exemplar(SAMPLE))
+    model = weftex.PatchSampling(patch_size=8).fit(weftex.Exemplar(SAMPLE))
     with pytest.raises(CancelledError):
         model.sample((400, 400), seed=1, threads=threads, progress=callback)
     assert len(calls) == 3
@@ -118,4 +118,4 @@ def test_an_error_in_the_callback_comes_through():
         raise ZeroDivisionError
 
     with pytest.raises(ZeroDivisionError):
-        weft.synthesize(SAMPLE, 60, seed=1, progress=callback)
+        weftex.synthesize(SAMPLE, 60, seed=1, progress=callback)

@@ -6,7 +6,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 import reference
-from weft.search.pyramid import gaussian_pyramid, mask_pyramid
+from weftex.raster.pyramids import gaussian_pyramid, mask_pyramid
 
 WRAPS = [(a, b) for a in (False, True) for b in (False, True)]
 

@@ -8,9 +8,9 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 import reference
-from weft.search import _kernels
-from weft.search.boundary_zone import boundary_zone
-from weft.search.quadtree_pyramid import QuadtreePyramid
+from weftex.search import zone_kernels as _kernels
+from weftex.search.boundary_zone import boundary_zone
+from weftex.search.quadtree_pyramid import QuadtreePyramid
 
 
 @pytest.mark.parametrize("level, side", [(1, 1), (2, 2), (3, 4)])

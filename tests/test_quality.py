@@ -11,18 +11,18 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-import weft
-from weft.analysis.lattice import Lattice
-from weft.errors import InvalidInputError
-from weft.exemplar import Exemplar
-from weft.quality.assess import Assessment, assess
-from weft.quality.copying import copying, pieces
-from weft.quality.figures import FIGURES
-from weft.quality.repetition import repetition, repetition_map
-from weft.quality.seams import Seams, seam_map, seams
-from weft.quality.view import box_sums, views
-from weft.quality.wrap import wrap_seam
-from weft.quality.yardstick import real_crops
+import weftex
+from weftex.analysis.lattice import Lattice
+from weftex.errors import InvalidInputError
+from weftex.exemplar import Exemplar
+from weftex.quality.assess import Assessment, assess
+from weftex.quality.copying import copying, pieces
+from weftex.quality.figures import FIGURES
+from weftex.quality.repetition import repetition, repetition_map
+from weftex.quality.seams import Seams, seam_map, seams
+from weftex.quality.view import box_sums, views
+from weftex.quality.wrap import wrap_seam
+from weftex.quality.yardstick import real_crops
 
 SAMPLES = Path(__file__).parent.parent / "examples" / "samples"
 SURFACES = ["cobbles", "gingham", "shingles", "boards"]
@@ -31,7 +31,7 @@ SURFACES = ["cobbles", "gingham", "shingles", "boards"]
 @cache
 def surface(name):
     """Two disjoint pictures of one surface, (128, 256, 3) each."""
-    pixels = weft.load_exemplar(SAMPLES / f"{name}.png").pixels
+    pixels = weftex.load_exemplar(SAMPLES / f"{name}.png").pixels
     return np.ascontiguousarray(pixels[:128]), np.ascontiguousarray(pixels[128:])
 
 
@@ -123,8 +123,8 @@ def test_colours(rng):
 
 
 def test_made_by_weft_is_good_and_says_where_from():
-    sample = weft.load_exemplar("sample:pebbles")
-    made = weft.synthesize(sample, 192, method="quilting", seed=1, tileable=True)
+    sample = weftex.load_exemplar("sample:pebbles")
+    made = weftex.synthesize(sample, 192, method="quilting", seed=1, tileable=True)
     found = assess(sample, made)
     assert found == assess(sample, made.image, made.source, tileable=True)
     assert found.flags == () and found.score < 1 and found.verdict().startswith("Good")
@@ -137,8 +137,8 @@ def test_made_by_weft_is_good_and_says_where_from():
 
 
 def test_the_wrap_is_judged_axis_by_axis():
-    sample = weft.load_exemplar("sample:pebbles")
-    made = weft.synthesize(sample, 160, method="quilting", seed=1, tileable="x").image
+    sample = weftex.load_exemplar("sample:pebbles")
+    made = weftex.synthesize(sample, 160, method="quilting", seed=1, tileable="x").image
     own, result = views(sample, made)
     model = Seams(own)
     assert wrap_seam(model, result, (False, True)) < 0.1
@@ -149,7 +149,7 @@ def test_the_wrap_is_judged_axis_by_axis():
 
 @pytest.mark.parametrize("axis", [0, 1])
 def test_a_seam_is_found_where_it_is(axis):
-    pixels = weft.load_exemplar("sample:grass").pixels[:128, :128]
+    pixels = weftex.load_exemplar("sample:grass").pixels[:128, :128]
     pieces = np.split(pixels, [50], axis)
     cut = np.concatenate([pieces[1], pieces[0]], axis)  # the seam lies after 78 lines
     own, made = views(Exemplar(pixels), np.ascontiguousarray(cut))
@@ -225,10 +225,10 @@ def test_what_was_known_is_not_called_copied():
     photo = surface("cobbles")[0]
     hole = np.zeros(photo.shape[:2], bool)
     hole[40:90, 60:120] = True
-    filled = weft.fill(photo, hole, method="quilting", seed=1)
+    filled = weftex.fill(photo, hole, method="quilting", seed=1)
     found = assess(photo, filled)
     assert found.largest < 0.2 and found.copied > 0.5
-    assert weft.report(photo, filled).assessment == found
+    assert weftex.report(photo, filled).assessment == found
 
 
 def test_copying_by_hand():
@@ -339,7 +339,7 @@ def test_what_does_not_go_together_is_refused():
         assess(sample, np.zeros((9, 9, 3), np.uint8), np.zeros((9, 8, 2), int))
     with pytest.raises(InvalidInputError, match="leaves the sample, which is 20x20"):
         assess(sample, np.zeros((9, 9, 3), np.uint8), np.full((9, 9, 2), 2**40 + 20))
-    made = weft.synthesize(surface("cobbles")[0], 64, method="quilting", seed=1)
+    made = weftex.synthesize(surface("cobbles")[0], 64, method="quilting", seed=1)
     with pytest.raises(InvalidInputError, match="from a sample of 256x128, not 20x20"):
         assess(sample, made)
 

@@ -8,7 +8,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 import reference
-import weft
+import weftex
 
 
 @pytest.mark.parametrize("blend", ["cut", "feather", "feather-at-end", "none"])
@@ -17,11 +17,11 @@ import weft
 def test_it_is_the_slow_twin(rng, blend, repeat_distance, wrap):
     levels = 4 if repeat_distance else 256
     sample = (rng.integers(0, levels, (15, 14, 2)) * (255 // levels)).astype(np.uint8)
-    method = weft.Quilting(
+    method = weftex.Quilting(
         patch_size=7, boundary_width=2, blend=blend, repeat_distance=repeat_distance,
         search="exhaustive",
     )  # fmt: skip
-    exemplar, canvas = weft.Exemplar(sample, alpha=False), weft.Canvas(22, 19, wrap)
+    exemplar, canvas = weftex.Exemplar(sample, alpha=False), weftex.Canvas(22, 19, wrap)
     result = method.fit(exemplar).sample(canvas, seed=5)
     placements, picture = reference.sample_exhaustive(exemplar, method, canvas, 5)
     assert [tuple(p) for p in result.placements[:, :4].tolist()] == placements
@@ -32,11 +32,11 @@ def test_it_is_the_slow_twin(rng, blend, repeat_distance, wrap):
 def test_every_choice_is_within_the_tolerance_of_the_best(tolerance, seed, colour):
     """The rule of Efros and Freeman: (1 + tolerance) times the best distance, none beyond."""
     sample = np.random.default_rng(colour).integers(0, 64, (16, 16, 3)).astype(np.uint8)
-    method = weft.Quilting(
+    method = weftex.Quilting(
         patch_size=6, boundary_width=2, tolerance=tolerance, repeat_distance=0, blend="none",
         search="exhaustive",
     )  # fmt: skip
-    result = method.fit(weft.Exemplar(sample)).sample((6, 20), seed=seed)
+    result = method.fit(weftex.Exemplar(sample)).sample((6, 20), seed=seed)
     windows = np.lib.stride_tricks.sliding_window_view(sample.astype(int), (6, 6), axis=(0, 1))
     for before, here in itertools.pairwise(result.placements.tolist()):
         strip = slice(here[1] - before[1], here[1] - before[1] + 2)
@@ -49,21 +49,21 @@ def test_every_choice_is_within_the_tolerance_of_the_best(tolerance, seed, colou
 
 def test_no_tolerance_takes_the_best(rng):
     sample = rng.integers(0, 256, (18, 18)).astype(np.uint8)
-    method = weft.Quilting(patch_size=6, boundary_width=2, tolerance=0.0, repeat_distance=0)
+    method = weftex.Quilting(patch_size=6, boundary_width=2, tolerance=0.0, repeat_distance=0)
     models = [
-        weft.Quilting(
+        weftex.Quilting(
             patch_size=6, boundary_width=2, tolerance=0.0, repeat_distance=0, search=search
-        ).fit(weft.Exemplar(sample))
+        ).fit(weftex.Exemplar(sample))
         for search in ("exhaustive", "quadtree")
     ]
     # With as many candidates as windows the low resolution loses none.
-    wide = weft.Quilting(
+    wide = weftex.Quilting(
         patch_size=6, boundary_width=2, tolerance=0.0, repeat_distance=0, search="quadtree",
         candidates=169,
-    ).fit(weft.Exemplar(sample))  # fmt: skip
+    ).fit(weftex.Exemplar(sample))  # fmt: skip
     exact = models[0].sample(40, seed=2)
     assert np.array_equal(wide.sample(40, seed=2).placements, exact.placements)
-    assert method.fit(weft.Exemplar(sample)).sample(40, seed=2).image.shape == (40, 40)
+    assert method.fit(weftex.Exemplar(sample)).sample(40, seed=2).image.shape == (40, 40)
 
 
 @pytest.mark.parametrize("search", ["quadtree", "pca", "kdtree", "kdtree-pca"])
@@ -80,8 +80,8 @@ def test_the_tolerance_holds_for_every_search(rng, search):
         "repeat_distance": 1.0,
         "blend": "none",
     }
-    method = weft.Quilting(search=search, candidates=800, **kind)
-    result = method.fit(weft.Exemplar(sample)).sample((10, 200), seed=1)
+    method = weftex.Quilting(search=search, candidates=800, **kind)
+    result = method.fit(weftex.Exemplar(sample)).sample((10, 200), seed=1)
     windows = np.lib.stride_tricks.sliding_window_view(sample.astype(int), (10, 10))
     placements = result.placements[:, 1:4].tolist()
     compared = 0
@@ -101,18 +101,18 @@ def test_the_tolerance_holds_for_every_search(rng, search):
 
 
 def test_its_own_defaults():
-    method = weft.Quilting()
+    method = weftex.Quilting()
     assert method.blend == "cut" and method.tolerance == 0.1
-    model = weft.Quilting(patch_size=36).fit(weft.Exemplar(np.zeros((60, 60), np.uint8)))
+    model = weftex.Quilting(patch_size=36).fit(weftex.Exemplar(np.zeros((60, 60), np.uint8)))
     assert model.boundary_width == 6  # a sixth, as Efros and Freeman have it
 
 
 def test_the_cut_follows_the_least_error(rng):
     """Cut pictures differ across their seams less than pasted ones."""
-    exemplar = weft.load_exemplar("sample:pebbles")
+    exemplar = weftex.load_exemplar("sample:pebbles")
 
     def across(blend):
-        method = weft.Quilting(patch_size=24, boundary_width=6, blend=blend)
+        method = weftex.Quilting(patch_size=24, boundary_width=6, blend=blend)
         result = method.fit(exemplar).sample((200, 200), seed=3)
         picture = result.image.astype(int)
         seam = (np.diff(result.source, axis=1) != (0, 1)).any(axis=2)

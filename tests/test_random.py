@@ -8,15 +8,15 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 import reference
-from weft.errors import InvalidInputError
-from weft.random import draw, seed_number
+from weftex.errors import InvalidInputError
+from weftex.random import draw, seed_number
 
 MASK = 2**64 - 1
 
 
 def test_the_mixing_function_is_splitmix64():
     """The first outputs of SplitMix64 seeded with 0 and 1234567, as published with it."""
-    from weft.random import _mix
+    from weftex.random import _mix
 
     assert int(_mix(np.array([0], np.uint64))[0]) == 0xE220A8397B1DCDAF
     assert int(_mix(np.array([1234567], np.uint64))[0]) == 6457827717110365317

@@ -12,7 +12,7 @@ import pytest
 ROOT = Path(__file__).parent.parent
 PAGES = sorted(p for p in [ROOT / "README.md", *ROOT.glob("docs/*.md")] if p.exists())
 EXAMPLES = sorted(p for p in ROOT.glob("examples/*.py") if not p.name.startswith("paper_"))
-WEFT = Path(sysconfig.get_path("scripts"), "weft")
+WEFTEX = Path(sysconfig.get_path("scripts"), "weftex")
 
 
 def blocks(page, language):
@@ -31,8 +31,8 @@ def test_commands_of_pages(page, tmp_path):
     for block in blocks(page, "sh"):
         for line in block.splitlines():
             words = shlex.split(line, comments=True)
-            if words[:1] == ["weft"]:
-                run([WEFT, *words[1:]], tmp_path)
+            if words[:1] == ["weftex"]:
+                run([WEFTEX, *words[1:]], tmp_path)
                 if "-o" in words:
                     assert (tmp_path / words[words.index("-o") + 1]).exists()
 
@@ -62,5 +62,5 @@ def test_links_of_pages(page):
 def test_the_readme_has_the_two_commands():
     first, second = (line for b in blocks(ROOT / "README.md", "sh") for line in b.splitlines()
                      if line.startswith("python3 -m venv"))  # fmt: skip
-    assert " weft synth sample:" in first.replace(".venv/bin/weft", "weft")
+    assert " weftex synth sample:" in first.replace(".venv/bin/weftex", "weftex")
     assert second.endswith("-m pytest -n auto")

@@ -8,11 +8,11 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import reference
-import weft
+import weftex
 from families import canvas_of, noise, with_guides
-from weft.analysis.scale import dominant_scale
-from weft.canvas import Canvas
-from weft.methods.refinement_sweeps import _cyclic, _lines
+from weftex.analysis.scale import dominant_scale
+from weftex.canvas import Canvas
+from weftex.methods.refinement.sweeps import _cyclic, _lines
 
 WRAPS = [(False, False), (False, True), (True, False), (True, True)]
 
@@ -48,7 +48,7 @@ def test_it_is_the_slow_twin(data):
         mask[0, rng.integers(shape[1])] = False
     pixels = rng.integers(0, colours, (*shape, channels)) * (255 // max(colours - 1, 1))
     pixels = pixels.astype(np.uint8)
-    exemplar = weft.Exemplar(pixels, mask=mask, tileable=draw(st.booleans()), alpha=False)
+    exemplar = weftex.Exemplar(pixels, mask=mask, tileable=draw(st.booleans()), alpha=False)
     size = draw(st.integers(1, 9)), draw(st.integers(1, 9))
     more = {}
     if draw(st.booleans()):
@@ -72,7 +72,7 @@ def test_it_is_the_slow_twin(data):
         parameters |= {"similar": draw(st.integers(0, 2)), "evenness": draw(st.just(2.0))}
     if parameters["init"] != "seeds" and "guide" not in more and draw(st.booleans()):
         parameters["joints"] = draw(st.integers(2, 5))
-    method = weft.Refinement(
+    method = weftex.Refinement(
         window_width=draw(st.sampled_from([1, 3, 5])) if mask is None else 3,
         iterations=draw(st.integers(1, 5)),
         **parameters,
@@ -85,12 +85,12 @@ def test_it_is_the_slow_twin(data):
 @pytest.mark.parametrize(("init", "tileable"), [("seeds", True), ("quilting", False)])
 def test_levels_are_the_slow_twins(kind, tileable, init):
     """Two levels; the second sample has odd sides and a mask."""
-    sample = weft.load_exemplar("sample:pebbles").pixels
+    sample = weftex.load_exemplar("sample:pebbles").pixels
     pixels = np.ascontiguousarray(sample[20:68, 10:59, :1])
     mask = np.ones(pixels.shape[:2], bool)
     mask[:9, 30:] = False
-    exemplar = weft.Exemplar(pixels, mask=mask, tileable=tileable)
-    method = weft.Refinement(window_width=13, iterations=1, init=init, similar=1 + tileable)
+    exemplar = weftex.Exemplar(pixels, mask=mask, tileable=tileable)
+    method = weftex.Refinement(window_width=13, iterations=1, init=init, similar=1 + tileable)
     canvas = canvas_of(kind, pixels, (13, 15))
     model = method.fit(exemplar)
     assert len(model.levels) == 2
@@ -99,94 +99,94 @@ def test_levels_are_the_slow_twins(kind, tileable, init):
 
 @pytest.mark.parametrize("tileable", [False, True])
 def test_guides_of_levels_are_the_slow_twins(tileable):
-    pixels = weft.load_exemplar("sample:pebbles").pixels[20:68, 10:59].copy()
-    exemplar = weft.Exemplar(pixels, tileable=tileable)
+    pixels = weftex.load_exemplar("sample:pebbles").pixels[20:68, 10:59].copy()
+    exemplar = weftex.Exemplar(pixels, tileable=tileable)
     canvas = canvas_of("guide", pixels, (9, 10))
     init = "auto"
     if tileable:
         init, (y, x) = "quilting", np.indices((48, 49))
         exemplar = exemplar.with_guide((y + x > 50).astype(int) + (x > 30))
         canvas = Canvas(9, 10, (True, False), guide=np.indices((9, 10))[1] // 4)
-    method = weft.Refinement(window_width=13, iterations=1, similar=0, init=init)
+    method = weftex.Refinement(window_width=13, iterations=1, similar=0, init=init)
     check_twin(method, exemplar, canvas, 5)
 
 
 def test_the_depth_follows_the_window_and_the_sample():
     pixels = noise((100, 120))
     for width, depth in ((3, 1), (7, 1), (9, 2), (15, 3), (29, 3), (99, 3)):
-        levels = weft.Refinement(window_width=width).fit(weft.Exemplar(pixels)).levels
+        levels = weftex.Refinement(window_width=width).fit(weftex.Exemplar(pixels)).levels
         assert len(levels) == depth
         assert [level.reach for level in levels] == [1 if depth > 1 else min(3, width // 2)] + [
             3
         ] * (depth - 1)
-    model = weft.Refinement(window_width=29, search="pca").fit(weft.Exemplar(pixels))
+    model = weftex.Refinement(window_width=29, search="pca").fit(weftex.Exemplar(pixels))
     assert len(model.levels) == 1 and model.levels[0].reach == 14
 
 
 def test_the_window_is_twice_the_scale():
     y, x = np.indices((128, 128))
     waves = np.rint(127 + 60 * np.sin(x * np.pi / 10) + 60 * np.sin(y * np.pi / 10))
-    exemplar = weft.Exemplar(waves.astype(np.uint8))
+    exemplar = weftex.Exemplar(waves.astype(np.uint8))
     for search in ("coherent", "pca"):
-        width = weft.Refinement(search=search).fit(exemplar).method.window_width
+        width = weftex.Refinement(search=search).fit(exemplar).method.window_width
         assert width == dominant_scale(exemplar).window_width and 39 <= width <= 43
-    grain = weft.Exemplar(noise((128, 128)))
-    assert weft.Refinement().fit(grain).method.window_width == 29
-    assert weft.Refinement(search="pca").fit(grain).method.window_width < 29
+    grain = weftex.Exemplar(noise((128, 128)))
+    assert weftex.Refinement().fit(grain).method.window_width == 29
+    assert weftex.Refinement(search="pca").fit(grain).method.window_width < 29
 
 
 def test_settling_is_what_fitting_does():
     for shape in ((2, 40), (40, 41)):
         for search in ("coherent", "pca"):
-            method, exemplar = weft.Refinement(search=search), weft.Exemplar(noise(shape))
+            method, exemplar = weftex.Refinement(search=search), weftex.Exemplar(noise(shape))
             assert method.settle(exemplar) == method.fit(exemplar).method
 
 
 def test_what_it_starts_from():
-    assert weft.Refinement().settle(weft.Exemplar(noise((40, 40)))).init == "quilting"
-    assert weft.Refinement().settle(weft.Exemplar(noise((2, 40)))).init == "seeds"
-    assert weft.Refinement(search="pca").settle(weft.Exemplar(noise((40, 40)))).init == "seeds"
-    with pytest.raises(weft.InvalidInputError):
-        weft.Refinement(init="quilting").fit(weft.Exemplar(noise((2, 40))))
+    assert weftex.Refinement().settle(weftex.Exemplar(noise((40, 40)))).init == "quilting"
+    assert weftex.Refinement().settle(weftex.Exemplar(noise((2, 40)))).init == "seeds"
+    assert weftex.Refinement(search="pca").settle(weftex.Exemplar(noise((40, 40)))).init == "seeds"
+    with pytest.raises(weftex.InvalidInputError):
+        weftex.Refinement(init="quilting").fit(weftex.Exemplar(noise((2, 40))))
 
 
 @pytest.mark.parametrize("parameters", [{"seed_density": 2.0}, {"matches": 3}, {"variance": 0.5}])
 def test_what_has_no_effect_is_refused(parameters):
-    with pytest.raises(weft.InvalidInputError, match="has no effect unless"):
-        weft.Refinement(**parameters)
+    with pytest.raises(weftex.InvalidInputError, match="has no effect unless"):
+        weftex.Refinement(**parameters)
 
 
 def test_what_follows_no_guide_is_refused():
     pixels = noise((40, 40))
-    with pytest.raises(weft.InvalidInputError, match="search is 'pca', which follows no guide"):
-        weft.synthesize(pixels, 40, method="refinement", guide=pixels, search="pca")
-    with pytest.raises(weft.InvalidInputError, match="no effect without a guide"):
-        weft.synthesize(pixels, 40, method="refinement", guide_weight=2.0)
+    with pytest.raises(weftex.InvalidInputError, match="search is 'pca', which follows no guide"):
+        weftex.synthesize(pixels, 40, method="refinement", guide=pixels, search="pca")
+    with pytest.raises(weftex.InvalidInputError, match="no effect without a guide"):
+        weftex.synthesize(pixels, 40, method="refinement", guide_weight=2.0)
 
 
 @pytest.mark.parametrize("init", ["quilting", "graphcut"])
 def test_only_joints_are_refined(init):
     """Patches stay, and pictures of a pattern are the pattern."""
-    pixels = weft.load_exemplar("sample:pebbles").pixels[:72, :72].copy()
-    method = weft.Refinement(window_width=15, init=init, joints=10)
-    made = method.fit(weft.Exemplar(pixels)).sample(80, seed=2)
-    start = weft.METHODS[init]().fit(weft.Exemplar(pixels)).sample(80, seed=2)
+    pixels = weftex.load_exemplar("sample:pebbles").pixels[:72, :72].copy()
+    method = weftex.Refinement(window_width=15, init=init, joints=10)
+    made = method.fit(weftex.Exemplar(pixels)).sample(80, seed=2)
+    start = weftex.METHODS[init]().fit(weftex.Exemplar(pixels)).sample(80, seed=2)
     same = (made.source == start.source).all(axis=2)
     step = np.diff(start.source, axis=1) != (0, 1)
     seams = np.pad(step.any(axis=2), ((0, 0), (0, 1)))
     assert same[~reference.seam_belts(start.source, 5, (False, False), made.exemplar)].all()
     assert not same[seams].all() and same.mean() > 0.2
-    with pytest.raises(weft.InvalidInputError, match="joints has no effect unless init is"):
-        weft.Refinement(init="seeds", joints=10)
-    with pytest.raises(weft.InvalidInputError, match="joints keeps what follows no guide"):
-        weft.synthesize(pixels, 72, method=method, guide=pixels)
+    with pytest.raises(weftex.InvalidInputError, match="joints has no effect unless init is"):
+        weftex.Refinement(init="seeds", joints=10)
+    with pytest.raises(weftex.InvalidInputError, match="joints keeps what follows no guide"):
+        weftex.synthesize(pixels, 72, method=method, guide=pixels)
 
 
 @pytest.mark.parametrize("wrap", [(False, False), (True, True)])
 def test_joints_of_levels_are_the_slow_twins(wrap):
-    pixels = weft.load_exemplar("sample:pebbles").pixels[20:68, 10:59, :1].copy()
-    method = weft.Refinement(window_width=13, iterations=1, similar=0, joints=6)
-    check_twin(method, weft.Exemplar(pixels, tileable=wrap[0]), Canvas(23, 25, wrap), 5)
+    pixels = weftex.load_exemplar("sample:pebbles").pixels[20:68, 10:59, :1].copy()
+    method = weftex.Refinement(window_width=13, iterations=1, similar=0, joints=6)
+    check_twin(method, weftex.Exemplar(pixels, tileable=wrap[0]), Canvas(23, 25, wrap), 5)
 
 
 def test_labels_are_followed():
@@ -194,24 +194,24 @@ def test_labels_are_followed():
     y, x = np.indices((60, 90))
     own = x > 70 + 4 * np.sin(y / 5)
     pixels = np.where(own, 200, 60) + noise((60, 90)) // 8
-    exemplar = weft.Exemplar(pixels.astype(np.uint8), guide=own)
+    exemplar = weftex.Exemplar(pixels.astype(np.uint8), guide=own)
     y, x = np.indices((48, 64))
     wanted = (y - 24) ** 2 + (x - 24) ** 2 > 200
     for init in ("auto", "ashikhmin", "quilting"):
-        model = weft.Refinement(window_width=15, init=init).fit(exemplar)
+        model = weftex.Refinement(window_width=15, init=init).fit(exemplar)
         image = model.sample(Canvas(48, 64, guide=wanted), seed=1).image
         assert ((image > 150) == wanted).mean() > 0.97
 
 
 def test_what_has_no_effect_on_the_search_is_refused():
     for parameters in ({"similar": 1}, {"evenness": 0.0}):
-        with pytest.raises(weft.InvalidInputError, match="has no effect unless search is"):
-            weft.Refinement(search="pca", **parameters)
+        with pytest.raises(weftex.InvalidInputError, match="has no effect unless search is"):
+            weftex.Refinement(search="pca", **parameters)
 
 
 def curve_of(**parameters):
-    exemplar = weft.Exemplar(weft.load_exemplar("sample:pebbles").pixels[:64, :64])
-    result = weft.Refinement(**parameters).fit(exemplar).sample(48, seed=3)
+    exemplar = weftex.Exemplar(weftex.load_exemplar("sample:pebbles").pixels[:64, :64])
+    result = weftex.Refinement(**parameters).fit(exemplar).sample(48, seed=3)
     return result, result.provenance["convergence"]
 
 
@@ -238,16 +238,16 @@ def test_the_curve_is_saved(tmp_path):
     result, curve = curve_of(window_width=13, iterations=2)
     assert {"level", "iteration", "changed", "difference", "mse"} == set(curve[0])
     result.save(tmp_path / "result.npz")
-    loaded = weft.Synthesis.load(tmp_path / "result.npz")
+    loaded = weftex.Synthesis.load(tmp_path / "result.npz")
     assert loaded.provenance["convergence"] == curve
 
 
 def test_the_curve_says_what_changed():
     """Iterations of one level, from the pictures before and after each."""
-    exemplar = weft.Exemplar(weft.load_exemplar("sample:pebbles").pixels[:40, :40])
+    exemplar = weftex.Exemplar(weftex.load_exemplar("sample:pebbles").pixels[:40, :40])
     pictures = []
     for iterations in (1, 2, 3):
-        method = weft.Refinement(search="pca", window_width=7, iterations=iterations)
+        method = weftex.Refinement(search="pca", window_width=7, iterations=iterations)
         pictures.append(method.fit(exemplar).sample(24, seed=1))
     curve = pictures[-1].provenance["convergence"]
     assert curve[0]["changed"] > 0.98  # a seed may stay
@@ -262,10 +262,10 @@ def test_the_curve_says_what_changed():
 
 
 def test_evenness_spreads_what_is_used():
-    exemplar = weft.Exemplar(weft.load_exemplar("sample:grass").pixels[:96, :96])
+    exemplar = weftex.Exemplar(weftex.load_exemplar("sample:grass").pixels[:96, :96])
 
     def spread(evenness):
-        method = weft.Refinement(window_width=15, init="seeds", evenness=evenness)
+        method = weftex.Refinement(window_width=15, init="seeds", evenness=evenness)
         source = method.fit(exemplar).sample(128, seed=1).source
         used = np.bincount((source[..., 0] // 12 * 8 + source[..., 1] // 12).ravel(), minlength=64)
         share = used[used > 0] / used.sum()
@@ -296,7 +296,7 @@ def test_a_hole_of_a_texture_that_repeats_is_filled_with_it():
     damaged = photo.copy()
     damaged[hole] = 0
     for parameters in ({}, {"init": "seeds"}, {"search": "pca"}):
-        filled = weft.fill(
+        filled = weftex.fill(
             damaged, hole, method="refinement", window_width=13, **parameters, seed=1
         )
         assert np.array_equal(filled.image, photo)
@@ -305,8 +305,8 @@ def test_a_hole_of_a_texture_that_repeats_is_filled_with_it():
 def test_the_papers_search_makes_the_canvas_a_torus():
     """From the second iteration neighbourhoods go around the borders (section 3)."""
     tile = noise((8, 8), seed=4)
-    exemplar = weft.Exemplar(np.tile(tile, (5, 5)))
-    image = weft.Refinement(search="pca", window_width=9).fit(exemplar).sample(32, seed=2).image
+    exemplar = weftex.Exemplar(np.tile(tile, (5, 5)))
+    image = weftex.Refinement(search="pca", window_width=9).fit(exemplar).sample(32, seed=2).image
     y, x = np.argwhere([[(np.roll(image, (-v, -u), (0, 1))[:8, :8] == tile).all() for u in range(8)]
                         for v in range(8)])[0]  # fmt: skip
     assert np.array_equal(np.roll(image, (-y, -x), (0, 1)), np.tile(tile, (4, 4)))
@@ -320,11 +320,11 @@ def test_progress_counts_every_pixel_and_shows_coarse_levels():
         if not previews or done == total:
             previews.append(preview())
 
-    exemplar = weft.Exemplar(weft.load_exemplar("sample:pebbles").pixels[:64, :64])
-    model = weft.Refinement(window_width=13, iterations=3).fit(exemplar)
+    exemplar = weftex.Exemplar(weftex.load_exemplar("sample:pebbles").pixels[:64, :64])
+    model = weftex.Refinement(window_width=13, iterations=3).fit(exemplar)
     result = model.sample((40, 44), seed=1, progress=watch)
     assert seen[-1][0] == seen[-1][1] and {stage for *_, stage in seen} == {"pixels"}
     assert previews[0].shape == result.image.shape
     assert np.array_equal(previews[-1], result.image)
-    with pytest.raises(weft.WeftError, match="cancelled"):
+    with pytest.raises(weftex.WeftexError, match="cancelled"):
         model.sample((40, 44), seed=1, progress=lambda *_: False)

@@ -5,12 +5,12 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-import weft
-from weft.analysis.regularity import autocorrelation, regularity
-from weft.analysis.relief import relief
-from weft.exemplar import Exemplar
+import weftex
+from weftex.analysis.regularity import autocorrelation, regularity
+from weftex.analysis.relief import relief
+from weftex.exemplar import Exemplar
 
-#: The samples that ship with weft.
+#: The samples that ship with weftex.
 REAL = {
     "tiles": 0.91, "weave": 0.77, "bricks": 0.61,
     "pebbles": 0.15, "grass": 0.10, "wood": 0.10, "leaves": 0.10,
@@ -57,7 +57,7 @@ def test_autocorrelation_of_a_masked_sample_is_its_definition(rng):
 
 def test_autocorrelation_is_symmetric_and_bounded():
     for name in ("bricks", "grass"):
-        found = autocorrelation(weft.load_exemplar(f"sample:{name}"))
+        found = autocorrelation(weftex.load_exemplar(f"sample:{name}"))
         np.testing.assert_allclose(found, found[::-1, ::-1], atol=1e-9)
         assert abs(found).max() <= 1 + 1e-9
         assert found[found.shape[0] // 2, found.shape[1] // 2] == pytest.approx(1)
@@ -83,14 +83,14 @@ def test_it_falls_as_noise_is_added(rng):
 
 @pytest.mark.parametrize("name", REAL)
 def test_real_samples(name):
-    exemplar = weft.load_exemplar(f"sample:{name}")
+    exemplar = weftex.load_exemplar(f"sample:{name}")
     assert regularity(exemplar) == pytest.approx(REAL[name], abs=0.01)
     turned = Exemplar(np.ascontiguousarray(np.rot90(exemplar.pixels)))
     assert regularity(turned) == pytest.approx(REAL[name], abs=0.03)
 
 
 def test_parts_of_a_wall_are_as_regular():
-    pixels = weft.load_exemplar("sample:tiles").pixels
+    pixels = weftex.load_exemplar("sample:tiles").pixels
     for part in (pixels[:128, :128], pixels[:, :150], pixels[60:]):
         assert regular(part) > 0.8
 

@@ -1,4 +1,4 @@
-"""What `weft report` writes, and what it refuses."""
+"""What `weftex report` writes, and what it refuses."""
 
 from __future__ import annotations
 
@@ -9,12 +9,12 @@ from html.parser import HTMLParser
 import numpy as np
 import pytest
 
-import weft
-from weft import cli
-from weft.errors import FileError, InvalidInputError
-from weft.formats import png
-from weft.io import write_image, write_text
-from weft.tasks.report import report
+import weftex
+from weftex import cli
+from weftex.errors import FileError, InvalidInputError
+from weftex.io.formats import png
+from weftex.io.pictures import write_image, write_text
+from weftex.tasks.report import report
 
 EMPTY = {"meta", "br", "img"}
 
@@ -45,10 +45,10 @@ class Page(HTMLParser):
 def files(tmp_path_factory):
     """A sample, a result and its source, under names that a page must not take for markup."""
     folder = tmp_path_factory.mktemp("report")
-    pixels = weft.load_exemplar("sample:weave").pixels[:96, :96]
+    pixels = weftex.load_exemplar("sample:weave").pixels[:96, :96]
     sample = folder / 'we<b>"a&v e.png'
     write_image(sample, pixels)
-    made = weft.synthesize(pixels, (106, 128), method="quilting", seed=1, tileable="x")
+    made = weftex.synthesize(pixels, (106, 128), method="quilting", seed=1, tileable="x")
     write_image(folder / "made.png", made.image)
     made.save(folder / "made.npz")
     return sample, folder / "made.png", folder / "made.npz"
@@ -117,7 +117,7 @@ def test_tileable_may_be_said(files, capsys):
         (lambda s, m, z, t: [s, m, "-o", t / "r.htm"], "did you mean '.html'"),
         (lambda s, m, z, t: [s, m, "-o", t / "no" / "r.html"], "does not exist"),
         (lambda s, m, z, t: [s, m, "--source", t / "no.npz", "--json"], "does not exist"),
-        (lambda s, m, z, t: [s, m, "--source", m, "--json"], "is not a saved weft result"),
+        (lambda s, m, z, t: [s, m, "--source", m, "--json"], "is not a saved weftex result"),
         (lambda s, m, z, t: [s, s, "--source", z, "--json"], "the source makes 128x106 from 96x96"),
         (lambda s, m, z, t: [m, m, "--source", z, "--json"], "sample are 128x106 and 128x106"),
         (lambda s, m, z, t: [s, t / "grey.png", "--json"], "uint8 with 1 channels"),
@@ -137,9 +137,9 @@ def test_what_cannot_be_reported_is_one_line(change, message, files, tmp_path, c
 
 def test_a_picture_of_another_source_is_noted(files):
     sample, made, source = files
-    turned = weft.read_image(made).pixels[::-1].copy()
+    turned = weftex.read_image(made).pixels[::-1].copy()
     assert "not the picture that the source gives" in report(sample, turned, source).notes[0]
-    assert report(sample, weft.Synthesis.load(source)).notes == ()
+    assert report(sample, weftex.Synthesis.load(source)).notes == ()
 
 
 @pytest.mark.parametrize(
@@ -170,7 +170,7 @@ def test_png_in_memory_is_the_picture(shape, rng, tmp_path):
     pixels = rng.integers(0, 256, shape, np.uint8)
     (tmp_path / "p.png").write_bytes(png(pixels))
     np.testing.assert_array_equal(
-        weft.read_image(tmp_path / "p.png").pixels,
+        weftex.read_image(tmp_path / "p.png").pixels,
         pixels.squeeze(2) if shape[2:] == (1,) else pixels,
     )
 

@@ -8,12 +8,12 @@ import math
 import numpy as np
 import pytest
 
-import weft
-from weft.analysis.relief import relief
-from weft.analysis.scale import THICKNESS, _ring_power, dominant_scale
-from weft.exemplar import Exemplar
+import weftex
+from weftex.analysis.relief import relief
+from weftex.analysis.scale import THICKNESS, _ring_power, dominant_scale
+from weftex.exemplar import Exemplar
 
-#: What the estimate is for the samples that ship with weft; scale in pixels and confidence.
+#: What the estimate is for the samples that ship with weftex; scale in pixels and confidence.
 REAL = {
     "pebbles": (15.0, 0.0),  # they measure 10 to 20, and are strewn
     "bricks": (41.97, 0.52),  # six courses to 256 pixels are 42.7
@@ -150,7 +150,7 @@ def test_a_pattern_in_noise_is_less_certain():
 @pytest.mark.parametrize("name", REAL)
 def test_real_samples(name):
     """Within a ring: another machine's transforms may round what lies between two."""
-    exemplar = weft.load_exemplar(f"sample:{name}")
+    exemplar = weftex.load_exemplar(f"sample:{name}")
     result = dominant_scale(exemplar)
     scale, confidence = REAL[name]
     assert result.scale == pytest.approx(scale, abs=0.01)
@@ -160,7 +160,7 @@ def test_real_samples(name):
 
 @pytest.mark.parametrize("name", ["bricks", "pebbles", "weave", "leaves"])
 def test_turned_samples(name):
-    pixels = weft.load_exemplar(f"sample:{name}").pixels
+    pixels = weftex.load_exemplar(f"sample:{name}").pixels
     expected = found(pixels)
     for turned in (np.rot90(pixels), pixels[::-1], pixels.swapaxes(0, 1)):
         again = found(turned)
@@ -168,7 +168,7 @@ def test_turned_samples(name):
 
 
 def test_half_of_a_sample_and_other_kinds_of_pixels():
-    pixels = weft.load_exemplar("sample:tiles").pixels
+    pixels = weftex.load_exemplar("sample:tiles").pixels
     for part in (pixels[:, :200], pixels[:120], pixels[::2, ::2]):
         step = 256 // part.shape[0] if part.shape[0] == part.shape[1] else 1
         assert found(part).scale == pytest.approx(32 / step, rel=0.07)

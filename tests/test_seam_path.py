@@ -7,8 +7,8 @@ from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 
 import reference
-from weft.seams import _kernels
-from weft.search.boundary_zone import boundary_zone
+from weftex.seams import band_kernels as _kernels
+from weftex.search.boundary_zone import boundary_zone
 
 SIDES = ("left", "top", "right", "bottom")
 

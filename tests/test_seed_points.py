@@ -7,9 +7,9 @@ from hypothesis import strategies as st
 
 import reference
 from families import noise
-from weft.exemplar import Exemplar
-from weft.methods.seed_points import plant_seeds
-from weft.search.windows import windows_of
+from weftex.exemplar import Exemplar
+from weftex.methods.refinement.seed_points import plant_seeds
+from weftex.search.windows import windows_of
 
 
 @given(

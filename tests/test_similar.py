@@ -6,12 +6,12 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 import reference
-import weft
+import weftex
 from families import noise
-from weft.exemplar import Exemplar
-from weft.search.pyramid import gaussian_pyramid
-from weft.search.similar import nearest_centre, similar_places
-from weft.search.windows import windows_of
+from weftex.exemplar import Exemplar
+from weftex.raster.pyramids import gaussian_pyramid
+from weftex.search.similar import nearest_centre, similar_places
+from weftex.search.windows import windows_of
 
 
 def by_place(windows, found):
@@ -47,7 +47,7 @@ def test_the_coarsest_level_is_the_slow_twin(shape, colours, count, tileable, se
 @pytest.mark.parametrize("shape", [(20, 24), (19, 21)])
 def test_the_next_level_looks_around_the_children(shape, tileable):
     pixels = np.ascontiguousarray(
-        weft.load_exemplar("sample:pebbles").pixels[: shape[0], : shape[1], :1]
+        weftex.load_exemplar("sample:pebbles").pixels[: shape[0], : shape[1], :1]
     )
     pyramid = gaussian_pyramid(pixels, 2, (tileable, tileable))
     masks = [np.ones(level.shape[:2], bool) for level in pyramid]

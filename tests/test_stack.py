@@ -5,8 +5,8 @@ import pytest
 
 import reference
 from families import noise
-from weft.search.pyramid import gaussian_pyramid, mask_pyramid
-from weft.search.stack import Layout, gaussian_stack, mask_stack
+from weftex.raster.pyramids import gaussian_pyramid, mask_pyramid
+from weftex.search.stack import Layout, gaussian_stack, mask_stack
 
 
 @pytest.mark.parametrize("tileable", [False, True])

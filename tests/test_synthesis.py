@@ -11,17 +11,17 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 import reference
-import weft
-from weft.errors import FileError, InvalidInputError
+import weftex
+from weftex.errors import FileError, InvalidInputError
 
 SAMPLE = np.random.default_rng(5).integers(0, 256, (30, 34, 3)).astype(np.uint8)
 BLENDS = ("feather", "feather-at-end", "cut", "none")
 
 
 def make(blend="feather", wrap=(False, False), patch_size=10, sample=SAMPLE, **more):
-    method = weft.PatchSampling(patch_size=patch_size, boundary_width=3, blend=blend)
-    exemplar = weft.Exemplar(sample, **more)
-    return method.fit(exemplar).sample(weft.Canvas(40, 45, wrap), seed=9)
+    method = weftex.PatchSampling(patch_size=patch_size, boundary_width=3, blend=blend)
+    exemplar = weftex.Exemplar(sample, **more)
+    return method.fit(exemplar).sample(weftex.Canvas(40, 45, wrap), seed=9)
 
 
 def filled(known_from=(2, 3), patch_size=8):
@@ -31,9 +31,9 @@ def filled(known_from=(2, 3), patch_size=8):
     known[hole] = 0
     mask = np.ones(SAMPLE.shape[:2], bool)
     mask[2:28, 3:33] = ~hole
-    method = weft.PatchSampling(patch_size=patch_size, boundary_width=2)
-    canvas = weft.Canvas(*hole.shape, known=known, hole=hole, known_from=known_from)
-    return method.fit(weft.Exemplar(SAMPLE, mask=mask)).sample(canvas, seed=4)
+    method = weftex.PatchSampling(patch_size=patch_size, boundary_width=2)
+    canvas = weftex.Canvas(*hole.shape, known=known, hole=hole, known_from=known_from)
+    return method.fit(weftex.Exemplar(SAMPLE, mask=mask)).sample(canvas, seed=4)
 
 
 @pytest.mark.parametrize("blend", BLENDS)
@@ -42,7 +42,7 @@ def test_rendering_the_sample_is_the_image(blend, wrap):
     result = make(blend, wrap)
     assert np.array_equal(result.render(), result.image)
     assert np.array_equal(result.render(SAMPLE), result.image)
-    assert np.array_equal(result.render(weft.Exemplar(SAMPLE)), result.image)
+    assert np.array_equal(result.render(weftex.Exemplar(SAMPLE)), result.image)
 
 
 @pytest.mark.parametrize("blend", BLENDS)
@@ -129,8 +129,8 @@ def test_layers_say_what_the_picture_is_made_of(blend):
 @pytest.mark.parametrize("size", [(24, 41), (31, 45)])
 def test_shares_sum_to_one_with_the_widest_boundary(wrap, size):
     """Half of a patch: three patches meet along each axis, nine in a corner."""
-    method = weft.PatchSampling(patch_size=16, boundary_width=8)
-    result = method.fit(weft.Exemplar(SAMPLE)).sample(weft.Canvas(*size, wrap), seed=1)
+    method = weftex.PatchSampling(patch_size=16, boundary_width=8)
+    result = method.fit(weftex.Exemplar(SAMPLE)).sample(weftex.Canvas(*size, wrap), seed=1)
     assert np.allclose(result.layers()[1].sum(axis=2), 1, atol=1e-6)
 
 
@@ -138,8 +138,8 @@ def test_shares_sum_to_one_with_the_widest_boundary(wrap, size):
 @pytest.mark.parametrize("boundary_width", [3, 5])
 def test_layers_are_the_slow_twins(blend, boundary_width):
     """Where half of a patch is its boundary up to nine patches meet, and four are kept."""
-    method = weft.PatchSampling(patch_size=10, boundary_width=boundary_width, blend=blend)
-    result = method.fit(weft.Exemplar(SAMPLE)).sample((40, 45), seed=9)
+    method = weftex.PatchSampling(patch_size=10, boundary_width=boundary_width, blend=blend)
+    result = method.fit(weftex.Exemplar(SAMPLE)).sample((40, 45), seed=9)
     window = (6, 4, 20, 23)
     coordinates, shares = result.layers(window)
     plan = result.placements, result.weights, result.cuts
@@ -159,7 +159,7 @@ def test_source_is_the_heaviest_layer():
 
 
 def test_source_of_a_tall_result_is_put_together_from_bands():
-    result = weft.synthesize(SAMPLE, (600, 20), seed=1, method="patch-sampling", patch_size=10)
+    result = weftex.synthesize(SAMPLE, (600, 20), seed=1, method="patch-sampling", patch_size=10)
     assert np.array_equal(result.source, result.layers()[0][:, :, 0])
 
 
@@ -227,7 +227,7 @@ def test_pictures_with_alpha():
     arrays = result.placements, result.weights, result.cuts
     reference.paste_all(out, sample, 0, 0, result.shape, *arrays, alpha=True)
     assert np.array_equal(out, result.image)
-    straight = result.render(weft.Exemplar(sample, alpha=False))
+    straight = result.render(weftex.Exemplar(sample, alpha=False))
     assert not np.array_equal(straight, result.image)
 
 
@@ -237,7 +237,7 @@ def test_saved_and_loaded(tmp_path, make_one):
     path = tmp_path / "result.npz"
     result.save(path)
     known = result.canvas.known
-    loaded = weft.Synthesis.load(path, exemplar=result.exemplar, known=known)
+    loaded = weftex.Synthesis.load(path, exemplar=result.exemplar, known=known)
     assert np.array_equal(loaded.image, result.image)
     assert np.array_equal(loaded.source, result.source)
     assert loaded.canvas.wrap == result.canvas.wrap and loaded.shape == result.shape
@@ -246,7 +246,7 @@ def test_saved_and_loaded(tmp_path, make_one):
     again = tmp_path / "again.npz"
     loaded.save(again)
     assert again.stat().st_size == pytest.approx(path.stat().st_size, abs=64)
-    alone = weft.Synthesis.load(path)
+    alone = weftex.Synthesis.load(path)
     normals = np.arange(60 * 68, dtype=np.float32).reshape(60, 68)
     assert np.array_equal(alone.render(normals), result.render(normals))
     for ask in (lambda: alone.image, lambda: alone.maps, alone.draw, alone.render):
@@ -258,7 +258,7 @@ def test_saved_and_loaded(tmp_path, make_one):
 
 
 def test_a_saved_result_is_small(tmp_path):
-    result = weft.synthesize("sample:pebbles", (1024, 1024), method="patch-sampling", seed=1)
+    result = weftex.synthesize("sample:pebbles", (1024, 1024), method="patch-sampling", seed=1)
     result.save(tmp_path / "wall.npz")
     assert (tmp_path / "wall.npz").stat().st_size < result.image.nbytes / 50
 
@@ -302,11 +302,11 @@ DAMAGE = {
     "three sides": {"shape": lambda _: [1, 2, 3]},
 }
 LOAD = """
-import sys, numpy as np, weft
+import sys, numpy as np, weftex
 try:
-    result = weft.Synthesis.load(sys.argv[1])
+    result = weftex.Synthesis.load(sys.argv[1])
     result.render(np.zeros((30, 34), np.uint8)); result.source
-except weft.WeftError as error:
+except weftex.WeftexError as error:
     print("refused:", error)
 """
 
@@ -333,26 +333,26 @@ def test_truncated_files_are_refused(tmp_path, size):
     path = tmp_path / "result.npz"
     make().save(path)
     path.write_bytes(path.read_bytes()[:size])
-    with pytest.raises(FileError, match=r"result\.npz is not a saved weft result"):
-        weft.Synthesis.load(path)
+    with pytest.raises(FileError, match=r"result\.npz is not a saved weftex result"):
+        weftex.Synthesis.load(path)
 
 
 def test_files_of_another_kind_are_refused(tmp_path):
     with pytest.raises(FileError, match="does not exist"):
-        weft.Synthesis.load(tmp_path / "nothing.npz")
+        weftex.Synthesis.load(tmp_path / "nothing.npz")
     text = tmp_path / "text.npz"
     text.write_text("hello")
-    with pytest.raises(FileError, match="is not a saved weft result"):
-        weft.Synthesis.load(text)
+    with pytest.raises(FileError, match="is not a saved weftex result"):
+        weftex.Synthesis.load(text)
     other = tmp_path / "other.npz"
     np.savez(other, a=np.zeros(3))
-    with pytest.raises(FileError, match="is not a saved weft result"):
-        weft.Synthesis.load(other)
+    with pytest.raises(FileError, match="is not a saved weftex result"):
+        weftex.Synthesis.load(other)
     with pytest.raises(FileError):
-        weft.Synthesis.load(tmp_path)
+        weftex.Synthesis.load(tmp_path)
     np.savez(other, about=np.array("[1]"), placements=0, weights=0, cuts=0)
-    with pytest.raises(FileError, match="is not a saved weft result"):
-        weft.Synthesis.load(other)
+    with pytest.raises(FileError, match="is not a saved weftex result"):
+        weftex.Synthesis.load(other)
 
 
 @pytest.mark.parametrize("blend", BLENDS)
@@ -407,8 +407,8 @@ def test_results_can_be_pickled():
 
 @given(st.integers(1, 60), st.integers(1, 60), st.sampled_from(BLENDS), st.integers(0, 99))
 def test_any_size_is_covered(height, width, blend, seed):
-    method = weft.PatchSampling(patch_size=8, boundary_width=2, blend=blend)
-    result = method.fit(weft.Exemplar(SAMPLE)).sample((height, width), seed=seed)
+    method = weftex.PatchSampling(patch_size=8, boundary_width=2, blend=blend)
+    result = method.fit(weftex.Exemplar(SAMPLE)).sample((height, width), seed=seed)
     assert result.image.shape == (height, width, 3)
     assert (result.source >= 0).all()
     assert np.allclose(result.layers()[1].sum(axis=2), 1, atol=1e-6)

@@ -8,8 +8,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 import reference
-from weft.search import tsvq
-from weft.search.tsvq import build_tsvq
+from weftex.search import tsvq
+from weftex.search.tsvq import build_tsvq
 
 
 def vectors_of(count, size, values, seed):

@@ -4,10 +4,10 @@ import numpy as np
 import pytest
 
 import reference
-import weft
-from weft.methods import wei_levoy
-from weft.search import pyramid_windows
-from weft.search.tsvq import build_tsvq
+import weftex
+from weftex.methods import wei_levoy
+from weftex.search import pyramid_windows
+from weftex.search.tsvq import build_tsvq
 
 
 def noise(shape, values=256, seed=1):
@@ -15,7 +15,7 @@ def noise(shape, values=256, seed=1):
 
 
 def pebbles(height, width):
-    return np.ascontiguousarray(weft.load_exemplar("sample:pebbles").pixels[:height, :width])
+    return np.ascontiguousarray(weftex.load_exemplar("sample:pebbles").pixels[:height, :width])
 
 
 def holed(pixels, size, wrap=(False, False)):
@@ -23,15 +23,15 @@ def holed(pixels, size, wrap=(False, False)):
     hole = (y - 5) ** 2 + (x - 7) ** 2 < 17
     hole[-2:, :3] = True
     known = np.resize(pixels[::-1], (*size, *pixels.shape[2:])).astype(pixels.dtype)
-    return weft.Canvas(*size, wrap, known=known, hole=hole)
+    return weftex.Canvas(*size, wrap, known=known, hole=hole)
 
 
 CANVASES = {
-    "plain": lambda _: weft.Canvas(13, 11),
-    "x": lambda _: weft.Canvas(12, 13, (False, True)),
-    "xy": lambda _: weft.Canvas(11, 12, (True, True)),
-    "line": lambda _: weft.Canvas(1, 14),
-    "small": lambda _: weft.Canvas(3, 2, (True, True)),
+    "plain": lambda _: weftex.Canvas(13, 11),
+    "x": lambda _: weftex.Canvas(12, 13, (False, True)),
+    "xy": lambda _: weftex.Canvas(11, 12, (True, True)),
+    "line": lambda _: weftex.Canvas(1, 14),
+    "small": lambda _: weftex.Canvas(3, 2, (True, True)),
     "hole": lambda pixels: holed(pixels, (14, 15)),
     "wrapped hole": lambda pixels: holed(pixels, (13, 14), (True, True)),
 }
@@ -48,7 +48,7 @@ SETTINGS = {
 
 
 def assert_is_the_twin(exemplar, canvas, seed=5, **parameters):
-    model = weft.WeiLevoy(**parameters).fit(exemplar)
+    model = weftex.WeiLevoy(**parameters).fit(exemplar)
     result = model.sample(canvas, seed=seed)
     expected = reference.wei_levoy(exemplar, model.method, canvas, seed)
     made = np.ones(canvas.shape, bool) if canvas.hole is None else canvas.hole
@@ -60,13 +60,13 @@ def assert_is_the_twin(exemplar, canvas, seed=5, **parameters):
 @pytest.mark.parametrize("settings", SETTINGS)
 def test_it_is_the_slow_twin(kind, settings):
     pixels = noise((14, 13, 2), 2 if kind in ("x", "small", "hole") else 256)
-    assert_is_the_twin(weft.Exemplar(pixels), CANVASES[kind](pixels), **SETTINGS[settings])
+    assert_is_the_twin(weftex.Exemplar(pixels), CANVASES[kind](pixels), **SETTINGS[settings])
 
 
 @pytest.mark.parametrize("kind", CANVASES)
 def test_it_is_the_slow_twin_on_a_real_sample(kind):
     pixels = pebbles(30, 29)
-    assert_is_the_twin(weft.Exemplar(pixels), CANVASES[kind](pixels))
+    assert_is_the_twin(weftex.Exemplar(pixels), CANVASES[kind](pixels))
 
 
 @pytest.mark.parametrize("settings", ["one level", "two levels", "noise"])
@@ -75,11 +75,11 @@ def test_samples_that_tile_and_masks(settings, shape):
     pixels = noise((*shape, 1))
     mask = np.ones(shape, bool)
     mask[1, 1] = False
-    for exemplar in (weft.Exemplar(pixels, tileable=True), weft.Exemplar(pixels, mask=mask)):
+    for exemplar in (weftex.Exemplar(pixels, tileable=True), weftex.Exemplar(pixels, mask=mask)):
         for kind in ("plain", "xy", "hole"):
             try:
-                model = weft.WeiLevoy(**SETTINGS[settings]).fit(exemplar)
-            except weft.InvalidInputError:
+                model = weftex.WeiLevoy(**SETTINGS[settings]).fit(exemplar)
+            except weftex.InvalidInputError:
                 assert not exemplar.tileable and min(shape) < 12
                 continue
             canvas = CANVASES[kind](pixels)
@@ -93,27 +93,29 @@ def test_samples_that_tile_and_masks(settings, shape):
 def test_the_noise_has_the_samples_histogram():
     """One-pixel windows see nothing, so the noise is the picture."""
     pixels = noise((6, 7), 5)
-    image = weft.WeiLevoy(window_width=1).fit(weft.Exemplar(pixels)).sample((12, 14), seed=3).image
+    image = (
+        weftex.WeiLevoy(window_width=1).fit(weftex.Exemplar(pixels)).sample((12, 14), seed=3).image
+    )
     assert np.array_equal(np.bincount(image.ravel()), 4 * np.bincount(pixels.ravel()))
-    model = weft.WeiLevoy(window_width=1).fit(weft.Exemplar(pixels))
+    model = weftex.WeiLevoy(window_width=1).fit(weftex.Exemplar(pixels))
     index = model.sample((5, 10), seed=3).index
     assert set(np.unique(index, return_counts=True)[1]) == {1, 2}  # 50 from 42
     assert not np.array_equal(index, model.sample((5, 10), seed=4).index)
 
 
 def test_the_tree_with_all_leaves_is_the_full_search():
-    exemplar = weft.Exemplar(pebbles(40, 40))
-    full = weft.WeiLevoy(search="full", levels=2, window_width=5).fit(exemplar)
-    tree = weft.WeiLevoy(leaves=10_000, levels=2, window_width=5).fit(exemplar)
-    some = weft.WeiLevoy(leaves=1, levels=2, window_width=5).fit(exemplar)
-    for canvas in (weft.Canvas(30, 31, (True, False)), holed(exemplar.pixels, (30, 31))):
+    exemplar = weftex.Exemplar(pebbles(40, 40))
+    full = weftex.WeiLevoy(search="full", levels=2, window_width=5).fit(exemplar)
+    tree = weftex.WeiLevoy(leaves=10_000, levels=2, window_width=5).fit(exemplar)
+    some = weftex.WeiLevoy(leaves=1, levels=2, window_width=5).fit(exemplar)
+    for canvas in (weftex.Canvas(30, 31, (True, False)), holed(exemplar.pixels, (30, 31))):
         expected = full.sample(canvas, seed=1).index
         assert np.array_equal(tree.sample(canvas, seed=1).index, expected)
         assert not np.array_equal(some.sample(canvas, seed=1).index, expected)
 
 
 def test_vectors_are_the_parents_window_and_then_the_own():
-    levels = pyramid_windows.sample_pyramid(weft.Exemplar(noise((20, 22, 3))), 2)
+    levels = pyramid_windows.sample_pyramid(weftex.Exemplar(noise((20, 22, 3))), 2)
     causal, places = pyramid_windows.window_vectors(*levels, 5, 3, causal=True)
     whole, others = pyramid_windows.window_vectors(*levels, 5, 3, causal=False)
     assert causal.shape[1] == 3 * (9 + 12) and whole.shape[1] == 3 * (9 + 24)
@@ -128,13 +130,13 @@ def test_vectors_are_the_parents_window_and_then_the_own():
 
 
 def test_large_samples_are_thinned_out(monkeypatch):
-    exemplar = weft.Exemplar(noise((40, 40)))
+    exemplar = weftex.Exemplar(noise((40, 40)))
     every = pyramid_windows.window_vectors(exemplar, None, 3, 0, causal=False)[1]
     monkeypatch.setattr(pyramid_windows, "MOST", 200)
     vectors, places = pyramid_windows.window_vectors(exemplar, None, 3, 0, causal=False)
     assert vectors.shape == (200, 8) and len(set(places.tolist())) == 200
     assert set(places.tolist()) < set(every.tolist()) and (np.diff(places) > 0).all()
-    result = weft.WeiLevoy(levels=1, window_width=3).fit(exemplar).sample(30, seed=1)
+    result = weftex.WeiLevoy(levels=1, window_width=3).fit(exemplar).sample(30, seed=1)
     assert set(result.index.ravel().tolist()) <= set(
         pyramid_windows.window_vectors(exemplar, None, 3, 0, causal=True)[1].tolist()
     )
@@ -142,8 +144,10 @@ def test_large_samples_are_thinned_out(monkeypatch):
 
 def test_a_sample_that_tiles_comes_back():
     """With enough context every pixel goes on as in the sample, once the noise is behind."""
-    exemplar = weft.Exemplar(noise((16, 16, 3)), tileable=True)
-    result = weft.WeiLevoy(levels=1, window_width=7, search="full").fit(exemplar).sample(48, seed=1)
+    exemplar = weftex.Exemplar(noise((16, 16, 3)), tileable=True)
+    result = (
+        weftex.WeiLevoy(levels=1, window_width=7, search="full").fit(exemplar).sample(48, seed=1)
+    )
     step = np.diff(result.source[24:, 12:36, 1], axis=1) % 16
     assert (step == 1).mean() > 0.8  # a sixteenth by chance
 
@@ -160,8 +164,8 @@ def border_difference(image, axis):
 @pytest.mark.parametrize("name", ["pebbles", "wood"])
 def test_a_further_pass_closes_the_seam(levels, name):
     """The causal pass alone shows where the last row meets the first; the paper has no more."""
-    exemplar = weft.Exemplar(weft.load_exemplar(f"sample:{name}").pixels[:128, :128])
-    model = weft.WeiLevoy(levels=levels).fit(exemplar)
+    exemplar = weftex.Exemplar(weftex.load_exemplar(f"sample:{name}").pixels[:128, :128])
+    model = weftex.WeiLevoy(levels=levels).fit(exemplar)
     closed, plain = [], []
     for seed in range(4):
         closed.append(border_difference(model.sample((70, 61), seed=seed, tileable="y").image, 0))
@@ -172,7 +176,7 @@ def test_a_further_pass_closes_the_seam(levels, name):
 
 def test_only_the_border_is_looked_at_again():
     """Away from a wrapped border the finest level of one resolution stays as it was."""
-    model = weft.WeiLevoy(levels=1).fit(weft.Exemplar(pebbles(60, 60)))
+    model = weftex.WeiLevoy(levels=1).fit(weftex.Exemplar(pebbles(60, 60)))
     plain = model.sample((50, 40), seed=1).index
     wrapped = model.sample((50, 40), seed=1, tileable=True).index
     assert np.array_equal(plain[4:-4, 4:-4], wrapped[4:-4, 4:-4])
@@ -184,14 +188,16 @@ def test_a_hole_in_a_pattern_is_filled_with_it():
     y, x = np.indices((60, 64))
     photo = np.where((x + y) % 8 < 4, 40, 200).astype(np.uint8)
     hole = (y - 30) ** 2 + (x - 33) ** 2 < 90
-    result = weft.fill(np.where(hole, 0, photo).astype(np.uint8), hole, method="wei-levoy", seed=1)
+    result = weftex.fill(
+        np.where(hole, 0, photo).astype(np.uint8), hole, method="wei-levoy", seed=1
+    )
     assert np.array_equal(result.image, photo)
 
 
 def test_settled_parameters():
     def settled(shape, tileable=False, **parameters):
-        exemplar = weft.Exemplar(noise(shape), tileable=tileable)
-        method = weft.WeiLevoy(**parameters).fit(exemplar).method
+        exemplar = weftex.Exemplar(noise(shape), tileable=tileable)
+        method = weftex.WeiLevoy(**parameters).fit(exemplar).method
         return method.levels, method.window_width, method.parent_width
 
     assert settled((256, 256)) == (4, 9, 7)
@@ -225,13 +231,15 @@ def test_settled_parameters():
     ],
 )
 def test_parameters_that_do_not_fit(parameters, message):
-    with pytest.raises(weft.InvalidInputError, match=message):
-        weft.WeiLevoy(**parameters).fit(weft.Exemplar(noise((30, 40))))
+    with pytest.raises(weftex.InvalidInputError, match=message):
+        weftex.WeiLevoy(**parameters).fit(weftex.Exemplar(noise((30, 40))))
 
 
 def test_progress_covers_all_levels_and_passes():
     seen = []
-    model = weft.WeiLevoy(levels=2, window_width=5, passes=1).fit(weft.Exemplar(noise((30, 30))))
+    model = weftex.WeiLevoy(levels=2, window_width=5, passes=1).fit(
+        weftex.Exemplar(noise((30, 30)))
+    )
     model.sample((20, 24), seed=1, progress=lambda *report: seen.append(report[:3]))
     total = 2 * (20 * 24 + 10 * 12)
     assert seen[-1] == (total, total, "pixels")
@@ -240,8 +248,8 @@ def test_progress_covers_all_levels_and_passes():
 
 
 def test_a_cancelled_run_stops():
-    model = weft.WeiLevoy(levels=1).fit(weft.Exemplar(noise((30, 30))))
-    with pytest.raises(weft.CancelledError):
+    model = weftex.WeiLevoy(levels=1).fit(weftex.Exemplar(noise((30, 30))))
+    with pytest.raises(weftex.CancelledError):
         model.sample(60, seed=1, progress=lambda done, *_: done < 500)
 
 
@@ -260,15 +268,15 @@ def test_few_colours_stay_fast():
     """Equal windows are one leaf with one row, or each pixel would look at thousands."""
     pixels = np.zeros((64, 64), np.uint8)
     pixels[10, 10] = 255
-    model = weft.WeiLevoy(levels=1, window_width=5, search="full").fit(weft.Exemplar(pixels))
+    model = weftex.WeiLevoy(levels=1, window_width=5, search="full").fit(weftex.Exemplar(pixels))
     assert len(model._trees[0, True].nodes) == 1
-    constant = weft.WeiLevoy(levels=2).fit(weft.Exemplar(np.zeros((64, 64), np.uint8)))
+    constant = weftex.WeiLevoy(levels=2).fit(weftex.Exemplar(np.zeros((64, 64), np.uint8)))
     assert all(tree.nodes.tolist() == [[-1, 0, 1]] for tree in constant._trees.values())
 
 
 def test_the_tree_is_over_the_windows_of_its_level():
-    exemplar = weft.Exemplar(pebbles(50, 50))
-    model = weft.WeiLevoy(levels=2, window_width=5).fit(exemplar)
+    exemplar = weftex.Exemplar(pebbles(50, 50))
+    model = weftex.WeiLevoy(levels=2, window_width=5).fit(exemplar)
     samples = pyramid_windows.sample_pyramid(exemplar, 2)
     expected = build_tsvq(*pyramid_windows.window_vectors(*samples, 5, 3, causal=True))
     assert np.array_equal(model._trees[0, True].rows, expected.rows)

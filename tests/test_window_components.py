@@ -6,12 +6,12 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 import reference
-import weft
+import weftex
 from families import noise
-from weft.exemplar import Exemplar
-from weft.search import _projection_kernels
-from weft.search.window_components import window_components
-from weft.search.windows import windows_of
+from weftex.exemplar import Exemplar
+from weftex.search import projection_kernels as _projection_kernels
+from weftex.search.window_components import window_components
+from weftex.search.windows import windows_of
 
 
 def all_windows(windows, reach):
@@ -23,7 +23,7 @@ def all_windows(windows, reach):
 @pytest.mark.parametrize("tileable", [False, True])
 @pytest.mark.parametrize("channels", [1, 3])
 def test_coordinates_are_products_with_the_components(tileable, channels):
-    pixels = weft.load_exemplar("sample:pebbles").pixels[:40, :44, :channels]
+    pixels = weftex.load_exemplar("sample:pebbles").pixels[:40, :44, :channels]
     windows = windows_of(Exemplar(pixels, tileable=tileable), (4,) * 4)
     found = window_components(windows, 4, 0.9)
     basis = found.basis.reshape(9, -1, 9, channels).astype(np.int64)
@@ -35,7 +35,7 @@ def test_coordinates_are_products_with_the_components(tileable, channels):
 
 
 def test_components_are_the_principal_ones():
-    pixels = weft.load_exemplar("sample:weave").pixels[:28, :28]
+    pixels = weftex.load_exemplar("sample:weave").pixels[:28, :28]
     windows = windows_of(Exemplar(pixels), (3,) * 4)  # fewer than are learnt from
     found = window_components(windows, 3, 0.8)
     rows = all_windows(windows, 3).astype(float)

@@ -8,9 +8,9 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 import reference
-import weft
-from weft.search import _window_kernels as kernels
-from weft.search.windows import windows_of
+import weftex
+from weftex.search import window_kernels as kernels
+from weftex.search.windows import windows_of
 
 
 @given(
@@ -22,10 +22,10 @@ def test_usable_is_where_the_whole_window_is(height, width, reach, tileable, see
     mask = rng.random((height, width)) < 0.9
     mask[0, 0] = True
     pixels = rng.integers(0, 256, (height, width, 2)).astype(np.uint8)
-    exemplar = weft.Exemplar(pixels, mask=mask, tileable=tileable, alpha=False)
+    exemplar = weftex.Exemplar(pixels, mask=mask, tileable=tileable, alpha=False)
     expected = reference.window_centres(mask, reach, tileable)
     if not expected:
-        with pytest.raises(weft.InvalidInputError, match="window_width"):
+        with pytest.raises(weftex.InvalidInputError, match="window_width"):
             windows_of(exemplar, reach)
         return
     windows = windows_of(exemplar, reach)
@@ -103,10 +103,10 @@ def test_distances_are_sums_over_the_runs(rng, channels):
 @given(st.integers(-9, 20), st.integers(-9, 20), st.booleans(), st.integers(0, 99))
 def test_a_place_settles_where_a_window_may_be_centred(y, x, tileable, seed):
     mask = np.random.default_rng(seed).random((6, 7)) < 0.97
-    exemplar = weft.Exemplar(np.zeros((6, 7), np.uint8), mask=mask, tileable=tileable)
+    exemplar = weftex.Exemplar(np.zeros((6, 7), np.uint8), mask=mask, tileable=tileable)
     try:
         windows = windows_of(exemplar, (1, 1, 1, 1))
-    except weft.InvalidInputError:
+    except weftex.InvalidInputError:
         return
     got = kernels.settle_at(windows.usable, windows.period, y, x)
     top, left = windows.period[:2].tolist()

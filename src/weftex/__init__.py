@@ -1,0 +1,102 @@
+"""weftex: example-based texture synthesis.
+
+>>> import numpy as np, weftex
+>>> sample = np.random.default_rng(0).integers(0, 255, (64, 64, 3), np.uint8)
+>>> weftex.synthesize(sample, (96, 128), method="quilting", seed=7).image.shape
+(96, 128, 3)
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+from weftex.dispatch import prefer_fast_kernels
+
+if TYPE_CHECKING:
+    from weftex.canvas import Canvas
+    from weftex.errors import (
+        CancelledError,
+        FileError,
+        InvalidInputError,
+        UnsupportedError,
+        WeftexError,
+    )
+    from weftex.exemplar import Exemplar
+    from weftex.io.pictures import read_image, write_image
+    from weftex.method import Method
+    from weftex.methods import METHODS
+    from weftex.methods.ashikhmin import Ashikhmin
+    from weftex.methods.best_tile import BestTile
+    from weftex.methods.efros_leung import EfrosLeung
+    from weftex.methods.exact_matching import ExactMatching
+    from weftex.methods.graphcut import GraphCut
+    from weftex.methods.near_regular import NearRegular
+    from weftex.methods.patch_sampling import PatchSampling
+    from weftex.methods.quilting import Quilting
+    from weftex.methods.refinement import Refinement
+    from weftex.methods.wei_levoy import WeiLevoy
+    from weftex.quality.assess import Assessment, assess
+    from weftex.results.synthesis import Synthesis
+    from weftex.tasks.analyze import analyze
+    from weftex.tasks.auto import Auto
+    from weftex.tasks.compare import compare
+    from weftex.tasks.fill import fill
+    from weftex.tasks.fuse import fuse
+    from weftex.tasks.report import Report, report
+    from weftex.tasks.synthesize import load_exemplar, synthesize
+
+__version__ = "0.1.0"
+
+prefer_fast_kernels()
+
+#: Public names by their modules; each is imported when it is asked for.
+_PUBLIC = {
+    "canvas": ["Canvas"],
+    "errors": [
+        "CancelledError",
+        "FileError",
+        "InvalidInputError",
+        "UnsupportedError",
+        "WeftexError",
+    ],
+    "exemplar": ["Exemplar"],
+    "io.pictures": ["read_image", "write_image"],
+    "method": ["Method"],
+    "methods": ["METHODS"],
+    "methods.ashikhmin": ["Ashikhmin"],
+    "methods.best_tile": ["BestTile"],
+    "methods.efros_leung": ["EfrosLeung"],
+    "methods.exact_matching": ["ExactMatching"],
+    "methods.graphcut": ["GraphCut"],
+    "methods.near_regular": ["NearRegular"],
+    "methods.patch_sampling": ["PatchSampling"],
+    "methods.quilting": ["Quilting"],
+    "methods.refinement": ["Refinement"],
+    "methods.wei_levoy": ["WeiLevoy"],
+    "quality.assess": ["Assessment", "assess"],
+    "results.synthesis": ["Synthesis"],
+    "tasks.analyze": ["analyze"],
+    "tasks.auto": ["Auto"],
+    "tasks.compare": ["compare"],
+    "tasks.fill": ["fill"],
+    "tasks.fuse": ["fuse"],
+    "tasks.report": ["Report", "report"],
+    "tasks.synthesize": ["load_exemplar", "synthesize"],
+}
+_HOME = {name: module for module, names in _PUBLIC.items() for name in names}
+
+__all__ = sorted(_HOME)
+
+
+def __getattr__(name: str) -> Any:
+    if name not in _HOME:
+        raise AttributeError(f"module 'weftex' has no attribute '{name}'")
+    from importlib import import_module
+
+    value = getattr(import_module("weftex." + _HOME[name]), name)
+    globals()[name] = value
+    return value
+
+
+def __dir__() -> list[str]:
+    return sorted({*globals(), *__all__})

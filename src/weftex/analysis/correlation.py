@@ -1,0 +1,206 @@
+"""Generalised normalised cross-correlation (GNCC) of two pictures.
+
+Sections 3.1 and 3.2 of the paper on near-regular textures: the normalised correlation of what
+overlaps, for every shift at which anything overlaps. The correlation itself is a product of
+spectra, the sums that normalise it come from running sums (with masks, from spectra too).
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from weftex.errors import InvalidInputError
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    Floats = NDArray[np.float64]
+
+#: An overlap that varies less than this beside the whole picture passes for constant: its own
+#: correlation is lost in the rounding of the transform.
+_FLAT = 1e-11
+
+
+def correlate(
+    first: NDArray[Any],
+    second: NDArray[Any] | None = None,
+    *,
+    first_mask: NDArray[np.bool_] | None = None,
+    second_mask: NDArray[np.bool_] | None = None,
+) -> Floats:
+    """Correlate two pictures of any sizes at every shift, normalised over what overlaps.
+
+    Eqs. 3.2 and 3.10 of the paper: each channel's correlation coefficient counts as much as it
+    varies in both overlaps, so a constant channel does not count at all.
+
+    Parameters
+    ----------
+    first, second : array (H, W) or (H, W, K)
+        f and g of the paper, of any real dtype and any sizes, with equal channels; without
+        `second`, `first` is correlated with itself.
+    first_mask, second_mask : bool array (H, W), optional
+        True where a pixel counts. Without `second`, the first mask holds for both.
+
+    Returns
+    -------
+    float64 array (H + h - 1, W + w - 1)
+        From -1 to 1. At [y + h - 1, x + w - 1] the second picture, of h x w pixels, is shifted by
+        (x, y) against the first; no shift of a picture with itself is in the middle. 0 where
+        less than two pixels overlap, or one of the overlaps is constant.
+
+    Raises
+    ------
+    InvalidInputError
+        If channels differ, a picture is empty or not finite, or a mask has another size.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> wave = np.array([[0, 1, 0, -1, 0, 1, 0, -1]])
+    >>> correlate(wave)[0, 5:10:2].round(2).tolist()
+    [-1.0, 1.0, -1.0]
+    """
+    f, f_mask = _checked(first, first_mask, "first")
+    if second is None:
+        if second_mask is not None:
+            raise InvalidInputError("second_mask has no effect without a second picture")
+        g, g_mask = f, f_mask
+    else:
+        g, g_mask = _checked(second, second_mask, "second")
+    if f.shape[0] != g.shape[0]:
+        raise InvalidInputError(f"first has {f.shape[0]} channels and second {g.shape[0]}")
+    sums = _Sums(f.shape[1:], g.shape[1:], f_mask, g_mask)
+    alike = g is f
+    above, below = np.zeros(sums.shape), np.zeros(sums.shape)
+    spectrum = np.zeros((), np.complex128)
+    for k in range(len(f)):
+        at_f = np.fft.rfft2(f[k], sums.padded)
+        at_g = at_f if alike else np.fft.rfft2(g[k], sums.padded)
+        spectrum = spectrum + at_f * at_g.conj()
+        s_f = sums.over_first(f[k])
+        spread_f = _spread(sums.count, s_f, sums.over_first(f[k] ** 2))
+        if alike:  # the other part is what the opposite shift leaves
+            s_g, spread_g = s_f[::-1, ::-1], spread_f[::-1, ::-1]
+        else:
+            s_g = sums.over_second(g[k])
+            spread_g = _spread(sums.count, s_g, sums.over_second(g[k] ** 2))
+        above -= s_f * s_g
+        below += np.sqrt(spread_f * spread_g)
+    # Eq. 3.13: the sum of the numerators over the sum of the denominators.
+    above += sums.count * sums.cut(np.fft.irfft2(spectrum, sums.padded))
+    result = np.divide(above, below, out=np.zeros(sums.shape), where=below > 0)
+    return np.clip(result, -1, 1, out=result)
+
+
+def _checked(
+    picture: NDArray[Any], mask: NDArray[np.bool_] | None, name: str
+) -> tuple[Floats, NDArray[np.bool_] | None]:
+    """Channels first, around their mean, which changes no coefficient and keeps sums small."""
+    given = np.asarray(picture)
+    if given.ndim not in (2, 3) or 0 in given.shape or given.dtype.kind not in "biuf":
+        raise InvalidInputError(
+            f"{name} is an array {given.shape} of {given.dtype}; it must be (H, W) or (H, W, K) "
+            "of real numbers, and not empty"
+        )
+    levels = np.moveaxis(given.reshape(*given.shape[:2], -1).astype(np.float64), 2, 0)
+    if not np.isfinite(levels).all():
+        raise InvalidInputError(f"{name} contains NaN or infinity")
+    if mask is None:
+        return levels - levels.mean(axis=(1, 2), keepdims=True), None
+    mask = np.asarray(mask, bool)
+    if mask.shape != given.shape[:2]:
+        raise InvalidInputError(f"the mask of {name} is {mask.shape}, not {given.shape[:2]}")
+    mean = (levels * mask).sum(axis=(1, 2), keepdims=True) / max(1, int(mask.sum()))
+    return (levels - mean) * mask, None if mask.all() else mask
+
+
+def _spread(count: Floats, sums: Floats, squares: Floats) -> Floats:
+    """N S_ff - S_f^2: N^2 times the variance of the overlap, 0 where it is only rounding."""
+    least = _FLAT * float(squares.max()) * count
+    spread = count * squares - sums * sums
+    spread *= spread > least
+    return spread
+
+
+class _Sums:
+    """Sums over the overlap of two pictures at every shift."""
+
+    def __init__(
+        self,
+        first: tuple[int, ...],
+        second: tuple[int, ...],
+        first_mask: NDArray[np.bool_] | None,
+        second_mask: NDArray[np.bool_] | None,
+    ) -> None:
+        self.first, self.second = first, second
+        self.shape = first[0] + second[0] - 1, first[1] + second[1] - 1
+        self.padded = _fast_length(self.shape[0]), _fast_length(self.shape[1])
+        self.masked = first_mask is not None or second_mask is not None
+        if self.masked:
+            masks = (
+                np.ones(size) if mask is None else mask.astype(np.float64)
+                for size, mask in ((first, first_mask), (second, second_mask))
+            )
+            self.f_mask, self.g_mask = (np.fft.rfft2(mask, self.padded) for mask in masks)
+            count = self.cut(np.fft.irfft2(self.f_mask * self.g_mask.conj(), self.padded))
+            self.count = np.rint(count)
+        else:  # eq. 3.9, with the first picture's side inside the minimum
+            sides = []
+            for f, g in zip(first, second, strict=True):
+                shift = np.arange(1 - g, f)
+                sides.append(np.minimum(np.minimum(f, g), np.minimum(shift + g, f - shift)))
+            self.count = np.outer(*sides).astype(np.float64)
+
+    def cut(self, wrapped: Floats) -> Floats:
+        """Shifts in rising order, from the wrapped ones of a transform."""
+        (top, left), (height, width) = (self.second[0] - 1, self.second[1] - 1), self.first
+        result = np.empty(self.shape)
+        result[top:, left:] = wrapped[:height, :width]
+        if top:
+            result[:top, left:] = wrapped[-top:, :width]
+        if left:
+            result[top:, :left] = wrapped[:height, -left:]
+        if top and left:
+            result[:top, :left] = wrapped[-top:, -left:]
+        return result
+
+    def over_first(self, values: Floats) -> Floats:
+        """S_f of eq. 3.6: of the first picture, over what the second covers."""
+        if self.masked:
+            spectrum = np.fft.rfft2(values, self.padded) * self.g_mask.conj()
+            return self.cut(np.fft.irfft2(spectrum, self.padded))
+        return _box_sums(values, self.second)
+
+    def over_second(self, values: Floats) -> Floats:
+        """S_g of eq. 3.8: of the second picture, over what the first covers."""
+        if self.masked:
+            spectrum = self.f_mask * np.fft.rfft2(values, self.padded).conj()
+            return self.cut(np.fft.irfft2(spectrum, self.padded))
+        # The second picture turned by 180 degrees (eq. 3.7), as the first one is seen from it.
+        return _box_sums(values, self.first)[::-1, ::-1]
+
+
+def _box_sums(values: Floats, box: tuple[int, ...]) -> Floats:
+    """Sums over every position of a box that touches the picture (eqs. 3.5 and 3.6)."""
+    for axis in (0, 1):
+        running = np.cumsum(values, axis=axis)
+        running = np.concatenate([np.zeros_like(running.take([0], axis)), running], axis)
+        at = np.arange(1 - box[axis], values.shape[axis])  # the first row or column in the box
+        ends = np.minimum(at + box[axis], values.shape[axis])
+        values = running.take(ends, axis) - running.take(np.maximum(at, 0), axis)
+    return values
+
+
+def _fast_length(at_least: int) -> int:
+    """The next length with no prime factor above 5."""
+    length = at_least
+    while True:
+        rest = length
+        for prime in (2, 3, 5):
+            while rest % prime == 0:
+                rest //= prime
+        if rest == 1:
+            return length
+        length += 1

@@ -1,0 +1,287 @@
+"""How good two vectors are as the lattice of a picture, from its autocorrelation.
+
+Section 3.3 of the paper on near-regular textures rates a pair of vectors by the correlation at
+their multiples (eq. 3.22). It counts multiples at which what overlaps holds at least 85 % of a tile
+(section 3.3.1). `height` is that. A ridge, such as the courses of a wall, is high everywhere, so
+weftex's own `contrast` is what the multiples have above the places half and a third of the way
+between them, and `dominance` lets only peaks count that nothing higher is near to.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    from weftex.analysis.peaks import Peaks
+
+    Floats = NDArray[np.float64]
+
+ALPHA = 1.12  # the paper's; above 1 it prefers smaller tiles
+SIGNIFICANT = 0.85  # of a tile, that an overlap must hold
+GOODNESS = ("contrast", "height", "dominance")
+
+# Half and a third of the way between multiples, in both directions: every lattice of two or three
+# times the tile has multiples of the right one at some of these, and so no contrast.
+_BETWEEN = [(0.5, 0.0), (0.0, 0.5), (0.5, 0.5)]
+_BETWEEN += [(1 / 3, 0.0), (0.0, 1 / 3), (1 / 3, 1 / 3), (1 / 3, 2 / 3)]
+_CLOSE = 10.0  # pixels
+_UNSURE = 0.25  # what chance does to the contrast of one multiple
+
+
+@dataclass(frozen=True, eq=False)
+class Rating:
+    """How good pairs of vectors are, each entry for one pair.
+
+    Attributes
+    ----------
+    goodness : float64 array (n,)
+        To be compared; 0 is no lattice.
+    value : float64 array (n,)
+        What stands for the mean correlation in eq. 3.23: that itself for `height`.
+    count : float64 array (n,)
+        Significant multiples.
+    """
+
+    goodness: Floats
+    value: Floats
+    count: Floats
+
+
+class Field:
+    """An autocorrelation, to be looked at near the multiples of vectors."""
+
+    def __init__(self, correlation: Floats, peaks: Peaks) -> None:
+        self.correlation, self.peaks = correlation, peaks
+        self.height, self.width = (side // 2 + 1 for side in correlation.shape)
+        # Multiples lie between pixels, and material is not exact: the highest neighbour counts,
+        # between the multiples too.
+        self.tables = np.stack([correlation, _around(correlation)])
+
+    def values(self, x: Floats, y: Floats, pairs: Floats) -> Floats:
+        """Of the correlation around shifts (n, m), which belong to n pairs."""
+        # Between multiples that are only a few pixels apart, neighbours would be multiples.
+        coarse = (_shortest(pairs) >= _CLOSE).astype(np.int64)
+        found: Floats = self.tables[coarse, *self._at(x, y)]
+        return found
+
+    def held(self, x: Floats, y: Floats, pairs: Floats) -> Floats:
+        """How far the peaks near shifts dominate, up to 1 for the shorter vector's length."""
+        place = self.peaks.shifts[:, ::-1] + [self.height - 1, self.width - 1]
+        table = np.zeros(self.correlation.shape)
+        table[tuple(place.T)] = self.peaks.dominance
+        table = _around(np.maximum(table, table[::-1, ::-1]))
+        found: Floats = np.minimum(2 * table[self._at(x, y)] / _shortest(pairs), 1)
+        return found
+
+    def _at(self, x: Floats, y: Floats) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
+        columns = np.rint(x).astype(np.int64) + self.width - 1
+        rows = np.rint(y).astype(np.int64) + self.height - 1
+        return np.clip(rows, 0, 2 * self.height - 2), np.clip(columns, 0, 2 * self.width - 2)
+
+
+def rate(field: Field, pairs: Floats, reach: int, kind: str, *, exact: bool = False) -> Rating:
+    """Rate pairs of vectors by their multiples of up to `reach` times each vector.
+
+    Parameters
+    ----------
+    field : Field
+        The autocorrelation.
+    pairs : float64 array (n, 2, 2)
+        Vectors (x, y), in the order pair, vector, axis.
+    reach : int
+        1 or more.
+    kind : str
+        One of `GOODNESS`.
+    exact : bool
+        Count the wrapped positions of each overlap (section 3.3.1), and the multiples in eq. 3.23.
+        Otherwise its sides and area say whether an overlap is significant, and the tile's area
+        says how many multiples are.
+    """
+    area = abs(pairs[:, 0, 0] * pairs[:, 1, 1] - pairs[:, 0, 1] * pairs[:, 1, 0])
+    x, y, counts = _places(field, pairs, _multiples(reach, (0, 0)), exact)
+    ones = np.array([[1.0, 0.0], [0.0, 1.0]])
+    both = _places(field, pairs, ones, exact)[2].all(axis=1)  # each vector itself is significant
+    weights = counts * (field.width - abs(x)) * (field.height - abs(y))
+    count = counts.sum(axis=1).astype(np.float64)
+    heights = field.values(x, y, pairs)
+    if kind == "height":
+        value = _mean(heights, counts)
+    elif kind == "dominance":
+        value = _mean(field.held(x, y, pairs) * heights, counts)
+    else:
+        value = _mean(heights, weights) - _between(field, pairs, reach)
+    number = count if exact else 2 * field.width * field.height / np.maximum(area, 1)
+    goodness = np.maximum(value, 0) ** ALPHA * np.maximum(number, 1) ** (ALPHA - 1)
+    return Rating(np.where(both, goodness, 0), value, count)
+
+
+def contrast_of(field: Field, pair: Floats, reach: int) -> float:
+    """What the multiples have above the places between them, less what chance explains."""
+    found = rate(field, pair[None], reach, "contrast")
+    return float(found.value[0] - _UNSURE / max(found.count[0], 1) ** 0.5)
+
+
+def stand_out(
+    field: Field, vectors: Floats, whole: Floats, reach: int, near: float = 0.5
+) -> tuple[float, float, int]:
+    """How much higher the multiples of a larger tile are than the other multiples of a smaller.
+
+    Tells alternating colours, where they are, from elements of any colour, where they are not.
+
+    Parameters
+    ----------
+    field : Field
+        The autocorrelation.
+    vectors : float64 array (2, 2)
+        The smaller tile.
+    whole : float64 array (2, 2)
+        Whole numbers; the larger tile is `whole @ vectors`.
+    reach : int
+        Multiples of up to this many times each vector of the smaller tile are looked at.
+    near : float
+        Pixels that the others may be from a whole shift, in x and y: between pixels a hard edge
+        correlates less, and a vector of 22.5 pixels is there every second time.
+
+    Returns
+    -------
+    (float, float, int)
+        The gap as a share of the larger tile's mean; its size in standard errors; how many
+        multiples the larger tile has, 0 if there are none to compare.
+    """
+    times = _multiples(reach, (0, 0))
+    x, y, counts = _places(field, vectors[None], times)
+    heights, far = field.values(x, y, vectors[None])[counts], np.hypot(x, y)[counts]
+    parts = times[counts[0]] @ np.linalg.inv(whole)
+    own = (abs(parts - np.rint(parts)) < 1e-6).all(axis=1)
+    if own.all() or not own.any():
+        return 0.0, 0.0, 0
+    # What lies far off is lower in any sample, so each of the others is compared with the larger
+    # tile's multiples that are at least as far.
+    order = np.argsort(-far[own], kind="stable")
+    further = np.cumsum(heights[own][order]) / np.arange(1, own.sum() + 1)
+    number = np.searchsorted(-far[own][order], -far[~own], side="right")
+    off = np.maximum(abs(x - np.rint(x)), abs(y - np.rint(y)))[counts][~own]
+    gaps = (further[number - 1] - heights[~own])[(number > 0) & (off <= near)]
+    if not len(gaps):
+        return 0.0, 0.0, 0
+    error = (gaps.var() / len(gaps) + heights[own].var() / own.sum() + 1e-9) ** 0.5
+    gap = float(gaps.mean())
+    return gap / max(float(heights[own].mean()), 1e-9), gap / error, int(own.sum())
+
+
+def tile_shares(vectors: NDArray[np.int64], wide: Floats, high: Floats) -> Floats:
+    """Share of the tile that rectangles hold: their different wrapped positions (eqs. 3.25-3.30).
+
+    Positions that differ by multiples are one. Multiples of whole vectors come in rows q apart,
+    where they are p apart and each row is moved by s; so rows of a rectangle are arcs of a circle
+    of p positions, and what they cover together is counted.
+
+    Parameters
+    ----------
+    vectors : int64 array (2, 2)
+        Two vectors (x, y).
+    wide, high : array (n,)
+        Sides of the rectangles.
+
+    Examples
+    --------
+    Of a tile of 38 positions:
+
+    >>> import numpy as np
+    >>> tile_shares(np.array([[6, 2], [-4, 5]]), np.array([3, 5]), np.array([8, 10]))
+    array([0.60526316, 0.94736842])
+    """
+    (ux, uy), (vx, vy) = ((int(x), int(y)) for x, y in vectors)
+    area = abs(ux * vy - vx * uy)
+    (r, a, b), (t, c, d) = (uy, 1, 0), (vy, 0, 1)
+    while t:
+        times = r // t
+        (r, a, b), (t, c, d) = (t, c, d), (r - times * t, a - times * c, b - times * d)
+    apart = abs(r)
+    around = area // apart
+    moved = (a * ux + b * vx) * (1 if r > 0 else -1)
+    shares = np.empty(len(wide))
+    for k, (w, h) in enumerate(zip(wide, high, strict=True)):
+        rows = -(-int(h) // apart)
+        full = int(h) - (rows - 1) * apart  # this many have `rows` arcs, the others one less
+        covered = full * _arcs(rows, moved, around, int(w))
+        covered += (apart - full) * _arcs(rows - 1, moved, around, int(w))
+        shares[k] = covered / area
+    return shares
+
+
+def _arcs(rows: int, moved: int, around: int, length: int) -> int:
+    """Positions of a circle that arcs cover, each one moved on from the one before."""
+    if rows <= 0 or length <= 0:
+        return 0
+    starts = np.sort(np.arange(rows) * moved % around)
+    gaps = np.diff(starts, append=starts[0] + around)
+    return int(np.minimum(gaps, length).sum())
+
+
+def reach_of(field: Field, vectors: Floats, most: int) -> int:
+    """Times of each vector, up to `most`, beyond which no multiple is a shift of the picture."""
+    far = abs(np.linalg.inv(vectors)).T @ [field.width, field.height]
+    return max(1, min(most, int(np.ceil(far.max()))))
+
+
+def _multiples(reach: int, phase: tuple[float, float]) -> Floats:
+    """Times of each vector: the right half without none, or all that are off by a phase."""
+    b, a = np.mgrid[-reach : reach + 1, -reach : reach + 1].reshape(2, -1)
+    times = np.stack([a, b], axis=1).astype(np.float64)
+    chosen: Floats = times + phase if any(phase) else times[(b > 0) | ((b == 0) & (a > 0))]
+    return chosen
+
+
+def _places(
+    field: Field, pairs: Floats, times: Floats, exact: bool = False
+) -> tuple[Floats, Floats, NDArray[np.bool_]]:
+    """Where multiples lie, each (n, m), and whether their overlaps are significant."""
+    x = times[:, 0] * pairs[:, 0, :1] + times[:, 1] * pairs[:, 1, :1]
+    y = times[:, 0] * pairs[:, 0, 1:] + times[:, 1] * pairs[:, 1, 1:]
+    wide, high = field.width - abs(x), field.height - abs(y)
+    area = abs(pairs[:, 0, 0] * pairs[:, 1, 1] - pairs[:, 0, 1] * pairs[:, 1, 0])[:, None]
+    box = abs(pairs).sum(axis=1)  # sides of the box around the tile
+    counts = (wide >= 1) & (high >= 1) & (wide * high >= SIGNIFICANT * area)
+    if not exact:
+        counts &= (wide >= box[:, :1] / 2) & (high >= box[:, 1:] / 2) & (wide * high >= area)
+        return x, y, counts
+    unsure = counts & ~((wide >= box[:, :1]) & (high >= box[:, 1:]))
+    for k in np.flatnonzero(unsure.any(axis=1)):
+        at = unsure[k]
+        whole = np.rint(pairs[k]).astype(np.int64)
+        counts[k, at] = tile_shares(whole, wide[k, at], high[k, at]) >= SIGNIFICANT
+    return x, y, counts
+
+
+def _between(field: Field, pairs: Floats, reach: int) -> Floats:
+    """The highest mean correlation half or a third of the way between multiples."""
+    highest = np.full(len(pairs), -1.0)
+    for phase in _BETWEEN:
+        x, y, counts = _places(field, pairs, _multiples(reach, phase))
+        weights = counts * (field.width - abs(x)) * (field.height - abs(y))
+        highest = np.maximum(highest, _mean(field.values(x, y, pairs), weights))
+    return highest
+
+
+def _around(table: Floats) -> Floats:
+    """The highest of each place and its eight neighbours."""
+    framed = np.pad(table, 1, mode="edge")
+    tall = np.maximum(np.maximum(framed[:-2], framed[1:-1]), framed[2:])
+    around: Floats = np.maximum(np.maximum(tall[:, :-2], tall[:, 1:-1]), tall[:, 2:])
+    return around
+
+
+def _shortest(pairs: Floats) -> Floats:
+    lengths: Floats = np.hypot(pairs[..., 0], pairs[..., 1]).min(axis=1)[:, None]
+    return lengths
+
+
+def _mean(values: Floats, weights: Floats | NDArray[np.bool_]) -> Floats:
+    mean: Floats = (values * weights).sum(axis=1) / np.maximum(weights.sum(axis=1), 1e-9)
+    return mean

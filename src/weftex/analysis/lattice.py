@@ -1,0 +1,176 @@
+"""The lattice of a near-regular sample: how it lies upon itself when it is shifted."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from weftex.analysis.correlation import correlate
+from weftex.analysis.goodness import GOODNESS, Field
+from weftex.analysis.pairs import best_pair, reduced
+from weftex.analysis.peaks import find_peaks
+from weftex.analysis.relief import relief
+from weftex.analysis.rows import find_rows
+from weftex.errors import InvalidInputError, did_you_mean
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    from weftex.exemplar import Exemplar
+
+    Floats = NDArray[np.float64]
+
+Vector = tuple[float, float]
+
+_ROWS = 0.01  # contrast of rows that gives a confidence of a half
+_CONTRAST = 0.02  # the same of two vectors; less is no lattice
+
+
+@dataclass(frozen=True)
+class Lattice:
+    """Translations under which a material looks the same.
+
+    Attributes
+    ----------
+    vectors : tuple of (float, float)
+        Two vectors (x, y) in pixels, x to the right and y downwards, with fractions; their
+        parallelogram is the tile. Or one, where a material repeats along one direction only.
+    confidence : float
+        From 0 to 1.
+
+    Raises
+    ------
+    InvalidInputError
+        If the vectors are zero, not finite, or lie on one line.
+
+    Examples
+    --------
+    >>> bond = Lattice(((64.0, 40.5), (128.0, 0.0)))
+    >>> bond.area
+    5184.0
+    >>> bond.reduced().vectors
+    ((64.0, 40.5), (64.0, -40.5))
+    """
+
+    vectors: tuple[Vector, ...]
+    confidence: float = 1.0
+
+    def __post_init__(self) -> None:
+        plain = tuple((float(x), float(y)) for x, y in self.vectors)
+        object.__setattr__(self, "vectors", plain)
+        text = ", ".join(f"[{x:g}, {y:g}]" for x, y in plain)
+        if len(plain) not in (1, 2):
+            raise InvalidInputError(f"a lattice has one or two vectors, not {len(plain)}")
+        if not all(math.isfinite(c) for v in plain for c in v):
+            raise InvalidInputError(f"lattice vectors {text} are not finite")
+        lengths = [math.hypot(*v) for v in plain]
+        if min(lengths) < 1:
+            raise InvalidInputError(f"lattice vectors {text}: each must be 1 pixel long or more")
+        if len(plain) == 2 and abs(self.area) < 1e-6 * lengths[0] * lengths[1]:
+            raise InvalidInputError(f"lattice vectors {text} lie on one line")
+
+    @property
+    def area(self) -> float:
+        """Pixels of the tile (eq. 3.25); 0 for one vector."""
+        if len(self.vectors) == 1:
+            return 0.0
+        (ax, ay), (bx, by) = self.vectors
+        return abs(ax * by - bx * ay)
+
+    def reduced(self) -> Lattice:
+        """The same lattice by its shortest vectors, shorter first; they point right or down."""
+        if len(self.vectors) == 1:
+            return Lattice((_rightward(self.vectors[0]),), self.confidence)
+        first, second = reduced(np.array(self.vectors)).tolist()
+        return Lattice((_rightward(first), _rightward(second)), self.confidence)
+
+    def same_as(self, other: Lattice, tolerance: float = 0.015) -> bool:
+        """Whether both are one lattice, by whatever vectors (observation iv of the paper).
+
+        Parameters
+        ----------
+        other : Lattice
+            The lattice to compare with.
+        tolerance : float
+            How far this lattice may miss each of the other's shortest vectors, to its length.
+        """
+        if len(self.vectors) != len(other.vectors):
+            return False
+        ours, theirs = self.reduced(), other.reduced()
+        for x, y in theirs.vectors:
+            near = ours.nearest((x, y))
+            if math.hypot(near[0] - x, near[1] - y) > tolerance * math.hypot(x, y):
+                return False
+        return len(ours.vectors) == 1 or 0.7 < ours.area / theirs.area < 1.4
+
+    def nearest(self, place: Vector) -> Vector:
+        """The multiple that is nearest to a place (x, y); of one vector it or its opposite."""
+        (ax, ay), (x, y) = self.vectors[0], place
+        if len(self.vectors) == 1:
+            corners = [(ax, ay), (-ax, -ay)]
+        else:
+            bx, by = self.vectors[1]
+            det = ax * by - bx * ay
+            a, b = math.floor((x * by - y * bx) / det), math.floor((ax * y - ay * x) / det)
+            corners = [(i * ax + j * bx, i * ay + j * by) for i in (a, a + 1) for j in (b, b + 1)]
+        return min(corners, key=lambda c: math.hypot(c[0] - x, c[1] - y))
+
+
+def _rightward(vector: Vector) -> Vector:
+    """It or its opposite (observation iii), so that neither axis is where the sign turns."""
+    x, y = vector
+    return (x, y) if x + y / 8 > 0 else (-x, -y)
+
+
+def find_lattice(exemplar: Exemplar, *, goodness: str = "contrast") -> Lattice | None:
+    """Find the translations under which a sample looks the same.
+
+    Section 3.3 of the paper on near-regular textures, with pairs rated by contrast; see
+    `weftex.analysis.goodness`.
+
+    Parameters
+    ----------
+    exemplar : Exemplar
+        The sample; a mask may leave out parts of it. Slow lighting is taken off first.
+    goodness : str
+        How pairs of vectors are rated: "contrast", "height" (eq. 3.22 of the paper) or "dominance".
+
+    Returns
+    -------
+    Lattice or None
+        Its shortest vectors, rounded to hundredths of a pixel; one vector where a sample repeats
+        along one direction only, as boards do, and None where it does not repeat.
+
+    Raises
+    ------
+    InvalidInputError
+        If there is no such goodness.
+
+    Examples
+    --------
+    >>> from weftex.exemplar import Exemplar
+    >>> tile = np.random.default_rng(0).integers(0, 255, (12, 16), np.uint8)
+    >>> find_lattice(Exemplar(np.tile(tile, (6, 5)))).vectors
+    ((0.0, 12.0), (16.0, 0.0))
+    """
+    if goodness not in GOODNESS:
+        raise InvalidInputError(f"goodness is {goodness!r}{did_you_mean(goodness, GOODNESS)}")
+    flat = relief(exemplar)
+    mask = flat.usable >= 0.5
+    correlation = correlate(np.moveaxis(flat.levels, 0, 2), first_mask=mask)
+    found = best_pair(Field(correlation, find_peaks(correlation)), goodness)
+    if found is not None and found[1] >= _CONTRAST:
+        vectors, contrast = found
+        confidence = contrast / (contrast + _CONTRAST)
+    else:
+        rows = find_rows(flat)
+        if rows is None or rows[1] < _ROWS:
+            return None
+        vectors, contrast = rows[0][None], rows[1]
+        confidence = contrast / (contrast + _ROWS)
+    lattice = Lattice(tuple((float(x), float(y)) for x, y in vectors * flat.step)).reduced()
+    plain = tuple((round(x, 2) + 0.0, round(y, 2) + 0.0) for x, y in lattice.vectors)
+    return Lattice(plain, round(confidence, 2))

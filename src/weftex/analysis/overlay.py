@@ -1,0 +1,88 @@
+"""A lattice drawn over its sample."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    from weftex.analysis.lattice import Lattice
+    from weftex.exemplar import Exemplar
+
+    Floats = NDArray[np.float64]
+
+_BINS = 48  # places of a line that are tried
+
+
+def draw_lattice(exemplar: Exemplar, lattice: Lattice | None) -> NDArray[np.uint8]:
+    """Draw the sides of the tiles over a sample, or lines between rows.
+
+    A lattice says how far to shift and not where tiles begin, so the lines lie where the sample
+    changes most: in the joints, where there are some.
+
+    Parameters
+    ----------
+    exemplar : Exemplar
+        The sample.
+    lattice : Lattice or None
+        Without one the sample itself is returned.
+
+    Returns
+    -------
+    uint8 array (H, W, 3)
+        Lines are magenta, or green over a sample that is mostly red or blue itself.
+
+    Examples
+    --------
+    >>> from weftex.analysis.lattice import Lattice
+    >>> from weftex.exemplar import Exemplar
+    >>> drawn = draw_lattice(Exemplar(np.full((4, 6), 9, np.uint8)), Lattice(((3, 0), (0, 2))))
+    >>> int((drawn == (255, 0, 255)).all(axis=2).sum())
+    16
+    """
+    levels = exemplar.as_matching(exemplar.pixels)
+    colors = exemplar.channels - exemplar.alpha
+    levels = levels[..., :3] if colors >= 3 else np.repeat(levels[..., :1], 3, axis=2)
+    if exemplar.alpha:  # clear pixels are white
+        clear = 255 - exemplar.as_matching(exemplar.pixels)[..., -1:].astype(int)
+        levels = np.minimum(levels + clear, 255).astype(np.uint8)
+    picture = levels.copy()
+    if lattice is None:
+        return picture
+    height, width = exemplar.shape
+    grey = levels.mean(axis=2)
+    change = sum(
+        abs(np.gradient(grey, axis=axis)) if side > 1 else 0 * grey
+        for axis, side in enumerate(grey.shape)
+    )
+    y, x = np.mgrid[:height, :width].astype(np.float64)
+    lines = np.zeros((height, width), bool)
+    for across in _across(lattice):
+        # Whole numbers are where a line could be; it is as thick as a pixel, more on big samples.
+        place = x * across[0] + y * across[1]
+        phase = _busiest(place, change)
+        off = place - phase
+        thick = max(1.0, max(height, width) / 500)
+        lines |= abs(off - np.rint(off)) < thick / 2 * float(np.hypot(*across)) + 1e-9
+    red, green, blue = levels.reshape(-1, 3).mean(axis=0)
+    picture[lines] = (0, 255, 0) if max(red, blue) > 1.2 * green + 10 else (255, 0, 255)
+    return picture
+
+
+def _across(lattice: Lattice) -> list[Floats]:
+    """For each family of lines, what times (x, y) counts them: rows of the inverse basis."""
+    vectors = np.array(lattice.vectors)
+    if len(vectors) == 1:
+        return [vectors[0] / (vectors[0] @ vectors[0])]
+    return list(np.linalg.inv(vectors).T)
+
+
+def _busiest(place: Floats, change: Floats) -> float:
+    """The phase of a line along which the sample changes most."""
+    bins = (place % 1 * _BINS).astype(int) % _BINS
+    total = np.bincount(bins.ravel(), change.ravel(), _BINS)
+    count = np.bincount(bins.ravel(), minlength=_BINS)
+    return float((np.argmax(np.rint(total / np.maximum(count, 1) * 1e6)) + 0.5) / _BINS)

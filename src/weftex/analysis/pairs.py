@@ -1,0 +1,154 @@
+"""The pair of vectors that is the lattice of a picture, of all pairs of peaks.
+
+Section 3.3 of the paper on near-regular textures, steps 2 to 6. Pairs of up to some hundred peaks
+are rated by their nearest multiples; the best of them are fitted below a pixel and rated by all.
+Then the smaller tiles that the best one could be made of are looked at, because of many larger
+ones some is better by chance; and two or three times the tile, because colours may alternate.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from weftex.analysis.goodness import Field, contrast_of, rate, reach_of, stand_out
+from weftex.analysis.peaks import Peaks, fit_vectors
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    Floats = NDArray[np.float64]
+
+_PEAKS = 40  # that pairs are made of, of each octave of lengths the highest
+_FEWEST = 3.0  # pixels of a vector; shorter ones are grain
+_DOMINANT = 0.25  # of the shorter vector, that the peaks of both must dominate
+_PAIRS = 24  # that are fitted and rated by all their multiples
+_REACH = 24  # multiples of each vector that are looked at
+_INDEX = 7  # tiles, that a larger one may consist of
+_LOWER = 0.1  # of its mean, that a larger tile's multiples may be above those of a smaller
+_UNSURE = (0.35, 4.0)  # the same, in so few standard errors
+_HIGHER = ((0.2, 5.0), (0.15, 20.0))  # it counts instead with such a gap and errors
+_OWN = 6  # and as many multiples
+_NEAR = 0.3  # of a pixel, that the others may be from a whole shift
+
+
+def best_pair(field: Field, goodness: str) -> tuple[Floats, float] | None:
+    """Return the two vectors with the highest goodness, and their contrast.
+
+    Parameters
+    ----------
+    field : Field
+        The autocorrelation.
+    goodness : str
+        See `weftex.analysis.goodness`.
+
+    Returns
+    -------
+    (float64 array (2, 2), float) or None
+        Vectors as rows (x, y); None where no pair has two significant vectors.
+    """
+    pairs = _candidates(field.peaks)
+    if not len(pairs):
+        return None
+    first = rate(field, pairs, 2, goodness).goodness
+    best, highest = None, 0.0
+    tried: list[Floats] = []
+    for k in np.argsort(-first, kind="stable")[:_PAIRS]:
+        if first[k] <= 0:
+            break
+        fitted = _fitted(field, pairs[k])
+        if any(abs(fitted - other).max() < 0.5 for other in tried):
+            continue
+        tried.append(fitted)
+        reach = reach_of(field, fitted, _REACH)
+        rated = float(rate(field, fitted[None], reach, goodness, exact=True).goodness[0])
+        if rated > highest * (1 + 1e-9):  # of equal ones the first, whatever the rounding
+            best, highest = fitted, rated
+    if best is None:
+        return None
+    if goodness == "contrast":
+        best = _multiply(field, _divide(field, best))
+    return best, contrast_of(field, best, reach_of(field, best, _REACH))
+
+
+def reduced(vectors: Floats) -> Floats:
+    """The shortest two vectors of the same lattice, the shorter first (observation iv).
+
+    >>> reduced(np.array([[9.0, 1.0], [4.0, 0.0]])).tolist()
+    [[1.0, 1.0], [2.0, -2.0]]
+    """
+    first, second = (np.array(v, np.float64) for v in vectors)
+    while True:  # Gauss
+        if second @ second < first @ first:
+            first, second = second, first
+        times = np.ceil(first @ second / (first @ first) - 0.5 - 1e-9)
+        if times == 0:
+            return np.stack([first, second])
+        second = second - times * first
+
+
+def _candidates(peaks: Peaks) -> Floats:
+    """Pairs of peaks that are reduced (step 4 of the paper), neither in a higher one's shadow."""
+    lengths = np.hypot(peaks.shifts[:, 0], peaks.shifts[:, 1])
+    wide = (peaks.dominance >= 2) & (lengths >= _FEWEST)
+    octave = np.log2(np.maximum(lengths, 1)).astype(int)
+    # Multiples outnumber the vectors themselves, so each octave of lengths has its own highest.
+    chosen = np.concatenate(
+        [np.flatnonzero(wide & (octave == k))[:_PEAKS] for k in range(octave.max(initial=0) + 1)]
+    )
+    chosen = chosen[np.argsort(lengths[chosen], kind="stable")]
+    shifts, dominance = peaks.shifts[chosen], peaks.dominance[chosen]
+    i, j = np.triu_indices(len(shifts), 1)
+    shorter = lengths[chosen][i]
+    # Of all equivalent pairs the one with the greatest angle; a pixel of doubt for rounding.
+    angle = 2 * abs((shifts[i] * shifts[j]).sum(axis=1)) <= shorter**2 + 2 * shorter
+    keep = angle & (np.minimum(dominance[i], dominance[j]) >= _DOMINANT * shorter)
+    return np.stack([shifts[i[keep]], shifts[j[keep]]], axis=1).astype(np.float64)
+
+
+def _divide(field: Field, vectors: Floats) -> Floats:
+    """The smallest tile that makes up this one and is as good at all its multiples."""
+    own = contrast_of(field, vectors, reach_of(field, vectors, _REACH))
+    for index in range(_INDEX, 1, -1):
+        for across in (n for n in range(1, index + 1) if index % n == 0):
+            for slant in range(index // across):
+                whole = np.array([[across, 0.0], [slant, index // across]])
+                finer = np.linalg.inv(whole) @ vectors
+                basis = reduced(finer)
+                if np.hypot(*basis[0]) < _FEWEST:
+                    continue
+                whole = np.rint(vectors @ np.linalg.inv(basis))
+                reach = reach_of(field, basis, _REACH)
+                gap, errors, count = stand_out(field, basis, whole, reach)
+                # Multiples that fall between pixels are lower, the more the closer they are.
+                lower = _LOWER + 0.5 / float(np.hypot(*basis[0]))
+                alike = gap < lower or (gap < _UNSURE[0] and errors < _UNSURE[1])
+                if count and alike and contrast_of(field, basis, reach) > own / 2:
+                    return _fitted(field, basis)
+    return vectors
+
+
+def _fitted(field: Field, vectors: Floats) -> Floats:
+    """The vectors below a pixel; as they are, where a fit to a small sample folds them together."""
+    found = fit_vectors(field.correlation, vectors, _REACH)[0]
+    areas = [abs(np.linalg.det(pair)) for pair in (found, vectors)]
+    return found if areas[0] > areas[1] / 2 else vectors
+
+
+def _multiply(field: Field, vectors: Floats) -> Floats:
+    """Two or three times the tile, where its own multiples stand out: colours alternate."""
+    reach = reach_of(field, vectors, _REACH)
+    for index in (2, 3):
+        for across in (1, index):
+            for slant in range(index // across):
+                whole = np.array([[across, slant], [0.0, index // across]])
+                gap, errors, count = stand_out(field, vectors, whole, reach, _NEAR)
+                higher = any(gap > least and errors > sure for least, sure in _HIGHER)
+                if not count:  # all of them lie between pixels, which explains half of a gap
+                    gap, _, count = stand_out(field, vectors, whole, reach)
+                    higher = gap > 0.5
+                if higher and count >= _OWN:
+                    larger = reduced(whole @ vectors)
+                    return _fitted(field, larger)
+    return vectors

@@ -1,0 +1,163 @@
+"""Local maxima of an autocorrelation: where a picture lies well upon itself."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+_WIDEST = 64  # pixels of dominance; more is not told apart
+
+
+@dataclass(frozen=True, eq=False)
+class Peaks:
+    """Local maxima of the right half of an autocorrelation, the highest first.
+
+    The left half mirrors the right one (observation i of the paper on near-regular textures);
+    what lies straight above no shift belongs to the left half.
+
+    Attributes
+    ----------
+    shifts : int64 array (n, 2)
+        As (x, y), x to the right and y downwards.
+    heights : float64 array (n,)
+        The correlation there.
+    dominance : int64 array (n,)
+        Half the side of the largest square around the peak, 1, 2, 4 and so on to 64 pixels, in
+        which nothing is higher: the region that it dominates (after Liu, Collins, Tsin: A
+        computational model for periodic pattern perception based on frieze and wallpaper groups).
+    """
+
+    shifts: NDArray[np.int64]
+    heights: NDArray[np.float64]
+    dominance: NDArray[np.int64]
+
+
+def find_peaks(correlation: NDArray[np.float64]) -> Peaks:
+    """Find the maxima among the eight neighbours, above 0.
+
+    Parameters
+    ----------
+    correlation : float64 array (2 * H - 1, 2 * W - 1)
+        An autocorrelation, no shift in the middle.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from weftex.analysis.correlation import correlate
+    >>> wave = np.sin(np.arange(40) * 2 * np.pi / 10)[None]
+    >>> find_peaks(correlate(wave)).shifts[:3].tolist()
+    [[10, 0], [20, 0], [30, 0]]
+    """
+    middle, centre = (side // 2 for side in correlation.shape)
+    margin = min(_WIDEST, centre)  # of the left half, which squares reach into
+    # Rounded, so that what is equal but for rounding is so on every machine.
+    part = np.rint(correlation[:, centre - margin :] * 1e9) / 1e9
+    around, radius = _wider(part, 1, first=True), 1
+    high = (part > 0) & (part >= around)
+    high[:, :margin] = False
+    high[: middle + 1, margin] = False  # no shift, and the mirror images of those straight below
+    y, x = high.nonzero()
+    heights = part[y, x]
+    dominance = np.ones(len(y), np.int64)
+    while radius < _WIDEST:
+        around, radius = _wider(around, radius), 2 * radius
+        dominance[heights >= around[y, x]] = radius
+    shifts = np.stack([x - margin, y - middle], axis=1)
+    order = np.lexsort((shifts[:, 1], shifts[:, 0], (shifts**2).sum(axis=1), -heights))
+    return Peaks(shifts[order], heights[order], dominance[order])
+
+
+def _wider(values: NDArray[np.float64], by: int, first: bool = False) -> NDArray[np.float64]:
+    """Maxima over squares that reach `by` further, of values that are maxima as far as that."""
+    for axis in (0, 1):
+        place = np.arange(values.shape[axis])
+        before = values.take(np.maximum(place - by, 0), axis)
+        after = values.take(np.minimum(place + by, len(place) - 1), axis)
+        both = np.maximum(before, after)
+        values = np.maximum(both, values) if first else both
+    return values
+
+
+def fit_vectors(
+    correlation: NDArray[np.float64], vectors: NDArray[np.float64], reach: int
+) -> tuple[NDArray[np.float64], int]:
+    """Fit one or two vectors to the peaks at all multiples that agree with them, below a pixel.
+
+    From the nearest multiples outwards, twice as far each time, a parabola through each peak and
+    its neighbours says where it is; least squares over all multiples say what the vectors are.
+
+    Parameters
+    ----------
+    correlation : float64 array (2 * H - 1, 2 * W - 1)
+        An autocorrelation.
+    vectors : float64 array (1 or 2, 2)
+        To start from, as (x, y), right to within a pixel or two.
+    reach : int
+        Multiples of up to this many times each vector are looked at.
+
+    Returns
+    -------
+    (float64 array like `vectors`, int)
+        The fitted vectors, and how many multiples agreed.
+    """
+    height, width = (side // 2 + 1 for side in correlation.shape)
+    window = max(1, min(3, int(np.hypot(*vectors.T).min() // 5)))
+    agreed, limit = 0, 1
+    while True:
+        ranges = [np.arange(-limit, limit + 1)] * len(vectors)
+        times = np.stack(np.meshgrid(*ranges), axis=-1).reshape(-1, len(vectors))
+        places = times @ vectors
+        # Far shifts compare a small part of the sample; half of each side is enough.
+        far = (abs(places[:, 0]) <= 0.6 * width) & (abs(places[:, 1]) <= 0.6 * height)
+        keep = far & times.any(axis=1)
+        times, places = times[keep], places[keep]
+        found, heights = _tops(correlation, places, window)
+        good = heights > 0
+        if good.any():
+            share = (1 - abs(found[:, 0]) / width) * (1 - abs(found[:, 1]) / height)
+            weights = np.sqrt(np.where(good, heights * share, 0))[:, None]
+            fitted, _, rank, _ = np.linalg.lstsq(weights * times, weights * found, rcond=None)
+            if rank == len(vectors):
+                vectors, agreed = fitted, int(good.sum())
+        if limit >= reach:
+            return vectors, agreed
+        limit, window = min(2 * limit, reach), max(1, min(window, 2))
+
+
+def _tops(
+    correlation: NDArray[np.float64], places: NDArray[np.float64], window: int
+) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """The peak within a window around each place, below a pixel; height 0 where there is none."""
+    height, width = (side // 2 + 1 for side in correlation.shape)
+    reach = window + 1
+    x, y = np.rint(places).astype(int).T + np.array([[width - 1], [height - 1]])
+    side = np.arange(-reach, reach + 1)
+    rows = np.clip(y[:, None] + side, 0, 2 * height - 2)[:, :, None]
+    around = correlation[rows, np.clip(x[:, None] + side, 0, 2 * width - 2)[:, None, :]]
+    inside = around[:, 1:-1, 1:-1].reshape(len(x), -1)
+    best = inside.argmax(axis=1)
+    dy, dx = best // (2 * window + 1) + 1, best % (2 * window + 1) + 1
+    k = np.arange(len(x))
+    top = around[k, dy, dx]
+    left, right = around[k, dy, dx - 1], around[k, dy, dx + 1]
+    above, below = around[k, dy - 1, dx], around[k, dy + 1, dx]
+    peak = (top >= np.maximum(left, right)) & (top >= np.maximum(above, below)) & (top > 0)
+
+    def offset(before: NDArray[np.float64], after: NDArray[np.float64]) -> NDArray[np.float64]:
+        bend = np.minimum(before - 2 * top + after, -1e-12)
+        moved: NDArray[np.float64] = np.clip(0.5 * (before - after) / bend, -0.5, 0.5)
+        return moved
+
+    found = np.stack(
+        [
+            x - width + 1 + dx - reach + offset(left, right),
+            y - height + 1 + dy - reach + offset(above, below),
+        ],
+        axis=1,
+    )
+    return found, np.where(peak, top, 0)

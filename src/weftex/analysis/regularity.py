@@ -1,0 +1,111 @@
+"""How near-regular a sample is: how well it lies upon itself when it is shifted."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from weftex.analysis.relief import relief
+from weftex.exemplar import Exemplar
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+
+def regularity(exemplar: Exemplar) -> float:
+    """Return how far a sample repeats itself at some distance, from 0 to 1.
+
+    The sample without slow lighting is laid upon itself with every shift of up to half its sides
+    (see `autocorrelation`). One that repeats comes back to a high correlation after it has fallen
+    on the way there. The result is the highest such return: the correlation at a shift, less the
+    lowest on the straight way to it where that is above 0. So lines that go on and slow changes do
+    not count, however well they correlate.
+
+    Some shift always fits best, so a sample without any order has 0.1 to 0.3; a small one that
+    shows few things has more. Brick walls, cloth and tiles have 0.6 to 0.9.
+
+    Parameters
+    ----------
+    exemplar : Exemplar
+        The sample; a mask may leave out parts of it.
+
+    Returns
+    -------
+    float
+        Rounded to hundredths, so that it is the same on every machine; 0 for a constant sample.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from weftex.exemplar import Exemplar
+    >>> tile = np.random.default_rng(0).integers(0, 255, (12, 16), np.uint8)
+    >>> regularity(Exemplar(np.tile(tile, (4, 4))))
+    1.0
+    """
+    correlation = autocorrelation(exemplar)
+    middle, centre = correlation.shape[0] // 2, correlation.shape[1] // 2
+    half = correlation[middle:]  # the other one is its mirror image
+    around = np.pad(correlation, 1, constant_values=-np.inf)[middle:]
+    peak = np.ones(half.shape, bool)
+    for dy in range(3):
+        for dx in range(3):
+            peak &= half >= around[dy : dy + half.shape[0], dx : dx + half.shape[1]]
+    y, x = peak.nonzero()
+    best = 0.0
+    for k in np.argsort(-half[y, x], kind="stable"):
+        reached = float(half[y[k], x[k]])
+        if reached <= best:
+            break  # no other shift can come back any higher
+        steps = np.linspace(0, 1, 1 + max(int(y[k]), abs(int(x[k]) - centre)))
+        way = half[
+            np.rint(steps * y[k]).astype(int), centre + np.rint(steps * (x[k] - centre)).astype(int)
+        ]
+        best = max(best, reached - max(0.0, float(way.min())))
+    return round(min(best, 1.0), 2)
+
+
+def autocorrelation(exemplar: Exemplar) -> NDArray[np.float64]:
+    """Correlate a sample with itself at every shift of up to half its sides.
+
+    Slow lighting is taken off first. At each shift the products of what overlaps are summed over
+    all channels and divided by the mean of the two parts' energies, so that it is 1 where the parts
+    are equal and never more.
+
+    Parameters
+    ----------
+    exemplar : Exemplar
+        The sample.
+
+    Returns
+    -------
+    float64 array (2 * (H // 2) + 1, 2 * (W // 2) + 1)
+        From -1 to 1, no shift in the middle; 0 where nothing overlaps or varies.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from weftex.exemplar import Exemplar
+    >>> stripes = np.tile(np.array([0, 0, 9, 9], np.uint8), (8, 8))
+    >>> autocorrelation(Exemplar(stripes))[4, 16:21:2].round(1).tolist()
+    [1.0, -1.0, 1.0]
+    """
+    flat = relief(exemplar)
+    height, width = flat.usable.shape
+    reach = height // 2, width // 2
+    size = height + reach[0], width + reach[1]  # so far that no shift wraps around
+    power = np.zeros((size[0], size[1] // 2 + 1))
+    for level in flat.levels:
+        power += np.abs(np.fft.rfft2(level, size)) ** 2
+    products = np.fft.irfft2(power, size)
+    usable = np.fft.rfft2(flat.usable, size)
+    energy = np.fft.rfft2((flat.levels**2).sum(axis=0), size)
+    energies = np.fft.irfft2((energy * usable.conj()).real, size)
+    places = [np.arange(-r, r + 1) for r in reach]
+    products, energies = products[np.ix_(*places)], energies[np.ix_(*places)]
+    # Below this the transforms' own rounding is all there is.
+    floor = 1e-9 * max(1.0, float(energies.max()))
+    result: NDArray[np.float64] = np.where(
+        energies > floor, products / np.maximum(energies, floor), 0
+    )
+    return result

@@ -1,0 +1,87 @@
+"""What the analyses look at: the sample's levels without slow lighting."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from weftex.exemplar import Exemplar
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+_MOST = 1024  # pixels a side; more are averaged together first
+
+
+@dataclass(frozen=True, eq=False)
+class Relief:
+    """Levels around a smooth surface.
+
+    Attributes
+    ----------
+    levels : float64 array (K, h, w)
+        The bytes of `Exemplar.matching` less the quadratic surface nearest to them; 0 where the
+        sample may not be used.
+    usable : float64 array (h, w)
+        Share of usable pixels, from 0 to 1.
+    step : int
+        Pixels of the sample to one here.
+    """
+
+    levels: NDArray[np.float64]
+    usable: NDArray[np.float64]
+    step: int
+
+
+def relief(exemplar: Exemplar) -> Relief:
+    """Take slow lighting off a sample: a quadratic surface, fitted to each channel.
+
+    What lies outside the box around the usable pixels is cut off. Samples larger than 1024 pixels
+    are averaged over squares of step x step pixels, so structure of a few steps is lost in them.
+
+    Parameters
+    ----------
+    exemplar : Exemplar
+        The sample.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from weftex.exemplar import Exemplar
+    >>> ramp = np.add.outer(np.arange(20), 2 * np.arange(30)).astype(np.uint8)
+    >>> bool(abs(relief(Exemplar(ramp)).levels).max() < 1e-9)
+    True
+    """
+    levels = exemplar.matching()
+    usable = np.ones(exemplar.shape, bool) if exemplar.mask is None else exemplar.mask
+    rows, columns = (np.flatnonzero(usable.any(axis=axis)) for axis in (1, 0))
+    box = slice(rows[0], rows[-1] + 1), slice(columns[0], columns[-1] + 1)
+    levels, usable = levels[box], usable[box]
+    step = -(-max(usable.shape) // _MOST)
+    share = _means(usable, step)
+    y, x = (np.linspace(-1, 1, side) if side > 1 else np.zeros(1) for side in share.shape)
+    powers = ((0, 0), (1, 0), (0, 1), (2, 0), (1, 1), (0, 2))
+    surfaces = np.stack([np.outer(y**i, x**j) for i, j in powers])
+    # A pseudoinverse, because a thin sample does not tell all six apart.
+    gram = np.einsum("ihw,hw,jhw->ij", surfaces, share, surfaces, optimize=False)
+    inverse = np.linalg.pinv(gram, hermitian=True)
+    result = np.empty((levels.shape[2], *share.shape))
+    for k in range(levels.shape[2]):
+        total = _means(levels[..., k] * usable, step)
+        weights = inverse @ (surfaces * total).sum(axis=(1, 2))
+        level = total - share * np.tensordot(weights, surfaces, 1)
+        result[k] = np.where(abs(level) < 1e-6, 0, level)  # the surface's own rounding
+    return Relief(result, share, step)
+
+
+def _means(values: NDArray[Any], step: int) -> NDArray[np.float64]:
+    """Means over squares of step x step pixels; those that are not whole are left out."""
+    if step == 1:
+        return values.astype(np.float64)
+    high, wide = (min(step, side) for side in values.shape)  # a thin sample has fewer
+    rows, columns = values.shape[0] // high, values.shape[1] // wide
+    cut = values[: rows * high, : columns * wide].reshape(rows, high, columns, wide)
+    means: NDArray[np.float64] = cut.mean(axis=(1, 3), dtype=np.float64)
+    return means

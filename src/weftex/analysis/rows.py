@@ -1,0 +1,106 @@
+"""Rows: the period of a sample that repeats along one direction only, such as boards or courses.
+
+Along a row anything may happen, so the autocorrelation has ridges and no peaks. Its mean along
+lines of one direction leaves the ridges. Rows are those of the direction and distance at which
+the ridges stand highest above what is half and a third of the way between them.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from weftex.analysis.correlation import correlate
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    from weftex.analysis.relief import Relief
+
+    Floats = NDArray[np.float64]
+
+_CLOSEST = 5.0  # pixels from row to row
+_STEP = 0.25  # of a pixel, between distances that are tried
+_RIDGES = 8  # that are looked at, as far as they lie within the sample
+_FEWEST = 3  # of them that a sample must show
+_UNSURE = 0.1  # what chance does to one ridge
+_SAMPLES = 31  # along a line
+
+
+def find_rows(flat: Relief) -> tuple[Floats, float] | None:
+    """Find the vector from one row to the next, and how far its ridges stand out.
+
+    Parameters
+    ----------
+    flat : Relief
+        The sample without slow lighting. Its edges, which thin joints are seen by, count as much
+        as its levels.
+
+    Returns
+    -------
+    (float64 array (2,), float) or None
+        The vector (x, y), across the rows, and its contrast less what chance explains; None for a
+        sample that is too small or constant.
+    """
+    height, width = flat.usable.shape
+    reach = int(0.6 * min(height, width))
+    if (reach - 1) / _FEWEST <= _CLOSEST:
+        return None
+    correlation = correlate(_with_edges(flat.levels), first_mask=flat.usable >= 0.5)
+    coarse = np.deg2rad(np.arange(0, 180, 3.0))
+    angle, _, _ = _highest(correlation, coarse, reach)
+    near = angle + np.deg2rad(np.arange(-2.5, 2.51, 0.5))
+    angle, distance, contrast = _highest(correlation, near, reach)
+    if contrast <= 0:
+        return None
+    return distance * np.array([-np.sin(angle), np.cos(angle)]), contrast
+
+
+def _with_edges(levels: Floats) -> Floats:
+    """Mean level, and beside it the steps down and to the right, with as much energy in all."""
+    steps = [np.sqrt((np.gradient(levels, axis=axis) ** 2).sum(axis=0)) for axis in (1, 2)]
+    edges = np.stack(steps)
+    grey = levels.mean(axis=0, keepdims=True)
+    share = levels.var(axis=(1, 2)).mean() / max(edges.var(axis=(1, 2)).sum(), 1e-12)
+    found: Floats = np.moveaxis(np.concatenate([grey, edges * share**0.5]), 0, 2)
+    return found
+
+
+def _highest(correlation: Floats, angles: Floats, reach: int) -> tuple[float, float, float]:
+    """Angle, distance and contrast of the best rows of these directions."""
+    profiles = _profiles(correlation, angles, reach)
+    distances = np.arange(_CLOSEST, (reach - 1) / _FEWEST, _STEP)
+    counts = np.minimum(_RIDGES, ((reach - 1) / distances).astype(int))
+
+    def mean_at(phase: float) -> Floats:
+        total = np.zeros((len(angles), len(distances)))
+        for k in range(1, _RIDGES + 1):
+            place = np.minimum((k - phase) * distances, reach - 1)
+            before = np.minimum(place.astype(int), reach - 2)
+            part = place - before
+            total += (profiles[:, before] * (1 - part) + profiles[:, before + 1] * part) * (
+                k <= counts
+            )
+        mean: Floats = total / counts
+        return mean
+
+    between = np.maximum(np.maximum(mean_at(1 / 2), mean_at(1 / 3)), mean_at(2 / 3))
+    contrast = mean_at(0) - between - _UNSURE / np.sqrt(counts)
+    i, j = np.unravel_index(int(contrast.argmax()), contrast.shape)
+    return float(angles[i]), float(distances[j]), float(contrast[i, j])
+
+
+def _profiles(correlation: Floats, angles: Floats, reach: int) -> Floats:
+    """Mean correlation along lines of each angle, at distances 0 to reach - 1 from no shift."""
+    middle, centre = (side // 2 for side in correlation.shape)
+    along, across = np.linspace(-0.5, 0.5, _SAMPLES)[:, None], np.arange(reach)
+    result = np.empty((len(angles), reach))
+    for k, (c, s) in enumerate(zip(np.cos(angles), np.sin(angles), strict=True)):
+        # As far as half of the sample overlaps in this direction.
+        far = min((centre + 1) / max(abs(c), 1e-9), (middle + 1) / max(abs(s), 1e-9))
+        x, y = along * far * c - across * s, along * far * s + across * c
+        rows = np.clip(np.rint(y).astype(int) + middle, 0, correlation.shape[0] - 1)
+        columns = np.clip(np.rint(x).astype(int) + centre, 0, correlation.shape[1] - 1)
+        result[k] = correlation[rows, columns].mean(axis=0)
+    return result

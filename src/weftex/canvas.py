@@ -1,0 +1,214 @@
+"""What to make: a size, what wraps around, what is known already, and what to follow."""
+
+from __future__ import annotations
+
+import numbers
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from weftex.errors import InvalidInputError
+from weftex.exemplar import Exemplar, check_guide, check_pixels
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+#: The most pixels that a canvas may have; more is taken for a mistake.
+MAX_PIXELS = 2**30
+#: How far from its own origin a window of an endless plane may begin, in pixels.
+FAR = 2**40
+_WHITE = {"uint8": 255, "uint16": 65535}  # 1 in floating point
+
+
+def grown(mask: NDArray[np.bool_], steps: int, wrap: tuple[bool, bool]) -> NDArray[np.bool_]:
+    """Add all at most so many steps away along both axes, going around where they wrap.
+
+    Examples
+    --------
+    >>> grown(np.array([[True, False, False, False]]), 1, (False, True)).tolist()
+    [[True, True, False, True]]
+    """
+    for axis in (0, 1):
+        length = mask.shape[axis]
+        reach = min(steps, length)
+        pads = [(0, 0), (0, 0)]
+        pads[axis] = (reach + 1, reach)
+        total = np.pad(mask, pads, mode="wrap" if wrap[axis] else "constant").cumsum(axis)
+        ends = np.arange(2 * reach + 1, length + 2 * reach + 1)
+        mask = total.take(ends, axis) > total.take(ends - 2 * reach - 1, axis)
+    return mask
+
+
+@dataclass(frozen=True, eq=False)
+class Canvas:
+    """The place to fill.
+
+    Parameters
+    ----------
+    height, width : int
+        In pixels, 1 or more, together at most `MAX_PIXELS`.
+    wrap : (bool, bool)
+        Whether the vertical and the horizontal axis are to repeat without a seam.
+    known : array (H, W) or (H, W, C), optional
+        Pixels that are there already, in the sample's dtype and channels.
+    hole : bool array (H, W), optional
+        True where `known` is to be filled; needed with `known`. Alone it describes a result whose
+        known pixels are not at hand.
+    known_from : (int, int), optional
+        Row and column of the canvas's corner in the sample, when the known pixels are part of it.
+    origin : (int, int)
+        Where in an endless plane the canvas's corner is, from -2**40 to 2**40.
+    guide : array (H, W) or (H, W, C), optional
+        A picture that the output is to follow: in the terms of the sample's guide if that has
+        one (see `Exemplar`), else compared with its pixels, so of their dtype and channels.
+
+    Raises
+    ------
+    InvalidInputError
+        If a size is out of range, or `known`, `hole` and `guide` do not fit it.
+
+    Examples
+    --------
+    >>> Canvas(4, 6, wrap=(False, True)).shape
+    (4, 6)
+    """
+
+    height: int
+    width: int
+    wrap: tuple[bool, bool] = (False, False)
+    known: NDArray[Any] | None = None
+    hole: NDArray[np.bool_] | None = None
+    known_from: tuple[int, int] | None = None
+    guide: NDArray[Any] | None = None
+    origin: tuple[int, int] = (0, 0)
+
+    def __post_init__(self) -> None:
+        for name in ("height", "width"):
+            value = getattr(self, name)
+            if not isinstance(value, numbers.Integral) or isinstance(value, bool) or value < 1:
+                raise InvalidInputError(f"{name} is {value!r}; it must be an integer of 1 or more")
+            object.__setattr__(self, name, int(value))
+        if self.height * self.width > MAX_PIXELS:
+            raise InvalidInputError(
+                f"{self.width}x{self.height} is more than {MAX_PIXELS} pixels at once; "
+                "make a tileable piece and repeat it, or several pieces"
+            )
+        wrap = self.wrap
+        if not (isinstance(wrap, tuple) and len(wrap) == 2 and {*map(type, wrap)} == {bool}):
+            raise InvalidInputError(
+                f"wrap is {wrap!r}; it must be two booleans (vertical, horizontal)"
+            )
+        self._check_origin()
+        if self.hole is None and self.known is not None:
+            raise InvalidInputError("known pixels need a hole, which says where there are none")
+        if self.hole is not None:
+            object.__setattr__(self, "hole", np.ascontiguousarray(self.hole, bool))
+            if self.hole.ndim != 2:
+                raise InvalidInputError(f"hole has shape {self.hole.shape}; it must be (H, W)")
+            if self.known is not None:
+                object.__setattr__(self, "known", check_pixels(self.known, "known"))
+        if self.guide is not None:
+            object.__setattr__(self, "guide", check_guide(self.guide, "guide"))
+        for name in ("known", "hole", "guide"):
+            value = getattr(self, name)
+            if value is not None and value.shape[:2] != self.shape:
+                raise InvalidInputError(
+                    f"{name} is {value.shape[1]}x{value.shape[0]}, "
+                    f"the canvas is {self.width}x{self.height}"
+                )
+
+    def _check_origin(self) -> None:
+        if self.origin == (0, 0):
+            return
+        if len(self.origin) != 2 or any(type(at) is not int for at in self.origin):
+            raise InvalidInputError(f"origin is {self.origin!r}; it must be two integers")
+        for name, at in zip(("top", "left"), self.origin, strict=True):
+            if not -FAR <= at <= FAR:
+                raise InvalidInputError(f"{name} is {at}; it must be from -2**40 to 2**40")
+        if any(self.wrap) or self.hole is not None:
+            raise InvalidInputError(
+                "a window of an endless plane neither wraps nor has known pixels; leave origin out"
+            )
+
+    @property
+    def shape(self) -> tuple[int, int]:
+        """Height and width."""
+        return self.height, self.width
+
+    def check_known(self, exemplar: Exemplar) -> None:
+        """Raise `InvalidInputError` unless the known pixels are of the sample's kind and place."""
+        if self.known is not None:
+            _check_kind("known pixels are", self.known, exemplar)
+        if self.known_from is not None:
+            ends = np.add(self.known_from, self.shape)
+            if min(self.known_from) < 0 or (ends > exemplar.shape).any():
+                raise InvalidInputError(
+                    f"known_from is {self.known_from}; the canvas must lie in the sample"
+                )
+
+    def check_guide(self, exemplar: Exemplar) -> None:
+        """Raise `InvalidInputError` unless the guide is of the sample's or its guide's kind."""
+        if self.guide is None:
+            return
+        if exemplar.guide is None:
+            _check_kind("guide is", self.guide, exemplar)
+            return
+        kinds = [
+            ("labels" if exemplar.labels is not None else p.dtype.name, p.shape[2:])
+            for p in (self.guide, exemplar.guide)
+        ]
+        if kinds[0] != kinds[1]:
+            (given, shape), (wanted, wanted_shape) = kinds
+            raise InvalidInputError(
+                f"guide is {given} {shape}, the guide of {exemplar.name} is {wanted} "
+                f"{wanted_shape}; dtype and channels must be equal"
+            )
+        exemplar.as_guide(self.guide)
+
+
+def _check_kind(what: str, pixels: NDArray[Any], exemplar: Exemplar) -> None:
+    """Raise `InvalidInputError` unless dtype and channels are the sample's."""
+    kinds = [(p.dtype.name, p.shape[2:]) for p in (pixels, exemplar.pixels)]
+    if kinds[0] == kinds[1]:
+        return
+    (given, _), (wanted, _) = kinds
+    fix = ""
+    if given != wanted:
+        factor = _WHITE.get(wanted, 1) / _WHITE.get(given, 1)
+        fix = f"; multiply by {factor:.6g} and make it {wanted}"
+    raise InvalidInputError(
+        f"{what} {given} {kinds[0][1]}, the sample is {wanted} {kinds[1][1]}; "
+        f"dtype and channels must be equal{fix}"
+    )
+
+
+def as_canvas(size: Canvas | int | tuple[int, int], tileable: bool | str = False) -> Canvas:
+    """Make a Canvas from a size (height, width), or one number for a square.
+
+    Parameters
+    ----------
+    size : Canvas, int or (int, int)
+        A Canvas is returned as it is, and then `tileable` must not be given.
+    tileable : bool or {"x", "y"}
+        Which axes are to repeat without a seam.
+
+    Examples
+    --------
+    >>> as_canvas((4, 6), tileable="x").wrap
+    (False, True)
+    """
+    wraps = {False: (False, False), True: (True, True), "x": (False, True), "y": (True, False)}
+    if not isinstance(tileable, (bool, str)) or tileable not in wraps:
+        raise InvalidInputError(f"tileable is {tileable!r}; it must be True, False, 'x' or 'y'")
+    if isinstance(size, Canvas):
+        if tileable:
+            raise InvalidInputError("give wrap to the Canvas instead of tileable beside it")
+        return size
+    if isinstance(size, numbers.Integral) and not isinstance(size, bool):
+        size = (int(size), int(size))
+    try:
+        height, width = size  # type: ignore[misc]
+    except (TypeError, ValueError):
+        raise InvalidInputError(f"size is {size!r}; it must be (height, width)") from None
+    return Canvas(height, width, wraps[tileable])

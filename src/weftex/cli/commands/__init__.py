@@ -1,0 +1,1 @@
+"""What each command of `weftex` takes and does: its `run`, which cli.py calls."""

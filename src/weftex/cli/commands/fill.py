@@ -1,0 +1,53 @@
+"""weftex fill: fill what a mask covers."""
+
+from __future__ import annotations
+
+from time import perf_counter
+from typing import TYPE_CHECKING
+
+from weftex.cli.files import load, open_sample, report, settings, write
+from weftex.cli.options import Parser, parse_task
+from weftex.cli.terminal import finish
+
+if TYPE_CHECKING:
+    from weftex.cli.terminal import Bar, Outputs
+
+_ABOUT = """\
+Fill holes of a photo; all other pixels stay as they are. Patch size, boundary width and epsilon are
+chosen for holes where they are not given.\
+"""
+
+_EXAMPLES = """\
+examples:
+  weftex fill photo.png --mask hole.png -o whole.png
+  weftex fill photo.png --mask hole.png -o whole.png --sample grass.png
+  weftex fill stone_wall/ --mask hole.png -o whole/   a folder of aligned maps
+"""
+
+
+def run(argv: list[str]) -> None:
+    """Run the command; `argv` is what follows its name."""
+    start = perf_counter()
+    parser = Parser("fill", _ABOUT, _EXAMPLES)
+    parser.add_argument("photo", metavar="PHOTO", help="picture, folder of maps, or sample:NAME")
+    parser.add_argument("--mask", metavar="M", required=True, help="picture, white where to fill")
+    parser.add_argument("--sample", metavar="S", help="learn from this picture, not from the photo")
+    args, method, parameters = parse_task(parser, argv, "patch-sampling")
+    method(**parameters)  # finds wrong values before anything is read
+
+    def work(bar: Bar, outputs: Outputs) -> str:
+        from weftex.io import pictures as io
+        from weftex.tasks.fill import fill
+
+        photo, pictures, targets = open_sample(args.photo, args, outputs)
+        mask = io.read_mask(args.mask, max_pixels=None if args.allow_huge else io.MAX_PIXELS)
+        sample = None if args.sample is None else load(args.sample, args)[0]
+        result = fill(
+            photo, mask, sample=sample, method=args.method, **settings(args, bar), **parameters
+        )
+        write(result, photo, pictures, targets, args, outputs)
+        if not mask.any():
+            return f"the mask covers nothing; {args.output} is the photo unchanged"
+        return report(args, result, f"filled {int(mask.sum())} pixels of", start)
+
+    finish(work, args.quiet)

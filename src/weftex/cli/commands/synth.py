@@ -1,0 +1,70 @@
+"""weftex synth: make a picture of any size from a sample of a material."""
+
+from __future__ import annotations
+
+from time import perf_counter
+from typing import TYPE_CHECKING, Any
+
+from weftex.cli.files import load, open_sample, report, settings, write, write_debug
+from weftex.cli.options import Parser, parse_best_of, parse_size, parse_task
+from weftex.cli.terminal import finish
+
+if TYPE_CHECKING:
+    from weftex.cli.terminal import Bar, Outputs
+
+_EXAMPLES = """\
+examples:
+  weftex synth brick.png -o wall.png --size 1024x768 --save-source wall.npz
+  weftex synth brick.png -o tile.png --size 512 --tileable --seed 7
+  weftex synth stone_wall/ -o big/ --size 2048        a folder of aligned maps
+  weftex synth brick.png -o wall.png --method quilting --patch-size 48
+  weftex synth brick.png -o wall.png --best-of 8      the best of eight seeds
+  weftex synth brick.png -o wall.png --best-of quilting,graphcut,near-regular
+  weftex synth moss.png -o face.png --method ashikhmin --guide face.png
+  weftex synth photo.png -o new.png --method refinement --sample-guide painted.png --guide other.png
+"""
+
+
+def run(argv: list[str]) -> None:
+    """Run the command; `argv` is what follows its name."""
+    start = perf_counter()
+    parser = Parser("synth", "Make a picture of any size from a sample of a material.", _EXAMPLES)
+    parser.add_argument("sample", metavar="SAMPLE", help="picture, folder of maps, or sample:NAME")
+    text = "in pixels; default: the guide's, or twice the sample's"
+    parser.add_argument("--size", metavar="WxH|N", help=text)
+    parser.add_argument("--guide", metavar="G", help="picture to follow, of the output's size")
+    text = "what stands for the sample in the guide, such as a painted map of what is where in it"
+    parser.add_argument("--sample-guide", metavar="S", help=text)
+    text = "make N with the seeds from --seed on, or one with each method, and keep the best"
+    parser.add_argument("--best-of", metavar="N|NAME,...", default="1", help=text)
+    text = "write how it was put together: coordinates, patches, seams, uncertainty"
+    parser.add_argument("--debug", metavar="DIR", help=text)
+    args, method, parameters = parse_task(parser, argv)
+    best_of = parse_best_of(args.best_of)
+    size = None if args.size is None else parse_size(args.size, args.allow_huge)
+    chosen = method(**parameters)
+    if best_of != 1:
+        from weftex.tasks.best_of import tries
+
+        tries(chosen, best_of)  # finds wrong names before anything is read
+
+    def work(bar: Bar, outputs: Outputs) -> str:
+        from weftex.tasks.synthesize import synthesize
+
+        exemplar, pictures, targets = open_sample(args.sample, args, outputs)
+        if args.debug is not None:
+            outputs.make_folder(args.debug)
+        guide = None if args.guide is None else load(args.guide, args)[0]
+        own = None if args.sample_guide is None else load(args.sample_guide, args)[0]
+        size_made = size or (2 * exemplar.shape[0], 2 * exemplar.shape[1])
+        if guide is not None:
+            size_made = size or guide.shape
+        guides: dict[str, Any] = {"guide": guide, "sample_guide": own, "best_of": best_of}
+        result = synthesize(exemplar, size_made, method=chosen, **guides, **settings(args, bar))
+        write(result, exemplar, pictures, targets, args, outputs)
+        if args.debug is not None:
+            write_debug(result, args.debug, outputs)
+        what = f"made {result.shape[1]}x{result.shape[0]}"
+        return report(args, result, what, start)
+
+    finish(work, args.quiet)

@@ -1,0 +1,206 @@
+"""What the command line understands; the options of a method are those of its dataclass."""
+
+from __future__ import annotations
+
+import argparse
+from typing import TYPE_CHECKING, Any, NoReturn
+
+from weftex.errors import InvalidInputError, did_you_mean
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+    from weftex.method import Method
+
+_HUGE = 2**28  # pixels
+
+
+class Parser(argparse.ArgumentParser):
+    """An ArgumentParser whose errors are one line."""
+
+    def __init__(self, command: str, description: str, examples: str) -> None:
+        super().__init__(
+            f"weftex {command}",
+            description=description,
+            epilog=examples,
+            allow_abbrev=False,
+            formatter_class=argparse.RawDescriptionHelpFormatter,
+        )
+
+    def error(self, message: str) -> NoReturn:
+        """Raise, so that usage errors look like all others."""
+        raise InvalidInputError(message)
+
+    def parse(self, argv: list[str]) -> argparse.Namespace:
+        """Parse all arguments; an unknown option is answered with the nearest known one."""
+        found, left = self.parse_known_args(argv)
+        for word in left:
+            if word.startswith("-"):
+                known = [o for o in self._option_string_actions if o.startswith("--")]
+                near = did_you_mean(word.split("=")[0], known)
+                raise InvalidInputError(f"unknown option '{word}'{near}")
+        if left:
+            raise InvalidInputError(f"unexpected argument '{left[0]}'")
+        return found
+
+
+def add_huge(parser: Parser) -> None:
+    """Add the option of every command that reads pictures."""
+    text = f"take pictures of more than {_HUGE} pixels"
+    parser.add_argument("--allow-huge", action="store_true", help=text)
+
+
+def add_limits(parser: Parser) -> None:
+    """Add the options of every command that makes pictures."""
+    add_huge(parser)
+    parser.add_argument("--quiet", action="store_true", help="print errors only")
+
+
+def parse_task(
+    parser: Parser, argv: list[str], default: str = "auto"
+) -> tuple[argparse.Namespace, type[Method], dict[str, Any]]:
+    """Parse what all tasks take, and the parameters of the chosen method.
+
+    A task with another default than "auto" takes that for "auto" too.
+    """
+    add = parser.add_argument
+    add("-o", "--output", metavar="OUT", required=True, help="file, or folder, to write")
+    text = "chosen by the sample" if default == "auto" else default
+    add("--method", default=default, metavar="NAME", help=f"see 'weftex methods'; default: {text}")
+    add("--seed", type=int, metavar="N", help="the same seed gives the same bytes")
+    text = "repeats without a seam, along both axes or one"
+    add("--tileable", nargs="?", choices=("xy", "x", "y"), metavar="x|y", help=text)
+    add("--save-source", metavar="F.npz", help="where each pixel comes from, for 'weftex replay'")
+    add("--threads", type=int, metavar="N", help="use at most so many")
+    add_limits(parser)
+    # A bare --tileable must not take the file name that follows it.
+    pairs = zip(argv, [*argv[1:], ""], strict=False)
+    argv = [a if a != "--tileable" or b in ("x", "y") else "--tileable=xy" for a, b in pairs]
+    chooser = argparse.ArgumentParser(add_help=False, allow_abbrev=False, exit_on_error=False)
+    chooser.add_argument("--method", default=default, nargs="?")
+    name = chooser.parse_known_args(argv)[0].method or ""
+    from weftex.tasks.method_names import AUTO, method_class
+
+    name = default if name == AUTO else name
+    method = method_class(name)
+    if name == AUTO:
+        _refuse_parameters(parser, argv)
+    group = parser.add_argument_group(f"parameters of {name}")
+    for field, values in parameters_of(method):
+        kind: Any = {"int": int, "float": float}.get(str(field.type).split(" ")[0], str)
+        text = f"{field.metadata['help']}; {values}"
+        group.add_argument(
+            "--" + field.name.replace("_", "-"),
+            dest="parameter_" + field.name,
+            type=kind,
+            metavar=field.metadata["unit"].upper() or ("TEXT" if kind is str else "N"),
+            help=text.replace("%", "%%"),
+        )
+    if name == AUTO:
+        group.description = "none; with --method NAME --help stand those of another method"
+    args = parser.parse(argv)
+    args.method = name
+    check_numbers(args)
+    given = {
+        name.removeprefix("parameter_"): value
+        for name, value in vars(args).items()
+        if name.startswith("parameter_") and value is not None
+    }
+    return args, method, given
+
+
+def check_numbers(args: argparse.Namespace) -> None:
+    """Raise `InvalidInputError` unless --threads and --seed are in their ranges."""
+    if args.threads is not None and args.threads < 1:
+        raise InvalidInputError(f"--threads is {args.threads}; it must be 1 or more")
+    if args.seed is not None and not 0 <= args.seed < 2**64:
+        raise InvalidInputError(f"--seed is {args.seed}; it must be from 0 to 2**64 - 1")
+
+
+def _refuse_parameters(parser: Parser, argv: list[str]) -> None:
+    """Name the methods that have a parameter which "auto" chooses by itself."""
+    from weftex.methods import owners
+
+    for word in argv:
+        option = word.split("=")[0]
+        if option.startswith("--") and option not in parser._option_string_actions:
+            able = owners(option[2:].replace("-", "_"))
+            if able:
+                raise InvalidInputError(
+                    f"{option} belongs to a method, so name one: --method {' or '.join(able)}"
+                )
+
+
+def parameters_of(method: type[Method]) -> Iterator[tuple[Any, str]]:
+    """Give each field of a method, and its range and default in words."""
+    from dataclasses import fields
+
+    from weftex.method import bounds
+
+    for field in fields(method):
+        unit = f" {field.metadata['unit']}" if field.metadata["unit"] else ""
+        default = field.metadata["default_text"]
+        if field.default is not None:
+            number = isinstance(field.default, float)
+            default = f"{field.default:g}{unit}" if number else f"{field.default}{unit}"
+        yield field, f"{bounds(field)}{unit}; default: {default}"
+
+
+def parse_size(text: str, huge: bool) -> tuple[int, int]:
+    """Height and width from 'WxH' or 'N'."""
+    try:
+        sides = [int(side) for side in text.lower().split("x")]
+        width, height = sides * 2 if len(sides) == 1 else sides
+    except ValueError:
+        raise InvalidInputError(
+            f"--size is '{text}'; it must be WxH or N, such as 640x480"
+        ) from None
+    if min(height, width) < 1:
+        raise InvalidInputError(f"--size is '{text}'; both sides must be 1 or more")
+    if height * width > _HUGE and not huge:
+        raise InvalidInputError(
+            f"--size is '{text}', more than {_HUGE} pixels; --allow-huge makes it anyway"
+        )
+    return height, width
+
+
+def parse_best_of(text: str) -> int | list[str]:
+    """A number of seeds, or names of methods."""
+    try:
+        return int(text)
+    except ValueError:
+        return parse_names(text)
+
+
+def parse_names(text: str) -> list[str]:
+    """Names of methods, with commas between them."""
+    return [word.strip() for word in text.split(",")]
+
+
+def parse_colors(text: str) -> list[tuple[int, ...]]:
+    """Colours from '#rrggbb,#rrggbb,...' or grey levels '0,255,...', for maps of 8 bits."""
+    return [_color(word.strip()) for word in text.split(",")]
+
+
+def parse_mixed(text: str) -> dict[tuple[int, ...], tuple[int, int]]:
+    """Colours of mixed regions from '#rrggbb=1+2,...'; samples count from 1."""
+    mixed = {}
+    for word in text.split(","):
+        color, _, pair = word.partition("=")
+        try:
+            first, second = (int(number) - 1 for number in pair.split("+"))
+        except ValueError:
+            raise InvalidInputError(
+                f"--mixed has '{word.strip()}'; it must be a colour and two samples, #rrggbb=1+2"
+            ) from None
+        mixed[_color(color.strip())] = first, second
+    return mixed
+
+
+def _color(word: str) -> tuple[int, ...]:
+    try:
+        if word.startswith("#") and len(word) == 7:
+            return tuple(bytes.fromhex(word[1:]))
+        return (int(word),)
+    except ValueError:
+        raise InvalidInputError(f"'{word}' is no colour; it must be #rrggbb or a level") from None

@@ -1,0 +1,193 @@
+"""What a run from a shell needs: a progress bar, all outputs or none, and a quick end on Ctrl-C."""
+
+from __future__ import annotations
+
+import os
+import signal
+import sys
+import threading
+from collections.abc import Callable
+from contextlib import ExitStack, suppress
+from time import perf_counter
+from typing import Any, TypeVar
+
+Result = TypeVar("Result")
+
+_BAR_AFTER = 0.5  # seconds
+_PATIENCE = 0.6  # seconds that work in hand has to end by itself
+
+
+class Stopped(BaseException):
+    """Ctrl-C or SIGTERM; `code` is the exit code."""
+
+    def __init__(self, code: int) -> None:
+        super().__init__(code)
+        self.code = code
+
+
+class Bar:
+    """A progress callback that shows a bar on a terminal once it has taken a while.
+
+    Parameters
+    ----------
+    quiet : bool
+        Show nothing.
+    """
+
+    def __init__(self, quiet: bool) -> None:
+        self._start, self._stop = perf_counter(), False
+        self._bar: Any = None
+        self._quiet = quiet or not sys.stderr.isatty()
+
+    def __call__(self, done: int, total: int, stage: str, preview: Callable[[], Any]) -> bool:
+        """Count; False once `stop` was called."""
+        if self._bar is None and not self._quiet and perf_counter() - self._start > _BAR_AFTER:
+            try:
+                from tqdm import tqdm
+
+                self._bar = tqdm(total=total, unit=f" {stage}", leave=False, file=sys.stderr)
+            except ImportError:
+                self._quiet = True
+        if self._bar is not None:
+            self._bar.update(done - self._bar.n)
+        return not self._stop
+
+    def stop(self) -> None:
+        """Cancel the work at its next step."""
+        self._stop = True
+
+    def close(self) -> None:
+        """Take the bar off the screen."""
+        if self._bar is not None:
+            self._bar.close()
+
+
+class Outputs:
+    """Files that appear together when all of them are written, or not at all."""
+
+    def __init__(self) -> None:
+        self._folders: set[str] = set()
+        self._made: list[str] = []
+        self._stack = ExitStack()
+
+    def __enter__(self) -> Outputs:
+        return self
+
+    def __exit__(self, *error: Any) -> None:
+        try:
+            self._stack.__exit__(*error)
+        finally:
+            if error[0] is not None:
+                self.sweep()
+
+    def make_folder(self, path: str) -> None:
+        """Make a folder that goes again if anything fails."""
+        from weftex.errors import FileError
+
+        if os.path.isdir(path):
+            return
+        try:
+            os.mkdir(path)
+        except OSError as error:
+            why = "it is a file" if os.path.exists(path) else error.strerror
+            raise FileError(f"{path}: cannot make this folder: {why}") from None
+        self._made.append(path)
+
+    def add(self, path: str) -> str:
+        """Return where to write what is to appear at `path`."""
+        from weftex.io.pictures import atomic
+
+        self._folders.add(os.path.dirname(os.path.realpath(path)))
+        return self._stack.enter_context(atomic(path))
+
+    def sweep(self) -> None:
+        """Remove what is unfinished."""
+        for folder in self._folders:
+            with suppress(OSError):
+                for name in os.listdir(folder):
+                    if name.startswith(f".weftex-{os.getpid()}-"):
+                        os.unlink(os.path.join(folder, name))
+        for folder in self._made:
+            with suppress(OSError):
+                os.rmdir(folder)
+
+
+def run(work: Callable[[Bar, Outputs], Result], quiet: bool) -> Result:
+    """Do `work` so that Ctrl-C and SIGTERM end it within a second, whatever it is in the middle of.
+
+    Python delivers signals between two steps of the main thread, and a step of the compiled part
+    may take long; so the work is done beside it. Its outputs appear when it ends well.
+
+    Parameters
+    ----------
+    work : callable
+        Takes the progress callback and the outputs.
+    quiet : bool
+        No progress bar.
+
+    Raises
+    ------
+    Stopped
+        When the work ended in time; else the process ends here.
+    """
+    outputs = Outputs()
+    bar, ended = Bar(quiet), threading.Event()
+    outcome: list[tuple[Result | None, BaseException | None]] = []
+
+    def begin() -> None:
+        try:
+            with outputs:
+                done = work(bar, outputs)
+            outcome.append((done, None))
+        except BaseException as error:
+            outcome.append((None, error))
+        finally:
+            ended.set()
+
+    def terminate(number: int, frame: object) -> None:
+        raise Stopped(128 + number)
+
+    # Only the main thread may set handlers, and gets signals.
+    numbers = [signal.SIGTERM, signal.SIGINT]
+    if threading.current_thread() is not threading.main_thread():
+        numbers = []
+    before = {number: signal.getsignal(number) for number in numbers}
+    if numbers:
+        signal.signal(signal.SIGTERM, terminate)
+    try:
+        try:
+            threading.Thread(target=begin, daemon=True).start()
+            while not ended.wait(0.2):  # without a limit Windows would not notice Ctrl-C
+                pass
+        except (KeyboardInterrupt, Stopped) as error:
+            for number in numbers:
+                signal.signal(number, signal.SIG_IGN)
+            bar.stop()
+            code = error.code if isinstance(error, Stopped) else 130
+            if not ended.wait(_PATIENCE):
+                outputs.sweep()
+                say("stopped; nothing was written")
+                os._exit(code)
+            raise Stopped(code) from None
+        finally:
+            bar.close()
+    finally:
+        for number, handler in before.items():
+            signal.signal(number, handler)
+    result, failure = outcome[0]
+    if failure is not None:
+        raise failure
+    return result  # type: ignore[return-value]
+
+
+def finish(work: Callable[[Bar, Outputs], str], quiet: bool) -> None:
+    """`run`, and what `work` returns is said unless `quiet`."""
+    message = run(work, quiet)
+    if not quiet:
+        for line in message.splitlines():
+            say(line)
+
+
+def say(text: str) -> None:
+    """Print one line about this program on stderr."""
+    print("weftex: " + " ".join(text.split()), file=sys.stderr, flush=True)

@@ -1,0 +1,51 @@
+"""Which of the compiled kernels this processor runs.
+
+On x86-64 every kernel is built twice from the same source: for any processor, and for those with
+AVX2, which makes patches a fifth faster and long rows twice as fast. Both give the same bytes,
+because sums are of integers. Setting WEFTEX_KERNELS=baseline takes the first kind.
+"""
+
+from __future__ import annotations
+
+import os
+import sys
+from collections.abc import Sequence
+from importlib.abc import MetaPathFinder
+from importlib.machinery import EXTENSION_SUFFIXES, ModuleSpec
+from importlib.util import spec_from_file_location
+from types import ModuleType
+
+_ROOT = os.path.dirname(__file__)
+
+
+class FastKernels(MetaPathFinder):
+    """Finds the AVX2 build of a kernel, where there is one and the processor has AVX2."""
+
+    def find_spec(
+        self, fullname: str, path: Sequence[str] | None, target: ModuleType | None = None
+    ) -> ModuleSpec | None:
+        """Return where the faster build of ``weftex....kernels`` is, or None."""
+        package, *inner = fullname.split(".")
+        if package != "weftex" or not fullname.endswith("kernels") or not _processor_is_fast():
+            return None
+        for suffix in EXTENSION_SUFFIXES:
+            file = os.path.join(_ROOT, "_avx2", *inner) + suffix
+            if os.path.exists(file):
+                return spec_from_file_location(fullname, file)
+        return None
+
+
+def _processor_is_fast() -> bool:
+    if os.environ.get("WEFTEX_KERNELS") == "baseline":
+        return False
+    try:  # NumPy has asked the processor already
+        from numpy._core._multiarray_umath import __cpu_features__ as features
+    except ImportError:
+        return False
+    return bool(features.get("AVX2"))
+
+
+def prefer_fast_kernels() -> None:
+    """Look for faster builds first, whenever a kernel is imported."""
+    if not any(isinstance(finder, FastKernels) for finder in sys.meta_path):
+        sys.meta_path.insert(0, FastKernels())

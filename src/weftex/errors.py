@@ -1,0 +1,38 @@
+"""The errors that weftex raises on purpose.
+
+Every message is one line that names the parameter, its value and the range, and where possible the
+fix; the command line prints that line and exits with code 2.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+
+
+class WeftexError(Exception):
+    """Base class of everything that weftex raises on purpose."""
+
+
+class InvalidInputError(WeftexError, ValueError):
+    """An argument, a picture or a combination of them cannot be worked with."""
+
+
+class UnsupportedError(WeftexError):
+    """The method cannot do this kind of canvas; the message names those that can."""
+
+
+class FileError(WeftexError, OSError):
+    """A file cannot be read or written."""
+
+
+class CancelledError(WeftexError):
+    """The progress callback asked to stop."""
+
+
+def did_you_mean(name: str, known: Iterable[str]) -> str:
+    """Return ``"; did you mean 'x'?"`` for the nearest known name, or the list of known names."""
+    import difflib  # only on the way to an error
+
+    known = sorted(known)
+    near = difflib.get_close_matches(name, known, n=1)
+    return f"; did you mean '{near[0]}'?" if near else f"; known: {', '.join(known)}"

@@ -1,0 +1,270 @@
+"""The sample of a material that everything is made from."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from functools import cached_property
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from weftex.errors import InvalidInputError
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+_DTYPES = ("uint8", "uint16", "float32", "float64")
+_LABELS = 32  # a sample's guide with at most so many colours is a map of labels
+
+
+class Exemplar:
+    """A sample: pixels, and what belongs to them.
+
+    Parameters
+    ----------
+    pixels : array (H, W) or (H, W, C)
+        uint8, uint16, float32 or float64; any number of channels. Kept as it is, never rescaled.
+    maps : mapping of str to array, optional
+        Aligned maps (normal, roughness, height …) of the same height and width, of any dtype and
+        channel count. They take part in matching, so that seams show in none of them.
+    mask : bool array (H, W), optional
+        True where a pixel may be used; everywhere by default.
+    guide : array (H, W) or (H, W, C), optional
+        What stands for the sample in a canvas's guide: a map of labels, which is what at most 32
+        colours or whole numbers are, or any picture. Without it guides are compared with the
+        sample's own pixels.
+    tileable : bool, optional
+        The sample repeats without a seam, so windows may run over its borders.
+    alpha : bool, optional
+        The last channel is straight alpha; by default it is for 2 and 4 channels.
+    icc : bytes, optional
+        Colour profile, carried along to files.
+    name : str, optional
+        What to call it in messages.
+
+    Attributes
+    ----------
+    shape : tuple of int
+        Height and width in pixels.
+
+    Raises
+    ------
+    InvalidInputError
+        For an empty picture, an unsupported dtype, NaN or infinity, or a mask or map of another
+        size.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> Exemplar(np.zeros((4, 6, 3), np.uint8)).shape
+    (4, 6)
+    """
+
+    def __init__(
+        self,
+        pixels: NDArray[Any],
+        *,
+        maps: Mapping[str, NDArray[Any]] | None = None,
+        mask: NDArray[np.bool_] | None = None,
+        guide: NDArray[Any] | None = None,
+        tileable: bool = False,
+        alpha: bool | None = None,
+        icc: bytes | None = None,
+        name: str = "sample",
+    ) -> None:
+        self.name, self.tileable, self.icc = name, bool(tileable), icc
+        self.pixels = check_pixels(pixels, name)
+        self.shape: tuple[int, int] = self.pixels.shape[:2]
+        self.channels: int = 1 if self.pixels.ndim == 2 else self.pixels.shape[2]
+        self.alpha: bool = self.channels in (2, 4) if alpha is None else bool(alpha)
+        if self.alpha and self.channels < 2:
+            raise InvalidInputError(f"{name} has one channel, so it cannot be colour with alpha")
+        self.maps = {key: check_pixels(value, key) for key, value in (maps or {}).items()}
+        for key, value in self.maps.items():
+            if value.shape[:2] != self.shape:
+                raise InvalidInputError(
+                    f"map '{key}' is {_size(value)}, {name} is {_size(self.pixels)}; "
+                    "aligned maps must have one size"
+                )
+        self.mask = None if mask is None else np.asarray(mask, bool)
+        if self.mask is not None and self.mask.shape != self.shape:
+            raise InvalidInputError(
+                f"mask is {_size(self.mask)}, {name} is {_size(self.pixels)}; they must be equal"
+            )
+        if self.mask is not None and not self.mask.any():
+            raise InvalidInputError(f"the mask of {name} leaves no usable pixel")
+        self.guide = None if guide is None else check_guide(guide, f"the guide of {name}")
+        if self.guide is not None and self.guide.shape[:2] != self.shape:
+            raise InvalidInputError(
+                f"the guide of {name} is {_size(self.guide)}, {name} is {_size(self.pixels)}; "
+                "they must be equal"
+            )
+        self._matching: dict[float, NDArray[np.uint8]] = {}
+
+    def with_guide(self, guide: NDArray[Any]) -> Exemplar:
+        """Return the same sample with this guide."""
+        return Exemplar(
+            self.pixels,
+            maps=self.maps,
+            mask=self.mask,
+            guide=guide,
+            tileable=self.tileable,
+            alpha=self.alpha,
+            icc=self.icc,
+            name=self.name,
+        )
+
+    def matching(self, edge_weight: float = 0.0) -> NDArray[np.uint8]:
+        """Return what distances are taken on: bytes, so that they are exact integers.
+
+        Parameters
+        ----------
+        edge_weight : float
+            Appends the gradient's magnitude, times this; see `as_matching`.
+
+        Returns
+        -------
+        uint8 array (H, W, K)
+            The pixels themselves for plain 8-bit pictures without maps.
+        """
+        if edge_weight not in self._matching:
+            own = [self.as_matching(self.pixels, edge_weight)]
+            # All maps together weigh as much as the picture.
+            share = (len(self.maps) or 1) ** -0.5
+            for value in self.maps.values():
+                channels = 1 if value.ndim == 2 else value.shape[2]
+                levels = _to_bytes(value, _scale(value)) * (
+                    share * (self.channels / channels) ** 0.5
+                )
+                own.append(np.rint(np.minimum(levels, 255)).astype(np.uint8))
+            whole = own[0] if len(own) == 1 else np.concatenate(own, axis=2)
+            self._matching[edge_weight] = np.ascontiguousarray(whole)
+        return self._matching[edge_weight]
+
+    def as_matching(self, pixels: NDArray[Any], edge_weight: float = 0.0) -> NDArray[np.uint8]:
+        """Map pixels of this sample's dtype and channels to bytes as the sample's own are.
+
+        Brightness ratios survive (a tolerance relative to the canvas means the same at any bit
+        depth) unless the values lie in a narrow band, which is then stretched. Alpha is multiplied
+        in and kept beside the colours, so that the colour of clear pixels does not count.
+        """
+        pixels = pixels.reshape(*pixels.shape[:2], -1)
+        if self.alpha:
+            top = {"u": 255 if pixels.dtype == np.uint8 else 65535, "f": 1}[pixels.dtype.kind]
+            clear = np.clip(pixels[..., -1:] / top, 0, 1)
+            levels = _to_bytes(pixels[..., :-1], _scale(self.pixels[..., :-1])) * clear
+            levels = np.concatenate([levels, clear * 255], axis=2)
+            result = np.rint(levels).astype(np.uint8)
+        elif pixels.dtype == np.uint8:
+            result = pixels
+        else:
+            result = np.rint(_to_bytes(pixels, _scale(self.pixels))).astype(np.uint8)
+        if edge_weight > 0:
+            result = np.concatenate([result, _edges(result, edge_weight)], axis=2)
+        return np.ascontiguousarray(result)
+
+    @cached_property
+    def labels(self) -> NDArray[Any] | None:
+        """The colours (n, C) of a guide that is a map of labels; None for any other picture."""
+        if self.guide is None:
+            return None
+        found = np.unique(self.guide.reshape(self.shape[0] * self.shape[1], -1), axis=0)
+        return found if len(found) <= _LABELS else None
+
+    def as_guide(self, pixels: NDArray[Any]) -> NDArray[np.uint8]:
+        """Map a guide to bytes, so that it can be compared with the sample's own.
+
+        Labels become as many channels, so that any two of them are equally far apart.
+
+        Raises
+        ------
+        InvalidInputError
+            If there is a label that the sample's guide lacks.
+        """
+        if self.guide is None:
+            return self.as_matching(pixels)
+        if self.labels is None:
+            return np.ascontiguousarray(np.rint(_to_bytes(pixels, _scale(self.guide))), np.uint8)
+        flat = pixels.reshape(pixels.shape[0] * pixels.shape[1], -1)
+        same = np.stack([(flat == label).all(axis=1) for label in self.labels], axis=1)
+        unknown = np.flatnonzero(~same.any(axis=1))
+        if len(unknown):
+            there = ", ".join(map(_colour, self.labels[:6])) + ", ..." * (len(self.labels) > 6)
+            raise InvalidInputError(
+                f"the guide has the colour {_colour(flat[unknown[0]])}, which the guide of "
+                f"{self.name} lacks; that is a map of labels and has {there}"
+            )
+        same = same[:, -1:] if len(self.labels) <= 2 else same
+        return np.ascontiguousarray(255 * same.reshape(*pixels.shape[:2], -1), np.uint8)
+
+
+def check_guide(pixels: NDArray[Any], name: str) -> NDArray[Any]:
+    """`check_pixels`, but for labels in whole numbers of any type too."""
+    pixels = np.asarray(pixels)
+    if pixels.dtype.kind in "biu" and pixels.dtype.name not in _DTYPES and pixels.size:
+        if pixels.min() < 0 or pixels.max() > 65535:
+            raise InvalidInputError(
+                f"{name} has labels from {pixels.min()} to {pixels.max()}; they must be from 0 to "
+                "65535"
+            )
+        pixels = pixels.astype(np.uint16)
+    return check_pixels(pixels, name)
+
+
+def check_pixels(pixels: NDArray[Any], name: str) -> NDArray[Any]:
+    """Return `pixels` contiguous, or raise `InvalidInputError` saying what is wrong with them."""
+    pixels = np.asarray(pixels)
+    if pixels.dtype.name not in _DTYPES:
+        if pixels.dtype == bool:
+            raise InvalidInputError(f"{name} is boolean; multiply by 255 and make it uint8")
+        raise InvalidInputError(f"{name} has dtype {pixels.dtype}; supported: {', '.join(_DTYPES)}")
+    if pixels.ndim not in (2, 3):
+        raise InvalidInputError(
+            f"{name} has {pixels.ndim} dimensions; a picture is (height, width[, channels])"
+        )
+    if 0 in pixels.shape:
+        raise InvalidInputError(f"{name} is empty: its shape is {pixels.shape}")
+    if pixels.dtype.kind == "f" and not np.isfinite(pixels).all():
+        raise InvalidInputError(f"{name} contains NaN or infinity; replace them first")
+    return np.ascontiguousarray(pixels, pixels.dtype.newbyteorder("="))
+
+
+def _size(pixels: NDArray[Any]) -> str:
+    return f"{pixels.shape[1]}x{pixels.shape[0]}"
+
+
+def _colour(values: NDArray[Any]) -> str:
+    text = ", ".join(f"{v:g}" for v in values)
+    return f"({text})" if len(values) > 1 else text
+
+
+def _scale(pixels: NDArray[Any]) -> tuple[float, float]:
+    """The values that become 0 and 255."""
+    if pixels.dtype == np.uint8:
+        return 0.0, 255.0
+    if pixels.dtype == np.uint16:
+        low, high = float(pixels.min()), float(pixels.max())
+        full = 65535.0
+    else:
+        # A few specular pixels of an HDR picture must not turn the rest black.
+        low, high = (float(q) for q in np.quantile(pixels, (0.001, 0.999)))
+        full = 1.0
+    if low >= 0 and high <= full and high - low >= full / 8:
+        return 0.0, full  # the same bytes as the 8-bit version of the picture
+    if 0 <= low < 0.75 * high:
+        low = 0.0
+    return low, high if high > low else low + max(1.0, abs(low))
+
+
+def _to_bytes(pixels: NDArray[Any], scale: tuple[float, float]) -> NDArray[np.float64]:
+    low, high = scale
+    pixels = pixels.reshape(*pixels.shape[:2], -1).astype(np.float64)
+    return np.clip((pixels - low) * (255 / (high - low)), 0, 255)
+
+
+def _edges(levels: NDArray[np.uint8], weight: float) -> NDArray[np.uint8]:
+    """Gradient magnitude of the brightness: it is what an interrupted outline differs in."""
+    grey = levels.mean(axis=2)
+    dy, dx = (np.gradient(grey, axis=a) if grey.shape[a] > 1 else 0 * grey for a in (0, 1))
+    edges: NDArray[np.uint8] = np.rint(np.minimum(weight * np.hypot(dy, dx), 255)).astype(np.uint8)
+    return edges[..., None]

@@ -1,0 +1,1 @@
+"""Files of pictures: formats, depth, colour profiles, sets of maps."""

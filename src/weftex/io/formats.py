@@ -1,0 +1,288 @@
+"""What picture formats can hold, and how files of them are checked, decoded and encoded.
+
+Only `weftex.io.pictures` uses this; the work is OpenImageIO's, and this is what it leaves open.
+"""
+
+from __future__ import annotations
+
+import os
+import zlib
+from dataclasses import dataclass
+from typing import IO, TYPE_CHECKING, Any
+
+import numpy as np
+
+from weftex.errors import FileError, InvalidInputError
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    StrPath = str | os.PathLike[str]
+
+PNG = b"\x89PNG\r\n\x1a\n"
+SIGNATURES = {
+    "png": (PNG,),
+    "jpeg": (b"\xff\xd8\xff",),
+    "tiff": (b"II*\0", b"MM\0*", b"II+\0", b"MM\0+"),
+    "bmp": (b"BM",),
+    "openexr": (b"v/1\x01",),
+    "hdr": (b"#?RADIANCE", b"#?RGBE"),
+    "jpegxl": (b"\xff\x0a", b"\0\0\0\x0cJXL \r\n\x87\n"),
+}
+FLOATS = dict.fromkeys(("half", "float", "double"), "float")
+READ_AS = {"uint8": "uint8", "uint16": "uint16"} | FLOATS
+
+
+@dataclass(frozen=True)
+class Format:
+    """What a format can hold, and how it is written."""
+
+    name: str
+    types: tuple[str, ...]
+    side: int
+    colours: tuple[int, ...] = (1, 3)  # empty: any number
+    alpha: bool = True
+    widen: tuple[int, ...] = ()  # channel counts whose grey is stored as RGB
+    options: tuple[tuple[str, int | str], ...] = ()
+
+    def holds(self, dtype: str, colours: int, alpha: bool) -> bool:
+        """Whether pixels of this kind can be written."""
+        counts = self.colours or (colours,)
+        return dtype in self.types and colours in counts and alpha <= self.alpha
+
+
+# TIFF and EXR record the present unless told another date, and no two runs would give equal bytes.
+DATE = ("DateTime", "1980:01:01 00:00:00")
+PLAIN = ("oiio:ColorSpace", "unknown")
+# One PNG filter takes two thirds of the time of libpng's choice among five, and the files are as
+# small. WebP at its own effort takes 30 times as long for 1 % less. A TIFF predictor for floats is
+# more than many readers know. An unknown colour space keeps sRGB tags off maps and wide gamuts.
+FORMATS = {
+    ".png": Format("png", ("uint8", "uint16"), 1_000_000,
+                    options=(("png:compressionLevel", 3), ("png:filter", 128), PLAIN)),
+    ".jpg": Format("jpeg", ("uint8",), 65_500, alpha=False, options=(
+                    ("compression", "jpeg:95"), ("jpeg:subsampling", "4:4:4"), PLAIN)),
+    ".tif": Format("tiff", ("uint8", "uint16", "float32"), 2**20, (),
+                    options=(("compression", "zip"), ("tiff:predictor", 1), DATE)),
+    ".webp": Format("webp", ("uint8",), 16_383, widen=(1, 2),
+                     options=(("compression", "lossless"), ("webp:method", 0))),
+    ".bmp": Format("bmp", ("uint8",), 65_535, alpha=False),
+    ".exr": Format("openexr", ("float32",), 2**20, (), options=(("compression", "zip"), DATE)),
+}  # fmt: skip
+FORMATS |= {".jpeg": FORMATS[".jpg"], ".tiff": FORMATS[".tif"]}
+READABLE = (*FORMATS, ".jxl", ".hdr")
+
+
+def image_library() -> Any:
+    """Return OpenImageIO."""
+    import OpenImageIO  # 20 ms, for those who read or write a picture
+
+    return OpenImageIO
+
+
+def suffix_of(path: str) -> str:
+    """Return the suffix in lower case, with its dot."""
+    return os.path.splitext(path)[1].lower()
+
+
+def kind_of(name: str, given: str) -> str:
+    """Return the format that the first bytes of the file show."""
+    try:
+        if os.path.isdir(name):
+            raise file_error(given, "is a folder; name a picture in it")
+        if os.path.exists(name) and not os.path.isfile(name):
+            raise file_error(given, "is not a regular file")
+        name.encode()  # the library takes no other names
+        with open(name, "rb") as file:
+            head = file.read(16)
+            if head.startswith(PNG):
+                check_png(file, given)
+    except FileError:
+        raise
+    except (OSError, ValueError) as error:
+        raise file_error(given, "cannot read", error) from None
+    if not head:
+        raise file_error(given, "the file is empty")
+    if head[:4] == b"RIFF" and head[8:12] == b"WEBP":
+        return "webp"
+    for kind, signatures in SIGNATURES.items():
+        if head.startswith(signatures):
+            return kind
+    raise file_error(given, f"is not a picture that weftex reads ({', '.join(READABLE)})")
+
+
+def check_png(file: IO[bytes], given: str) -> None:
+    """Find damage before libpng does, which prints to the terminal before it reports."""
+    size, position, kind, seen = os.fstat(file.fileno()).st_size, len(PNG), b"", set()
+    while kind != b"IEND":
+        file.seek(position)
+        head = file.read(8)
+        length, kind = int.from_bytes(head[:4], "big"), head[4:]
+        if len(head) < 8 or position + 12 + length > size:
+            raise file_error(given, "the file is cut short")
+        body, check = file.read(length), int.from_bytes(file.read(4), "big")
+        sides = [int.from_bytes(body[k : k + 4], "big") for k in (0, 4)]
+        header = position > len(PNG) or (kind == b"IHDR" and 0 < min(sides) <= max(sides) <= 10**6)
+        if not header or zlib.crc32(body, zlib.crc32(kind)) != check:
+            raise file_error(given, "the file is damaged")
+        position += 12 + length
+        seen.add(kind)
+    if b"IDAT" not in seen:
+        raise file_error(given, "the file is damaged")
+
+
+def check_spec(spec: Any, given: str, max_pixels: int | None) -> None:
+    """Refuse what is too large or of no use, from the header alone."""
+    # A reader takes memory for a whole tile, which a header may claim to be larger than the rest.
+    area = max(spec.width * spec.height, spec.tile_width * spec.tile_height)
+    if max_pixels is not None and area > max_pixels:
+        size = f"{spec.width} x {spec.height} pixels"
+        raise file_error(given, f"{size} are more than max_pixels = {max_pixels}")
+    for space in map(spec.get_string_attribute, ("tiff:ColorSpace", "jpeg:ColorSpace")):
+        if space in ("CMYK", "YCCK", "CIELAB", "ICCLAB", "ITULAB"):
+            raise file_error(given, f"holds {space} colours; convert it to RGB first")
+    if spec.deep or spec.depth > 1:
+        raise file_error(given, "is a deep or volume picture; weftex reads flat ones")
+    if str(spec.format) not in READ_AS:
+        raise file_error(given, f"holds {spec.format} pixels; weftex reads uint8, uint16 and float")
+    if str(spec.format) == "double" and spec.tile_width:  # OpenImageIO 3.2 reads them wrong
+        raise file_error(given, "holds tiled float64 pixels; store them as float32 or untiled")
+
+
+def straight(pixels: NDArray[Any], spec: Any, kind: str) -> tuple[NDArray[Any], bool]:
+    """Return the pixels with straight alpha as the last channel, and whether there is any."""
+    place = spec.alpha_channel
+    # Many programs leave the fourth byte of a bitmap's pixels at zero and mean nothing by it.
+    if kind == "bmp" and place == 3 and not pixels[..., 3].any():
+        pixels, place = pixels[..., :3], -1
+    if place < 0 or pixels.shape[2] == 1:
+        return (pixels[..., 0] if pixels.shape[2] == 1 else pixels), False
+    colour, cover = np.delete(pixels, place, axis=2), pixels[..., place : place + 1]
+    if kind in ("tiff", "openexr") and not spec.get_int_attribute("oiio:UnassociatedAlpha"):
+        if pixels.dtype.kind == "f":
+            with np.errstate(all="ignore"):
+                np.divide(colour, cover, out=colour, where=cover > 0)
+        else:
+            top, part = (
+                np.uint32(np.iinfo(pixels.dtype).max),
+                np.maximum(cover, 1).astype("u4"),
+            )
+            whole = np.minimum((colour.astype("u4") * top + part // 2) // part, top)
+            colour = np.where(cover > 0, whole, colour).astype(pixels.dtype)
+    return np.concatenate([colour, cover], axis=2), True
+
+
+def upright(pixels: NDArray[Any], orientation: int) -> NDArray[Any]:
+    """Undo an EXIF orientation."""
+    if orientation in (5, 6, 7, 8):
+        pixels = pixels.swapaxes(0, 1)
+    if orientation in (3, 4, 7, 8):
+        pixels = pixels[::-1]
+    if orientation in (2, 3, 6, 7):
+        pixels = pixels[:, ::-1]
+    return pixels
+
+
+def varies(pixels: NDArray[Any]) -> bool:
+    """Whether any pixel differs from the first."""
+    return bool((pixels != pixels[:1, :1]).any())
+
+
+def check_fit(given: str, form: Format, pixels: NDArray[Any], alpha: bool) -> None:
+    """Refuse what is no picture, or what the format cannot hold."""
+    shape, suffix = pixels.shape, suffix_of(given)
+    colours = (shape[2] if len(shape) == 3 else 1) - alpha
+    dtype = "float32" if pixels.dtype.kind == "f" else pixels.dtype.name
+    if len(shape) not in (2, 3) or 0 in shape:
+        problem = f"pixels of shape {shape} are no picture; use (H, W) or (H, W, C), not empty"
+    elif colours < 1:
+        problem = "alpha needs at least one channel of colour beside it"
+    elif dtype not in ("uint8", "uint16", "float32"):
+        problem = f"{dtype} pixels are not written; use uint8, uint16 or float32"
+    elif not form.holds(dtype, colours, alpha):
+        able = [key for key in sorted(FORMATS) if FORMATS[key].holds(dtype, colours, alpha)]
+        what = f"{dtype} pixels of {colours} channel{'s'[: colours > 1]}{' and alpha' * alpha}"
+        problem = f"'{suffix}' cannot hold {what}; use {', '.join(able)}"
+    elif max(shape[:2]) > form.side:
+        problem = f"'{suffix}' holds at most {form.side} pixels a side, not {max(shape[:2])}"
+    else:
+        return
+    raise InvalidInputError(f"{given}: {problem}")
+
+
+def fits(icc: bytes | None, colours: int) -> bool:
+    """Return whether this is a whole profile for so many channels."""
+    space = {1: b"GRAY", 3: b"RGB "}.get(colours)
+    whole = icc is not None and len(icc) > 128 and int.from_bytes(icc[:4], "big") == len(icc)
+    return icc is not None and whole and icc[36:40] == b"acsp" and icc[16:20] == space
+
+
+def reserve(path: str, size: int) -> None:
+    """Fill the file up to this size with noise, which no file system can compress away."""
+    block = memoryview(os.urandom(2**18))
+    with open(path, "r+b", buffering=0) as file:
+        while size > 0:
+            size -= file.write(block[:size])
+
+
+def encode(path: str, form: Format, pixels: NDArray[Any], alpha: bool, icc: bytes | None) -> str:
+    """Write with OpenImageIO and return what went wrong, or nothing."""
+    oiio = image_library()
+    height, width, channels = pixels.shape
+    spec = oiio.ImageSpec(width, height, channels, READ_AS.get(pixels.dtype.name, "float"))
+    colours = channels - alpha
+    names = ["Y"] if colours == 1 else ["R", "G", "B"] if colours >= 3 else []
+    names += [f"channel{k:04}" for k in range(len(names), colours)]
+    spec.channelnames = (*names, *["A"] * alpha)
+    spec.alpha_channel = colours if alpha else -1
+    for key, value in (("oiio:UnassociatedAlpha", 1), *form.options):
+        spec[key] = value
+    if icc is not None:
+        kind = oiio.TypeDesc(oiio.UINT8, oiio.SCALAR, oiio.NOSEMANTICS, len(icc))
+        spec.attribute("ICCProfile", kind, np.frombuffer(icc, np.uint8))
+    file = oiio.ImageOutput.create(form.name)
+    done = file.open(path, spec) and file.write_image(pixels) and file.close()
+    return "" if done else complaint(file) or "the encoder failed"
+
+
+def complaint(source: Any) -> str:
+    """Take the library's error, which is printed at the end of the process if nobody does."""
+    try:
+        return str(source.geterror())
+    except UnicodeDecodeError:  # it quotes the damaged file
+        return "unknown error"
+
+
+def file_error(path: StrPath, what: str, why: object = "") -> FileError:
+    """Return a one-line error, whatever the library had to say."""
+    if isinstance(why, OSError) and why.strerror:
+        why = why.strerror
+    lines = str(why).strip().splitlines()
+    return FileError(f"{show(os.fsdecode(path))}: {what}{': '.join(['', *lines[:1]])}")
+
+
+def show(path: str) -> str:
+    """Return a path that prints on one line."""
+    return "".join(c if c.isprintable() else ascii(c)[1:-1] for c in path) or "''"
+
+
+def png(pixels: NDArray[np.uint8]) -> bytes:
+    """Return a grey or RGB picture as a PNG file in memory, to be put into a page."""
+    import struct
+    import zlib
+
+    levels = pixels if pixels.ndim == 3 else pixels[..., None]
+    height, width, channels = levels.shape
+    lines = np.zeros((height, 1 + width * channels), np.uint8)
+    lines[:, 0] = 2  # each line less the one above
+    flat = levels.reshape(height, -1)
+    lines[0, 1:] = flat[0]
+    lines[1:, 1:] = flat[1:] - flat[:-1]
+
+    def chunk(kind: bytes, data: bytes) -> bytes:
+        body = kind + data
+        return struct.pack(">I", len(data)) + body + struct.pack(">I", zlib.crc32(body))
+
+    about = struct.pack(">IIBBBBB", width, height, 8, 2 if channels == 3 else 0, 0, 0, 0)
+    parts = ((b"IHDR", about), (b"IDAT", zlib.compress(lines.tobytes(), 6)), (b"IEND", b""))
+    return b"\x89PNG\r\n\x1a\n" + b"".join(chunk(*part) for part in parts)

@@ -1,0 +1,362 @@
+"""Pictures in and out: the only place that touches files.
+
+Pixels keep the type they are stored in: uint8, uint16 or float32. Alpha is always straight, colours
+are never converted, and what a format cannot hold is refused instead of squeezed in.
+
+======  =====================  =========================================
+suffix  pixel types written    channels
+======  =====================  =========================================
+.png    uint8, uint16          grey or RGB, with alpha or without
+.jpg    uint8, at quality 95   grey or RGB
+.tif    uint8, uint16, float   any number, with alpha or without
+.webp   uint8, lossless        RGB, RGBA; grey is stored as RGB
+.bmp    uint8                  grey or RGB
+.exr    float                  any number, with alpha or without
+======  =====================  =========================================
+
+JPEG XL and Radiance HDR are only read. Reading goes by the content of a file, not by its name. The
+path ``sample:NAME`` names a picture, or a folder of maps, that ships with weftex.
+"""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Collection, Iterator
+from contextlib import contextmanager, suppress
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from weftex.errors import FileError, did_you_mean
+from weftex.io.formats import (
+    FORMATS,
+    READ_AS,
+    READABLE,
+    check_fit,
+    check_spec,
+    complaint,
+    encode,
+    file_error,
+    fits,
+    image_library,
+    kind_of,
+    reserve,
+    show,
+    straight,
+    suffix_of,
+    upright,
+    varies,
+)
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    StrPath = str | os.PathLike[str]
+
+MAX_PIXELS = 2**28
+"""The default limit on the width times height of a picture that is read."""
+
+_SAMPLES = os.path.join(os.path.dirname(os.path.dirname(os.path.abspath(__file__))), "samples")
+
+
+@dataclass(frozen=True, eq=False)
+class Picture:
+    """A picture as it was stored.
+
+    Attributes
+    ----------
+    pixels : ndarray
+        ``(H, W)`` for a single channel, else ``(H, W, C)``; uint8, uint16 or float32.
+    alpha : bool
+        Whether the last channel is alpha, straight (unassociated).
+    icc : bytes or None
+        The colour profile of the file.
+    path : str
+        The path that it was read from, as given.
+    """
+
+    pixels: NDArray[Any] = field(repr=False)
+    alpha: bool
+    icc: bytes | None = field(repr=False)
+    path: str
+
+
+def read_image(path: StrPath, *, max_pixels: int | None = MAX_PIXELS) -> Picture:
+    """Read a picture.
+
+    Half and double floats become float32; palettes and fewer than 8 bits become uint8. The EXIF
+    orientation is applied. Of several parts the first is read, of an EXR its data window. Alpha
+    that a TIFF or EXR stores premultiplied is divided out, and moved last. Refused are CMYK and
+    Lab, signed and 32-bit integers, deep and volume pictures.
+
+    Parameters
+    ----------
+    path : str or path-like
+        The file, or ``sample:NAME``.
+    max_pixels : int or None
+        The largest width times height to accept, checked before memory is taken; None for any.
+
+    Raises
+    ------
+    FileError
+        If the file is missing, unreadable, damaged, cut short, too large or not a picture.
+    """
+    name, given = _locate(path)
+    kind = kind_of(name, given)
+    oiio = image_library()
+    # Some readers decode while they open, so the library must know the limit before. Four floats
+    # are 16 bytes; the floor is for pictures of few pixels and many channels.
+    limit = 0 if max_pixels is None else max(256, -(-max_pixels // 2**16))
+    oiio.attribute("limits:imagesize_MB", limit)
+    hint = oiio.ImageSpec()
+    hint["oiio:UnassociatedAlpha"] = 1
+    try:
+        source = oiio.ImageInput.open(name, hint)
+        if source is None:
+            problem = complaint(oiio)
+            large = f"is larger than max_pixels = {max_pixels}"
+            raise file_error(given, large if "imagesize_MB" in problem else "cannot read", problem)
+        # The reader that goes with the suffix is asked first, and some claim any file.
+        if source.format_name() != kind:
+            raise file_error(
+                given,
+                f"is a {kind} picture under the name of another format; rename it",
+            )
+        spec = source.spec()
+        check_spec(spec, given, max_pixels)
+        pixels = source.read_image(0, 0, 0, spec.nchannels, READ_AS[str(spec.format)])
+        problem = complaint(source)
+        source.close()
+    except MemoryError:
+        raise file_error(given, "does not fit in memory") from None
+    # Readers hand out what they have of a damaged file, so the message counts, not the pixels.
+    if pixels is None or problem:
+        raise file_error(given, "the file is damaged or cut short", problem)
+    pixels, alpha = straight(pixels, spec, kind)
+    pixels = upright(pixels, spec.get_int_attribute("Orientation", 1))
+    icc = spec.getattribute("ICCProfile")
+    return Picture(np.ascontiguousarray(pixels), alpha, None if icc is None else bytes(icc), given)
+
+
+def write_image(
+    path: StrPath,
+    pixels: NDArray[Any],
+    *,
+    alpha: bool = False,
+    icc: bytes | None = None,
+) -> None:
+    """Write a picture; the file appears whole or not at all.
+
+    float16 and float64 are written as float32. Nothing else is converted: see the table of this
+    module. An EXR gets its alpha premultiplied, as that format asks, and so loses colour under zero
+    alpha; so does a WebP. Symbolic links are written through, permissions kept.
+
+    Parameters
+    ----------
+    path : str or path-like
+        The file; its suffix chooses the format.
+    pixels : ndarray
+        ``(H, W)`` or ``(H, W, C)``.
+    alpha : bool
+        Whether the last channel is straight alpha.
+    icc : bytes or None
+        A colour profile. It is left out where the format holds none (BMP, EXR), and where it is
+        broken or made for another number of channels, such as an RGB profile for a grey picture.
+
+    Raises
+    ------
+    InvalidInputError
+        If the array is not a picture, or the format cannot hold it.
+    FileError
+        If the file cannot be written; then what was there before is untouched.
+    """
+    check_output(path, pixels, alpha=alpha)
+    form = FORMATS[suffix_of(os.fsdecode(path))]
+    native = np.float32 if pixels.dtype.kind == "f" else pixels.dtype.newbyteorder("=")
+    with np.errstate(all="ignore"):  # infinities are as good as any other value
+        pixels = np.ascontiguousarray(np.atleast_3d(pixels), native)
+        if alpha and form.name == "openexr":
+            pixels = np.concatenate([pixels[..., :-1] * pixels[..., -1:], pixels[..., -1:]], axis=2)
+    if pixels.shape[2] in form.widen:
+        pixels = np.concatenate([pixels[..., :1]] * 2 + [pixels], axis=2)
+    with atomic(path) as temporary:
+        # On a full disk PNG reports success, JPEG ends the process and WebP crashes, so room is
+        # made sure of first. Noise can grow by an eighth.
+        reserve(temporary, pixels.nbytes * 5 // 4 + len(icc or b"") + 2**16)
+        profile = icc if fits(icc, pixels.shape[2] - alpha) else None
+        problem = encode(temporary, form, pixels, alpha, profile)
+        if problem and profile is not None:  # libpng is stricter about them than we are
+            problem = encode(temporary, form, pixels, alpha, None)
+        if problem:
+            raise file_error(path, "cannot write", problem)
+
+
+def check_output(
+    path: StrPath,
+    like: NDArray[Any] | None = None,
+    *,
+    alpha: bool = False,
+    suffixes: Collection[str] | None = None,
+) -> None:
+    """Refuse an output path that cannot work, before any work is done for it.
+
+    Parameters
+    ----------
+    path : str or path-like
+        The file to be written.
+    like : ndarray or None
+        An array with the type and channels of what will be written, such as the sample's pixels;
+        then its fit to the format is checked as well.
+    alpha : bool
+        Whether the last channel of `like` is alpha.
+    suffixes : collection of str or None
+        Suffixes to accept instead of those of pictures, such as ``(".npz",)``.
+
+    Raises
+    ------
+    InvalidInputError
+        If the format cannot hold `like`.
+    FileError
+        If the suffix is unknown, the folder missing or read-only, or the path a folder.
+    """
+    given, known = os.fsdecode(path), FORMATS if suffixes is None else suffixes
+    suffix, target = suffix_of(given), _target(given)
+    folder = os.path.dirname(target)
+    if given.startswith("sample:"):
+        raise file_error(given, "samples cannot be overwritten; name a file")
+    if os.path.isdir(target):
+        raise file_error(given, "is a folder; name a file in it")
+    if suffix not in known:
+        near = did_you_mean(suffix, known) if suffix else f"; known: {', '.join(sorted(known))}"
+        raise file_error(
+            given,
+            f"cannot write {f'{suffix!r}' if suffix else 'without a suffix'}{near}",
+        )
+    if not os.path.isdir(folder):
+        raise file_error(given, f"the folder {show(folder)} does not exist")
+    if not os.access(folder, os.W_OK | os.X_OK):
+        raise file_error(given, f"the folder {show(folder)} is read-only")
+    if os.path.lexists(target) and not (os.path.isfile(target) and os.access(target, os.W_OK)):
+        raise file_error(given, "exists and cannot be overwritten")
+    if like is not None and suffixes is None:
+        check_fit(show(given), FORMATS[suffix], like, alpha)
+
+
+def read_mask(path: StrPath, *, max_pixels: int | None = MAX_PIXELS) -> NDArray[np.bool_]:
+    """Read a picture as an ``(H, W)`` mask.
+
+    A pixel is True where any colour channel reaches half of the range: 128, 32768 or 0.5. Alpha is
+    ignored, unless the colour is the same everywhere and alpha is not: then alpha is the mask. The
+    parameters are those of `read_image`.
+    """
+    picture = read_image(path, max_pixels=max_pixels)
+    pixels = np.atleast_3d(picture.pixels)
+    if picture.alpha:
+        colour, cover = pixels[..., :-1], pixels[..., -1:]
+        pixels = cover if varies(cover) and not varies(colour) else colour
+    half = 0.5 if pixels.dtype.kind == "f" else np.iinfo(pixels.dtype).max // 2 + 1
+    return np.asarray((pixels >= half).any(axis=2))
+
+
+def read_maps(folder: StrPath, *, max_pixels: int | None = MAX_PIXELS) -> dict[str, Picture]:
+    """Read all pictures of a folder, or of ``sample:NAME``: the maps of one material.
+
+    They are sorted by their names without suffix. Hidden files, folders and files of other suffixes
+    are passed over. Sizes are not compared; `max_pixels` holds for each (see `read_image`).
+    """
+    name, given = _locate(folder)
+    try:
+        files = sorted(os.listdir(name))
+    except (OSError, ValueError) as error:
+        raise file_error(given, "cannot read the folder", error) from None
+    maps: dict[str, Picture] = {}
+    for file in files:
+        stem, full = os.path.splitext(file)[0], os.path.join(name, file)
+        if file.startswith(".") or suffix_of(file) not in READABLE or os.path.isdir(full):
+            continue
+        if stem in maps:
+            raise file_error(given, f"has two pictures named '{show(stem)}'; keep one")
+        maps[stem] = read_image(full, max_pixels=max_pixels)
+    if not maps:
+        raise file_error(given, f"has no pictures ({', '.join(READABLE)})")
+    return dict(sorted(maps.items()))
+
+
+@contextmanager
+def atomic(path: StrPath) -> Iterator[str]:
+    """Give a temporary path beside `path` that replaces it when the block ends well.
+
+    It is an empty file with the same suffix. On any exception it is removed, and `path` is as it
+    was. Symbolic links are written through; an existing file keeps its permissions, a new one gets
+    the usual ones. An OSError in the block becomes a FileError.
+    """
+    target = _target(os.fsdecode(path))
+    # A name of its own, because the target's with a tail may be too long for the file system.
+    name = f".weftex-{os.getpid()}-{os.urandom(4).hex()}{os.path.splitext(target)[1]}"
+    temporary = os.path.join(os.path.dirname(target), name)
+    try:
+        # Not the tempfile module: its files can be read by their owner alone.
+        os.close(os.open(temporary, os.O_CREAT | os.O_EXCL | os.O_WRONLY, 0o666))
+        yield temporary
+        with suppress(FileNotFoundError):
+            os.chmod(temporary, os.stat(target).st_mode & 0o777)
+        os.replace(temporary, target)
+    except BaseException as error:
+        with suppress(OSError):
+            os.unlink(temporary)
+        if isinstance(error, OSError) and not isinstance(error, FileError):
+            raise file_error(path, "cannot write", error) from None
+        raise
+
+
+def sample_names() -> list[str]:
+    """Return the names of the samples that ship with weftex, sorted, a set of maps as one."""
+    return sorted(name for name in _samples() if "/" not in name)
+
+
+def sample_path(name: str) -> str:
+    """Return the path of a shipped sample by NAME or ``sample:NAME``.
+
+    It is a picture or a folder of maps; ``FOLDER/MAP`` names one of these.
+    """
+    name, samples = name.removeprefix("sample:"), _samples()
+    if name not in samples:
+        raise FileError(f"no sample is named '{show(name)}'{did_you_mean(name, samples)}")
+    return os.path.join(_SAMPLES, samples[name])
+
+
+def is_folder(path: StrPath) -> bool:
+    """Return whether the path is a folder, or names a sample that is a folder of maps."""
+    given = os.fsdecode(path)
+    known = not given.startswith("sample:") or given.removeprefix("sample:") in _samples()
+    return known and os.path.isdir(_locate(given)[0])
+
+
+def _samples() -> dict[str, str]:
+    names = [file for file in os.listdir(_SAMPLES) if not file.startswith((".", "_", "MANIFEST"))]
+    for folder in [name for name in names if "." not in name]:
+        names += [f"{folder}/{file}" for file in os.listdir(os.path.join(_SAMPLES, folder))]
+    return {os.path.splitext(file)[0]: file for file in names}
+
+
+def _locate(path: StrPath) -> tuple[str, str]:
+    """Return the path on disk, and the path as it was given."""
+    given = os.fsdecode(path)
+    return (sample_path(given) if given.startswith("sample:") else given), given
+
+
+def _target(given: str) -> str:
+    """Return the path that a write ends at, through symbolic links."""
+    try:
+        target = os.path.realpath(given)
+        target.encode()  # the library takes no other names
+        return target
+    except (OSError, ValueError) as error:
+        raise file_error(given, "is not a usable path", error) from None
+
+
+def write_text(path: StrPath, text: str) -> None:
+    """Write a text in UTF-8; the file appears whole or not at all."""
+    with atomic(path) as temporary, open(temporary, "w", encoding="utf-8", newline="\n") as file:
+        file.write(text)

@@ -1,0 +1,270 @@
+"""What a method is: a frozen dataclass of parameters that knows its ranges and what it supports."""
+
+from __future__ import annotations
+
+import dataclasses
+import math
+import numbers
+from abc import ABC, abstractmethod
+from typing import TYPE_CHECKING, Any, ClassVar
+
+from weftex.canvas import Canvas
+from weftex.errors import InvalidInputError, UnsupportedError, did_you_mean
+from weftex.registry import supporting
+
+if TYPE_CHECKING:
+    import numpy as np
+
+    from weftex.exemplar import Exemplar
+    from weftex.progress import ProgressCallback
+    from weftex.results.synthesis import Synthesis
+
+#: Canvas kinds that a method may declare in `supports`, in words for messages.
+CANVAS_KINDS = {
+    "wrap": "tileable output",
+    "known": "hole filling",
+    "guide": "following a guide",
+    "many": "several samples",
+    "random_access": "windows of an endless plane",
+}
+
+
+def parameter(
+    default: Any,
+    help: str,
+    *,
+    low: float | None = None,
+    high: float | None = None,
+    unit: str = "",
+    choices: tuple[str, ...] = (),
+    default_text: str = "",
+    needs: tuple[str, tuple[str, ...]] | None = None,
+    count: int = 0,
+) -> Any:
+    """Declare a field of a method.
+
+    Parameters
+    ----------
+    default : object
+        None means that it follows from the sample; say how in `default_text`.
+    help : str
+        One line.
+    low, high : float, optional
+        Inclusive bounds.
+    unit : str
+        Of the value, for people.
+    choices : tuple of str
+        The allowed values of a text.
+    default_text : str
+        What None stands for.
+    needs : (field, values), optional
+        The parameter does something only while `field` has one of these values; setting it
+        otherwise is refused, not ignored.
+    count : int
+        The value is so many numbers; a text with commas between them is taken too.
+    """
+    return dataclasses.field(
+        default=default,
+        metadata={
+            "help": help,
+            "low": low,
+            "high": high,
+            "unit": unit,
+            "choices": choices,
+            "default_text": default_text,
+            "needs": needs,
+            "count": count,
+        },
+    )
+
+
+class Model(ABC):
+    """What `Method.fit` returns: immutable, picklable, good for any number of outputs.
+
+    Attributes
+    ----------
+    exemplar : Exemplar
+        The sample that was fitted.
+    method : Method
+        The method with every parameter settled.
+    """
+
+    exemplar: Exemplar
+    method: Method
+
+    @abstractmethod
+    def sample(
+        self,
+        size: Canvas | int | tuple[int, int],
+        *,
+        seed: int | np.random.Generator | None = None,
+        tileable: bool | str = False,
+        threads: int | None = None,
+        progress: ProgressCallback | None = None,
+    ) -> Synthesis:
+        """Make one output.
+
+        Parameters
+        ----------
+        size : Canvas, int or (int, int)
+            What to make: height and width, or a Canvas.
+        seed : int, numpy Generator or None
+            The same seed gives the same bytes, at any number of threads.
+        tileable : bool or {"x", "y"}
+            Axes that are to repeat without a seam.
+        threads : int, optional
+            At most so many; by default as many as there are processors.
+        progress : callable, optional
+            See `weftex.progress.ProgressCallback`.
+        """
+
+    def window(
+        self,
+        top: int,
+        left: int,
+        height: int,
+        width: int,
+        *,
+        seed: int | np.random.Generator | None = None,
+        threads: int | None = None,
+        progress: ProgressCallback | None = None,
+    ) -> Synthesis:
+        """Make a window of the endless plane of which `sample` makes the corner at (0, 0).
+
+        Every pixel is a function of the sample, the parameters, the seed and its place, so windows
+        that overlap agree, whoever makes them.
+
+        Parameters
+        ----------
+        top, left : int
+            The window's upper left corner, from -2**40 to 2**40.
+        height, width : int
+            Its size.
+        seed, threads, progress
+            As for `sample`; give a number, or no two windows belong together.
+
+        Raises
+        ------
+        UnsupportedError
+            If the method does not make windows of a plane.
+        """
+        self.method.require_kind("random_access")
+        canvas = Canvas(height, width, origin=(top, left))
+        return self.sample(canvas, seed=seed, threads=threads, progress=progress)
+
+
+@dataclasses.dataclass(frozen=True)
+class Method:
+    """Base of all methods; its fields are declared with `parameter`.
+
+    Raises
+    ------
+    InvalidInputError
+        If a value is of the wrong type, out of its bounds, or without effect.
+    """
+
+    slug: ClassVar[str]
+    title: ClassVar[str]
+    paper: ClassVar[str]
+    supports: ClassVar[frozenset[str]] = frozenset()
+
+    def __post_init__(self) -> None:
+        for field in dataclasses.fields(self):
+            value = getattr(self, field.name)
+            if field.metadata["count"] and value is not None:
+                object.__setattr__(self, field.name, _numbers(field, value))
+            else:
+                _check(field, value)
+            needs = field.metadata["needs"]
+            if needs and getattr(self, field.name) != field.default:
+                if getattr(self, needs[0]) not in needs[1]:
+                    allowed = " or ".join(f"'{v}'" for v in needs[1])
+                    raise InvalidInputError(
+                        f"{field.name} has no effect unless {needs[0]} is {allowed}"
+                    )
+
+    def fit(self, exemplar: Exemplar) -> Model:
+        """Analyse a sample; the result makes any number of outputs from it."""
+        raise TypeError(f"{type(self).__name__} does not define fit")
+
+    def settle(self, exemplar: Exemplar) -> Method:
+        """Return this method with what it takes from the sample by itself filled in.
+
+        It is the `method` of the model that `fit` returns; where that takes long, a method finds
+        it without.
+        """
+        return self.fit(exemplar).method
+
+    def require(self, canvas: Canvas) -> None:
+        """Raise `UnsupportedError` if the canvas is of a kind that the method does not do."""
+        if canvas.hole is not None and canvas.known is None:
+            raise InvalidInputError("the canvas has a hole but no known pixels around it")
+        weight = getattr(type(self), "guide_weight", None)
+        if canvas.guide is None and getattr(self, "guide_weight", None) != weight:
+            raise InvalidInputError("guide_weight has no effect without a guide")
+        wanted = {
+            "wrap": any(canvas.wrap),
+            "known": canvas.known is not None,
+            "guide": canvas.guide is not None,
+            "random_access": canvas.origin != (0, 0),
+        }
+        for kind, want in wanted.items():
+            if want:
+                self.require_kind(kind)
+
+    def require_kind(self, kind: str) -> None:
+        """Raise `UnsupportedError` unless the method supports this kind of canvas."""
+        if kind not in self.supports:
+            able = ", ".join(supporting(kind))
+            raise UnsupportedError(
+                f"{self.slug} does not do {CANVAS_KINDS[kind]}; these do: {able}"
+            )
+
+    def describe(self) -> dict[str, Any]:
+        """Return slug and parameters as plain values, for files and messages."""
+        return {"method": self.slug, **dataclasses.asdict(self)}
+
+
+def _check(field: dataclasses.Field[Any], value: Any) -> None:
+    meta, name = field.metadata, field.name
+    if value is None and field.default is None:
+        return
+    if meta["choices"]:
+        if value not in meta["choices"]:
+            known = meta["choices"]
+            raise InvalidInputError(f"{name} is {value!r}{did_you_mean(str(value), known)}")
+        return
+    whole = "int" in str(field.type)
+    kind = numbers.Integral if whole else numbers.Real
+    if not isinstance(value, kind) or isinstance(value, bool) or math.isnan(value):
+        wanted = "an integer" if whole else "a number"
+        raise InvalidInputError(f"{name} is {value!r}; it must be {wanted}")
+    low, high = meta["low"], meta["high"]
+    if (low is not None and value < low) or (high is not None and value > high):
+        raise InvalidInputError(f"{name} is {value}; it must be {bounds(field)}")
+
+
+def _numbers(field: dataclasses.Field[Any], value: Any) -> tuple[float, ...]:
+    """The numbers of a field that has several, from a sequence or a text with commas."""
+    count = field.metadata["count"]
+    try:
+        found = tuple(float(v) for v in (value.split(",") if isinstance(value, str) else value))
+    except (TypeError, ValueError):
+        found = ()
+    if len(found) != count or not all(map(math.isfinite, found)):
+        raise InvalidInputError(f"{field.name} is {value!r}; it must be {count} numbers")
+    return found
+
+
+def bounds(field: dataclasses.Field[Any]) -> str:
+    """The allowed values of a field in words."""
+    low, high, choices = (field.metadata[k] for k in ("low", "high", "choices"))
+    if field.metadata["count"]:
+        return f"{field.metadata['count']} numbers"
+    if choices:
+        return ", ".join(choices)
+    if low is not None and high is not None:
+        return f"from {low:g} to {high:g}"
+    return (
+        f"{low:g} or more" if low is not None else f"at most {high:g}" if high is not None else ""
+    )

@@ -1,0 +1,184 @@
+"""A lattice on a sample and on a canvas: where similar places are (section 4.2 of the paper)."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from weftex.analysis.lattice import Lattice, find_lattice
+from weftex.errors import InvalidInputError
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    from weftex.canvas import Canvas
+    from weftex.exemplar import Exemplar
+
+_UNIT = 1 << 16  # positions are in 1/65536 pixel
+_LEAST = 32  # sides of samples in which noise does not look like a lattice by chance
+_LOOK = 64  # pixels on both sides of a size among which a better one is looked for
+#: How far windows may be from the plane's origin, so that positions stay exact enough.
+FAR = 2**40
+#: The unconstrained mode's vectors: any place is similar to any other (section 5.2).
+ANYWHERE = (1.0, 0.0, 0.0, 1.0)
+
+
+class CanvasLattice:
+    """Two translation vectors, and how they lie on a canvas.
+
+    A canvas that goes around must hold whole tiles, so there the lattice is stretched a little.
+
+    Parameters
+    ----------
+    vectors : (float, float, float, float)
+        x1, y1, x2, y2 of the sample's translation vectors.
+    canvas : Canvas, optional
+        What wraps; nothing by default.
+    limit : float
+        The largest strain that is taken.
+
+    Attributes
+    ----------
+    strain : float
+        How much the canvas's vectors are longer, shorter or turned against the sample's.
+
+    Raises
+    ------
+    InvalidInputError
+        If the canvas goes around and the strain is larger; the nearest good size is named.
+
+    Examples
+    --------
+    >>> from weftex.canvas import Canvas
+    >>> round(CanvasLattice((50, 0, 25, 20), Canvas(120, 205, (True, True))).strain, 3)
+    0.025
+    """
+
+    def __init__(
+        self,
+        vectors: tuple[float, ...],
+        canvas: Canvas | None = None,
+        limit: float = float("inf"),
+    ) -> None:
+        x1, y1, x2, y2 = vectors
+        self.sample = np.array([[y1, x1], [y2, x2]])
+        self.canvas, self.strain = self.sample, 0.0
+        if canvas is not None and any(canvas.wrap):
+            self.canvas, self.strain = _stretched(self.sample, canvas.shape, canvas.wrap)
+            if not self.strain <= limit:
+                better = _good_size(self.sample, canvas, limit)
+                raise InvalidInputError(
+                    f"the lattice would have to be strained by {100 * self.strain:.1f} % to go "
+                    f"around {canvas.width}x{canvas.height}, at most {100 * limit:.1f} % look "
+                    f"right; {better}"
+                )
+        (a, b), (c, d) = self.canvas
+        det = a * d - b * c
+        self.inverse = np.array([[d, -b], [-c, a]]) / det
+
+    def phase(self, y: NDArray[np.integer], x: NDArray[np.integer]) -> NDArray[np.int64]:
+        """Where in the sample's first tile places of the canvas lie (eq. 3.29).
+
+        Parameters
+        ----------
+        y, x : int arrays
+            Pixels of the canvas, broadcast against each other.
+
+        Returns
+        -------
+        int64 array (..., 2)
+            In 1/65536 pixel of the sample's plane.
+        """
+        parts = []
+        for k in (0, 1):
+            along = y * self.inverse[0, k] + x * self.inverse[1, k]
+            parts.append(along - np.floor(along))
+        place = [parts[0] * self.sample[0, k] + parts[1] * self.sample[1, k] for k in (0, 1)]
+        result: NDArray[np.int64] = np.rint(np.stack(place, axis=-1) * _UNIT).astype(np.int64)
+        return result
+
+    def steps(self, height: int, width: int) -> NDArray[np.int64]:
+        """All sums of multiples of the vectors that lead from the first tile into a box at (0, 0).
+
+        Returns
+        -------
+        int64 array (n, 2)
+            In 1/65536 pixel, from the smallest multiples of the first vector on.
+        """
+        inverse = np.linalg.inv(self.sample)
+        corners = np.array([[0, 0], [0, width], [height, 0], [height, width]]) @ inverse
+        low, high = np.floor(corners.min(axis=0)) - 1, np.ceil(corners.max(axis=0))
+        a, b = (np.arange(low[k], high[k] + 1) for k in (0, 1))
+        found = a[:, None, None] * self.sample[0] + b[None, :, None] * self.sample[1]
+        found = found.reshape(-1, 2)
+        tile = np.stack([0 * self.sample[0], *self.sample, self.sample.sum(axis=0)])
+        near = (found + tile.max(axis=0) > -1) & (found + tile.min(axis=0) < (height, width))
+        result: NDArray[np.int64] = np.rint(found[near.all(axis=1)] * _UNIT).astype(np.int64)
+        return result
+
+
+def check_lattice(vectors: tuple[float, ...], exemplar: Exemplar) -> None:
+    """Raise `InvalidInputError` unless two tiles of these vectors lie in the sample."""
+    x1, y1, x2, y2 = vectors
+    lattice = Lattice(((x1, y1), (x2, y2))).reduced()
+    height, width = exemplar.shape
+    size = f"{exemplar.name} is {width}x{height}"
+    for x, y in lattice.vectors:
+        if abs(x) >= width or abs(y) >= height:
+            raise InvalidInputError(
+                f"lattice has the vector [{x:g}, {y:g}], but {size}; it must be smaller"
+            )
+    if 2 * lattice.area > height * width:
+        raise InvalidInputError(
+            f"the lattice's tile has {lattice.area:.0f} pixels and {size}, "
+            "which is less than two tiles; give a larger sample"
+        )
+
+
+def found_vectors(exemplar: Exemplar) -> tuple[float, ...]:
+    """The lattice of a sample as x1, y1, x2, y2; x1, y1 where it repeats one way only; or ()."""
+    if min(exemplar.shape) < _LEAST:
+        return ()
+    lattice = find_lattice(exemplar)
+    if lattice is None:
+        return ()
+    return tuple(part for vector in lattice.reduced().vectors for part in vector)
+
+
+def _stretched(
+    vectors: NDArray[np.float64], shape: tuple[int, ...], wrap: tuple[bool, ...]
+) -> tuple[NDArray[np.float64], float]:
+    """The vectors changed as little as goes, so that sums of them go around the canvas."""
+    inverse = np.linalg.inv(vectors)
+    around = np.diag(np.asarray(shape, float))[np.asarray(wrap)]
+    times = around @ inverse
+    near = np.rint(times)
+    for k in range(len(near)):  # at least once around
+        if not near[k].any():
+            most = int(np.abs(times[k]).argmax())
+            near[k, most] = np.copysign(1, times[k, most])
+    near = near @ vectors
+    if len(around) == 2:
+        if abs(np.linalg.det(near)) < 1e-9:
+            return vectors, float("inf")
+        change = np.linalg.inv(near) @ around
+    else:
+        length = float((near**2).sum())
+        if length < 1e-9:
+            return vectors, float("inf")
+        change = np.eye(2) + near.T @ (around - near) / length
+    strain = float(np.linalg.norm(change - np.eye(2), 2))
+    return (vectors, 0.0) if strain < 1e-12 else (vectors @ change, strain)
+
+
+def _good_size(vectors: NDArray[np.float64], canvas: Canvas, limit: float) -> str:
+    """Say which size close to the canvas's own would do."""
+    reach = [range(-_LOOK, _LOOK + 1) if wraps else range(1) for wraps in canvas.wrap]
+    steps = sorted((abs(dy) + abs(dx), dy, dx) for dy in reach[0] for dx in reach[1])
+    for _, dy, dx in steps:
+        height, width = canvas.height + dy, canvas.width + dx
+        if min(height, width) > 0:
+            if _stretched(vectors, (height, width), canvas.wrap)[1] <= limit:
+                return f"{width}x{height} would do"
+    return "make it larger"

@@ -1,0 +1,111 @@
+"""The mean tile of a sample: what is regular in it, without what is not."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from weftex.errors import InvalidInputError
+from weftex.methods.lattices.canvas_lattice import CanvasLattice
+from weftex.search.translation import Spectra, fast_size, window_mismatch
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    from weftex.canvas import Canvas
+    from weftex.exemplar import Exemplar
+
+
+class MeanTile:
+    """The mean of all pixels that lie at the same place of the tile, to about a pixel.
+
+    Parameters
+    ----------
+    pixels : uint8 array (H, W, K)
+        The sample as it is matched.
+    vectors : (float, float, float, float)
+        x1, y1, x2, y2.
+    mask : bool array (H, W), optional
+        The pixels that count.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> tile = np.arange(6, dtype=np.uint8).reshape(2, 3, 1)
+    >>> MeanTile(np.tile(tile, (3, 3, 1)), (3, 0, 0, 2)).at(3, 7)
+    array([4], dtype=uint8)
+    """
+
+    def __init__(
+        self,
+        pixels: NDArray[np.uint8],
+        vectors: tuple[float, ...],
+        mask: NDArray[np.bool_] | None = None,
+    ) -> None:
+        self._lattice = CanvasLattice(vectors)
+        self._bins = [max(1, round(float(np.hypot(*v)))) for v in self._lattice.sample]
+        cell, levels = (
+            self._cell(*np.indices(pixels.shape[:2])).ravel(),
+            pixels.reshape(-1, pixels.shape[2]),
+        )
+        if mask is not None:
+            cell, levels = cell[mask.ravel()], levels[mask.ravel()]
+        size = self._bins[0] * self._bins[1]
+        count = np.bincount(cell, minlength=size)
+        total = np.stack([np.bincount(cell, level, minlength=size) for level in levels.T], axis=1)
+        mean = np.rint(total / np.maximum(count, 1)[:, None])
+        mean[count == 0] = np.rint(levels.mean(axis=0))
+        self._mean = mean.astype(np.uint8)
+
+    def at(self, y: Any, x: Any) -> NDArray[np.uint8]:
+        """Colours of pixels of the endless plane of mean tiles, (..., K)."""
+        result: NDArray[np.uint8] = self._mean[self._cell(np.asarray(y), np.asarray(x))]
+        return result
+
+    def offset(self, known: NDArray[np.uint8], mask: NDArray[np.bool_]) -> tuple[int, int]:
+        """Where in the plane of mean tiles a picture's corner fits best.
+
+        Parameters
+        ----------
+        known : uint8 array (H, W, K)
+            The picture.
+        mask : bool array (H, W)
+            The pixels that count.
+        """
+        reach = np.ceil(np.abs(self._lattice.sample).sum(axis=0)).astype(int)
+        size = tuple(fast_size(int(n + r)) for n, r in zip(mask.shape, reach, strict=True))
+        plane = self.at(*np.indices(tuple(n + r for n, r in zip(mask.shape, reach, strict=True))))
+        picture = Spectra(plane, np.ones(plane.shape[:2], bool), size)
+        error = window_mismatch(picture, Spectra(known, mask, size))[: reach[0], : reach[1]]
+        y, x = np.unravel_index(int(error.argmin()), error.shape)
+        return int(y), int(x)
+
+    def _cell(self, y: Any, x: Any) -> NDArray[np.int64]:
+        number = []
+        for k in (0, 1):
+            along = y * self._lattice.inverse[0, k] + x * self._lattice.inverse[1, k]
+            # A little on, so that multiples of whole vectors do not fall between two bins.
+            part = along - np.floor(along) + 2.0**-20
+            number.append((part * self._bins[k]).astype(np.int64) % self._bins[k])
+        result: NDArray[np.int64] = number[0] * self._bins[1] + number[1]
+        return result
+
+
+def origin_of(canvas: Canvas, exemplar: Exemplar, vectors: tuple[float, ...]) -> tuple[int, int]:
+    """Where in the sample's plane a canvas's corner lies: what is known there goes on."""
+    if canvas.known_from is not None:
+        return canvas.known_from
+    if canvas.known is None or canvas.hole is None or canvas.hole.all():
+        return canvas.origin
+    known = known_levels(canvas, exemplar)
+    return MeanTile(exemplar.matching(), vectors, exemplar.mask).offset(known, ~canvas.hole)
+
+
+def known_levels(canvas: Canvas, exemplar: Exemplar) -> NDArray[np.uint8]:
+    """The canvas's known pixels as they are matched, (H, W, K)."""
+    assert canvas.known is not None
+    known = exemplar.as_matching(canvas.known)
+    if known.shape[2] != exemplar.matching().shape[2]:
+        raise InvalidInputError("a canvas's known pixels have no maps; use weftex.fill")
+    return known

@@ -1,0 +1,140 @@
+"""Samples that repeat by rows only and whose rows have a colour each: boards.
+
+There blocks beside each other show the same rows of the sample, or every board would end with its
+block.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from weftex.methods.lattices.mean_tile import MeanTile
+from weftex.random import draw
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    from weftex.methods.near_regular.blocks import Blocks
+
+_SLANT = 0.1  # of rows that blocks still follow
+_SHARE = (2, 5)  # of what colours differ by, from which rows go on; boards 0.5 to 0.8, roofs 0.1
+_JOINT = 12  # of a row's height, over which a joint is looked for
+_UNIT = 1 << 16
+ANY = -(2**31)
+"""Stands for any rows."""
+
+
+def axis_of_rows(pixels: NDArray[np.uint8], vectors: tuple[float, ...]) -> int | None:
+    """Along which axis of the blocks the rows of a sample change, if they keep their colours.
+
+    Parameters
+    ----------
+    pixels : uint8 array (H, W, K)
+        The sample.
+    vectors : (float, float, float, float)
+        x1, y1 from row to row; the other vector lies along the rows.
+
+    Returns
+    -------
+    int or None
+        0 if rows lie, 1 if they stand, None if they are slanted or of mixed colours.
+
+    Examples
+    --------
+    >>> boards = np.repeat(np.uint8([90, 120, 100, 140, 95, 130]), 8)
+    >>> axis_of_rows(np.tile(boards, (48, 1))[..., None], (8, 0, 0, 7))
+    1
+    """
+    x, y = abs(vectors[0]), abs(vectors[1])
+    if min(x, y) > _SLANT * max(x, y):
+        return None
+    axis = 0 if y > x else 1
+    period = round(max(x, y))
+    tile = MeanTile(pixels, vectors).at(*np.indices(pixels.shape[:2]))
+    rest = np.moveaxis(pixels.astype(np.int64) - tile, axis, 0)
+    # Colours of pieces as long as rows are high, and half as high.
+    count, high = rest.shape[1] // period, max(1, period // 2)
+    if count < 2 or len(rest) < high:
+        return None
+    parts = rest[:, : count * period].reshape(len(rest), count, period, -1).sum(axis=2)
+    parts = np.cumsum(np.pad(parts, ((1, 0), (0, 0), (0, 0))), axis=0)
+    parts = parts[high:] - parts[:-high]
+    whole = parts.sum(axis=(0, 1)) ** 2
+    number = parts.shape[0] * count
+    rows = (parts.sum(axis=1) ** 2).sum(axis=0) * len(parts) - whole
+    total = (parts**2).sum(axis=(0, 1)) * number - whole
+    if total.sum() > 0 and _SHARE[1] * int(rows.sum()) >= _SHARE[0] * int(total.sum()):
+        return axis
+    return None
+
+
+def pitch_of_rows(
+    pixels: NDArray[np.uint8], vectors: tuple[float, ...], axis: int, size: int
+) -> tuple[int, int]:
+    """How blocks no larger than `size` are laid so that their edges are where rows end.
+
+    That is where all rows look most alike: joints.
+
+    Returns
+    -------
+    (int, int)
+        From block to block and to the first one, in 1/65536 pixel, as `Axis` takes them.
+
+    Examples
+    --------
+    >>> rows = np.repeat(np.uint8([90, 120, 100, 140, 95, 130]), 8)
+    >>> rows[4::8] = 30
+    >>> boards = np.tile(rows[:, None, None], (1, 48, 1))
+    >>> [n / 65536 for n in pitch_of_rows(boards, (0, 8, 7, 0), 0, 20)]
+    [16.0, 4.0]
+    """
+    period = abs(vectors[1 - axis])
+    lines = np.moveaxis(pixels, axis, 0).sum(axis=1, dtype=np.int64)
+    at = np.arange(len(lines))
+    number = np.floor(at / period).astype(np.int64)
+    place = np.floor(at - number * period).astype(np.int64)
+    count = np.bincount(place)
+    apart = np.zeros(len(count), np.int64)
+    for line in lines.T:
+        total, squares = np.zeros_like(count), np.zeros_like(count)
+        np.add.at(total, place, line)
+        np.add.at(squares, place, line**2)
+        apart += (squares * count - total**2) // count**2
+    near = max(0, round(period / _JOINT) // 2)
+    around = np.stack([np.roll(apart, k) for k in range(-near, near + 1)]).sum(axis=0)
+    pitch = period * max(1, int(size // period))
+    return round(pitch * _UNIT), int(around.argmin()) * _UNIT
+
+
+def rows_shown(blocks: Blocks) -> NDArray[np.int64] | None:
+    """Which multiple of the first vector each block shows: those beside each other the same.
+
+    Returns
+    -------
+    int64 array (rows, columns) or None
+        `ANY` where none of them leads to a whole window; None if all blocks may show any.
+    """
+    sample = blocks.sample
+    axis = sample.row_axis
+    if axis is None:
+        return None
+    windows = sample.windows
+    usable: NDArray[np.bool_] = np.any(windows.usable > 0, axis=1 - axis)
+    numbers = np.unique(sample.rows)
+    step = np.rint(sample.vectors[1 - axis] * 65536 * numbers).astype(np.int64)
+    place = (blocks.phase[..., axis, None] + step + 2**15) >> 16
+    if windows.period[2]:
+        place %= int(windows.period[2 + axis])
+    there = (place >= 0) & (place < len(usable))
+    there[there] = usable[place[there]] > 0
+    # One after the other, up or down, from a row that is drawn for every round of them.
+    count = np.maximum(there.sum(axis=-1), 1)
+    rounds, turn = np.divmod(np.broadcast_to(blocks.number[axis], count.shape), count)
+    bits = draw(blocks.seed, "rows", rounds)
+    turn = np.where(bits >> np.uint64(63), turn, -turn)
+    chosen = ((bits % count.astype(np.uint64)).astype(np.int64) + turn) % count
+    first = (there.cumsum(axis=-1) == chosen[..., None] + 1).argmax(axis=-1)
+    result: NDArray[np.int64] = np.where(there.any(axis=-1), numbers[first], ANY)
+    return result

@@ -1,0 +1,1 @@
+"""What methods that lay patches share: patch-based sampling and image quilting."""

@@ -1,0 +1,1 @@
+"""What methods that choose single pixels share."""

@@ -1,0 +1,1 @@
+"""Pages of HTML that stand on their own: reports and comparisons."""

@@ -1,0 +1,106 @@
+"""What the pages that weftex writes have in common: one HTML file with everything in it."""
+
+from __future__ import annotations
+
+import base64
+import json
+import os
+from html import escape
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from weftex.io.formats import png
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable
+
+    from numpy.typing import NDArray
+
+    from weftex.quality.figures import Figure
+
+_WIDEST = 1024  # pixels a side of a picture in the page
+
+_STYLE = """
+:root { color-scheme: light dark; --line: #8886; --bad: #b3261e; --good: #1b6e2c; }
+@media (prefers-color-scheme: dark) { :root { --bad: #ff8a80; --good: #81d58f; } }
+body { font: 16px/1.5 system-ui, sans-serif; max-width: 72rem; margin: 2rem auto; padding: 0 1rem; }
+h1 { font-size: 1.6rem; } h2 { font-size: 1.2rem; margin-top: 2.5rem; }
+.verdict { font-size: 1.2rem; border-left: .4rem solid var(--line); padding: .4rem 1rem; }
+.verdict.good { border-color: var(--good); } .verdict.bad { border-color: var(--bad); }
+.pictures { display: flex; flex-wrap: wrap; gap: 1rem; align-items: flex-start; }
+figure { margin: 0; max-width: 100%; } img { max-width: 100%; height: auto; display: block; }
+figcaption { font-size: .9rem; max-width: 32rem; }
+.table { overflow-x: auto; } table { border-collapse: collapse; width: 100%; }
+th, td { text-align: left; padding: .35rem .6rem; border-bottom: 1px solid var(--line);
+  vertical-align: top; }
+td.number { text-align: right; font-variant-numeric: tabular-nums; white-space: nowrap; }
+.over { color: var(--bad); font-weight: 600; } .within { color: var(--good); }
+.small { font-size: .9rem; opacity: .85; }
+"""
+
+
+class Page:
+    """What can be shown as a page and written as one."""
+
+    def html(self) -> str:
+        """Return a page that needs nothing but itself."""
+        raise NotImplementedError
+
+    def save(self, path: str | os.PathLike[str]) -> None:
+        """Write the page.
+
+        Raises
+        ------
+        FileError
+            If it cannot be written there.
+        """
+        from weftex.io import pictures as io
+
+        io.check_output(path, suffixes=(".html",))
+        io.write_text(path, self.html())
+
+
+def document(title: str, parts: Iterable[str]) -> str:
+    """Return a whole page that needs nothing but itself."""
+    return (
+        '<!DOCTYPE html>\n<html lang="en">\n<head>\n<meta charset="utf-8">\n'
+        '<meta name="viewport" content="width=device-width, initial-scale=1">\n'
+        f"<title>{escape(title)}</title>\n<style>{_STYLE}</style>\n</head>\n<body>\n"
+        + "\n".join(parts)
+        + "\n</body>\n</html>\n"
+    )
+
+
+def show(picture: NDArray[np.uint8], title: str, text: str) -> str:
+    """A picture in the page itself; a large one is shown by every second, third, ... pixel."""
+    height, width = picture.shape[:2]
+    step = -(-max(height, width) // _WIDEST)
+    data = base64.b64encode(png(np.ascontiguousarray(picture[::step, ::step]))).decode("ascii")
+    size = f"{width}x{height} pixels" + (f", shown at 1:{step}" if step > 1 else "")
+    return (
+        f'<figure><img alt="{escape(f"{title}: {text}")}" src="data:image/png;base64,{data}">'
+        f"<figcaption><strong>{escape(title)}</strong>: {escape(text)} "
+        f'<span class="small">({size})</span></figcaption></figure>'
+    )
+
+
+def number(value: float | None, figure: Figure) -> str:
+    """A figure's value, or a dash for what cannot be measured."""
+    if value is None:
+        return "–"
+    return f"{value:.0f}" if figure.unit == "pixels" else f"{value:.2f}"
+
+
+def parameters(provenance: dict[str, Any]) -> str:
+    """A table of how something was made."""
+    rows = [
+        f'<tr><th scope="row">{escape(str(name))}</th><td>{escape(_plain(value))}</td></tr>'
+        for name, value in provenance.items()
+    ]
+    return '<div class="table"><table>\n' + "\n".join(rows) + "\n</table></div>"
+
+
+def _plain(value: Any) -> str:
+    text = value if isinstance(value, str) else json.dumps(value, default=str)
+    return text if len(text) <= 400 else text[:400] + " …"

@@ -1,0 +1,84 @@
+"""The page of a report: one HTML file with everything in it."""
+
+from __future__ import annotations
+
+from html import escape
+from typing import TYPE_CHECKING
+
+from weftex.pages.html import document, number, parameters, show
+from weftex.quality.figures import FIGURES
+
+if TYPE_CHECKING:
+    from weftex.tasks.report import Report
+
+_CAPTIONS = {
+    "seams": (
+        "Seams",
+        "Red where the picture breaks off between two lines of pixels as the sample hardly does.",
+    ),
+    "repetition": (
+        "Repetition",
+        "Pink where the picture comes back pixel by pixel at one of the commonest shifts.",
+    ),
+    "source": (
+        "Source",
+        "False colours by place in the sample: more red to the right, more green downwards.",
+    ),
+    "use": (
+        "Use of the sample",
+        "The sample: orange where it was used more often than usual, blue where seldom or never.",
+    ),
+}
+
+
+def page(found: Report) -> str:
+    """Return the whole page."""
+    title = f"{found.result_name} from {found.name}"
+    score = found.assessment.score
+    shown = "" if score is None else f" Score {score:.2f}; 0 is perfect, 1 is at a limit."
+    kind = "" if score is None else "bad" if found.assessment.flags else "good"
+    verdict = f'{escape(found.assessment.verdict())}<br><span class="small">{shown}</span>'
+    parts = [
+        f"<h1>{escape(title)}</h1>",
+        f'<p class="verdict {kind}">{verdict}</p>',
+        *(f'<p class="small">{escape(note)}</p>' for note in found.notes),
+        "<h2>Pictures</h2>",
+        '<div class="pictures">',
+        show(found.sample, "Sample", found.name),
+        show(found.result, "Result", found.result_name),
+        "</div>",
+    ]
+    if found.maps:
+        parts += ["<h2>Where it fails</h2>", '<div class="pictures">']
+        parts += [show(picture, *_CAPTIONS[name]) for name, picture in found.maps.items()]
+        parts.append("</div>")
+    parts += ["<h2>Figures</h2>", _figures(found)]
+    if found.provenance:
+        parts += ["<h2>How it was made</h2>", parameters(found.provenance)]
+    return document(title, parts)
+
+
+def _figures(found: Report) -> str:
+    head = ("Figure", "Result", "Real", "Limit", "", "What it says")
+    rows = ["".join(f'<th scope="col">{text}</th>' for text in head)]
+    for name, figure in FIGURES.items():
+        value = getattr(found.assessment, name)
+        limit, over = figure.within(), name in found.assessment.flags
+        mark = "" if value is None or not limit else "over" if over else "within"
+        about = (
+            f'{escape(figure.meaning)} <span class="small">Blind to {escape(figure.blind)}.</span>'
+        )
+        rows.append(
+            f'<th scope="row">{escape(figure.title)}<br>'
+            f'<span class="small">{escape(figure.unit)}</span></th>'
+            f'<td class="number">{number(value, figure)}</td>'
+            f'<td class="number">{number(found.real.get(name), figure)}</td>'
+            f'<td class="number">{escape(limit)}</td><td class="{mark}">{mark}</td>'
+            f"<td>{about}</td>"
+        )
+    body = "\n".join(f"<tr>{row}</tr>" for row in rows)
+    return (
+        f'<div class="table"><table>\n{body}\n</table></div>\n<p class="small">Real: the halves of '
+        "the sample, each measured as if it had been made from the other. A dash is what cannot be "
+        "measured.</p>"
+    )

@@ -1,0 +1,239 @@
+"""All measures of a result at once, and what follows from them."""
+
+from __future__ import annotations
+
+import dataclasses
+import math
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from weftex.analysis.lattice import find_lattice
+from weftex.errors import InvalidInputError
+from weftex.exemplar import Exemplar
+from weftex.quality.color import color_distance
+from weftex.quality.copying import check_source, copying
+from weftex.quality.figures import FIGURES
+from weftex.quality.lattice import lattice_kept
+from weftex.quality.patches import patch_distance
+from weftex.quality.repetition import repetition
+from weftex.quality.seams import Seams, seams
+from weftex.quality.sharpness import sharpness
+from weftex.quality.spectrum import autocorrelation_distance, spectrum_distance
+from weftex.quality.view import middle, views
+from weftex.quality.wrap import wrap_seam
+from weftex.results.synthesis import Synthesis
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+WIDEST = 2048
+"""Of a result of more pixels a side only the middle is looked at, but for the wrap."""
+
+_DIGITS = 3
+_POWER = 4  # of the mean that is the score: the worst figures decide
+
+
+@dataclass(frozen=True)
+class Assessment:
+    """All figures of a result, each rounded to three digits after the point.
+
+    A figure is None where it cannot be measured; `weftex.quality.figures.FIGURES` has the unit,
+    limit and meaning of each.
+
+    Attributes
+    ----------
+    patches : float or None
+        See `weftex.quality.patches.patch_distance`; `patch_scales` has each scale, finest first.
+    color, color_levels : float or None
+        See `weftex.quality.color.color_distance`.
+    spectrum, spectrum_decibels : float or None
+        See `weftex.quality.spectrum.spectrum_distance`.
+    autocorrelation : float or None
+        See `weftex.quality.spectrum.autocorrelation_distance`.
+    lattice : float or None
+        See `weftex.quality.lattice.lattice_kept`.
+    seams : float or None
+        See `weftex.quality.seams.seams`.
+    sharpness, soft : float or None
+        See `weftex.quality.sharpness.sharpness`.
+    period, repeats : float or None
+        See `weftex.quality.repetition.repetition`.
+    copied, piece, largest, evenness, distinct, joints : float or None
+        See `weftex.quality.copying.copying`; they need a source.
+    wrap : float or None
+        See `weftex.quality.wrap.wrap_seam`; only of a tileable result.
+    flags : tuple of str
+        Names of the figures that pass their limits, the worst first.
+    score : float or None
+        0 is perfect, 1 about where one figure reaches its limit; less is better. None if no figure
+        could be measured.
+    """
+
+    patches: float | None = None
+    patch_scales: tuple[float, ...] = ()
+    color: float | None = None
+    color_levels: float | None = None
+    spectrum: float | None = None
+    spectrum_decibels: float | None = None
+    autocorrelation: float | None = None
+    lattice: float | None = None
+    seams: float | None = None
+    sharpness: float | None = None
+    soft: float | None = None
+    period: float | None = None
+    repeats: float | None = None
+    copied: float | None = None
+    piece: float | None = None
+    largest: float | None = None
+    evenness: float | None = None
+    distinct: float | None = None
+    joints: float | None = None
+    wrap: float | None = None
+    flags: tuple[str, ...] = ()
+    score: float | None = None
+
+    def as_dict(self) -> dict[str, Any]:
+        """Return everything as numbers, texts, lists and None, as JSON has them."""
+        plain = dataclasses.asdict(self)
+        return {k: list(v) if isinstance(v, tuple) else v for k, v in plain.items()}
+
+    def badness(self, name: str) -> float | None:
+        """How far a figure is from perfect: 0 is perfect, 1 at its limit."""
+        value = getattr(self, name)
+        return None if value is None else FIGURES[name].badness(value)
+
+    def verdict(self) -> str:
+        """Say in plain words how good the result is, and what is wrong with it."""
+        if self.score is None:
+            return "Too small to be judged."
+        if not self.flags:
+            near = max(FIGURES, key=lambda name: self.badness(name) or 0.0)
+            return (
+                f"Good: no figure passes its limit. Nearest to its own is '{FIGURES[near].title}'."
+            )
+        faults = [FIGURES[name].fault(getattr(self, name)) for name in self.flags]
+        listed = faults[0] if len(faults) == 1 else f"{', '.join(faults[:-1])} and {faults[-1]}"
+        worst = max(self.badness(name) or 0.0 for name in self.flags)
+        word = "Nearly good" if worst < 1.25 else "Flawed" if worst < 2.5 else "Bad"
+        return f"{word}: it {listed}."
+
+
+def assess(
+    sample: Exemplar | NDArray[Any],
+    result: Synthesis | NDArray[Any],
+    source: NDArray[Any] | None = None,
+    *,
+    tileable: bool | tuple[bool, bool] | None = None,
+) -> Assessment:
+    """Measure how good a result is.
+
+    The figures of one pair of pictures are the same in every run. They compare with the sample, so
+    they say nothing about whether the sample itself is any good. Of a result of more than 2048
+    pixels a side the middle is looked at, and its border if it is to repeat.
+
+    Parameters
+    ----------
+    sample : Exemplar or array
+        What the result was made from. Where its mask leaves out, it is not looked at.
+    result : Synthesis or array (H, W) or (H, W, C)
+        The result, of the sample's dtype and channels.
+    source : int array (H, W, 2), optional
+        Row and column in the sample of each pixel, negative for none; a Synthesis brings its own.
+    tileable : bool or (bool, bool), optional
+        Whether its vertical and its horizontal axis are to repeat; by default what a Synthesis
+        says, else not.
+
+    Returns
+    -------
+    Assessment
+
+    Raises
+    ------
+    InvalidInputError
+        If result or source do not go with the sample.
+
+    Examples
+    --------
+    >>> import weftex
+    >>> sample = weftex.load_exemplar("sample:pebbles")
+    >>> good = assess(sample, weftex.synthesize(sample, 256, method="quilting", seed=1))
+    >>> noise = np.random.default_rng(0).integers(0, 255, (256, 256, 3), np.uint8)
+    >>> bad = assess(sample, noise)
+    >>> good.score < 1 < bad.score, bad.patches > 5 * good.patches
+    (True, True)
+    """
+    exemplar = sample if isinstance(sample, Exemplar) else Exemplar(sample)
+    if isinstance(result, Synthesis):
+        if result.sample_shape != exemplar.shape:
+            raise InvalidInputError(
+                f"the result was made from a sample of {result.sample_shape[1]}x"
+                f"{result.sample_shape[0]}, not {exemplar.shape[1]}x{exemplar.shape[0]}"
+            )
+        if source is None:
+            source = made_from(result)
+        if tileable is None:
+            tileable = result.canvas.wrap
+        result = result.image if result.exemplar is not None else result.render(exemplar)
+    wrap = tileable if isinstance(tileable, tuple) else (bool(tileable),) * 2
+    own, whole = views(exemplar, result)
+    made = whole.centre(WIDEST)
+    model, used = Seams(own), None
+    if source is not None:
+        source = check_source(source, own.shape, whole.shape)
+        used = copying(own, made, middle(source, made.shape))
+    lattice = find_lattice(exemplar)
+    came_back = repetition(own, made, lattice)
+    patches, scales = patch_distance(own, made)
+    color_levels, color = color_distance(own, made)
+    decibels, spectrum = spectrum_distance(own, made)
+    sharp, soft = sharpness(own, made)
+    figures: dict[str, Any] = {
+        "patches": patches,
+        "patch_scales": scales,
+        "color": color,
+        "color_levels": color_levels,
+        "spectrum": spectrum,
+        "spectrum_decibels": decibels,
+        "autocorrelation": autocorrelation_distance(own, made),
+        "lattice": lattice_kept(own, made, lattice),
+        "seams": seams(model, made),
+        "sharpness": sharp,
+        "soft": soft,
+        "period": None if came_back is None else came_back.period,
+        "repeats": None if came_back is None else came_back.repeats,
+        "wrap": wrap_seam(model, whole, wrap),
+    }
+    if used is not None:
+        figures |= dataclasses.asdict(used)
+    return _concluded({name: _rounded(value) for name, value in figures.items()})
+
+
+def made_from(result: Synthesis) -> NDArray[np.int32]:
+    """The source of what was made: -1 where pixels were known, which nobody copied."""
+    source = result.source
+    if result.canvas.hole is not None:
+        source[~result.canvas.hole] = -1
+    return source
+
+
+def _rounded(value: Any) -> Any:
+    if isinstance(value, tuple):
+        return tuple(_rounded(part) for part in value)
+    return None if value is None or not math.isfinite(value) else round(float(value), _DIGITS)
+
+
+def _concluded(figures: dict[str, Any]) -> Assessment:
+    """Add the flags and the score."""
+    measured = {
+        name: FIGURES[name].badness(figures[name])
+        for name in FIGURES
+        if figures.get(name) is not None and FIGURES[name].limit is not None
+    }
+    over = sorted((name for name in measured if measured[name] > 1), key=lambda n: -measured[n])
+    score = None
+    if measured:
+        total = np.sum([measured[name] ** _POWER for name in sorted(measured)])
+        score = round(float(total) ** (1 / _POWER), _DIGITS)
+    return Assessment(**figures, flags=tuple(over), score=score)

@@ -1,0 +1,250 @@
+"""Visible repetition: what comes back at one and the same shift, from the picture alone."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from weftex.quality.spectrum import mean_power
+from weftex.quality.view import View, box_sums
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    from weftex.analysis.lattice import Lattice
+
+    Floats = NDArray[np.float64]
+
+_WIDTH = 32  # pixels of the windows whose mean power is taken out
+_NARROWEST = 24  # sides of less are not looked at
+_WIDEST = 1024
+_NEAR = 6  # shifts of fewer pixels are a matter of sharpness
+_ERRORS = 6  # standard errors of a correlation that pass for chance
+_SHOWN = 6  # shifts that are told
+_FEWEST = 64  # pixels must overlap
+_HALF = 0.25  # of the sample: what it has at larger shifts is left to chance
+_CELL = 8  # half the side of a square of the map
+_RIM = 8  # pixels that whitening spoils, because transforms go around
+_CONFIDENCE = 0.5  # a lattice of less is no reason to repeat
+_AT = 3  # pixels from a multiple of the lattice are still at it
+
+
+@dataclass(frozen=True, eq=False)
+class Repetition:
+    """What `repetition` finds.
+
+    Attributes
+    ----------
+    period : float
+        Largest share of the result that comes back at one shift.
+    repeats : float
+        Share of it that comes back within half the sample's side.
+    shifts : tuple of (int, int)
+        The shifts (y, x) with the largest shares, at most six, largest first.
+    """
+
+    period: float
+    repeats: float
+    shifts: tuple[tuple[int, int], ...]
+
+
+def repetition(sample: View, result: View, lattice: Lattice | None = None) -> Repetition | None:
+    """Find what comes back.
+
+    *Definition.* Both pictures are divided by the root of their mean power at each frequency, in
+    windows of 32 pixels, so that pixels are nearly independent of each other, and the correlation
+    with itself at a shift is the share of the overlap that is repeated there. 6 standard errors,
+    and the most that the sample has at any shift, are subtracted: what repeats in it may repeat.
+    Times the overlap that is the share of the picture that comes back. `period` is the largest at
+    any shift, `repeats` the sum within half the sample's side.
+
+    A result that keeps a lattice can repeat at its multiples only, and must: of a sample that
+    holds n tiles, used evenly, each comes back at any multiple with a chance of 1 / n. So much is
+    subtracted there. (Elsewhere chance is spread over so many shifts that the standard errors
+    cover it.)
+
+    *Unit.* Share of the result. *Good.* Low. A sample of a quarter of the result's size must come
+    back about four times, so `repeats` is seldom 0 where pixels are copied; one that is laid side
+    by side has a period of a half and more. *Blind to* copies that
+    are turned, scaled or blended, and to repetition that the eye sees without pixels being equal.
+
+    Parameters
+    ----------
+    sample, result : View
+        From `views`.
+    lattice : Lattice, optional
+        The sample's, from `weftex.analysis.lattice.find_lattice`.
+
+    Returns
+    -------
+    Repetition or None
+        None for sides below 24 pixels, and where the sample does not vary or is masked too much.
+    """
+    found = _both(sample, result)
+    if found is None:
+        return None
+    shares = found[1]
+    height, width = (side // 2 for side in shares.shape)
+    share = shares[height:].copy()  # the rest mirrors it
+    share[0, : width + 1] = 0
+    y, x = np.nonzero((share > 0) & _local_maxima(share))
+    values, shifts = share[y, x], np.stack([y, x - width], axis=1)
+    reach = sample.side // 2
+    near = abs(shifts).max(axis=1, initial=0) <= reach
+    repeats = float(values.sum(where=near))
+    if lattice is not None and len(lattice.vectors) == 2 and lattice.confidence >= _CONFIDENCE:
+        vectors = np.array(lattice.reduced().vectors)[:, ::-1]
+        chance = min(1.0, lattice.area / float(sample.usable.sum()))
+        at = _at_multiple(shifts, vectors)
+        within = _multiples(vectors, min(reach, height), min(reach, width))
+        by_chance, expected = (
+            chance * (1 - abs(places) / (height + 1, width + 1)).prod(axis=1)
+            for places in (shifts, within)
+        )
+        beside = float(values.sum(where=near & at)) - float(expected.sum())
+        repeats = float(values.sum(where=near & ~at)) + max(0.0, beside)
+        values = np.maximum(values - at * by_chance, 0)
+    order = np.argsort(-values, kind="stable")
+    order = order[values[order] > 0][:_SHOWN]
+    period = float(values.max(initial=0.0))
+    told = tuple((int(dy), int(dx)) for dy, dx in shifts[order])
+    return Repetition(period, min(1.0, repeats), told)
+
+
+def _at_multiple(shifts: NDArray[Any], vectors: Floats) -> NDArray[np.bool_]:
+    """Which shifts (y, x) lie at one of the multiples of half a plane."""
+    low = np.floor(shifts @ np.linalg.inv(vectors))
+    at = np.zeros(len(shifts), bool)
+    for corner in ((0, 0), (0, 1), (1, 0), (1, 1)):  # of the tile that a shift lies in
+        places = (low + corner) @ vectors
+        at |= (abs(shifts - places).max(axis=1, initial=0) <= _AT) & _in_half(places)
+    return at
+
+
+def _in_half(places: Floats) -> NDArray[np.bool_]:
+    """Of each place (y, x) and the one opposite, the one that is looked at."""
+    y, x = places.T
+    half: NDArray[np.bool_] = (y > 0) | ((y == 0) & (x > 0))
+    return half
+
+
+def _multiples(vectors: Floats, height: int, width: int) -> Floats:
+    """Multiples (y, x) of the vectors up to so far in half a plane."""
+    corners = np.array([[height, width], [height, -width]]) @ np.linalg.inv(vectors)
+    most = np.ceil(abs(corners).max(axis=0)).astype(int)
+    times = np.stack(np.meshgrid(*(np.arange(-n, n + 1) for n in most)), axis=-1).reshape(-1, 2)
+    places: Floats = times @ vectors
+    inside: Floats = places[_in_half(places) & (abs(places) <= (height, width)).all(axis=1)]
+    return inside
+
+
+def repetition_map(
+    sample: View, result: View, shifts: tuple[tuple[int, int], ...]
+) -> Floats | None:
+    """Where a result repeats itself at these shifts, (H, W): 0 not at all, 1 pixel by pixel.
+
+    Of a result of more than 1024 pixels a side only the middle is looked at; the rest is 0.
+    """
+    found = _both(sample, result)
+    if found is None:
+        return None
+    white = found[0]
+    inside = np.zeros(white.shape)
+    for dy, dx in shifts:
+        height, width = white.shape[0] - dy, white.shape[1] - abs(dx)
+        first = white[:height, max(0, -dx) : max(0, -dx) + width]
+        second = white[dy:, max(0, dx) : max(0, dx) + width]
+        above = box_sums(first * second, _CELL)
+        below = np.sqrt(box_sums(first**2, _CELL) * box_sums(second**2, _CELL)) + 1e-9
+        alike = np.clip(above / below, 0, 1) ** 2
+        for y, x in ((0, max(0, -dx)), (dy, max(0, dx))):
+            box = inside[y : y + height, x : x + width]
+            np.maximum(box, alike, out=box)
+    whole = np.zeros(result.shape)
+    top, left = ((h - o) // 2 for h, o in zip(result.shape, white.shape, strict=True))
+    whole[top : top + white.shape[0], left : left + white.shape[1]] = inside
+    return whole
+
+
+def _both(sample: View, result: View) -> tuple[Floats, Floats] | None:
+    """The middle of the result with a flat spectrum, and what comes back in it."""
+    part = result.centre(_WIDEST)
+    if min(*sample.shape, *part.shape) < _NARROWEST:
+        return None
+    width = min(_WIDTH, 2 ** int(np.log2(min(sample.shape) // 2)))
+    own, white = _whitened(sample, width), _whitened(part, width)
+    if own is None or white is None:
+        return None
+    rim = slice(_RIM, -_RIM), slice(_RIM, -_RIM)
+    own, white, usable = own[rim], white[rim], sample.usable[rim]
+    if usable.sum() < _NARROWEST:
+        return None
+    ours, overlap = _alike(own, usable)
+    most = float(np.where(overlap >= _HALF, ours, 0).max())
+    theirs, overlap = _alike(white, np.ones(white.shape, bool))
+    return white, np.maximum(theirs - most, 0) * overlap
+
+
+def _whitened(view: View, width: int) -> Floats | None:
+    """The picture divided by the root of its power; mean 0, variance 1. None if it is flat."""
+    power = mean_power(view, width)
+    if power is None or not power.max() > 1e-3:
+        return None
+    height, across = view.shape
+    y, x = np.fft.fftfreq(height)[:, None] * width, np.fft.rfftfreq(across)[None] * width
+    full = np.concatenate([power, power[:1]]) + 1 / 12  # frequency -0.5 is 0.5
+    rows, columns = y % width, np.broadcast_to(x, (1, across // 2 + 1))
+    top, left = np.floor(rows).astype(int), np.floor(columns).astype(int)
+    left = np.minimum(left, full.shape[1] - 2)
+    dy, dx = rows - top, columns - left
+    smooth = (1 - dy) * ((1 - dx) * full[top, left] + dx * full[top, left + 1]) + dy * (
+        (1 - dx) * full[top + 1, left] + dx * full[top + 1, left + 1]
+    )
+    fade = [np.minimum(1, (np.minimum(k, k[::-1]) + 1) / _RIM) for k in map(np.arange, view.shape)]
+    level = view.flat * np.outer(*fade)
+    white = np.fft.irfft2(np.fft.rfft2(level) / np.sqrt(smooth), view.shape)
+    white = np.where(view.usable, white, 0)
+    white -= white[view.usable].mean() * view.usable
+    spread = float(np.sqrt((white[view.usable] ** 2).mean()))
+    if not spread > 0:
+        return None
+    # A few strong edges must not stand for the whole picture.
+    white = np.clip(white / spread, -3, 3)
+    result: Floats = white / np.sqrt((white[view.usable] ** 2).mean())
+    return result
+
+
+def _alike(white: Floats, usable: NDArray[np.bool_]) -> tuple[Floats, Floats]:
+    """Correlation at every shift less what may be chance, and how much of the picture overlaps."""
+    height, width = white.shape
+    size = (2 * height, 2 * width)
+    products = _middle(np.fft.irfft2(np.abs(np.fft.rfft2(white, size)) ** 2, size), height, width)
+    if usable.all():
+        sides = (side - abs(np.arange(1 - side, side)) for side in (height, width))
+        count = np.outer(*sides).astype(np.float64)
+    else:
+        count = np.fft.irfft2(np.abs(np.fft.rfft2(usable.astype(float), size)) ** 2, size)
+        count = np.rint(_middle(count, height, width))
+    some = np.maximum(count, 1)
+    alike = np.clip(products / some - _ERRORS / np.sqrt(some), 0, 1)
+    # Nearer shifts are how smooth the picture is.
+    y, x = np.ogrid[1 - height : height, 1 - width : width]
+    alike[(np.maximum(abs(y), abs(x)) <= _NEAR) | (count < _FEWEST)] = 0
+    return alike, count / usable.sum()
+
+
+def _middle(wrapped: Floats, height: int, width: int) -> Floats:
+    rows = np.arange(1 - height, height)
+    return wrapped[np.ix_(rows, np.arange(1 - width, width))]
+
+
+def _local_maxima(values: Floats) -> NDArray[np.bool_]:
+    around = np.pad(values, 1, constant_values=-np.inf)
+    height, width = values.shape
+    result = np.ones(values.shape, bool)
+    for dy in range(3):
+        for dx in range(3):
+            result &= values >= around[dy : dy + height, dx : dx + width]
+    return result

@@ -1,0 +1,211 @@
+"""What the measures look at: a sample and a result as bytes in the same terms."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+from typing import TYPE_CHECKING, Any, TypeVar
+
+import numpy as np
+
+from weftex.analysis.correlation import correlate
+from weftex.errors import InvalidInputError
+from weftex.exemplar import Exemplar, check_pixels
+from weftex.random import draw
+from weftex.raster.pyramids import gaussian_pyramid, mask_pyramid
+from weftex.search.windows import whole_windows
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    from numpy.typing import NDArray
+
+    Floats = NDArray[np.float64]
+
+Kind = TypeVar("Kind", bound=np.generic)
+
+_WIDEST = 640  # pixels a side that measures which need transforms look at
+_SMOOTH = 4  # the mean over a square of this share of the side is slow lighting
+
+
+@dataclass(frozen=True, eq=False)
+class View:
+    """A picture as the measures see it.
+
+    Attributes
+    ----------
+    levels : uint8 array (H, W, K)
+        As `Exemplar.as_matching` makes them: alpha multiplied in, other depths as bytes.
+    usable : bool array (H, W)
+        Where the sample may be used; everywhere in a result.
+    axis : int64 array (K,)
+        The colour direction in which the sample varies most, in whole numbers.
+    side : int
+        The sample's shorter side, which says what slow lighting is.
+    """
+
+    levels: NDArray[np.uint8]
+    usable: NDArray[np.bool_]
+    axis: NDArray[np.int64]
+    side: int
+
+    @property
+    def shape(self) -> tuple[int, int]:
+        """Height and width."""
+        return self.levels.shape[0], self.levels.shape[1]
+
+    @cached_property
+    def masked(self) -> bool:
+        """Whether there is anything that may not be used."""
+        return not bool(self.usable.all())
+
+    @cached_property
+    def grey(self) -> NDArray[np.float32]:
+        """Brightness along the axis, in levels; (H, W)."""
+        # Sums of whole numbers that float32 holds exactly, so the same in any order.
+        along: NDArray[np.float32] = self.levels.astype(np.float32) @ self.axis.astype(np.float32)
+        return along / np.float32(np.sqrt(float(self.axis @ self.axis)))
+
+    @cached_property
+    def flat(self) -> NDArray[np.float32]:
+        """`grey` less slow lighting: the mean around each pixel; 0 where it may not be used."""
+        radius = max(1, self.side // (2 * _SMOOTH))
+        share = self.usable.astype(np.float64)
+        total = box_sums(self.grey * share, radius)
+        level = np.where(self.usable, self.grey - total / np.maximum(box_sums(share, radius), 1), 0)
+        return level.astype(np.float32)
+
+    @cached_property
+    def correlation(self) -> Floats:
+        """`flat` correlated with itself, no shift in the middle; of a large picture, its centre."""
+        part = self.centre(_WIDEST)
+        return correlate(part.flat, first_mask=part.usable if part.masked else None)
+
+    def part(self, top: int, left: int, height: int, width: int) -> View:
+        """A part of the picture."""
+        box = slice(top, top + height), slice(left, left + width)
+        return View(self.levels[box], self.usable[box], self.axis, self.side)
+
+    def centre(self, widest: int) -> View:
+        """The middle of a picture with longer sides than this."""
+        if max(self.shape) <= widest:
+            return self
+        shape = (min(self.shape[0], widest), min(self.shape[1], widest))
+        return View(middle(self.levels, shape), middle(self.usable, shape), self.axis, self.side)
+
+    @cached_property
+    def halves(self) -> tuple[tuple[View, View], ...]:
+        """Upper and lower half, and left and right half."""
+        height, width = self.shape
+        y, x = height // 2, width // 2
+        return (
+            (self.part(0, 0, y, width), self.part(height - y, 0, y, width)),
+            (self.part(0, 0, height, x), self.part(0, width - x, height, x)),
+        )
+
+    def pyramid(self, count: int) -> list[View]:
+        """The picture and its coarser versions, each of half the size."""
+        levels = gaussian_pyramid(self.levels, count)
+        masks = mask_pyramid(self.usable, count)
+        return [
+            View(level, mask, self.axis, max(1, self.side >> k))
+            for k, (level, mask) in enumerate(zip(levels, masks, strict=True))
+        ]
+
+
+def middle(values: NDArray[Kind], shape: tuple[int, int]) -> NDArray[Kind]:
+    """The part of this height and width in the middle."""
+    top, left = ((side - size) // 2 for side, size in zip(values.shape, shape, strict=False))
+    return values[top : top + shape[0], left : left + shape[1]]
+
+
+def views(sample: Exemplar, result: NDArray[Any]) -> tuple[View, View]:
+    """Make views of a sample and of a result of it.
+
+    Raises
+    ------
+    InvalidInputError
+        If the result is no picture, or has other channels or another dtype than the sample.
+
+    Examples
+    --------
+    >>> sample = Exemplar(np.zeros((4, 6, 3), np.uint8))
+    >>> [view.shape for view in views(sample, np.zeros((8, 9, 3), np.uint8))]
+    [(4, 6), (8, 9)]
+    """
+    pixels = check_pixels(result, "result")
+    own = sample.pixels
+    if (pixels.shape[2:] or (1,)) != (own.shape[2:] or (1,)) or pixels.dtype != own.dtype:
+        kinds = [
+            f"{p.dtype} with {np.prod(p.shape[2:], dtype=int)} channels" for p in (pixels, own)
+        ]
+        raise InvalidInputError(
+            f"the result is {kinds[0]}, the sample {kinds[1]}; dtype and channels must be equal"
+        )
+    levels = sample.as_matching(own)
+    usable = np.ones(sample.shape, bool) if sample.mask is None else sample.mask
+    axis, side = _axis(levels[usable]), min(sample.shape)
+    made = sample.as_matching(pixels)
+    return (
+        View(levels, usable, axis, side),
+        View(made, np.ones(made.shape[:2], bool), axis, side),
+    )
+
+
+def _axis(pixels: NDArray[np.uint8]) -> NDArray[np.int64]:
+    """The first principal component of the colours, in whole numbers up to 127."""
+    spread = np.atleast_2d(np.cov(pixels.T.astype(np.float64), ddof=0))
+    weights, vectors = np.linalg.eigh(spread)
+    if not weights[-1] > 0:
+        return np.ones(len(vectors), np.int64)
+    first = vectors[:, -1] / abs(vectors[:, -1]).max()
+    first = first if first.sum() >= 0 else -first
+    whole: NDArray[np.int64] = np.rint(127 * first).astype(np.int64)
+    return whole
+
+
+def box_sums(values: NDArray[Any], radius: int, axes: tuple[int, ...] = (0, 1)) -> Floats:
+    """Sums over squares of 2 * radius + 1 pixels a side, of what of them is in the picture.
+
+    Examples
+    --------
+    >>> box_sums(np.ones((3, 4)), 1)[1].tolist()
+    [6.0, 9.0, 9.0, 6.0]
+    """
+    result = np.asarray(values, np.float64)
+    for axis in axes:
+        side = result.shape[axis]
+        running = np.cumsum(result, axis=axis)
+        running = np.concatenate([np.zeros_like(running.take([0], axis)), running], axis)
+        at = np.arange(side)
+        last, first = np.minimum(at + radius + 1, side), np.maximum(at - radius, 0)
+        result = running.take(last, axis) - running.take(first, axis)
+    return result
+
+
+def window_corners(usable: NDArray[np.bool_], width: int) -> NDArray[np.int64]:
+    """Flat indices of the upper left corners of all windows that are wholly usable."""
+    return np.flatnonzero(whole_windows(usable, (0, width - 1, 0, width - 1)))
+
+
+def some(places: NDArray[np.int64], count: int, purpose: str) -> NDArray[np.int64]:
+    """At most `count` of the places, the same in every run."""
+    if len(places) <= count:
+        return places
+    bits = draw(0, f"measure {purpose}", np.arange(count))
+    return places[(bits % np.uint64(len(places))).astype(np.int64)]
+
+
+def over_halves(sample: View, distance: Callable[[View, View], float | None]) -> float | None:
+    """The mean distance between the sample's halves: what two pieces of the material differ by."""
+    found = [distance(first, second) for first, second in sample.halves]
+    known = [value for value in found if value is not None]
+    return float(np.mean(known)) if known else None
+
+
+def relative(
+    sample: View, result: View, distance: Callable[[View, View], float | None], floor: float
+) -> float | None:
+    """Distance of result and sample over the distance of the sample's halves."""
+    own, made = over_halves(sample, distance), distance(sample, result)
+    return None if own is None or made is None else made / max(own, floor)

@@ -1,0 +1,92 @@
+"""Randomness that is the same on every machine, in any order and on any number of threads.
+
+Every random number is a hash of (seed, purpose, place) and not the next number of a stream, so it
+does not matter who asks first. The mixing function is SplitMix64's finaliser (Steele, Lea and
+Flood, 2014). NumPy's own generators may change their streams between versions; this must not.
+"""
+
+from __future__ import annotations
+
+import numbers
+import os
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from weftex.errors import InvalidInputError
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    Seed = int | np.random.Generator | None
+
+_GAMMA = np.uint64(0x9E3779B97F4A7C15)
+_MIX1 = np.uint64(0xBF58476D1CE4E5B9)
+_MIX2 = np.uint64(0x94D049BB133111EB)
+
+
+def seed_number(seed: Seed) -> int:
+    """Return the seed as an integer from 0 to 2**64 - 1.
+
+    Parameters
+    ----------
+    seed : int, numpy.random.Generator or None
+        None takes fresh entropy from the system; a Generator gives its next 64 bits.
+
+    Raises
+    ------
+    InvalidInputError
+        If the seed is negative, too large or of another type.
+
+    Examples
+    --------
+    >>> seed_number(7)
+    7
+    """
+    if seed is None:
+        return int.from_bytes(os.urandom(8), "little")
+    if isinstance(seed, numbers.Integral) and not isinstance(seed, bool):
+        if not 0 <= int(seed) < 2**64:
+            raise InvalidInputError(f"seed is {seed}; it must be from 0 to 2**64 - 1")
+        return int(seed)
+    if hasattr(seed, "integers"):
+        return int(seed.integers(0, 2**64, dtype=np.uint64))
+    kind = type(seed).__name__
+    raise InvalidInputError(f"seed is a {kind}; it must be None, an integer or a numpy Generator")
+
+
+def draw(seed: int, purpose: str, *place: NDArray[np.integer] | int) -> NDArray[np.uint64]:
+    """Return 64 random bits for each place.
+
+    Parameters
+    ----------
+    seed : int
+        From `seed_number`.
+    purpose : str
+        What the bits are for; different purposes are independent.
+    *place : int or integer array
+        Coordinates, broadcast against each other.
+
+    Returns
+    -------
+    uint64 array
+        Of the broadcast shape.
+
+    Examples
+    --------
+    >>> bool(draw(7, "patch", 3, 4) == draw(7, "patch", [0, 3], [1, 4])[1])
+    True
+    """
+    state = _mix(np.array([seed], np.uint64))
+    for byte in purpose.encode() + b"\xff":  # no purpose goes on as another one or as a place
+        state = _mix(state ^ np.uint64(byte))
+    for coordinate in place:
+        state = _mix(state ^ np.asarray(coordinate).astype(np.int64).view(np.uint64))
+    return state.reshape(np.broadcast_shapes(*(np.shape(p) for p in place)))
+
+
+def _mix(bits: NDArray[np.uint64]) -> NDArray[np.uint64]:
+    bits = bits + _GAMMA
+    bits = (bits ^ (bits >> np.uint64(30))) * _MIX1
+    bits = (bits ^ (bits >> np.uint64(27))) * _MIX2
+    return bits ^ (bits >> np.uint64(31))

@@ -1,0 +1,1 @@
+"""Pictures as arrays: masks, box sums, pyramids; each once."""

@@ -1,0 +1,246 @@
+# mypy: ignore-errors
+"""Kernels that lay patches over each other; compiled by Cython, see setup.py.
+
+Weights are in 1/256, from 0 (the older pixel stays) to 256 (the new one replaces it), so constant
+in is constant out and integer pictures round once a patch. A picture, a map of the same sample at
+a multiple of its resolution and the buffer that matching looks at all pass through `paste`.
+"""
+
+import cython
+from cython.cimports.libc.string import memcpy
+
+FULL = cython.declare(cython.int, 256)
+
+
+@cython.cfunc
+@cython.inline
+@cython.nogil
+@cython.exceptval(check=False)
+def effective(
+    weight: cython.int,
+    cut: cython.p_const_ushort,
+    v: cython.Py_ssize_t,
+    u: cython.Py_ssize_t,
+    rows: cython.Py_ssize_t,
+    columns: cython.Py_ssize_t,
+) -> cython.int:
+    """The weight in force: without cuts the feathered one, with cuts all or nothing.
+
+    `cut` holds the first own column of each row, the first column past the own ones of each row,
+    then the same for the rows of each column.
+    """
+    if cut == cython.NULL or weight == 0 or weight == 256:
+        return weight
+    if cut[v] <= u < cut[rows + v] and cut[2 * rows + u] <= v < cut[2 * rows + columns + u]:
+        return 256
+    return 0
+
+
+@cython.cfunc
+@cython.nogil
+@cython.exceptval(check=False)
+def blend(
+    new: cython.pointer(cython.const[value]),
+    old: cython.pointer(value),
+    channels: cython.Py_ssize_t,
+    weight: cython.int,
+    alpha: cython.bint,
+) -> cython.void:
+    """Mix one pixel into `old`; straight alpha weighs colours, so clear pixels bleed nothing."""
+    k: cython.Py_ssize_t
+    mixed: cython.int
+    num: cython.longlong
+    den: cython.longlong
+    part_old: cython.longlong
+    part_new: cython.longlong
+    share: cython.double
+    if not alpha:
+        for k in range(channels):
+            if value is cython.uchar or value is cython.ushort:
+                mixed = old[k] * (256 - weight) + new[k] * weight + 128
+                old[k] = mixed >> 8
+            else:
+                old[k] = old[k] + (new[k] - old[k]) * (weight * 0.00390625)
+        return
+    if value is cython.uchar or value is cython.ushort:
+        part_old = (256 - weight) * cython.cast(cython.longlong, old[channels - 1])
+        part_new = weight * cython.cast(cython.longlong, new[channels - 1])
+        den = part_old + part_new
+        for k in range(channels - 1):
+            if den == 0:
+                old[k] = new[k]
+            else:
+                num = part_old * old[k] + part_new * new[k]
+                old[k] = (2 * num + den) // (2 * den)
+        old[channels - 1] = (den + 128) >> 8
+    else:
+        share = (256 - weight) * old[channels - 1] + weight * new[channels - 1]
+        share = weight * new[channels - 1] / share if share != 0 else 1.0
+        for k in range(channels - 1):
+            old[k] = old[k] + (new[k] - old[k]) * share
+        k = channels - 1
+        old[k] = old[k] + (new[k] - old[k]) * (weight * 0.00390625)
+
+
+@cython.cfunc
+@cython.nogil
+@cython.exceptval(check=False)
+def paste(
+    out: value[:, :, ::1],
+    source: cython.const[value][:, :, ::1],
+    top: cython.Py_ssize_t,
+    left: cython.Py_ssize_t,
+    height: cython.Py_ssize_t,
+    width: cython.Py_ssize_t,
+    y: cython.Py_ssize_t,
+    x: cython.Py_ssize_t,
+    sy: cython.Py_ssize_t,
+    sx: cython.Py_ssize_t,
+    weights: cython.const[cython.ushort][:, :, ::1],
+    zone: cython.Py_ssize_t,
+    cuts: cython.const[cython.ushort][:, ::1],
+    k: cython.Py_ssize_t,
+    scale: cython.Py_ssize_t,
+    alpha: cython.bint,
+) -> cython.void:
+    """Lay the window of `source` at (sy, sx) over `out` at (y, x).
+
+    Positions are in sample pixels and wrap at (height, width) of the canvas and at the sample's
+    sides; `out` shows the canvas from row `top` and column `left` on, at `scale`. `k` is the
+    patch's row of `cuts`, which may be empty.
+    """
+    rows: cython.Py_ssize_t = weights.shape[1]
+    columns: cython.Py_ssize_t = weights.shape[2]
+    channels: cython.Py_ssize_t = out.shape[2]
+    source_height: cython.Py_ssize_t = source.shape[0] // scale
+    source_width: cython.Py_ssize_t = source.shape[1] // scale
+    v: cython.Py_ssize_t
+    u: cython.Py_ssize_t
+    r: cython.Py_ssize_t
+    q: cython.Py_ssize_t
+    cy: cython.Py_ssize_t
+    cx: cython.Py_ssize_t
+    fy: cython.Py_ssize_t
+    fx: cython.Py_ssize_t
+    run: cython.Py_ssize_t
+    limit: cython.Py_ssize_t
+    row: cython.Py_ssize_t
+    w: cython.int
+    weight: cython.p_const_ushort
+    cut: cython.p_const_ushort = cython.NULL
+    to: cython.pointer(value)
+    origin: cython.pointer(cython.const[value])
+    if cuts.shape[0] > 0:
+        cut = cython.address(cuts[k, 0])
+    for v in range(rows):
+        cy = (y + v) % height
+        fy = (sy + v) % source_height
+        if cy < top or (cy - top) * scale >= out.shape[0]:
+            continue
+        weight = cython.address(weights[zone, v, 0])
+        u = 0
+        while u < columns:
+            w = effective(weight[u], cut, v, u, rows, columns)
+            cx = (x + u) % width - left
+            if w == 0 or cx < 0 or cx * scale >= out.shape[1]:
+                u += 1
+                continue
+            fx = (sx + u) % source_width
+            if w < 256:
+                for r in range(scale):
+                    row = (cy - top) * scale + r
+                    for q in range(scale):
+                        to = cython.address(out[row, cx * scale + q, 0])
+                        origin = cython.address(source[fy * scale + r, fx * scale + q, 0])
+                        blend(origin, to, channels, w, alpha)
+                u += 1
+                continue
+            limit = min(
+                columns - u, width - left - cx, source_width - fx, out.shape[1] // scale - cx
+            )
+            run = 1
+            while run < limit and effective(weight[u + run], cut, v, u + run, rows, columns) == 256:
+                run += 1
+            for r in range(scale):
+                memcpy(
+                    cython.address(out[(cy - top) * scale + r, cx * scale, 0]),
+                    cython.address(source[fy * scale + r, fx * scale, 0]),
+                    run * scale * out.strides[1],
+                )
+            u += run
+
+
+def paste_all(
+    out: value[:, :, ::1],
+    source: cython.const[value][:, :, ::1],
+    top: cython.Py_ssize_t,
+    left: cython.Py_ssize_t,
+    height: cython.Py_ssize_t,
+    width: cython.Py_ssize_t,
+    placements: cython.const[cython.int][:, ::1],
+    weights: cython.const[cython.ushort][:, :, ::1],
+    cuts: cython.const[cython.ushort][:, ::1],
+    scale: cython.Py_ssize_t,
+    alpha: cython.bint,
+):
+    """Replay placements (y, x, source y, source x, zone) in their order."""
+    k: cython.Py_ssize_t
+    with cython.nogil:
+        for k in range(placements.shape[0]):
+            paste(
+                out, source, top, left, height, width,
+                placements[k, 0], placements[k, 1], placements[k, 2], placements[k, 3],
+                weights, placements[k, 4], cuts, k, scale, alpha,
+            )  # fmt: skip
+
+
+def layer_all(
+    patch: cython.int[:, :, ::1],
+    share: cython.float[:, :, ::1],
+    top: cython.Py_ssize_t,
+    left: cython.Py_ssize_t,
+    height: cython.Py_ssize_t,
+    width: cython.Py_ssize_t,
+    placements: cython.const[cython.int][:, ::1],
+    weights: cython.const[cython.ushort][:, :, ::1],
+    cuts: cython.const[cython.ushort][:, ::1],
+):
+    """Write which patches show at each pixel, and with what shares, heaviest first.
+
+    `patch` and `share` are (rows, columns, layers); -1 stands for what was there before.
+    """
+    rows: cython.Py_ssize_t = weights.shape[1]
+    columns: cython.Py_ssize_t = weights.shape[2]
+    layers: cython.Py_ssize_t = patch.shape[2]
+    k: cython.Py_ssize_t
+    v: cython.Py_ssize_t
+    u: cython.Py_ssize_t
+    cy: cython.Py_ssize_t
+    cx: cython.Py_ssize_t
+    i: cython.Py_ssize_t
+    w: cython.int
+    new: cython.float
+    line: cython.p_const_ushort = cython.NULL
+    with cython.nogil:
+        for k in range(placements.shape[0]):
+            if cuts.shape[0] > 0:
+                line = cython.address(cuts[k, 0])
+            for v in range(rows):
+                cy = (placements[k, 0] + v) % height - top
+                if cy < 0 or cy >= patch.shape[0]:
+                    continue
+                for u in range(columns):
+                    cx = (placements[k, 1] + u) % width - left
+                    w = effective(weights[placements[k, 4], v, u], line, v, u, rows, columns)
+                    if w == 0 or cx < 0 or cx >= patch.shape[1]:
+                        continue
+                    new = w * cython.cast(cython.float, 0.00390625)
+                    for i in range(layers):
+                        share[cy, cx, i] *= 1 - new
+                    i = layers - 1  # the lightest gives way
+                    while i > 0 and share[cy, cx, i - 1] < new:
+                        share[cy, cx, i] = share[cy, cx, i - 1]
+                        patch[cy, cx, i] = patch[cy, cx, i - 1]
+                        i -= 1
+                    share[cy, cx, i] = new
+                    patch[cy, cx, i] = cython.cast(cython.int, k)

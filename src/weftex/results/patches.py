@@ -1,0 +1,201 @@
+"""Results of patch methods: patches of the sample laid over each other."""
+
+from __future__ import annotations
+
+from copy import copy
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from weftex.canvas import Canvas
+from weftex.exemplar import Exemplar
+from weftex.results import paste_kernels
+from weftex.results.synthesis import Synthesis, grey_of
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    from weftex.results.synthesis import Window
+
+_LAYERS = 4
+
+
+class PatchSynthesis(Synthesis):
+    """Patches of the sample laid over each other in order.
+
+    A patch says where its window comes from and which weights it is laid with; that is all there
+    is.
+
+    Parameters
+    ----------
+    canvas : Canvas
+        What was made.
+    placements : int32 array (n, 5)
+        y and x of a patch on the canvas, y and x of its source, and its row of `weights`.
+    weights : uint16 array (zones, rows, columns)
+        Weight of the new pixel in 1/256.
+    cuts : uint16 array (n, 2 * (rows + columns)) or (0, 0)
+        For each patch its own first and last columns and rows, where seams are cut instead of
+        feathered.
+    **about
+        As for `Synthesis`.
+    """
+
+    def __init__(
+        self,
+        canvas: Canvas,
+        placements: NDArray[np.int32],
+        weights: NDArray[np.uint16],
+        cuts: NDArray[np.uint16],
+        **about: Any,
+    ) -> None:
+        super().__init__(canvas, **about)
+        self.placements, self.weights, self.cuts = placements, weights, cuts
+
+    def _layers(self, window: Window) -> tuple[NDArray[np.int32], NDArray[np.float32]]:
+        top, left, height, width = window
+        patch = np.full((height, width, _LAYERS), -1, np.int32)
+        share = np.zeros((height, width, _LAYERS), np.float32)
+        paste_kernels.layer_all(
+            patch, share, top, left, *self.shape, self.placements, self.weights, self.cuts
+        )
+        y = np.arange(top, top + height)[:, None, None]
+        x = np.arange(left, left + width)[None, :, None]
+        # There is always a row to point at, though nothing shows of it.
+        at = np.resize(self.placements, (max(len(self.placements), 1), 5))[patch]
+        v, u = (y - at[..., 0]) % self.shape[0], (x - at[..., 1]) % self.shape[1]
+        v, u = self._within(patch, v, u)
+        source_y = (v + at[..., 2]) % self.sample_shape[0]
+        source_x = (u + at[..., 3]) % self.sample_shape[1]
+        coordinates = np.stack([source_y, source_x], axis=-1).astype(np.int32)
+        coordinates[(patch < 0) | (share == 0)] = -1
+        total = share.sum(axis=2, keepdims=True)  # below 1 where more patches meet than are kept
+        share /= np.where(total > 0, total, 1)
+        return coordinates, share
+
+    def _within(
+        self, patch: NDArray[np.int32], y: NDArray[Any], x: NDArray[Any]
+    ) -> tuple[NDArray[Any], NDArray[Any]]:
+        """Which pixel of its patch is shown at each pixel of it."""
+        return y, x
+
+    def _lay(self, out: NDArray[Any], pixels: NDArray[Any], window: Window, alpha: bool) -> None:
+        top, left, height, _ = window
+        scale = out.shape[0] // height
+        plan = self.placements, self.weights, self.cuts
+        paste_kernels.paste_all(out, pixels, top, left, *self.shape, *plan, scale, alpha)
+
+    def _error(self) -> NDArray[np.int16]:
+        """The difference in the overlaps as they were before they were cut."""
+        assert self.exemplar is not None
+        whole = copy(self)
+        whole.cuts = self.cuts[:0]
+        coordinates, share = whole.layers()
+        grey = grey_of(self.exemplar.pixels).astype(np.int16)
+        values = grey[coordinates[..., 0], coordinates[..., 1]]
+        both = (share[..., :2] > 0).all(axis=-1)
+        error: NDArray[np.int16] = np.abs(values[..., 0] - values[..., 1]) * both
+        return error
+
+    def moved(
+        self,
+        canvas: Canvas,
+        exemplar: Exemplar,
+        *,
+        to: tuple[int, int],
+        source_to: tuple[int, int],
+        provenance: dict[str, Any],
+    ) -> PatchSynthesis:
+        """See `Synthesis.moved`."""
+        placements = self.placements.copy()
+        placements[:, :2] = (placements[:, :2] + to) % canvas.shape
+        placements[:, 2:4] = (placements[:, 2:4] + source_to) % exemplar.shape
+        return PatchSynthesis(
+            canvas,
+            placements,
+            self.weights,
+            self.cuts,
+            sample_shape=exemplar.shape,
+            exemplar=exemplar,
+            known_from=canvas.known_from,
+            provenance=provenance,
+        )
+
+    def arrays(self) -> dict[str, NDArray[Any]]:
+        """See `Synthesis.arrays`."""
+        return {"placements": self.placements, "weights": self.weights, "cuts": self.cuts}
+
+
+class RectifiedSynthesis(PatchSynthesis):
+    """Patches of a sample whose pixels were moved first.
+
+    Parameters
+    ----------
+    lookup : int32 array (H, W)
+        Flat index of the sample's pixel at each place that patches are taken from.
+    **about
+        As for `PatchSynthesis`.
+    """
+
+    def __init__(self, *plan: Any, lookup: NDArray[np.int32], **about: Any) -> None:
+        super().__init__(*plan, **about)
+        self.lookup = lookup
+
+    def _layers(self, window: Window) -> tuple[NDArray[np.int32], NDArray[np.float32]]:
+        coordinates, share = super()._layers(window)
+        width = self.sample_shape[1]
+        there = coordinates[..., 0] >= 0
+        place = self.lookup[coordinates[there][:, 0], coordinates[there][:, 1]]
+        coordinates[there] = np.stack(np.divmod(place, width), axis=-1)
+        return coordinates, share
+
+    def _rectified(self, pixels: NDArray[Any]) -> NDArray[Any]:
+        height, width = self.sample_shape
+        scale = pixels.shape[0] // height
+        blocks = pixels.reshape(height, scale, width, scale, -1)
+        y, x = np.divmod(self.lookup, width)
+        moved = blocks[y, :, x].transpose(0, 2, 1, 3, 4).reshape(pixels.shape)
+        return np.ascontiguousarray(moved)
+
+    def _lay(self, out: NDArray[Any], pixels: NDArray[Any], window: Window, alpha: bool) -> None:
+        super()._lay(out, self._rectified(pixels), window, alpha)
+
+    def moved(
+        self,
+        canvas: Canvas,
+        exemplar: Exemplar,
+        *,
+        to: tuple[int, int],
+        source_to: tuple[int, int],
+        provenance: dict[str, Any],
+    ) -> RectifiedSynthesis:
+        """See `Synthesis.moved`."""
+        plain = super().moved(canvas, exemplar, to=to, source_to=source_to, provenance=provenance)
+        height, width = exemplar.shape
+        lookup = np.arange(height * width, dtype=np.int32).reshape(height, width)
+        y, x = (
+            (k + at) % n
+            for k, at, n in zip(
+                np.divmod(self.lookup, self.sample_shape[1]), source_to, exemplar.shape, strict=True
+            )
+        )
+        rows, columns = (
+            (np.arange(k) + at) % n
+            for k, at, n in zip(self.sample_shape, source_to, exemplar.shape, strict=True)
+        )
+        lookup[np.ix_(rows, columns)] = y * width + x
+        return RectifiedSynthesis(
+            canvas,
+            plain.placements,
+            plain.weights,
+            plain.cuts,
+            lookup=lookup,
+            sample_shape=exemplar.shape,
+            exemplar=exemplar,
+            known_from=canvas.known_from,
+            provenance=provenance,
+        )
+
+    def arrays(self) -> dict[str, NDArray[Any]]:
+        """See `Synthesis.arrays`."""
+        return super().arrays() | {"lookup": self.lookup}

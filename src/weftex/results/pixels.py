@@ -1,0 +1,105 @@
+"""Results of pixel methods: each pixel of the output has one of the sample as its source."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from weftex.canvas import Canvas
+from weftex.exemplar import Exemplar
+from weftex.results.synthesis import Synthesis, grey_of
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    from weftex.results.synthesis import Window
+
+
+class PixelSynthesis(Synthesis):
+    """Pixels of the sample, one for each of the output.
+
+    Parameters
+    ----------
+    canvas : Canvas
+        What was made.
+    index : int32 array (H, W)
+        y * width + x of the source in the sample; -1 for a known pixel.
+    **about
+        As for `Synthesis`.
+    """
+
+    def __init__(self, canvas: Canvas, index: NDArray[np.int32], **about: Any) -> None:
+        super().__init__(canvas, **about)
+        self.index = index
+
+    def _layers(self, window: Window) -> tuple[NDArray[np.int32], NDArray[np.float32]]:
+        top, left, height, width = window
+        index = self.index[top : top + height, left : left + width]
+        made = index >= 0
+        coordinates = np.stack(np.divmod(index, self.sample_shape[1]), axis=-1)
+        coordinates[~made] = -1
+        return coordinates[:, :, None], made[..., None].astype(np.float32)
+
+    def _lay(self, out: NDArray[Any], pixels: NDArray[Any], window: Window, alpha: bool) -> None:
+        """Copy; alpha goes with its pixel."""
+        top, left, height, width = window
+        scale = out.shape[0] // height
+        rows, columns = self.sample_shape
+        cells = pixels.reshape(rows, scale, columns, scale, -1).swapaxes(1, 2)
+        for line in range(height):
+            index = self.index[top + line, left : left + width]
+            made = np.flatnonzero(index >= 0)
+            target = out[line * scale : (line + 1) * scale].reshape(scale, width, scale, -1)
+            y, x = np.divmod(index[made], columns)
+            target[:, made] = cells[y, x].swapaxes(0, 1)
+
+    def _error(self) -> NDArray[np.int16]:
+        """The larger difference from what the upper and the left neighbour go on with."""
+        assert self.exemplar is not None
+        grey = grey_of(self.exemplar.pixels).astype(np.int16)
+        source, made = self.source, self.index >= 0
+        value = grey[source[..., 0], source[..., 1]]
+        error = np.zeros(self.shape, np.int16)
+        for axis in (0, 1):
+            later = tuple(slice(axis == a, None) for a in (0, 1))
+            earlier = tuple(slice(None, -1 if axis == a else None) for a in (0, 1))
+            goes_on = source[earlier].copy()
+            goes_on[..., axis] += 1
+            inside = (goes_on[..., axis] < self.sample_shape[axis]) & made[earlier] & made[later]
+            goes_on %= self.sample_shape
+            wanted = grey[goes_on[..., 0], goes_on[..., 1]]
+            differs = np.abs(wanted - value[later]) * inside
+            error[later] = np.maximum(error[later], differs)
+        return error
+
+    def moved(
+        self,
+        canvas: Canvas,
+        exemplar: Exemplar,
+        *,
+        to: tuple[int, int],
+        source_to: tuple[int, int],
+        provenance: dict[str, Any],
+    ) -> PixelSynthesis:
+        """See `Synthesis.moved`."""
+        index = np.full(canvas.shape, -1, np.int32)
+        y, x = np.nonzero(self.index >= 0)
+        source = np.divmod(self.index[y, x], self.sample_shape[1])
+        source_y, source_x = (
+            (s + k) % n for s, k, n in zip(source, source_to, exemplar.shape, strict=True)
+        )
+        at = (y + to[0]) % canvas.height, (x + to[1]) % canvas.width
+        index[at] = source_y * exemplar.shape[1] + source_x
+        return PixelSynthesis(
+            canvas,
+            index,
+            sample_shape=exemplar.shape,
+            exemplar=exemplar,
+            known_from=canvas.known_from,
+            provenance=provenance,
+        )
+
+    def arrays(self) -> dict[str, NDArray[Any]]:
+        """See `Synthesis.arrays`."""
+        return {"index": self.index}

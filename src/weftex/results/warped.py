@@ -1,0 +1,113 @@
+"""Results whose last patches are warped, and so resampled."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from weftex.results import paste_kernels
+from weftex.results import warp_kernels as _warp_kernels
+from weftex.results.patches import RectifiedSynthesis
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    from weftex.canvas import Canvas
+    from weftex.exemplar import Exemplar
+    from weftex.results.synthesis import Window
+
+
+class WarpedSynthesis(RectifiedSynthesis):
+    """Patches of a sample, the last of which are warped.
+
+    Rendering interpolates, at any resolution and depth, and stays between the nearest pixels of
+    the sample; `source` and `layers` say which pixel is the nearest.
+
+    Parameters
+    ----------
+    warps : int16 array (k, n, n, 2)
+        Shifts in 1/16 pixel over each of the last k patches, see `weftex.results.warp_kernels`.
+    within : int32 array (k, 5)
+        First row and column of the patch in its window, the block's height and width, and how far
+        the window reaches beyond it.
+    **about
+        As for `RectifiedSynthesis`.
+    """
+
+    def __init__(
+        self, *plan: Any, warps: NDArray[np.int16], within: NDArray[np.int32], **about: Any
+    ) -> None:
+        super().__init__(*plan, **about)
+        self.warps, self.within = warps, within
+
+    def _within(
+        self, patch: NDArray[np.int32], y: NDArray[Any], x: NDArray[Any]
+    ) -> tuple[NDArray[Any], NDArray[Any]]:
+        v, u = (np.array(np.broadcast_to(k, patch.shape), np.int64).ravel() for k in (y, x))
+        first = len(self.placements) - len(self.warps)
+        _warp_kernels.displace(np.ravel(patch), v, u, first, self.warps, self.within)
+        return v.reshape(patch.shape), u.reshape(patch.shape)
+
+    def _lay(self, out: NDArray[Any], pixels: NDArray[Any], window: Window, alpha: bool) -> None:
+        top, left, height, width = window
+        scale = out.shape[0] // height
+        pixels = self._rectified(pixels)
+        rows, columns = self.weights.shape[1:]
+        piece = np.empty((rows * scale, columns * scale, pixels.shape[2]), pixels.dtype)
+        first = len(self.placements) - len(self.warps)
+        place = self.placements
+        # A patch goes around with its canvas.
+        seen = ((place[:, 0] - top) % self.shape[0] < height) | (
+            (place[:, 0] - top) % self.shape[0] + rows > self.shape[0]
+        )
+        seen &= ((place[:, 1] - left) % self.shape[1] < width) | (
+            (place[:, 1] - left) % self.shape[1] + columns > self.shape[1]
+        )
+
+        def lay(source: NDArray[Any], placements: NDArray[np.int32], k: slice) -> None:
+            plan = placements, self.weights, self.cuts[k]
+            paste_kernels.paste_all(out, source, top, left, *self.shape, *plan, scale, alpha)
+
+        lay(pixels, place[:first], slice(first))
+        for k in np.flatnonzero(seen[first:]).tolist():
+            here = slice(first + k, first + k + 1)
+            if not self.warps[k].any():
+                lay(pixels, place[here], here)
+                continue
+            y, x = place[first + k, 2:4].tolist()
+            _warp_kernels.warp_into(
+                piece, pixels, y, x, columns, self.warps, self.within, k, scale, alpha
+            )
+            at = place[here].copy()
+            at[:, 2:4] = 0
+            lay(piece, at, here)
+
+    def moved(
+        self,
+        canvas: Canvas,
+        exemplar: Exemplar,
+        *,
+        to: tuple[int, int],
+        source_to: tuple[int, int],
+        provenance: dict[str, Any],
+    ) -> WarpedSynthesis:
+        """See `Synthesis.moved`."""
+        still = super().moved(canvas, exemplar, to=to, source_to=source_to, provenance=provenance)
+        return WarpedSynthesis(
+            canvas,
+            still.placements,
+            still.weights,
+            still.cuts,
+            lookup=still.lookup,
+            warps=self.warps,
+            within=self.within,
+            sample_shape=exemplar.shape,
+            exemplar=exemplar,
+            known_from=canvas.known_from,
+            provenance=provenance,
+        )
+
+    def arrays(self) -> dict[str, NDArray[Any]]:
+        """See `Synthesis.arrays`."""
+        return super().arrays() | {"warps": self.warps, "within": self.within}

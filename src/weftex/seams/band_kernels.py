@@ -1,0 +1,135 @@
+# mypy: ignore-errors
+"""Kernels that find seams; compiled by Cython, see setup.py."""
+
+import cython
+
+# More than any path of real differences: 2**16 pixels of 2**10 channels.
+OUTSIDE = cython.declare(cython.longlong, 1 << 44)
+
+
+@cython.cfunc
+@cython.inline
+@cython.nogil
+@cython.exceptval(check=False)
+def band_error(
+    canvas: cython.const[cython.uchar][:, :, ::1],
+    pixels: cython.const[cython.uchar][:, :, ::1],
+    cy: cython.Py_ssize_t,
+    cx: cython.Py_ssize_t,
+    sy: cython.Py_ssize_t,
+    sx: cython.Py_ssize_t,
+) -> cython.longlong:
+    """Squared difference of two pixels."""
+    k: cython.Py_ssize_t
+    d: cython.int
+    total: cython.longlong = 0
+    for k in range(canvas.shape[2]):
+        d = cython.cast(cython.int, canvas[cy, cx, k]) - pixels[sy, sx, k]
+        total += d * d
+    return total
+
+
+@cython.cfunc
+@cython.nogil
+@cython.exceptval(check=False)
+def cut_bands(
+    canvas: cython.const[cython.uchar][:, :, ::1],
+    pixels: cython.const[cython.uchar][:, :, ::1],
+    y: cython.Py_ssize_t,
+    x: cython.Py_ssize_t,
+    sy: cython.Py_ssize_t,
+    sx: cython.Py_ssize_t,
+    weights: cython.const[cython.ushort][:, :, ::1],
+    bands: cython.const[cython.int][::1],
+    cost: cython.longlong[:, ::1],
+    cuts: cython.ushort[:, ::1],
+    p: cython.Py_ssize_t,
+) -> cython.void:
+    """Find the minimum-error path along each band of the zone, by dynamic programming.
+
+    `bands` is (depth, top, left, bottom, right, and whether there is a band at the left, top,
+    right and bottom): the box that the patch can show in, and how far into it a band reaches. Ties
+    go to the pixel nearest to the box's border. Where the patch cannot show a path does not go if
+    it can help it; where nothing was known it costs nothing. Row `p` of `cuts` is as `paste`
+    reads it.
+    """
+    depth: cython.Py_ssize_t = bands[0]
+    full_rows: cython.Py_ssize_t = weights.shape[1]
+    full_columns: cython.Py_ssize_t = weights.shape[2]
+    top: cython.Py_ssize_t = bands[1]
+    left: cython.Py_ssize_t = bands[2]
+    bottom: cython.Py_ssize_t = bands[3]
+    right: cython.Py_ssize_t = bands[4]
+    side: cython.Py_ssize_t
+    first: cython.Py_ssize_t
+    length: cython.Py_ssize_t
+    i: cython.Py_ssize_t
+    k: cython.Py_ssize_t
+    v: cython.Py_ssize_t
+    u: cython.Py_ssize_t
+    j: cython.Py_ssize_t
+    best: cython.Py_ssize_t
+    least: cython.longlong
+    upright: cython.bint
+    for v in range(full_rows):
+        cuts[p, v] = 0
+        cuts[p, full_rows + v] = cython.cast(cython.ushort, full_columns)
+    for u in range(full_columns):
+        cuts[p, 2 * full_rows + u] = 0
+        cuts[p, 2 * full_rows + full_columns + u] = cython.cast(cython.ushort, full_rows)
+    for side in range(4):
+        if not bands[5 + side]:
+            continue
+        upright = side == 0 or side == 2
+        first = top if upright else left
+        length = bottom - top if upright else right - left
+        for i in range(length):
+            for k in range(depth):
+                if upright:
+                    v = top + i
+                    u = left + k if side == 0 else right - 1 - k
+                else:
+                    u = left + i
+                    v = top + k if side == 1 else bottom - 1 - k
+                cost[i, k] = 0
+                if weights[0, v, u] == 0:
+                    cost[i, k] = OUTSIDE
+                elif weights[0, v, u] < 256:
+                    cost[i, k] = band_error(
+                        canvas, pixels, (y + v) % canvas.shape[0], (x + u) % canvas.shape[1],
+                        sy + v, sx + u,
+                    )  # fmt: skip
+                if i > 0:
+                    least = cost[i - 1, k]
+                    if k > 0 and cost[i - 1, k - 1] < least:
+                        least = cost[i - 1, k - 1]
+                    if k + 1 < depth and cost[i - 1, k + 1] < least:
+                        least = cost[i - 1, k + 1]
+                    cost[i, k] += least
+        best = 0
+        for k in range(1, depth):
+            if cost[length - 1, k] < cost[length - 1, best]:
+                best = k
+        for j in range(length):
+            i = length - 1 - j
+            if j > 0:
+                k = best
+                if k > 0 and cost[i, k - 1] <= cost[i, best]:
+                    best = k - 1
+                if k + 1 < depth and cost[i, k + 1] < cost[i, best]:
+                    best = k + 1
+            if side == 0:
+                cuts[p, first + i] = cython.cast(cython.ushort, left + best)
+            elif side == 1:
+                cuts[p, 2 * full_rows + first + i] = cython.cast(cython.ushort, top + best)
+            elif side == 2:
+                cuts[p, full_rows + first + i] = cython.cast(cython.ushort, right - best)
+            else:
+                cuts[p, 2 * full_rows + full_columns + first + i] = cython.cast(
+                    cython.ushort, bottom - best
+                )
+
+
+def find_cuts(canvas, pixels, y, x, sy, sx, weights, bands, cost, cuts, p):
+    """Fill row `p` of `cuts` with the minimum-error paths of one patch."""
+    cut_bands(canvas, pixels, y, x, sy, sx, weights, bands, cost, cuts, p)

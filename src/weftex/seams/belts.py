@@ -1,0 +1,48 @@
+"""Belts along the seams between patches."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from weftex.canvas import grown
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+
+def seam_belts(
+    source: NDArray[np.int32],
+    reach: int,
+    wrap: tuple[bool, bool],
+    period: tuple[int, int] | None = None,
+) -> NDArray[np.bool_]:
+    """Say what lies within so many pixels of where one source does not go on as the next.
+
+    Parameters
+    ----------
+    source : int32 array (H, W, 2)
+        Rows and columns of the sample.
+    reach : int
+        To each side of a seam, 1 or more.
+    wrap : (bool, bool)
+        Whether the axes go around.
+    period : (int, int), optional
+        The size of a sample that tiles.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> row = np.array([0, 1, 2, 7, 8, 9])
+    >>> seam_belts(np.stack([0 * row, row], axis=1)[None], 1, (False, False))[0].tolist()
+    [False, False, True, True, False, False]
+    """
+    belts = np.zeros(source.shape[:2], bool)
+    for axis in (0, 1):
+        step = np.roll(source, -1, axis) - source - np.eye(2, dtype=np.int32)[axis]
+        broken = ((step if period is None else step % np.array(period)) != 0).any(axis=2)
+        if not wrap[axis]:
+            broken.swapaxes(0, axis)[-1] = False
+        belts |= broken | np.roll(broken, 1, axis)
+    return grown(belts, reach - 1, wrap)

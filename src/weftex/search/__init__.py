@@ -1,0 +1,1 @@
+"""Nearest neighborhoods: each structure once."""

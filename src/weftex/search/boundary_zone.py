@@ -1,0 +1,178 @@
+"""The boundary zone of a patch: what is compared, and with what weights the patch is laid.
+
+Section 2.1 and 2.2 of the paper draw three configurations for plain scan order (Fig. 3 b to d) and
+two more for tileable output (Fig. 5). They and every shape that a hole gives follow from one rule:
+the zone is whatever is known within the boundary width of something unknown.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from weftex.search.translation import box_sums
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+
+@dataclass(frozen=True, eq=False)
+class BoundaryZone:
+    """One configuration of known and unknown pixels in a window.
+
+    Attributes
+    ----------
+    weight : uint16 array (rows, columns)
+        Weight in 1/256 that the patch is laid with: 256 where nothing was known, falling through
+        the zone, 0 where the canvas stays.
+    runs : int32 array (n, 4)
+        The zone as runs of pixels (upright?, v, u, length): tall ones for tall parts.
+    blocks : int32 array (n, 2)
+        Upper left corners (v, u) of square blocks inside the zone, for the low resolution.
+    side : int
+        Side of the blocks.
+    bands : int32 array (9,)
+        Where minimum-error paths run: how deep, the box (top, left, bottom, right) that the patch
+        can show in, and whether there is a band at its left, top, right and bottom.
+    area : int
+        Pixels in the zone.
+    """
+
+    weight: NDArray[np.uint16]
+    runs: NDArray[np.int32]
+    blocks: NDArray[np.int32]
+    side: int
+    bands: NDArray[np.int32]
+    area: int
+
+
+def boundary_zone(
+    known: NDArray[np.bool_],
+    width: int,
+    *,
+    frozen: NDArray[np.bool_] | None = None,
+    block_side: int = 4,
+    most_blocks: int = 96,
+    paste: bool = False,
+    core: tuple[int, int] | None = None,
+) -> BoundaryZone:
+    """Work out the zone of a window.
+
+    Parameters
+    ----------
+    known : bool array (rows, columns)
+        What of the window is on the canvas already.
+    width : int
+        Boundary width w_E in pixels.
+    frozen : bool array (rows, columns), optional
+        Known pixels that must stay as they are.
+    block_side : int
+        Largest side of the low-resolution blocks, a power of two.
+    most_blocks : int
+        The most blocks to keep; more are thinned out evenly.
+    paste : bool
+        Replace the whole zone instead of blending in it.
+    core : (int, int), optional
+        Lay only this pixel (section 2.5: pixel-based sampling).
+    """
+    distance = _distance_to(~known, width)
+    zone = known & (distance <= width)
+    falling = np.maximum((256 * (width + 1 - distance)) // (width + 1), 1)
+    weight = np.where(zone & (not paste), falling, 256)
+    weight[known & ~zone] = 0
+    if frozen is not None:
+        weight[frozen] = 0
+    if core is not None:
+        weight[:] = 0
+        weight[core] = 256
+    side = 1
+    while side * 2 <= min(block_side, width):
+        side *= 2
+    blocks = _tile(zone, side)
+    while side > 1 and len(blocks) * side * side * 2 < zone.sum():
+        side //= 2
+        blocks = _tile(zone, side)
+    if len(blocks) > most_blocks:
+        blocks = blocks[np.linspace(0, len(blocks) - 1, most_blocks).astype(int)]
+    shown_rows, shown_columns = (np.flatnonzero((weight > 0).any(axis=a)) for a in (1, 0))
+    box = (0, 0, *known.shape)
+    if len(shown_rows):
+        box = (shown_rows[0], shown_columns[0], shown_rows[-1] + 1, shown_columns[-1] + 1)
+    top, left, bottom, right = (int(k) for k in box)
+    depth = min(width, bottom - top, right - left)
+    if frozen is not None:  # a hole's zone follows its outline, anywhere in the window
+        depth = max(depth, min(bottom - top, right - left) // 2)
+    shown = zone[top:bottom, left:right]
+    sides = (shown[:, :depth], shown[:depth], shown[:, -depth:], shown[-depth:])
+    return BoundaryZone(
+        weight=weight.astype(np.uint16),
+        runs=runs_over(zone),
+        blocks=np.ascontiguousarray(blocks, np.int32),
+        side=side,
+        bands=np.array([depth, top, left, bottom, right, *(s.any() for s in sides)], np.int32),
+        area=int(zone.sum()),
+    )
+
+
+def _distance_to(target: NDArray[np.bool_], most: int) -> NDArray[np.int32]:
+    """Chebyshev distance to the nearest target pixel, `most + 1` if there is none that near."""
+    distance = np.where(target, 0, most + 1).astype(np.int32)
+    reached = target
+    for step in range(1, most + 1):
+        wide = reached.copy()
+        wide[1:] |= reached[:-1]
+        wide[:-1] |= reached[1:]
+        reached = wide.copy()
+        reached[:, 1:] |= wide[:, :-1]
+        reached[:, :-1] |= wide[:, 1:]
+        distance[reached & (distance > step)] = step
+    return distance
+
+
+def _run_lengths(mask: NDArray[np.bool_]) -> NDArray[np.int64]:
+    """For each pixel the length of the row run that it lies in, 0 outside."""
+    start, stop, row = _row_runs(mask)
+    lengths = np.zeros(mask.shape, np.int64)
+    flat = lengths.ravel()
+    for a, b, r in zip(start, stop, row, strict=True):
+        flat[r * mask.shape[1] + a : r * mask.shape[1] + b] = b - a
+    return lengths
+
+
+def _row_runs(
+    mask: NDArray[np.bool_],
+) -> tuple[NDArray[np.int64], NDArray[np.int64], NDArray[np.int64]]:
+    padded = np.zeros((mask.shape[0], mask.shape[1] + 2), np.int8)
+    padded[:, 1:-1] = mask
+    change = np.diff(padded, axis=1)
+    row, start = np.nonzero(change == 1)
+    stop = np.nonzero(change == -1)[1]
+    return start, stop, row
+
+
+def runs_over(zone: NDArray[np.bool_]) -> NDArray[np.int32]:
+    """Cover the zone with runs, each pixel along the direction in which its part is longer."""
+    flat = _run_lengths(zone) >= _run_lengths(zone.T).T
+    start, stop, row = _row_runs(zone & flat)
+    lying = np.stack([0 * row, row, start, stop - start], axis=1)
+    start, stop, column = _row_runs((zone & ~flat).T)
+    upright = np.stack([0 * column + 1, start, column, stop - start], axis=1)
+    return np.ascontiguousarray(np.concatenate([lying, upright]), np.int32)
+
+
+def _tile(zone: NDArray[np.bool_], side: int) -> NDArray[np.int64]:
+    """Blocks inside the zone that together cover it, each mostly pixels of its own."""
+    if side == 1:
+        return np.argwhere(zone)
+    inside = box_sums(zone, side, side) == side * side
+    left = zone.copy()
+    chosen = []
+    for own_share in (side * side, side * side // 2):  # whole blocks first
+        for v, u in np.argwhere(inside).tolist():
+            own = left[v : v + side, u : u + side]
+            if np.count_nonzero(own) >= own_share:
+                chosen.append((v, u))
+                own[:] = False
+    return np.array(chosen, np.int64).reshape(-1, 2)

@@ -1,0 +1,81 @@
+# mypy: ignore-errors
+"""Kernels that follow what neighbours are made of; compiled by Cython, see setup.py."""
+
+import cython
+from cython.cimports.weftex.search.window_kernels import settle
+
+
+@cython.cfunc
+@cython.nogil
+@cython.exceptval(check=False)
+def coherent_places(
+    source: cython.const[cython.int][:, ::1],
+    y: cython.Py_ssize_t,
+    x: cython.Py_ssize_t,
+    runs: cython.const[cython.int][:, ::1],
+    n: cython.Py_ssize_t,
+    usable: cython.const[cython.uchar][:, ::1],
+    period: cython.const[cython.int][::1],
+    places: cython.int[::1],
+    count: cython.Py_ssize_t,
+) -> cython.Py_ssize_t:
+    """Where the neighbours' sources go on at (y, x), each place once, after `count` that are there.
+
+    Returns their number with those. The neighbours are the pixels of the runs, from the last to
+    the first. -1 stands once for all places that no window may be centred at, where the first of
+    them was met. The runs reach no further along x than the windows do, so a step along a row of
+    the sample never ends in a usable place of another row.
+    """
+    height: cython.Py_ssize_t = source.shape[0]
+    width: cython.Py_ssize_t = source.shape[1]
+    across: cython.Py_ssize_t = usable.shape[1]
+    size: cython.Py_ssize_t = usable.shape[0] * usable.shape[1]
+    may: cython.p_const_uchar = cython.address(usable[0, 0])
+    before: cython.Py_ssize_t = -1 - size
+    r: cython.Py_ssize_t
+    i: cython.Py_ssize_t
+    k: cython.Py_ssize_t
+    cy: cython.Py_ssize_t
+    cx: cython.Py_ssize_t
+    dx: cython.Py_ssize_t
+    own: cython.Py_ssize_t
+    at: cython.Py_ssize_t
+    for r in range(n - 1, -1, -1):
+        cy = y + runs[r, 0]
+        if cy < 0:
+            cy += height
+        elif cy >= height:
+            cy -= height
+        for i in range(runs[r, 2] - 1, -1, -1):
+            dx = runs[r, 1] + i
+            cx = x + dx
+            if cx < 0:
+                cx += width
+            elif cx >= width:
+                cx -= width
+            own = source[cy, cx]
+            at = own - runs[r, 0] * across - dx
+            if own < 0 or at == before:
+                continue
+            before = at
+            if at < 0 or at >= size or not may[at]:
+                at = -1
+                if period[2]:
+                    at = settle(usable, period, own // across - runs[r, 0], own % across - dx)
+            k = 0
+            while k < count and places[k] != at:
+                k += 1
+            if k == count:
+                places[count] = cython.cast(cython.int, at)
+                count += 1
+    return count
+
+
+def places_at(source, y, x, runs, n, usable, period, places):
+    """`coherent_places`; returns their number."""
+    s: cython.const[cython.int][:, ::1] = source
+    r: cython.const[cython.int][:, ::1] = runs
+    u: cython.const[cython.uchar][:, ::1] = usable
+    p: cython.const[cython.int][::1] = period
+    out: cython.int[::1] = places
+    return coherent_places(s, y, x, r, n, u, p, out, 0)

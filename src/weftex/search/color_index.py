@@ -1,0 +1,159 @@
+"""From a colour to the places of a sample that have it, or one that is near it.
+
+The kd-tree over the distinct colours is that of Sabha, Peers and Dutré (2007), Texture synthesis
+using exact neighborhood matching, section 4: each colour once, with the places where it is.
+Colours of one node are numbered in a row, so that a whole node of near colours is one interval.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from weftex.search import color_kernels as _color_kernels
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+
+_LEAF = 8  # about so many colours are looked at one by one
+
+
+class ColorIndex:
+    """The colours of a sample's pixels, and where they are.
+
+    Colours count that a listed window is centred on, or beside. Distances are sums of squared
+    differences of bytes.
+
+    Parameters
+    ----------
+    pixels : uint8 array (H, W, K)
+        The sample's bytes.
+    usable : uint8 array (H, W)
+        1 where a window is centred that is to be listed; somewhere at least.
+
+    Attributes
+    ----------
+    colors : uint8 array (C, K)
+        Distinct colours in the order of the tree's leaves; a colour's number is its row.
+    number : int32 array (H, W)
+        The colour number of each pixel; of the nearest colour where its own does not count.
+    rank : int32 array (C,)
+        Where a colour stands if they are sorted by their bytes; the first of equally near ones.
+    depth : int
+        Node i of the tree is followed by 2 i and 2 i + 1; 2**depth is the first leaf.
+    low, high : uint8 array (2**(depth + 1), K)
+        Smallest and largest bytes in each node.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> pixels = np.arange(64, dtype=np.uint8).reshape(8, 8, 1)
+    >>> index = ColorIndex(pixels, np.ones((8, 8), np.uint8))
+    >>> index.colors[index.nearest(np.uint8([[9], [200]]))].ravel().tolist()
+    [9, 63]
+    """
+
+    def __init__(self, pixels: NDArray[np.uint8], usable: NDArray[np.uint8]) -> None:
+        self.usable = usable
+        height, width = usable.shape
+        padded = np.pad(usable, 1)
+        near = [padded[v : v + height, u : u + width] for v in (0, 1, 2) for u in (0, 1, 2)]
+        counts = np.logical_or.reduce(near)
+        counted = pixels[counts]
+        order = np.lexsort(counted.T[::-1])
+        new = np.ones(len(order), bool)
+        new[1:] = (counted[order[1:]] != counted[order[:-1]]).any(axis=1)
+        number = np.empty(len(order), np.int32)
+        number[order] = np.cumsum(new) - 1
+        colors = counted[order[new]]
+        self.depth = max(0, (len(colors) // _LEAF).bit_length() - 1)
+        leaves, self.low, self.high = _split(colors, self.depth)
+        self.colors = np.ascontiguousarray(colors[leaves])
+        self.rank = leaves.astype(np.int32)
+        self.number = np.empty((height, width), np.int32)
+        self.number[counts] = np.argsort(leaves).astype(np.int32)[number]
+        self.number[~counts] = self.nearest(pixels[~counts])
+
+    def nearest(self, pixels: NDArray[np.uint8]) -> NDArray[np.int32]:
+        """Return the numbers of the colours nearest to `pixels` (n, K)."""
+        found = np.empty(len(pixels), np.int32)
+        tree = self.colors, self.low, self.high, self.depth
+        _color_kernels.nearest_each(*tree, self.rank, np.ascontiguousarray(pixels), found)
+        return found
+
+    def reach(self, count: int) -> NDArray[np.int64]:
+        """Return, for each colour, the squared distance of its `count`-th nearest, itself first."""
+        found = np.zeros(len(self.colors), np.int64)
+        if 1 < count < len(found):
+            keys, places = np.empty(count, np.int64), np.empty(count, np.int32)
+            tree = self.colors, self.low, self.high, self.depth
+            _color_kernels.reach_each(*tree, keys, places, found)
+        elif count > 1:
+            found[:] = self.span
+        return found
+
+    @property
+    def span(self) -> int:
+        """The squared distance of the smallest and the largest bytes; no two colours exceed it."""
+        low, high = self.low[1].astype(np.int64), self.high[1].astype(np.int64)
+        return int(((high - low) ** 2).sum())
+
+    def near(self, number: int, radius: int) -> NDArray[np.int32]:
+        """Return the numbers of the colours within a squared distance, as intervals (n, 2)."""
+        room = np.empty((1, len(self.colors) + 2), np.int32)
+        tree = self.colors, self.low, self.high, self.depth
+        count = _color_kernels.near_one(*tree, number, radius, room)
+        return room[0, : 2 * count].reshape(-1, 2)
+
+    def centres(self, offsets: NDArray[np.int32]) -> tuple[NDArray[np.int32], NDArray[np.int32]]:
+        """List the centres of windows by the colour that they have beside them.
+
+        Parameters
+        ----------
+        offsets : int32 array (d, 2)
+            Which of the pixels beside a centre: dy and dx.
+
+        Returns
+        -------
+        starts : int32 array (d, C + 1)
+            Those of colour c are `places[starts[d, c] : starts[d, c + 1]]`, in scan order.
+        places : int32 array
+            Flat indices into the pixels.
+        """
+        centres = np.flatnonzero(self.usable).astype(np.int32)
+        y, x = np.divmod(centres, np.int32(self.usable.shape[1]))
+        starts = np.zeros((len(offsets), len(self.colors) + 1), np.int32)
+        lists, total = [], 0
+        height, width = self.usable.shape
+        for d, (dy, dx) in enumerate(offsets.tolist()):
+            v, u = y + dy, x + dx
+            inside = (v >= 0) & (u >= 0) & (v < height) & (u < width)
+            beside = self.number[v[inside], u[inside]]
+            lists.append(centres[inside][np.argsort(beside, kind="stable")])
+            starts[d, 1:] = np.cumsum(np.bincount(beside, minlength=len(self.colors)))
+            starts[d] += total
+            total += len(beside)
+        return starts, np.concatenate(lists)
+
+
+def _split(
+    colors: NDArray[np.uint8], depth: int
+) -> tuple[NDArray[np.intp], NDArray[np.uint8], NDArray[np.uint8]]:
+    """Halve each node along its widest channel, level by level; order, lowest and highest bytes."""
+    count = len(colors)
+    order = np.arange(count)
+    low = np.zeros((2 << depth, colors.shape[1]), np.uint8)
+    high = np.zeros_like(low)
+    for level in range(depth + 1):
+        starts = np.arange(1 << level) * count >> level
+        nodes = slice(1 << level, 2 << level)
+        low[nodes] = np.minimum.reduceat(colors[order], starts)
+        high[nodes] = np.maximum.reduceat(colors[order], starts)
+        if level < depth:
+            widest = (high[nodes] - low[nodes]).argmax(axis=1)
+            node = np.repeat(np.arange(1 << level), np.diff(starts, append=count))
+            key = node * 256 + colors[order, widest[node]]
+            order = order[np.argsort(key, kind="stable")]
+    return order, low, high

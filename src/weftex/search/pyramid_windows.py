@@ -1,0 +1,136 @@
+"""Windows over two levels of a sample's pyramid, as vectors (section III.B.2).
+
+The vector of a pixel is the bytes of the N x N window around its parent, then those of its own
+S x S window in scan order without the pixel itself. So the L-shaped window is the vector's first
+part, and one table of offsets serves the sample and the canvas.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from weftex.errors import InvalidInputError
+from weftex.exemplar import Exemplar
+from weftex.random import draw
+from weftex.raster.pyramids import gaussian_pyramid, mask_pyramid
+from weftex.search.windows import windows_of
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    from weftex.search.windows import Windows
+
+#: Windows of a level; a tree over more takes long and hundreds of megabytes.
+MOST = 2**17
+_CHUNK = 4096
+
+
+def sample_pyramid(exemplar: Exemplar, count: int) -> list[Exemplar]:
+    """Return the levels of a sample, finest first: `count`, or fewer if its mask leaves no more.
+
+    The pixels of a level are bytes, as `Exemplar.matching` gives them. A sample that tiles does so
+    at every level.
+    """
+    wrap = (exemplar.tileable, exemplar.tileable)
+    mask = np.ones(exemplar.shape, bool) if exemplar.mask is None else exemplar.mask
+    return [
+        Exemplar(pixels, mask=usable, tileable=exemplar.tileable, alpha=False, name=exemplar.name)
+        for pixels, usable in zip(
+            gaussian_pyramid(exemplar.matching(), count, wrap),
+            mask_pyramid(mask, count, wrap),
+            strict=True,
+        )
+        if usable.any()
+    ]
+
+
+def window_offsets(width: int, causal: bool) -> NDArray[np.int32]:
+    """Rows and columns of a window around its centre, in scan order without the centre: (n, 2).
+
+    Examples
+    --------
+    >>> window_offsets(3, causal=True).tolist()
+    [[-1, -1], [-1, 0], [-1, 1], [0, -1]]
+    """
+    around = _square(width)
+    return np.delete(around, len(around) // 2, axis=0)[: len(around) // 2 if causal else None]
+
+
+def parent_offsets(width: int) -> NDArray[np.int32]:
+    """Rows and columns of a window around the parent: (n, 2); none for a width of 0."""
+    return _square(width) if width else np.empty((0, 2), np.int32)
+
+
+def whole_windows(
+    sample: Exemplar, parent: Exemplar | None, width: int, parent_width: int, *, causal: bool
+) -> list[tuple[Windows, NDArray[np.int32], NDArray[np.int32]]]:
+    """Find the pixels of a level whose windows are whole, at the parent's level too.
+
+    Parameters
+    ----------
+    sample, parent : Exemplar
+        A level from `sample_pyramid`, and the next coarser one if there is one.
+    width, parent_width : int
+        S and N, odd.
+    causal : bool
+        L-shaped windows, or such that look to all sides.
+
+    Returns
+    -------
+    list of (windows, centres, offsets)
+        The parent's, if there is one, and the pixel's own; centres are indices into the windows.
+
+    Raises
+    ------
+    InvalidInputError
+        If there are none.
+    """
+    reach = width // 2
+    own = windows_of(sample, (reach, 0 if causal else reach, reach, reach))
+    offsets = window_offsets(width, causal)
+    if parent is None:
+        return [(own, own.centres, offsets)]
+    reach = parent_width // 2
+    above = windows_of(parent, (reach, reach, reach, reach))
+    y, x = np.divmod(own.to_sample(own.centres), sample.shape[1])
+    at = above.from_sample((y // 2 * parent.shape[1] + x // 2).astype(np.int32))
+    whole = above.usable.reshape(-1)[at] > 0
+    if not whole.any():
+        raise InvalidInputError(f"no window of {sample.name} is whole at two levels")
+    return [(above, at[whole], parent_offsets(parent_width)), (own, own.centres[whole], offsets)]
+
+
+def window_vectors(
+    sample: Exemplar, parent: Exemplar | None, width: int, parent_width: int, *, causal: bool
+) -> tuple[NDArray[np.uint8], NDArray[np.int32]]:
+    """Return the vectors of a level's pixels, and the pixels' flat indices in scan order.
+
+    They are uint8 (n, D) and int32 (n,), of at most `MOST` pixels: a random part if there are
+    more. Takes what `whole_windows` takes.
+    """
+    parts = whole_windows(sample, parent, width, parent_width, causal=causal)
+    places = parts[-1][0].to_sample(parts[-1][1])
+    kept = np.arange(len(places))
+    if len(kept) > MOST:
+        kept = np.sort(np.argsort(draw(0, "windows", places), kind="stable")[:MOST])
+    vectors = [_bytes_at(windows, at[kept], offsets) for windows, at, offsets in parts]
+    return np.concatenate(vectors, axis=1), places[kept]
+
+
+def _bytes_at(
+    windows: Windows, centres: NDArray[np.int32], offsets: NDArray[np.int32]
+) -> NDArray[np.uint8]:
+    pixels = windows.pixels.reshape(-1, windows.pixels.shape[2])
+    away = offsets[:, 0] * windows.pixels.shape[1] + offsets[:, 1]
+    result = np.empty((len(centres), len(away) * pixels.shape[1]), np.uint8)
+    for start in range(0, len(centres), _CHUNK):
+        part = slice(start, start + _CHUNK)
+        result[part] = pixels[centres[part, None] + away].reshape(-1, result.shape[1])
+    return result
+
+
+def _square(width: int) -> NDArray[np.int32]:
+    every = np.indices((width, width)).reshape(2, -1).T - width // 2
+    return np.ascontiguousarray(every, np.int32)

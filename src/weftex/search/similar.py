@@ -1,0 +1,107 @@
+"""For each place of a sample the few places that look most like it (k-coherence, Tong et al. 2002).
+
+They are found exactly on the coarsest level of a pyramid, and then passed down: the places like a
+pixel are looked for around the children of those that its parent is like.
+"""
+
+from __future__ import annotations
+
+from itertools import product
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from weftex.search import similar_kernels as _similar_kernels
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    from weftex.search.windows import Windows
+
+_APART = 2  # pixels; what is nearer than that is the same place
+_AROUND = (-1, 0, 1)
+_PAIRS = 2**24  # comparisons on the coarsest level, about so many in all
+
+
+def similar_places(
+    windows: Windows,
+    reach: int,
+    count: int,
+    coarser: tuple[Windows, NDArray[np.int32]] | None = None,
+) -> NDArray[np.int32]:
+    """Return for each pixel of `windows` the places most like it.
+
+    Parameters
+    ----------
+    windows : Windows
+        The sample.
+    reach : int
+        Windows of (2 * reach + 1) squared pixels are compared.
+    count : int
+        How many places to find for each.
+    coarser : (Windows, int32 array), optional
+        The next coarser level and what this function found there.
+
+    Returns
+    -------
+    int32 array (H' * W', count)
+        Flat indices into `windows.pixels`, nearest first, -1 where there are fewer. A pixel that
+        no window is centred on has those of the nearest pixel that has one.
+    """
+    centres = windows.centres
+    if not count:
+        return np.zeros((windows.usable.size, 0), np.int32)
+    if coarser is None:
+        step = -(-(len(centres) ** 2) // _PAIRS)
+        candidates = np.ascontiguousarray(centres[None, ::step])
+    else:
+        candidates = _children(windows, *coarser)
+    found = np.full((len(centres), count), -1, np.int32)
+    _similar_kernels.nearest_windows(
+        windows.pixels, centres, candidates, reach, _APART, np.zeros(count, np.int64), found
+    )
+    rank = np.zeros(windows.usable.size, np.int32)
+    rank[centres] = np.arange(len(centres), dtype=np.int32)
+    result: NDArray[np.int32] = found[rank[nearest_centre(windows.usable).ravel()]]
+    return result
+
+
+def nearest_centre(usable: NDArray[np.uint8]) -> NDArray[np.int32]:
+    """Return for each pixel of `windows` a flat index where a window is centred: its own, or near.
+
+    Where the sample has a mask the nearest along the row is taken, and the row nearest to one
+    that has any.
+    """
+    height, width = usable.shape
+    columns = np.arange(width)
+    there = usable.astype(bool)
+    rows = np.flatnonzero(there.any(axis=1))
+    result = np.empty((height, width), np.int32)
+    for y in range(height):
+        row = rows[np.abs(rows - y).argmin()]
+        at = np.flatnonzero(there[row])
+        after = np.searchsorted(at, columns).clip(1, max(len(at) - 1, 1))
+        before = at[after - 1]
+        later = at[np.minimum(after, len(at) - 1)]
+        result[y] = row * width + np.where(columns - before <= later - columns, before, later)
+    return result
+
+
+def _children(windows: Windows, coarser: Windows, similar: NDArray[np.int32]) -> NDArray[np.int32]:
+    """The places around the children of what each centre's parent is like."""
+    height, width = windows.pixels.shape[:2]
+    top, left = (int(n) for n in windows.period[:2])
+    coarse_top, coarse_left = (int(n) for n in coarser.period[:2])
+    y, x = np.divmod(windows.centres, width)
+    y, x = y - top, x - left
+    parent = (y // 2 + coarse_top) * coarser.pixels.shape[1] + x // 2 + coarse_left
+    result = np.empty((len(y), 9 * similar.shape[1]), np.int32)
+    for k, (j, dy, dx) in enumerate(product(range(similar.shape[1]), _AROUND, _AROUND)):
+        place = similar[parent, j]
+        v, u = np.divmod(place, coarser.pixels.shape[1])
+        v = 2 * (v - coarse_top) + y % 2 + dy + top
+        u = 2 * (u - coarse_left) + x % 2 + dx + left
+        inside = (place >= 0) & (v >= 0) & (u >= 0) & (v < height) & (u < width)
+        flat = np.where(inside, v * width + u, 0)
+        result[:, k] = np.where(inside & (windows.usable.ravel()[flat] > 0), flat, -1)
+    return result

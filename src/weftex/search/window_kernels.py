@@ -1,0 +1,295 @@
+# mypy: ignore-errors
+"""Kernels that compare the windows around two pixels; compiled by Cython, see setup.py.
+
+A window is a list of runs (dy, dx, length): stretches of a row, seen from its centre. All
+distances are sums of squared differences of bytes, so any order of summation gives the same.
+"""
+
+import cython
+from cython.cimports.libc.string import memcpy
+from cython.cimports.weftex.search.zone_kernels import squared
+
+
+@cython.cfunc
+@cython.nogil
+@cython.exceptval(check=False)
+def causal_runs(
+    y: cython.Py_ssize_t,
+    x: cython.Py_ssize_t,
+    height: cython.Py_ssize_t,
+    width: cython.Py_ssize_t,
+    wrap_x: cython.bint,
+    up: cython.Py_ssize_t,
+    left: cython.Py_ssize_t,
+    right: cython.Py_ssize_t,
+    runs: cython.int[:, ::1],
+) -> cython.Py_ssize_t:
+    """The L-shaped window of a pixel in scan order, as far as it lies on the canvas.
+
+    Where the canvas wraps along x it goes around: rows above are whole, and the end of a row sees
+    its beginning. Nothing is in it twice.
+    """
+    n: cython.Py_ssize_t = 0
+    dy: cython.Py_ssize_t
+    first: cython.Py_ssize_t
+    last: cython.Py_ssize_t
+    for dy in range(-up if up < y else -y, 1):
+        first = -left
+        last = right if dy < 0 else -1
+        if wrap_x and dy < 0:
+            if last - first + 1 > width:
+                first = -((width - 1) // 2) if left > (width - 1) // 2 else -left
+                last = first + width - 1
+        else:
+            if first < -x:
+                first = -x
+            if last > width - 1 - x:
+                last = width - 1 - x
+        if first <= last:
+            runs[n, 0] = cython.cast(cython.int, dy)
+            runs[n, 1] = cython.cast(cython.int, first)
+            runs[n, 2] = cython.cast(cython.int, last - first + 1)
+            n += 1
+    if wrap_x:
+        first = width - x
+        last = width - 1 - (left if left < x else x)
+        if last > right:
+            last = right
+        if x > 0 and first <= last:
+            runs[n, 0] = 0
+            runs[n, 1] = cython.cast(cython.int, first)
+            runs[n, 2] = cython.cast(cython.int, last - first + 1)
+            n += 1
+    return n
+
+
+@cython.cfunc
+@cython.nogil
+@cython.exceptval(check=False)
+def turn_runs(runs: cython.int[:, ::1], n: cython.Py_ssize_t) -> cython.void:
+    """Put the last run first, so that comparisons begin beside the pixel and end sooner."""
+    i: cython.Py_ssize_t
+    k: cython.Py_ssize_t
+    swapped: cython.int
+    for i in range(n // 2):
+        for k in range(3):
+            swapped = runs[i, k]
+            runs[i, k] = runs[n - 1 - i, k]
+            runs[n - 1 - i, k] = swapped
+
+
+@cython.cfunc
+@cython.nogil
+@cython.exceptval(check=False)
+def known_runs(
+    done: cython.const[cython.uchar][:, ::1],
+    y: cython.Py_ssize_t,
+    x: cython.Py_ssize_t,
+    wrap_y: cython.bint,
+    wrap_x: cython.bint,
+    up: cython.Py_ssize_t,
+    down: cython.Py_ssize_t,
+    left: cython.Py_ssize_t,
+    right: cython.Py_ssize_t,
+    runs: cython.int[:, ::1],
+) -> cython.Py_ssize_t:
+    """What is known of the window around a pixel, without the pixel itself.
+
+    On a wrapped axis shorter than the window nothing is in it twice.
+    """
+    height: cython.Py_ssize_t = done.shape[0]
+    width: cython.Py_ssize_t = done.shape[1]
+    n: cython.Py_ssize_t = 0
+    dy: cython.Py_ssize_t
+    dx: cython.Py_ssize_t
+    cy: cython.Py_ssize_t
+    cx: cython.Py_ssize_t
+    running: cython.bint
+    known: cython.bint
+    if wrap_y:
+        if up > (height - 1) // 2:
+            up = (height - 1) // 2
+        if down > height // 2:
+            down = height // 2
+    else:
+        if up > y:
+            up = y
+        if down > height - 1 - y:
+            down = height - 1 - y
+    if wrap_x:
+        if left > (width - 1) // 2:
+            left = (width - 1) // 2
+        if right > width // 2:
+            right = width // 2
+    else:
+        if left > x:
+            left = x
+        if right > width - 1 - x:
+            right = width - 1 - x
+    cy = (y - up + height) % height
+    for dy in range(-up, down + 1):
+        running = False
+        cx = (x - left + width) % width
+        for dx in range(-left, right + 1):
+            known = done[cy, cx] != 0 and (dy != 0 or dx != 0)
+            if known:
+                if running:
+                    runs[n - 1, 2] += 1
+                else:
+                    runs[n, 0] = cython.cast(cython.int, dy)
+                    runs[n, 1] = cython.cast(cython.int, dx)
+                    runs[n, 2] = 1
+                    n += 1
+            running = known
+            cx = cx + 1 if cx + 1 < width else 0
+        cy = cy + 1 if cy + 1 < height else 0
+    return n
+
+
+@cython.cfunc
+@cython.nogil
+@cython.exceptval(check=False)
+def gather_runs(
+    levels: cython.const[cython.uchar][:, :, ::1],
+    y: cython.Py_ssize_t,
+    x: cython.Py_ssize_t,
+    runs: cython.const[cython.int][:, ::1],
+    n: cython.Py_ssize_t,
+    query: cython.uchar[::1],
+) -> cython.Py_ssize_t:
+    """Copy the bytes of a window of the canvas, around its borders; return their number."""
+    height: cython.Py_ssize_t = levels.shape[0]
+    width: cython.Py_ssize_t = levels.shape[1]
+    channels: cython.Py_ssize_t = levels.shape[2]
+    r: cython.Py_ssize_t
+    cy: cython.Py_ssize_t
+    cx: cython.Py_ssize_t
+    left: cython.Py_ssize_t
+    part: cython.Py_ssize_t
+    at: cython.Py_ssize_t = 0
+    for r in range(n):
+        cy = y + runs[r, 0]
+        if cy < 0:
+            cy += height
+        elif cy >= height:
+            cy -= height
+        cx = x + runs[r, 1]
+        if cx < 0:
+            cx += width
+        elif cx >= width:
+            cx -= width
+        left = runs[r, 2]
+        while left > 0:
+            part = left if left < width - cx else width - cx
+            memcpy(
+                cython.address(query[at]),
+                cython.address(levels[cy, cx, 0]),
+                cython.cast(cython.size_t, part * channels),
+            )
+            at += part * channels
+            left -= part
+            cx = 0
+    return at
+
+
+@cython.cfunc
+@cython.nogil
+@cython.exceptval(check=False)
+def run_distance(
+    pixels: cython.const[cython.uchar][:, :, ::1],
+    y: cython.Py_ssize_t,
+    x: cython.Py_ssize_t,
+    runs: cython.const[cython.int][:, ::1],
+    n: cython.Py_ssize_t,
+    query: cython.const[cython.uchar][::1],
+    bound: cython.longlong,
+) -> cython.longlong:
+    """Sum of squared differences to the window of the sample at (y, x).
+
+    Stops as soon as it is past `bound`, if that is not negative. The rows nearest to the pixel
+    come last in a causal window and differ most, so they are compared first.
+    """
+    channels: cython.Py_ssize_t = pixels.shape[2]
+    r: cython.Py_ssize_t
+    length: cython.Py_ssize_t
+    at: cython.Py_ssize_t = 0
+    total: cython.longlong = 0
+    for r in range(n):
+        at += runs[r, 2] * channels
+    for r in range(n - 1, -1, -1):
+        length = runs[r, 2] * channels
+        at -= length
+        total += squared(
+            cython.address(pixels[y + runs[r, 0], x + runs[r, 1], 0]),
+            cython.address(query[at]),
+            length,
+        )
+        if total > bound and bound >= 0:
+            break
+    return total
+
+
+@cython.cfunc
+@cython.nogil
+@cython.exceptval(check=False)
+def settle(
+    usable: cython.const[cython.uchar][:, ::1],
+    period: cython.const[cython.int][::1],
+    y: cython.Py_ssize_t,
+    x: cython.Py_ssize_t,
+) -> cython.Py_ssize_t:
+    """The flat index of a place in the sample, or -1 if no window may be centred there."""
+    if period[2]:
+        y = (y - period[0]) % period[2]
+        x = (x - period[1]) % period[3]
+        y = y + period[0] if y >= 0 else y + period[0] + period[2]
+        x = x + period[1] if x >= 0 else x + period[1] + period[3]
+    elif y < 0 or x < 0 or y >= usable.shape[0] or x >= usable.shape[1]:
+        return -1
+    return y * usable.shape[1] + x if usable[y, x] else -1
+
+
+def runs_of(done, y, x, wrap, reach, runs, causal=False):
+    """`causal_runs` or `known_runs`; returns their number."""
+    d: cython.const[cython.uchar][:, ::1] = done
+    out: cython.int[:, ::1] = runs
+    if causal:
+        return causal_runs(y, x, d.shape[0], d.shape[1], wrap[1], reach[0], reach[2], reach[3], out)
+    return known_runs(d, y, x, wrap[0], wrap[1], reach[0], reach[1], reach[2], reach[3], out)
+
+
+def compare(levels, y, x, pixels, places, runs, n, query, bound=-1):
+    """Distances of the window at (y, x) of the canvas to those at `places` of the sample."""
+    a: cython.const[cython.uchar][:, :, ::1] = levels
+    b: cython.const[cython.uchar][:, :, ::1] = pixels
+    r: cython.const[cython.int][:, ::1] = runs
+    q: cython.uchar[::1] = query
+    gather_runs(a, y, x, r, n, q)
+    return [run_distance(b, v, u, r, n, q, bound) for v, u in places]
+
+
+def distances(levels, y, x, pixels, centres, runs, n, query, out):
+    """Distances of the window at (y, x) to those at the flat indices `centres`, without a bound.
+
+    What exhaustive search costs at least; searches are measured against it.
+    """
+    a: cython.const[cython.uchar][:, :, ::1] = levels
+    b: cython.const[cython.uchar][:, :, ::1] = pixels
+    c: cython.const[cython.int][::1] = centres
+    r: cython.const[cython.int][:, ::1] = runs
+    q: cython.uchar[::1] = query
+    o: cython.longlong[::1] = out
+    i: cython.Py_ssize_t
+    count: cython.Py_ssize_t = n
+    width: cython.Py_ssize_t = b.shape[1]
+    gather_runs(a, y, x, r, n, q)
+    with cython.nogil:
+        for i in range(c.shape[0]):
+            o[i] = run_distance(b, c[i] // width, c[i] % width, r, count, q, -1)
+
+
+def settle_at(usable, period, y, x):
+    """`settle`."""
+    u: cython.const[cython.uchar][:, ::1] = usable
+    p: cython.const[cython.int][::1] = period
+    return settle(u, p, y, x)

@@ -1,0 +1,122 @@
+"""The windows of a sample that pixels are chosen by."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from weftex.errors import InvalidInputError
+from weftex.search.translation import box_sums
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    from weftex.exemplar import Exemplar
+
+    #: How far a window reaches up, down, left and right of its centre, in pixels.
+    Reach = tuple[int, int, int, int]
+
+
+@dataclass(frozen=True, eq=False)
+class Windows:
+    """A sample's bytes, and where whole windows lie in it.
+
+    Parameters
+    ----------
+    pixels : uint8 array (H', W', K)
+        The bytes that distances are taken on; a sample that tiles is padded with its other side,
+        so that windows may hang over its border.
+    usable : uint8 array (H', W')
+        1 where a window may be centred: it is whole, on usable pixels, and not in the padding.
+    period : int32 array (4,)
+        Top, left, height and width of a tiling sample inside `pixels`; zeros if it does not tile.
+    shape : (int, int)
+        Height and width of the sample itself.
+    """
+
+    pixels: NDArray[np.uint8]
+    usable: NDArray[np.uint8]
+    period: NDArray[np.int32]
+    shape: tuple[int, int]
+
+    @cached_property
+    def centres(self) -> NDArray[np.int32]:
+        """Flat indices into `pixels` where a window may be centred, in scan order."""
+        return np.flatnonzero(self.usable).astype(np.int32)
+
+    def to_sample(self, index: NDArray[np.int32]) -> NDArray[np.int32]:
+        """Turn flat indices into `pixels` into those of the sample itself; -1 stays."""
+        if not self.period[2]:
+            return index
+        y, x = np.divmod(index, self.pixels.shape[1])
+        top, left, height, width = self.period
+        flat = ((y - top) % height) * width + (x - left) % width
+        return np.where(index < 0, np.int32(-1), flat).astype(np.int32)
+
+    def from_sample(self, index: NDArray[np.int32]) -> NDArray[np.int32]:
+        """Turn flat indices into the sample into those of `pixels`; -1 stays."""
+        if not self.period[2]:
+            return index
+        y, x = np.divmod(index, self.shape[1])
+        flat = (y + self.period[0]) * self.pixels.shape[1] + x + self.period[1]
+        return np.where(index < 0, np.int32(-1), flat).astype(np.int32)
+
+
+def windows_of(
+    exemplar: Exemplar, reach: Reach, levels: NDArray[np.uint8] | None = None
+) -> Windows:
+    """Find the whole windows of a sample.
+
+    Parameters
+    ----------
+    exemplar : Exemplar
+        The sample; its mask and whether it tiles are respected.
+    reach : (up, down, left, right)
+        How far a window reaches from its centre.
+    levels : uint8 array (H, W, K), optional
+        Take distances on these instead of `exemplar.matching()`.
+
+    Raises
+    ------
+    InvalidInputError
+        If no whole window lies on usable pixels.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from weftex.exemplar import Exemplar
+    >>> windows_of(Exemplar(np.zeros((9, 8), np.uint8)), (2, 2, 2, 2)).centres.size
+    20
+    """
+    levels = exemplar.matching() if levels is None else levels
+    up, down, left, right = reach
+    mask = np.ones(exemplar.shape, bool) if exemplar.mask is None else exemplar.mask
+    period = np.zeros(4, np.int32)
+    if exemplar.tileable:
+        period[:] = (up, left, *exemplar.shape)
+        pads = ((up, down), (left, right))
+        levels = np.pad(levels, (*pads, (0, 0)), mode="wrap")
+        mask = np.pad(mask, pads, mode="wrap")
+    usable = whole_windows(mask, reach)
+    if not usable.any():
+        raise InvalidInputError(
+            f"no whole window of {left + right + 1}x{up + down + 1} pixels lies on usable pixels "
+            f"of {exemplar.name}, which is {exemplar.shape[1]}x{exemplar.shape[0]}; make "
+            "window_width smaller"
+        )
+    return Windows(np.ascontiguousarray(levels), usable, period, exemplar.shape)
+
+
+def whole_windows(mask: NDArray[np.bool_], reach: Reach) -> NDArray[np.uint8]:
+    """Return 1 where the whole window around a pixel lies on the mask."""
+    up, down, left, right = reach
+    height, width = mask.shape
+    usable = np.zeros((height, width), np.uint8)
+    inside = (max(height - up - down, 0), max(width - left - right, 0))
+    if 0 not in inside:
+        v, u = up + down + 1, left + right + 1
+        usable[up : up + inside[0], left : left + inside[1]] = box_sums(mask, v, u) == v * u
+    return usable

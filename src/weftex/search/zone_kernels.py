@@ -1,0 +1,357 @@
+# mypy: ignore-errors
+"""Kernels that compare boundary zones; compiled by Cython, see setup.py.
+
+All distances are sums of squared differences of integers, so every order of summation, vector
+width and machine gives the same one.
+"""
+
+import cython
+
+
+@cython.cfunc
+@cython.nogil
+@cython.exceptval(check=False)
+def gather(
+    canvas: cython.const[cython.uchar][:, :, ::1],
+    y: cython.Py_ssize_t,
+    x: cython.Py_ssize_t,
+    runs: cython.const[cython.int][:, ::1],
+    query: cython.uchar[::1],
+) -> cython.longlong:
+    """Copy the zone's pixels from the canvas, run by run; return the sum of their squares."""
+    height: cython.Py_ssize_t = canvas.shape[0]
+    width: cython.Py_ssize_t = canvas.shape[1]
+    channels: cython.Py_ssize_t = canvas.shape[2]
+    r: cython.Py_ssize_t
+    i: cython.Py_ssize_t
+    k: cython.Py_ssize_t
+    cy: cython.Py_ssize_t
+    cx: cython.Py_ssize_t
+    at: cython.Py_ssize_t = 0
+    energy: cython.longlong = 0
+    for r in range(runs.shape[0]):
+        cy = (y + runs[r, 1]) % height
+        cx = (x + runs[r, 2]) % width
+        for i in range(runs[r, 3]):
+            for k in range(channels):
+                query[at + k] = canvas[cy, cx, k]
+                energy += cython.cast(cython.int, canvas[cy, cx, k]) * canvas[cy, cx, k]
+            at += channels
+            if runs[r, 0]:
+                cy = cy + 1 if cy + 1 < height else 0
+            else:
+                cx = cx + 1 if cx + 1 < width else 0
+    return energy
+
+
+@cython.cfunc
+@cython.nogil
+@cython.exceptval(check=False)
+def squared(
+    a: cython.p_const_uchar, b: cython.p_const_uchar, n: cython.Py_ssize_t
+) -> cython.longlong:
+    """Sum of squared differences of two rows of bytes."""
+    i: cython.Py_ssize_t
+    stop: cython.Py_ssize_t
+    start: cython.Py_ssize_t = 0
+    d: cython.short
+    part: cython.int
+    total: cython.longlong = 0
+    while start < n:
+        stop = start + 16384 if start + 16384 < n else n  # 16384 * 255**2 < 2**31
+        part = 0
+        for i in range(start, stop):
+            d = cython.cast(cython.short, a[i]) - cython.cast(cython.short, b[i])
+            part += cython.cast(cython.int, d) * d
+        total += part
+        start = stop
+    return total
+
+
+@cython.cfunc
+@cython.nogil
+@cython.exceptval(check=False)
+def distance(
+    pixels: cython.const[cython.uchar][:, :, ::1],
+    turned: cython.const[cython.uchar][:, :, ::1],
+    y: cython.Py_ssize_t,
+    x: cython.Py_ssize_t,
+    runs: cython.const[cython.int][:, ::1],
+    query: cython.const[cython.uchar][::1],
+    bound: cython.longlong,
+) -> cython.longlong:
+    """A d**2 of eq. (2) for the window at (y, x); stops early past `bound` (negative: never).
+
+    `turned` is `pixels` with its axes exchanged, so that upright runs are contiguous too: rows of
+    a few bytes cost their overhead and not their bytes.
+    """
+    channels: cython.Py_ssize_t = pixels.shape[2]
+    r: cython.Py_ssize_t
+    n: cython.Py_ssize_t
+    at: cython.Py_ssize_t = 0
+    total: cython.longlong = 0
+    row: cython.p_const_uchar
+    for r in range(runs.shape[0]):
+        n = runs[r, 3] * channels
+        if runs[r, 0]:
+            row = cython.address(turned[x + runs[r, 2], y + runs[r, 1], 0])
+        else:
+            row = cython.address(pixels[y + runs[r, 1], x + runs[r, 2], 0])
+        total += squared(row, cython.address(query[at]), n)
+        at += n
+        if total > bound and bound >= 0:
+            break
+    return total
+
+
+@cython.cfunc
+@cython.nogil
+@cython.exceptval(check=False)
+def block_means(
+    canvas: cython.const[cython.uchar][:, :, ::1],
+    y: cython.Py_ssize_t,
+    x: cython.Py_ssize_t,
+    blocks: cython.const[cython.int][:, ::1],
+    side: cython.Py_ssize_t,
+    means: cython.int[::1],
+) -> cython.void:
+    """Mean of each side x side block of the zone, per channel, as `QuadtreePyramid` rounds it."""
+    height: cython.Py_ssize_t = canvas.shape[0]
+    width: cython.Py_ssize_t = canvas.shape[1]
+    channels: cython.Py_ssize_t = canvas.shape[2]
+    b: cython.Py_ssize_t
+    i: cython.Py_ssize_t
+    j: cython.Py_ssize_t
+    k: cython.Py_ssize_t
+    cy: cython.Py_ssize_t
+    cx: cython.Py_ssize_t
+    total: cython.int
+    for b in range(blocks.shape[0]):
+        for k in range(channels):
+            total = 0
+            cy = (y + blocks[b, 0]) % height
+            for i in range(side):
+                cx = (x + blocks[b, 1]) % width
+                for j in range(side):
+                    total += canvas[cy, cx, k]
+                    cx = cx + 1 if cx + 1 < width else 0
+                cy = cy + 1 if cy + 1 < height else 0
+            means[b * channels + k] = (total + side * side // 2) // (side * side)
+
+
+@cython.cfunc
+@cython.inline
+@cython.nogil
+@cython.exceptval(check=False)
+def offer(
+    key: cython.longlong,
+    place: cython.int,
+    count: cython.Py_ssize_t,
+    wanted: cython.Py_ssize_t,
+    keys: cython.p_longlong,
+    places: cython.p_int,
+) -> cython.Py_ssize_t:
+    """Put a candidate into a heap that keeps the `wanted` smallest keys; return its new size."""
+    i: cython.Py_ssize_t
+    child: cython.Py_ssize_t
+    if count < wanted:
+        i = count
+        while i > 0 and keys[(i - 1) // 2] < key:
+            keys[i] = keys[(i - 1) // 2]
+            places[i] = places[(i - 1) // 2]
+            i = (i - 1) // 2
+        keys[i] = key
+        places[i] = place
+        return count + 1
+    if key >= keys[0]:
+        return count
+    i = 0
+    while True:
+        child = 2 * i + 1
+        if child >= count:
+            break
+        if child + 1 < count and keys[child + 1] > keys[child]:
+            child += 1
+        if keys[child] <= key:
+            break
+        keys[i] = keys[child]
+        places[i] = places[child]
+        i = child
+    keys[i] = key
+    places[i] = place
+    return count
+
+
+@cython.cfunc
+@cython.nogil
+@cython.exceptval(check=False)
+def nearest_by_blocks(
+    nodes: cython.const[cython.uchar][:, :, :, :, ::1],
+    blocks: cython.const[cython.int][:, ::1],
+    query: cython.const[cython.int][::1],
+    usable: cython.const[cython.uchar][:, ::1],
+    partial: cython.int[::1],
+    total: cython.longlong[::1],
+    wanted: cython.Py_ssize_t,
+    keys: cython.longlong[::1],
+    places: cython.int[::1],
+) -> cython.Py_ssize_t:
+    """Find the windows whose blocks are nearest to the query's, over one node of the pyramid each.
+
+    `nodes` is (channel, shift y, shift x, row, column): with a stride of s, the window at
+    (s * i, s * j) reads the block at (v, u) in node (v % s, u % s) at (i + v // s, j + u // s).
+    """
+    channels: cython.Py_ssize_t = nodes.shape[0]
+    stride: cython.Py_ssize_t = nodes.shape[1]
+    rows: cython.Py_ssize_t = (usable.shape[0] + stride - 1) // stride
+    columns: cython.Py_ssize_t = (usable.shape[1] + stride - 1) // stride
+    i: cython.Py_ssize_t
+    j: cython.Py_ssize_t
+    b: cython.Py_ssize_t
+    k: cython.Py_ssize_t
+    pending: cython.int
+    d: cython.short
+    q: cython.short
+    v: cython.Py_ssize_t
+    u: cython.Py_ssize_t
+    node: cython.p_const_uchar
+    count: cython.Py_ssize_t = 0
+    for i in range(rows):
+        for j in range(columns):
+            total[j] = 0
+            partial[j] = 0
+        pending = 0
+        for b in range(blocks.shape[0]):
+            v = blocks[b, 0]
+            u = blocks[b, 1]
+            for k in range(channels):
+                q = cython.cast(cython.short, query[b * channels + k])
+                node = cython.address(
+                    nodes[k, v % stride, u % stride, i + v // stride, u // stride]
+                )
+                for j in range(columns):
+                    d = cython.cast(cython.short, node[j]) - q
+                    partial[j] += cython.cast(cython.int, d) * d
+                pending += 1
+                if pending == 16384:
+                    pending = 0
+                    for j in range(columns):
+                        total[j] += partial[j]
+                        partial[j] = 0
+        for j in range(columns):
+            total[j] += partial[j]
+            if (count < wanted or total[j] < keys[0]) and usable[i * stride, j * stride]:
+                count = offer(
+                    total[j],
+                    cython.cast(cython.int, i * stride * usable.shape[1] + j * stride),
+                    count,
+                    wanted,
+                    cython.address(keys[0]),
+                    cython.address(places[0]),
+                )
+    return count
+
+
+@cython.cfunc
+@cython.nogil
+@cython.exceptval(check=False)
+def project(
+    basis: cython.const[cython.short][:, ::1],
+    offset: cython.const[cython.int][::1],
+    shift: cython.int,
+    means: cython.const[cython.int][::1],
+    features: cython.short[::1],
+) -> cython.void:
+    """Coordinates of a query in the principal components, rounded as `ZonePCA` rounds them."""
+    d: cython.Py_ssize_t
+    k: cython.Py_ssize_t
+    total: cython.int
+    for d in range(basis.shape[0]):
+        total = -offset[d] + ((1 << shift) >> 1)
+        for k in range(basis.shape[1]):
+            total += cython.cast(cython.int, basis[d, k]) * means[k]
+        total >>= shift
+        features[d] = cython.cast(cython.short, min(max(total, -4095), 4095))
+
+
+@cython.cfunc
+@cython.nogil
+@cython.exceptval(check=False)
+def nearest_by_features(
+    features: cython.const[cython.short][:, ::1],
+    at: cython.const[cython.int][::1],
+    query: cython.const[cython.short][::1],
+    wanted: cython.Py_ssize_t,
+    keys: cython.longlong[::1],
+    places: cython.int[::1],
+) -> cython.Py_ssize_t:
+    """Find the windows nearest in principal components; one component is one row of `features`."""
+    total = cython.declare(cython.int[1024])
+    start: cython.Py_ssize_t
+    n: cython.Py_ssize_t
+    d: cython.Py_ssize_t
+    j: cython.Py_ssize_t
+    q: cython.short
+    diff: cython.short
+    next_q: cython.short
+    next_diff: cython.short
+    row: cython.p_const_short
+    next_row: cython.p_const_short
+    count: cython.Py_ssize_t = 0
+    worst: cython.longlong = 0
+    for start in range(0, at.shape[0], 1024):
+        n = min(1024, at.shape[0] - start)
+        for j in range(n):
+            total[j] = 0
+        for d in range(0, features.shape[0] - 1, 2):  # two at a time halve the traffic of sums
+            row = cython.address(features[d, start])
+            next_row = cython.address(features[d + 1, start])
+            q = query[d]
+            next_q = query[d + 1]
+            for j in range(n):
+                diff = row[j] - q
+                next_diff = next_row[j] - next_q
+                total[j] += (
+                    cython.cast(cython.int, diff) * diff
+                    + cython.cast(cython.int, next_diff) * next_diff
+                )
+        if features.shape[0] % 2:
+            row = cython.address(features[features.shape[0] - 1, start])
+            q = query[features.shape[0] - 1]
+            for j in range(n):
+                diff = row[j] - q
+                total[j] += cython.cast(cython.int, diff) * diff
+        for j in range(n):
+            if total[j] < worst or count < wanted:
+                count = offer(
+                    total[j], at[start + j], count, wanted,
+                    cython.address(keys[0]), cython.address(places[0]),
+                )  # fmt: skip
+                worst = keys[0]
+    return count
+
+
+def zone_distances(canvas, y, x, pixels, turned, runs, corners, query):
+    """Return A d**2 between the zone on the canvas and at each of `corners`, and its energy."""
+    energy = gather(canvas, y, x, runs, query)
+    return [distance(pixels, turned, v, u, runs, query, -1) for v, u in corners], energy
+
+
+def zone_means(canvas, y, x, blocks, side, means):
+    """Fill `means` with the means of the zone's blocks on the canvas."""
+    block_means(canvas, y, x, blocks, side, means)
+
+
+def windows_by_blocks(nodes, blocks, means, usable, partial, total, wanted, keys, places):
+    """Call `nearest_by_blocks`; return how many windows were found."""
+    return nearest_by_blocks(nodes, blocks, means, usable, partial, total, wanted, keys, places)
+
+
+def windows_by_features(features, at, query, wanted, keys, places):
+    """Call `nearest_by_features`; return how many windows were found."""
+    return nearest_by_features(features, at, query, wanted, keys, places)
+
+
+def coordinates(basis, offset, shift, means, features):
+    """Fill `features` with the coordinates of a query in the principal components."""
+    project(basis, offset, shift, means, features)

@@ -1,0 +1,239 @@
+"""What a sample is like: scale, lattice, evenness, whether it tiles; the method that follows."""
+
+from __future__ import annotations
+
+import dataclasses
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from weftex.analysis.evenness import Evenness
+from weftex.analysis.lattice import Lattice, find_lattice
+from weftex.analysis.regularity import regularity
+from weftex.analysis.scale import DominantScale, dominant_scale
+from weftex.analysis.tiling import SEAMLESS, border_steps
+from weftex.errors import InvalidInputError
+from weftex.methods import METHODS
+from weftex.tasks.auto import Auto, Choice
+from weftex.tasks.synthesize import load_exemplar
+
+if TYPE_CHECKING:
+    from weftex.exemplar import Exemplar
+    from weftex.tasks.synthesize import Sample
+
+_BANDS = 4  # of the spectrum, an octave
+_BAR = 40  # characters
+
+
+@dataclass(frozen=True)
+class Band:
+    """A quarter of an octave of the spectrum.
+
+    Attributes
+    ----------
+    period : float
+        Of its strongest ring, in pixels.
+    power : float
+        Of that ring; the strongest of all has 1.
+    background : float
+        Of the spectrum around that ring.
+    """
+
+    period: float
+    power: float
+    background: float
+
+
+@dataclass(frozen=True)
+class Analysis:
+    """What `analyze` finds; `as_dict` gives plain values, `str` what the command prints.
+
+    Attributes
+    ----------
+    name : str
+        Of the sample.
+    height, width, channels : int
+        Of the picture.
+    dtype : str
+        Of its pixels.
+    alpha : bool
+        Whether the last channel is alpha.
+    maps : tuple of str
+        Names of the aligned maps.
+    colors : int
+        Different colours among the usable pixels.
+    scale, confidence : float
+        See `weftex.analysis.scale.DominantScale`.
+    spectrum : tuple of Band
+        The curve that the scale is read from, coarse to fine.
+    regularity : float
+        See `weftex.analysis.regularity.regularity`.
+    lattice : Lattice or None
+        See `weftex.analysis.lattice.find_lattice`.
+    border_steps : (float, float)
+        See `weftex.analysis.tiling.border_steps`.
+    tiles : (bool, bool)
+        Whether it repeats without a seam, downwards and to the right.
+    evenness : Evenness
+        See `weftex.analysis.evenness`.
+    choice : Choice
+        What "auto" takes for an output of twice the sample's size, and why; see
+        `weftex.tasks.auto`.
+    windows : dict of str to int or None
+        What each method with a window takes for this sample by itself; None where it cannot be
+        made from this sample at all.
+    """
+
+    name: str
+    height: int
+    width: int
+    channels: int
+    dtype: str
+    alpha: bool
+    maps: tuple[str, ...]
+    colors: int
+    scale: float
+    confidence: float
+    spectrum: tuple[Band, ...]
+    regularity: float
+    lattice: Lattice | None
+    border_steps: tuple[float, float]
+    tiles: tuple[bool, bool]
+    evenness: Evenness
+    choice: Choice
+    windows: dict[str, int | None]
+
+    def as_dict(self) -> dict[str, Any]:
+        """Return everything as numbers, texts, lists and dicts, as JSON has them."""
+        return dataclasses.asdict(self)
+
+    def __str__(self) -> str:
+        down, right = (f"{step:g}" for step in self.border_steps)
+        across = (
+            f"steps across the border over those inside: {down} downwards, {right} to the right"
+        )
+        words = {(True, True): "yes", (True, False): "downwards only"}
+        words |= {(False, True): "to the right only", (False, False): "no"}
+        certainty = f"confidence {self.confidence:g}" if self.confidence else "no clear peak"
+        kind = f"{self.width}x{self.height}, {self.channels} x {self.dtype}"
+        rows = [
+            (self.name, kind + (" with alpha" if self.alpha else "")),
+            *([("maps", ", ".join(self.maps))] if self.maps else []),
+            ("colours", str(self.colors)),
+            ("scale", f"{self.scale:g} px, {certainty}"),
+            ("regularity", f"{self.regularity:g}"),
+            ("lattice", _words(self.lattice)),
+            ("tiles", f"{words[self.tiles]} ({across})"),
+            ("auto", self.choice.reason),
+            *(("note", warning) for warning in self.choice.warnings),
+            *(("window", f"{'none' if width is None else f'{width} px'} for {slug}")
+              for slug, width in self.windows.items()),
+        ]  # fmt: skip
+        label = max(len(name) for name, _ in rows)
+        lines = [f"{name:{label}}  {text}" for name, text in rows]
+        if self.spectrum:
+            lines += ["", "power at each period (| what the spectrum around it has)"]
+        for band in self.spectrum:
+            bar = "#" * round(_BAR * band.power)
+            mark = min(round(_BAR * band.background), _BAR)
+            bar = f"{bar:{_BAR + 1}}"
+            lines.append(f"{band.period:8.1f} px  {bar[:mark]}|{bar[mark + 1 :]}".rstrip())
+        return "\n".join(lines)
+
+
+def analyze(sample: Sample) -> Analysis:
+    """Say what a sample is like, and what follows from it.
+
+    Parameters
+    ----------
+    sample : path, array, PIL image or Exemplar
+        The material; see `weftex.load_exemplar`.
+
+    Raises
+    ------
+    FileError
+        If the sample cannot be read.
+    InvalidInputError
+        If its pixels cannot be used.
+
+    Examples
+    --------
+    >>> found = analyze("sample:weave")
+    >>> round(found.scale), found.confidence > 0.9, found.tiles
+    (13, True, (False, False))
+    """
+    exemplar = load_exemplar(sample)
+    found = dominant_scale(exemplar)
+    down, right = border_steps(exemplar)
+    model = Auto().fit(exemplar)
+    look = model.findings
+    return Analysis(
+        name=exemplar.name,
+        height=exemplar.shape[0],
+        width=exemplar.shape[1],
+        channels=exemplar.channels,
+        dtype=exemplar.pixels.dtype.name,
+        alpha=exemplar.alpha,
+        maps=tuple(sorted(exemplar.maps)),
+        colors=_count_colors(exemplar),
+        scale=found.scale,
+        confidence=found.confidence,
+        spectrum=_bands(found),
+        regularity=regularity(exemplar),
+        lattice=look.lattice if look.exact else find_lattice(exemplar),
+        border_steps=(down, right),
+        tiles=(down <= SEAMLESS, right <= SEAMLESS),
+        evenness=look.evenness,
+        choice=model.choose((2 * exemplar.shape[0], 2 * exemplar.shape[1])),
+        windows=_windows(exemplar),
+    )
+
+
+def _words(lattice: Lattice | None) -> str:
+    """What `--lattice` takes, and how sure it is."""
+    if lattice is None:
+        return "none"
+    numbers = ",".join(f"{number:g}" for vector in lattice.vectors for number in vector)
+    rows = " (rows; nothing repeats along them)" if len(lattice.vectors) == 1 else ""
+    return f"{numbers} px{rows}, confidence {lattice.confidence:g}"
+
+
+def _count_colors(exemplar: Exemplar) -> int:
+    """Different pixels, whatever their dtype."""
+    pixels = exemplar.pixels.reshape(*exemplar.shape, -1)
+    pixels = pixels if exemplar.mask is None else pixels[exemplar.mask]
+    pixels = np.ascontiguousarray(pixels.reshape(-1, pixels.shape[-1]) + pixels.dtype.type(0))
+    size = pixels.shape[1] * pixels.itemsize
+    if size > 8:
+        return len(np.unique(pixels, axis=0))
+    whole = np.zeros((len(pixels), 8), np.uint8)  # numbers sort faster than rows
+    whole[:, :size] = pixels.view(np.uint8).reshape(len(pixels), size)
+    return len(np.unique(whole.view(np.uint64)))
+
+
+def _bands(found: DominantScale) -> tuple[Band, ...]:
+    """The strongest ring of each quarter octave."""
+    if not len(found.power):
+        return ()
+    band = np.floor(_BANDS * np.log2(found.frequencies / found.frequencies[0]) + 1e-9).astype(int)
+    result = []
+    for which in range(int(band[-1]) + 1):
+        rings = np.flatnonzero(band == which)
+        if len(rings):
+            k = rings[found.power[rings].argmax()]
+            values = (1 / found.frequencies[k], found.power[k], found.background[k])
+            result.append(Band(*(round(float(value), 3) for value in values)))
+    return tuple(result)
+
+
+def _windows(exemplar: Exemplar) -> dict[str, int | None]:
+    """The window that each method settles on."""
+    result: dict[str, int | None] = {}
+    for slug, cls in METHODS.items():
+        if any(field.name == "window_width" for field in dataclasses.fields(cls)):
+            try:
+                result[slug] = getattr(cls().settle(exemplar), "window_width")  # noqa: B009
+            except InvalidInputError:
+                result[slug] = None
+    return result

@@ -1,0 +1,148 @@
+"""The best of several outputs, by the measures of `weftex.quality`."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from weftex.errors import InvalidInputError
+from weftex.progress import Progress
+from weftex.quality.assess import assess
+from weftex.quality.view import middle
+from weftex.random import seed_number
+from weftex.tasks.method_names import AUTO, make_method
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from weftex.canvas import Canvas
+    from weftex.exemplar import Exemplar
+    from weftex.method import Method
+    from weftex.progress import ProgressCallback
+    from weftex.random import Seed
+    from weftex.results.synthesis import Synthesis
+
+_MOST = 1000
+_JUDGED = 1024  # pixels a side of the middle by which a larger output is judged
+
+
+def tries(method: Method, count: int | Sequence[str | Method]) -> list[tuple[Method, int]]:
+    """Each method that is to be tried, and how far its seed is from the first.
+
+    Parameters
+    ----------
+    method : Method
+        What is tried with several seeds.
+    count : int, or sequence of str and Method
+        How many seeds, or what is tried in its place, each with the same seed.
+
+    Raises
+    ------
+    InvalidInputError
+        If it is no such number, no list of methods, or a list beside a method that was chosen.
+    """
+    if isinstance(count, int) and not isinstance(count, bool):
+        if not 1 <= count <= _MOST:
+            raise InvalidInputError(f"best_of is {count}; it must be from 1 to {_MOST}")
+        return [(method, k) for k in range(count)]
+    if not isinstance(count, (list, tuple)) or not count:
+        raise InvalidInputError(
+            f"best_of is {count!r}; it must be an integer from 1 to {_MOST}, or a list of methods"
+        )
+    if method.slug != AUTO:
+        raise InvalidInputError(
+            f"the methods to try are those of best_of; name {method.slug} there and not beside it"
+        )
+    return [(make_method(one, {}), 0) for one in count]
+
+
+def best_of(
+    tried: Sequence[tuple[Method, int]],
+    exemplar: Exemplar,
+    canvas: Canvas,
+    *,
+    seed: Seed = None,
+    threads: int | None = None,
+    progress: ProgressCallback | None = None,
+) -> Synthesis:
+    """Make several outputs and keep the one with the best score; of equal ones the first.
+
+    Parameters
+    ----------
+    tried : sequence of (Method, int)
+        From `tries`.
+    exemplar : Exemplar
+        The sample.
+    canvas : Canvas
+        What to make.
+    seed, threads, progress
+        As for `weftex.synthesize`; progress counts outputs, and is also asked within each.
+
+    Returns
+    -------
+    Synthesis
+        Its provenance has its own method and seed, and under "best_of" the scores of all and
+        `told`, a line.
+
+    Examples
+    --------
+    >>> import weftex
+    >>> from weftex.canvas import Canvas
+    >>> sample = weftex.load_exemplar("sample:weave")
+    >>> best = best_of(tries(weftex.Quilting(), 2), sample, Canvas(96, 96), seed=7)
+    >>> again = weftex.Quilting().fit(sample).sample(96, seed=best.provenance["seed"])
+    >>> bool((again.image == best.image).all()), sorted(best.provenance["best_of"]["scores"])
+    (True, ['7', '8'])
+    """
+    first = seed_number(seed)
+    seeds = [(first + further) % 2**64 for _, further in tried]
+    methods = [method for method, _ in tried]
+    several = len(set(seeds)) == 1 and len(tried) > 1
+    names = _distinct([method.slug for method in methods]) if several else list(map(str, seeds))
+    best: Synthesis | None = None
+    kept = names[0]
+    scores: dict[str, float | None] = {}
+    fitted: Method | None = None
+    steps = Progress(progress, len(tried), "outputs", lambda: None if best is None else best.image)
+    for name, method, number in zip(names, methods, seeds, strict=True):
+        if method is not fitted:
+            model, fitted = method.fit(exemplar), method
+        made = model.sample(canvas, seed=number, threads=threads, progress=steps.within())
+        scores[name] = _score(made)
+        if best is None or _key(scores[name]) < _key(scores[kept]):
+            best, kept = made, name
+        steps.advance(1)
+    assert best is not None
+    told = _told(kept, scores, "" if several else "seed ")
+    best.provenance["best_of"] = {"scores": scores, "told": told}
+    return best
+
+
+def _distinct(names: list[str]) -> list[str]:
+    """The same method with other parameters gets a number."""
+    count = [names[:k].count(name) for k, name in enumerate(names)]
+    return [f"{name} {k + 1}" if k else name for name, k in zip(names, count, strict=True)]
+
+
+def _score(made: Synthesis) -> float | None:
+    assert made.exemplar is not None
+    if max(made.shape) <= _JUDGED:
+        return assess(made.exemplar, made).score
+    shape = min(made.shape[0], _JUDGED), min(made.shape[1], _JUDGED)
+    return assess(made.exemplar, middle(made.image, shape), middle(made.source, shape)).score
+
+
+def _key(score: float | None) -> float:
+    return float("inf") if score is None else score
+
+
+def _told(kept: str, scores: dict[str, float | None], what: str) -> str:
+    names = list(scores)
+    among = f"{names[0]} to {names[-1]}" if what else ", ".join(names)
+    said = f"{what}{kept} of {among}: "
+    if scores[kept] is None:
+        return f"{said}too small to be judged"
+    others = sorted(_key(score) for name, score in scores.items() if name != kept)
+    said += f"score {scores[kept]:.2f}"
+    if len(others) < 2:
+        return said + "".join(f", the other {score:.2f}" for score in others)
+    return f"{said}, the others {others[0]:.2f} to {others[-1]:.2f}"

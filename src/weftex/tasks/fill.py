@@ -1,0 +1,355 @@
+"""Fill holes of a photo from what surrounds them, or from a sample of their own."""
+
+from __future__ import annotations
+
+import dataclasses
+import os
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from weftex.canvas import Canvas, as_canvas, grown
+from weftex.errors import InvalidInputError
+from weftex.exemplar import Exemplar
+from weftex.method import Method
+from weftex.random import seed_number
+from weftex.results.pixels import PixelSynthesis
+from weftex.search.translation import box_sums
+from weftex.tasks.method_names import AUTO, make_method
+from weftex.tasks.synthesize import load_exemplar
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    from weftex.progress import ProgressCallback
+    from weftex.random import Seed
+    from weftex.results.synthesis import Synthesis
+    from weftex.tasks.synthesize import Sample
+
+    #: A path, a PIL image or a bool array (H, W), True where the photo is to be filled.
+    Mask = str | os.PathLike[str] | NDArray[np.bool_] | Any
+
+#: The method for holes; what "auto" stands for here.
+DEFAULT = "patch-sampling"
+
+#: Usable pixels around the holes that patches are taken from. More make it slower, and what is
+#: further away looks less like the place.
+NEIGHBOURHOOD = 2**20
+_CELL = 16  # pixels a side; the neighbourhood grows by whole cells
+
+#: What differs from a method's own defaults where a hole is filled, chosen by eye on bricks, tiles,
+#: boards, pebbles, leaves and lawn. Known pixels cannot be blended, so the best match is taken; and
+#: the wider a zone of an irregular material, the more its best match is a dull, blurred place.
+#: As holes take few patches, more candidates cost little.
+FILL_DEFAULTS: dict[str, Any] = {"boundary_width": 4, "epsilon": 0.02, "candidates": 400}
+#: Patch sizes; a hole gets the largest of which it holds a square _LEAP times as wide.
+_SIZES = (128, 96, 64, 48)
+_LEAP = 2.5
+
+
+def fill(
+    photo: Sample,
+    mask: Mask,
+    *,
+    sample: Sample | None = None,
+    method: str | Method = DEFAULT,
+    seed: Seed = None,
+    tileable: bool | str = False,
+    threads: int | None = None,
+    progress: ProgressCallback | None = None,
+    **parameters: Any,
+) -> Synthesis:
+    """Fill the holes of a photo; every other pixel stays exactly as it is.
+
+    Patches come from the million pixels nearest to the holes (`NEIGHBOURHOOD`), or from `sample`.
+    A photo with aligned maps is matched on all of them, and all of them are filled alike: see
+    `Synthesis.maps`.
+
+    Parameters
+    ----------
+    photo : path, array, PIL image or Exemplar
+        What has holes; what their pixels look like does not matter.
+    mask : path, PIL image or bool array (H, W)
+        True, in a picture white, where the photo is to be filled.
+    sample : path, array, PIL image or Exemplar, optional
+        Take patches from this instead of the photo; of the photo's dtype and channels.
+    method : str or Method
+        A name in `weftex.METHODS`, or a method with its parameters.
+    seed : int, numpy Generator or None
+        The same seed gives the same bytes.
+    tileable : bool or {"x", "y"}
+        Axes along which the photo repeats without a seam, so that holes may cross its border.
+    threads : int, optional
+        At most so many.
+    progress : callable, optional
+        See `weftex.progress.ProgressCallback`; the preview shows the surroundings of the holes.
+    **parameters
+        Of the method. By default `boundary_width` is 4, `epsilon` 0.02, `candidates` 400, and
+        `patch_size` 48 to 128 pixels, about two fifths of how wide the holes are; at most a fifth
+        of the photo's shorter side, and less where the holes leave few windows of that size.
+
+    Returns
+    -------
+    Synthesis
+        Of the photo's size. Without holes `image` is the photo.
+
+    Raises
+    ------
+    InvalidInputError
+        If sizes, dtypes or channels differ, or the mask leaves nothing to learn from.
+    UnsupportedError
+        If the method does not fill holes.
+    FileError
+        If a file cannot be read.
+
+    Examples
+    --------
+    >>> import numpy as np, weftex
+    >>> photo = weftex.read_image("sample:pebbles").pixels
+    >>> hole = np.zeros(photo.shape[:2], bool)
+    >>> hole[60:100, 70:130] = True
+    >>> result = weftex.fill(photo, hole, seed=7)
+    >>> bool((result.image[~hole] == photo[~hole]).all())
+    True
+    """
+    method = DEFAULT if getattr(method, "slug", method) == AUTO else method
+    chosen = make_method(method, parameters)
+    seed = seed_number(seed)
+    whole = load_exemplar(photo)
+    hole = _load_hole(mask, whole)
+    source = whole if sample is None else _load_sample(sample, whole)
+    inside = sample is None
+    canvas = Canvas(
+        *whole.shape,
+        as_canvas(whole.shape, tileable).wrap,
+        known=whole.pixels,
+        hole=hole,
+        known_from=(0, 0) if inside else None,
+    )
+    chosen.require(canvas)
+    if not hole.any():
+        return PixelSynthesis(
+            canvas,
+            np.full(canvas.shape, -1, np.int32),
+            sample_shape=source.shape,
+            exemplar=source,
+            known_from=canvas.known_from,
+            provenance=chosen.describe() | {"seed": seed},
+        )
+    if inside and hole.all():
+        raise InvalidInputError(
+            f"the mask covers all of {whole.name}, so there is nothing to learn from; "
+            "give a sample to fill it from"
+        )
+    usable = ~hole if inside else np.ones(source.shape, bool)
+    if source.mask is not None:
+        usable &= source.mask
+    given = set(parameters) if isinstance(method, str) else None
+    chosen = _settle_share(chosen, source)
+    reach = 2 * max(_SIZES[0], getattr(chosen, "patch_size", None) or 0)
+    region = _Region(hole, canvas.wrap, usable if inside else None, reach)
+    if inside:
+        usable = region.crop(usable) & region.near
+    chosen = _with_defaults(chosen, given, region.crop(hole), usable)
+
+    place = Exemplar(
+        region.crop(whole.pixels, blank=hole),
+        maps={key: region.crop(value, blank=hole) for key, value in whole.maps.items()},
+        alpha=whole.alpha,
+    )
+    # On bytes, which distances are taken on anyway, the maps have a say about known pixels too.
+    if inside:
+        levels = place.matching()
+        near = Exemplar(
+            levels,
+            mask=usable,
+            tileable=whole.tileable and region.whole,
+            alpha=False,
+            name=whole.name,
+        )
+    else:
+        plain = Exemplar(source.pixels, alpha=source.alpha)
+        levels = plain.as_matching(place.pixels)
+        near = Exemplar(
+            plain.matching(),
+            mask=usable,
+            tileable=source.tileable,
+            alpha=False,
+            name=source.name,
+        )
+    part = Canvas(
+        levels.shape[0],
+        levels.shape[1],
+        region.wrap,
+        known=levels,
+        hole=region.crop(hole),
+        known_from=canvas.known_from,
+    )
+    made = chosen.fit(near).sample(part, seed=seed, threads=threads, progress=progress)
+    return made.moved(
+        canvas,
+        source,
+        to=region.corner,
+        source_to=region.corner if inside else (0, 0),
+        provenance=made.provenance,
+    )
+
+
+class _Region:
+    """The part of a photo that filling its holes looks at.
+
+    Parameters
+    ----------
+    hole : bool array (H, W)
+    wrap : (bool, bool)
+        Axes along which the photo repeats.
+    usable : bool array (H, W) or None
+        Pixels to learn from; None if that is somewhere else.
+    reach : int
+        Look at least so far around the holes, in pixels.
+    """
+
+    def __init__(
+        self,
+        hole: NDArray[np.bool_],
+        wrap: tuple[bool, bool],
+        usable: NDArray[np.bool_] | None,
+        reach: int,
+    ) -> None:
+        cells = _in_cells(hole) > 0
+        supply = np.zeros(cells.shape, np.int64) if usable is None else _in_cells(usable)
+        steps = -(-reach // _CELL)
+        near = grown(cells, steps, wrap)
+        if usable is not None:
+            while not near.all():
+                wider = grown(near, max(1, steps // 8), wrap)
+                if supply[wider].sum() > NEIGHBOURHOOD:
+                    break
+                near = wider
+        near = near.repeat(_CELL, 0).repeat(_CELL, 1)[: hole.shape[0], : hole.shape[1]]
+        spans = [_span(np.any(near, axis=1 - axis), wrap[axis]) for axis in (0, 1)]
+        self._rows, self._columns = (
+            np.arange(start, start + length) % full
+            for (start, length), full in zip(spans, hole.shape, strict=True)
+        )
+        full = [length == side for (_, length), side in zip(spans, hole.shape, strict=True)]
+        self.whole = all(full)
+        self.wrap = (wrap[0] and full[0], wrap[1] and full[1])
+        self.corner = (int(self._rows[0]), int(self._columns[0]))
+        self.near = self.crop(near)
+
+    def crop(self, pixels: NDArray[Any], blank: NDArray[np.bool_] | None = None) -> NDArray[Any]:
+        """Cut the region out; `blank` pixels get the value of another one."""
+        part: NDArray[Any] = pixels[self._rows[:, None], self._columns]
+        if blank is not None:
+            # What marks a hole, such as white, must not stretch the range of values.
+            empty = self.crop(blank)
+            if not empty.all():
+                part[empty] = part[np.unravel_index(int(empty.argmin()), empty.shape)]
+        return part
+
+
+def _in_cells(mask: NDArray[np.bool_]) -> NDArray[np.int64]:
+    """Count the True pixels in each cell."""
+    for axis in (0, 1):
+        starts = np.arange(0, mask.shape[axis], _CELL)
+        mask = np.add.reduceat(mask, starts, axis=axis, dtype=np.int64)
+    return mask  # type: ignore[return-value]
+
+
+def _span(taken: NDArray[np.bool_], wraps: bool) -> tuple[int, int]:
+    """Start and length of the shortest stretch that holds everything taken."""
+    at = np.flatnonzero(taken)
+    if not wraps:
+        return int(at[0]), int(at[-1] - at[0] + 1)
+    gaps = np.diff(at, append=at[0] + len(taken))
+    widest = int(gaps.argmax())
+    if gaps[widest] == 1:
+        return 0, len(taken)
+    return int(at[(widest + 1) % len(at)]), int(len(taken) - gaps[widest] + 1)
+
+
+def _load_hole(mask: Mask, photo: Exemplar) -> NDArray[np.bool_]:
+    if isinstance(mask, (str, os.PathLike)):
+        from weftex.io.pictures import read_mask
+
+        mask = read_mask(mask)
+    image: Any = mask
+    hole = np.asarray(image.convert("L")) > 127 if hasattr(mask, "getbands") else np.asarray(mask)
+    if hole.dtype != bool or hole.ndim != 2:
+        raise InvalidInputError(
+            f"mask is {hole.dtype} with {hole.ndim} dimensions; it must be boolean with 2, "
+            "True where the photo is to be filled"
+        )
+    if hole.shape != photo.shape:
+        raise InvalidInputError(
+            f"mask is {hole.shape[1]}x{hole.shape[0]}, {photo.name} is "
+            f"{photo.shape[1]}x{photo.shape[0]}; they must be equal"
+        )
+    return hole
+
+
+def _load_sample(sample: Sample, photo: Exemplar) -> Exemplar:
+    if photo.maps:
+        raise InvalidInputError(
+            f"{photo.name} has maps, and they can be filled from itself alone; leave out sample"
+        )
+    source = load_exemplar(sample)
+    kinds = [f"{e.pixels.dtype} with {e.channels} channels" for e in (source, photo)]
+    if kinds[0] != kinds[1]:
+        raise InvalidInputError(
+            f"{source.name} is {kinds[0]}, {photo.name} is {kinds[1]}; they must be equal"
+        )
+    return source
+
+
+def _settle_share(method: Method, source: Exemplar) -> Method:
+    """Turn a share of the sample that was asked for into pixels, as only a part is looked at."""
+    defaults = {field.name: field.default for field in dataclasses.fields(method)}
+    share = getattr(method, "randomness", None)
+    if share == defaults.get("randomness") or getattr(method, "patch_size", 0) is not None:
+        return method
+    size = max(1, round(share * min(source.shape)))  # type: ignore[operator]
+    return dataclasses.replace(method, patch_size=size)  # type: ignore[call-arg]
+
+
+def _with_defaults(
+    method: Method, given: set[str] | None, hole: NDArray[np.bool_], usable: NDArray[np.bool_]
+) -> Method:
+    """Set what was not `given`; of a ready Method (None) only what it leaves open."""
+    known = {field.name for field in dataclasses.fields(method)}
+    new: dict[str, Any] = {}
+    size = getattr(method, "patch_size", None)
+    whole = getattr(method, "placement", "subpatch") != "subpatch"  # no patches, the entire sample
+    if "patch_size" in known and size is None and not whole:
+        size = new["patch_size"] = _patch_size(
+            hole, usable, 2 * (getattr(method, "boundary_width", None) or 1)
+        )
+    zones = known >= {"search", "boundary_width"}  # which candidates are found by
+    if zones and getattr(method, "boundary_width", 0) is None and size and size > 1:
+        new["boundary_width"] = min(FILL_DEFAULTS["boundary_width"], size // 2)
+    # An exhaustive search takes no number of candidates.
+    for name, others in (("epsilon", set()), ("candidates", {"search"})):
+        free = given is not None and not given & {name, *others}
+        if free and zones and name in known:
+            new[name] = FILL_DEFAULTS[name]
+    return dataclasses.replace(method, **new)
+
+
+def _patch_size(hole: NDArray[np.bool_], usable: NDArray[np.bool_], least: int) -> int:
+    fits = (s for s in _SIZES if s == _SIZES[-1] or _windows(hole, round(_LEAP * s)))
+    size: int = max(min(next(fits), min(*hole.shape, *usable.shape) // 5), least)
+    enough = np.count_nonzero(usable) // 4
+    while size > least:
+        # With few windows to choose from none of them matches.
+        if _windows(usable, size) > (enough if size > 8 else 0):
+            break
+        size = max(size * 3 // 4, least)
+    return size
+
+
+def _windows(mask: NDArray[np.bool_], side: int) -> int:
+    """Count the square windows that are True all over."""
+    if side > min(mask.shape):
+        return 0
+    return int(np.count_nonzero(box_sums(mask, side, side) == side * side))

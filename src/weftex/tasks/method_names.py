@@ -1,0 +1,50 @@
+"""Methods by name, "auto" among them."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+from weftex import methods
+from weftex.errors import InvalidInputError
+from weftex.method import Method
+
+#: The name that stands for the method that suits the sample best.
+AUTO = "auto"
+
+
+def method_class(name: str) -> type[Method]:
+    """Return the method of that slug; "auto" too, which is a choice among them and not one of them.
+
+    Raises
+    ------
+    InvalidInputError
+        For an unknown method, with the nearest right name.
+    """
+    if name == AUTO:
+        from weftex.tasks.auto import Auto  # only where it is wanted: it loads the analyses
+
+        return Auto
+    return methods.METHODS[name]
+
+
+def make_method(method: str | Method, parameters: Mapping[str, Any]) -> Method:
+    """Return the method of that slug, or "auto", with these parameters.
+
+    Raises
+    ------
+    InvalidInputError
+        For an unknown method, parameter or value, with the nearest right name.
+
+    Examples
+    --------
+    >>> make_method("quilting", {"patch_size": 24}).patch_size
+    24
+    """
+    if getattr(method, "slug", method) == AUTO:
+        for name in parameters:
+            able = ", ".join(methods.owners(name))
+            near = f"; these methods do: {able}" if able else ""
+            raise InvalidInputError(f"{AUTO} has no parameter '{name}'{near}")
+        return method if isinstance(method, Method) else method_class(AUTO)()
+    return methods.make_method(method, parameters)

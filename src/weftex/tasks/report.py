@@ -1,0 +1,241 @@
+"""How good a result is, as a page to read: pictures, maps of where it fails, every figure."""
+
+from __future__ import annotations
+
+import os
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from weftex.analysis.lattice import find_lattice
+from weftex.errors import InvalidInputError
+from weftex.exemplar import Exemplar, check_pixels
+from weftex.pages.html import Page
+from weftex.quality.assess import WIDEST, Assessment, assess, made_from
+from weftex.quality.copying import check_source
+from weftex.quality.repetition import repetition, repetition_map
+from weftex.quality.seams import Seams, seam_map
+from weftex.quality.view import middle, views
+from weftex.quality.yardstick import real_crops
+from weftex.results.synthesis import Synthesis
+from weftex.tasks.synthesize import load_exemplar
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    from weftex.tasks.synthesize import Sample
+
+    Bytes = NDArray[np.uint8]
+
+_SEAM = 0.5  # surprise beyond the usual that is drawn in full
+_SAME = 2.0  # levels; a picture further than this from what its source gives is another one
+
+
+@dataclass(frozen=True, eq=False)
+class Report(Page):
+    """What `report` finds.
+
+    Attributes
+    ----------
+    sample, result : uint8 array (H, W, 3)
+        Both pictures as they are shown.
+    name : str
+        Of the sample.
+    result_name : str
+        Of the result.
+    assessment : Assessment
+        All figures of the result.
+    real : dict of str to float or None
+        The same figures of real pictures of this surface; see
+        `weftex.quality.yardstick.real_crops`.
+    maps : dict of str to uint8 array (H, W, 3)
+        "seams", "repetition" and, with a source, "source" and "use" (of the sample), as far as
+        they can be made.
+    provenance : dict
+        How the result was made, if its source says so.
+    notes : tuple of str
+        What is to be kept in mind about the figures.
+    """
+
+    sample: Bytes
+    result: Bytes
+    name: str
+    result_name: str
+    assessment: Assessment
+    real: dict[str, float | None]
+    maps: dict[str, Bytes]
+    provenance: dict[str, Any]
+    notes: tuple[str, ...]
+
+    def as_dict(self) -> dict[str, Any]:
+        """Return all figures as numbers, texts, lists, dicts and None, as JSON has them."""
+        return {
+            "sample": self.name,
+            "result": self.result_name,
+            "verdict": self.assessment.verdict(),
+            **self.assessment.as_dict(),
+            "real": self.real,
+            "provenance": self.provenance,
+            "notes": list(self.notes),
+        }
+
+    def html(self) -> str:
+        """Return a page that needs nothing but itself."""
+        from weftex.pages.report import page
+
+        return page(self)
+
+
+def report(
+    sample: Sample,
+    result: Sample | Synthesis,
+    source: Synthesis | NDArray[Any] | str | os.PathLike[str] | None = None,
+    *,
+    tileable: bool | tuple[bool, bool] | None = None,
+) -> Report:
+    """Say how good a result is, with pictures of where it fails.
+
+    Parameters
+    ----------
+    sample : path, array, PIL image or Exemplar
+        What the result was made from; see `weftex.load_exemplar`. Of a folder of maps, the picture.
+    result : path, array, PIL image, Exemplar or Synthesis
+        The result, of the sample's dtype and channels.
+    source : Synthesis, path or array (H, W, 2), optional
+        Where each pixel comes from: what `Synthesis.save` wrote, or `Synthesis.source`.
+    tileable : bool or (bool, bool), optional
+        Whether the vertical and the horizontal axis are to repeat; by default what the source
+        says.
+
+    Raises
+    ------
+    FileError
+        If a file cannot be read.
+    InvalidInputError
+        If result or source do not go with the sample.
+
+    Examples
+    --------
+    >>> import weftex
+    >>> made = weftex.synthesize("sample:weave", 128, method="quilting", seed=1)
+    >>> found = report("sample:weave", made)
+    >>> found.assessment.flags, sorted(found.maps), "<img" in found.html()
+    ((), ['repetition', 'seams', 'source', 'use'], True)
+    """
+    exemplar = load_exemplar(sample)
+    if isinstance(source, (str, os.PathLike)):
+        source = Synthesis.load(source)
+    named = "result"
+    if isinstance(result, Synthesis):
+        source = result if source is None else source
+        pixels = result.image if result.exemplar is not None else result.render(exemplar)
+    else:
+        made = load_exemplar(result)
+        pixels, named = made.pixels, made.name
+    pixels = check_pixels(pixels, "result")
+    provenance: dict[str, Any] = {}
+    notes: list[str] = []
+    if isinstance(source, Synthesis):
+        provenance = source.provenance
+        tileable = source.canvas.wrap if tileable is None else tileable
+        if source.sample_shape != exemplar.shape or source.shape != pixels.shape[:2]:
+            raise InvalidInputError(
+                f"the source makes {_size(source.shape)} from {_size(source.sample_shape)}, but "
+                f"result and sample are {_size(pixels.shape)} and {_size(exemplar.shape)}"
+            )
+        notes += _another(source, exemplar, pixels)
+        source = made_from(source)
+    found = assess(
+        exemplar, pixels, source, tileable=bool(tileable) if tileable is None else tileable
+    )
+    if source is None:
+        notes.append("Without a source it is not known what was copied from where.")
+    if max(pixels.shape[:2]) > WIDEST:
+        notes.append(f"Of this large result the middle, {WIDEST} pixels a side, was looked at.")
+    if min(exemplar.shape) < 64:
+        notes.append("The sample is so small that its halves say little.")
+    return Report(
+        sample=as_shown(exemplar, exemplar.pixels),
+        result=as_shown(exemplar, pixels),
+        name=exemplar.name,
+        result_name=named,
+        assessment=found,
+        real=real_crops(exemplar),
+        maps=_maps(exemplar, pixels, source),
+        provenance=provenance,
+        notes=tuple(notes),
+    )
+
+
+def _size(shape: tuple[int, ...]) -> str:
+    return f"{shape[1]}x{shape[0]}"
+
+
+def _another(source: Synthesis, exemplar: Exemplar, pixels: NDArray[Any]) -> list[str]:
+    """A note if the picture is not what its source gives."""
+    if source.canvas.hole is not None:
+        return []
+    given = source.render(exemplar)
+    if given.shape != pixels.shape or given.dtype != pixels.dtype:
+        return []  # what is wrong is said later, in other words
+    levels = (exemplar.as_matching(part).astype(np.int16) for part in (given, pixels))
+    apart = float(abs(np.subtract(*levels)).mean())
+    if apart <= _SAME:
+        return []
+    text = f"the picture that the source gives: they differ by {apart:.1f} levels in the mean"
+    return [f"The result is not {text}. What is said of copying may not hold for it."]
+
+
+def as_shown(exemplar: Exemplar, pixels: NDArray[Any]) -> Bytes:
+    """Three channels of bytes, to look at."""
+    levels = exemplar.as_matching(pixels)
+    colors = levels.shape[2] - exemplar.alpha
+    return levels[..., :3] if colors >= 3 else np.repeat(levels[..., :1], 3, axis=2)
+
+
+def _maps(
+    exemplar: Exemplar, pixels: NDArray[Any], source: NDArray[Any] | None
+) -> dict[str, Bytes]:
+    shape = (min(pixels.shape[0], WIDEST), min(pixels.shape[1], WIDEST))
+    if source is not None:
+        source = middle(check_source(source, exemplar.shape, pixels.shape[:2]), shape)
+    pixels = middle(pixels, shape)
+    own, made = views(exemplar, pixels)
+    picture = as_shown(exemplar, pixels)
+    maps = {}
+    seams = seam_map(Seams(own), made)
+    if seams is not None:
+        maps["seams"] = _marked(picture, np.minimum(seams / _SEAM, 1), (255, 40, 0))
+    found = repetition(own, made, find_lattice(exemplar))
+    if found is not None:
+        strength = repetition_map(own, made, found.shifts)
+        if strength is not None:
+            maps["repetition"] = _marked(picture, strength, (255, 0, 200))
+    if source is not None:
+        known = source[..., 0] >= 0
+        scale = 255 / np.maximum(np.array(exemplar.shape) - 1, 1)
+        colour = np.full((*made.shape, 3), 96, np.uint8)
+        colour[..., 1::-1] = np.rint(np.maximum(source, 0) * scale)
+        colour[~known] = 0
+        maps["source"] = colour
+        count = np.zeros(exemplar.shape)
+        np.add.at(count, (source[known][:, 0], source[known][:, 1]), 1)
+        usual = max(float(count.mean()), 1e-9)
+        often = np.clip(np.log2((count + usual / 8) / usual) / 3, -1, 1)
+        shown = as_shown(exemplar, exemplar.pixels)
+        seldom = _marked(shown, np.maximum(-often, 0), (0, 90, 255))
+        maps["use"] = _marked(seldom, np.maximum(often, 0), (255, 150, 0), 1.0)
+    return maps
+
+
+def _marked(
+    picture: Bytes, strength: NDArray[Any], colour: tuple[int, int, int], keep: float = 0.6
+) -> Bytes:
+    """The picture in grey, or as it is, with a colour over it where the strength is."""
+    base = picture.astype(np.float64)
+    if keep < 1:
+        base = np.repeat(255 - (255 - base.mean(axis=2, keepdims=True)) * keep, 3, axis=2)
+    share = 0.85 * strength[..., None]
+    marked: Bytes = np.rint(base * (1 - share) + np.array(colour) * share).astype(np.uint8)
+    return marked

@@ -1,0 +1,202 @@
+"""Make a picture of any size from a sample."""
+
+from __future__ import annotations
+
+import dataclasses
+import os
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from weftex.canvas import as_canvas
+from weftex.errors import InvalidInputError
+from weftex.exemplar import Exemplar
+from weftex.method import Method
+from weftex.tasks.method_names import AUTO, make_method
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping, Sequence
+
+    from numpy.typing import NDArray
+
+    from weftex.canvas import Canvas
+    from weftex.io.pictures import Picture
+    from weftex.progress import ProgressCallback
+    from weftex.random import Seed
+    from weftex.results.synthesis import Synthesis
+
+    #: A path, "sample:NAME", an array, a PIL image or an Exemplar.
+    Sample = str | os.PathLike[str] | NDArray[Any] | Exemplar | Any
+
+#: Stems that mean the picture that a set of maps is matched on, most telling first.
+COLOUR_NAMES = ("albedo", "basecolor", "base_color", "diffuse", "color", "colour", "col", "diff")
+
+
+def synthesize(
+    sample: Sample,
+    size: Canvas | int | tuple[int, int],
+    *,
+    method: str | Method = AUTO,
+    seed: Seed = None,
+    tileable: bool | str = False,
+    guide: Sample | None = None,
+    sample_guide: Sample | None = None,
+    best_of: int | Sequence[str | Method] = 1,
+    threads: int | None = None,
+    progress: ProgressCallback | None = None,
+    **parameters: Any,
+) -> Synthesis:
+    """Make as much of a material as is needed from a small sample of it.
+
+    Parameters
+    ----------
+    sample : path, array, PIL image or Exemplar
+        The material; a folder is a set of aligned maps, "sample:NAME" one that ships with weftex.
+    size : int, (int, int) or Canvas
+        Height and width of the output in pixels.
+    method : str or Method
+        A name in `weftex.METHODS`, or a method with its parameters. By default `Auto` looks at the
+        sample and chooses; the result's `provenance` says what and why.
+    seed : int, numpy Generator or None
+        The same seed gives the same bytes, whatever the number of threads.
+    tileable : bool or {"x", "y"}
+        Axes that are to repeat without a seam.
+    guide : path, array, PIL image or Exemplar, optional
+        A picture of the output's size that the output is to follow; not every method can. It is
+        compared with the sample, so it has its dtype and channels, or with its guide.
+    sample_guide : path, array, PIL image or Exemplar, optional
+        A picture of the sample's size that stands for it in the guide, see `Exemplar`: a map of
+        labels, or anything else that says what is where.
+    best_of : int, or sequence of str and Method
+        Make so many with different seeds, from `seed` on, or one with each of these methods, and
+        keep the one that `weftex.quality` likes best; its provenance has its own method and seed,
+        and the scores of all.
+    threads : int, optional
+        At most so many.
+    progress : callable, optional
+        See `weftex.progress.ProgressCallback`.
+    **parameters
+        Of the method.
+
+    Returns
+    -------
+    Synthesis
+        With the picture as `image`.
+
+    Raises
+    ------
+    InvalidInputError
+        If an argument is out of range or the sample cannot be used.
+    UnsupportedError
+        If the method does not do this kind of canvas.
+    FileError
+        If the sample cannot be read.
+
+    Examples
+    --------
+    >>> import weftex
+    >>> weftex.synthesize("sample:pebbles", (240, 320), seed=7).image.shape
+    (240, 320, 3)
+    """
+    chosen = make_method(method, parameters)
+    canvas = as_canvas(size, tileable)
+    if guide is not None:
+        if canvas.guide is not None:
+            raise InvalidInputError("the canvas has a guide; give none beside it")
+        canvas = dataclasses.replace(canvas, guide=_guide(guide))
+    tried = [(chosen, 0)]
+    if best_of != 1:
+        from weftex.tasks.best_of import tries
+
+        tried = tries(chosen, best_of)
+    for one, _ in tried:
+        one.require(canvas)
+    exemplar = load_exemplar(sample)
+    if sample_guide is not None:
+        if canvas.guide is None:
+            raise InvalidInputError("sample_guide has no effect without a guide")
+        exemplar = exemplar.with_guide(_guide(sample_guide))
+    how: dict[str, Any] = {"seed": seed, "threads": threads, "progress": progress}
+    if best_of != 1:
+        from weftex.tasks.best_of import best_of as keep_best
+
+        return keep_best(tried, exemplar, canvas, **how)
+    return chosen.fit(exemplar).sample(canvas, **how)
+
+
+def _guide(picture: Sample) -> NDArray[Any]:
+    """Pixels; labels in whole numbers of any type as they are."""
+    if isinstance(picture, np.ndarray):
+        return picture
+    return load_exemplar(picture).pixels
+
+
+def load_exemplar(sample: Sample, **options: Any) -> Exemplar:
+    """Make an Exemplar of whatever shows a material.
+
+    Parameters
+    ----------
+    sample : path, array, PIL image or Exemplar
+        A folder of aligned maps is matched on the one named albedo, basecolor, diffuse or color,
+        else on the first; "sample:NAME" is one that ships with weftex.
+    **options
+        For `Exemplar` (mask, tileable, alpha, maps).
+
+    Raises
+    ------
+    FileError
+        If a file cannot be read.
+    InvalidInputError
+        If the pixels cannot be used.
+
+    Examples
+    --------
+    >>> sorted(load_exemplar("sample:stone_wall").maps)
+    ['ao', 'height', 'normal', 'roughness']
+    """
+    if isinstance(sample, Exemplar):
+        if options:
+            raise InvalidInputError(
+                f"the sample is an Exemplar; give {next(iter(options))} to that"
+            )
+        return sample
+    if isinstance(sample, (str, os.PathLike)):
+        from weftex.io import pictures as io
+
+        path = os.fspath(sample)
+        if io.is_folder(path):
+            return exemplar_of_maps(io.read_maps(path), **options)
+        picture = io.read_image(path)
+        return exemplar_of_maps({os.path.basename(path): picture}, **options)
+    image: Any = sample
+    if hasattr(image, "getbands"):  # a PIL image, without importing PIL
+        if image.mode in ("P", "1", "PA"):
+            image = image.convert("RGBA" if "transparency" in image.info else "RGB")
+        about: dict[str, Any] = {"alpha": image.mode in ("LA", "RGBA"), "name": "image"}
+        pixels = np.asarray(image)
+        if pixels.dtype.kind == "i":  # Pillow's modes I and I;16
+            pixels = pixels.astype(np.uint16)
+        return Exemplar(pixels, **about | options)
+    try:
+        pixels = np.asarray(image)
+    except ValueError as error:
+        raise InvalidInputError(f"the sample is not a picture: {error}") from None
+    return Exemplar(pixels, **options)
+
+
+def exemplar_of_maps(pictures: Mapping[str, Picture], **options: Any) -> Exemplar:
+    """Make an Exemplar of the aligned maps that `weftex.io.pictures.read_maps` found.
+
+    Parameters
+    ----------
+    pictures : mapping of str to Picture
+        By name; the most telling name (see `COLOUR_NAMES`) becomes the pixels.
+    **options
+        For `Exemplar`.
+    """
+    names = sorted(pictures)
+    name = ([n for word in COLOUR_NAMES for n in names if word in n.lower()] or names)[0]
+    maps = {key: picture.pixels for key, picture in pictures.items() if key != name}
+    main = pictures[name]
+    about: dict[str, Any] = {"alpha": main.alpha, "icc": main.icc, "name": name, "maps": maps}
+    return Exemplar(main.pixels, **about | options)
