@@ -9,7 +9,7 @@ import reference
 import weftex
 from families import noise, with_guides
 from weftex.canvas import Canvas
-from weftex.methods.pixels.order import layers
+from weftex.raster.masks import peeled
 from weftex.search import coherence_kernels as _coherence_kernels
 from weftex.search.windows import windows_of
 
@@ -142,7 +142,7 @@ def test_layers_go_inwards(data):
     shape = data.draw(st.integers(1, 9)), data.draw(st.integers(1, 9))
     wrap = data.draw(st.sampled_from(WRAPS))
     unknown = rng.random(shape) < data.draw(st.sampled_from([0.0, 0.5, 0.9, 1.0]))
-    found = layers(unknown, wrap)
+    found = peeled(unknown, wrap)
     order = np.concatenate([*found, np.empty(0, int)])
     assert sorted(order) == np.flatnonzero(unknown).tolist()
     if unknown.all():

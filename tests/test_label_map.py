@@ -6,7 +6,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from weftex.errors import InvalidInputError
-from weftex.tasks.label_map import circle_map, distance_to, labels_of
+from weftex.raster.masks import squared_distance_to
+from weftex.tasks.label_map import circle_map, labels_of
 
 RED, BLUE, GREEN = (255, 0, 0), (0, 0, 255), (0, 255, 0)
 
@@ -55,7 +56,7 @@ def test_colours_and_samples_must_fit():
        st.integers(0, 99))  # fmt: skip
 def test_distances_are_those_to_the_nearest(height, width, most, wrap_y, wrap_x, seed):
     mask = np.random.default_rng(seed).random((height, width)) < 0.1
-    got = distance_to(mask, most, (wrap_y, wrap_x))
+    got = squared_distance_to(mask, most, (wrap_y, wrap_x))
     for y, x in np.ndindex(height, width):
         best = (most + 1) ** 2
         for v, u in np.argwhere(mask).tolist():

@@ -20,9 +20,10 @@ from weftex.quality.copying import copying, pieces
 from weftex.quality.figures import FIGURES
 from weftex.quality.repetition import repetition, repetition_map
 from weftex.quality.seams import Seams, seam_map, seams
-from weftex.quality.view import box_sums, views
+from weftex.quality.view import views
 from weftex.quality.wrap import wrap_seam
 from weftex.quality.yardstick import real_crops
+from weftex.raster.boxes import centred_sums
 
 SAMPLES = Path(__file__).parent.parent / "examples" / "samples"
 SURFACES = ["cobbles", "gingham", "shingles", "boards"]
@@ -371,7 +372,7 @@ def test_box_sums_by_definition(rng):
             ]
             for y in range(7)
         ]
-        np.testing.assert_allclose(box_sums(values, radius), expected)
+        np.testing.assert_allclose(centred_sums(values, radius), expected)
 
 
 def test_the_page_lists_every_figure_as_it_is():

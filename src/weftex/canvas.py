@@ -21,25 +21,6 @@ FAR = 2**40
 _WHITE = {"uint8": 255, "uint16": 65535}  # 1 in floating point
 
 
-def grown(mask: NDArray[np.bool_], steps: int, wrap: tuple[bool, bool]) -> NDArray[np.bool_]:
-    """Add all at most so many steps away along both axes, going around where they wrap.
-
-    Examples
-    --------
-    >>> grown(np.array([[True, False, False, False]]), 1, (False, True)).tolist()
-    [[True, True, False, True]]
-    """
-    for axis in (0, 1):
-        length = mask.shape[axis]
-        reach = min(steps, length)
-        pads = [(0, 0), (0, 0)]
-        pads[axis] = (reach + 1, reach)
-        total = np.pad(mask, pads, mode="wrap" if wrap[axis] else "constant").cumsum(axis)
-        ends = np.arange(2 * reach + 1, length + 2 * reach + 1)
-        mask = total.take(ends, axis) > total.take(ends - 2 * reach - 1, axis)
-    return mask
-
-
 @dataclass(frozen=True, eq=False)
 class Canvas:
     """The place to fill.

@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from weftex.errors import InvalidInputError
+from weftex.raster.boxes import touching_sums
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -171,7 +172,7 @@ class _Sums:
         if self.masked:
             spectrum = np.fft.rfft2(values, self.padded) * self.g_mask.conj()
             return self.cut(np.fft.irfft2(spectrum, self.padded))
-        return _box_sums(values, self.second)
+        return touching_sums(values, self.second)
 
     def over_second(self, values: Floats) -> Floats:
         """S_g of eq. 3.8: of the second picture, over what the first covers."""
@@ -179,18 +180,7 @@ class _Sums:
             spectrum = self.f_mask * np.fft.rfft2(values, self.padded).conj()
             return self.cut(np.fft.irfft2(spectrum, self.padded))
         # The second picture turned by 180 degrees (eq. 3.7), as the first one is seen from it.
-        return _box_sums(values, self.first)[::-1, ::-1]
-
-
-def _box_sums(values: Floats, box: tuple[int, ...]) -> Floats:
-    """Sums over every position of a box that touches the picture (eqs. 3.5 and 3.6)."""
-    for axis in (0, 1):
-        running = np.cumsum(values, axis=axis)
-        running = np.concatenate([np.zeros_like(running.take([0], axis)), running], axis)
-        at = np.arange(1 - box[axis], values.shape[axis])  # the first row or column in the box
-        ends = np.minimum(at + box[axis], values.shape[axis])
-        values = running.take(ends, axis) - running.take(np.maximum(at, 0), axis)
-    return values
+        return touching_sums(values, self.first)[::-1, ::-1]
 
 
 def _fast_length(at_least: int) -> int:

@@ -8,7 +8,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from weftex.quality.spectrum import mean_power
-from weftex.quality.view import View, box_sums
+from weftex.quality.view import View
+from weftex.raster.boxes import centred_sums
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -156,8 +157,8 @@ def repetition_map(
         height, width = white.shape[0] - dy, white.shape[1] - abs(dx)
         first = white[:height, max(0, -dx) : max(0, -dx) + width]
         second = white[dy:, max(0, dx) : max(0, dx) + width]
-        above = box_sums(first * second, _CELL)
-        below = np.sqrt(box_sums(first**2, _CELL) * box_sums(second**2, _CELL)) + 1e-9
+        above = centred_sums(first * second, _CELL)
+        below = np.sqrt(centred_sums(first**2, _CELL) * centred_sums(second**2, _CELL)) + 1e-9
         alike = np.clip(above / below, 0, 1) ** 2
         for y, x in ((0, max(0, -dx)), (dy, max(0, dx))):
             box = inside[y : y + height, x : x + width]

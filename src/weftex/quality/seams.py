@@ -6,7 +6,8 @@ from typing import TYPE_CHECKING, TypeVar
 
 import numpy as np
 
-from weftex.quality.view import View, box_sums, some
+from weftex.quality.view import View, some
+from weftex.raster.boxes import centred_sums
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -182,7 +183,7 @@ def _surprise(grey: Floats, model: Model) -> Floats:
 
 def _pooled(surprise: Floats) -> Floats:
     """Means along the lines."""
-    sums = box_sums(surprise, _ALONG, (0,))[_ALONG:-_ALONG]
+    sums = centred_sums(surprise, _ALONG, (0,))[_ALONG:-_ALONG]
     return (sums / (2 * _ALONG + 1)).astype(np.float32)
 
 
@@ -194,7 +195,7 @@ def _whole(usable: NDArray[np.bool_], axis: int) -> NDArray[np.bool_]:
     for dy, dx in _beside():
         place &= _inner(whole, dy, dx)
     full = 2 * _ALONG + 1
-    inside = box_sums(place, _ALONG, (0,))[_ALONG:-_ALONG] > full - 0.5
+    inside = centred_sums(place, _ALONG, (0,))[_ALONG:-_ALONG] > full - 0.5
     return inside if axis else inside.T
 
 

@@ -12,6 +12,7 @@ from weftex.analysis.correlation import correlate
 from weftex.errors import InvalidInputError
 from weftex.exemplar import Exemplar, check_pixels
 from weftex.random import draw
+from weftex.raster.boxes import centred_sums
 from weftex.raster.pyramids import gaussian_pyramid, mask_pyramid
 from weftex.search.windows import whole_windows
 
@@ -71,8 +72,10 @@ class View:
         """`grey` less slow lighting: the mean around each pixel; 0 where it may not be used."""
         radius = max(1, self.side // (2 * _SMOOTH))
         share = self.usable.astype(np.float64)
-        total = box_sums(self.grey * share, radius)
-        level = np.where(self.usable, self.grey - total / np.maximum(box_sums(share, radius), 1), 0)
+        total = centred_sums(self.grey * share, radius)
+        level = np.where(
+            self.usable, self.grey - total / np.maximum(centred_sums(share, radius), 1), 0
+        )
         return level.astype(np.float32)
 
     @cached_property
@@ -162,25 +165,6 @@ def _axis(pixels: NDArray[np.uint8]) -> NDArray[np.int64]:
     first = first if first.sum() >= 0 else -first
     whole: NDArray[np.int64] = np.rint(127 * first).astype(np.int64)
     return whole
-
-
-def box_sums(values: NDArray[Any], radius: int, axes: tuple[int, ...] = (0, 1)) -> Floats:
-    """Sums over squares of 2 * radius + 1 pixels a side, of what of them is in the picture.
-
-    Examples
-    --------
-    >>> box_sums(np.ones((3, 4)), 1)[1].tolist()
-    [6.0, 9.0, 9.0, 6.0]
-    """
-    result = np.asarray(values, np.float64)
-    for axis in axes:
-        side = result.shape[axis]
-        running = np.cumsum(result, axis=axis)
-        running = np.concatenate([np.zeros_like(running.take([0], axis)), running], axis)
-        at = np.arange(side)
-        last, first = np.minimum(at + radius + 1, side), np.maximum(at - radius, 0)
-        result = running.take(last, axis) - running.take(first, axis)
-    return result
 
 
 def window_corners(usable: NDArray[np.bool_], width: int) -> NDArray[np.int64]:

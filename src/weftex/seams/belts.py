@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from weftex.canvas import grown
+from weftex.raster.masks import grown
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray

@@ -12,7 +12,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from weftex.search.translation import box_sums
+from weftex.raster.boxes import box_sums
+from weftex.raster.masks import steps_to
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -77,7 +78,7 @@ def boundary_zone(
     core : (int, int), optional
         Lay only this pixel (section 2.5: pixel-based sampling).
     """
-    distance = _distance_to(~known, width)
+    distance = steps_to(~known, width)
     zone = known & (distance <= width)
     falling = np.maximum((256 * (width + 1 - distance)) // (width + 1), 1)
     weight = np.where(zone & (not paste), falling, 256)
@@ -114,21 +115,6 @@ def boundary_zone(
         bands=np.array([depth, top, left, bottom, right, *(s.any() for s in sides)], np.int32),
         area=int(zone.sum()),
     )
-
-
-def _distance_to(target: NDArray[np.bool_], most: int) -> NDArray[np.int32]:
-    """Chebyshev distance to the nearest target pixel, `most + 1` if there is none that near."""
-    distance = np.where(target, 0, most + 1).astype(np.int32)
-    reached = target
-    for step in range(1, most + 1):
-        wide = reached.copy()
-        wide[1:] |= reached[:-1]
-        wide[:-1] |= reached[1:]
-        reached = wide.copy()
-        reached[:, 1:] |= wide[:, :-1]
-        reached[:, :-1] |= wide[:, 1:]
-        distance[reached & (distance > step)] = step
-    return distance
 
 
 def _run_lengths(mask: NDArray[np.bool_]) -> NDArray[np.int64]:

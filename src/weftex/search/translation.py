@@ -90,20 +90,3 @@ def overlap_mismatch(
 
 def _rounded(product: NDArray[np.complex128], size: tuple[int, ...]) -> NDArray[np.int64]:
     return np.rint(np.fft.irfft2(product, size)).astype(np.int64)
-
-
-def box_sums(values: NDArray[Any], height: int, width: int) -> NDArray[np.int64]:
-    """Sums over the boxes of a size that lie in `values`, by their upper left corner.
-
-    Examples
-    --------
-    >>> box_sums(np.arange(6).reshape(2, 3), 2, 2).tolist()
-    [[8, 12]]
-    """
-    total = np.zeros((values.shape[0] + 1, values.shape[1] + 1), np.int64)
-    np.cumsum(values, axis=0, out=total[1:, 1:])
-    np.cumsum(total[1:, 1:], axis=1, out=total[1:, 1:])
-    result: NDArray[np.int64] = total[height:, width:] - total[:-height, width:]
-    result -= total[height:, :-width]
-    result += total[:-height, :-width]
-    return result

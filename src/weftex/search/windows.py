@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from weftex.errors import InvalidInputError
-from weftex.search.translation import box_sums
+from weftex.raster.boxes import box_sums
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray

@@ -8,13 +8,14 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from weftex.canvas import Canvas, as_canvas, grown
+from weftex.canvas import Canvas, as_canvas
 from weftex.errors import InvalidInputError
 from weftex.exemplar import Exemplar
 from weftex.method import Method
 from weftex.random import seed_number
+from weftex.raster.boxes import box_sums
+from weftex.raster.masks import grown
 from weftex.results.pixels import PixelSynthesis
-from weftex.search.translation import box_sums
 from weftex.tasks.method_names import AUTO, make_method
 from weftex.tasks.synthesize import load_exemplar
 

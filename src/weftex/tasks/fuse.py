@@ -15,9 +15,10 @@ from weftex.exemplar import Exemplar
 from weftex.method import Method
 from weftex.methods import METHODS
 from weftex.random import draw, seed_number
+from weftex.raster.masks import squared_distance_to
 from weftex.results.pixels import PixelSynthesis
 from weftex.seams.merge import island
-from weftex.tasks.label_map import circle_map, distance_to, labels_of
+from weftex.tasks.label_map import circle_map, labels_of
 from weftex.tasks.method_names import AUTO, make_method
 from weftex.tasks.synthesize import load_exemplar
 
@@ -209,7 +210,9 @@ class _Fusion:
         pairs = np.where(labels >= _MIXED, labels, -1)
         regions = np.where(labels >= _MIXED, -1, labels)
         reach = max(1, self._window(*range(count)) // 4)
-        away = np.stack([distance_to(labels == k, reach, self.canvas.wrap) for k in range(count)])
+        away = np.stack(
+            [squared_distance_to(labels == k, reach, self.canvas.wrap) for k in range(count)]
+        )
         for k in range(count):
             others = away.copy()
             others[k] = (reach + 1) ** 2

@@ -134,40 +134,5 @@ def circle_map(size: tuple[int, int], radii: tuple[int, int], seed: int) -> NDAr
     return labels
 
 
-def distance_to(
-    mask: NDArray[np.bool_], most: int, wrap: tuple[bool, bool] = (False, False)
-) -> NDArray[np.int64]:
-    """Squared distance of every pixel to the nearest True one, as far as `most` pixels.
-
-    Parameters
-    ----------
-    mask : bool array (H, W)
-    most : int
-        What is further away gets (most + 1)^2.
-    wrap : (bool, bool)
-        Whether the axes go around.
-
-    Examples
-    --------
-    >>> import numpy as np
-    >>> distance_to(np.array([[True, False, False, False]]), 2).tolist()
-    [[0, 1, 4, 9]]
-    """
-    far = (most + 1) ** 2
-    result = np.where(mask, 0, far).astype(np.int64)
-    for axis in (1, 0):  # squares add up, so one axis can be done after the other
-        line = np.moveaxis(result, axis, 0)
-        best = line.copy()
-        for step in range(1, min(most, len(line) - 1) + 1):
-            if wrap[axis]:
-                for shifted in (np.roll(line, step, axis=0), np.roll(line, -step, axis=0)):
-                    np.minimum(best, shifted + step**2, out=best)
-            else:
-                np.minimum(best[step:], line[:-step] + step**2, out=best[step:])
-                np.minimum(best[:-step], line[step:] + step**2, out=best[:-step])
-        result = np.moveaxis(best, 0, axis)
-    return np.minimum(result, far)
-
-
 def _text(color: NDArray[Any]) -> str:
     return "(" + ", ".join(f"{v:g}" for v in color) + ")" if len(color) > 1 else f"{color[0]:g}"

@@ -10,8 +10,9 @@ import numpy as np
 from weftex.method import Method, parameter
 from weftex.methods.ashikhmin import growth_kernels as kernels
 from weftex.methods.pixels.growth import PixelModel, settle_window
-from weftex.methods.pixels.order import layers, scan_lines
+from weftex.methods.pixels.order import scan_lines
 from weftex.random import draw
+from weftex.raster.masks import peeled
 from weftex.seams.path import least_path
 from weftex.search.windows import windows_of
 
@@ -101,7 +102,7 @@ class AshikhminModel(PixelModel):
         start = growth.hole is None
         lines = scan_lines(*canvas.shape)
         if growth.hole is not None:
-            lines = layers(growth.hole, canvas.wrap)
+            lines = peeled(growth.hole, canvas.wrap)
         elif half:
             self._start_from_noise(growth)
         guide, weight, jumps = np.zeros((1, 1, 1), np.uint8), 0, 0

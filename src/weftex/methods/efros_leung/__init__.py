@@ -13,6 +13,7 @@ from weftex.method import Method, parameter
 from weftex.methods.efros_leung import draw_kernels as kernels
 from weftex.methods.pixels.growth import PixelModel, settle_window
 from weftex.random import draw
+from weftex.raster.masks import grown
 from weftex.search.exhaustive import ExhaustiveSearch, gaussian_weights
 from weftex.search.half_known import HalfKnownSearch
 from weftex.search.windows import windows_of
@@ -164,12 +165,9 @@ class EfrosLeungModel(PixelModel):
 
 
 def _front(growth: Growth) -> NDArray[np.int32]:
-    """Unfilled pixels with filled neighbours."""
-    near = growth.done
-    for wraps in growth.canvas.wrap:  # along columns, and turned over along rows
-        wide = np.pad(near, ((1, 1), (0, 0)), mode="wrap" if wraps else "constant")
-        near = (wide[:-2] | wide[1:-1] | wide[2:]).T
-    return np.flatnonzero(near > growth.done).astype(np.int32)
+    """Unfilled pixels with filled neighbors."""
+    filled = growth.done > 0
+    return np.flatnonzero(grown(filled, 1, growth.canvas.wrap) & ~filled).astype(np.int32)
 
 
 class _Waves:

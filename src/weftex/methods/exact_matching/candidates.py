@@ -8,6 +8,7 @@ import numpy as np
 
 from weftex.methods.exact_matching import match_kernels as _exact_kernels
 from weftex.random import draw
+from weftex.raster.masks import grown
 from weftex.search.color_index import ColorIndex
 from weftex.search.windows import windows_of
 
@@ -166,7 +167,7 @@ class Candidates:
 
         Of a large picture only those are looked for that touch something unknown.
         """
-        wanted = (sheet.color < 0) & (sheet.done > 0) & _beside(sheet.done == 0, sheet.wrap)
+        wanted = (sheet.color < 0) & (sheet.done > 0) & grown(sheet.done == 0, 1, sheet.wrap)
         source = sheet.source[wanted]
         number = self.index.number.ravel()[source]
         strange = source < 0
@@ -289,17 +290,3 @@ def _window_room(reach: int, channels: int) -> tuple[NDArray[np.int32], NDArray[
     return np.empty((side * (reach + 1) + 1, 3), np.int32), np.empty(
         side * side * channels, np.uint8
     )
-
-
-def _beside(unknown: NDArray[np.bool_], wrap: tuple[bool, bool]) -> NDArray[np.bool_]:
-    """Which pixels touch an unknown one, with a side or a corner, or are one."""
-    for axis, around in enumerate(wrap):
-        near = np.moveaxis(unknown.copy(), axis, 0)
-        lines = np.moveaxis(unknown, axis, 0)
-        near[1:] |= lines[:-1]
-        near[:-1] |= lines[1:]
-        if around:
-            near[0] |= lines[-1]
-            near[-1] |= lines[0]
-        unknown = np.moveaxis(near, 0, axis)
-    return unknown

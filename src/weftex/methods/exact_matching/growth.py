@@ -9,8 +9,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from weftex.methods.exact_matching.candidates import Matching, Sheet
-from weftex.methods.pixels.order import layers
 from weftex.random import draw
+from weftex.raster.masks import peeled
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -166,7 +166,7 @@ class ExactGrowth:
         unknown = sheet.done == 0
         matching.candidates.name_colors(sheet)
         progress = self.growth.progress(int(unknown.sum()) * (1 + self.method.passes), "pixels")
-        for layer in layers(unknown, sheet.wrap):
+        for layer in peeled(unknown, sheet.wrap):
             # Nothing else is left to chance here, unless colours are few.
             shuffled = np.argsort(draw(self.growth.seed, "exact layer", layer), kind="stable")
             self._make(matching, layer[shuffled])

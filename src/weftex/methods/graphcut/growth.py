@@ -9,8 +9,8 @@ import numpy as np
 
 from weftex.methods.graphcut import cut_kernels as kernels
 from weftex.methods.graphcut.placement import PlacesOfPatches, PlacesOfSample
+from weftex.raster.boxes import box_sums
 from weftex.seams.maxflow import minimum_cut
-from weftex.search.translation import box_sums
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray

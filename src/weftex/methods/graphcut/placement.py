@@ -7,9 +7,9 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 
 from weftex.random import draw
+from weftex.raster.boxes import box_sums
 from weftex.search.translation import (
     Spectra,
-    box_sums,
     fast_size,
     overlap_mismatch,
     window_mismatch,

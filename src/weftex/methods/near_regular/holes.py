@@ -7,13 +7,13 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from weftex.canvas import grown
 from weftex.errors import InvalidInputError
 from weftex.methods.lattices.mean_tile import known_levels
 from weftex.methods.near_regular import gap_kernels as kernels
 from weftex.methods.near_regular.block_sample import NO_SEARCH, in_no_order
 from weftex.methods.near_regular.blocks import Blocks
 from weftex.progress import Progress
+from weftex.raster.masks import grown
 from weftex.search.boundary_zone import runs_over
 
 if TYPE_CHECKING:

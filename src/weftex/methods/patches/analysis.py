@@ -10,11 +10,11 @@ import numpy as np
 from weftex.errors import InvalidInputError
 from weftex.exemplar import Exemplar
 from weftex.method import Method, parameter
+from weftex.raster.boxes import box_sums
 from weftex.search import zone_kernels as _kernels
 from weftex.search.boundary_zone import BoundaryZone, boundary_zone
 from weftex.search.pca import ZonePCA, fit_pca
 from weftex.search.quadtree_pyramid import QuadtreePyramid
-from weftex.search.translation import box_sums
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray

@@ -1,0 +1,99 @@
+"""Sums over boxes of pixels, all places at once."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    Floats = NDArray[np.float64]
+
+
+def box_sums(values: NDArray[Any], height: int, width: int) -> NDArray[np.int64]:
+    """Sums over the boxes of a size that lie in `values`, by their upper left corner.
+
+    Parameters
+    ----------
+    values : bool or int array (H, W)
+    height, width : int
+        Of the box.
+
+    Returns
+    -------
+    int64 array (H - height + 1, W - width + 1)
+
+    Examples
+    --------
+    >>> box_sums(np.arange(6).reshape(2, 3), 2, 2).tolist()
+    [[8, 12]]
+    """
+    total = np.zeros((values.shape[0] + 1, values.shape[1] + 1), np.int64)
+    np.cumsum(values, axis=0, out=total[1:, 1:])
+    np.cumsum(total[1:, 1:], axis=1, out=total[1:, 1:])
+    result: NDArray[np.int64] = total[height:, width:] - total[:-height, width:]
+    result -= total[height:, :-width]
+    result += total[:-height, :-width]
+    return result
+
+
+def centred_sums(values: NDArray[Any], radius: int, axes: tuple[int, ...] = (0, 1)) -> Floats:
+    """Sums over squares of 2 * radius + 1 pixels a side, of what of them is in the picture.
+
+    Parameters
+    ----------
+    values : array (H, W)
+    radius : int
+        0 or more.
+    axes : tuple of int
+        Sum along these only.
+
+    Returns
+    -------
+    float64 array (H, W)
+
+    Examples
+    --------
+    >>> centred_sums(np.ones((3, 4)), 1)[1].tolist()
+    [6.0, 9.0, 9.0, 6.0]
+    """
+    result = np.asarray(values, np.float64)
+    for axis in axes:
+        at = np.arange(result.shape[axis])
+        result = _spans(result, axis, at - radius, at + radius + 1)
+    return result
+
+
+def touching_sums(values: Floats, box: tuple[int, ...]) -> Floats:
+    """Sums over every position of a box that touches the picture, of what of it lies inside.
+
+    Parameters
+    ----------
+    values : float64 array (H, W)
+    box : (int, int)
+        Height and width, h and w.
+
+    Returns
+    -------
+    float64 array (H + h - 1, W + w - 1)
+
+    Examples
+    --------
+    >>> touching_sums(np.ones((1, 2)), (1, 2)).tolist()
+    [[1.0, 2.0, 1.0]]
+    """
+    for axis in (0, 1):
+        at = np.arange(1 - box[axis], values.shape[axis])  # the first row or column in the box
+        values = _spans(values, axis, at, at + box[axis])
+    return values
+
+
+def _spans(values: Floats, axis: int, first: NDArray[Any], last: NDArray[Any]) -> Floats:
+    """Sums of values[first:last] along an axis, as far as that lies inside."""
+    running = np.cumsum(values, axis=axis)
+    running = np.concatenate([np.zeros_like(running.take([0], axis)), running], axis)
+    ends, starts = np.minimum(last, values.shape[axis]), np.maximum(first, 0)
+    result: Floats = running.take(ends, axis) - running.take(starts, axis)
+    return result

@@ -1,0 +1,120 @@
+"""Masks: growing them, peeling them from the border inwards, and how far it is to them."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+
+def grown(mask: NDArray[np.bool_], steps: int, wrap: tuple[bool, bool]) -> NDArray[np.bool_]:
+    """Add all at most so many steps away along both axes, going around where they wrap.
+
+    Examples
+    --------
+    >>> grown(np.array([[True, False, False, False]]), 1, (False, True)).tolist()
+    [[True, True, False, True]]
+    """
+    for axis in (0, 1):
+        length = mask.shape[axis]
+        reach = min(steps, length)
+        pads = [(0, 0), (0, 0)]
+        pads[axis] = (reach + 1, reach)
+        total = np.pad(mask, pads, mode="wrap" if wrap[axis] else "constant").cumsum(axis)
+        ends = np.arange(2 * reach + 1, length + 2 * reach + 1)
+        mask = total.take(ends, axis) > total.take(ends - 2 * reach - 1, axis)
+    return mask
+
+
+def peeled(unknown: NDArray[np.bool_], wrap: tuple[bool, bool]) -> list[NDArray[np.int32]]:
+    """Flat indices of unknown pixels in layers from what is known inwards.
+
+    Parameters
+    ----------
+    unknown : bool array (H, W)
+        What is to be made. If nothing is known it is all one layer.
+    wrap : (bool, bool)
+        Axes along which the canvas goes around.
+
+    Returns
+    -------
+    list of int32 arrays
+        Each pixel of a layer has one of the layer before, or a known one, beside, above or below
+        it. Within a layer in scan order.
+
+    Examples
+    --------
+    >>> unknown = np.array([[False, True, True, True, False]])
+    >>> [layer.tolist() for layer in peeled(unknown, (False, False))]
+    [[1, 3], [2]]
+    """
+    found, left = [], unknown.copy()
+    while left.any():
+        known = np.pad(~left, 1)
+        for axis in (0, 1):
+            if wrap[axis]:
+                ends = known.swapaxes(0, axis)
+                ends[0], ends[-1] = ends[-2].copy(), ends[1].copy()
+        beside = known[:-2, 1:-1] | known[2:, 1:-1] | known[1:-1, :-2] | known[1:-1, 2:]
+        layer = left & beside if (left & beside).any() else left
+        found.append(np.flatnonzero(layer).astype(np.int32))
+        left = left & ~layer
+    return found
+
+
+def squared_distance_to(
+    mask: NDArray[np.bool_], most: int, wrap: tuple[bool, bool] = (False, False)
+) -> NDArray[np.int64]:
+    """Squared distance of every pixel to the nearest True one, as far as `most` pixels.
+
+    Parameters
+    ----------
+    mask : bool array (H, W)
+    most : int
+        What is further away gets (most + 1)^2.
+    wrap : (bool, bool)
+        Whether the axes go around.
+
+    Examples
+    --------
+    >>> squared_distance_to(np.array([[True, False, False, False]]), 2).tolist()
+    [[0, 1, 4, 9]]
+    """
+    far = (most + 1) ** 2
+    result = np.where(mask, 0, far).astype(np.int64)
+    for axis in (1, 0):  # squares add up, so one axis can be done after the other
+        line = np.moveaxis(result, axis, 0)
+        best = line.copy()
+        for step in range(1, min(most, len(line) - 1) + 1):
+            if wrap[axis]:
+                for shifted in (np.roll(line, step, axis=0), np.roll(line, -step, axis=0)):
+                    np.minimum(best, shifted + step**2, out=best)
+            else:
+                np.minimum(best[step:], line[:-step] + step**2, out=best[step:])
+                np.minimum(best[:-step], line[step:] + step**2, out=best[:-step])
+        result = np.moveaxis(best, 0, axis)
+    return np.minimum(result, far)
+
+
+def steps_to(mask: NDArray[np.bool_], most: int) -> NDArray[np.int32]:
+    """Steps of a king in chess to the nearest True pixel; `most + 1` if none is that near.
+
+    Examples
+    --------
+    >>> steps_to(np.array([[True, False, False, False]]), 2).tolist()
+    [[0, 1, 2, 3]]
+    """
+    distance = np.where(mask, 0, most + 1).astype(np.int32)
+    reached = mask
+    for step in range(1, most + 1):
+        wide = reached.copy()
+        wide[1:] |= reached[:-1]
+        wide[:-1] |= reached[1:]
+        reached = wide.copy()
+        reached[:, 1:] |= wide[:, :-1]
+        reached[:, :-1] |= wide[:, 1:]
+        distance[reached & (distance > step)] = step
+    return distance
