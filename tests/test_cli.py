@@ -54,7 +54,7 @@ ENVIRONMENT = os.environ | {"PYTHONPATH": os.path.dirname(os.path.dirname(weftex
 
 
 def process(*words, **options):
-    command = [sys.executable, "-m", "weftex.cli", *map(str, words)]
+    command = [sys.executable, "-m", "weftex", *map(str, words)]
     return subprocess.Popen(command, stderr=subprocess.PIPE, text=True, env=ENVIRONMENT, **options)
 
 
@@ -502,7 +502,7 @@ def test_a_bar_on_a_terminal(here):
     write_image("large.png", noise(400, 400, 3))
     words = ["--method", "patch-sampling", "--search", "exhaustive", "--size", "600"]
     words += ["--patch-size", "64"]
-    command = [sys.executable, "-m", "weftex.cli", "synth", "large.png", "-o", "x.png", *words]
+    command = [sys.executable, "-m", "weftex", "synth", "large.png", "-o", "x.png", *words]
     ours, theirs = pty.openpty()
     fcntl.ioctl(theirs, termios.TIOCSWINSZ, struct.pack("HHHH", 24, 80, 0, 0))
     run = subprocess.Popen(command, stderr=theirs, env=ENVIRONMENT)

@@ -17,6 +17,7 @@ if TYPE_CHECKING:
 
     from numpy.typing import NDArray
 
+    from weftex.exemplar import Exemplar
     from weftex.quality.figures import Figure
 
 _WIDEST = 1024  # pixels a side of a picture in the page
@@ -104,3 +105,10 @@ def parameters(provenance: dict[str, Any]) -> str:
 def _plain(value: Any) -> str:
     text = value if isinstance(value, str) else json.dumps(value, default=str)
     return text if len(text) <= 400 else text[:400] + " …"
+
+
+def as_shown(exemplar: Exemplar, pixels: NDArray[Any]) -> NDArray[np.uint8]:
+    """Three channels of bytes, to look at."""
+    pixel_bytes = exemplar.as_matching(pixels)
+    colors = pixel_bytes.shape[2] - exemplar.alpha
+    return pixel_bytes[..., :3] if colors >= 3 else np.repeat(pixel_bytes[..., :1], 3, axis=2)

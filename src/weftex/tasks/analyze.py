@@ -13,9 +13,10 @@ from weftex.analysis.lattice import Lattice, find_lattice
 from weftex.analysis.regularity import regularity
 from weftex.analysis.scale import DominantScale, dominant_scale
 from weftex.analysis.tiling import SEAMLESS, border_steps
+from weftex.choice import Choice
 from weftex.errors import InvalidInputError
 from weftex.methods import METHODS
-from weftex.tasks.auto import Auto, Choice
+from weftex.tasks.auto import Auto
 from weftex.tasks.synthesize import load_exemplar
 
 if TYPE_CHECKING:

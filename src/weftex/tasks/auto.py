@@ -6,7 +6,7 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from functools import cached_property
 from typing import TYPE_CHECKING, Any, ClassVar
 
@@ -16,6 +16,7 @@ from weftex.analysis.evenness import Evenness, evenness
 from weftex.analysis.lattice import Lattice, find_lattice
 from weftex.analysis.scale import dominant_scale
 from weftex.canvas import Canvas, as_canvas
+from weftex.choice import Choice
 from weftex.errors import InvalidInputError
 from weftex.exemplar import Exemplar
 from weftex.method import Method, Model
@@ -70,31 +71,6 @@ class Findings:
     scale: float
     colors: int
     evenness: Evenness
-
-
-@dataclass(frozen=True)
-class Choice:
-    """A method for a sample, and why.
-
-    Attributes
-    ----------
-    method : str
-        A name in `weftex.METHODS`.
-    parameters : dict
-        Those that differ from the method's defaults.
-    reason : str
-        One line.
-    warnings : tuple of str
-        What no method can do with this sample, the figure that says so, and what would help.
-    """
-
-    method: str
-    parameters: dict[str, Any] = field(default_factory=dict)
-    reason: str = ""
-    warnings: tuple[str, ...] = ()
-
-    def __str__(self) -> str:
-        return "; ".join((self.reason, *(f"but {text}" for text in self.warnings)))
 
 
 @dataclass(frozen=True)
