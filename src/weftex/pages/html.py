@@ -56,10 +56,10 @@ class Page:
         FileError
             If it cannot be written there.
         """
-        from weftex.io import pictures as io
+        from weftex.io.pictures import check_output, write_text
 
-        io.check_output(path, suffixes=(".html",))
-        io.write_text(path, self.html())
+        check_output(path, suffixes=(".html",))
+        write_text(path, self.html())
 
 
 def document(title: str, parts: Iterable[str]) -> str:
