@@ -147,7 +147,7 @@ def test_what_does_not_fit_is_refused():
     refused("shape", [A, B], np.zeros((3, 3, 3, 3), np.uint8))
     for method in ("quilting", "patch-sampling", "near-regular"):
         refused(
-            "cannot fuse.*these do: .*refinement", [A, B], HALVES, method=method,
+            "several samples in one picture; these do: .*refinement", [A, B], HALVES, method=method,
             error=weftex.UnsupportedError,
         )  # fmt: skip
     refused("no parameter 'nothing'", [A, B], HALVES, nothing=3)
