@@ -152,9 +152,9 @@ def fill(
     )
     # On bytes, which distances are taken on anyway, the maps have a say about known pixels too.
     if inside:
-        levels = place.matching()
+        features = place.matching()
         near = Exemplar(
-            levels,
+            features,
             mask=usable,
             tileable=whole.tileable and region.whole,
             alpha=False,
@@ -162,7 +162,7 @@ def fill(
         )
     else:
         plain = Exemplar(source.pixels, alpha=source.alpha)
-        levels = plain.as_matching(place.pixels)
+        features = plain.as_matching(place.pixels)
         near = Exemplar(
             plain.matching(),
             mask=usable,
@@ -171,10 +171,10 @@ def fill(
             name=source.name,
         )
     part = Canvas(
-        levels.shape[0],
-        levels.shape[1],
+        features.shape[0],
+        features.shape[1],
         region.wrap,
-        known=levels,
+        known=features,
         hole=region.crop(hole),
         known_from=canvas.known_from,
     )

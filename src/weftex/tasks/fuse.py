@@ -87,7 +87,7 @@ def fuse(
     Returns
     -------
     PixelSynthesis
-        Its exemplar is the samples one under the other, see `stack`.
+        Its exemplar is the samples one under the other, see `combined`.
 
     Raises
     ------
@@ -109,7 +109,7 @@ def fuse(
     chosen = make_method(method, parameters)
     exemplars = [load_exemplar(sample) for sample in samples]
     _check_kinds(exemplars)
-    whole = stack(exemplars)
+    whole = combined(exemplars)
     scales = [dominant_scale(exemplar).window_width for exemplar in exemplars]
     labels = _labels(label_map, size, exemplars, scales, (colors, mixed or {}), number)
     shape = labels.shape[0], labels.shape[1]
@@ -126,7 +126,7 @@ def fuse(
     )
 
 
-def stack(exemplars: Sequence[Exemplar]) -> Exemplar:
+def combined(exemplars: Sequence[Exemplar]) -> Exemplar:
     """Put samples one under the other, so that one source map can point into all of them.
 
     Parameters

@@ -46,10 +46,10 @@ def run(argv: list[str]) -> None:
         check_output(args.output, picture.pixels, alpha=picture.alpha)
         given = Exemplar(picture.pixels, alpha=picture.alpha, name=os.path.basename(args.maps[0]))
         if len(read) > 1:
-            from weftex.tasks.fuse import stack
+            from weftex.tasks.fuse import combined
 
             names = [os.path.basename(path) for path in args.maps]
-            given = stack(
+            given = combined(
                 [
                     Exemplar(p.pixels, alpha=p.alpha, name=name)
                     for p, name in zip(read, names, strict=True)
