@@ -161,7 +161,7 @@ class Model(ABC):
 
 
 @dataclasses.dataclass(frozen=True)
-class Method:
+class Method(ABC):
     """Base of all methods; its fields are declared with `parameter`.
 
     Raises
@@ -190,9 +190,9 @@ class Method:
                         f"{field.name} has no effect unless {needs[0]} is {allowed}"
                     )
 
+    @abstractmethod
     def fit(self, exemplar: Exemplar) -> Model:
-        """Analyse a sample; the result makes any number of outputs from it."""
-        raise TypeError(f"{type(self).__name__} does not define fit")
+        """Analyze a sample; the result makes any number of outputs from it."""
 
     def settle(self, exemplar: Exemplar) -> Method:
         """Return this method with what it takes from the sample by itself filled in.

@@ -68,7 +68,15 @@ def draw_pieces(
 def uncertainty_of(
     image: NDArray[Any], source_of: SourceOf, exemplar: Exemplar, wrap: tuple[bool, bool]
 ) -> NDArray[np.float64]:
-    """How badly the surroundings of each pixel match its source's: see `Synthesis.uncertainty`."""
+    """How badly the surroundings of each pixel match those of the place that it comes from.
+
+    Returns
+    -------
+    float64 array (H, W)
+        Mean squared difference of the 5 x 5 pixels around, over that of two pixels of the sample
+        at random: 0 inside a piece that was copied as a whole, 1 where a place drawn at random
+        would have done as well. 0 for known pixels that are not in the sample.
+    """
     features = exemplar.matching()
     made = exemplar.as_matching(image)
     depth = min(made.shape[2], features.shape[2])  # maps that only the sample has do not count

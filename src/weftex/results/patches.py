@@ -90,11 +90,10 @@ class PatchSynthesis(Synthesis):
 
     def _error(self) -> NDArray[np.int16]:
         """The difference in the overlaps as they were before they were cut."""
-        assert self.exemplar is not None
         whole = copy(self)
         whole.cuts = self.cuts[:0]
         coordinates, share = whole.layers()
-        gray = gray_of(self.exemplar.pixels).astype(np.int16)
+        gray = gray_of(self.sample.pixels).astype(np.int16)
         values = gray[coordinates[..., 0], coordinates[..., 1]]
         both = (share[..., :2] > 0).all(axis=-1)
         error: NDArray[np.int16] = np.abs(values[..., 0] - values[..., 1]) * both

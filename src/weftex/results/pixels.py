@@ -59,8 +59,7 @@ class PixelSynthesis(Synthesis):
 
     def _error(self) -> NDArray[np.int16]:
         """The larger difference from what the upper and the left neighbor go on with."""
-        assert self.exemplar is not None
-        gray = gray_of(self.exemplar.pixels).astype(np.int16)
+        gray = gray_of(self.sample.pixels).astype(np.int16)
         source, made = self.source, self.index >= 0
         value = gray[source[..., 0], source[..., 1]]
         error = np.zeros(self.shape, np.int16)

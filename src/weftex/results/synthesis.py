@@ -145,19 +145,20 @@ class Synthesis(ABC):
     def image(self) -> NDArray[Any]:
         """The output: (H, W) or (H, W, C) in the sample's dtype."""
         if self._picture is None:
-            if self.exemplar is None:
-                raise InvalidInputError(
-                    "this result was loaded without its sample; render a map of it"
-                )
-            self._picture = self.render(self.exemplar)
+            self._picture = self.render(self.sample)
         return self._picture
+
+    @property
+    def sample(self) -> Exemplar:
+        """The exemplar, of which `load` may have been given none."""
+        if self.exemplar is None:
+            raise InvalidInputError("this result was loaded without its sample; render a map of it")
+        return self.exemplar
 
     @property
     def maps(self) -> dict[str, NDArray[Any]]:
         """The sample's maps, replayed at the same coordinates."""
-        if self.exemplar is None:
-            raise InvalidInputError("this result was loaded without its sample; render its maps")
-        return {name: self.render(pixels) for name, pixels in self.exemplar.maps.items()}
+        return {name: self.render(pixels) for name, pixels in self.sample.maps.items()}
 
     @property
     def source(self) -> NDArray[np.int32]:
@@ -239,9 +240,7 @@ class Synthesis(ABC):
         whole = window is None
         top, left, height, width = self._check_window(window)
         own = other is None or other is self.exemplar
-        given = self.exemplar if other is None else other
-        if given is None:
-            raise InvalidInputError("this result was loaded without its sample; give a map of it")
+        given = self.sample if other is None else other
         if isinstance(given, Exemplar):
             pixels, alpha = given.pixels, given.alpha
         else:
@@ -340,25 +339,11 @@ class Synthesis(ABC):
         return draw_pieces(self._source_of, self.shape, self.sample_shape)
 
     def uncertainty(self) -> NDArray[np.float64]:
-        """How badly the surroundings of each pixel match those of the place that it comes from.
+        """How badly each pixel's surroundings match its source's: 0 inside a copied piece.
 
-        Returns
-        -------
-        float64 array (H, W)
-            Mean squared difference of the 5 x 5 pixels around, over that of two pixels of the
-            sample at random: 0 inside a piece that was copied as a whole, 1 where a place drawn at
-            random would have done as well. 0 for known pixels that are not in the sample.
-
-        Raises
-        ------
-        InvalidInputError
-            If the result was loaded without its sample.
+        See `weftex.results.drawing.uncertainty_of`.
         """
-        if self.exemplar is None:
-            raise InvalidInputError(
-                "this result was loaded without its sample, so nothing is compared"
-            )
-        return uncertainty_of(self.image, self._source_of, self.exemplar, self.canvas.wrap)
+        return uncertainty_of(self.image, self._source_of, self.sample, self.canvas.wrap)
 
     def _source_of(self, rows: slice) -> NDArray[np.int64]:
         """Row and column in the sample of the pixels of some rows."""

@@ -30,7 +30,7 @@ if TYPE_CHECKING:
     from weftex.results.synthesis import Synthesis
 
 _LOOK = 320  # pixels a side; of larger samples a smaller copy and a part are looked at
-_LEAST = 32  # pixels a side of a sample that has something to be analysed
+_SMALLEST_ANALYZED = 32  # pixels a side of a sample that has something to be analysed
 _LATTICE = 0.6  # confidence from which blocks are laid by the lattice
 _TILES = 4  # that a sample must show, so that a block has more than one place to come from
 _FINE = 1 / 16  # scale over the sample's side: a patch of a quarter of it is four pieces wide
@@ -127,7 +127,7 @@ class AutoModel(Model):
     def chosen(self, size: Canvas | int | tuple[int, int]) -> tuple[Choice, Model]:
         """The choice and the fitted method; the next one where a method cannot be fitted."""
         first = self.choose(size)
-        failure = None
+        failure: InvalidInputError | None = None
         for slug in (first.method, *(other for other in _OTHERS if other != first.method)):
             choice = first
             if failure is not None:
@@ -140,8 +140,7 @@ class AutoModel(Model):
                 return choice, self._models[key]
             except InvalidInputError as error:
                 failure = failure or error
-        assert failure is not None
-        raise failure
+        raise failure or InvalidInputError("no method can be fitted to this sample")
 
     def sample(
         self,
@@ -188,10 +187,9 @@ def choose(findings: Findings, canvas: Canvas) -> Choice:
     area = canvas.height * canvas.width
     warnings = tuple(_warnings(findings))
     parameters: dict[str, Any] = {}
-    if shorter < _LEAST:
+    if shorter < _SMALLEST_ANALYZED:
         slug, said = "graphcut", f"too small to be analysed, {_size(findings.shape)}"
-    elif _is_near_regular(findings):
-        assert lattice is not None
+    elif lattice is not None and _is_near_regular(lattice, findings.shape):
         slug, said = "near-regular", f"near-regular, {_words(lattice)}"
         vectors = tuple(part for vector in lattice.vectors for part in vector)
         strain = _strain(vectors, canvas)
@@ -228,7 +226,7 @@ def look(exemplar: Exemplar) -> Findings:
         The sample.
     """
     small, step = _copy(exemplar)
-    if min(small.shape) < _LEAST:
+    if min(small.shape) < _SMALLEST_ANALYZED:
         return Findings(exemplar.shape, None, True, 1.0, _colors(small), Evenness(0, 0, 0, (1, 1)))
     lattice, exact = find_lattice(small), step == 1
     if lattice is not None and step > 1:
@@ -246,11 +244,10 @@ def look(exemplar: Exemplar) -> Findings:
     )
 
 
-def _is_near_regular(findings: Findings) -> bool:
-    lattice = findings.lattice
-    if lattice is None or len(lattice.vectors) == 1 or lattice.confidence < _LATTICE:
+def _is_near_regular(lattice: Lattice, shape: tuple[int, int]) -> bool:
+    if len(lattice.vectors) == 1 or lattice.confidence < _LATTICE:
         return False
-    return math.prod(findings.shape) >= _TILES * lattice.area
+    return math.prod(shape) >= _TILES * lattice.area
 
 
 def _warnings(findings: Findings) -> list[str]:

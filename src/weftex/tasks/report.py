@@ -12,7 +12,7 @@ from weftex.errors import InvalidInputError
 from weftex.exemplar import Exemplar, check_pixels
 from weftex.pages.html import as_shown
 from weftex.pages.report import Report
-from weftex.quality.assess import WIDEST, assess, made_from
+from weftex.quality.assess import LARGEST_MEASURED, assess, made_from
 from weftex.quality.copying import check_source
 from weftex.quality.repetition import repetition, repetition_map
 from weftex.quality.seams import Seams, seam_map
@@ -96,8 +96,10 @@ def report(
     )
     if source is None:
         notes.append("Without a source it is not known what was copied from where.")
-    if max(pixels.shape[:2]) > WIDEST:
-        notes.append(f"Of this large result the middle, {WIDEST} pixels a side, was looked at.")
+    if max(pixels.shape[:2]) > LARGEST_MEASURED:
+        notes.append(
+            f"Of this large result the middle, {LARGEST_MEASURED} pixels a side, was looked at."
+        )
     if min(exemplar.shape) < 64:
         notes.append("The sample is so small that its halves say little.")
     return Report(
@@ -135,7 +137,7 @@ def _another(source: Synthesis, exemplar: Exemplar, pixels: NDArray[Any]) -> lis
 def _maps(
     exemplar: Exemplar, pixels: NDArray[Any], source: NDArray[Any] | None
 ) -> dict[str, Bytes]:
-    shape = (min(pixels.shape[0], WIDEST), min(pixels.shape[1], WIDEST))
+    shape = (min(pixels.shape[0], LARGEST_MEASURED), min(pixels.shape[1], LARGEST_MEASURED))
     if source is not None:
         source = middle(check_source(source, exemplar.shape, pixels.shape[:2]), shape)
     pixels = middle(pixels, shape)

@@ -56,9 +56,8 @@ def run(argv: list[str]) -> None:
             label_map = read_image(label_map).pixels
         named: dict[str, Any] = {"colors": colors, "mixed": mixed}
         result = fuse(samples, label_map, size, method=chosen, **named, **settings(args, bar))
-        assert result.exemplar is not None
-        own = {result.exemplar.name: first}
-        write(result, result.exemplar, own, {result.exemplar.name: args.output}, args, outputs)
+        whole = result.sample
+        write(result, whole, {whole.name: first}, {whole.name: args.output}, args, outputs)
         return report(args, result, f"fused {len(samples)} samples in", start)
 
     finish(work, args.quiet)
