@@ -385,11 +385,11 @@ def test_patch_size_follows_the_randomness_parameter():
 def test_results_say_which_sizes_were_used(method):
     """Settled for the sample, in the model's method and in what the result tells of itself."""
     exemplar = weftex.Exemplar(np.zeros((60, 100), np.uint8))
-    for given in ({}, {"patch_size": 24}, {"boundary_width": 2}, {"patch_size": 1}):
-        model = weftex.METHODS[method](**given).fit(exemplar)
+    for chosen in ({}, {"patch_size": 24}, {"boundary_width": 2}, {"patch_size": 1}):
+        model = weftex.METHODS[method](**chosen).fit(exemplar)
         told = model.sample((70, 80), seed=1).provenance
         for name, sizes in (("patch_size", (18, 24, 1)), ("boundary_width", (2, 4))):
-            assert told[name] == getattr(model.method, name) == given.get(name, told[name])
+            assert told[name] == getattr(model.method, name) == chosen.get(name, told[name])
             assert told[name] in sizes
         again = weftex.METHODS[method](**{k: told[k] for k in ("patch_size", "boundary_width")})
         assert again.fit(exemplar).method == model.method

@@ -48,8 +48,9 @@ class PatchModel(Model):
         exemplar: Exemplar,
         cover: Callable[[Output, Any], None],
     ) -> None:
-        sizes = {"patch_size": settings.patch_size, "boundary_width": settings.boundary_width}
-        self.method, self.exemplar = replace(method, **sizes), exemplar
+        size, width = settings.patch_size, settings.boundary_width
+        self.method = replace(method, patch_size=size, boundary_width=width)
+        self.exemplar = exemplar
         self.analysis = PatchAnalysis(settings, exemplar)
         self._cover = cover
 

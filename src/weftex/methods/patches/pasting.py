@@ -12,7 +12,7 @@ from weftex.errors import InvalidInputError
 from weftex.methods.patches import patch_kernels as _kernels
 from weftex.methods.patches.analysis import PatchAnalysis, SearchStructure
 from weftex.methods.patches.scan_order import Order, Run, scan_patches, scan_pixels
-from weftex.methods.patches.settings import Frame, frame_of
+from weftex.methods.patches.settings import frame_of
 from weftex.methods.patches.spiral_order import spiral_patches
 from weftex.progress import Progress, ProgressCallback
 from weftex.results import paste_kernels
@@ -61,13 +61,14 @@ class Output:
         self._structures: list[SearchStructure] = []
         self._numbers: dict[tuple[bytes, bytes], int] = {}
         self.pixels = np.zeros((*self.frame.shape, analysis.pixels.shape[2]), np.uint8)
-        if self.frame.has_hole:
+        known = self.frame.known
+        if known is not None:
             if analysis.exemplar.maps:
                 raise InvalidInputError(
                     "a hole's surroundings lack the sample's maps; use weftex.fill"
                 )
-            known = analysis.exemplar.as_matching(canvas.known, self.settings.edge_weight)
-            self.pixels[self.frame.inside] = known
+            matching = analysis.exemplar.as_matching(known, self.settings.edge_weight)
+            self.pixels[self.frame.inside] = matching
         self.order = self._order()
         self.placements = np.zeros((len(self.order.corners), 5), np.int32)
         self.placements[:, :2] = self.order.corners
@@ -78,7 +79,7 @@ class Output:
         self._sample = _kernels.Sample(analysis.pixels, analysis.turned)
 
     def _order(self) -> Order:
-        if self.frame.has_hole:
+        if self.frame.known is not None:
             return spiral_patches(self.frame, self._number, self._seed)
         if self.settings.pixelwise:
             return scan_pixels(self.frame, self._number, self._seed)

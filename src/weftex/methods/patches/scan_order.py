@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass
+from itertools import pairwise
 from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
@@ -70,6 +71,19 @@ class Order:
     parallel: bool = False
 
 
+def runs_of(zones: list[int], first: int) -> list[Run]:
+    """Part patches, numbered from `first`, where their zone changes.
+
+    Examples
+    --------
+    >>> [tuple(run) for run in runs_of([0, 1, 1, 2], 10)]
+    [(0, 10, 11), (1, 11, 13), (2, 13, 14)]
+    """
+    changes = [k for k in range(1, len(zones)) if zones[k] != zones[k - 1]]
+    ends = pairwise([0, *changes, len(zones)])
+    return [Run(zones[start], first + start, first + stop) for start, stop in ends]
+
+
 def scan_patches(frame: Frame, number: Number, seed: int, threads: int) -> Order:
     """Patches in rows, evenly spread, that overlap by the boundary zone (section 2.2, Fig. 3 a).
 
@@ -101,12 +115,8 @@ def scan_patches(frame: Frame, number: Number, seed: int, threads: int) -> Order
     }
 
     def runs(row: int, first: int, last: int) -> list[Run]:
-        """Part patches of a row where the kind changes."""
-        cuts = [first, *(k for k in range(first + 1, last) if kinds[1][k] != kinds[1][k - 1]), last]
-        return [
-            Run(zones[kinds[0][row], kinds[1][a]], row * columns + a, row * columns + b)
-            for a, b in zip(cuts[:-1], cuts[1:], strict=True)
-        ]
+        numbers = [zones[kinds[0][row], kind] for kind in kinds[1][first:last]]
+        return runs_of(numbers, row * columns + first)
 
     # Around a wrapped axis every patch of a row hangs on the whole row above.
     parallel = threads > 1 and not canvas.wrap[1] and rows * columns >= _THREADS_FROM
@@ -229,19 +239,14 @@ def scan_pixels(frame: Frame, number: Number, seed: int) -> Order:
             numbers[key] = number(_causal(frame, row, column))
         return numbers[key]
 
-    def runs(row: int) -> list[Run]:
-        zones = [zone(row, column) for column in range(width)]
-        cuts = [0, *(k for k in range(1, width) if zones[k] != zones[k - 1]), width]
-        return [
-            Run(zones[a], row * width + a, row * width + b)
-            for a, b in zip(cuts[:-1], cuts[1:], strict=True)
-        ]
-
     return Order(
         corners=(corners % frame.shape).astype(np.int32),
         bits=draw(seed, "patch", y, x),
         around=np.zeros((height * width, 0), np.int32),
-        steps=(Step([runs(row)], width) for row in range(height)),
+        steps=(
+            Step([runs_of([zone(row, column) for column in range(width)], row * width)], width)
+            for row in range(height)
+        ),
         total=height * width,
         stage="pixels",
     )

@@ -3,12 +3,15 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import ClassVar
+from typing import TYPE_CHECKING, Any, ClassVar
 
 from weftex.canvas import Canvas
 from weftex.errors import InvalidInputError
 from weftex.exemplar import Exemplar
 from weftex.method import Method, parameter
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
 
 #: How candidates are found, and the kernel's number for it.
 SEARCHES = {"exhaustive": 0, "quadtree": 1, "pca": 2, "kdtree": 3, "kdtree-pca": 3}
@@ -214,10 +217,10 @@ class Frame:
         return slice(top, top + height), slice(left, left + width)
 
     @property
-    def has_hole(self) -> bool:
-        """Some pixels are known, and the rest are to be filled (section 2.3)."""
-        canvas = self.canvas
-        return canvas.known is not None and canvas.hole is not None and not canvas.hole.all()
+    def known(self) -> NDArray[Any] | None:
+        """The known pixels around a hole (section 2.3); None where everything is to be made."""
+        hole = self.canvas.hole
+        return self.canvas.known if hole is not None and not hole.all() else None
 
 
 def frame_of(settings: PatchSettings, canvas: Canvas) -> Frame:

@@ -40,7 +40,7 @@ def spiral_patches(frame: Frame, number: Number, seed: int) -> Order:
     reach = frame.settings.boundary_width
     if frame.settings.pixelwise:
         found = [(y - reach, x - reach) for y, x in spiral(unknown)]
-        corners = np.array(found, np.int32).reshape(-1, 2) % np.int32(frame.shape)
+        corners = np.array(found, np.int32).reshape(-1, 2) % np.array(frame.shape, np.int32)
     else:
         corners = _useful(_corners(frame, unknown), frame, unknown)
     around = np.zeros((len(corners), 0), np.int32)
