@@ -21,7 +21,7 @@ for seed in (1, 2):
     result = model.sample((384, 512), seed=seed)
     path = folder / f"patch_sampling_{seed}.png"
     weftex.write_image(path, result.image)
-    print(f"{path}: {len(result.placements)} patches of {model.patch_size} px")
+    print(f"{path}: {len(result.placements)} patches of {model.method.patch_size} px")
 
 # The answer behind the picture: where each pixel comes from, and where patches meet.
 print("the first pixel comes from row and column", result.source[0, 0].tolist())

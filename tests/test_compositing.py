@@ -7,6 +7,7 @@ from hypothesis import strategies as st
 
 import reference
 from weftex.results import paste_kernels
+from weftex.results.paste_kernels import Layout, View
 
 DTYPES = (np.uint8, np.uint16, np.float32, np.float64)
 
@@ -45,7 +46,8 @@ def layout(rng, canvas, sample, rows, columns, count, cut):
 def check(out, source, top, left, canvas, layout, scale, alpha):
     expected = out.copy()
     reference.paste_all(expected, source, top, left, canvas, *layout, scale, alpha)
-    paste_kernels.paste_all(out, source, top, left, *canvas, *layout, scale, alpha)
+    view = View(top, left, scale, alpha)
+    paste_kernels.paste_all(out, source, Layout(*layout, *canvas), view)
     if out.dtype == np.float32 and alpha:
         # The kernel sums in float32 what the twin sums in float64.
         assert np.allclose(out, expected, rtol=1e-5, atol=1e-6)
@@ -80,8 +82,9 @@ def test_a_window_is_that_part_of_the_whole(dtype, cut, scale, data):
     plan = layout(rng, canvas, sample, 5, 4, 8, cut)
     whole = np.zeros((canvas[0] * scale, canvas[1] * scale, 3), dtype)
     part = np.zeros((rows * scale, columns * scale, 3), dtype)
-    paste_kernels.paste_all(whole, source, 0, 0, *canvas, *plan, scale, False)
-    paste_kernels.paste_all(part, source, top, left, *canvas, *plan, scale, False)
+    plan = Layout(*plan, *canvas)
+    paste_kernels.paste_all(whole, source, plan, View(0, 0, scale, False))
+    paste_kernels.paste_all(part, source, plan, View(top, left, scale, False))
     inside = np.ix_(
         range(top * scale, (top + rows) * scale), range(left * scale, (left + columns) * scale)
     )
@@ -95,7 +98,7 @@ def test_layers_are_the_slow_twin(cut, count, seed):
     plan = layout(rng, canvas, (6, 7), 5, 4, count, cut)
     patch = np.full((6, 5, 4), -1, np.int32)
     share = np.zeros((6, 5, 4), np.float32)
-    paste_kernels.layer_all(patch, share, 1, 2, *canvas, *plan)
+    paste_kernels.layer_all(patch, share, 1, 2, Layout(*plan, *canvas))
     for at, entries in reference.layers(window, canvas, *plan).items():
         got = [(int(p), float(s)) for p, s in zip(patch[at], share[at], strict=True) if s > 0]
         assert got == [(p, float(s)) for p, s in entries]
@@ -107,9 +110,8 @@ def test_whole_numbers_round_halves_up():
     for weight, expected in ((127, 0), (128, 1)):
         out[:] = 0
         weights = np.full((1, 1, 1), weight, np.uint16)
-        paste_kernels.paste_all(
-            out, source, 0, 0, 1, 1, one, weights, np.zeros((0, 0), np.uint16), 1, False
-        )
+        layout = Layout(one, weights, np.zeros((0, 0), np.uint16), 1, 1)
+        paste_kernels.paste_all(out, source, layout, View(0, 0, 1, False))
         assert out[0, 0, 0] == expected
 
 
@@ -120,7 +122,7 @@ def test_constant_in_constant_out_whatever_the_weights(rng, dtype, alpha):
         out = np.broadcast_to(value, (9, 11, 4)).copy()
         source = np.broadcast_to(value, (6, 7, 4)).copy()
         plan = layout(rng, (9, 11), (6, 7), 5, 4, 12, False)
-        paste_kernels.paste_all(out, source, 0, 0, 9, 11, *plan, 1, alpha)
+        paste_kernels.paste_all(out, source, Layout(*plan, 9, 11), View(0, 0, 1, alpha))
         assert np.array_equal(out, np.broadcast_to(value, out.shape))
 
 
@@ -134,9 +136,8 @@ def test_clear_pixels_bleed_no_colour(dtype):
     half = np.full((1, 1, 1), 128, np.uint16)
     for old, new in ((red, clear_green), (clear_green, red)):
         out = old.reshape(1, 1, 4).copy()
-        paste_kernels.paste_all(
-            out, new.reshape(1, 1, 4), 0, 0, 1, 1, one, half, np.zeros((0, 0), np.uint16), 1, True
-        )
+        layout = Layout(one, half, np.zeros((0, 0), np.uint16), 1, 1)
+        paste_kernels.paste_all(out, new.reshape(1, 1, 4), layout, View(0, 0, 1, True))
         assert out[0, 0, :3].tolist() == red[:3].tolist()
         assert abs(float(out[0, 0, 3]) - full / 2) <= 0.5
 
@@ -147,6 +148,6 @@ def test_more_patches_than_layers_keep_the_heaviest():
     placements = np.zeros((6, 5), np.int32)
     patch, share = np.full((1, 1, 4), -1, np.int32), np.zeros((1, 1, 4), np.float32)
     none = np.zeros((0, 0), np.uint16)
-    paste_kernels.layer_all(patch, share, 0, 0, 1, 1, placements, weights, none)
+    paste_kernels.layer_all(patch, share, 0, 0, Layout(placements, weights, none, 1, 1))
     assert patch[0, 0].tolist() == [5, 4, 3, 2]
     assert (np.diff(share[0, 0]) < 0).all()

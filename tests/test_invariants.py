@@ -175,8 +175,8 @@ def _unseen_borders(result):
     height, length = result.shape
     owner = np.full((height, length, 4), -1, np.int32)
     share = np.zeros((height, length, 4), np.float32)
-    plan = result.placements, result.weights, result.cuts
-    paste_kernels.layer_all(owner, share, 0, 0, height, length, *plan)
+    layout = paste_kernels.Layout(result.placements, result.weights, result.cuts, *result.shape)
+    paste_kernels.layer_all(owner, share, 0, 0, layout)
     owner = owner[..., 0]
 
     def looked(patch, y, x):
@@ -259,7 +259,7 @@ def test_threads_change_nothing(method, kind, way):
 
 @every("method", family="patch")
 def test_there_are_enough_patches_for_threads(method):
-    from weftex.methods.patches.pasting import _THREADS_FROM
+    from weftex.methods.patches.scan_order import _THREADS_FROM
 
     side = TRIALS[method].largest
     result = make(method, noise((40, 41, 3)), "plain", size=(side, side - 10))

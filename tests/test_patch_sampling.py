@@ -11,9 +11,10 @@ from hypothesis import strategies as st
 
 import reference
 import weftex
-import weftex.methods.patches.pasting
+import weftex.methods.patches.scan_order
 from families import every
-from weftex.methods.patches.order import patch_starts, patches_around, spiral, wavefronts
+from weftex.methods.patches.scan_order import patch_starts, patches_around, wavefronts
+from weftex.methods.patches.spiral_order import spiral
 from weftex.random import draw
 
 BLENDS = ("feather", "feather-at-end", "cut", "none")
@@ -345,7 +346,7 @@ def test_thinned_out_windows_lose_little(rng):
     model = weftex.PatchSampling(epsilon=0.0, **kind).fit(weftex.Exemplar(pixels))
     known = np.zeros((32, 32), bool)
     known[:8] = known[:, :8] = True
-    assert model.structure(known).stride > 1
+    assert model.analysis.structure(known, width=8).stride > 1
 
     def error(**more):
         result = (
@@ -374,8 +375,24 @@ def test_patch_size_follows_the_randomness_parameter():
     """w_B = lambda min(w_in, h_in), section 2.4."""
     exemplar = weftex.Exemplar(np.zeros((60, 100), np.uint8))
     for share in (0.25, 0.5, 1.0):
-        assert weftex.PatchSampling(randomness=share).fit(exemplar).patch_size == round(60 * share)
-    assert weftex.PatchSampling(randomness=0.3, patch_size=20).fit(exemplar).patch_size == 20
+        method = weftex.PatchSampling(randomness=share).fit(exemplar).method
+        assert method.patch_size == round(60 * share)
+    method = weftex.PatchSampling(randomness=0.3, patch_size=20).fit(exemplar).method
+    assert method.patch_size == 20
+
+
+@every("method", family="patch")
+def test_results_say_which_sizes_were_used(method):
+    """Settled for the sample, in the model's method and in what the result tells of itself."""
+    exemplar = weftex.Exemplar(np.zeros((60, 100), np.uint8))
+    for chosen in ({}, {"patch_size": 24}, {"boundary_width": 2}, {"patch_size": 1}):
+        model = weftex.METHODS[method](**chosen).fit(exemplar)
+        told = model.sample((70, 80), seed=1).provenance
+        for name, sizes in (("patch_size", (18, 24, 1)), ("boundary_width", (2, 4))):
+            assert told[name] == getattr(model.method, name) == chosen.get(name, told[name])
+            assert told[name] in sizes
+        again = weftex.METHODS[method](**{k: told[k] for k in ("patch_size", "boundary_width")})
+        assert again.fit(exemplar).method == model.method
 
 
 @pytest.mark.parametrize("threads", [0, -1, 1.0, "2", True, float("nan")])
@@ -400,22 +417,24 @@ def test_structures_for_holes_are_not_kept(rng, search):
     model = weftex.PatchSampling(patch_size=8, boundary_width=2, search=search).fit(exemplar)
     model.sample((40, 40), seed=1)
     model.sample((40, 40), seed=1, tileable=True)
-    kept = len(model._structures)
+    kept = len(model.analysis._structures)
     assert len(pickle.dumps(model)) < 40000
     for seed in range(3):
         hole = rng.random((40, 41)) < 0.1
         canvas = weftex.Canvas(40, 41, known=made_up(rng, (40, 41)), hole=hole)
         model.sample(canvas, seed=seed)
-    assert len(model._structures) == kept
+    assert len(model.analysis._structures) == kept
 
 
 def test_the_boundary_is_at_most_half_of_the_patch():
     exemplar = weftex.Exemplar(np.zeros((60, 100), np.uint8))
-    assert weftex.PatchSampling(patch_size=21, boundary_width=10).fit(exemplar).boundary_width == 10
+    method = weftex.PatchSampling(patch_size=21, boundary_width=10)
+    assert method.fit(exemplar).method == method
     with pytest.raises(weftex.InvalidInputError, match="boundary_width is 11; .* 10"):
         weftex.PatchSampling(patch_size=21, boundary_width=11).fit(exemplar)
     for size in range(2, 60):
-        assert 1 <= weftex.PatchSampling(patch_size=size).fit(exemplar).boundary_width <= size // 2
+        method = weftex.PatchSampling(patch_size=size).fit(exemplar).method
+        assert 1 <= method.boundary_width <= size // 2
 
 
 @every("method", family="patch")
@@ -534,7 +553,7 @@ def test_threads_never_overtake_a_patch_that_overlaps(
             groups.append(group)
             yield group
 
-    monkeypatch.setattr(weftex.methods.patches.pasting, "wavefronts", note)
+    monkeypatch.setattr(weftex.methods.patches.scan_order, "wavefronts", note)
     method = weftex.PatchSampling(
         patch_size=size, boundary_width=overlap, epsilon=float("inf"), blend=blend
     )

@@ -25,10 +25,10 @@ def windows_of(name, patch=32, width=4):
     model = method.fit(exemplar)
     known = np.zeros((patch, patch), bool)
     known[:width] = known[:, :width] = True
-    structure = model.structure(known)
+    structure = model.analysis.structure(known, width=width)
     shape = structure.usable.shape
     blocks, side = structure.zone.blocks, structure.zone.side
-    return exemplar, structure, model.pyramid.windows(blocks, side, 1, *shape)
+    return exemplar, structure, model.analysis.pyramid.windows(blocks, side, 1, *shape)
 
 
 def made_up(seed, size, count):

@@ -104,7 +104,7 @@ def test_its_own_defaults():
     method = weftex.Quilting()
     assert method.blend == "cut" and method.tolerance == 0.1
     model = weftex.Quilting(patch_size=36).fit(weftex.Exemplar(np.zeros((60, 60), np.uint8)))
-    assert model.boundary_width == 6  # a sixth, as Efros and Freeman have it
+    assert model.method.boundary_width == 6  # a sixth, as Efros and Freeman have it
 
 
 def test_the_cut_follows_the_least_error(rng):

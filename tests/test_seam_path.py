@@ -7,6 +7,7 @@ from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 
 import reference
+from weftex.results.paste_kernels import Layout
 from weftex.seams import band_kernels as _kernels
 from weftex.search.boundary_zone import boundary_zone
 
@@ -20,14 +21,20 @@ def test_the_twins_agree(cost):
     assert reference.path_by_programming(cost) == reference.path_by_exhaustion(cost)
 
 
+def find_cuts(canvas, pixels, place, weight, bands, row, cost, cuts):
+    """Cut a patch at (y, x, source y, source x); fill its row of `cuts`."""
+    placements = np.zeros((row + 1, 5), np.int32)
+    placements[row, :4] = place
+    layout = Layout(placements, weight[None], cuts, *canvas.shape[:2])
+    _kernels.find_cuts(canvas, pixels, layout, bands, row, cost, cuts)
+
+
 def kernel_cuts(canvas, pixels, corner, source, zone):
     rows, columns = zone.weight.shape
     cuts = np.full((2, 2 * (rows + columns)), 9999, np.uint16)
     cost = np.empty((max(rows, columns), int(zone.bands[0])), np.int64)
     assert zone.bands.dtype == np.int32 and zone.bands.shape == (9,)
-    _kernels.find_cuts(
-        canvas, pixels, *corner, *source, zone.weight[None], zone.bands, cost, cuts, 1
-    )
+    find_cuts(canvas, pixels, (*corner, *source), zone.weight, zone.bands, 1, cost, cuts)
     assert (cuts[0] == 9999).all()  # only its own row
     return cuts[1]
 
@@ -125,7 +132,7 @@ def test_the_path_finds_the_place_where_patches_agree():
     bands[5:] = 1, 0, 0, 0
     cuts = np.zeros((1, 2 * (6 + 8)), np.uint16)
     cost = np.empty((8, 4), np.int64)
-    _kernels.find_cuts(canvas, pixels, 0, 0, 0, 0, zone.weight[None], bands, cost, cuts, 0)
+    find_cuts(canvas, pixels, (0, 0, 0, 0), zone.weight, bands, 0, cost, cuts)
     assert cuts[0, :6].tolist() == path
 
 
@@ -150,5 +157,5 @@ def test_costs_of_long_bands_do_not_overflow():
     bands[5:] = 1, 0, 0, 0
     cost = np.empty((length, 1), np.int64)
     cuts = np.zeros((1, 2 * (length + 2)), np.uint16)
-    _kernels.find_cuts(canvas, pixels, 0, 0, 0, 0, zone.weight[None], bands, cost, cuts, 0)
+    find_cuts(canvas, pixels, (0, 0, 0, 0), zone.weight, bands, 0, cost, cuts)
     assert cost[-1, 0] == length * 255**2 > 2**31

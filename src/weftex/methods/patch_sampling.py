@@ -2,22 +2,21 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, ClassVar, Self
 
-from weftex.canvas import Canvas, as_canvas
-from weftex.method import Model, parameter
-from weftex.methods.patches.analysis import PatchAnalysis, PatchMethod
-from weftex.methods.patches.pasting import Pasting
-from weftex.progress import ProgressCallback
-from weftex.random import seed_number
-from weftex.results.patches import PatchSynthesis
+from weftex.exemplar import Exemplar
+from weftex.method import parameter
+from weftex.methods.patches import patch_kernels as _kernels
+from weftex.methods.patches.model import PatchModel
+from weftex.methods.patches.pasting import Output
+from weftex.methods.patches.scan_order import Run
+from weftex.methods.patches.settings import PatchMethod, settle
 
 if TYPE_CHECKING:
     import numpy as np
     from numpy.typing import NDArray
-
-    from weftex.random import Seed
 
 _HOLE_EPSILON = 0.02  # known pixels cannot be blended, so the best match is taken
 
@@ -27,7 +26,8 @@ class PatchSampling(PatchMethod):
     """Patch-based sampling.
 
     Patches of the sample are pasted in scan order. Each is drawn at random from those whose
-    boundary zone matches what is there already within a tolerance, and blended into it.
+    boundary zone matches the pixels that are there already within a tolerance, and blended into
+    them. `sample_by_patches` has the steps.
 
     Examples
     --------
@@ -69,44 +69,50 @@ class PatchSampling(PatchMethod):
             return suited
         return replace(suited, epsilon=_HOLE_EPSILON)
 
-    def rule(self) -> tuple[float, bool, bool]:
-        """Equation (1) with d_max of section 2.4."""
-        return self.epsilon, False, self.choice == "similarity"
+    def fit(self, exemplar: Exemplar) -> PatchModel:
+        """Settle w_B and w_E (section 2.4) and analyze the sample (section 3)."""
+        settings = settle(
+            self,
+            exemplar,
+            boundary_share=0.1,
+            blend=self.blend,  # step 6
+            anything=self.epsilon == math.inf,  # section 2.5: patch pasting
+        )
+        return PatchModel(self, settings, exemplar, sample_by_patches)
 
 
-class PatchModel(PatchAnalysis, Model):
-    """A sample prepared for patch-based sampling; `sample` makes outputs from it."""
+def sample_by_patches(output: Output, method: PatchSampling) -> None:
+    """Cover an output with patches of the sample: steps 1 to 6 of section 2.2.
 
-    method: PatchMethod
+    Every patch looks at those pasted before it. So a compiled loop, `patch_kernels.lay_patches`,
+    takes steps 1 to 4 for one patch after the other, in runs of patches whose boundary zones have
+    the same shape.
 
-    def sample(
-        self,
-        size: Canvas | int | tuple[int, int],
-        *,
-        seed: Seed = None,
-        tileable: bool | str = False,
-        threads: int | None = None,
-        progress: ProgressCallback | None = None,
-    ) -> PatchSynthesis:
-        """Make an output (sections 2.2 and 2.3).
+    Parameters
+    ----------
+    output : Output
+        Empty, or with known pixels around a hole.
+    method : PatchSampling
+        Parameters.
+    """
+    # Psi_B, eq. (1), has the patches within d_max = epsilon (1/A sum of p_out^2)^1/2 by the
+    # distance of eq. (2); if it is empty, the patch with the smallest distance (step 3).
+    psi_b = _kernels.Rule(
+        tolerance=method.epsilon,
+        of_best=False,
+        by_similarity=method.choice == "similarity",  # weights alpha_i of section 2.1
+        reach=output.settings.keep_apart,  # not in the paper: see repeat_distance
+    )
 
-        Parameters
-        ----------
-        size : Canvas, int or (int, int)
-            What to make: height and width, or a Canvas.
-        seed : int, numpy Generator or None
-            The same seed gives the same bytes, at any number of threads.
-        tileable : bool or {"x", "y"}
-            Axes that are to repeat without a seam.
-        threads : int, optional
-            At most so many; by default as many as there are processors.
-        progress : callable, optional
-            See `weftex.progress.ProgressCallback`.
+    def paste(run: Run) -> None:
+        # E_out, the boundary zone of the patches already pasted: Fig. 3 (b) to (d), Fig. 5 for
+        # tileable output, any shape at a hole. Of the sample's patches a kd-tree, the quadtree
+        # pyramid or principal components find candidates for it (section 3).
+        candidates = output.structure(run)
+        # Step 1 where nothing is pasted yet, else steps 2 to 4: draw B_k from Psi_B, paste it.
+        # Step 6, feathering, follows each patch, or the last where blend is feather-at-end.
+        output.choose_and_paste(run, candidates, psi_b)
 
-        Returns
-        -------
-        PatchSynthesis
-        """
-        canvas = as_canvas(size, tileable)
-        self.method.require(canvas)
-        return Pasting(self, canvas, seed_number(seed), threads, progress).result()
+    # Step 5: until I_out is covered, in the order of Fig. 3 (a); holes in spiral order
+    # (section 2.3), single pixels in scan order (section 2.5).
+    output.in_order(paste)

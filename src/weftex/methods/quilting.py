@@ -2,20 +2,26 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from typing import ClassVar
 
+from weftex.exemplar import Exemplar
 from weftex.method import parameter
-from weftex.methods.patches.analysis import PatchMethod
+from weftex.methods.patches import patch_kernels as _kernels
+from weftex.methods.patches.model import PatchModel
+from weftex.methods.patches.pasting import Output
+from weftex.methods.patches.scan_order import Run
+from weftex.methods.patches.settings import PatchMethod, settle
 
 
 @dataclass(frozen=True)
 class Quilting(PatchMethod):
     """Image quilting.
 
-    It differs from patch-based sampling in two places: the candidates are those whose distance is
-    within a tolerance of the best one's, and patches are joined along the path through their
-    overlap where they differ least.
+    Blocks of the sample are laid in scan order. Each is picked from those whose overlap with the
+    blocks before is within a tolerance of the best one's, and cut along the path through the
+    overlap where they differ least. `quilt` has the steps.
 
     Examples
     --------
@@ -31,8 +37,6 @@ class Quilting(PatchMethod):
         "A. A. Efros, W. T. Freeman: Image quilting for texture synthesis and transfer. "
         "Proceedings of SIGGRAPH 2001"
     )
-
-    zone_share: ClassVar[float] = 1 / 6
 
     boundary_width: int | None = parameter(
         None,
@@ -50,6 +54,48 @@ class Quilting(PatchMethod):
         choices=("cut", "feather", "feather-at-end", "none"),
     )
 
-    def rule(self) -> tuple[float, bool, bool]:
-        """Within (1 + tolerance) of the best distance, all equally likely."""
-        return self.tolerance, True, False
+    def fit(self, exemplar: Exemplar) -> PatchModel:
+        """Settle the sizes of block and overlap, and analyze the sample."""
+        settings = settle(
+            self,
+            exemplar,
+            boundary_share=1 / 6,  # section 2.2
+            blend=self.blend,
+            anything=self.tolerance == math.inf,
+        )
+        return PatchModel(self, settings, exemplar, quilt)
+
+
+def quilt(output: Output, method: Quilting) -> None:
+    """Cover an output with blocks of the sample: the algorithm of section 2.2.
+
+    Every block looks at those laid before it. So a compiled loop, `patch_kernels.lay_patches`,
+    picks, cuts and pastes one block after the other, in runs of blocks whose overlaps have the
+    same shape.
+
+    Parameters
+    ----------
+    output : Output
+        Empty, or with known pixels around a hole.
+    method : Quilting
+        Parameters.
+    """
+    # "Within some error tolerance": at most 1 + tolerance times the error of the best block.
+    tolerance = _kernels.Rule(
+        tolerance=method.tolerance,
+        of_best=True,
+        by_similarity=False,  # "randomly pick one such block"
+        reach=output.settings.keep_apart,  # not in the paper: see repeat_distance
+    )
+
+    def quilt_blocks(run: Run) -> None:
+        # "Search the input texture for a set of blocks that satisfy the overlap constraints (above
+        # and left)": the blocks of the sample, arranged to be searched by such an overlap.
+        blocks = output.structure(run)
+        # Pick one within the tolerance. Compute the error surface between it and the old blocks
+        # at the overlap, and make the minimum cost path along it the block's boundary
+        # (section 2.1, `band_kernels.cut_bands`). Paste the block.
+        output.choose_and_paste(run, blocks, tolerance)
+
+    # "In raster scan order in steps of one block (minus the overlap)."
+    output.in_order(quilt_blocks)

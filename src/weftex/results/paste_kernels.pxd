@@ -6,9 +6,18 @@ ctypedef fused value:
     float
     double
 
-cdef void paste(value[:, :, ::1] out, const value[:, :, ::1] source,
-                Py_ssize_t top, Py_ssize_t left, Py_ssize_t height, Py_ssize_t width,
-                Py_ssize_t y, Py_ssize_t x, Py_ssize_t sy, Py_ssize_t sx,
-                const unsigned short[:, :, ::1] weights, Py_ssize_t zone,
-                const unsigned short[:, ::1] cuts, Py_ssize_t k,
-                Py_ssize_t scale, bint alpha) noexcept nogil
+cdef class Layout:
+    cdef const int[:, ::1] placements
+    cdef const unsigned short[:, :, ::1] weights
+    cdef const unsigned short[:, ::1] cuts
+    cdef Py_ssize_t height
+    cdef Py_ssize_t width
+
+cdef class View:
+    cdef Py_ssize_t top
+    cdef Py_ssize_t left
+    cdef Py_ssize_t scale
+    cdef bint alpha
+
+cdef void paste(value[:, :, ::1] out, const value[:, :, ::1] source, Layout layout,
+                Py_ssize_t k, Py_ssize_t zone, View view) noexcept nogil

@@ -1,5 +1,5 @@
 # mypy: ignore-errors
-"""Kernels that lay patches over each other; compiled by Cython, see setup.py.
+"""Kernels that lay patches over each other; compiled by Cython, see setup.py and the .pxd.
 
 Weights are in 1/256, from 0 (the older pixel stays) to 256 (the new one replaces it), so constant
 in is constant out and integer pictures round once a patch. A picture, a map of the same sample at
@@ -10,6 +10,49 @@ import cython
 from cython.cimports.libc.string import memcpy
 
 FULL = cython.declare(cython.int, 256)
+
+
+class Layout:
+    """Patches on a canvas, in the order in which they lie over each other.
+
+    Parameters
+    ----------
+    placements : int32 array (n, 5)
+        y and x on the canvas, y and x of the source, and the row of `weights`.
+    weights : uint16 array (zones, rows, columns)
+        Weight of the new pixel in 1/256.
+    cuts : uint16 array (n, 2 * (rows + columns)) or (0, 0)
+        Own first and last columns and rows, see `effective`.
+    height, width : int
+        Of the canvas, around which patches go.
+    """
+
+    def __init__(self, placements, weights, cuts, height, width):
+        self.placements = placements
+        self.weights = weights
+        self.cuts = cuts
+        self.height = height
+        self.width = width
+
+
+class View:
+    """The part of a canvas that an array shows.
+
+    Parameters
+    ----------
+    top, left : int
+        The first row and column, in sample pixels.
+    scale : int
+        The side of a sample pixel.
+    alpha : bool
+        The last channel is straight alpha.
+    """
+
+    def __init__(self, top, left, scale, alpha):
+        self.top = top
+        self.left = left
+        self.scale = scale
+        self.alpha = alpha
 
 
 @cython.cfunc
@@ -46,14 +89,10 @@ def blend(
     weight: cython.int,
     alpha: cython.bint,
 ) -> cython.void:
-    """Mix one pixel into `old`; straight alpha weighs colours, so clear pixels bleed nothing."""
-    k: cython.Py_ssize_t
-    mixed: cython.int
-    num: cython.longlong
-    den: cython.longlong
-    part_old: cython.longlong
-    part_new: cython.longlong
-    share: cython.double
+    """Mix one pixel into `old`; straight alpha weighs colors, so clear pixels bleed nothing."""
+    cython.declare(k=cython.Py_ssize_t, mixed=cython.int, share=cython.double)
+    cython.declare(num=cython.longlong, den=cython.longlong)
+    cython.declare(part_old=cython.longlong, part_new=cython.longlong)
     if not alpha:
         for k in range(channels):
             if value is cython.uchar or value is cython.ushort:
@@ -82,62 +121,43 @@ def blend(
         old[k] = old[k] + (new[k] - old[k]) * (weight * 0.00390625)
 
 
-@cython.cfunc
-@cython.nogil
-@cython.exceptval(check=False)
-def paste(
-    out: value[:, :, ::1],
-    source: cython.const[value][:, :, ::1],
-    top: cython.Py_ssize_t,
-    left: cython.Py_ssize_t,
-    height: cython.Py_ssize_t,
-    width: cython.Py_ssize_t,
-    y: cython.Py_ssize_t,
-    x: cython.Py_ssize_t,
-    sy: cython.Py_ssize_t,
-    sx: cython.Py_ssize_t,
-    weights: cython.const[cython.ushort][:, :, ::1],
-    zone: cython.Py_ssize_t,
-    cuts: cython.const[cython.ushort][:, ::1],
-    k: cython.Py_ssize_t,
-    scale: cython.Py_ssize_t,
-    alpha: cython.bint,
-) -> cython.void:
-    """Lay the window of `source` at (sy, sx) over `out` at (y, x).
+def paste(out, source, layout, k, zone, view):
+    """Lay patch `k` of the layout over `out`, with the weights of `zone`.
 
-    Positions are in sample pixels and wrap at (height, width) of the canvas and at the sample's
-    sides; `out` shows the canvas from row `top` and column `left` on, at `scale`. `k` is the
-    patch's row of `cuts`, which may be empty.
+    Positions are in sample pixels and wrap at the borders of the canvas and of the sample.
     """
-    rows: cython.Py_ssize_t = weights.shape[1]
-    columns: cython.Py_ssize_t = weights.shape[2]
+    placements: cython.p_const_int = cython.address(layout.placements[k, 0])
+    y: cython.Py_ssize_t = placements[0]
+    x: cython.Py_ssize_t = placements[1]
+    source_y: cython.Py_ssize_t = placements[2]
+    source_x: cython.Py_ssize_t = placements[3]
+    height: cython.Py_ssize_t = layout.height
+    width: cython.Py_ssize_t = layout.width
+    top: cython.Py_ssize_t = view.top
+    left: cython.Py_ssize_t = view.left
+    scale: cython.Py_ssize_t = view.scale
+    alpha: cython.bint = view.alpha
+    rows: cython.Py_ssize_t = layout.weights.shape[1]
+    columns: cython.Py_ssize_t = layout.weights.shape[2]
     channels: cython.Py_ssize_t = out.shape[2]
     source_height: cython.Py_ssize_t = source.shape[0] // scale
     source_width: cython.Py_ssize_t = source.shape[1] // scale
-    v: cython.Py_ssize_t
-    u: cython.Py_ssize_t
-    r: cython.Py_ssize_t
-    q: cython.Py_ssize_t
-    cy: cython.Py_ssize_t
-    cx: cython.Py_ssize_t
-    fy: cython.Py_ssize_t
-    fx: cython.Py_ssize_t
-    run: cython.Py_ssize_t
-    limit: cython.Py_ssize_t
-    row: cython.Py_ssize_t
-    w: cython.int
-    weight: cython.p_const_ushort
     cut: cython.p_const_ushort = cython.NULL
     to: cython.pointer(value)
     origin: cython.pointer(cython.const[value])
-    if cuts.shape[0] > 0:
-        cut = cython.address(cuts[k, 0])
+    cython.declare(v=cython.Py_ssize_t, u=cython.Py_ssize_t, r=cython.Py_ssize_t)
+    cython.declare(q=cython.Py_ssize_t, cy=cython.Py_ssize_t, cx=cython.Py_ssize_t)
+    cython.declare(fy=cython.Py_ssize_t, fx=cython.Py_ssize_t, row=cython.Py_ssize_t)
+    cython.declare(run=cython.Py_ssize_t, limit=cython.Py_ssize_t)
+    cython.declare(w=cython.int, weight=cython.p_const_ushort)
+    if layout.cuts.shape[0] > 0:
+        cut = cython.address(layout.cuts[k, 0])
     for v in range(rows):
         cy = (y + v) % height
-        fy = (sy + v) % source_height
+        fy = (source_y + v) % source_height
         if cy < top or (cy - top) * scale >= out.shape[0]:
             continue
-        weight = cython.address(weights[zone, v, 0])
+        weight = cython.address(layout.weights[zone, v, 0])
         u = 0
         while u < columns:
             w = effective(weight[u], cut, v, u, rows, columns)
@@ -145,7 +165,7 @@ def paste(
             if w == 0 or cx < 0 or cx * scale >= out.shape[1]:
                 u += 1
                 continue
-            fx = (sx + u) % source_width
+            fx = (source_x + u) % source_width
             if w < 256:
                 for r in range(scale):
                     row = (cy - top) * scale + r
@@ -173,25 +193,14 @@ def paste(
 def paste_all(
     out: value[:, :, ::1],
     source: cython.const[value][:, :, ::1],
-    top: cython.Py_ssize_t,
-    left: cython.Py_ssize_t,
-    height: cython.Py_ssize_t,
-    width: cython.Py_ssize_t,
-    placements: cython.const[cython.int][:, ::1],
-    weights: cython.const[cython.ushort][:, :, ::1],
-    cuts: cython.const[cython.ushort][:, ::1],
-    scale: cython.Py_ssize_t,
-    alpha: cython.bint,
+    layout: Layout,
+    view: View,
 ):
-    """Replay placements (y, x, source y, source x, zone) in their order."""
+    """Replay the patches of a layout in their order."""
     k: cython.Py_ssize_t
     with cython.nogil:
-        for k in range(placements.shape[0]):
-            paste(
-                out, source, top, left, height, width,
-                placements[k, 0], placements[k, 1], placements[k, 2], placements[k, 3],
-                weights, placements[k, 4], cuts, k, scale, alpha,
-            )  # fmt: skip
+        for k in range(layout.placements.shape[0]):
+            paste(out, source, layout, k, layout.placements[k, 4], view)
 
 
 def layer_all(
@@ -199,39 +208,36 @@ def layer_all(
     share: cython.float[:, :, ::1],
     top: cython.Py_ssize_t,
     left: cython.Py_ssize_t,
-    height: cython.Py_ssize_t,
-    width: cython.Py_ssize_t,
-    placements: cython.const[cython.int][:, ::1],
-    weights: cython.const[cython.ushort][:, :, ::1],
-    cuts: cython.const[cython.ushort][:, ::1],
+    layout: Layout,
 ):
     """Write which patches show at each pixel, and with what shares, heaviest first.
 
-    `patch` and `share` are (rows, columns, layers); -1 stands for what was there before.
+    `patch` and `share` are (rows, columns, layers) and show the canvas from row `top` and column
+    `left` on; -1 stands for what was there before.
     """
-    rows: cython.Py_ssize_t = weights.shape[1]
-    columns: cython.Py_ssize_t = weights.shape[2]
+    rows: cython.Py_ssize_t = layout.weights.shape[1]
+    columns: cython.Py_ssize_t = layout.weights.shape[2]
     layers: cython.Py_ssize_t = patch.shape[2]
-    k: cython.Py_ssize_t
-    v: cython.Py_ssize_t
-    u: cython.Py_ssize_t
-    cy: cython.Py_ssize_t
-    cx: cython.Py_ssize_t
-    i: cython.Py_ssize_t
-    w: cython.int
-    new: cython.float
     line: cython.p_const_ushort = cython.NULL
+    weight: cython.p_const_ushort
+    new: cython.float
+    cython.declare(k=cython.Py_ssize_t, v=cython.Py_ssize_t, u=cython.Py_ssize_t)
+    cython.declare(cy=cython.Py_ssize_t, cx=cython.Py_ssize_t, i=cython.Py_ssize_t)
+    cython.declare(w=cython.int, y=cython.Py_ssize_t, x=cython.Py_ssize_t)
     with cython.nogil:
-        for k in range(placements.shape[0]):
-            if cuts.shape[0] > 0:
-                line = cython.address(cuts[k, 0])
+        for k in range(layout.placements.shape[0]):
+            y = layout.placements[k, 0]
+            x = layout.placements[k, 1]
+            if layout.cuts.shape[0] > 0:
+                line = cython.address(layout.cuts[k, 0])
             for v in range(rows):
-                cy = (placements[k, 0] + v) % height - top
+                cy = (y + v) % layout.height - top
                 if cy < 0 or cy >= patch.shape[0]:
                     continue
+                weight = cython.address(layout.weights[layout.placements[k, 4], v, 0])
                 for u in range(columns):
-                    cx = (placements[k, 1] + u) % width - left
-                    w = effective(weights[placements[k, 4], v, u], line, v, u, rows, columns)
+                    cx = (x + u) % layout.width - left
+                    w = effective(weight[u], line, v, u, rows, columns)
                     if w == 0 or cx < 0 or cx >= patch.shape[1]:
                         continue
                     new = w * cython.cast(cython.float, 0.00390625)

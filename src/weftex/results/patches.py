@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 
     from weftex.results.synthesis import Place, Window
 
-_LAYERS = 4
+_MOST_LAYERS = 4  # of patches that show at one pixel
 
 
 class PatchSynthesis(Synthesis):
@@ -57,11 +57,10 @@ class PatchSynthesis(Synthesis):
 
     def _layers(self, window: Window) -> tuple[NDArray[np.int32], NDArray[np.float32]]:
         top, left, height, width = window
-        patch = np.full((height, width, _LAYERS), -1, np.int32)
-        share = np.zeros((height, width, _LAYERS), np.float32)
-        paste_kernels.layer_all(
-            patch, share, top, left, *self.shape, self.placements, self.weights, self.cuts
-        )
+        patch = np.full((height, width, _MOST_LAYERS), -1, np.int32)
+        share = np.zeros((height, width, _MOST_LAYERS), np.float32)
+        layout = paste_kernels.Layout(self.placements, self.weights, self.cuts, *self.shape)
+        paste_kernels.layer_all(patch, share, top, left, layout)
         y = np.arange(top, top + height)[:, None, None]
         x = np.arange(left, left + width)[None, :, None]
         # There is always a row to point at, though nothing shows of it.
@@ -85,8 +84,8 @@ class PatchSynthesis(Synthesis):
     def _lay(self, out: NDArray[Any], pixels: NDArray[Any], window: Window, alpha: bool) -> None:
         top, left, height, _ = window
         scale = out.shape[0] // height
-        plan = self.placements, self.weights, self.cuts
-        paste_kernels.paste_all(out, pixels, top, left, *self.shape, *plan, scale, alpha)
+        layout = paste_kernels.Layout(self.placements, self.weights, self.cuts, *self.shape)
+        paste_kernels.paste_all(out, pixels, layout, paste_kernels.View(top, left, scale, alpha))
 
     def _error(self) -> NDArray[np.int16]:
         """The difference in the overlaps as they were before they were cut."""

@@ -69,9 +69,11 @@ class WarpedSynthesis(RectifiedSynthesis):
             (place[:, 1] - left) % self.shape[1] + columns > self.shape[1]
         )
 
+        view = paste_kernels.View(top, left, scale, alpha)
+
         def lay(source: NDArray[Any], placements: NDArray[np.int32], k: slice) -> None:
-            plan = placements, self.weights, self.cuts[k]
-            paste_kernels.paste_all(out, source, top, left, *self.shape, *plan, scale, alpha)
+            layout = paste_kernels.Layout(placements, self.weights, self.cuts[k], *self.shape)
+            paste_kernels.paste_all(out, source, layout, view)
 
         lay(pixels, place[:first], slice(first))
         for k in np.flatnonzero(seen[first:]).tolist():

@@ -1,7 +1,8 @@
 # mypy: ignore-errors
-"""Kernels that find seams; compiled by Cython, see setup.py."""
+"""Kernels that find seams; compiled by Cython, see setup.py and the .pxd."""
 
 import cython
+from cython.cimports.weftex.results.paste_kernels import Layout
 
 # More than any path of real differences: 2**16 pixels of 2**10 channels.
 OUTSIDE = cython.declare(cython.longlong, 1 << 44)
@@ -14,63 +15,47 @@ OUTSIDE = cython.declare(cython.longlong, 1 << 44)
 def band_error(
     canvas: cython.const[cython.uchar][:, :, ::1],
     pixels: cython.const[cython.uchar][:, :, ::1],
-    cy: cython.Py_ssize_t,
-    cx: cython.Py_ssize_t,
-    sy: cython.Py_ssize_t,
-    sx: cython.Py_ssize_t,
+    y: cython.Py_ssize_t,
+    x: cython.Py_ssize_t,
+    source_y: cython.Py_ssize_t,
+    source_x: cython.Py_ssize_t,
 ) -> cython.longlong:
     """Squared difference of two pixels."""
-    k: cython.Py_ssize_t
-    d: cython.int
     total: cython.longlong = 0
+    cython.declare(k=cython.Py_ssize_t, d=cython.int)
     for k in range(canvas.shape[2]):
-        d = cython.cast(cython.int, canvas[cy, cx, k]) - pixels[sy, sx, k]
+        d = cython.cast(cython.int, canvas[y, x, k]) - pixels[source_y, source_x, k]
         total += d * d
     return total
 
 
-@cython.cfunc
-@cython.nogil
-@cython.exceptval(check=False)
-def cut_bands(
-    canvas: cython.const[cython.uchar][:, :, ::1],
-    pixels: cython.const[cython.uchar][:, :, ::1],
-    y: cython.Py_ssize_t,
-    x: cython.Py_ssize_t,
-    sy: cython.Py_ssize_t,
-    sx: cython.Py_ssize_t,
-    weights: cython.const[cython.ushort][:, :, ::1],
-    bands: cython.const[cython.int][::1],
-    cost: cython.longlong[:, ::1],
-    cuts: cython.ushort[:, ::1],
-    p: cython.Py_ssize_t,
-) -> cython.void:
+def cut_bands(canvas, pixels, layout, bands, p, cost, cuts):
     """Find the minimum-error path along each band of the zone, by dynamic programming.
 
     `bands` is (depth, top, left, bottom, right, and whether there is a band at the left, top,
     right and bottom): the box that the patch can show in, and how far into it a band reaches. Ties
-    go to the pixel nearest to the box's border. Where the patch cannot show a path does not go if
-    it can help it; where nothing was known it costs nothing. Row `p` of `cuts` is as `paste`
-    reads it.
+    go to the pixel nearest to the box's border. A path avoids pixels that the patch cannot show;
+    pixels where nothing was known cost nothing. `layout` has the weights of this zone alone; row
+    `p` of `cuts` is filled as `paste` reads it. `cost` is scratch.
     """
+    placement: cython.p_const_int = cython.address(layout.placements[p, 0])
+    y: cython.Py_ssize_t = placement[0]
+    x: cython.Py_ssize_t = placement[1]
+    source_y: cython.Py_ssize_t = placement[2]
+    source_x: cython.Py_ssize_t = placement[3]
+    full_rows: cython.Py_ssize_t = layout.weights.shape[1]
+    full_columns: cython.Py_ssize_t = layout.weights.shape[2]
     depth: cython.Py_ssize_t = bands[0]
-    full_rows: cython.Py_ssize_t = weights.shape[1]
-    full_columns: cython.Py_ssize_t = weights.shape[2]
     top: cython.Py_ssize_t = bands[1]
     left: cython.Py_ssize_t = bands[2]
     bottom: cython.Py_ssize_t = bands[3]
     right: cython.Py_ssize_t = bands[4]
-    side: cython.Py_ssize_t
-    first: cython.Py_ssize_t
-    length: cython.Py_ssize_t
-    i: cython.Py_ssize_t
-    k: cython.Py_ssize_t
-    v: cython.Py_ssize_t
-    u: cython.Py_ssize_t
-    j: cython.Py_ssize_t
-    best: cython.Py_ssize_t
+    weight: cython.int
     least: cython.longlong
     upright: cython.bint
+    cython.declare(side=cython.Py_ssize_t, first=cython.Py_ssize_t, length=cython.Py_ssize_t)
+    cython.declare(i=cython.Py_ssize_t, k=cython.Py_ssize_t, v=cython.Py_ssize_t)
+    cython.declare(u=cython.Py_ssize_t, j=cython.Py_ssize_t, best=cython.Py_ssize_t)
     for v in range(full_rows):
         cuts[p, v] = 0
         cuts[p, full_rows + v] = cython.cast(cython.ushort, full_columns)
@@ -92,12 +77,13 @@ def cut_bands(
                     u = left + i
                     v = top + k if side == 1 else bottom - 1 - k
                 cost[i, k] = 0
-                if weights[0, v, u] == 0:
+                weight = layout.weights[0, v, u]
+                if weight == 0:
                     cost[i, k] = OUTSIDE
-                elif weights[0, v, u] < 256:
+                elif weight < 256:
                     cost[i, k] = band_error(
                         canvas, pixels, (y + v) % canvas.shape[0], (x + u) % canvas.shape[1],
-                        sy + v, sx + u,
+                        source_y + v, source_x + u,
                     )  # fmt: skip
                 if i > 0:
                     least = cost[i - 1, k]
@@ -130,6 +116,6 @@ def cut_bands(
                 )
 
 
-def find_cuts(canvas, pixels, y, x, sy, sx, weights, bands, cost, cuts, p):
+def find_cuts(canvas, pixels, layout: Layout, bands, p, cost, cuts):
     """Fill row `p` of `cuts` with the minimum-error paths of one patch."""
-    cut_bands(canvas, pixels, y, x, sy, sx, weights, bands, cost, cuts, p)
+    cut_bands(canvas, pixels, layout, bands, p, cost, cuts)

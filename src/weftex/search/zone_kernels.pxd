@@ -10,11 +10,17 @@ cdef long long distance(const unsigned char[:, :, ::1] pixels, const unsigned ch
 cdef void block_means(const unsigned char[:, :, ::1] canvas, Py_ssize_t y, Py_ssize_t x,
                       const int[:, ::1] blocks, Py_ssize_t side, int[::1] means) noexcept nogil
 
+cdef class Shortlist:
+    cdef Py_ssize_t wanted
+    cdef long long[::1] keys
+    cdef int[::1] places
+    cdef int[::1] partial
+    cdef long long[::1] total
+
 cdef Py_ssize_t nearest_by_blocks(const unsigned char[:, :, :, :, ::1] nodes,
                                   const int[:, ::1] blocks, const int[::1] query,
-                                  const unsigned char[:, ::1] usable, int[::1] partial,
-                                  long long[::1] total, Py_ssize_t wanted, long long[::1] keys,
-                                  int[::1] places) noexcept nogil
+                                  const unsigned char[:, ::1] usable,
+                                  Shortlist shortlist) noexcept nogil
 
 cdef void project(const short[:, ::1] basis, const int[::1] offset, int shift,
                   const int[::1] means, short[::1] features) noexcept nogil

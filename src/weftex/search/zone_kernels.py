@@ -1,5 +1,5 @@
 # mypy: ignore-errors
-"""Kernels that compare boundary zones; compiled by Cython, see setup.py.
+"""Kernels that compare boundary zones; compiled by Cython, see setup.py and the .pxd.
 
 All distances are sums of squared differences of integers, so every order of summation, vector
 width and machine gives the same one.
@@ -8,27 +8,38 @@ width and machine gives the same one.
 import cython
 
 
-@cython.cfunc
-@cython.nogil
-@cython.exceptval(check=False)
-def gather(
-    canvas: cython.const[cython.uchar][:, :, ::1],
-    y: cython.Py_ssize_t,
-    x: cython.Py_ssize_t,
-    runs: cython.const[cython.int][:, ::1],
-    query: cython.uchar[::1],
-) -> cython.longlong:
+class Shortlist:
+    """The windows that came nearest, and room for the sums of one row of windows.
+
+    Parameters
+    ----------
+    wanted : int
+        Windows to keep.
+    keys : int64 array (wanted or more,)
+        Their distances.
+    places : int32 array (wanted or more,)
+        Their numbers in the sample, row by row.
+    partial, total : int32 and int64 array (columns,)
+        Scratch of `nearest_by_blocks`.
+    """
+
+    def __init__(self, wanted, keys, places, partial, total):
+        self.wanted = wanted
+        self.keys = keys
+        self.places = places
+        self.partial = partial
+        self.total = total
+
+
+def gather(canvas, y, x, runs, query):
     """Copy the zone's pixels from the canvas, run by run; return the sum of their squares."""
     height: cython.Py_ssize_t = canvas.shape[0]
     width: cython.Py_ssize_t = canvas.shape[1]
     channels: cython.Py_ssize_t = canvas.shape[2]
-    r: cython.Py_ssize_t
-    i: cython.Py_ssize_t
-    k: cython.Py_ssize_t
-    cy: cython.Py_ssize_t
-    cx: cython.Py_ssize_t
     at: cython.Py_ssize_t = 0
     energy: cython.longlong = 0
+    cython.declare(r=cython.Py_ssize_t, i=cython.Py_ssize_t, k=cython.Py_ssize_t)
+    cython.declare(cy=cython.Py_ssize_t, cx=cython.Py_ssize_t)
     for r in range(runs.shape[0]):
         cy = (y + runs[r, 1]) % height
         cx = (x + runs[r, 2]) % width
@@ -44,19 +55,11 @@ def gather(
     return energy
 
 
-@cython.cfunc
-@cython.nogil
-@cython.exceptval(check=False)
-def squared(
-    a: cython.p_const_uchar, b: cython.p_const_uchar, n: cython.Py_ssize_t
-) -> cython.longlong:
+def squared(a, b, n):
     """Sum of squared differences of two rows of bytes."""
-    i: cython.Py_ssize_t
-    stop: cython.Py_ssize_t
     start: cython.Py_ssize_t = 0
-    d: cython.short
-    part: cython.int
     total: cython.longlong = 0
+    cython.declare(i=cython.Py_ssize_t, stop=cython.Py_ssize_t, d=cython.short, part=cython.int)
     while start < n:
         stop = start + 16384 if start + 16384 < n else n  # 16384 * 255**2 < 2**31
         part = 0
@@ -68,29 +71,16 @@ def squared(
     return total
 
 
-@cython.cfunc
-@cython.nogil
-@cython.exceptval(check=False)
-def distance(
-    pixels: cython.const[cython.uchar][:, :, ::1],
-    turned: cython.const[cython.uchar][:, :, ::1],
-    y: cython.Py_ssize_t,
-    x: cython.Py_ssize_t,
-    runs: cython.const[cython.int][:, ::1],
-    query: cython.const[cython.uchar][::1],
-    bound: cython.longlong,
-) -> cython.longlong:
+def distance(pixels, turned, y, x, runs, query, bound):
     """A d**2 of eq. (2) for the window at (y, x); stops early past `bound` (negative: never).
 
     `turned` is `pixels` with its axes exchanged, so that upright runs are contiguous too: rows of
     a few bytes cost their overhead and not their bytes.
     """
     channels: cython.Py_ssize_t = pixels.shape[2]
-    r: cython.Py_ssize_t
-    n: cython.Py_ssize_t
     at: cython.Py_ssize_t = 0
     total: cython.longlong = 0
-    row: cython.p_const_uchar
+    cython.declare(r=cython.Py_ssize_t, n=cython.Py_ssize_t, row=cython.p_const_uchar)
     for r in range(runs.shape[0]):
         n = runs[r, 3] * channels
         if runs[r, 0]:
@@ -104,28 +94,14 @@ def distance(
     return total
 
 
-@cython.cfunc
-@cython.nogil
-@cython.exceptval(check=False)
-def block_means(
-    canvas: cython.const[cython.uchar][:, :, ::1],
-    y: cython.Py_ssize_t,
-    x: cython.Py_ssize_t,
-    blocks: cython.const[cython.int][:, ::1],
-    side: cython.Py_ssize_t,
-    means: cython.int[::1],
-) -> cython.void:
+def block_means(canvas, y, x, blocks, side, means):
     """Mean of each side x side block of the zone, per channel, as `QuadtreePyramid` rounds it."""
     height: cython.Py_ssize_t = canvas.shape[0]
     width: cython.Py_ssize_t = canvas.shape[1]
     channels: cython.Py_ssize_t = canvas.shape[2]
-    b: cython.Py_ssize_t
-    i: cython.Py_ssize_t
-    j: cython.Py_ssize_t
-    k: cython.Py_ssize_t
-    cy: cython.Py_ssize_t
-    cx: cython.Py_ssize_t
-    total: cython.int
+    cython.declare(b=cython.Py_ssize_t, i=cython.Py_ssize_t, j=cython.Py_ssize_t)
+    cython.declare(k=cython.Py_ssize_t, cy=cython.Py_ssize_t, cx=cython.Py_ssize_t)
+    cython.declare(total=cython.int)
     for b in range(blocks.shape[0]):
         for k in range(channels):
             total = 0
@@ -139,21 +115,9 @@ def block_means(
             means[b * channels + k] = (total + side * side // 2) // (side * side)
 
 
-@cython.cfunc
-@cython.inline
-@cython.nogil
-@cython.exceptval(check=False)
-def offer(
-    key: cython.longlong,
-    place: cython.int,
-    count: cython.Py_ssize_t,
-    wanted: cython.Py_ssize_t,
-    keys: cython.p_longlong,
-    places: cython.p_int,
-) -> cython.Py_ssize_t:
+def offer(key, place, count, wanted, keys, places):
     """Put a candidate into a heap that keeps the `wanted` smallest keys; return its new size."""
-    i: cython.Py_ssize_t
-    child: cython.Py_ssize_t
+    cython.declare(i=cython.Py_ssize_t, child=cython.Py_ssize_t)
     if count < wanted:
         i = count
         while i > 0 and keys[(i - 1) // 2] < key:
@@ -182,20 +146,7 @@ def offer(
     return count
 
 
-@cython.cfunc
-@cython.nogil
-@cython.exceptval(check=False)
-def nearest_by_blocks(
-    nodes: cython.const[cython.uchar][:, :, :, :, ::1],
-    blocks: cython.const[cython.int][:, ::1],
-    query: cython.const[cython.int][::1],
-    usable: cython.const[cython.uchar][:, ::1],
-    partial: cython.int[::1],
-    total: cython.longlong[::1],
-    wanted: cython.Py_ssize_t,
-    keys: cython.longlong[::1],
-    places: cython.int[::1],
-) -> cython.Py_ssize_t:
+def nearest_by_blocks(nodes, blocks, query, usable, shortlist):
     """Find the windows whose blocks are nearest to the query's, over one node of the pyramid each.
 
     `nodes` is (channel, shift y, shift x, row, column): with a stride of s, the window at
@@ -205,17 +156,15 @@ def nearest_by_blocks(
     stride: cython.Py_ssize_t = nodes.shape[1]
     rows: cython.Py_ssize_t = (usable.shape[0] + stride - 1) // stride
     columns: cython.Py_ssize_t = (usable.shape[1] + stride - 1) // stride
-    i: cython.Py_ssize_t
-    j: cython.Py_ssize_t
-    b: cython.Py_ssize_t
-    k: cython.Py_ssize_t
-    pending: cython.int
-    d: cython.short
-    q: cython.short
-    v: cython.Py_ssize_t
-    u: cython.Py_ssize_t
-    node: cython.p_const_uchar
+    keys: cython.p_longlong = cython.address(shortlist.keys[0])
+    places: cython.p_int = cython.address(shortlist.places[0])
+    partial: cython.p_int = cython.address(shortlist.partial[0])
+    total: cython.p_longlong = cython.address(shortlist.total[0])
+    wanted: cython.Py_ssize_t = shortlist.wanted
     count: cython.Py_ssize_t = 0
+    cython.declare(i=cython.Py_ssize_t, j=cython.Py_ssize_t, b=cython.Py_ssize_t)
+    cython.declare(k=cython.Py_ssize_t, v=cython.Py_ssize_t, u=cython.Py_ssize_t)
+    cython.declare(pending=cython.int, d=cython.short, q=cython.short, node=cython.p_const_uchar)
     for i in range(rows):
         for j in range(columns):
             total[j] = 0
@@ -244,28 +193,14 @@ def nearest_by_blocks(
                 count = offer(
                     total[j],
                     cython.cast(cython.int, i * stride * usable.shape[1] + j * stride),
-                    count,
-                    wanted,
-                    cython.address(keys[0]),
-                    cython.address(places[0]),
-                )
+                    count, wanted, keys, places,
+                )  # fmt: skip
     return count
 
 
-@cython.cfunc
-@cython.nogil
-@cython.exceptval(check=False)
-def project(
-    basis: cython.const[cython.short][:, ::1],
-    offset: cython.const[cython.int][::1],
-    shift: cython.int,
-    means: cython.const[cython.int][::1],
-    features: cython.short[::1],
-) -> cython.void:
+def project(basis, offset, shift, means, features):
     """Coordinates of a query in the principal components, rounded as `ZonePCA` rounds them."""
-    d: cython.Py_ssize_t
-    k: cython.Py_ssize_t
-    total: cython.int
+    cython.declare(d=cython.Py_ssize_t, k=cython.Py_ssize_t, total=cython.int)
     for d in range(basis.shape[0]):
         total = -offset[d] + ((1 << shift) >> 1)
         for k in range(basis.shape[1]):
@@ -274,31 +209,15 @@ def project(
         features[d] = cython.cast(cython.short, min(max(total, -4095), 4095))
 
 
-@cython.cfunc
-@cython.nogil
-@cython.exceptval(check=False)
-def nearest_by_features(
-    features: cython.const[cython.short][:, ::1],
-    at: cython.const[cython.int][::1],
-    query: cython.const[cython.short][::1],
-    wanted: cython.Py_ssize_t,
-    keys: cython.longlong[::1],
-    places: cython.int[::1],
-) -> cython.Py_ssize_t:
+def nearest_by_features(features, at, query, wanted, keys, places):
     """Find the windows nearest in principal components; one component is one row of `features`."""
     total = cython.declare(cython.int[1024])
-    start: cython.Py_ssize_t
-    n: cython.Py_ssize_t
-    d: cython.Py_ssize_t
-    j: cython.Py_ssize_t
-    q: cython.short
-    diff: cython.short
-    next_q: cython.short
-    next_diff: cython.short
-    row: cython.p_const_short
-    next_row: cython.p_const_short
     count: cython.Py_ssize_t = 0
     worst: cython.longlong = 0
+    cython.declare(start=cython.Py_ssize_t, n=cython.Py_ssize_t, d=cython.Py_ssize_t)
+    cython.declare(j=cython.Py_ssize_t, q=cython.short, next_q=cython.short)
+    cython.declare(diff=cython.short, next_diff=cython.short)
+    cython.declare(row=cython.p_const_short, next_row=cython.p_const_short)
     for start in range(0, at.shape[0], 1024):
         n = min(1024, at.shape[0] - start)
         for j in range(n):
@@ -342,9 +261,9 @@ def zone_means(canvas, y, x, blocks, side, means):
     block_means(canvas, y, x, blocks, side, means)
 
 
-def windows_by_blocks(nodes, blocks, means, usable, partial, total, wanted, keys, places):
+def windows_by_blocks(nodes, blocks, means, usable, shortlist: Shortlist):
     """Call `nearest_by_blocks`; return how many windows were found."""
-    return nearest_by_blocks(nodes, blocks, means, usable, partial, total, wanted, keys, places)
+    return nearest_by_blocks(nodes, blocks, means, usable, shortlist)
 
 
 def windows_by_features(features, at, query, wanted, keys, places):

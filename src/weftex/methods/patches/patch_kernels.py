@@ -3,9 +3,10 @@
 
 import cython
 from cython.cimports.libc.math import sqrt
-from cython.cimports.weftex.results.paste_kernels import paste
+from cython.cimports.weftex.results.paste_kernels import Layout, View, paste
 from cython.cimports.weftex.seams.band_kernels import cut_bands
 from cython.cimports.weftex.search.zone_kernels import (
+    Shortlist,
     block_means,
     distance,
     gather,
@@ -14,7 +15,7 @@ from cython.cimports.weftex.search.zone_kernels import (
     project,
 )
 
-# Where candidates come from, as `SEARCHES` in patch_analysis.py numbers them.
+# Where candidates come from, as `SEARCHES` in settings.py numbers them.
 ALL = cython.declare(cython.int, 0)
 BLOCKS = cython.declare(cython.int, 1)
 FEATURES = cython.declare(cython.int, 2)
@@ -28,16 +29,176 @@ REPEATS = cython.declare(cython.int, 1)
 CONTINUES = cython.declare(cython.int, 2)
 
 
+@cython.cclass
+class Sample:
+    """The sample as distances are taken on it, upright and with its axes exchanged."""
+
+    pixels: cython.const[cython.uchar][:, :, ::1]
+    turned: cython.const[cython.uchar][:, :, ::1]
+
+    def __init__(self, pixels, turned):
+        self.pixels = pixels
+        self.turned = turned
+
+
+@cython.cclass
+class Zone:
+    """The boundary zone of a run's patches, see `BoundaryZone`."""
+
+    area: cython.Py_ssize_t
+    runs: cython.const[cython.int][:, ::1]
+    blocks: cython.const[cython.int][:, ::1]
+    side: cython.Py_ssize_t
+    bands: cython.const[cython.int][::1]
+
+    def __init__(self, area, runs, blocks, side, bands):
+        self.area = area
+        self.runs = runs
+        self.blocks = blocks
+        self.side = side
+        self.bands = bands
+
+
+@cython.cclass
+class Search:
+    """How candidates for one zone are found (section 3), see `SearchStructure`.
+
+    `wanted` is m of section 3.2; the rest are the windows of the sample, the nodes of the quadtree
+    pyramid, and the principal components of section 3.3.
+    """
+
+    source: cython.int
+    wanted: cython.Py_ssize_t
+    usable: cython.const[cython.uchar][:, ::1]
+    positions: cython.const[cython.int][::1]
+    nodes: cython.const[cython.uchar][:, :, :, :, ::1]
+    basis: cython.const[cython.short][:, ::1]
+    offset: cython.const[cython.int][::1]
+    shift: cython.int
+    features: cython.const[cython.short][:, ::1]
+
+    def __init__(self, source, wanted, usable, positions, nodes, pca):
+        self.source = source
+        self.wanted = wanted
+        self.usable = usable
+        self.positions = positions
+        self.nodes = nodes
+        self.basis = pca.basis
+        self.offset = pca.offset
+        self.shift = pca.shift
+        self.features = pca.features
+
+
+@cython.cclass
+class Rule:
+    """Which candidates may be taken, and how one of them is drawn.
+
+    Parameters
+    ----------
+    tolerance : float
+        The largest distance over the root mean square of the zone on the canvas, which is epsilon
+        of section 2.4; or, with `of_best`, how much worse than the best candidate, relatively.
+    of_best : bool
+        See `tolerance`.
+    by_similarity : bool
+        Draw by the similarity factors alpha_i of section 2.1, not evenly.
+    reach : int
+        Sources of patches near each other keep this many pixels apart.
+    """
+
+    tolerance: cython.double
+    of_best: cython.bint
+    by_similarity: cython.bint
+    reach: cython.Py_ssize_t
+
+    def __init__(self, tolerance, of_best, by_similarity, reach):
+        self.tolerance = tolerance
+        self.of_best = of_best
+        self.by_similarity = by_similarity
+        self.reach = reach
+
+
+@cython.cclass
+class Patches:
+    """A run of patches with one zone.
+
+    Parameters
+    ----------
+    placements : int32 array (n, 5)
+        y and x of each patch; y and x of its source are filled in.
+    cuts : uint16 array (n, 2 * (rows + columns)) or (0, 0)
+        Filled in, see `paste_kernels.Layout`.
+    layout : Layout
+        Of these placements and cuts, with the weights of the zone alone.
+    bits : uint64 array (n,)
+        Random.
+    all_placements : int32 array (patches, 5)
+        Of the whole output.
+    around : int32 array (n, neighbors)
+        For each patch the earlier ones, rows of `all_placements`, whose content it should not
+        repeat; -1 for none.
+    given : int32 array (candidates,)
+        Windows that a kd-tree found, for a run of one patch.
+    """
+
+    placements: cython.int[:, ::1]
+    cuts: cython.ushort[:, ::1]
+    layout: Layout
+    bits: cython.const[cython.ulonglong][::1]
+    all_placements: cython.const[cython.int][:, ::1]
+    around: cython.const[cython.int][:, ::1]
+    given: cython.const[cython.int][::1]
+
+    def __init__(self, placements, cuts, layout, bits, all_placements, around, given):
+        self.placements = placements
+        self.cuts = cuts
+        self.layout = layout
+        self.bits = bits
+        self.all_placements = all_placements
+        self.around = around
+        self.given = given
+
+
+@cython.cclass
+class Scratch(Shortlist):
+    """Room for one patch at a time: its zone, what the zone is searched by, and candidates."""
+
+    query: cython.uchar[::1]
+    means: cython.int[::1]
+    coordinates: cython.short[::1]
+    barred: cython.uchar[::1]
+    cost: cython.longlong[:, ::1]
+
+    def __init__(self, wanted, keys, places, partial, total, query, means, coordinates, barred,
+                 cost):  # fmt: skip
+        Shortlist.__init__(self, wanted, keys, places, partial, total)
+        self.query = query
+        self.means = means
+        self.coordinates = coordinates
+        self.barred = barred
+        self.cost = cost
+
+
 @cython.cfunc
 @cython.nogil
 @cython.exceptval(check=False)
-def limit_of(
-    energy: cython.longlong, best: cython.longlong, tolerance: cython.double, relative: cython.bint
-) -> cython.double:
-    """The largest squared distance of the set: by the canvas's energy or by the best candidate."""
-    if relative:
-        return best * (1 + tolerance) * (1 + tolerance)
-    return energy * tolerance * tolerance
+def limit_of(energy: cython.longlong, best: cython.longlong, rule: Rule) -> cython.double:
+    """The largest squared distance of the set: by the canvas's energy or by the best candidate.
+
+    Both are A d**2: `energy` is the sum of squares whose mean is in d_max of section 2.4.
+    """
+    if rule.of_best:
+        return best * (1 + rule.tolerance) * (1 + rule.tolerance)
+    return energy * rule.tolerance * rule.tolerance
+
+
+@cython.cfunc
+@cython.inline
+@cython.nogil
+@cython.exceptval(check=False)
+def in_set(key: cython.longlong, limit: cython.double, rule: Rule) -> cython.bint:
+    """Whether a candidate is in Psi_B, eq. (1); the best one is within its own tolerance."""
+    return key < limit or (rule.of_best and key <= limit)
 
 
 @cython.cfunc
@@ -45,23 +206,20 @@ def limit_of(
 @cython.exceptval(check=False)
 def choose(
     count: cython.Py_ssize_t,
-    keys: cython.longlong[::1],
-    barred: cython.uchar[::1],
     energy: cython.longlong,
-    tolerance: cython.double,
-    relative: cython.bint,
-    weighted: cython.bint,
     bits: cython.ulonglong,
+    rule: Rule,
+    scratch: Scratch,
 ) -> cython.Py_ssize_t:
     """Draw one of the candidates within the tolerance; the nearest if none is."""
-    i: cython.Py_ssize_t
     best: cython.Py_ssize_t = -1
     near: cython.Py_ssize_t = -1
     free: cython.Py_ssize_t = -1
     within: cython.longlong = 0
-    limit: cython.double
     total: cython.double = 0
-    target: cython.double
+    keys: cython.p_longlong = cython.address(scratch.keys[0])
+    barred: cython.p_uchar = cython.address(scratch.barred[0])
+    cython.declare(i=cython.Py_ssize_t, limit=cython.double, target=cython.double)
     for i in range(count):
         if best < 0 or keys[i] < keys[best]:
             best = i
@@ -71,21 +229,21 @@ def choose(
             free = i
     if near >= 0:
         best = near
-    limit = limit_of(energy, keys[best], tolerance, relative)
+    limit = limit_of(energy, keys[best], rule)
     if free < 0 or keys[free] > VARIETY * keys[best]:
         for i in range(count):
             barred[i] = 0 if barred[i] < CONTINUES or near < 0 else CONTINUES
     else:
         best = free
-        limit = limit_of(energy, keys[best], tolerance, relative)
+        limit = limit_of(energy, keys[best], rule)
     for i in range(count):
-        if not barred[i] and (keys[i] < limit or (relative and keys[i] <= limit)):
+        if not barred[i] and in_set(keys[i], limit, rule):
             within += 1
-            if weighted and limit > 0:
+            if rule.by_similarity and limit > 0:
                 total += 1 - sqrt(keys[i] / limit)
     if within == 0:
         return best
-    if weighted and total > 0:
+    if rule.by_similarity and total > 0:
         target = total * (bits >> 11) * (1.0 / 9007199254740992.0)
         for i in range(count):
             if not barred[i] and keys[i] < limit:
@@ -95,7 +253,7 @@ def choose(
         return best
     within = cython.cast(cython.longlong, ((bits >> 32) * within) >> 32)
     for i in range(count):
-        if not barred[i] and (keys[i] < limit or (relative and keys[i] <= limit)):
+        if not barred[i] and in_set(keys[i], limit, rule):
             if within == 0:
                 return i
             within -= 1
@@ -106,37 +264,35 @@ def choose(
 @cython.nogil
 @cython.exceptval(check=False)
 def bar_repeats(
-    count: cython.Py_ssize_t,
-    places: cython.int[::1],
-    width: cython.Py_ssize_t,
-    y: cython.Py_ssize_t,
-    x: cython.Py_ssize_t,
-    placed: cython.int[:, ::1],
-    around: cython.const[cython.int][:, ::1],
     p: cython.Py_ssize_t,
-    reach: cython.Py_ssize_t,
-    leave: cython.bint,
-    barred: cython.uchar[::1],
+    count: cython.Py_ssize_t,
+    width: cython.Py_ssize_t,
+    rule: Rule,
+    patches: Patches,
+    scratch: Scratch,
 ) -> cython.void:
-    """Mark candidates that would show again what a patch around shows.
+    """Mark candidates that would show again what a patch around patch `p` shows.
 
-    One that continues a patch around as in the sample shows nothing twice, but must `leave` it now
+    One that continues a patch around as in the sample shows nothing twice, but must leave it now
     and then, or large pieces of the sample are copied.
     """
-    i: cython.Py_ssize_t
-    k: cython.Py_ssize_t
-    n: cython.Py_ssize_t
-    dy: cython.Py_ssize_t
-    dx: cython.Py_ssize_t
+    y: cython.Py_ssize_t = patches.placements[p, 0]
+    x: cython.Py_ssize_t = patches.placements[p, 1]
+    reach: cython.Py_ssize_t = rule.reach
+    leave: cython.bint = patches.bits[p] & 1
+    places: cython.p_int = cython.address(scratch.places[0])
+    barred: cython.p_uchar = cython.address(scratch.barred[0])
+    cython.declare(i=cython.Py_ssize_t, k=cython.Py_ssize_t, n=cython.Py_ssize_t)
+    cython.declare(dy=cython.Py_ssize_t, dx=cython.Py_ssize_t)
     for i in range(count):
         barred[i] = 0
-        for k in range(around.shape[1]):
-            n = around[p, k]
+        for k in range(patches.around.shape[1]):
+            n = patches.around[p, k]
             if n < 0:
                 continue
-            dy = places[i] // width - placed[n, 2]
-            dx = places[i] % width - placed[n, 3]
-            if dy == y - placed[n, 0] and dx == x - placed[n, 1]:
+            dy = places[i] // width - patches.all_placements[n, 2]
+            dx = places[i] % width - patches.all_placements[n, 3]
+            if dy == y - patches.all_placements[n, 0] and dx == x - patches.all_placements[n, 1]:
                 if leave:
                     barred[i] = CONTINUES
                     break
@@ -150,30 +306,18 @@ def bar_repeats(
 @cython.nogil
 @cython.exceptval(check=False)
 def climb(
-    pixels: cython.const[cython.uchar][:, :, ::1],
-    turned: cython.const[cython.uchar][:, :, ::1],
-    usable: cython.const[cython.uchar][:, ::1],
-    runs: cython.const[cython.int][:, ::1],
-    query: cython.const[cython.uchar][::1],
-    stride: cython.Py_ssize_t,
-    count: cython.Py_ssize_t,
-    keys: cython.longlong[::1],
-    places: cython.int[::1],
+    sample: Sample, zone: Zone, search: Search, count: cython.Py_ssize_t, scratch: Scratch
 ) -> cython.Py_ssize_t:
-    """Try the neighbours that a coarse grid of candidates skipped, around the best few."""
-    width: cython.Py_ssize_t = usable.shape[1]
-    reach: cython.Py_ssize_t = stride // 2
-    turn: cython.Py_ssize_t
-    i: cython.Py_ssize_t
-    j: cython.Py_ssize_t
-    best: cython.Py_ssize_t
-    n: cython.Py_ssize_t
-    dy: cython.Py_ssize_t
-    dx: cython.Py_ssize_t
-    y: cython.Py_ssize_t
-    x: cython.Py_ssize_t
+    """Try the neighbors that a coarse grid of candidates skipped, around the best few."""
+    width: cython.Py_ssize_t = search.usable.shape[1]
+    reach: cython.Py_ssize_t = search.nodes.shape[1] // 2
+    keys: cython.p_longlong = cython.address(scratch.keys[0])
+    places: cython.p_int = cython.address(scratch.places[0])
     key: cython.longlong
     place: cython.int
+    cython.declare(turn=cython.Py_ssize_t, i=cython.Py_ssize_t, j=cython.Py_ssize_t)
+    cython.declare(best=cython.Py_ssize_t, n=cython.Py_ssize_t, dy=cython.Py_ssize_t)
+    cython.declare(dx=cython.Py_ssize_t, y=cython.Py_ssize_t, x=cython.Py_ssize_t)
     while reach >= 1:
         n = min(6, count)
         for turn in range(n):  # bring the best few to the front
@@ -193,147 +337,145 @@ def climb(
                 for dx in range(-1, 2):
                     y = place // width + dy * reach
                     x = place % width + dx * reach
-                    if y < 0 or x < 0 or y >= usable.shape[0] or x >= width or not usable[y, x]:
+                    if y < 0 or x < 0 or y >= search.usable.shape[0] or x >= width:
+                        continue
+                    if not search.usable[y, x]:
                         continue
                     j = 0
                     while j < count and places[j] != y * width + x:
                         j += 1
-                    if j == count and count < places.shape[0]:
+                    if j == count and count < scratch.places.shape[0]:
                         places[count] = cython.cast(cython.int, y * width + x)
-                        keys[count] = distance(pixels, turned, y, x, runs, query, -1)
+                        keys[count] = distance(
+                            sample.pixels, sample.turned, y, x, zone.runs, scratch.query, -1
+                        )
                         count += 1
         reach //= 2
     return count
 
 
-def sample_patches(
-    canvas: cython.uchar[:, :, ::1],
-    pixels: cython.const[cython.uchar][:, :, ::1],
-    turned: cython.const[cython.uchar][:, :, ::1],
-    usable: cython.const[cython.uchar][:, ::1],
-    positions: cython.const[cython.int][::1],
-    nodes: cython.const[cython.uchar][:, :, :, :, ::1],
-    runs: cython.const[cython.int][:, ::1],
-    blocks: cython.const[cython.int][:, ::1],
-    side: cython.Py_ssize_t,
-    weights: cython.const[cython.ushort][:, :, ::1],
-    bands: cython.const[cython.int][::1],
-    basis: cython.const[cython.short][:, ::1],
-    offset: cython.const[cython.int][::1],
-    shift: cython.int,
-    features: cython.const[cython.short][:, ::1],
-    given: cython.const[cython.int][::1],
-    shortlist: cython.int,
-    wanted: cython.Py_ssize_t,
-    tolerance: cython.double,
-    relative: cython.bint,
-    weighted: cython.bint,
-    bits: cython.const[cython.ulonglong][::1],
-    placed: cython.int[:, ::1],
-    around: cython.const[cython.int][:, ::1],
-    reach: cython.Py_ssize_t,
-    placements: cython.int[:, ::1],
-    cuts: cython.ushort[:, ::1],
-    query: cython.uchar[::1],
-    means: cython.int[::1],
-    coordinates: cython.short[::1],
-    partial: cython.int[::1],
-    total: cython.longlong[::1],
-    keys: cython.longlong[::1],
-    places: cython.int[::1],
-    barred: cython.uchar[::1],
-    cost: cython.longlong[:, ::1],
-):
-    """Fill in the source of each placement, in order, and lay its patch on the canvas.
+@cython.cfunc
+@cython.nogil
+@cython.exceptval(check=False)
+def list_candidates(
+    canvas: cython.const[cython.uchar][:, :, ::1],
+    p: cython.Py_ssize_t,
+    zone: Zone,
+    search: Search,
+    patches: Patches,
+    scratch: Scratch,
+) -> cython.Py_ssize_t:
+    """List windows that may match patch `p`, by the low resolution where there is one."""
+    y: cython.Py_ssize_t = patches.placements[p, 0]
+    x: cython.Py_ssize_t = patches.placements[p, 1]
+    cython.declare(i=cython.Py_ssize_t, count=cython.Py_ssize_t)
+    if search.source == ALL:
+        count = search.positions.shape[0]
+        for i in range(count):
+            scratch.places[i] = search.positions[i]
+    elif search.source == GIVEN:
+        count = patches.given.shape[0]
+        for i in range(count):
+            scratch.places[i] = patches.given[i]
+    elif search.source == BLOCKS:
+        block_means(canvas, y, x, zone.blocks, zone.side, scratch.means)
+        count = nearest_by_blocks(search.nodes, zone.blocks, scratch.means, search.usable, scratch)
+    else:
+        block_means(canvas, y, x, zone.blocks, zone.side, scratch.means)
+        project(search.basis, search.offset, search.shift, scratch.means, scratch.coordinates)
+        count = nearest_by_features(
+            search.features, search.positions, scratch.coordinates, search.wanted,
+            scratch.keys, scratch.places,
+        )  # fmt: skip
+    return count
 
-    Every patch of a call has the same zone. `placements` comes with (y, x, -, -, zone) and leaves
-    with the source position in the middle; the last nine arrays are scratch.
-    `around` names for each patch the earlier ones of `placed` whose content it should not repeat
-    within `reach` pixels.
-    """
-    p: cython.Py_ssize_t
+
+@cython.cfunc
+@cython.nogil
+@cython.exceptval(check=False)
+def measure(
+    sample: Sample,
+    zone: Zone,
+    search: Search,
+    rule: Rule,
+    energy: cython.longlong,
+    count: cython.Py_ssize_t,
+    scratch: Scratch,
+) -> cython.void:
+    """Compare candidates at the full resolution by eq. (2), each until it is hopeless."""
+    width: cython.Py_ssize_t = search.usable.shape[1]
+    best: cython.longlong = -1
+    bound: cython.double = -1
+    place: cython.Py_ssize_t
+    key: cython.longlong
     i: cython.Py_ssize_t
-    count: cython.Py_ssize_t
-    y: cython.Py_ssize_t
-    x: cython.Py_ssize_t
-    sy: cython.Py_ssize_t
-    sx: cython.Py_ssize_t
+    for i in range(count):
+        place = scratch.places[i]
+        key = distance(
+            sample.pixels, sample.turned, place // width, place % width, zone.runs,
+            scratch.query, cython.cast(cython.longlong, bound),
+        )  # fmt: skip
+        scratch.keys[i] = key
+        if search.source == ALL:
+            continue
+        if scratch.barred[i] < CONTINUES and (best < 0 or key < best):
+            best = key  # the worst that `choose` may take from here on
+            bound = VARIETY * best if rule.reach > 0 else best
+            bound = max(bound, limit_of(energy, best, rule))
+            if rule.of_best:
+                bound *= (1 + rule.tolerance) * (1 + rule.tolerance)
+            bound += 1
+
+
+def lay_patches(
+    canvas: cython.uchar[:, :, ::1],
+    sample: Sample,
+    zone: Zone,
+    search: Search,
+    rule: Rule,
+    patches: Patches,
+    scratch: Scratch,
+):
+    """Choose the source of each patch of a run, in order, and lay the patch on the canvas.
+
+    Steps 1 to 4 of section 2.2 in Liang et al., and the cut of Efros and Freeman.
+    """
+    layout: Layout = patches.layout
+    whole: View = View(0, 0, 1, False)
+    width: cython.Py_ssize_t = search.usable.shape[1]
+    chosen: cython.Py_ssize_t
     energy: cython.longlong
-    best: cython.longlong
-    bound: cython.double
-    width: cython.Py_ssize_t = usable.shape[1]
-    length: cython.Py_ssize_t = query.shape[0]
-    chosen: cython.int
+    cython.declare(p=cython.Py_ssize_t, i=cython.Py_ssize_t, count=cython.Py_ssize_t)
+    cython.declare(y=cython.Py_ssize_t, x=cython.Py_ssize_t)
     with cython.nogil:
-        for p in range(placements.shape[0]):
-            y = placements[p, 0]
-            x = placements[p, 1]
-            if length == 0 or tolerance > 1e30:
-                # Nothing to match, or anything matches: chaos mosaic.
+        for p in range(patches.placements.shape[0]):
+            y = patches.placements[p, 0]
+            x = patches.placements[p, 1]
+            if zone.area == 0 or rule.tolerance > 1e30:
+                # Step 1: nothing to match. Or anything matches: the chaos mosaic.
                 i = cython.cast(
                     cython.Py_ssize_t,
-                    ((bits[p] >> 32) * cython.cast(cython.ulonglong, positions.shape[0])) >> 32,
-                )
-                chosen = positions[i]
-            else:
-                energy = gather(canvas, y, x, runs, query)
-                if shortlist == ALL:
-                    count = positions.shape[0]
-                    for i in range(count):
-                        places[i] = positions[i]
-                        keys[i] = distance(
-                            pixels, turned, places[i] // width, places[i] % width, runs, query, -1
-                        )
-                else:
-                    if shortlist == BLOCKS:
-                        block_means(canvas, y, x, blocks, side, means)
-                        count = nearest_by_blocks(
-                            nodes, blocks, means, usable, partial, total, wanted, keys, places
-                        )
-                    elif shortlist == FEATURES:
-                        block_means(canvas, y, x, blocks, side, means)
-                        project(basis, offset, shift, means, coordinates)
-                        count = nearest_by_features(
-                            features, positions, coordinates, wanted, keys, places
-                        )
-                    else:
-                        count = given.shape[0]
-                        for i in range(count):
-                            places[i] = given[i]
-                    bar_repeats(
-                        count, places, width, y, x, placed, around, p, reach, bits[p] & 1, barred
+                    (
+                        (patches.bits[p] >> 32)
+                        * cython.cast(cython.ulonglong, search.positions.shape[0])
                     )
-                    best = -1
-                    bound = -1
-                    for i in range(count):
-                        keys[i] = distance(
-                            pixels, turned, places[i] // width, places[i] % width, runs, query,
-                            cython.cast(cython.longlong, bound),
-                        )  # fmt: skip
-                        if barred[i] < CONTINUES and (best < 0 or keys[i] < best):
-                            best = keys[i]  # the worst that `choose` may take from here on
-                            bound = VARIETY * best if reach > 0 else best
-                            bound = max(bound, limit_of(energy, best, tolerance, relative))
-                            if relative:
-                                bound *= (1 + tolerance) * (1 + tolerance)
-                            bound += 1
-                    if nodes.shape[1] > 1:
-                        count = climb(
-                            pixels, turned, usable, runs, query, nodes.shape[1], count, keys, places
-                        )
-                bar_repeats(
-                    count, places, width, y, x, placed, around, p, reach, bits[p] & 1, barred
+                    >> 32,
                 )
-                chosen = places[
-                    choose(count, keys, barred, energy, tolerance, relative, weighted, bits[p])
-                ]
-            sy = chosen // width
-            sx = chosen % width
-            placements[p, 2] = cython.cast(cython.int, sy)
-            placements[p, 3] = cython.cast(cython.int, sx)
-            if cuts.shape[0] > 0:
-                cut_bands(canvas, pixels, y, x, sy, sx, weights, bands, cost, cuts, p)
-            paste(
-                canvas, pixels, 0, 0, canvas.shape[0], canvas.shape[1],
-                y, x, sy, sx, weights, 0, cuts, p, 1, False,
-            )  # fmt: skip
+                chosen = search.positions[i]
+            else:
+                energy = gather(canvas, y, x, zone.runs, scratch.query)  # E_out
+                # Step 2: which windows match it.
+                count = list_candidates(canvas, p, zone, search, patches, scratch)
+                if search.source != ALL:
+                    bar_repeats(p, count, width, rule, patches, scratch)
+                measure(sample, zone, search, rule, energy, count, scratch)
+                if search.source != ALL and search.nodes.shape[1] > 1:
+                    count = climb(sample, zone, search, count, scratch)
+                bar_repeats(p, count, width, rule, patches, scratch)
+                # Steps 3 and 4: draw one of Psi_B, or take the closest.
+                chosen = scratch.places[choose(count, energy, patches.bits[p], rule, scratch)]
+            patches.placements[p, 2] = cython.cast(cython.int, chosen // width)
+            patches.placements[p, 3] = cython.cast(cython.int, chosen % width)
+            if patches.cuts.shape[0] > 0:
+                cut_bands(canvas, sample.pixels, layout, zone.bands, p, scratch.cost, patches.cuts)
+            paste(canvas, sample.pixels, layout, p, 0, whole)

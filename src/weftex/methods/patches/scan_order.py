@@ -1,0 +1,269 @@
+"""Where the patches of a new picture go, row by row: Fig. 3, Fig. 5 and section 2.5."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Iterator
+from dataclasses import dataclass
+from itertools import pairwise
+from typing import TYPE_CHECKING, NamedTuple
+
+import numpy as np
+
+from weftex.methods.patches.settings import Frame
+from weftex.random import draw
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    #: Numbers the zone of a window: from its known pixels, and those of them that must stay.
+    Number = Callable[..., int]
+
+_THREADS_FROM = 512  # patches; fewer are laid faster by one thread
+_PATCHES_IN_PIECE = 16  # that a thread takes at a time
+
+
+class Run(NamedTuple):
+    """Patches `first` to `last` - 1 of an order; they have one zone."""
+
+    zone: int
+    first: int
+    last: int
+
+
+class Step(NamedTuple):
+    """Runs to lay next: `pieces` do not need each other, the runs of a piece do.
+
+    `done` is how much of the order's `total` this is.
+    """
+
+    pieces: list[list[Run]]
+    done: int
+
+
+@dataclass(frozen=True, eq=False)
+class Order:
+    """The patches of an output in their order.
+
+    Attributes
+    ----------
+    corners : int32 array (n, 2)
+        Upper left corner of each window on the frame.
+    bits : uint64 array (n,)
+        Random bits of each patch.
+    around : int32 array (n, k)
+        Numbers of earlier patches around each that it should not repeat, -1 for none.
+    steps : iterator of Step
+        Goes through all patches.
+    total : int
+        What the steps add up to, in units of `stage`.
+    stage : str
+        Patches or pixels, for progress.
+    parallel : bool
+        Some steps have several pieces.
+    """
+
+    corners: NDArray[np.int32]
+    bits: NDArray[np.uint64]
+    around: NDArray[np.int32]
+    steps: Iterator[Step]
+    total: int
+    stage: str
+    parallel: bool = False
+
+
+def runs_of(zones: list[int], first: int) -> list[Run]:
+    """Part patches, numbered from `first`, where their zone changes.
+
+    Examples
+    --------
+    >>> [tuple(run) for run in runs_of([0, 1, 1, 2], 10)]
+    [(0, 10, 11), (1, 11, 13), (2, 13, 14)]
+    """
+    changes = [k for k in range(1, len(zones)) if zones[k] != zones[k - 1]]
+    ends = pairwise([0, *changes, len(zones)])
+    return [Run(zones[start], first + start, first + stop) for start, stop in ends]
+
+
+def scan_patches(frame: Frame, number: Number, seed: int, threads: int) -> Order:
+    """Patches in rows, evenly spread, that overlap by the boundary zone (section 2.2, Fig. 3 a).
+
+    Parameters
+    ----------
+    frame : Frame
+        Canvas and windows.
+    number : callable
+        Numbers a zone.
+    seed : int
+        Of the random bits.
+    threads : int
+        At most so many will lay patches.
+    """
+    canvas, window, width = frame.canvas, frame.window, frame.boundary_width
+    starts = [
+        patch_starts(length, side, min(width, side - 1), wraps)
+        for length, side, wraps in zip(canvas.shape, window, canvas.wrap, strict=True)
+    ]
+    rows, columns = len(starts[0]), len(starts[1])
+    kinds = [
+        _kinds(at, side, length, wraps)
+        for at, side, length, wraps in zip(starts, window, canvas.shape, canvas.wrap, strict=True)
+    ]
+    zones = {
+        (row, column): _grid_zone(frame, number, row, column)
+        for row in dict.fromkeys(kinds[0])
+        for column in dict.fromkeys(kinds[1])
+    }
+
+    def runs(row: int, first: int, last: int) -> list[Run]:
+        numbers = [zones[kinds[0][row], kind] for kind in kinds[1][first:last]]
+        return runs_of(numbers, row * columns + first)
+
+    # Around a wrapped axis every patch of a row hangs on the whole row above.
+    parallel = threads > 1 and not canvas.wrap[1] and rows * columns >= _THREADS_FROM
+    fronts: Iterable[list[tuple[int, int, int]]] = ([(row, 0, columns)] for row in range(rows))
+    if parallel:
+        ends = np.add(starts[1], window[1])
+        overlapped = np.searchsorted(starts[1], ends) - 1 - np.arange(columns)
+        fronts = wavefronts(rows, columns, _PATCHES_IN_PIECE, max(1, int(overlapped.max())))
+    grid = np.meshgrid(*starts, indexing="ij")
+    around = np.zeros((rows * columns, 0), np.int32)
+    if frame.settings.repeat_distance > 0:
+        around = patches_around(rows, columns)
+    return Order(
+        corners=np.stack(grid, axis=-1).reshape(-1, 2).astype(np.int32),
+        bits=draw(seed, "patch", *np.indices((rows, columns))).ravel(),
+        around=around,
+        steps=(Step([runs(*piece) for piece in front], _count(front)) for front in fronts),
+        total=rows * columns,
+        stage="patches",
+        parallel=parallel,
+    )
+
+
+def patch_starts(length: int, size: int, overlap: int, wrap: bool) -> list[int]:
+    """First pixels of patches that cover an axis, evenly spread, overlapping by `overlap` or more.
+
+    Examples
+    --------
+    >>> patch_starts(100, 40, 10, wrap=False)
+    [0, 30, 60]
+    >>> patch_starts(100, 40, 10, wrap=True)
+    [0, 25, 50, 75]
+    """
+    step = size - overlap
+    if wrap:
+        count = max(-(-length // step), 2)
+        return [j * length // count for j in range(count)]
+    if length <= size:
+        return [0]
+    count = -(-(length - size) // step)
+    return [j * (length - size) // count for j in range(count + 1)]
+
+
+def _kinds(starts: list[int], side: int, length: int, wraps: bool) -> list[tuple[bool, int]]:
+    """Along one axis, for each patch: is there one before, and how far does it go around."""
+    return [
+        (k > 0, max(0, at + side - length) if k and wraps else 0) for k, at in enumerate(starts)
+    ]
+
+
+def _grid_zone(
+    frame: Frame, number: Number, row: tuple[bool, int], column: tuple[bool, int]
+) -> int:
+    """The configuration of Fig. 3 (b) to (d) and Fig. 5 for a patch of the grid, see `_kinds`."""
+    known = np.zeros(frame.window, bool)
+    known[: frame.boundary_width] |= row[0]
+    known[:, : frame.boundary_width] |= column[0]
+    known[frame.window[0] - row[1] :] = True
+    known[:, frame.window[1] - column[1] :] = True
+    return number(known, often=not (row[1] or column[1]))
+
+
+#: Patches, as (rows up, columns right), that are always laid before a patch and lie around it.
+_EARLIER = [(0, -2), (0, -1)] + [(-1, k) for k in (-2, -1, 0, 1)] + [(-2, k) for k in range(-2, 3)]
+
+
+def patches_around(rows: int, columns: int) -> NDArray[np.int32]:
+    """Numbers of the earlier patches around each patch of the grid, -1 for none: (n, 11)."""
+    i, j = np.indices((rows, columns)).reshape(2, -1, 1)
+    di, dj = np.array(_EARLIER).T
+    i, j = i + di, j + dj
+    inside = (i >= 0) & (j >= 0) & (j < columns)
+    return np.ascontiguousarray(np.where(inside, i * columns + j, -1), np.int32)
+
+
+def wavefronts(
+    rows: int, columns: int, length: int, reach: int = 1
+) -> Iterator[list[tuple[int, int, int]]]:
+    """Cut the grid of patches into pieces of rows, and group those that do not need each other.
+
+    Each group is a list of (row, first column, last column + 1). A patch needs those to its left,
+    and in the row above those up to `reach` columns to its right, which it overlaps. So pieces
+    start `reach` patches further left from row to row, and piece c of row i needs piece c - 1 of
+    its own row and pieces up to c of the row above.
+    """
+    pieces = -(-(columns + rows * reach) // length)
+    for front in range(rows + pieces):
+        group = []
+        for row in range(max(0, front - pieces + 1), min(rows, front + 1)):
+            first = (front - row) * length - row * reach
+            first, last = max(first, 0), min(first + length, columns)
+            if first < last:
+                group.append((row, first, last))
+        if group:
+            yield group
+
+
+def _count(front: list[tuple[int, int, int]]) -> int:
+    return sum(last - first for _, first, last in front)
+
+
+def scan_pixels(frame: Frame, number: Number, seed: int) -> Order:
+    """Patches of one pixel, whose zone is the neighborhood above and to the left (section 2.5)."""
+    height, width = frame.canvas.shape
+    reach = frame.settings.boundary_width
+    y, x = np.indices((height, width)).reshape(2, -1)
+    corners = np.stack([y, x], axis=1) + frame.margin - reach
+
+    numbers: dict[tuple[int, ...], int] = {}
+
+    def zone(row: int, column: int) -> int:
+        """Number the zone of a pixel; most have the same, which its place tells."""
+        key = (
+            min(row, reach),
+            max(row - height, -reach - 1) if frame.canvas.wrap[0] else 0,
+            min(column, reach),
+            max(column - width, -reach - 1),
+        )
+        if key not in numbers:
+            numbers[key] = number(_causal(frame, row, column))
+        return numbers[key]
+
+    return Order(
+        corners=(corners % frame.shape).astype(np.int32),
+        bits=draw(seed, "patch", y, x),
+        around=np.zeros((height * width, 0), np.int32),
+        steps=(
+            Step([runs_of([zone(row, column) for column in range(width)], row * width)], width)
+            for row in range(height)
+        ),
+        total=height * width,
+        stage="pixels",
+    )
+
+
+def _causal(frame: Frame, row: int, column: int) -> NDArray[np.bool_]:
+    """Which pixels of the window around a pixel come before it."""
+    (height, width), (wraps_y, wraps_x) = frame.canvas.shape, frame.canvas.wrap
+    reach = frame.settings.boundary_width
+    y, x = (np.arange(at - reach, at + reach + 1) for at in (row, column))
+    there = np.ones((len(y), len(x)), bool)
+    if wraps_y:
+        y %= height
+    if wraps_x:
+        x %= width
+    else:
+        there &= (x >= 0) & (x < width)
+    there &= (y >= 0)[:, None]
+    before: NDArray[np.bool_] = there & (y[:, None] * width + x < row * width + column)
+    return before

@@ -1,0 +1,268 @@
+"""Parameters of the methods that lay patches, and their values once they are settled."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, fields, replace
+from typing import TYPE_CHECKING, Any, ClassVar, Self
+
+from weftex.canvas import Canvas
+from weftex.errors import InvalidInputError
+from weftex.exemplar import Exemplar
+from weftex.method import Method, parameter
+from weftex.methods.patches.hole_sizes import patch_size_for
+
+if TYPE_CHECKING:
+    import numpy as np
+    from numpy.typing import NDArray
+
+#: How candidates are found, and the kernel's number for it.
+SEARCHES = {"exhaustive": 0, "quadtree": 1, "pca": 2, "kdtree": 3, "kdtree-pca": 3}
+_HOLE_ZONE, _HOLE_CANDIDATES = 4, 400  # boundary width in px and candidates for holes
+
+
+@dataclass(frozen=True)
+class PatchMethod(Method):
+    """Parameters that patch-based sampling and image quilting have in common."""
+
+    supports: ClassVar[frozenset[str]] = frozenset({"wrap", "known"})
+
+    patch_size: int | None = parameter(
+        None,
+        "side w_B of the square patches; 1 samples single pixels (section 2.5)",
+        low=1,
+        unit="px",
+        default_text="randomness x the sample's shorter side",
+    )
+    randomness: float = parameter(
+        0.3, "lambda: patch size over the sample's shorter side", low=0.001, high=1.0
+    )
+    boundary_width: int | None = parameter(
+        None,
+        "width w_E of the boundary zone that must match",
+        low=1,
+        unit="px",
+        default_text="a tenth of the patch, 4 or more",
+    )
+    search: str = parameter(
+        "pca",
+        "how candidates are found: the default, or one of the paper's (Table I)",
+        choices=tuple(SEARCHES),
+    )
+    candidates: int = parameter(
+        40,
+        "m: windows from the low resolution that are compared at the full one",
+        low=1,
+        high=10000,
+        needs=("search", ("quadtree", "pca", "kdtree", "kdtree-pca")),
+    )
+    variance: float = parameter(
+        0.97,
+        "share of the variance that the principal components keep",
+        low=0.01,
+        high=1.0,
+        needs=("search", ("pca", "kdtree-pca")),
+    )
+    edge_weight: float = parameter(
+        0.0,
+        "how much outlines count beside colour when zones are compared; 0 is the paper's metric",
+        low=0.0,
+        high=10.0,
+    )
+
+    repeat_distance: float = parameter(
+        0.5,
+        "sources of patches near each other keep this far apart, in patches; 0 is the papers' way",
+        low=0.0,
+        high=10.0,
+    )
+
+    def for_part(self, whole: Exemplar) -> Self:
+        """See `Method.for_part`: a share that was asked for is one of the whole."""
+        share = {field.name: field.default for field in fields(self)}["randomness"]
+        if self.patch_size is not None or self.randomness == share:
+            return self
+        return replace(self, patch_size=max(1, round(self.randomness * min(whole.shape))))
+
+    @property
+    def hole_reach(self) -> int:
+        """See `Method.hole_reach`."""
+        return 2 * (self.patch_size or 0)
+
+    def for_hole(
+        self, hole: NDArray[np.bool_], usable: NDArray[np.bool_], given: frozenset[str] | None
+    ) -> Self:
+        """See `Method.for_hole`.
+
+        The wider a zone of an irregular material, the more its best match is a dull, blurred place.
+        As holes take few patches, more candidates cost little. Both were chosen by eye on bricks,
+        tiles, boards, pebbles, leaves and lawn.
+        """
+        size = self.patch_size or patch_size_for(hole, usable, 2 * (self.boundary_width or 1))
+        suits: dict[str, Any] = {"patch_size": size}
+        if self.boundary_width is None and size > 1:
+            suits["boundary_width"] = min(_HOLE_ZONE, size // 2)
+        # An exhaustive search takes no number of candidates.
+        if given is not None and not given & {"candidates", "search"}:
+            suits["candidates"] = _HOLE_CANDIDATES
+        return replace(self, **suits)
+
+
+@dataclass(frozen=True)
+class PatchSettings:
+    """Every value that laying patches depends on, settled for one sample.
+
+    Attributes
+    ----------
+    patch_size : int
+        Side w_B of the patches.
+    boundary_width : int
+        Width w_E of the boundary zone.
+    search : str
+        One of `SEARCHES`.
+    candidates : int
+        m of section 3.2.
+    variance : float
+        That the principal components keep.
+    edge_weight : float
+        Weight of outlines in distances.
+    repeat_distance : float
+        By how many patches the sources of patches near each other are kept apart; 0 does not.
+    blend : str
+        How patches are joined: feather, feather-at-end, cut or none.
+    anything : bool
+        Every window matches, so that nothing is searched (chaos mosaic).
+    """
+
+    patch_size: int
+    boundary_width: int
+    search: str
+    candidates: int
+    variance: float
+    edge_weight: float
+    repeat_distance: float
+    blend: str
+    anything: bool
+
+    @property
+    def pixelwise(self) -> bool:
+        """Patches are single pixels (section 2.5)."""
+        return self.patch_size == 1
+
+    @property
+    def window_side(self) -> int:
+        """Side of the windows that are compared: 2 w_E + 1 around a single pixel."""
+        return 2 * self.boundary_width + 1 if self.pixelwise else self.patch_size
+
+    @property
+    def keep_apart(self) -> int:
+        """`repeat_distance` in pixels."""
+        return round(self.repeat_distance * self.patch_size)
+
+
+def settle(
+    method: PatchMethod, exemplar: Exemplar, *, boundary_share: float, blend: str, anything: bool
+) -> PatchSettings:
+    """Settle what a method leaves open for a sample (section 2.4).
+
+    Parameters
+    ----------
+    method : PatchMethod
+        Parameters.
+    exemplar : Exemplar
+        The sample; it must hold at least one whole window.
+    boundary_share : float
+        Boundary width over patch size, where no boundary width is given.
+    blend, anything
+        See `PatchSettings`.
+
+    Raises
+    ------
+    InvalidInputError
+        If the boundary is wider than half of the patch, or the sample is smaller than a window;
+        the largest that fits is named.
+    """
+    shorter = min(exemplar.shape)
+    size = method.patch_size or max(1, round(method.randomness * shorter))
+    if size == 1:
+        width = method.boundary_width or max(1, min(4, (shorter - 1) // 2))
+    else:
+        width = method.boundary_width or min(max(4, round(boundary_share * size)), size // 2)
+        if width > size // 2:
+            raise InvalidInputError(
+                f"boundary_width is {width}; it must be at most half of the patch, {size // 2}"
+            )
+    settings = PatchSettings(
+        patch_size=size,
+        boundary_width=width,
+        search=method.search,
+        candidates=method.candidates,
+        variance=method.variance,
+        edge_weight=method.edge_weight,
+        repeat_distance=method.repeat_distance,
+        blend=blend,
+        anything=anything,
+    )
+    if settings.window_side > shorter:
+        raise InvalidInputError(
+            f"{exemplar.name} is {exemplar.shape[1]}x{exemplar.shape[0]}, smaller than the "
+            f"window of {settings.window_side}; the largest that fits is {shorter}"
+        )
+    return settings
+
+
+@dataclass(frozen=True, eq=False)
+class Frame:
+    """How windows of the sample lie on a canvas.
+
+    Attributes
+    ----------
+    canvas : Canvas
+        What to make.
+    settings : PatchSettings
+        Of the method.
+    window : (int, int)
+        Rows and columns of the windows that are compared; those of patches are no larger than the
+        canvas.
+    boundary_width : int
+        Width w_E of the boundary zone. In a wrapped row the last patch has a zone at either end,
+        and room must be left between them.
+    margin : (int, int)
+        Rows and columns by which the window of a single pixel hangs over the border, where the
+        canvas does not wrap.
+    """
+
+    canvas: Canvas
+    settings: PatchSettings
+    window: tuple[int, int]
+    boundary_width: int
+    margin: tuple[int, int]
+
+    @property
+    def shape(self) -> tuple[int, int]:
+        """Height and width of the canvas with its margins."""
+        (height, width), (top, left) = self.canvas.shape, self.margin
+        return height + 2 * top, width + 2 * left
+
+    @property
+    def inside(self) -> tuple[slice, slice]:
+        """The canvas inside its margins."""
+        (height, width), (top, left) = self.canvas.shape, self.margin
+        return slice(top, top + height), slice(left, left + width)
+
+    @property
+    def known(self) -> NDArray[Any] | None:
+        """The known pixels around a hole (section 2.3); None where everything is to be made."""
+        hole = self.canvas.hole
+        return self.canvas.known if hole is not None and not hole.all() else None
+
+
+def frame_of(settings: PatchSettings, canvas: Canvas) -> Frame:
+    """Fit windows to a canvas: see `Frame`."""
+    (height, width), (wraps_y, wraps_x) = canvas.shape, canvas.wrap
+    side, boundary = settings.window_side, settings.boundary_width
+    if settings.pixelwise:
+        margin = 0 if wraps_y else boundary, 0 if wraps_x else boundary
+        return Frame(canvas, settings, (side, side), boundary, margin)
+    window = min(side, height), min(side, width)
+    wrapped = [n // 4 for n, wraps in zip(window, canvas.wrap, strict=True) if wraps]
+    return Frame(canvas, settings, window, max(1, min([boundary, *wrapped])), (0, 0))
