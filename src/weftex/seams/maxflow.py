@@ -65,8 +65,12 @@ def minimum_cut(
     height, width = shape
     count = (height + 2) * (width + 2)
     side = np.zeros(shape, np.uint8)
-    given = (np.ascontiguousarray(given, np.int32) for given in (arcs, source, sink))
-    rings = np.zeros((2, count + 2), np.int32)
-    trees = kernels.Trees(np.zeros(count, _NODE), *rings, width + 2)
-    value: int = kernels.cut_grid(kernels.Capacities(*given), trees, side)
+    capacities = kernels.Capacities(
+        np.ascontiguousarray(arcs, np.int32),
+        np.ascontiguousarray(source, np.int32),
+        np.ascontiguousarray(sink, np.int32),
+    )
+    active, orphans = np.zeros((2, count + 2), np.int32)
+    trees = kernels.Trees(np.zeros(count, _NODE), active, orphans, width + 2)
+    value: int = kernels.cut_grid(capacities, trees, side)
     return side.astype(bool), value
