@@ -347,3 +347,15 @@ def test_a_mask_without_room_is_an_error_for_a_given_patch_only():
 def test_defaults_follow_from_the_sample():
     method = GraphCut().fit(weftex.Exemplar(few_levels((100, 120)))).method
     assert (method.patch_size, method.boundary_width) == (45, 15)
+
+
+@pytest.mark.parametrize("placement", ["subpatch", "entire", "random"])
+def test_the_patches_that_were_laid_are_on_record(placement):
+    exemplar = weftex.Exemplar(few_levels((40, 50)))
+    model = GraphCut(placement=placement).fit(exemplar)
+    assert None not in vars(model.prepared).values()
+    expected = [18, 18] if placement == "subpatch" else [40, 40]  # as far as the canvas goes
+    about = model.sample((60, 40), seed=1).provenance
+    assert about["patch_shape"] == expected
+    if placement == "subpatch":
+        assert (about["patch_size"], about["boundary_width"]) == (18, 6)

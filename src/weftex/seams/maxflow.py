@@ -37,7 +37,7 @@ def minimum_cut(
     side : bool array (H, W)
         True for the nodes on the source's side; of all minimum cuts, the one with the fewest.
     value : int
-        Capacity of what is cut, the most that can flow.
+        Capacity of the arcs that are cut, which is the largest flow.
 
     Raises
     ------

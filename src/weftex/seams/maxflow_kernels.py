@@ -28,7 +28,7 @@ SINK = cython.declare(cython.int, 2)
 
 @cython.cclass
 class Capacities:
-    """What each arc of the grid can take, and the arcs from the source and to the sink."""
+    """The capacities of the grid's arcs, and of those from the source and to the sink."""
 
     arcs: cython.const[cython.int][:, :, ::1]  # right, down, left, up
     source: cython.const[cython.int][:, ::1]
@@ -157,7 +157,7 @@ def grow(trees: Trees, i: cython.Py_ssize_t) -> cython.int:
 @cython.nogil
 @cython.exceptval(check=False)
 def augment(trees: Trees, i: cython.Py_ssize_t, d: cython.int) -> cython.int:
-    """Push what the path through node i and its neighbor in direction d can take.
+    """Push the largest flow along the path through node i and its neighbor in direction d.
 
     Nodes whose arc to their parent is full become orphans.
     """
@@ -283,7 +283,7 @@ def adopt(trees: Trees, i: cython.Py_ssize_t) -> cython.void:
 def plant(capacities: Capacities, trees: Trees) -> cython.longlong:
     """Fill in the grid's nodes, zeros before; each one with an arc to a terminal roots a tree.
 
-    Returns what flows from the source through one node to the sink.
+    Returns the flow from the source through single nodes to the sink.
     """
     cython.declare(y=cython.Py_ssize_t, x=cython.Py_ssize_t, i=cython.Py_ssize_t)
     height: cython.Py_ssize_t = capacities.source.shape[0]
@@ -318,7 +318,7 @@ def plant(capacities: Capacities, trees: Trees) -> cython.longlong:
 def minimum_cut(
     capacities: Capacities, trees: Trees, side: cython.uchar[:, ::1]
 ) -> cython.longlong:
-    """Fill `side` with 1 where the source reaches through what is left of the arcs.
+    """Fill `side` with 1 for nodes that the source reaches through residual capacities.
 
     That set is the same for every maximum flow. Returns the flow, which is the value of the cut.
     """

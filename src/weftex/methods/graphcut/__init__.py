@@ -22,9 +22,9 @@ if TYPE_CHECKING:
 class GraphCut(Method):
     """Graph-cut textures.
 
-    Patches are laid over what is there where they match it, and a minimum cut decides which of
-    their pixels replace older ones. Then the worst seams are covered with further patches; older
-    seams count in every cut, so the picture only gets better.
+    A patch of the sample is placed where it matches the pixels before it, and a minimum cut decides
+    which of its pixels replace older ones. Then further patches are placed over the worst seams.
+    Old seams count in every cut, so the picture only gets better.
 
     Examples
     --------
@@ -44,7 +44,7 @@ class GraphCut(Method):
 
     placement: str = parameter(
         "subpatch",
-        "what is laid: patches that match, the entire sample where it matches, or anywhere",
+        "patches: squares that match, the entire sample where it matches, or anywhere",
         choices=("subpatch", "entire", "random"),
     )
     patch_size: int | None = parameter(
@@ -57,7 +57,7 @@ class GraphCut(Method):
     )
     boundary_width: int | None = parameter(
         None,
-        "how far a patch reaches over what is there",
+        "reach of a patch over the pixels before it",
         low=0,
         unit="px",
         default_text="a third of the patch",
@@ -65,17 +65,20 @@ class GraphCut(Method):
     )
     tolerance: float = parameter(
         0.003,
-        "k: how much worse matches are drawn too, as shares of the sample's variance",
+        "k: matches may be so much worse than the best, as shares of the sample's variance",
         low=0.0,
         high=1000.0,
         needs=("placement", ("subpatch", "entire")),
     )
     candidates: int = parameter(
-        4, "places that are drawn and cut; the one with the cheapest seam is kept", low=1, high=1000
+        4,
+        "places of a patch that are drawn and cut; the one with the cheapest seam is kept",
+        low=1,
+        high=1000,
     )
     seam_cost: str = parameter(
         "gradient",
-        "what a seam costs: how much the pixels differ, or less of it where there are edges anyway",
+        "cost of a seam: the difference of its pixels, or that divided by gradients across it",
         choices=("gradient", "difference"),
     )
     refinements: float = parameter(
@@ -83,7 +86,7 @@ class GraphCut(Method):
     )
     variety: float = parameter(
         1.0,
-        "how much worse a place counts for what of it is shown nearby; 0 is the paper's way",
+        "cost of showing a place of the sample again nearby; 0 is the paper's way",
         low=0.0,
         high=1000.0,
         needs=("placement", ("subpatch",)),
@@ -106,7 +109,7 @@ def synthesize(settings: Settings, growth: Growth) -> None:
     """
     picture = Picture(settings, growth)
     placement = placement_of(settings, growth)  # random, entire patch or sub-patch (section 4)
-    growth.about["patch"] = list(placement.size)
+    growth.about["patch_shape"] = list(placement.size)
 
     with thread_map(min(growth.threads, settings.candidates)) as map_:
 

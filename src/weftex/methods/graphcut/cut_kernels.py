@@ -11,7 +11,7 @@ import cython
 SCALE = cython.declare(cython.longlong, 256)
 SOFT = cython.declare(cython.longlong, 32)
 
-# What a pixel of a box may become.
+# The choices that a pixel of a box may have.
 NOTHING = cython.declare(cython.int, 0)
 OLD = cython.declare(cython.int, 1)
 NEW = cython.declare(cython.int, 2)
@@ -120,9 +120,8 @@ def neighbor(
 @cython.exceptval(check=False)
 def beside(picture: Picture, p: cython.int, dy: cython.int, dx: cython.int) -> cython.int:
     """The pixel of the canvas beside p; -1 for none."""
-    return neighbor(
-        p, dy, dx, picture.height, picture.width, picture.wrap_y, picture.wrap_x
-    )  # fmt: skip
+    height: cython.int = picture.height
+    return neighbor(p, dy, dx, height, picture.width, picture.wrap_y, picture.wrap_x)
 
 
 @cython.cfunc
@@ -232,11 +231,11 @@ def start_graph(picture: Picture, sample: Sample, patch: Patch, graph: Graph) ->
 def build_graph(picture: Picture, sample: Sample, patch: Patch, graph: Graph) -> cython.longlong:
     """Fill in the graph whose minimum cut says which pixels of a box a patch replaces (section 3).
 
-    Each pair of neighbors has a cost for each way to label it: c for both old (an old seam, or 0),
-    a and b for one of them new, 0 for both. So an old seam needs no seam node (section 3.1): a pair
-    costs alpha + beta = c by its terminals, and by its arcs what a and b are above them. This is
-    exact if c <= a + b, as with metrics; costs weighed by gradients are raised to it, which keeps
-    an expansion from making things worse.
+    A pair of neighbors costs c if both stay old (an old seam, or 0), a or b if one becomes new, and
+    0 if both do. Instead of the paper's seam node (section 3.1), the arcs from the source to both
+    take alpha + beta = c, and the arcs between them a - alpha and b - beta. This is exact if
+    c <= a + b, as with metrics. Where costs weighed by gradients break it, b is raised to c - a;
+    the cheapest labels are still no worse than the old ones.
 
     Returns the cost of pairs without a choice.
     """

@@ -80,7 +80,7 @@ class SubPatchMatching:
             total = window_mismatch(self.spectra, box)  # C(t), by FFT as in section 5
             costs = total[: costs.shape[0], : costs.shape[1]] / int(there.sum())
             if settings.variety > 0:  # not in the paper
-                costs = costs + self._shown_nearby(costs, top, left)
+                costs = self._varied(costs, top, left)
                 apart = self.corners & ~self._continuing(y, x)
                 allowed = apart if apart.any() else self.corners
         drawn = drawn_places(costs, allowed, settings, self.growth.seed, number, self.size)
@@ -113,10 +113,10 @@ class SubPatchMatching:
         taken[rows[inside], columns[inside]] = True
         return box_sums(taken, *(2 * k + 1 for k in near)) > 0
 
-    def _shown_nearby(self, costs: NDArray[np.float64], top: int, left: int) -> NDArray[np.float64]:
-        """The cost of each place in the sample for its pixels that are shown within a patch.
+    def _varied(self, costs: NDArray[np.float64], top: int, left: int) -> NDArray[np.float64]:
+        """Add to the cost of each place in the sample for its pixels that are shown nearby.
 
-        All of a patch shown once costs, at a variety of 1, as much as the best match among the half
+        All of a patch shown once adds, at a variety of 1, the cost of the best match among the half
         of the places that are shown least: a cost that is good enough in this material.
         """
         around = []
@@ -134,7 +134,7 @@ class SubPatchMatching:
         median = np.partition(seen, len(seen) // 2)[len(seen) // 2]
         good = float(costs[self.corners][seen <= median].min())
         once = self.size[0] * self.size[1] / _SHOWN_STEP**2
-        result: NDArray[np.float64] = shown * (self.settings.variety * good / once)
+        result: NDArray[np.float64] = costs + shown * (self.settings.variety * good / once)
         return result
 
 
