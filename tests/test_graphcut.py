@@ -11,9 +11,10 @@ import reference
 import weftex
 from families import canvas_of
 from weftex.methods.graphcut import GraphCut
-from weftex.methods.graphcut import growth as graphcut_growth
-from weftex.methods.graphcut.growth import Cutting
-from weftex.methods.graphcut.placement import chances_of, variance
+from weftex.methods.graphcut import seams as graphcut_seams
+from weftex.methods.graphcut.placement import chances_of
+from weftex.methods.graphcut.seams import CanvasSeams
+from weftex.methods.graphcut.settings import variance
 from weftex.search.translation import Spectra, fast_size, overlap_mismatch, window_mismatch
 
 KINDS = ("plain", "x", "y", "xy", "hole", "wrapped hole")
@@ -204,16 +205,16 @@ def test_refinement_never_makes_seams_worse(seam_cost, kind, monkeypatch):
         cost = np.zeros_like(self.cost)
         before, self.cost = self.cost, cost
         cells, self.cells = self.cells, np.zeros_like(self.cells)
-        whole(self, 0, 0, *self.growth.canvas.shape)
+        whole(self, 0, 0, *self.canvas.shape)
         assert np.array_equal(before, self.cost) and np.array_equal(cells, self.cells)
         totals.append(int(cost.sum()))
 
-    whole = Cutting.price
+    whole = CanvasSeams.price
     pixels = material("pebbles", 40, 40)
     canvas = canvas_of(kind, pixels, (61, 50))
     method = GraphCut(patch_size=14, seam_cost=seam_cost, refinements=3.0)
-    monkeypatch.setattr(graphcut_growth, "_BAND", 1000)
-    monkeypatch.setattr(Cutting, "price", price)
+    monkeypatch.setattr(graphcut_seams, "_ROWS_AT_A_TIME", 1000)
+    monkeypatch.setattr(CanvasSeams, "price", price)
     method.fit(weftex.Exemplar(pixels)).sample(canvas, seed=1)
     assert len(totals) > 5
     assert all(later <= before for before, later in itertools.pairwise(totals))
@@ -346,3 +347,15 @@ def test_a_mask_without_room_is_an_error_for_a_given_patch_only():
 def test_defaults_follow_from_the_sample():
     method = GraphCut().fit(weftex.Exemplar(few_levels((100, 120)))).method
     assert (method.patch_size, method.boundary_width) == (45, 15)
+
+
+@pytest.mark.parametrize("placement", ["subpatch", "entire", "random"])
+def test_the_patches_that_were_laid_are_on_record(placement):
+    exemplar = weftex.Exemplar(few_levels((40, 50)))
+    model = GraphCut(placement=placement).fit(exemplar)
+    assert None not in vars(model.prepared).values()
+    expected = [18, 18] if placement == "subpatch" else [40, 40]  # as far as the canvas goes
+    about = model.sample((60, 40), seed=1).provenance
+    assert about["patch_shape"] == expected
+    if placement == "subpatch":
+        assert (about["patch_size"], about["boundary_width"]) == (18, 6)

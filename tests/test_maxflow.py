@@ -10,7 +10,7 @@ from scipy.sparse.csgraph import breadth_first_order, maximum_flow
 
 import reference
 import weftex
-from weftex.seams.maxflow import MOST, minimum_cut
+from weftex.seams.maxflow import LARGEST_CAPACITY, minimum_cut
 
 
 def scipy_cut(arcs, source, sink):
@@ -39,7 +39,7 @@ def scipy_cut(arcs, source, sink):
 @st.composite
 def grids(draw, longest):
     height, width = (draw(st.integers(1, longest)) for _ in range(2))
-    top = draw(st.sampled_from([1, 3, 300, MOST // 4]))
+    top = draw(st.sampled_from([1, 3, 300, LARGEST_CAPACITY // 4]))
     capacity = st.one_of(st.just(0), st.integers(0, top))
     terminal = st.one_of(st.just(0), st.integers(0, 4 * top))
     return (
@@ -73,13 +73,13 @@ def test_large_grids(shape, top, terminals):
     arcs = rng.integers(0, top + 1, (*shape, 4)).astype(np.int32)
     source, sink = np.zeros((2, *shape), np.int32)
     if terminals == "borders":
-        source[-1] = source[:, -1] = MOST
-        sink[0] = sink[:, 0] = MOST
+        source[-1] = source[:, -1] = LARGEST_CAPACITY
+        sink[0] = sink[:, 0] = LARGEST_CAPACITY
     else:
         share = 1.0 if terminals == "everywhere" else 0.02
         source = (rng.integers(0, 4 * top, shape) * (rng.random(shape) < share)).astype(np.int32)
         sink = (rng.integers(0, 4 * top, shape) * (rng.random(shape) < share)).astype(np.int32)
-    capacities = arcs, source, np.minimum(sink, MOST - source)
+    capacities = arcs, source, np.minimum(sink, LARGEST_CAPACITY - source)
     side, value = minimum_cut(*capacities)
     if terminals == "borders":  # SciPy adds capacities up in 32 bits
         capacities = arcs, np.minimum(source, 4 * top), np.minimum(capacities[2], 4 * top)
@@ -117,16 +117,16 @@ def test_nothing_to_cut():
 
 
 def test_the_largest_capacities_do_not_overflow():
-    arcs = np.full((5, 6, 4), MOST, np.int32)
+    arcs = np.full((5, 6, 4), LARGEST_CAPACITY, np.int32)
     source, sink = np.zeros((2, 5, 6), np.int32)
-    source[:, 0] = sink[:, -1] = MOST
-    assert minimum_cut(arcs, source, sink)[1] == 5 * MOST
+    source[:, 0] = sink[:, -1] = LARGEST_CAPACITY
+    assert minimum_cut(arcs, source, sink)[1] == 5 * LARGEST_CAPACITY
 
 
 def test_wrong_capacities_are_refused():
     good = np.zeros((2, 3, 4), np.int32), np.zeros((2, 3), np.int32), np.zeros((2, 3), np.int32)
     for at in range(3):
-        for value in (-1, MOST + 1):
+        for value in (-1, LARGEST_CAPACITY + 1):
             wrong = [a.copy() for a in good]
             wrong[at].flat[1] = value
             with pytest.raises(weftex.InvalidInputError, match="from 0 to"):

@@ -18,18 +18,22 @@ def seam_belts(
     wrap: tuple[bool, bool],
     period: tuple[int, int] | None = None,
 ) -> NDArray[np.bool_]:
-    """Say what lies within so many pixels of where one source does not go on as the next.
+    """Find the pixels near a seam: where the next pixel is not from the next place in the sample.
 
     Parameters
     ----------
     source : int32 array (H, W, 2)
-        Rows and columns of the sample.
+        Row and column of the sample that each pixel was copied from.
     reach : int
-        To each side of a seam, 1 or more.
+        Half the width of a belt in pixels, 1 or more.
     wrap : (bool, bool)
-        Whether the axes go around.
+        Whether the picture goes around from bottom to top and from right to left.
     period : (int, int), optional
-        The size of a sample that tiles.
+        Height and width of a sample that tiles.
+
+    Returns
+    -------
+    bool array (H, W)
 
     Examples
     --------

@@ -7,25 +7,28 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from weftex.errors import InvalidInputError
-from weftex.seams import maxflow_kernels as _maxflow_kernels
+from weftex.seams import maxflow_kernels as kernels
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-#: Capacities are at most this, so that no sum of four overflows.
-MOST = 2**28
+#: So that no sum of four capacities overflows.
+LARGEST_CAPACITY = 2**28
+
+_FIELDS = ("terminal", "parent", "tree", "distance", "stamp", "waits")
+_NODE = np.dtype([("arcs", np.int32, 4), *((field, np.int32) for field in _FIELDS)])
 
 
 def minimum_cut(
     arcs: NDArray[np.int32], source: NDArray[np.int32], sink: NDArray[np.int32]
 ) -> tuple[NDArray[np.bool_], int]:
-    """Cut a grid of nodes, each joined to its four neighbours, between a source and a sink.
+    """Cut a grid of nodes, each joined to its four neighbors, between a source and a sink.
 
     Parameters
     ----------
     arcs : int32 array (H, W, 4)
-        Capacity of the arc from each node to its right, lower, left and upper neighbour, 0 to
-        `MOST`. Those that lead out of the grid do not count.
+        Capacity of the arc from each node to its right, lower, left and upper neighbor, 0 to
+        `LARGEST_CAPACITY`. Those that lead out of the grid do not count.
     source, sink : int32 array (H, W)
         Capacity of the arc from the source to each node, and from each node to the sink.
 
@@ -34,12 +37,12 @@ def minimum_cut(
     side : bool array (H, W)
         True for the nodes on the source's side; of all minimum cuts, the one with the fewest.
     value : int
-        Capacity of what is cut, the most that can flow.
+        Capacity of the arcs that are cut, which is the largest flow.
 
     Raises
     ------
     InvalidInputError
-        If a shape does not fit, or a capacity is negative or above `MOST`.
+        If a shape does not fit, or a capacity is negative or above `LARGEST_CAPACITY`.
 
     Examples
     --------
@@ -57,18 +60,17 @@ def minimum_cut(
             "they must be (H, W, 4), (H, W) and (H, W)"
         )
     for given in (arcs, source, sink):
-        if given.size and (given.min() < 0 or given.max() > MOST):
-            raise InvalidInputError(f"capacities must be from 0 to {MOST}")
+        if given.size and (given.min() < 0 or given.max() > LARGEST_CAPACITY):
+            raise InvalidInputError(f"capacities must be from 0 to {LARGEST_CAPACITY}")
     height, width = shape
     count = (height + 2) * (width + 2)
     side = np.zeros(shape, np.uint8)
-    value: int = _maxflow_kernels.cut_grid(
+    capacities = kernels.Capacities(
         np.ascontiguousarray(arcs, np.int32),
         np.ascontiguousarray(source, np.int32),
         np.ascontiguousarray(sink, np.int32),
-        np.empty((count, 10), np.int32),
-        np.empty(count + 2, np.int32),
-        np.empty(count + 2, np.int32),
-        side,
     )
+    active, orphans = np.zeros((2, count + 2), np.int32)
+    trees = kernels.Trees(np.zeros(count, _NODE), active, orphans, width + 2)
+    value: int = kernels.cut_grid(capacities, trees, side)
     return side.astype(bool), value

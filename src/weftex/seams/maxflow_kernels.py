@@ -2,27 +2,64 @@
 """The minimum cut of a grid, by augmenting paths in two search trees that are kept.
 
 Boykov and Kolmogorov, An experimental comparison of min-cut/max-flow algorithms for energy
-minimization in vision (2004), section 3; distances and time stamps as in its section 3.2. A node is
-a row of `nodes`, and the grid has a border of nodes without capacity, so no neighbour is missing.
+minimization in vision (2004), section 3; distances and time stamps as in its section 3.2. The grid
+has a border of nodes without capacity, so no neighbor is missing.
 Compiled by Cython, see setup.py.
 """
 
 import cython
 
-# What a node's row holds: the residual capacities of its arcs to the right, down, left and up (the
-# opposite of direction d is d ^ 2), and of its arc from the source (negative: to the sink) ...
-TERMINAL = cython.declare(cython.int, 4)
-# ... the direction of its parent, or TERMINAL, NOBODY (in no tree) or LOST (an orphan) ...
-PARENT = cython.declare(cython.int, 5)
+# A direction is right, down, left or up; the opposite of d is d ^ 2.
+Node = cython.struct(
+    arcs=cython.int[4],  # residual capacities by direction
+    terminal=cython.int,  # and that of the arc from the source; negative: to the sink
+    parent=cython.int,  # its direction, or ROOT, NOBODY (in no tree) or LOST (an orphan)
+    tree=cython.int,  # SOURCE or SINK
+    distance=cython.int,  # to the root, as it was at
+    stamp=cython.int,  # this time
+    waits=cython.int,  # whether it is active
+)
+ROOT = cython.declare(cython.int, 4)
 NOBODY = cython.declare(cython.int, 5)
 LOST = cython.declare(cython.int, 6)
-# ... its tree, how far the root is, when that was looked up, and whether it waits to grow.
-TREE = cython.declare(cython.int, 6)
 SOURCE = cython.declare(cython.int, 1)
 SINK = cython.declare(cython.int, 2)
-DISTANCE = cython.declare(cython.int, 7)
-STAMP = cython.declare(cython.int, 8)
-WAITS = cython.declare(cython.int, 9)
+
+
+@cython.cclass
+class Capacities:
+    """The capacities of the grid's arcs, and of those from the source and to the sink."""
+
+    arcs: cython.const[cython.int][:, :, ::1]  # right, down, left, up
+    source: cython.const[cython.int][:, ::1]
+    sink: cython.const[cython.int][:, ::1]
+
+    def __init__(self, arcs, source, sink):
+        self.arcs = arcs
+        self.source = source
+        self.sink = sink
+
+
+@cython.cclass
+class Trees:
+    """The two search trees, and two rings of nodes: those that may grow, and orphans.
+
+    A ring's last two entries are the place of its first node and how many nodes it holds. All is
+    filled with zeros at first.
+    """
+
+    nodes: Node[::1]  # row by row
+    active: cython.int[::1]
+    orphans: cython.int[::1]
+    width: cython.Py_ssize_t  # of the grid with its border
+    now: cython.int  # the number of augmentations, a time stamp
+
+    def __init__(self, nodes, active, orphans, width):
+        self.nodes = nodes
+        self.active = active
+        self.orphans = orphans
+        self.width = width
+        self.now = 1
 
 
 @cython.cfunc
@@ -30,7 +67,7 @@ WAITS = cython.declare(cython.int, 9)
 @cython.nogil
 @cython.exceptval(check=False)
 def beside(i: cython.Py_ssize_t, d: cython.int, width: cython.Py_ssize_t) -> cython.Py_ssize_t:
-    """The neighbour of node i in direction d."""
+    """The neighbor of node i in direction d."""
     along: cython.Py_ssize_t = width if d & 1 else 1
     return i - along if d & 2 else i + along
 
@@ -40,7 +77,7 @@ def beside(i: cython.Py_ssize_t, d: cython.int, width: cython.Py_ssize_t) -> cyt
 @cython.nogil
 @cython.exceptval(check=False)
 def put(ring: cython.int[::1], i: cython.Py_ssize_t) -> cython.void:
-    """Add a node to a ring, whose last two entries are its first place and how many it holds."""
+    """Add a node to a ring."""
     room: cython.Py_ssize_t = ring.shape[0] - 2
     at: cython.Py_ssize_t = cython.cast(cython.Py_ssize_t, ring[room]) + ring[room + 1]
     ring[at if at < room else at - room] = cython.cast(cython.int, i)
@@ -53,8 +90,8 @@ def put(ring: cython.int[::1], i: cython.Py_ssize_t) -> cython.void:
 @cython.exceptval(check=False)
 def take(ring: cython.int[::1]) -> cython.Py_ssize_t:
     """Remove a ring's first node; -1 if there is none."""
+    cython.declare(i=cython.Py_ssize_t)
     room: cython.Py_ssize_t = ring.shape[0] - 2
-    i: cython.Py_ssize_t
     if ring[room + 1] == 0:
         return -1
     i = ring[ring[room]]
@@ -69,279 +106,247 @@ def take(ring: cython.int[::1]) -> cython.Py_ssize_t:
 @cython.inline
 @cython.nogil
 @cython.exceptval(check=False)
-def wake(nodes: cython.int[:, ::1], active: cython.int[::1], i: cython.Py_ssize_t) -> cython.void:
+def wake(trees: Trees, i: cython.Py_ssize_t) -> cython.void:
     """Let a node's tree grow from it."""
-    if not nodes[i, WAITS]:
-        nodes[i, WAITS] = 1
-        put(active, i)
-
-
-@cython.cfunc
-@cython.nogil
-@cython.exceptval(check=False)
-def grow(
-    nodes: cython.int[:, ::1],
-    active: cython.int[::1],
-    i: cython.Py_ssize_t,
-    width: cython.Py_ssize_t,
-) -> cython.int:
-    """Grow a tree from node i; return the direction in which it meets the other tree, or -1."""
-    d: cython.int
-    tree: cython.int = nodes[i, TREE]
-    left: cython.int
-    j: cython.Py_ssize_t
-    for d in range(4):
-        j = beside(i, d, width)
-        left = nodes[i, d] if tree == SOURCE else nodes[j, d ^ 2]
-        if left == 0:
-            continue
-        if nodes[j, PARENT] == NOBODY:
-            nodes[j, TREE] = tree
-            nodes[j, PARENT] = d ^ 2
-            nodes[j, STAMP] = nodes[i, STAMP]
-            nodes[j, DISTANCE] = nodes[i, DISTANCE] + 1
-            wake(nodes, active, j)
-        elif nodes[j, TREE] != tree:
-            return d
-        elif nodes[j, STAMP] <= nodes[i, STAMP] and nodes[j, DISTANCE] > nodes[i, DISTANCE]:
-            nodes[j, PARENT] = d ^ 2  # a shorter way to the root
-            nodes[j, STAMP] = nodes[i, STAMP]
-            nodes[j, DISTANCE] = nodes[i, DISTANCE] + 1
-    return -1
+    if not trees.nodes[i].waits:
+        trees.nodes[i].waits = 1
+        put(trees.active, i)
 
 
 @cython.cfunc
 @cython.inline
 @cython.nogil
 @cython.exceptval(check=False)
-def lose(nodes: cython.int[:, ::1], orphans: cython.int[::1], i: cython.Py_ssize_t) -> cython.void:
-    nodes[i, PARENT] = LOST
-    put(orphans, i)
+def lose(trees: Trees, i: cython.Py_ssize_t) -> cython.void:
+    """Make a node an orphan."""
+    trees.nodes[i].parent = LOST
+    put(trees.orphans, i)
 
 
 @cython.cfunc
 @cython.nogil
 @cython.exceptval(check=False)
-def augment(
-    nodes: cython.int[:, ::1],
-    orphans: cython.int[::1],
-    i: cython.Py_ssize_t,
-    d: cython.int,
-    width: cython.Py_ssize_t,
-) -> cython.int:
-    """Push what the path through node i and its neighbour in direction d can take.
+def grow(trees: Trees, i: cython.Py_ssize_t) -> cython.int:
+    """Grow a tree from node i; return the direction in which it meets the other tree, or -1."""
+    cython.declare(d=cython.int, left=cython.int, j=cython.Py_ssize_t)
+    tree: cython.int = trees.nodes[i].tree
+    for d in range(4):
+        j = beside(i, d, trees.width)
+        left = trees.nodes[i].arcs[d] if tree == SOURCE else trees.nodes[j].arcs[d ^ 2]
+        if left == 0:
+            continue
+        if trees.nodes[j].parent == NOBODY:
+            trees.nodes[j].tree = tree
+            trees.nodes[j].parent = d ^ 2
+            trees.nodes[j].stamp = trees.nodes[i].stamp
+            trees.nodes[j].distance = trees.nodes[i].distance + 1
+            wake(trees, j)
+        elif trees.nodes[j].tree != tree:
+            return d
+        elif (
+            trees.nodes[j].stamp <= trees.nodes[i].stamp
+            and trees.nodes[j].distance > trees.nodes[i].distance
+        ):
+            trees.nodes[j].parent = d ^ 2  # a shorter way to the root
+            trees.nodes[j].stamp = trees.nodes[i].stamp
+            trees.nodes[j].distance = trees.nodes[i].distance + 1
+    return -1
+
+
+@cython.cfunc
+@cython.nogil
+@cython.exceptval(check=False)
+def augment(trees: Trees, i: cython.Py_ssize_t, d: cython.int) -> cython.int:
+    """Push the largest flow along the path through node i and its neighbor in direction d.
 
     Nodes whose arc to their parent is full become orphans.
     """
+    cython.declare(k=cython.Py_ssize_t, up=cython.Py_ssize_t, p=cython.int, flow=cython.int)
+    width: cython.Py_ssize_t = trees.width
     start: cython.Py_ssize_t = i  # in the tree of the source
     end: cython.Py_ssize_t = beside(i, d, width)
-    k: cython.Py_ssize_t
-    up: cython.Py_ssize_t
-    p: cython.int
-    flow: cython.int
-    if nodes[i, TREE] == SINK:
+    if trees.nodes[i].tree == SINK:
         start = end
         end = i
         d ^= 2
-    flow = nodes[start, d]
+    flow = trees.nodes[start].arcs[d]
     k = start
-    while nodes[k, PARENT] != TERMINAL:
-        p = nodes[k, PARENT]
+    while trees.nodes[k].parent != ROOT:
+        p = trees.nodes[k].parent
         k = beside(k, p, width)
-        flow = min(flow, nodes[k, p ^ 2])
-    flow = min(flow, nodes[k, TERMINAL])
+        flow = min(flow, trees.nodes[k].arcs[p ^ 2])
+    flow = min(flow, trees.nodes[k].terminal)
     k = end
-    while nodes[k, PARENT] != TERMINAL:
-        flow = min(flow, nodes[k, nodes[k, PARENT]])
-        k = beside(k, nodes[k, PARENT], width)
-    flow = min(flow, -nodes[k, TERMINAL])
+    while trees.nodes[k].parent != ROOT:
+        flow = min(flow, trees.nodes[k].arcs[trees.nodes[k].parent])
+        k = beside(k, trees.nodes[k].parent, width)
+    flow = min(flow, -trees.nodes[k].terminal)
 
-    nodes[start, d] -= flow
-    nodes[end, d ^ 2] += flow
+    trees.nodes[start].arcs[d] -= flow
+    trees.nodes[end].arcs[d ^ 2] += flow
     k = start
-    while nodes[k, PARENT] != TERMINAL:
-        p = nodes[k, PARENT]
+    while trees.nodes[k].parent != ROOT:
+        p = trees.nodes[k].parent
         up = beside(k, p, width)
-        nodes[up, p ^ 2] -= flow
-        nodes[k, p] += flow
-        if nodes[up, p ^ 2] == 0:
-            lose(nodes, orphans, k)
+        trees.nodes[up].arcs[p ^ 2] -= flow
+        trees.nodes[k].arcs[p] += flow
+        if trees.nodes[up].arcs[p ^ 2] == 0:
+            lose(trees, k)
         k = up
-    nodes[k, TERMINAL] -= flow
-    if nodes[k, TERMINAL] == 0:
-        lose(nodes, orphans, k)
+    trees.nodes[k].terminal -= flow
+    if trees.nodes[k].terminal == 0:
+        lose(trees, k)
     k = end
-    while nodes[k, PARENT] != TERMINAL:
-        p = nodes[k, PARENT]
+    while trees.nodes[k].parent != ROOT:
+        p = trees.nodes[k].parent
         up = beside(k, p, width)
-        nodes[k, p] -= flow
-        nodes[up, p ^ 2] += flow
-        if nodes[k, p] == 0:
-            lose(nodes, orphans, k)
+        trees.nodes[k].arcs[p] -= flow
+        trees.nodes[up].arcs[p ^ 2] += flow
+        if trees.nodes[k].arcs[p] == 0:
+            lose(trees, k)
         k = up
-    nodes[k, TERMINAL] += flow
-    if nodes[k, TERMINAL] == 0:
-        lose(nodes, orphans, k)
+    trees.nodes[k].terminal += flow
+    if trees.nodes[k].terminal == 0:
+        lose(trees, k)
     return flow
 
 
 @cython.cfunc
 @cython.nogil
 @cython.exceptval(check=False)
-def distance_to_root(
-    nodes: cython.int[:, ::1], i: cython.Py_ssize_t, now: cython.int, width: cython.Py_ssize_t
-) -> cython.int:
-    """How many arcs a node is from its terminal; -1 if an orphan is on the way."""
+def distance_to_root(trees: Trees, i: cython.Py_ssize_t) -> cython.int:
+    """The number of arcs from a node to its terminal; -1 if an orphan is on the way."""
+    cython.declare(left=cython.int)
+    now: cython.int = trees.now
     k: cython.Py_ssize_t = i
     away: cython.int = 0
-    left: cython.int
-    while nodes[k, STAMP] != now:
-        if nodes[k, PARENT] == LOST:
+    while trees.nodes[k].stamp != now:
+        if trees.nodes[k].parent == LOST:
             return -1
         away += 1
-        if nodes[k, PARENT] == TERMINAL:
-            nodes[k, STAMP] = now
-            nodes[k, DISTANCE] = 1
+        if trees.nodes[k].parent == ROOT:
+            trees.nodes[k].stamp = now
+            trees.nodes[k].distance = 1
             break
-        k = beside(k, nodes[k, PARENT], width)
+        k = beside(k, trees.nodes[k].parent, trees.width)
     else:
-        away += nodes[k, DISTANCE]
+        away += trees.nodes[k].distance
     left = away
     k = i
-    while nodes[k, STAMP] != now:
-        nodes[k, STAMP] = now
-        nodes[k, DISTANCE] = left
+    while trees.nodes[k].stamp != now:
+        trees.nodes[k].stamp = now
+        trees.nodes[k].distance = left
         left -= 1
-        k = beside(k, nodes[k, PARENT], width)
+        k = beside(k, trees.nodes[k].parent, trees.width)
     return away
 
 
 @cython.cfunc
 @cython.nogil
 @cython.exceptval(check=False)
-def adopt(
-    nodes: cython.int[:, ::1],
-    active: cython.int[::1],
-    orphans: cython.int[::1],
-    i: cython.Py_ssize_t,
-    now: cython.int,
-    width: cython.Py_ssize_t,
-) -> cython.void:
+def adopt(trees: Trees, i: cython.Py_ssize_t) -> cython.void:
     """Find an orphan the parent that is nearest to the terminal, or let it and its children go."""
-    tree: cython.int = nodes[i, TREE]
+    cython.declare(away=cython.int, left=cython.int, d=cython.int, j=cython.Py_ssize_t)
+    tree: cython.int = trees.nodes[i].tree
     best: cython.int = NOBODY
     least: cython.int = 0
-    away: cython.int
-    left: cython.int
-    d: cython.int
-    j: cython.Py_ssize_t
     for d in range(4):
-        j = beside(i, d, width)
-        if nodes[j, TREE] != tree or nodes[j, PARENT] == NOBODY:
+        j = beside(i, d, trees.width)
+        if trees.nodes[j].tree != tree or trees.nodes[j].parent == NOBODY:
             continue
-        left = nodes[j, d ^ 2] if tree == SOURCE else nodes[i, d]
+        left = trees.nodes[j].arcs[d ^ 2] if tree == SOURCE else trees.nodes[i].arcs[d]
         if left == 0:
             continue
-        away = distance_to_root(nodes, j, now, width)
+        away = distance_to_root(trees, j)
         if away >= 0 and (best == NOBODY or away < least):
             best = d
             least = away
-    nodes[i, PARENT] = best
+    trees.nodes[i].parent = best
     if best != NOBODY:
-        nodes[i, STAMP] = now
-        nodes[i, DISTANCE] = least + 1
+        trees.nodes[i].stamp = trees.now
+        trees.nodes[i].distance = least + 1
         return
     for d in range(4):
-        j = beside(i, d, width)
-        if nodes[j, TREE] != tree or nodes[j, PARENT] == NOBODY:
+        j = beside(i, d, trees.width)
+        if trees.nodes[j].tree != tree or trees.nodes[j].parent == NOBODY:
             continue
-        left = nodes[j, d ^ 2] if tree == SOURCE else nodes[i, d]
+        left = trees.nodes[j].arcs[d ^ 2] if tree == SOURCE else trees.nodes[i].arcs[d]
         if left > 0:
-            wake(nodes, active, j)
-        if nodes[j, PARENT] == d ^ 2:
-            lose(nodes, orphans, j)
+            wake(trees, j)
+        if trees.nodes[j].parent == d ^ 2:
+            lose(trees, j)
+
+
+@cython.cfunc
+@cython.nogil
+@cython.exceptval(check=False)
+def plant(capacities: Capacities, trees: Trees) -> cython.longlong:
+    """Fill in the grid's nodes, zeros before; each one with an arc to a terminal roots a tree.
+
+    Returns the flow from the source through single nodes to the sink.
+    """
+    cython.declare(y=cython.Py_ssize_t, x=cython.Py_ssize_t, i=cython.Py_ssize_t)
+    height: cython.Py_ssize_t = capacities.source.shape[0]
+    width: cython.Py_ssize_t = capacities.source.shape[1]
+    flow: cython.longlong = 0
+    for i in range(trees.nodes.shape[0]):
+        trees.nodes[i].parent = NOBODY
+    for y in range(height):
+        for x in range(width):
+            i = (y + 1) * trees.width + x + 1
+            if x + 1 < width:
+                trees.nodes[i].arcs[0] = capacities.arcs[y, x, 0]
+            if y + 1 < height:
+                trees.nodes[i].arcs[1] = capacities.arcs[y, x, 1]
+            if x > 0:
+                trees.nodes[i].arcs[2] = capacities.arcs[y, x, 2]
+            if y > 0:
+                trees.nodes[i].arcs[3] = capacities.arcs[y, x, 3]
+            flow += min(capacities.source[y, x], capacities.sink[y, x])
+            trees.nodes[i].terminal = capacities.source[y, x] - capacities.sink[y, x]
+            if trees.nodes[i].terminal != 0:
+                trees.nodes[i].tree = SOURCE if trees.nodes[i].terminal > 0 else SINK
+                trees.nodes[i].parent = ROOT
+                trees.nodes[i].distance = 1
+                wake(trees, i)
+    return flow
 
 
 @cython.cfunc
 @cython.nogil
 @cython.exceptval(check=False)
 def minimum_cut(
-    arcs: cython.const[cython.int][:, :, ::1],
-    source: cython.const[cython.int][:, ::1],
-    sink: cython.const[cython.int][:, ::1],
-    nodes: cython.int[:, ::1],
-    active: cython.int[::1],
-    orphans: cython.int[::1],
-    side: cython.uchar[:, ::1],
+    capacities: Capacities, trees: Trees, side: cython.uchar[:, ::1]
 ) -> cython.longlong:
-    """Fill `side` with 1 where the source reaches through what is left of the arcs.
+    """Fill `side` with 1 for nodes that the source reaches through residual capacities.
 
     That set is the same for every maximum flow. Returns the flow, which is the value of the cut.
     """
-    height: cython.Py_ssize_t = side.shape[0]
-    width: cython.Py_ssize_t = side.shape[1] + 2
-    y: cython.Py_ssize_t
-    x: cython.Py_ssize_t
-    i: cython.Py_ssize_t
-    d: cython.int
-    now: cython.int = 1
-    flow: cython.longlong = 0
-    for i in range(nodes.shape[0]):
-        for d in range(10):
-            nodes[i, d] = 0
-        nodes[i, PARENT] = NOBODY
-    for i in range(2):
-        active[active.shape[0] - 2 + i] = 0
-        orphans[orphans.shape[0] - 2 + i] = 0
-    for y in range(height):
-        for x in range(width - 2):
-            i = (y + 1) * width + x + 1
-            if x + 3 < width:
-                nodes[i, 0] = arcs[y, x, 0]
-            if y + 1 < height:
-                nodes[i, 1] = arcs[y, x, 1]
-            if x > 0:
-                nodes[i, 2] = arcs[y, x, 2]
-            if y > 0:
-                nodes[i, 3] = arcs[y, x, 3]
-            flow += min(source[y, x], sink[y, x])
-            nodes[i, TERMINAL] = source[y, x] - sink[y, x]
-            if nodes[i, TERMINAL] != 0:
-                nodes[i, TREE] = SOURCE if nodes[i, TERMINAL] > 0 else SINK
-                nodes[i, PARENT] = TERMINAL
-                nodes[i, DISTANCE] = 1
-                wake(nodes, active, i)
+    cython.declare(y=cython.Py_ssize_t, x=cython.Py_ssize_t, i=cython.Py_ssize_t, d=cython.int)
+    flow: cython.longlong = plant(capacities, trees)
     while True:
-        i = take(active)
+        i = take(trees.active)
         if i < 0:
             break
-        nodes[i, WAITS] = 0
-        while nodes[i, PARENT] != NOBODY:  # a path was found, and i may lead to more of them
-            d = grow(nodes, active, i, width)
+        trees.nodes[i].waits = 0
+        while trees.nodes[i].parent != NOBODY:  # a path was found, and i may lead to more of them
+            d = grow(trees, i)
             if d < 0:
                 break
-            now += 1
-            flow += augment(nodes, orphans, i, d, width)
-            while orphans[orphans.shape[0] - 1] > 0:
-                adopt(nodes, active, orphans, take(orphans), now, width)
-    for y in range(height):
-        for x in range(width - 2):
-            i = (y + 1) * width + x + 1
-            side[y, x] = nodes[i, PARENT] != NOBODY and nodes[i, TREE] == SOURCE
+            trees.now += 1
+            flow += augment(trees, i, d)
+            while trees.orphans[trees.orphans.shape[0] - 1] > 0:
+                adopt(trees, take(trees.orphans))
+    for y in range(side.shape[0]):
+        for x in range(side.shape[1]):
+            i = (y + 1) * trees.width + x + 1
+            side[y, x] = trees.nodes[i].parent != NOBODY and trees.nodes[i].tree == SOURCE
     return flow
 
 
-def cut_grid(
-    arcs: cython.const[cython.int][:, :, ::1],
-    source: cython.const[cython.int][:, ::1],
-    sink: cython.const[cython.int][:, ::1],
-    nodes: cython.int[:, ::1],
-    active: cython.int[::1],
-    orphans: cython.int[::1],
-    side: cython.uchar[:, ::1],
-):
+def cut_grid(capacities: Capacities, trees: Trees, side: cython.uchar[:, ::1]):
     """Call `minimum_cut`, beside other threads."""
-    flow: cython.longlong
+    cython.declare(flow=cython.longlong)
     with cython.nogil:
-        flow = minimum_cut(arcs, source, sink, nodes, active, orphans, side)
+        flow = minimum_cut(capacities, trees, side)
     return flow

@@ -6,13 +6,14 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from weftex.seams.maxflow import MOST, minimum_cut
+from weftex.seams.maxflow import LARGEST_CAPACITY, minimum_cut
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-_CORE = 0.22  # half the side of what is surely inside, over the sample's side
-_RIM = 0.08  # width of what is surely outside
+# As shares of the pictures' sides:
+_CORE = 0.22  # half the side of the middle that is always inside
+_RIM = 0.08  # width of the rim that is always outside
 
 
 def island(outside: NDArray[np.uint8], inside: NDArray[np.uint8]) -> NDArray[np.bool_]:
@@ -47,8 +48,8 @@ def island(outside: NDArray[np.uint8], inside: NDArray[np.uint8]) -> NDArray[np.
     arcs[1:, :, 3] = arcs[:-1, :, 1]
     y, x = (np.abs(np.arange(n) - (n - 1) / 2) / n for n in (height, width))
     far = np.maximum(y[:, None], x)
-    # The middle belongs to it whatever the size, and the border does not.
+    # At least one pixel is inside, and the border is outside, whatever the size.
     core = (far <= _CORE) | (far == far.min())
-    source = np.where(core, MOST, 0).astype(np.int32)
-    sink = np.where((far >= 0.5 - _RIM) & ~core, MOST, 0).astype(np.int32)
+    source = np.where(core, LARGEST_CAPACITY, 0).astype(np.int32)
+    sink = np.where((far >= 0.5 - _RIM) & ~core, LARGEST_CAPACITY, 0).astype(np.int32)
     return minimum_cut(arcs, source, sink)[0]

@@ -9,7 +9,7 @@ import numpy as np
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-_BARRED = 2**62  # more than any path costs
+_BARRED = 2**62  # the cost of a forbidden place; any path costs less
 
 
 def least_path(cost: NDArray[np.int64], *, closed: bool = False) -> NDArray[np.int64]:
@@ -18,15 +18,16 @@ def least_path(cost: NDArray[np.int64], *, closed: bool = False) -> NDArray[np.i
     Parameters
     ----------
     cost : int64 array (n, width)
-        What each place costs, 0 or more; together less than 2**62.
+        Cost of each place, 0 or more; together less than 2**62.
     closed : bool
-        The path ends within one step of where it starts, as on a band that goes around. It crosses
-        the border where the cheapest path twice around does.
+        The band goes around, and the path ends within one step of its start. It crosses the border
+        where the cheapest path twice around the band crosses it.
 
     Returns
     -------
     int64 array (n,)
-        The place in each row; of equally cheap paths the one that ends first, seen from its end.
+        The place in each row. Of equally cheap paths, the one with the first place in the last row,
+        then in the row before, and so on.
 
     Examples
     --------

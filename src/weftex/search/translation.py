@@ -1,4 +1,4 @@
-"""How well a sample fits what is there already, for every translation at once, by FFT."""
+"""The mismatch of two pictures at every translation at once, by FFT."""
 
 from __future__ import annotations
 
@@ -11,26 +11,26 @@ if TYPE_CHECKING:
 
 
 class Spectra:
-    """The transforms of a picture and its mask that a sum of squared differences is made of.
+    """The transforms of a picture and its mask that make a sum of squared differences.
 
     Parameters
     ----------
-    levels : uint8 array (H, W, K)
+    pixels : uint8 array (H, W, K)
         The picture.
     mask : bool or uint8 array (H, W)
-        The pixels of it that count.
+        The pixels that count.
     size : (int, int)
         Of the transforms; both pictures of a comparison have the same one. Smaller pictures are
         padded with zeros.
     """
 
     def __init__(
-        self, levels: NDArray[np.uint8], mask: NDArray[Any], size: tuple[int, ...]
+        self, pixels: NDArray[np.uint8], mask: NDArray[Any], size: tuple[int, ...]
     ) -> None:
         self.size = size
-        shown = levels * (mask != 0)[..., None].astype(np.float64)
+        shown = pixels * (mask != 0)[..., None].astype(np.float64)
         self.energy = int((shown**2).sum())
-        self.mask, self.square, *self.levels = (
+        self.mask, self.square, *self.channels = (
             np.fft.rfft2(part, size)
             for part in (
                 (mask != 0).astype(float),
@@ -61,15 +61,30 @@ def fast_size(length: int) -> int:
 def window_mismatch(picture: Spectra, window: Spectra) -> NDArray[np.int64]:
     """Sum of squared differences of a window and the picture at each place of its corner.
 
-    Entire where the window lies in the picture, or goes around it if it is as large as the
-    transforms; the picture's mask is left out of account.
+    Exact, and the same on every machine: these are sums of integers, and the error of transforms is
+    some 1e-16 times the pictures' norms, for sides of 8192 pixels at most 2e-3, far below one half.
 
-    Sums of integers, and the error of transforms is far below one half: some 1e-16 times the
-    pictures' norms, 2e-3 at most for sides of 8192 pixels. So rounding gives the exact sums, the
-    same ones on every machine.
+    Parameters
+    ----------
+    picture, window : Spectra
+        Of the same size. All pixels of the picture count, its mask is ignored.
+
+    Returns
+    -------
+    int64 array (height, width) of the transforms
+        Valid where the window lies in the picture; everywhere if the picture is as large as the
+        transforms, it then goes around.
+
+    Examples
+    --------
+    >>> picture = np.arange(4, dtype=np.uint8).reshape(1, 4, 1)
+    >>> window = picture[:, 1:3]
+    >>> whole, part = (Spectra(p, np.ones(p.shape[:2]), (1, 4)) for p in (picture, window))
+    >>> window_mismatch(whole, part)[0, :3].tolist()
+    [2, 0, 2]
     """
     product = picture.square * window.mask.conj()
-    for a, b in zip(picture.levels, window.levels, strict=True):
+    for a, b in zip(picture.channels, window.channels, strict=True):
         product -= 2 * a * b.conj()
     return _rounded(product, picture.size) + window.energy
 
@@ -77,12 +92,12 @@ def window_mismatch(picture: Spectra, window: Spectra) -> NDArray[np.int64]:
 def overlap_mismatch(
     picture: Spectra, other: Spectra
 ) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
-    """Sum of squared differences of two pictures where both count, and how many pixels that is.
+    """Sum of squared differences where pixels of both pictures count, and the number of these.
 
-    For each place in the first picture of the second one's corner, as `window_mismatch`.
+    Both for each place of the other picture's corner, arrays as of `window_mismatch`.
     """
     product = picture.square * other.mask.conj() + picture.mask * other.square.conj()
-    for a, b in zip(picture.levels, other.levels, strict=True):
+    for a, b in zip(picture.channels, other.channels, strict=True):
         product -= 2 * a * b.conj()
     area = _rounded(picture.mask * other.mask.conj(), picture.size)
     return _rounded(product, picture.size), area

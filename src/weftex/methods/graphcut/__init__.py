@@ -2,16 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable
-from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, Any, ClassVar, Self
+from dataclasses import asdict, dataclass, replace
+from typing import TYPE_CHECKING, ClassVar, Self
 
-from weftex.errors import InvalidInputError
 from weftex.method import Method, parameter
-from weftex.methods.graphcut.growth import Cutting
+from weftex.methods.graphcut.cutting import Cut, Picture
+from weftex.methods.graphcut.placement import placement_of
+from weftex.methods.graphcut.seams import CanvasSeams
+from weftex.methods.graphcut.settings import Settings, settle
 from weftex.methods.patches.hole_sizes import patch_size_for
 from weftex.methods.pixels.growth import PixelModel
-from weftex.search.windows import windows_of
+from weftex.threads import thread_map
 
 if TYPE_CHECKING:
     import numpy as np
@@ -20,16 +21,14 @@ if TYPE_CHECKING:
     from weftex.exemplar import Exemplar
     from weftex.methods.pixels.growth import Growth
 
-_SHARE = 0.45  # of the sample's shorter side that a patch takes
-
 
 @dataclass(frozen=True)
 class GraphCut(Method):
     """Graph-cut textures.
 
-    Patches are laid over what is there where they match it, and a minimum cut decides which of
-    their pixels replace older ones. Then the worst seams are covered with further patches; older
-    seams count in every cut, so the picture only gets better.
+    A patch of the sample is placed where it matches the pixels before it, and a minimum cut decides
+    which of its pixels replace older ones. Then further patches are placed over the worst seams.
+    Old seams count in every cut, so the picture only gets better.
 
     Examples
     --------
@@ -49,7 +48,7 @@ class GraphCut(Method):
 
     placement: str = parameter(
         "subpatch",
-        "what is laid: patches that match, the entire sample where it matches, or anywhere",
+        "patches: squares that match, the entire sample where it matches, or anywhere",
         choices=("subpatch", "entire", "random"),
     )
     patch_size: int | None = parameter(
@@ -62,7 +61,7 @@ class GraphCut(Method):
     )
     boundary_width: int | None = parameter(
         None,
-        "how far a patch reaches over what is there",
+        "reach of a patch over the pixels before it",
         low=0,
         unit="px",
         default_text="a third of the patch",
@@ -70,17 +69,20 @@ class GraphCut(Method):
     )
     tolerance: float = parameter(
         0.003,
-        "k: how much worse matches are drawn too, as shares of the sample's variance",
+        "k: matches may be so much worse than the best, as shares of the sample's variance",
         low=0.0,
         high=1000.0,
         needs=("placement", ("subpatch", "entire")),
     )
     candidates: int = parameter(
-        4, "places that are drawn and cut; the one with the cheapest seam is kept", low=1, high=1000
+        4,
+        "places of a patch that are drawn and cut; the one with the cheapest seam is kept",
+        low=1,
+        high=1000,
     )
     seam_cost: str = parameter(
         "gradient",
-        "what a seam costs: how much the pixels differ, or less of it where there are edges anyway",
+        "cost of a seam: the difference of its pixels, or that divided by gradients across it",
         choices=("gradient", "difference"),
     )
     refinements: float = parameter(
@@ -88,7 +90,7 @@ class GraphCut(Method):
     )
     variety: float = parameter(
         1.0,
-        "how much worse a place counts for what of it is shown nearby; 0 is the paper's way",
+        "cost of showing a place of the sample again nearby; 0 is the paper's way",
         low=0.0,
         high=1000.0,
         needs=("placement", ("subpatch",)),
@@ -107,63 +109,53 @@ class GraphCut(Method):
             return self
         return replace(self, patch_size=patch_size_for(hole, usable, 2))
 
-    def fit(self, exemplar: Exemplar) -> GraphCutModel:
+    def fit(self, exemplar: Exemplar) -> PixelModel:
         """Prepare a sample."""
-        return GraphCutModel(self, exemplar)
+        settings = settle(exemplar, **asdict(self))
+        method = self
+        if self.placement == "subpatch":  # the others lay the entire sample
+            size, boundary = settings.patch_shape[0], settings.boundary_width
+            method = replace(self, patch_size=size, boundary_width=boundary)
+        return PixelModel(method, exemplar, settings, synthesize)
 
 
-class GraphCutModel(PixelModel):
-    """A sample prepared for graph-cut textures; `sample` makes outputs from it."""
+def synthesize(settings: Settings, growth: Growth) -> None:
+    """Cover the canvas with patches, then put more patches over its worst seams.
 
-    method: GraphCut
+    Sections are those of the paper.
+    """
+    picture = Picture(settings, growth)
+    placement = placement_of(settings, growth)  # random, entire patch or sub-patch (section 4)
+    growth.about["patch_shape"] = list(placement.size)
 
-    def __init__(self, method: GraphCut, exemplar: Exemplar) -> None:
-        super().__init__(method, exemplar)
-        self.windows = windows_of(exemplar, (0, 0, 0, 0))
-        shorter = min(exemplar.shape)
-        size = method.patch_size
-        if size is not None and size > shorter:
-            raise InvalidInputError(
-                f"patch_size is {size}; {exemplar.name} is {exemplar.shape[1]}x"
-                f"{exemplar.shape[0]}, which has room for {shorter}"
-            )
-        if method.placement != "subpatch":
+    with thread_map(min(growth.threads, settings.candidates)) as map_:
+
+        def lay(pixel: tuple[int, int], number: int, *, centered: bool) -> Cut:
+            # Places that match, drawn by P(t) = exp(-C(t) / (k sigma**2)) (section 4).
+            places = placement.candidates(pixel, number, centered)
+            # The minimum cut between old and new pixels; old seams are in the graph (section 3).
+            best: Cut = min(map_(picture.cut, places), key=lambda cut: cut.cost)
+            return best
+
+        # Patches that each cover the first missing pixel, until none is missing (section 4).
+        laid = 0
+        progress = growth.progress(int((growth.done == 0).sum()), "pixels")
+        for pixel in picture.missing():
+            progress.advance(picture.paste(lay(pixel, laid, centered=False)))
+            laid += 1
+
+        # Patches over the worst seams: an old seam goes where the cut is cheaper (section 4).
+        count = round(settings.refinements * laid)
+        if not count:
             return
-        settled = size or max(1, round(_SHARE * shorter))
-        while not self._has_room(settled):
-            if size is not None:
-                raise InvalidInputError(
-                    f"patch_size is {size}; no patch that large lies on usable pixels of "
-                    f"{exemplar.name}, make it smaller"
-                )
-            settled = settled * 3 // 4
-        boundary = method.boundary_width
-        if boundary is not None and boundary > settled // 2:
-            raise InvalidInputError(
-                f"boundary_width is {boundary}; it must be at most half of the patch, "
-                f"{settled // 2}"
-            )
-        boundary = settled // 3 if boundary is None else boundary
-        self.method = replace(method, patch_size=settled, boundary_width=boundary)
-
-    def _has_room(self, side: int) -> bool:
-        try:
-            windows_of(self.exemplar, (0, side - 1, 0, side - 1))
-        except InvalidInputError:
-            return False
-        return True
-
-    def grow(self, growth: Growth) -> None:
-        """Cover the canvas, then mend the worst seams."""
-        if growth.threads == 1 or self.method.candidates == 1:
-            self._grow(growth, map)
-            return
-        from concurrent.futures import ThreadPoolExecutor
-
-        with ThreadPoolExecutor(min(growth.threads, self.method.candidates)) as pool:
-            self._grow(growth, pool.map)
-
-    def _grow(self, growth: Growth, map_: Callable[..., Iterable[Any]]) -> None:
-        cutting = Cutting(self.method, self.exemplar, self.windows, growth, map_)
-        cutting.cover()
-        cutting.refine()
+        seams = CanvasSeams(picture, growth.canvas, placement.size)
+        progress = growth.progress(count, "repairs")
+        for number in range(laid, laid + count):
+            worst = seams.worst()
+            if worst is None:
+                progress.advance(progress.total - progress.done)
+                break
+            cut = lay(worst, number, centered=True)
+            picture.paste(cut)
+            seams.price_around(cut.place)
+            progress.advance(1)

@@ -1,37 +1,30 @@
-"""Where patches come from (Kwatra et al., 2003, section 4): matching, and drawing of matches."""
+"""Where patches come from: placement and matching (Kwatra et al., 2003, section 4)."""
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING, NamedTuple, Protocol
 
 import numpy as np
 
 from weftex.random import draw
 from weftex.raster.boxes import box_sums
-from weftex.search.translation import (
-    Spectra,
-    fast_size,
-    overlap_mismatch,
-    window_mismatch,
-)
+from weftex.search.translation import Spectra, fast_size, overlap_mismatch, window_mismatch
 from weftex.search.windows import windows_of
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-    from weftex.exemplar import Exemplar
-    from weftex.methods.graphcut import GraphCut
+    from weftex.methods.graphcut.settings import Settings
     from weftex.methods.pixels.growth import Growth
-    from weftex.search.windows import Windows
 
-_FAR = 64.0  # e**-64 is no chance at all
-_CHANCES = 2.0**32  # of the best match
-_APART = 16  # candidates lie more than this part of a patch from each other
-_THIN = 4  # every fourth pixel, both ways, tells what is shown nearby
+_LARGEST_EXPONENT = 64.0  # e**-64 is no chance at all
+_BEST_CHANCE = 2.0**32  # the chance of the best match, as a whole number
+_APART = 16  # candidates lie more than 1/16 of a patch from each other
+_SHOWN_STEP = 4  # every fourth pixel, both ways, is looked at for places that are shown nearby
 
 
 class Place(NamedTuple):
-    """A box on the canvas, and where in the sample its corner comes from."""
+    """A box on the canvas, and the place in the sample of its upper left pixel."""
 
     top: int
     left: int
@@ -41,185 +34,139 @@ class Place(NamedTuple):
     source_left: int
 
 
-class Places:
-    """Places for patches; drawn by P(t) = exp(-C(t) / (k sigma**2)), equation (5).
+class Placement(Protocol):
+    """A way to find places for patches."""
 
-    Attributes
-    ----------
-    size : tuple of int
-        Height and width of the patches, in pixels.
-    """
+    size: tuple[int, int]  # height and width of a patch on this canvas, in pixels
 
-    size: tuple[int, ...]
+    def candidates(self, pixel: tuple[int, int], number: int, centered: bool) -> list[Place]:
+        """Draw places for a patch, the `number`-th one, that covers a pixel (row, column).
 
-    def __init__(
-        self, method: GraphCut, exemplar: Exemplar, windows: Windows, growth: Growth
-    ) -> None:
-        self.method, self.exemplar, self.growth = method, exemplar, growth
-        self.canvas, self.seed = growth.canvas, growth.seed
-        self.levels, self.usable = windows.pixels, windows.usable
-        self.spread = method.tolerance * variance(self.levels[self.usable != 0])
-
-    def draw(self, pixel: tuple[int, int], number: int, mend: bool) -> list[Place]:
-        """Candidates for a patch that covers a pixel.
-
-        Parameters
-        ----------
-        pixel : (int, int)
-            On the canvas.
-        number : int
-            Of the patch, for the random bits.
-        mend : bool
-            The pixel is to be in the middle of the patch; otherwise `boundary_width` from the
-            upper and left side.
+        The pixel is in the middle of the patch if `centered`, else near its upper left corner.
         """
-        raise TypeError(f"{type(self).__name__} does not define draw")
-
-    def drawn(
-        self, costs: NDArray[np.float64], allowed: NDArray[np.bool_], number: int
-    ) -> list[tuple[int, int]]:
-        """Draw candidates that are not next to each other, as (row, column) of `costs`."""
-        chances = np.where(allowed, chances_of(costs, allowed, self.spread), 0)
-        bits = draw(self.seed, "patch", number, np.arange(self.method.candidates))
-        reach = [length // _APART for length in self.size]
-        found: list[tuple[int, int]] = []
-        for bit in bits:
-            sums = chances.ravel().cumsum()
-            if not sums[-1]:
-                break
-            at = int(sums.searchsorted(int(bit) % int(sums[-1]), side="right"))
-            y, x = divmod(at, chances.shape[1])
-            found.append((y, x))
-            chances[max(y - reach[0], 0) : y + reach[0] + 1][
-                :, max(x - reach[1], 0) : x + reach[1] + 1
-            ] = 0
-        return found
 
 
-class PlacesOfPatches(Places):
+def placement_of(settings: Settings, growth: Growth) -> Placement:
+    """Return the way that `settings.placement` names."""
+    if settings.placement == "subpatch":
+        return SubPatchMatching(settings, growth)
+    return EntirePatchMatching(settings, growth, random=settings.placement == "random")
+
+
+class SubPatchMatching:
     """Sub-patch matching: a patch of the canvas is looked for everywhere in the sample."""
 
-    def __init__(
-        self, method: GraphCut, exemplar: Exemplar, windows: Windows, growth: Growth
-    ) -> None:
-        super().__init__(method, exemplar, windows, growth)
-        side, boundary = method.patch_size, method.boundary_width
-        assert side is not None and boundary is not None
-        # Around a wrapped axis a patch leaves something that it can be joined to.
-        self.size = tuple(
-            min(side, max(1, 2 * n // 3) if wraps else n)
-            for n, wraps in zip(self.canvas.shape, self.canvas.wrap, strict=True)
-        )
-        self.overlap = [min(boundary, (n - 1) // 2) for n in self.size]
+    def __init__(self, settings: Settings, growth: Growth) -> None:
+        self.settings, self.growth, self.canvas = settings, growth, growth.canvas
+        self.size = _size_on_canvas(settings.patch_shape, growth)
         height, width = self.size
+        self.overlap = [min(settings.boundary_width, (n - 1) // 2) for n in self.size]
+        exemplar, windows = settings.exemplar, settings.windows
         corners = windows_of(exemplar, (0, height - 1, 0, width - 1))
         self.corners = corners.usable[: exemplar.shape[0], : exemplar.shape[1]] != 0
-        tiles = exemplar.tileable
-        self.transform = tuple(n if tiles else fast_size(n) for n in exemplar.shape)
-        self.spectra = Spectra(self.levels, self.usable, self.transform)
+        self.transform = tuple(n if exemplar.tileable else fast_size(n) for n in exemplar.shape)
+        self.spectra = Spectra(windows.pixels, windows.usable, self.transform)
 
-    def draw(self, pixel: tuple[int, int], number: int, mend: bool) -> list[Place]:
-        """See `Places.draw`."""
-        top, left = (
-            at - (size // 2 if mend else overlap)
-            if wraps
-            else min(max(at - (size // 2 if mend else overlap), 0), n - size)
-            for at, size, overlap, n, wraps in zip(
-                pixel, self.size, self.overlap, self.canvas.shape, self.canvas.wrap, strict=True
-            )
-        )
+    def candidates(self, pixel: tuple[int, int], number: int, centered: bool) -> list[Place]:
+        """See `Placement.candidates`."""
+        settings = self.settings
+        top, left = self._corner(pixel, centered)
         y = (top + np.arange(self.size[0])) % self.canvas.height
         x = (left + np.arange(self.size[1])) % self.canvas.width
         there = self.growth.done[np.ix_(y, x)]
         costs, allowed = np.zeros(self.corners.shape), self.corners
         if there.any():
-            if self.method.variety > 0:
-                allowed = self.corners & ~self.continuing(y, x)
-                allowed = allowed if allowed.any() else self.corners
-            box = Spectra(self.growth.levels[np.ix_(y, x)], there, self.transform)
-            total = window_mismatch(self.spectra, box)
+            box = Spectra(self.growth.pixels[np.ix_(y, x)], there, self.transform)
+            total = window_mismatch(self.spectra, box)  # C(t), by FFT as in section 5
             costs = total[: costs.shape[0], : costs.shape[1]] / int(there.sum())
-            if self.method.variety > 0:
-                costs = self.varied(costs, top, left)
-        drawn = self.drawn(costs, allowed, number)
-        return [Place(top, left, self.size[0], self.size[1], y, x) for y, x in drawn]
+            if settings.variety > 0:  # not in the paper
+                costs = self._varied(costs, top, left)
+                apart = self.corners & ~self._continuing(y, x)
+                allowed = apart if apart.any() else self.corners
+        drawn = drawn_places(costs, allowed, settings, self.growth.seed, number, self.size)
+        return [Place(top, left, *self.size, y, x) for y, x in drawn]
 
-    def continuing(self, y: NDArray[np.int64], x: NDArray[np.int64]) -> NDArray[np.bool_]:
+    def _corner(self, pixel: tuple[int, int], centered: bool) -> list[int]:
+        """The upper left corner on the canvas of a patch that covers a pixel."""
+        corner = []
+        for at, size, overlap, n, wraps in zip(
+            pixel, self.size, self.overlap, self.canvas.shape, self.canvas.wrap, strict=True
+        ):
+            first = at - (size // 2 if centered else overlap)
+            corner.append(first if wraps else min(max(first, 0), n - size))
+        return corner
+
+    def _continuing(self, y: NDArray[np.int64], x: NDArray[np.int64]) -> NDArray[np.bool_]:
         """Places from which the patch would go on as something in its box does in the sample."""
+        shape = self.settings.exemplar.shape
         source = self.growth.source[np.ix_(y, x)]
         v, u = np.nonzero(source >= 0)
-        sample_y, sample_x = np.divmod(source[v, u], self.exemplar.shape[1])
-        near = [size // _APART for size in self.size]
+        sample_y, sample_x = np.divmod(source[v, u], shape[1])
         corners = [sample_y - v, sample_x - u]
-        if self.exemplar.tileable:
-            corners = [c % n for c, n in zip(corners, self.exemplar.shape, strict=True)]
+        if self.settings.exemplar.tileable:
+            corners = [c % n for c, n in zip(corners, shape, strict=True)]
+        near = [size // _APART for size in self.size]
         rows, columns = (c + k for c, k in zip(corners, near, strict=True))
-        height, width = (n + 2 * k for n, k in zip(self.exemplar.shape, near, strict=True))
+        height, width = (n + 2 * k for n, k in zip(shape, near, strict=True))
         inside = (rows >= 0) & (rows < height) & (columns >= 0) & (columns < width)
         taken = np.zeros((height, width), bool)
         taken[rows[inside], columns[inside]] = True
         return box_sums(taken, *(2 * k + 1 for k in near)) > 0
 
-    def varied(self, costs: NDArray[np.float64], top: int, left: int) -> NDArray[np.float64]:
-        """Add to the cost of a place in the sample for what of it is shown nearby.
+    def _varied(self, costs: NDArray[np.float64], top: int, left: int) -> NDArray[np.float64]:
+        """Add to the cost of each place in the sample for its pixels that are shown nearby.
 
-        All of a patch shown once adds, at a variety of 1, the cost of the best match among the
-        half of the places that are shown least: what is good enough in this material.
+        All of a patch shown once adds, at a variety of 1, the cost of the best match among the half
+        of the places that are shown least: a cost that is good enough in this material.
         """
         around = []
         for start, size, n, wraps in zip(
             (top, left), self.size, self.canvas.shape, self.canvas.wrap, strict=True
         ):
-            lines = np.arange(start - size, start + 2 * size, _THIN)
+            lines = np.arange(start - size, start + 2 * size, _SHOWN_STEP)
             around.append(lines[:n] % n if wraps else lines[(lines >= 0) & (lines < n)])
         source = self.growth.source[np.ix_(*around)].ravel()
-        shown = np.bincount(source[source >= 0], minlength=self.usable.size)
-        shown = shown.reshape(self.exemplar.shape)
-        beyond = [(0, size - 1) for size in self.size]
-        shown = box_sums(np.pad(shown, beyond, mode="wrap"), *self.size)
+        shape = self.settings.exemplar.shape
+        shown = np.bincount(source[source >= 0], minlength=shape[0] * shape[1]).reshape(shape)
+        shown = np.pad(shown, [(0, size - 1) for size in self.size], mode="wrap")
+        shown = box_sums(shown, *self.size)
         seen = shown[self.corners]
         median = np.partition(seen, len(seen) // 2)[len(seen) // 2]
         good = float(costs[self.corners][seen <= median].min())
-        once = self.size[0] * self.size[1] / _THIN**2
-        result: NDArray[np.float64] = costs + shown * (self.method.variety * good / once)
+        once = self.size[0] * self.size[1] / _SHOWN_STEP**2
+        result: NDArray[np.float64] = costs + shown * (self.settings.variety * good / once)
         return result
 
 
-class PlacesOfSample(Places):
+class EntirePatchMatching:
     """Entire patch matching, or random placement: the sample is shifted over the canvas."""
 
-    def __init__(
-        self, method: GraphCut, exemplar: Exemplar, windows: Windows, growth: Growth
-    ) -> None:
-        super().__init__(method, exemplar, windows, growth)
-        self.size = tuple(
-            min(side, max(1, 2 * n // 3) if wraps else n)
-            for side, n, wraps in zip(
-                exemplar.shape, self.canvas.shape, self.canvas.wrap, strict=True
-            )
-        )
-        self.reach = [n - 1 for n in exemplar.shape]
+    def __init__(self, settings: Settings, growth: Growth, *, random: bool) -> None:
+        self.settings, self.growth, self.canvas = settings, growth, growth.canvas
+        self.size, self.random = _size_on_canvas(settings.patch_shape, growth), random
+        self.usable = settings.windows.usable != 0
+        self.reach = [n - 1 for n in settings.patch_shape]
         self.transform = tuple(fast_size(2 * n + 1) for n in self.reach)
-        self.spectra = Spectra(self.levels, self.usable, self.transform)
+        self.spectra = Spectra(settings.windows.pixels, self.usable, self.transform)
 
-    def draw(self, pixel: tuple[int, int], number: int, mend: bool) -> list[Place]:
-        """See `Places.draw`."""
-        height, width = self.exemplar.shape
-        low, high = (1, 3) if mend else (1, 2)  # quarters of the sample that cover the pixel
+    def candidates(self, pixel: tuple[int, int], number: int, centered: bool) -> list[Place]:
+        """See `Placement.candidates`."""
+        height, width = self.usable.shape
+        low, high = (1, 3) if centered else (1, 2)  # quarters of the sample that cover the pixel
         allowed = np.zeros((height, width), bool)
         allowed[
             height * low // 4 : height * high // 4 + 1, width * low // 4 : width * high // 4 + 1
         ] = True
-        allowed &= self.usable != 0
+        allowed &= self.usable
         if not allowed.any():
-            allowed = self.usable != 0
-        costs = np.zeros((height, width))
-        if self.method.placement == "entire":
-            costs = self.mismatch(pixel, allowed)
-        return [self.clipped(pixel, at) for at in self.drawn(costs, allowed, number)]
+            allowed = self.usable
+        costs = np.zeros((height, width)) if self.random else self._mismatch(pixel, allowed)
+        seed = self.growth.seed
+        drawn = drawn_places(costs, allowed, self.settings, seed, number, self.size)
+        return [self._clipped(pixel, at) for at in drawn]
 
-    def mismatch(self, pixel: tuple[int, int], allowed: NDArray[np.bool_]) -> NDArray[np.float64]:
-        """C(t) of equation (4), for the sample's pixel that comes to lie on this one."""
+    def _mismatch(self, pixel: tuple[int, int], allowed: NDArray[np.bool_]) -> NDArray[np.float64]:
+        """C(t) over the overlap, for each pixel of the sample that may come to lie on this one."""
         around, inside = [], []
         for at, reach, n, wraps in zip(
             pixel, self.reach, self.canvas.shape, self.canvas.wrap, strict=True
@@ -228,7 +175,7 @@ class PlacesOfSample(Places):
             inside.append((line >= 0) & (line < n) | wraps)
             around.append(line % n)
         there = self.growth.done[np.ix_(*around)] * np.outer(*inside)
-        canvas = Spectra(self.growth.levels[np.ix_(*around)], there, self.transform)
+        canvas = Spectra(self.growth.pixels[np.ix_(*around)], there, self.transform)
         total, area = overlap_mismatch(canvas, self.spectra)
         # Place (0, 0) of the corner has the sample's last pixel on this one.
         total, area = (
@@ -239,18 +186,13 @@ class PlacesOfSample(Places):
             costs[area == 0] = np.inf
         return costs
 
-    def clipped(self, pixel: tuple[int, int], at: tuple[int, int]) -> Place:
-        """The sample with its pixel `at` on this one, as far as it is on the canvas."""
+    def _clipped(self, pixel: tuple[int, int], at: tuple[int, int]) -> Place:
+        """The part of the sample that is on the canvas if its pixel `at` lies on this one."""
         tops, lengths, sources = [], [], []
         for p, s, side, size, n, wraps in zip(
-            pixel,
-            at,
-            self.exemplar.shape,
-            self.size,
-            self.canvas.shape,
-            self.canvas.wrap,
+            pixel, at, self.usable.shape, self.size, self.canvas.shape, self.canvas.wrap,
             strict=True,
-        ):
+        ):  # fmt: skip
             first, last = p - s, p - s + side
             if wraps:
                 first = max(first, p - size // 2)
@@ -263,12 +205,40 @@ class PlacesOfSample(Places):
         return Place(*tops, *lengths, *sources)
 
 
-def variance(pixels: NDArray[np.uint8]) -> float:
-    """Variance of pixels (N, K), all channels together, from exact sums."""
-    total = [int(k) for k in pixels.sum(axis=0, dtype=np.int64)]
-    squares = sum(int(np.square(k, dtype=np.int64).sum()) for k in pixels.T)
-    count = len(pixels)
-    return (count * squares - sum(t * t for t in total)) / (count * count)
+def _size_on_canvas(patch_shape: tuple[int, int], growth: Growth) -> tuple[int, int]:
+    """The patch's size; around a wrapped axis it leaves something that it can be joined to."""
+    canvas = growth.canvas
+    height, width = (
+        min(side, max(1, 2 * n // 3) if wraps else n)
+        for side, n, wraps in zip(patch_shape, canvas.shape, canvas.wrap, strict=True)
+    )
+    return height, width
+
+
+def drawn_places(
+    costs: NDArray[np.float64],
+    allowed: NDArray[np.bool_],
+    settings: Settings,
+    seed: int,
+    number: int,
+    size: tuple[int, int],
+) -> list[tuple[int, int]]:
+    """Draw places by P(t), proportional to exp(-C(t) / (k * sigma**2)), not next to each other.
+
+    Returns (row, column) of `costs` for each candidate.
+    """
+    chances = np.where(allowed, chances_of(costs, allowed, settings.spread), 0)
+    found: list[tuple[int, int]] = []
+    for bits in draw(seed, "patch", number, np.arange(settings.candidates)):
+        sums = chances.ravel().cumsum()
+        if not sums[-1]:
+            break
+        at = int(sums.searchsorted(int(bits) % int(sums[-1]), side="right"))
+        y, x = divmod(at, chances.shape[1])
+        found.append((y, x))
+        near_y, near_x = (length // _APART for length in size)
+        chances[max(y - near_y, 0) : y + near_y + 1, max(x - near_x, 0) : x + near_x + 1] = 0
+    return found
 
 
 def chances_of(
@@ -280,8 +250,8 @@ def chances_of(
     """
     above: NDArray[np.float64] = np.maximum(costs - costs[allowed].min(), 0)
     if spread > 0:
-        power = 1 + np.minimum(above / spread, _FAR) / 1024
+        power = 1 + np.minimum(above / spread, _LARGEST_EXPONENT) / 1024
         for _ in range(10):
             power *= power
-        return np.asarray(_CHANCES / power, np.int64)
+        return np.asarray(_BEST_CHANCE / power, np.int64)
     return np.asarray(above == 0, np.int64)
