@@ -12,7 +12,7 @@ import weftex
 from families import canvas_of, noise, with_guides
 from weftex.analysis.scale import dominant_scale
 from weftex.canvas import Canvas
-from weftex.methods.refinement.sweeps import _cyclic, _lines
+from weftex.methods.refinement.sweeps import cyclic_lines, rows_of
 
 WRAPS = [(False, False), (False, True), (True, False), (True, True)]
 
@@ -20,12 +20,12 @@ WRAPS = [(False, False), (False, True), (True, False), (True, True)]
 def check_twin(method, exemplar, canvas, seed):
     model = method.fit(exemplar)
     result = model.sample(canvas, seed=seed)
-    start = None
-    if model.start and not (canvas.guide is not None and model.open):
-        bare = "guide" not in model.start.method.supports
+    start, other = None, model.prepared.start_for(canvas.guide is not None)
+    if other:
+        bare = "guide" not in other.method.supports
         follow = dataclasses.replace(canvas, guide=None) if bare else canvas
-        start = model.start.sample(follow, seed=seed).source
-    components = model.levels[0].components
+        start = other.sample(follow, seed=seed).source
+    components = getattr(model.prepared.levels[0], "components", None)
     expected = reference.refinement(model.method, exemplar, canvas, seed, start, components)
     source = result.source
     if canvas.hole is not None:
@@ -93,7 +93,7 @@ def test_levels_are_the_slow_twins(kind, tileable, init):
     method = weftex.Refinement(window_width=13, iterations=1, init=init, similar=1 + tileable)
     canvas = canvas_of(kind, pixels, (13, 15))
     model = method.fit(exemplar)
-    assert len(model.levels) == 2
+    assert len(model.prepared.levels) == 2
     check_twin(method, exemplar, canvas, 5)
 
 
@@ -114,13 +114,14 @@ def test_guides_of_levels_are_the_slow_twins(tileable):
 def test_the_depth_follows_the_window_and_the_sample():
     pixels = noise((100, 120))
     for width, depth in ((3, 1), (7, 1), (9, 2), (15, 3), (29, 3), (99, 3)):
-        levels = weftex.Refinement(window_width=width).fit(weftex.Exemplar(pixels)).levels
+        levels = weftex.Refinement(window_width=width).fit(weftex.Exemplar(pixels)).prepared.levels
         assert len(levels) == depth
         assert [level.reach for level in levels] == [1 if depth > 1 else min(3, width // 2)] + [
             3
         ] * (depth - 1)
     model = weftex.Refinement(window_width=29, search="pca").fit(weftex.Exemplar(pixels))
-    assert len(model.levels) == 1 and model.levels[0].reach == 14
+    (level,) = model.prepared.levels
+    assert level.reach == 14
 
 
 def test_the_window_is_twice_the_scale():
@@ -277,7 +278,7 @@ def test_evenness_spreads_what_is_used():
 def test_holes_are_swept_from_four_sides():
     hole = np.zeros((3, 4), bool)
     hole[0, 1:], hole[2, 2] = True, True
-    lines = _lines(hole)
+    lines = rows_of(hole)
     expected = [
         [[1, 2, 3], [10]],
         [[1], [2, 10], [3]],
@@ -285,7 +286,7 @@ def test_holes_are_swept_from_four_sides():
         [[3], [10, 2], [1]],
     ]
     for turn in range(8):
-        assert [k.tolist() for k in _cyclic(lines, turn, hole.shape)] == expected[turn % 4]
+        assert [k.tolist() for k in cyclic_lines(lines, turn, hole.shape)] == expected[turn % 4]
 
 
 def test_a_hole_of_a_texture_that_repeats_is_filled_with_it():

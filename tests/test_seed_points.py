@@ -8,7 +8,7 @@ from hypothesis import strategies as st
 import reference
 from families import noise
 from weftex.exemplar import Exemplar
-from weftex.methods.refinement.seed_points import plant_seeds
+from weftex.methods.refinement.start import plant_seeds
 from weftex.search.windows import windows_of
 
 

@@ -10,7 +10,7 @@ import weftex
 from families import noise
 from weftex.exemplar import Exemplar
 from weftex.raster.pyramids import gaussian_pyramid
-from weftex.search.similar import nearest_centre, similar_places
+from weftex.search.similar import nearest_center, similar_places
 from weftex.search.windows import windows_of
 
 
@@ -77,7 +77,7 @@ def test_where_no_window_is_the_nearest_stands_for_it():
     for tileable in (False, True):
         windows = windows_of(Exemplar(noise((9, 10)), mask=mask, tileable=tileable), (1, 1, 1, 1))
         centres = list(zip(*np.nonzero(windows.usable), strict=True))
-        result = nearest_centre(windows.usable)
+        result = nearest_center(windows.usable)
         for y, x in np.ndindex(result.shape):
             expected = reference.nearest_centre(centres, y, x)
             assert divmod(int(result[y, x]), result.shape[1]) == expected

@@ -5,8 +5,8 @@ import pytest
 
 import reference
 from families import noise
-from weftex.raster.pyramids import gaussian_pyramid, mask_pyramid
-from weftex.search.stack import Layout, gaussian_stack, mask_stack
+from weftex.raster.pyramids import gaussian_pyramid, gaussian_stack, mask_pyramid, mask_stack
+from weftex.search.stack import Layout
 
 
 @pytest.mark.parametrize("tileable", [False, True])

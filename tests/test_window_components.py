@@ -9,7 +9,7 @@ import reference
 import weftex
 from families import noise
 from weftex.exemplar import Exemplar
-from weftex.search import projection_kernels as _projection_kernels
+from weftex.search import projection_kernels as kernels
 from weftex.search.window_components import window_components
 from weftex.search.windows import windows_of
 
@@ -62,11 +62,7 @@ def test_a_known_part_gives_the_slow_twins_coordinates(seed, share):
     known = [(int(y) - 2, int(x) - 2) for y, x in np.argwhere(there)]
     runs = np.array([(*at, 1) for at in known] or [(0, 0, 0)], np.int32)
     query = np.concatenate([window[y + 2, x + 2] for y, x in known] or [np.zeros(1, np.uint8)])
-    result = np.zeros(len(found.features), np.int16)
-    _projection_kernels.coordinates_of_runs(
-        runs, len(known), query, found.mean, found.basis, found.level, found.offset, found.shift,
-        np.zeros(channels, np.int16), np.zeros(len(result), np.int64), result,
-    )  # fmt: skip
+    result = kernels.coordinates_of_runs(found, runs[: len(known)], query)
     assert result.tolist() == reference.component_coordinates(window, known, found, 2)
 
 

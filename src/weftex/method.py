@@ -6,6 +6,7 @@ import dataclasses
 import math
 import numbers
 from abc import ABC, abstractmethod
+from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any, ClassVar, Self
 
 from weftex.canvas import Canvas
@@ -39,9 +40,9 @@ def parameter(
     low: float | None = None,
     high: float | None = None,
     unit: str = "",
-    choices: tuple[str, ...] = (),
+    choices: Sequence[str] = (),
     default_text: str = "",
-    needs: tuple[str, tuple[str, ...]] | None = None,
+    needs: tuple[str, Sequence[str]] | None = None,
     needs_canvas: str = "",
     count: int = 0,
 ) -> Any:
@@ -57,7 +58,7 @@ def parameter(
         Inclusive bounds.
     unit : str
         Of the value, for people.
-    choices : tuple of str
+    choices : sequence of str
         The allowed values of a text.
     default_text : str
         What None stands for.

@@ -1,8 +1,13 @@
-"""Gaussian pyramids of bytes, in integers.
+"""Gaussian pyramids and Gaussian stacks of bytes, in integers.
 
-A pixel of a coarser level lies on every second one of the finer level and is the binomial mean,
-1 4 6 4 1 along each axis, of what is around it; so the pixel at (y, x) has the one at (y // 2,
-x // 2) as its parent, at odd sizes too. Sums are of integers, so every machine gets these bytes.
+A pixel of a coarser level of a pyramid lies on every second one of the finer level and is the
+binomial mean, 1 4 6 4 1 along each axis, of the pixels around it; so the pixel at (y, x) has the
+one at (y // 2, x // 2) as its parent, at odd sizes too. Sums are of integers, so every machine
+gets these bytes.
+
+A pyramid keeps every second pixel. A stack keeps them all, so a place on any of its levels is a
+pixel of the finest (Lefebvre and Hoppe, 2005). Pixels that lie side by side on a coarse level are
+two or more apart on the finest; those that belong together are a phase, a picture of its own.
 """
 
 from __future__ import annotations
@@ -15,16 +20,17 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
 _WEIGHTS = (1, 4, 6, 4, 1)
+_STARTS = ((0, 0), (0, 1), (1, 0), (1, 1))
 
 
 def gaussian_pyramid(
-    levels: NDArray[np.uint8], count: int, wrap: tuple[bool, bool] = (False, False)
+    pixels: NDArray[np.uint8], count: int, wrap: tuple[bool, bool] = (False, False)
 ) -> list[NDArray[np.uint8]]:
-    """Return `levels` and its coarser versions, each half as high and wide, rounded up.
+    """Return `pixels` and its coarser versions, each half as high and wide, rounded up.
 
     Parameters
     ----------
-    levels : uint8 array (H, W, K)
+    pixels : uint8 array (H, W, K)
         The finest level, which is returned as it is.
     count : int
         How many levels; sides of one pixel stay so.
@@ -39,10 +45,9 @@ def gaussian_pyramid(
     >>> [level.shape for level in pyramid], bool((pyramid[2] == 77).all())
     ([(9, 6, 3), (5, 3, 3), (3, 2, 3)], True)
     """
-    result = [levels]
+    result = [pixels]
     for _ in range(count - 1):
-        levels = halve(levels, wrap)
-        result.append(levels)
+        result.append(_halved(result[-1], wrap))
     return result
 
 
@@ -59,16 +64,70 @@ def mask_pyramid(
     """
     result = [mask]
     for _ in range(count - 1):
-        mask = halve_mask(mask, wrap)
-        result.append(mask)
+        result.append(_halved_mask(result[-1], wrap))
     return result
 
 
-def halve(
-    levels: NDArray[np.uint8], wrap: tuple[bool, bool], start: tuple[int, int] = (0, 0)
+def gaussian_stack(
+    pixels: NDArray[np.uint8], count: int, wrap: tuple[bool, bool] = (False, False)
+) -> list[list[NDArray[np.uint8]]]:
+    """Return for each level of a Gaussian stack its phases, the finest level first.
+
+    Parameters
+    ----------
+    pixels : uint8 array (H, W, K)
+        The finest level, which is its only phase.
+    count : int
+        How many levels; each has four times the phases of the one before.
+    wrap : (bool, bool)
+        Whether the vertical and the horizontal axis go around, as in `gaussian_pyramid`.
+
+    Returns
+    -------
+    list of lists of uint8 arrays
+        In the order of `phase_starts`. The first phase of a level is that of a pyramid.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> [p.shape for p in gaussian_stack(np.zeros((9, 6, 3), np.uint8), 2)[1]]
+    [(5, 3, 3), (5, 3, 3), (4, 3, 3), (4, 3, 3)]
+    """
+    result = [[pixels]]
+    for _ in range(count - 1):
+        result.append([_halved(phase, wrap, at) for at in _STARTS for phase in result[-1]])
+    return result
+
+
+def mask_stack(
+    mask: NDArray[np.bool_], count: int, wrap: tuple[bool, bool] = (False, False)
+) -> list[list[NDArray[np.bool_]]]:
+    """Return for each phase of `gaussian_stack` which pixels are means of the mask's alone."""
+    result = [[mask]]
+    for _ in range(count - 1):
+        result.append([_halved_mask(phase, wrap, at) for at in _STARTS for phase in result[-1]])
+    return result
+
+
+def phase_starts(number: int) -> list[tuple[int, int]]:
+    """Return the first pixel of each phase of a stack's level, 0 being the finest.
+
+    Examples
+    --------
+    >>> phase_starts(1)
+    [(0, 0), (0, 1), (1, 0), (1, 1)]
+    """
+    starts = [(0, 0)]
+    for k in range(number):
+        starts = [(y + (v << k), x + (u << k)) for v, u in _STARTS for y, x in starts]
+    return starts
+
+
+def _halved(
+    pixels: NDArray[np.uint8], wrap: tuple[bool, bool], start: tuple[int, int] = (0, 0)
 ) -> NDArray[np.uint8]:
-    """Return the next coarser level; `start` is which of its pixels the first one lies on."""
-    total = levels.astype(np.uint16)  # 255 * 16 * 16 + 128 fits
+    """The next coarser level, whose first pixel lies on the one at `start`."""
+    total = pixels.astype(np.uint16)  # 255 * 16 * 16 + 128 fits
     for axis in (0, 1):
         taps = _taps(total.shape[axis], wrap[axis], start[axis])
         total = np.sum(
@@ -79,10 +138,10 @@ def halve(
     return np.ascontiguousarray((total + np.uint16(128)) >> np.uint16(8), np.uint8)
 
 
-def halve_mask(
+def _halved_mask(
     mask: NDArray[np.bool_], wrap: tuple[bool, bool], start: tuple[int, int] = (0, 0)
 ) -> NDArray[np.bool_]:
-    """Return which pixels of `halve` are means of pixels of the mask alone."""
+    """Which pixels of `_halved` are means of pixels of the mask alone."""
     for axis in (0, 1):
         taps = _taps(mask.shape[axis], wrap[axis], start[axis])
         mask = np.logical_and.reduce([mask.take(t, axis) for t in taps])

@@ -1,5 +1,13 @@
-cdef void run_coordinates(const int[:, ::1] runs, Py_ssize_t n, const unsigned char[::1] query,
-                          const unsigned char[::1] mean, const short[:, :, ::1] basis,
-                          const long long[::1] level, const int[::1] offset, int shift,
-                          short[::1] difference, long long[::1] totals,
-                          short[::1] features) noexcept nogil
+cdef class Components:
+    cdef const unsigned char[::1] mean
+    cdef const short[:, :, ::1] basis
+    cdef const long long[::1] mean_product
+    cdef const int[::1] offset
+    cdef const short[:, ::1] features
+    cdef int shift
+    cdef short[::1] difference
+    cdef long long[::1] totals
+    cdef short[::1] coordinates
+
+cdef void run_coordinates(Components to, const int[:, ::1] runs, Py_ssize_t count,
+                          const unsigned char[::1] query) noexcept nogil

@@ -11,16 +11,16 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from weftex.search import similar_kernels as _similar_kernels
+from weftex.search import similar_kernels as kernels
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from weftex.search.windows import Windows
 
-_APART = 2  # pixels; what is nearer than that is the same place
+_SAME_PLACE = 2  # pixels; places that are no farther apart count as one
 _AROUND = (-1, 0, 1)
-_PAIRS = 2**24  # comparisons on the coarsest level, about so many in all
+_COARSEST_PAIRS = 2**24  # comparisons on the coarsest level, about so many in all
 
 
 def similar_places(
@@ -46,28 +46,28 @@ def similar_places(
     -------
     int32 array (H' * W', count)
         Flat indices into `windows.pixels`, nearest first, -1 where there are fewer. A pixel that
-        no window is centred on has those of the nearest pixel that has one.
+        no window is centered on has those of the nearest pixel that has one.
     """
-    centres = windows.centres
+    centers = windows.centres
     if not count:
         return np.zeros((windows.usable.size, 0), np.int32)
     if coarser is None:
-        step = -(-(len(centres) ** 2) // _PAIRS)
-        candidates = np.ascontiguousarray(centres[None, ::step])
+        step = -(-(len(centers) ** 2) // _COARSEST_PAIRS)
+        candidates = np.ascontiguousarray(centers[None, ::step])
     else:
         candidates = _children(windows, *coarser)
-    found = np.full((len(centres), count), -1, np.int32)
-    _similar_kernels.nearest_windows(
-        windows.pixels, centres, candidates, reach, _APART, np.zeros(count, np.int64), found
+    found = np.full((len(centers), count), -1, np.int32)
+    kernels.nearest_windows(
+        windows.pixels, centers, candidates, reach, _SAME_PLACE, np.zeros(count, np.int64), found
     )
     rank = np.zeros(windows.usable.size, np.int32)
-    rank[centres] = np.arange(len(centres), dtype=np.int32)
-    result: NDArray[np.int32] = found[rank[nearest_centre(windows.usable).ravel()]]
+    rank[centers] = np.arange(len(centers), dtype=np.int32)
+    result: NDArray[np.int32] = found[rank[nearest_center(windows.usable).ravel()]]
     return result
 
 
-def nearest_centre(usable: NDArray[np.uint8]) -> NDArray[np.int32]:
-    """Return for each pixel of `windows` a flat index where a window is centred: its own, or near.
+def nearest_center(usable: NDArray[np.uint8]) -> NDArray[np.int32]:
+    """Return for each pixel of `windows` a flat index where a window is centered: its own, or near.
 
     Where the sample has a mask the nearest along the row is taken, and the row nearest to one
     that has any.
@@ -88,7 +88,7 @@ def nearest_centre(usable: NDArray[np.uint8]) -> NDArray[np.int32]:
 
 
 def _children(windows: Windows, coarser: Windows, similar: NDArray[np.int32]) -> NDArray[np.int32]:
-    """The places around the children of what each centre's parent is like."""
+    """The places around the children of what each center's parent is like."""
     height, width = windows.pixels.shape[:2]
     top, left = (int(n) for n in windows.period[:2])
     coarse_top, coarse_left = (int(n) for n in coarser.period[:2])

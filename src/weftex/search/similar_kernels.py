@@ -13,10 +13,7 @@ def near(step: cython.Py_ssize_t, apart: cython.Py_ssize_t) -> cython.bint:
     return -apart <= step and step <= apart
 
 
-@cython.cfunc
-@cython.nogil
-@cython.exceptval(check=False)
-def nearest(
+def nearest_windows(
     pixels: cython.const[cython.uchar][:, :, ::1],
     queries: cython.const[cython.int][::1],
     candidates: cython.const[cython.int][:, ::1],
@@ -24,79 +21,61 @@ def nearest(
     apart: cython.Py_ssize_t,
     best: cython.longlong[::1],
     out: cython.int[:, ::1],
-) -> cython.void:
+):
     """Fill each row of `out` with the windows most like a query's, nearest first, -1 for none.
 
     A row of candidates belongs to each query, or one row to all. None lies within `apart` of the
-    query, and of candidates that near to each other the best stands for all.
+    query, and of candidates that near to each other the best stands for all. `best` has room for
+    the distances of one row.
     """
+    cython.declare(i=cython.Py_ssize_t, j=cython.Py_ssize_t, k=cython.Py_ssize_t)
+    cython.declare(y=cython.Py_ssize_t, x=cython.Py_ssize_t, v=cython.Py_ssize_t)
+    cython.declare(u=cython.Py_ssize_t, r=cython.Py_ssize_t, row=cython.Py_ssize_t)
+    cython.declare(count=cython.Py_ssize_t, d=cython.longlong)
     columns: cython.Py_ssize_t = pixels.shape[1]
     wanted: cython.Py_ssize_t = out.shape[1]
     length: cython.Py_ssize_t = (2 * reach + 1) * pixels.shape[2]
-    i: cython.Py_ssize_t
-    j: cython.Py_ssize_t
-    k: cython.Py_ssize_t
-    row: cython.Py_ssize_t
-    r: cython.Py_ssize_t
-    y: cython.Py_ssize_t
-    x: cython.Py_ssize_t
-    v: cython.Py_ssize_t
-    u: cython.Py_ssize_t
-    d: cython.longlong
-    count: cython.Py_ssize_t
-    for i in range(queries.shape[0]):
-        y = queries[i] // columns
-        x = queries[i] % columns
-        row = i if candidates.shape[0] > 1 else 0
-        count = 0
-        for j in range(candidates.shape[1]):
-            if candidates[row, j] < 0:
-                continue
-            v = candidates[row, j] // columns
-            u = candidates[row, j] % columns
-            if near(v - y, apart) and near(u - x, apart):
-                continue
-            d = 0
-            for r in range(-reach, reach + 1):
-                d += squared(
-                    cython.address(pixels[y + r, x - reach, 0]),
-                    cython.address(pixels[v + r, u - reach, 0]),
-                    length,
-                )
-                if count == wanted and d >= best[wanted - 1]:
-                    break
-            if count == wanted and d >= best[wanted - 1]:
-                continue
-            k = 0
-            while k < count and not (
-                near(out[i, k] // columns - v, apart) and near(out[i, k] % columns - u, apart)
-            ):
-                k += 1
-            if k < count:
-                if d >= best[k]:
-                    continue
-            else:
-                if count < wanted:
-                    count += 1
-                k = count - 1
-            while k > 0 and best[k - 1] > d:
-                best[k] = best[k - 1]
-                out[i, k] = out[i, k - 1]
-                k -= 1
-            best[k] = d
-            out[i, k] = candidates[row, j]
-        for k in range(count, wanted):
-            out[i, k] = -1
-
-
-def nearest_windows(pixels, queries, candidates, reach, apart, best, out):
-    """`nearest`."""
-    px: cython.const[cython.uchar][:, :, ::1] = pixels
-    qs: cython.const[cython.int][::1] = queries
-    cs: cython.const[cython.int][:, ::1] = candidates
-    re: cython.Py_ssize_t = reach
-    ap: cython.Py_ssize_t = apart
-    be: cython.longlong[::1] = best
-    ou: cython.int[:, ::1] = out
     with cython.nogil:
-        nearest(px, qs, cs, re, ap, be, ou)
+        for i in range(queries.shape[0]):
+            y = queries[i] // columns
+            x = queries[i] % columns
+            row = i if candidates.shape[0] > 1 else 0
+            count = 0
+            for j in range(candidates.shape[1]):
+                if candidates[row, j] < 0:
+                    continue
+                v = candidates[row, j] // columns
+                u = candidates[row, j] % columns
+                if near(v - y, apart) and near(u - x, apart):
+                    continue
+                d = 0
+                for r in range(-reach, reach + 1):
+                    d += squared(
+                        cython.address(pixels[y + r, x - reach, 0]),
+                        cython.address(pixels[v + r, u - reach, 0]),
+                        length,
+                    )
+                    if count == wanted and d >= best[wanted - 1]:
+                        break
+                if count == wanted and d >= best[wanted - 1]:
+                    continue
+                k = 0
+                while k < count and not (
+                    near(out[i, k] // columns - v, apart) and near(out[i, k] % columns - u, apart)
+                ):
+                    k += 1
+                if k < count:
+                    if d >= best[k]:
+                        continue
+                else:
+                    if count < wanted:
+                        count += 1
+                    k = count - 1
+                while k > 0 and best[k - 1] > d:
+                    best[k] = best[k - 1]
+                    out[i, k] = out[i, k - 1]
+                    k -= 1
+                best[k] = d
+                out[i, k] = candidates[row, j]
+            for k in range(count, wanted):
+                out[i, k] = -1

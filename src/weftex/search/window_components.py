@@ -19,9 +19,9 @@ if TYPE_CHECKING:
 
     from weftex.search.windows import Windows
 
-_MOST = 48  # components; keeps a sum of squares in the kernel under 2**31
-_LEARN = 512  # windows that the components are learnt from
-_UNIT = 2000  # length of a component
+_MOST_COMPONENTS = 48  # keeps a sum of squares in the kernel under 2**31
+_LEARNED_WINDOWS = 512  # windows that the components are learned from
+_COMPONENT_LENGTH = 2000
 
 
 @dataclass(frozen=True, eq=False)
@@ -31,24 +31,24 @@ class WindowComponents:
     Attributes
     ----------
     mean : uint8 array (K,)
-        Colour that stands for what is not known of a window.
+        The color that stands for the unknown pixels of a window.
     basis : int16 array (width, D, width * K)
         Components, row by row of the window; 0 at its middle pixel.
-    level : int64 array (D,)
-        Product of each component with a window of the mean colour.
+    mean_product : int64 array (D,)
+        Product of each component with a window of the mean color.
     offset : int32 array (D,)
-        What is subtracted from a product.
+        Subtracted from a product.
     shift : int
         Right shift, with rounding, that brings coordinates to their range.
     features : int16 array (D, n)
         Of the windows around `Windows.centres`.
     variance : float
-        Share of the variance of the windows learnt from that the components keep.
+        Share of the variance of the windows learned from that the components keep.
     """
 
     mean: NDArray[np.uint8]
     basis: NDArray[np.int16]
-    level: NDArray[np.int64]
+    mean_product: NDArray[np.int64]
     offset: NDArray[np.int32]
     shift: int
     features: NDArray[np.int16]
@@ -69,7 +69,9 @@ def window_components(windows: Windows, reach: int, variance: float) -> WindowCo
     """
     width, channels = 2 * reach + 1, windows.pixels.shape[2]
     centres = windows.centres
-    chosen = centres[np.linspace(0, len(centres) - 1, min(len(centres), _LEARN)).astype(np.int64)]
+    chosen = centres[
+        np.linspace(0, len(centres) - 1, min(len(centres), _LEARNED_WINDOWS)).astype(np.int64)
+    ]
     y, x = np.divmod(chosen, windows.pixels.shape[1])
     around = np.arange(-reach, reach + 1)
     rows, columns = y[:, None, None] + around[:, None], x[:, None, None] + around
@@ -77,7 +79,9 @@ def window_components(windows: Windows, reach: int, variance: float) -> WindowCo
     learn[:, reach, reach] = 0
     learn = learn.reshape(len(chosen), -1)
     vectors, kept = _components(learn, variance)
-    basis = np.rint(vectors * _UNIT).astype(np.int16).reshape(-1, width, width, channels)
+    basis = (
+        np.rint(vectors * _COMPONENT_LENGTH).astype(np.int16).reshape(-1, width, width, channels)
+    )
     corners = centres - reach * windows.pixels.shape[1] - reach
     raw = _correlations(windows.pixels, basis, corners)
     mean = windows.pixels.reshape(-1, channels)[centres].mean(axis=0, dtype=np.float64)
@@ -107,7 +111,7 @@ def _components(learn: NDArray[np.float64], variance: float) -> tuple[NDArray[np
     lengths = np.sqrt((kept**2).sum(axis=0))
     kept = kept / np.maximum(lengths, 1e-3)  # what a constant sample varies by is rounding
     kept[:, lengths < 1e-3] = 0
-    components = main_components(power, kept, variance, _MOST)
+    components = main_components(power, kept, variance, _MOST_COMPONENTS)
     share = power[::-1][: len(components)].clip(0).sum() / max(float(power.clip(0).sum()), 1e-9)
     return components, round(float(share), 2)
 

@@ -2,32 +2,30 @@
 
 from __future__ import annotations
 
-import dataclasses
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, ClassVar, Self
 
-import numpy as np
-
-from weftex.analysis.scale import dominant_scale
 from weftex.errors import InvalidInputError
 from weftex.method import parameter
-from weftex.methods.pixels.growth import PixelModel, settle_window
+from weftex.methods.pixels.growth import PixelModel
 from weftex.methods.pixels.windowed import WindowedMethod
-from weftex.methods.refinement.levels import component_level, pyramid_levels
-from weftex.methods.refinement.sweeps import Refining
-from weftex.registry import METHODS
-from weftex.seams.belts import seam_belts
-from weftex.search.windows import windows_of
+from weftex.methods.refinement.guides import guides_of
+from weftex.methods.refinement.model import Prepared, prepare
+from weftex.methods.refinement.output import (
+    finish,
+    output_pyramid,
+    show_coarse,
+    sources_of_children,
+    sources_shown,
+)
+from weftex.methods.refinement.settings import Starts, settings_of, settled_method
+from weftex.methods.refinement.start import keep_patches, result_of, seed_sources
+from weftex.methods.refinement.sweeps import Convergence, refine_texture, sweep_of
 
 if TYPE_CHECKING:
-    from numpy.typing import NDArray
-
     from weftex.canvas import Canvas
     from weftex.exemplar import Exemplar
-    from weftex.method import Model
     from weftex.methods.pixels.growth import Growth
-
-_WIDEST = 29  # pixels; with less than its four levels noise decides, and the picture falls apart
 
 
 @dataclass(frozen=True)
@@ -62,7 +60,7 @@ class Refinement(WindowedMethod):
     )
     search: str = parameter(
         "coherent",
-        "from coarse to fine along the neighbours' sources, or by principal components of windows",
+        "from coarse to fine along the neighbors' sources, or by principal components of windows",
         choices=("coherent", "pca"),
     )
     iterations: int = parameter(
@@ -74,7 +72,7 @@ class Refinement(WindowedMethod):
     init: str = parameter(
         "auto",
         "start from seed points or a method's result; auto: quilting; with a guide or 'pca' seeds",
-        choices=("auto", "seeds", *(slug for slug in METHODS if slug != "refinement")),
+        choices=Starts("auto", "seeds"),
     )
     joints: int | None = parameter(
         None,
@@ -82,7 +80,7 @@ class Refinement(WindowedMethod):
         low=2,
         unit="px",
         default_text="everything is refined",
-        needs=("init", ("auto", *(slug for slug in METHODS if slug != "refinement"))),
+        needs=("init", Starts("auto")),
     )
     seed_density: float = parameter(
         1.0,
@@ -143,9 +141,12 @@ class Refinement(WindowedMethod):
         belted = super().for_belt(width)
         return replace(belted, init="seeds") if self.init == "auto" else belted
 
-    def fit(self, exemplar: Exemplar) -> RefinementModel:
-        """Analyse a sample: its dominant scale, and how to find what is like a window."""
-        return RefinementModel(self, exemplar)
+    def fit(self, exemplar: Exemplar) -> PixelModel:
+        """Analyse a sample: its dominant scale, and how to find the windows like one."""
+        settled = self.settle(exemplar)  # step 1: WindowSize
+        settings = settings_of(settled, exemplar, seeds_for_guides=self.init == "auto")
+        prepared = prepare(exemplar, settings)  # step 2: SearchTree
+        return PixelModel(settled, exemplar, prepared, texture_synthesis)
 
     def require(self, canvas: Canvas) -> None:
         """See `Method.require`."""
@@ -157,78 +158,49 @@ class Refinement(WindowedMethod):
 
     def settle(self, exemplar: Exemplar) -> Refinement:
         """See `Method.settle`."""
-        pyramid = self.search == "coherent"
-        proposed = 1 if self.window_width else dominant_scale(exemplar).window_width
-        settled: Refinement = settle_window(
-            self, exemplar, max(_WIDEST if pyramid else 1, proposed)
-        )
-        init = self.init
-        if init == "auto":
-            init = "quilting" if pyramid or self.joints else "seeds"
-        if init != "seeds":
-            try:
-                METHODS[init]().settle(exemplar)
-            except InvalidInputError:  # too small a sample
-                if self.init != "auto" or self.joints:
-                    raise
-                init = "seeds"
-        return dataclasses.replace(settled, init=init)
+        settled: Refinement = settled_method(self, exemplar)
+        return settled
 
 
-class RefinementModel(PixelModel):
-    """A sample prepared for iterative refinement.
+def texture_synthesis(prepared: Prepared, growth: Growth) -> None:
+    """Make an output: steps 3 to 10 of TextureSynthesis (section 3), from coarse to fine.
 
-    Attributes
-    ----------
-    scale : int
-        In pixels, half of the window.
-    levels : list of Level
-        From the finest to the coarsest; one where search is "pca".
-    open : bool
-        The start was left open; where the canvas has a guide seeds are planted.
-    start : Model or None
-        What makes the pictures to refine; None plants seed points.
+    The paper refines seed points at one resolution. Beside that its result of another method may
+    be refined, and windows are wide because there are coarse levels.
     """
-
-    method: Refinement
-    start: Model | None
-
-    def __init__(self, method: Refinement, exemplar: Exemplar) -> None:
-        super().__init__(method.settle(exemplar), exemplar)
-        self.open = method.init == "auto"
-        init = self.method.init
-        self.start = None if init == "seeds" else METHODS[init]().fit(exemplar)
-        width: int = self.method.window_width  # type: ignore[assignment]
-        self.scale = max(1, width // 2)
-        if method.search == "coherent":
-            # A belt is filled on one level, so that it has to see more.
-            narrow = method.joints is None
-            self.levels = pyramid_levels(exemplar, width, method.similar, narrow)
-        else:
-            self.levels = [component_level(exemplar, width // 2, method.variance)]
-        self.windows = windows_of(exemplar, (0,) * 4)
-
-    def grow(self, growth: Growth) -> None:
-        """Refine a start until it stays as it is, from the coarsest level to the finest."""
-        made = None
-        if self.start is not None and self.method.joints is not None:
-            made = self.start.sample(growth.canvas, seed=growth.seed, threads=growth.threads)
-            self._keep(made.source, growth)
-        if not growth.done.all():
-            Refining(self, growth, made).run()
-
-    def _keep(self, source: NDArray[np.int32], growth: Growth) -> None:
-        """Keep the patches of a start; what is along their seams becomes a hole (Fig. 13)."""
-        width: int = self.method.joints  # type: ignore[assignment]
-        height, columns = self.exemplar.shape
-        period = (height, columns) if self.exemplar.tileable else None
-        belts = seam_belts(source, width // 2, growth.canvas.wrap, period)
-        place = (source[..., 0] * columns + source[..., 1]).astype(np.int32)
-        wanted = growth.done == 0
-        growth.levels[wanted] = self.exemplar.matching().reshape(-1, growth.levels.shape[2])[
-            place[wanted]
-        ]
-        kept = ~belts & wanted
-        growth.source[kept] = self.windows.from_sample(place[kept])
-        growth.done[kept] = 1
-        growth.hole = None if not growth.done.any() else growth.done == 0
+    settings, levels, windows = prepared.settings, prepared.levels, prepared.windows
+    start = prepared.start_for(growth.canvas.guide is not None)
+    if start is not None:
+        made = result_of(start, growth)
+        if settings.belt:  # section 5, Fig. 13: patches stay, belts along their seams are a hole
+            keep_patches(made, settings.belt, windows, growth)
+            if growth.done.all():
+                return
+    cyclic = growth.hole is not None  # section 5, Fig. 12
+    outputs = output_pyramid(windows, levels, growth)
+    guides = guides_of(settings, levels, growth)
+    convergence = Convergence(settings.threshold, cyclic)
+    steps = [output.count * n for output, n in zip(outputs, settings.iterations, strict=True)]
+    progress = growth.progress(sum(steps), "pixels")
+    coarsest = len(levels) - 1
+    for number in range(coarsest, -1, -1):
+        level, output, guide = levels[number], outputs[number], guides[number]
+        if number < coarsest:
+            source = sources_of_children(outputs[number + 1], levels[number + 1], output, level)
+        elif start is not None:
+            source = sources_shown(made, number, level)
+        else:  # step 3: PlantSeed, Fig. 5
+            source = seed_sources(settings, level, output, guide, growth.seed)
+        output.begin(level, source)
+        sweep = sweep_of(settings, level, output, guide, growth.seed, cyclic)
+        for iteration in range(settings.iterations[number]):  # step 5: while (ContinueFlag)
+            convergence.remember(output)
+            changed = refine_texture(sweep, iteration, progress)  # step 6: RefineTexture
+            show_coarse(output, growth)
+            if convergence.reached(output, iteration, changed):  # steps 7 and 8: eq. (1)
+                left = settings.iterations[number] - 1 - iteration
+                progress.advance(left * output.count)
+                break
+    finish(outputs[0], levels[0], windows, growth)  # step 10
+    growth.about["levels"] = len(levels)
+    growth.about["convergence"] = convergence.curve  # section 5, Fig. 7

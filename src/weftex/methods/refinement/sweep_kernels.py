@@ -2,321 +2,322 @@
 """The kernels of iterative refinement; compiled by Cython, see setup.py."""
 
 import cython
+import numpy as np
 from cython.cimports.weftex.search.coherence_kernels import coherent_places
-from cython.cimports.weftex.search.projection_kernels import run_coordinates
+from cython.cimports.weftex.search.projection_kernels import Components, run_coordinates
 from cython.cimports.weftex.search.window_kernels import gather_runs, known_runs, run_distance
 from cython.cimports.weftex.search.zone_kernels import nearest_by_features, squared
+
+_MOST_EXCESS = cython.declare(cython.longlong, 16384)  # in 1/256
+
+
+@cython.cclass
+class Output:
+    """The output at one level while it is refined."""
+
+    pixels: cython.uchar[:, :, ::1]
+    done: cython.uchar[:, ::1]
+    source: cython.int[:, ::1]
+    wrap_y: cython.bint
+    wrap_x: cython.bint
+
+    def __init__(self, pixels, done, source, wrap):
+        self.pixels, self.done, self.source = pixels, done, source
+        self.wrap_y, self.wrap_x = wrap
+
+
+@cython.cclass
+class Sample:
+    """The sample at one level, see `Level`."""
+
+    pixels: cython.const[cython.uchar][:, :, ::1]
+    usable: cython.const[cython.uchar][:, ::1]
+    inside: cython.const[cython.int][::1]
+    centers: cython.const[cython.int][::1]
+    period: cython.const[cython.int][::1]
+    reach: cython.Py_ssize_t
+
+    def __init__(self, level):
+        self.pixels, self.usable, self.inside = level.pixels, level.usable, level.inside
+        self.centers, self.reach = level.centers, level.reach
+        self.period = np.zeros(4, np.int32)  # pixels beyond a border that tiles are laid out
+
+
+@cython.cclass
+class Similar:
+    """The places most like each place of the sample, and how much they count."""
+
+    places: cython.const[cython.int][:, ::1]
+    margin: cython.longlong
+
+    def __init__(self, places, margin):
+        self.places, self.margin = places, margin
+
+
+@cython.cclass
+class Usage:
+    """How often each cell of the sample is used, and may be."""
+
+    cells: cython.const[cython.int][::1]
+    used: cython.int[::1]
+    capacity: cython.const[cython.int][::1]
+    weight: cython.longlong
+
+    def __init__(self, cells, used, capacity, weight):
+        self.cells, self.used, self.capacity, self.weight = cells, used, capacity, weight
+
+
+@cython.cclass
+class GuidePair:
+    """The output's guide and the sample's at one level, see `Guide`."""
+
+    output: cython.const[cython.uchar][:, :, ::1]
+    sample: cython.const[cython.uchar][:, :, ::1]
+    weight: cython.longlong
+    everywhere: cython.const[cython.uchar][:, ::1]
+    runs: cython.int[:, ::1]
+    query: cython.uchar[::1]
+    run_count: cython.Py_ssize_t
+
+    def __init__(self, guide, reach):
+        self.output, self.sample, self.weight = guide.output, guide.sample, guide.weight
+        self.everywhere = np.ones(guide.output.shape[:2], np.uint8)
+        self.runs, self.query = room_for_window(reach, guide.output.shape[2])
+
+
+@cython.cclass
+class Scratch:
+    """Room for the window of a pixel, and for its candidates."""
+
+    runs: cython.int[:, ::1]
+    query: cython.uchar[::1]
+    places: cython.int[::1]
+    keys: cython.longlong[::1]
+    coherent: cython.Py_ssize_t
+
+    def __init__(self, reach, channels, candidates):
+        self.runs, self.query = room_for_window(reach, channels)
+        self.places = np.zeros(candidates, np.int32)
+        self.keys = np.zeros(candidates, np.int64)
+
+
+def room_for_window(reach, channels):
+    """Arrays for the runs and the bytes of a window, and of the eight neighbors."""
+    width = max(2 * reach + 1, 3)
+    return np.zeros((width * (width + 1), 3), np.int32), np.zeros(width**2 * channels, np.uint8)
 
 
 @cython.cfunc
 @cython.nogil
 @cython.exceptval(check=False)
-def settle_pixel(
-    levels: cython.uchar[:, :, ::1],
-    done: cython.uchar[:, ::1],
-    source: cython.int[:, ::1],
-    y: cython.Py_ssize_t,
-    x: cython.Py_ssize_t,
-    pixels: cython.const[cython.uchar][:, :, ::1],
+def take(
+    output: Output, sample: Sample, y: cython.Py_ssize_t, x: cython.Py_ssize_t,
     place: cython.Py_ssize_t,
-) -> cython.bint:
+) -> cython.bint:  # fmt: skip
     """Give a pixel its place in the sample; return whether it changed."""
-    k: cython.Py_ssize_t
-    if source[y, x] == place:
-        done[y, x] = 1
+    cython.declare(k=cython.Py_ssize_t)
+    columns: cython.Py_ssize_t = sample.pixels.shape[1]
+    output.done[y, x] = 1
+    if output.source[y, x] == place:
         return False
-    source[y, x] = cython.cast(cython.int, place)
-    for k in range(levels.shape[2]):
-        levels[y, x, k] = pixels[place // pixels.shape[1], place % pixels.shape[1], k]
-    done[y, x] = 1
+    output.source[y, x] = cython.cast(cython.int, place)
+    for k in range(output.pixels.shape[2]):
+        output.pixels[y, x, k] = sample.pixels[place // columns, place % columns, k]
     return True
 
 
 @cython.cfunc
 @cython.nogil
 @cython.exceptval(check=False)
-def excess(
-    cell: cython.Py_ssize_t,
-    usage: cython.const[cython.int][::1],
-    capacity: cython.const[cython.int][::1],
-    weight: cython.longlong,
-) -> cython.longlong:
-    """What a distance is multiplied with, in 1/256: 256 unless a cell is used too often."""
-    over: cython.longlong = usage[cell] - capacity[cell]
+def excess(usage: Usage, place: cython.Py_ssize_t) -> cython.longlong:
+    """Factor of a distance, in 1/256: 256 unless the place's cell is used too often."""
+    cell: cython.Py_ssize_t = usage.cells[place]
+    over: cython.longlong = usage.used[cell] - usage.capacity[cell]
     if over <= 0:
         return 256
-    over = weight * over // capacity[cell]
-    return 256 + (over if over < 16384 else 16384)
+    over = usage.weight * over // usage.capacity[cell]
+    return 256 + (over if over < _MOST_EXCESS else _MOST_EXCESS)
 
 
 @cython.cfunc
 @cython.nogil
 @cython.exceptval(check=False)
-def coherent(
-    levels: cython.uchar[:, :, ::1],
-    done: cython.uchar[:, ::1],
-    source: cython.int[:, ::1],
-    order: cython.const[cython.int][::1],
-    wrap_y: cython.bint,
-    wrap_x: cython.bint,
-    pixels: cython.const[cython.uchar][:, :, ::1],
-    usable: cython.const[cython.uchar][:, ::1],
-    settled: cython.const[cython.int][::1],
-    period: cython.const[cython.int][::1],
-    reach: cython.Py_ssize_t,
-    similar: cython.const[cython.int][:, ::1],
-    margin: cython.longlong,
-    tried: cython.const[cython.int][::1],
-    cells: cython.const[cython.int][::1],
-    usage: cython.int[::1],
-    capacity: cython.const[cython.int][::1],
-    weight: cython.longlong,
-    guide: cython.const[cython.uchar][:, :, ::1],
-    own_guide: cython.const[cython.uchar][:, :, ::1],
-    guide_weight: cython.longlong,
-    all_known: cython.const[cython.uchar][:, ::1],
-    runs: cython.int[:, ::1],
-    query: cython.uchar[::1],
-    guide_runs: cython.int[:, ::1],
-    guide_query: cython.uchar[::1],
-    places: cython.int[::1],
-) -> cython.Py_ssize_t:
-    width: cython.Py_ssize_t = levels.shape[1]
-    columns: cython.Py_ssize_t = pixels.shape[1]
-    beside: cython.Py_ssize_t = 1 if reach > 0 else 0  # see `coherent_places`
-    p: cython.Py_ssize_t
-    y: cython.Py_ssize_t
-    x: cython.Py_ssize_t
-    i: cython.Py_ssize_t
-    k: cython.Py_ssize_t
-    n: cython.Py_ssize_t
-    near: cython.Py_ssize_t
-    count: cython.Py_ssize_t
-    own: cython.Py_ssize_t
-    place: cython.Py_ssize_t
-    best: cython.Py_ssize_t
-    guide_n: cython.Py_ssize_t = 0
-    d: cython.longlong
-    g: cython.longlong
-    factor: cython.longlong
-    least: cython.longlong
-    changed: cython.Py_ssize_t = 0
-    for p in range(order.shape[0]):
-        y = order[p] // width
-        x = order[p] % width
-        own = source[y, x]
-        places[0] = -1
-        if own >= 0 and usable[own // columns, own % columns]:
-            places[0] = cython.cast(cython.int, own)
-        n = known_runs(done, y, x, wrap_y, wrap_x, beside, beside, beside, beside, runs)
-        near = coherent_places(source, y, x, runs, n, usable, period, places, 1)
-        count = near
-        for i in range(near):
-            if places[i] >= 0:
-                for k in range(similar.shape[1]):
-                    places[count] = similar[places[i], k]
-                    count += 1
-        n = known_runs(done, y, x, wrap_y, wrap_x, reach, reach, reach, reach, runs)
-        gather_runs(levels, y, x, runs, n, query)
-        if guide_weight > 0:
-            guide_n = known_runs(
-                all_known, y, x, wrap_y, wrap_x, reach, reach, reach, reach, guide_runs
-            )
-            gather_runs(guide, y, x, guide_runs, guide_n, guide_query)
-        best = -1
-        least = -1
-        for i in range(count + tried.shape[0]):
-            place = places[i] if i < count else tried[i - count]
-            if place < 0:
-                continue
-            g = 0
-            if guide_weight > 0:
-                g = guide_weight * (
-                    squared(
-                        cython.address(own_guide[place // columns, place % columns, 0]),
-                        cython.address(guide[y, x, 0]),
-                        guide.shape[2],
-                    )
-                    + run_distance(
-                        own_guide, place // columns, place % columns, guide_runs, guide_n,
-                        guide_query, least // guide_weight if best >= 0 else -1,
-                    )
-                )  # fmt: skip
-                if best >= 0 and g >= least:
-                    continue
-            factor = excess(cells[place], usage, capacity, weight)
-            if i >= near:
-                factor = factor * margin // 256
-            d = run_distance(
-                pixels, place // columns, place % columns, runs, n, query,
-                (least - g) // factor if best >= 0 else -1,
-            )  # fmt: skip
-            if best < 0 or d * factor + g < least:
-                least = d * factor + g
-                best = place
-        if best < 0:
-            continue
-        best = settled[best]
-        if own >= 0:
-            usage[cells[own]] -= 1
-        usage[cells[best]] += 1
-        changed += settle_pixel(levels, done, source, y, x, pixels, best)
-    return changed
+def gather_guide(
+    output: Output, sample: Sample, guide: GuidePair, y: cython.Py_ssize_t, x: cython.Py_ssize_t
+) -> cython.void:
+    """Gather the whole window of the output's guide around a pixel."""
+    reach: cython.Py_ssize_t = sample.reach
+    guide.run_count = known_runs(
+        guide.everywhere, y, x, output.wrap_y, output.wrap_x, reach, reach, reach, reach, guide.runs
+    )
+    gather_runs(guide.output, y, x, guide.runs, guide.run_count, guide.query)
 
 
 @cython.cfunc
 @cython.nogil
 @cython.exceptval(check=False)
-def nearest(
-    levels: cython.uchar[:, :, ::1],
-    done: cython.uchar[:, ::1],
-    source: cython.int[:, ::1],
-    order: cython.const[cython.int][::1],
-    wrap_y: cython.bint,
-    wrap_x: cython.bint,
-    pixels: cython.const[cython.uchar][:, :, ::1],
-    centres: cython.const[cython.int][::1],
-    reach: cython.Py_ssize_t,
-    mean: cython.const[cython.uchar][::1],
-    basis: cython.const[cython.short][:, :, ::1],
-    level: cython.const[cython.longlong][::1],
-    offset: cython.const[cython.int][::1],
-    shift: cython.int,
-    features: cython.const[cython.short][:, ::1],
-    least_known: cython.Py_ssize_t,
-    runs: cython.int[:, ::1],
-    query: cython.uchar[::1],
-    difference: cython.short[::1],
-    totals: cython.longlong[::1],
-    coordinates: cython.short[::1],
-    keys: cython.longlong[::1],
-    places: cython.int[::1],
-) -> cython.Py_ssize_t:
-    width: cython.Py_ssize_t = levels.shape[1]
-    columns: cython.Py_ssize_t = pixels.shape[1]
-    p: cython.Py_ssize_t
-    y: cython.Py_ssize_t
-    x: cython.Py_ssize_t
-    i: cython.Py_ssize_t
-    n: cython.Py_ssize_t
-    known: cython.Py_ssize_t
-    count: cython.Py_ssize_t
-    place: cython.Py_ssize_t
-    best: cython.Py_ssize_t
-    d: cython.longlong
-    least: cython.longlong
-    changed: cython.Py_ssize_t = 0
-    for p in range(order.shape[0]):
-        y = order[p] // width
-        x = order[p] % width
-        n = known_runs(done, y, x, wrap_y, wrap_x, reach, reach, reach, reach, runs)
-        known = gather_runs(levels, y, x, runs, n, query)
-        count = 0
-        if known >= least_known:
-            run_coordinates(
-                runs, n, query, mean, basis, level, offset, shift, difference, totals, coordinates
-            )
-            count = nearest_by_features(
-                features, centres, coordinates, places.shape[0], keys, places
-            )
-        best = -1
-        least = -1
-        for i in range(count if count else centres.shape[0]):
-            place = places[i] if count else centres[i]
-            d = run_distance(pixels, place // columns, place % columns, runs, n, query, least)
-            if best < 0 or d < least or (d == least and place < best):
-                least = d
-                best = place
-        changed += settle_pixel(levels, done, source, y, x, pixels, best)
-    return changed
+def guide_distance(
+    guide: GuidePair, y: cython.Py_ssize_t, x: cython.Py_ssize_t, v: cython.Py_ssize_t,
+    u: cython.Py_ssize_t, bound: cython.longlong,
+) -> cython.longlong:  # fmt: skip
+    """Weighted distance of the guides around (y, x) and (v, u); any part of it above `bound`."""
+    return guide.weight * (
+        squared(
+            cython.address(guide.sample[v, u, 0]),
+            cython.address(guide.output[y, x, 0]),
+            guide.output.shape[2],
+        )
+        + run_distance(
+            guide.sample, v, u, guide.runs, guide.run_count, guide.query,
+            bound // guide.weight if bound >= 0 else -1,
+        )
+    )  # fmt: skip
+
+
+@cython.cfunc
+@cython.nogil
+@cython.exceptval(check=False)
+def gather_candidates(
+    output: Output, sample: Sample, similar: Similar, scratch: Scratch, y: cython.Py_ssize_t,
+    x: cython.Py_ssize_t,
+) -> cython.Py_ssize_t:  # fmt: skip
+    """List the coherent places of a pixel, then those similar to them; return their number.
+
+    The first is the pixel's own place. -1 stands for one where no window may be centered.
+    """
+    cython.declare(i=cython.Py_ssize_t, k=cython.Py_ssize_t, count=cython.Py_ssize_t)
+    beside: cython.Py_ssize_t = 1 if sample.reach > 0 else 0  # see `coherent_places`
+    columns: cython.Py_ssize_t = sample.pixels.shape[1]
+    own: cython.Py_ssize_t = output.source[y, x]
+    scratch.places[0] = -1
+    if own >= 0 and sample.usable[own // columns, own % columns]:
+        scratch.places[0] = cython.cast(cython.int, own)
+    count = known_runs(
+        output.done, y, x, output.wrap_y, output.wrap_x, beside, beside, beside, beside,
+        scratch.runs,
+    )  # fmt: skip
+    count = coherent_places(
+        output.source, y, x, scratch.runs, count, sample.usable, sample.period, scratch.places, 1
+    )
+    scratch.coherent = count
+    for i in range(scratch.coherent):
+        if scratch.places[i] >= 0:
+            for k in range(similar.places.shape[1]):
+                scratch.places[count] = similar.places[scratch.places[i], k]
+                count += 1
+    return count
 
 
 def refine_coherently(
-    levels, done, source, order, wrap, pixels, usable, settled, period, reach, similar, margin,
-    tried, cells, usage, capacity, weight, guide, own_guide, guide_weight, all_known, runs, query,
-    guide_runs, guide_query, places,
+    output: Output, sample: Sample, similar: Similar, usage: Usage, guide: GuidePair,
+    scratch: Scratch, order: cython.const[cython.int][::1], tried: cython.const[cython.int][::1],
 ):  # fmt: skip
     """Give each pixel in `order` the best of its candidates; return how many changed.
 
-    Candidates are its own place, where the sources of its eight neighbours go on, the places
+    Candidates are its own place, where the sources of its eight neighbors go on, the places
     `similar` to these, and those `tried`; of equals the first is best. The distance to one of
-    the latter two counts `margin` / 256 times. That to a place in a cell that has been used more
-    often than its capacity counts more, by the share of the excess times `weight` / 256. To this
-    comes the distance between the two guides, over the whole window, times `guide_weight` / 256.
-    What a pixel takes is `settled`: the same place, but not beyond a border.
+    the latter two counts `similar.margin` / 256 times, that to a place in a cell used too often
+    counts `excess` / 256 times. To this comes the distance between the two guides, over the whole
+    window. A pixel takes the same place `inside` the borders.
     """
-    lv: cython.uchar[:, :, ::1] = levels
-    dn: cython.uchar[:, ::1] = done
-    so: cython.int[:, ::1] = source
-    od: cython.const[cython.int][::1] = order
-    wy: cython.bint = wrap[0]
-    wx: cython.bint = wrap[1]
-    px: cython.const[cython.uchar][:, :, ::1] = pixels
-    us: cython.const[cython.uchar][:, ::1] = usable
-    se: cython.const[cython.int][::1] = settled
-    pe: cython.const[cython.int][::1] = period
-    re: cython.Py_ssize_t = reach
-    si: cython.const[cython.int][:, ::1] = similar
-    ma: cython.longlong = margin
-    tr: cython.const[cython.int][::1] = tried
-    ce: cython.const[cython.int][::1] = cells
-    ug: cython.int[::1] = usage
-    ca: cython.const[cython.int][::1] = capacity
-    we: cython.longlong = weight
-    gu: cython.const[cython.uchar][:, :, ::1] = guide
-    og: cython.const[cython.uchar][:, :, ::1] = own_guide
-    gw: cython.longlong = guide_weight
-    ak: cython.const[cython.uchar][:, ::1] = all_known
-    ru: cython.int[:, ::1] = runs
-    qu: cython.uchar[::1] = query
-    gr: cython.int[:, ::1] = guide_runs
-    gq: cython.uchar[::1] = guide_query
-    pl: cython.int[::1] = places
-    changed: cython.Py_ssize_t
+    cython.declare(p=cython.Py_ssize_t, y=cython.Py_ssize_t, x=cython.Py_ssize_t)
+    cython.declare(v=cython.Py_ssize_t, u=cython.Py_ssize_t, i=cython.Py_ssize_t)
+    cython.declare(count=cython.Py_ssize_t, runs=cython.Py_ssize_t, own=cython.Py_ssize_t)
+    cython.declare(place=cython.Py_ssize_t, best=cython.Py_ssize_t, least=cython.longlong)
+    cython.declare(apart=cython.longlong, factor=cython.longlong, distance=cython.longlong)
+    reach: cython.Py_ssize_t = sample.reach
+    width: cython.Py_ssize_t = output.pixels.shape[1]
+    columns: cython.Py_ssize_t = sample.pixels.shape[1]
+    changed: cython.Py_ssize_t = 0
     with cython.nogil:
-        changed = coherent(
-            lv, dn, so, od, wy, wx, px, us, se, pe, re, si, ma, tr, ce, ug, ca, we, gu, og, gw, ak,
-            ru, qu, gr, gq, pl,
-        )  # fmt: skip
+        for p in range(order.shape[0]):
+            y = order[p] // width
+            x = order[p] % width
+            own = output.source[y, x]
+            count = gather_candidates(output, sample, similar, scratch, y, x)
+            runs = known_runs(
+                output.done, y, x, output.wrap_y, output.wrap_x, reach, reach, reach, reach,
+                scratch.runs,
+            )  # fmt: skip
+            gather_runs(output.pixels, y, x, scratch.runs, runs, scratch.query)
+            if guide.weight > 0:
+                gather_guide(output, sample, guide, y, x)
+            best = -1
+            least = -1
+            for i in range(count + tried.shape[0]):
+                place = scratch.places[i] if i < count else tried[i - count]
+                if place < 0:
+                    continue
+                v = place // columns
+                u = place % columns
+                apart = 0
+                if guide.weight > 0:
+                    apart = guide_distance(guide, y, x, v, u, least)
+                    if best >= 0 and apart >= least:
+                        continue
+                factor = excess(usage, place)
+                if i >= scratch.coherent:
+                    factor = factor * similar.margin // 256
+                distance = run_distance(
+                    sample.pixels, v, u, scratch.runs, runs, scratch.query,
+                    (least - apart) // factor if best >= 0 else -1,
+                )  # fmt: skip
+                if best < 0 or distance * factor + apart < least:
+                    least = distance * factor + apart
+                    best = place
+            if best < 0:
+                continue
+            best = sample.inside[best]
+            if own >= 0:
+                usage.used[usage.cells[own]] -= 1
+            usage.used[usage.cells[best]] += 1
+            changed += take(output, sample, y, x, best)
     return changed
 
 
 def refine_by_components(
-    levels, done, source, order, wrap, pixels, centres, reach, mean, basis, level, offset, shift,
-    features, least_known, runs, query, difference, totals, coordinates, keys, places,
+    output: Output, sample: Sample, components: Components, scratch: Scratch,
+    order: cython.const[cython.int][::1], least_known: cython.Py_ssize_t,
 ):  # fmt: skip
     """Give each pixel in `order` the nearest of the windows; return how many changed.
 
-    Only as many windows as `places` has room for, the nearest by their coordinates, are compared;
-    all of them where fewer than `least_known` bytes of the window are known.
+    Only as many windows as `scratch.places` has room for, the nearest by their coordinates, are
+    compared; all of them where fewer than `least_known` bytes of the window are known.
     """
-    lv: cython.uchar[:, :, ::1] = levels
-    dn: cython.uchar[:, ::1] = done
-    so: cython.int[:, ::1] = source
-    od: cython.const[cython.int][::1] = order
-    wy: cython.bint = wrap[0]
-    wx: cython.bint = wrap[1]
-    px: cython.const[cython.uchar][:, :, ::1] = pixels
-    ct: cython.const[cython.int][::1] = centres
-    re: cython.Py_ssize_t = reach
-    me: cython.const[cython.uchar][::1] = mean
-    ba: cython.const[cython.short][:, :, ::1] = basis
-    le: cython.const[cython.longlong][::1] = level
-    of: cython.const[cython.int][::1] = offset
-    sh: cython.int = shift
-    fe: cython.const[cython.short][:, ::1] = features
-    lk: cython.Py_ssize_t = least_known
-    ru: cython.int[:, ::1] = runs
-    qu: cython.uchar[::1] = query
-    di: cython.short[::1] = difference
-    to: cython.longlong[::1] = totals
-    co: cython.short[::1] = coordinates
-    ke: cython.longlong[::1] = keys
-    pl: cython.int[::1] = places
-    changed: cython.Py_ssize_t
+    cython.declare(p=cython.Py_ssize_t, y=cython.Py_ssize_t, x=cython.Py_ssize_t)
+    cython.declare(i=cython.Py_ssize_t, runs=cython.Py_ssize_t, known=cython.Py_ssize_t)
+    cython.declare(count=cython.Py_ssize_t, place=cython.Py_ssize_t, best=cython.Py_ssize_t)
+    cython.declare(distance=cython.longlong, least=cython.longlong)
+    reach: cython.Py_ssize_t = sample.reach
+    width: cython.Py_ssize_t = output.pixels.shape[1]
+    columns: cython.Py_ssize_t = sample.pixels.shape[1]
+    changed: cython.Py_ssize_t = 0
     with cython.nogil:
-        changed = nearest(
-            lv, dn, so, od, wy, wx, px, ct, re, me, ba, le, of, sh, fe, lk, ru, qu, di, to, co,
-            ke, pl,
-        )  # fmt: skip
+        for p in range(order.shape[0]):
+            y = order[p] // width
+            x = order[p] % width
+            runs = known_runs(
+                output.done, y, x, output.wrap_y, output.wrap_x, reach, reach, reach, reach,
+                scratch.runs,
+            )  # fmt: skip
+            known = gather_runs(output.pixels, y, x, scratch.runs, runs, scratch.query)
+            count = 0
+            if known >= least_known:
+                run_coordinates(components, scratch.runs, runs, scratch.query)
+                count = nearest_by_features(
+                    components.features, sample.centers, components.coordinates,
+                    scratch.places.shape[0], scratch.keys, scratch.places,
+                )  # fmt: skip
+            best = -1
+            least = -1
+            for i in range(count if count else sample.centers.shape[0]):
+                place = scratch.places[i] if count else sample.centers[i]
+                distance = run_distance(
+                    sample.pixels, place // columns, place % columns, scratch.runs, runs,
+                    scratch.query, least,
+                )  # fmt: skip
+                if best < 0 or distance < least or (distance == least and place < best):
+                    least = distance
+                    best = place
+            changed += take(output, sample, y, x, best)
     return changed

@@ -1,40 +1,86 @@
-"""Planting seed points: stochastic tiling with unit tiles (section 3, Fig. 5)."""
+"""The start of iterative refinement: seed points, or the result of another method."""
 
 from __future__ import annotations
 
+import dataclasses
 from typing import TYPE_CHECKING
 
 import numpy as np
 
-from weftex.methods.refinement.guide import ONE
+from weftex.methods.refinement.guides import NO_GUIDE
+from weftex.methods.refinement.settings import ONE
 from weftex.random import draw
+from weftex.seams.belts import seam_belts
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-    from weftex.methods.refinement.guide import Guide
+    from weftex.method import Model
+    from weftex.methods.pixels.growth import Growth
+    from weftex.methods.refinement.guides import Guide
+    from weftex.methods.refinement.levels import Level
+    from weftex.methods.refinement.output import Output
+    from weftex.methods.refinement.settings import Settings
     from weftex.search.windows import Windows
 
 
+def seed_sources(
+    settings: Settings, level: Level, output: Output, guide: Guide, seed: int
+) -> NDArray[np.int32]:
+    """Return sources for a grid of seed points of an output, -1 elsewhere."""
+    step, pyramid = 2**output.number, level.pyramid
+    spacing = max(1, round(settings.seed_spacing / step))
+    places, y, x = plant_seeds(
+        pyramid, output.known.shape, output.wrap, spacing, settings.matches, seed, guide
+    )
+    source = np.full(output.known.shape, -1, np.int32)
+    v, u = np.divmod(pyramid.to_sample(places), pyramid.shape[1])
+    source[np.ix_(y, x)] = level.at(v * step, u * step)
+    return source
+
+
+def result_of(start: Model, growth: Growth) -> NDArray[np.int32]:
+    """Return the sources (H, W, 2) of what another method makes of the canvas."""
+    canvas = growth.canvas
+    if "guide" not in start.method.supports:
+        canvas = dataclasses.replace(canvas, guide=None)
+    return start.sample(canvas, seed=growth.seed, threads=growth.threads).source
+
+
+def keep_patches(sources: NDArray[np.int32], belt: int, windows: Windows, growth: Growth) -> None:
+    """Keep the patches of another method's result; belts along their seams become a hole."""
+    height, width = growth.exemplar.shape
+    period = (height, width) if growth.exemplar.tileable else None
+    belts = seam_belts(sources, belt // 2, growth.canvas.wrap, period)
+    place = (sources[..., 0] * width + sources[..., 1]).astype(np.int32)
+    wanted = growth.done == 0
+    flat = growth.exemplar.matching().reshape(-1, growth.pixels.shape[2])
+    growth.pixels[wanted] = flat[place[wanted]]
+    kept = ~belts & wanted
+    growth.source[kept] = windows.from_sample(place[kept])
+    growth.done[kept] = 1
+    growth.hole = None if not growth.done.any() else growth.done == 0
+
+
 def plant_seeds(
-    plain: Windows,
+    pyramid: Windows,
     shape: tuple[int, ...],
     wrap: tuple[bool, bool],
     spacing: int,
     matches: int,
     seed: int,
-    guide: Guide | None = None,
+    guide: Guide = NO_GUIDE,
 ) -> tuple[NDArray[np.int32], NDArray[np.intp], NDArray[np.intp]]:
-    """Sample a grid of seed points for an output.
+    """Sample a grid of seed points by stochastic tiling with unit tiles (section 3, Fig. 5).
 
     The sample is divided into unit tiles, squares between grid points. Slots of the output are
-    tiled in scan order: each takes, among the tiles whose corners best match the colours of the
+    tiled in scan order: each takes, among the tiles whose corners best match the colors of the
     corners that are there, one at random, and from it the corners that are not. So the first
     slot gives four points, the rest of the first row and column two each, all others one.
 
     Parameters
     ----------
-    plain : Windows
+    pyramid : Windows
         The sample, with windows of one pixel.
     shape : (int, int)
         Of the output.
@@ -48,12 +94,12 @@ def plant_seeds(
     seed : int
         For `weftex.random.draw`.
     guide : Guide, optional
-        What the canvas shows in it at the corners is compared too.
+        Its pictures are compared at the corners too.
 
     Returns
     -------
     places : int32 array (rows, columns)
-        Flat indices into `plain.pixels`. Where the sample has no whole tile, drawn from all.
+        Flat indices into `pyramid.pixels`. Where the sample has no whole tile, drawn from all.
     y, x : int arrays (rows,) and (columns,)
         Where the points lie in the output.
 
@@ -68,29 +114,28 @@ def plant_seeds(
     """
     y, x = (_grid(*axis, spacing) for axis in zip(shape, wrap, strict=True))
     bits = draw(seed, "seed point", *np.indices((len(y), len(x))))
-    tiles, centres = _unit_tiles(plain, spacing), plain.centres
+    tiles = _unit_tiles(pyramid, spacing)
     if not len(tiles):
-        return centres[bits % np.uint64(len(centres))], y, x
-    flat = plain.pixels.reshape(-1, plain.pixels.shape[2])
-    colours = flat[tiles].astype(np.int64)
+        return pyramid.centres[bits % np.uint64(len(pyramid.centres))], y, x
+    flat = pyramid.pixels.reshape(-1, pyramid.pixels.shape[2])
+    colors = flat[tiles].astype(np.int64)
     # Beyond the end of an axis lies one more row of points, or the first one again.
     rows, columns = (len(n) + (not wraps) for n, wraps in zip((y, x), wrap, strict=True))
     points = np.full((rows, columns), -1, np.int32)
-    guided = guide is not None and guide.weight > 0
-    if guide is not None and guided:
-        own = guide.plain.reshape(-1, guide.plain.shape[2])[tiles].astype(np.int64)
+    if guide.weight:
+        own = guide.pyramid.reshape(-1, guide.pyramid.shape[2])[tiles].astype(np.int64)
         ends = [np.append(n, length - 1) for n, length in zip((y, x), shape, strict=True)]
-        shown = guide.canvas[np.ix_(ends[0][:rows], ends[1][:columns])]
+        shown = guide.output[np.ix_(ends[0][:rows], ends[1][:columns])]
     for i, j in np.ndindex(bits.shape):
         corners = [(v % rows, u % columns) for v in (i, i + 1) for u in (j, j + 1)]
         slot = np.array([points[corner] for corner in corners])
         there = slot >= 0
-        distance = ((colours - flat[slot]) ** 2).sum(axis=2) @ there
-        if guide is not None and guided:
+        distance = ((colors - flat[slot]) ** 2).sum(axis=2) @ there
+        if guide.weight:
             wanted = np.array([shown[corner] for corner in corners], np.int64)
             apart = ((own - wanted) ** 2).sum(axis=(1, 2))
             distance = ONE * distance + guide.weight * apart
-        # At first nothing tells tiles apart but the guide; many may be equally good.
+        # At the first slot nothing tells tiles apart but the guide; many may be equally good.
         equal = int((distance == distance.min()).sum())
         best = np.argsort(distance, kind="stable")[: matches if there.any() else equal]
         tile = tiles[best[int(bits[i, j] % np.uint64(len(best)))]]
@@ -108,11 +153,11 @@ def _grid(length: int, wraps: bool, spacing: int) -> NDArray[np.intp]:
     return np.arange(count) * length // count
 
 
-def _unit_tiles(plain: Windows, spacing: int) -> NDArray[np.int32]:
+def _unit_tiles(pyramid: Windows, spacing: int) -> NDArray[np.int32]:
     """Corners (n, 4) of the sample's unit tiles: upper left and right, lower left and right."""
-    width = plain.usable.shape[1]
-    usable = np.pad(plain.usable, (0, spacing))
-    y, x = np.divmod(plain.centres, width)
+    width = pyramid.usable.shape[1]
+    usable = np.pad(pyramid.usable, (0, spacing))
+    y, x = np.divmod(pyramid.centres, width)
     on_grid = ((y - y.min()) % spacing == 0) & ((x - x.min()) % spacing == 0)
     y, x = y[on_grid], x[on_grid]
     whole = usable[y + spacing, x] & usable[y, x + spacing] & usable[y + spacing, x + spacing]

@@ -1,0 +1,195 @@
+"""The settings of iterative refinement, all of them settled for one sample."""
+
+from __future__ import annotations
+
+import dataclasses
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any, overload
+
+import numpy as np
+
+from weftex.analysis.scale import dominant_scale
+from weftex.errors import InvalidInputError
+from weftex.methods.pixels.growth import settled_width
+from weftex.raster.pyramids import mask_pyramid
+from weftex.registry import METHODS
+from weftex.search.windows import whole_windows
+
+if TYPE_CHECKING:
+    from weftex.exemplar import Exemplar
+
+ONE = 256  # distances are multiplied with integers; this is a factor of 1
+_NARROWEST_PYRAMID = 29  # pixels; with less than its four levels the picture falls apart
+_LARGEST_REACH = 3  # pixels from the middle of a window of the pyramid to its side
+_SMALLEST_LEVEL = 24  # pixels; a coarser sample has too few windows left
+
+
+class Starts(Sequence[str]):
+    """The names of what refinement may start from: its own, then the other methods' slugs.
+
+    The registry is asked each time, so that methods of other packages count whenever they are
+    registered.
+    """
+
+    def __init__(self, *own: str) -> None:
+        self._own = own
+
+    def __contains__(self, name: object) -> bool:
+        if name in self._own:
+            return True
+        return isinstance(name, str) and name != "refinement" and name in METHODS
+
+    def __iter__(self) -> Iterator[str]:
+        yield from self._own
+        yield from (slug for slug in METHODS if slug != "refinement")
+
+    def __len__(self) -> int:
+        return len(list(iter(self)))
+
+    @overload
+    def __getitem__(self, index: int) -> str: ...
+    @overload
+    def __getitem__(self, index: slice) -> Sequence[str]: ...
+    def __getitem__(self, index: int | slice) -> str | Sequence[str]:
+        return list(iter(self))[index]
+
+
+@dataclass(frozen=True)
+class Settings:
+    """What refinement does with one sample.
+
+    Attributes
+    ----------
+    search : {"coherent", "pca"}
+        Along the neighbors' sources in a pyramid, or by principal components at one resolution.
+    window_width : int
+        In pixels of the sample, odd.
+    reach : int
+        In pixels of a level, from the middle of a window to its side.
+    levels : int
+        Resolutions that the windows are looked at; 1 where search is "pca".
+    iterations : tuple of int
+        For each level that is refined, the finest first: at most so many.
+    threshold : float
+        epsilon of eq. (1).
+    init : str
+        "seeds", or the slug of the method whose result is refined.
+    seeds_for_guides : bool
+        Plant seeds all the same where the canvas has a guide.
+    belt : int
+        In pixels, the width of the belts along the start's seams that are refined; 0 for all of
+        the picture.
+    seed_spacing : float
+        In pixels of the sample.
+    matches : int
+        k of section 3: a unit tile is drawn from so many.
+    similar : int
+        Places like each that are candidates too.
+    margin : int
+        In 1/256, the factor of a distance to one of these.
+    evenness : float
+        Weight of using all parts of the sample.
+    guide_weight : float
+        Weight of the guide's differences, the picture's being 1.
+    variance : float
+        The share that the components keep.
+    candidates : int
+        Windows nearest by their components.
+    """
+
+    search: str
+    window_width: int
+    reach: int
+    levels: int
+    iterations: tuple[int, ...]
+    threshold: float
+    init: str
+    seeds_for_guides: bool
+    belt: int
+    seed_spacing: float
+    matches: int
+    similar: int
+    margin: int
+    evenness: float
+    guide_weight: float
+    variance: float
+    candidates: int
+
+    @property
+    def scale(self) -> int:
+        """In pixels, half of the window (section 3); 1 or more."""
+        return max(1, self.window_width // 2)
+
+
+def settled_method(method: Any, exemplar: Exemplar) -> Any:
+    """Return the method with its `window_width` and `init` settled.
+
+    Raises
+    ------
+    InvalidInputError
+        If the sample is too small for the window, or for the method to start from.
+    """
+    pyramid = method.search == "coherent"
+    proposed = 1 if method.window_width else dominant_scale(exemplar).window_width
+    if pyramid:
+        proposed = max(_NARROWEST_PYRAMID, proposed)
+    width = settled_width(method.window_width, exemplar, proposed)
+    init = method.init
+    if init == "auto":
+        init = "quilting" if pyramid or method.joints else "seeds"
+    if init != "seeds":
+        try:
+            METHODS[init]().settle(exemplar)
+        except InvalidInputError:  # too small a sample
+            if method.init != "auto" or method.joints:
+                raise
+            init = "seeds"
+    return dataclasses.replace(method, window_width=width, init=init)
+
+
+def settings_of(method: Any, exemplar: Exemplar, *, seeds_for_guides: bool) -> Settings:
+    """Return the settings of a method that `settled_method` returned."""
+    width: int = method.window_width
+    reach, levels, last = width // 2, 1, method.iterations
+    if method.search == "coherent":
+        reach = min(_LARGEST_REACH, reach)
+        levels = _level_count(exemplar, width, reach)
+        last = 2 * method.iterations  # structure is settled on the coarsest, where it costs least
+    # A coarse level would move what lies between patches that stay where they are.
+    finer = 0 if method.joints else levels - 1
+    return Settings(
+        search=method.search,
+        window_width=width,
+        reach=reach,
+        levels=levels,
+        iterations=(*[max(1, method.iterations // 2)] * finer, last),
+        threshold=method.threshold,
+        init=method.init,
+        seeds_for_guides=seeds_for_guides,
+        belt=method.joints or 0,
+        seed_spacing=max(1, width // 2) / method.seed_density,
+        matches=method.matches,
+        similar=method.similar,
+        margin=round(ONE * method.coherence),
+        evenness=method.evenness,
+        guide_weight=method.guide_weight,
+        variance=method.variance,
+        candidates=method.candidates,
+    )
+
+
+def _level_count(exemplar: Exemplar, width: int, reach: int) -> int:
+    """How many levels make a window of the coarsest `width` pixels wide; fewer by size and mask."""
+    count = 1
+    while (2 * reach + 1) << (count - 1) < width and min(
+        exemplar.shape
+    ) >> count >= _SMALLEST_LEVEL:
+        count += 1
+    if exemplar.mask is None:
+        return count
+    for number, mask in enumerate(mask_pyramid(exemplar.mask, count, (exemplar.tileable,) * 2)):
+        usable = np.pad(mask, reach, mode="wrap") if exemplar.tileable else mask
+        if number and not whole_windows(usable, (reach,) * 4).any():
+            return number
+    return count
