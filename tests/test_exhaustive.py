@@ -7,7 +7,8 @@ from hypothesis import strategies as st
 
 import reference
 import weftex
-from weftex.search.exhaustive import ExhaustiveSearch, gaussian_weights
+from weftex.search.exhaustive import ExhaustiveSearch
+from weftex.search.weighted_windows import gaussian_weights
 from weftex.search.windows import windows_of
 
 WRAPS = [(False, False), (False, True), (True, False), (True, True)]
@@ -35,11 +36,11 @@ def states(rng, exemplar, windows, shape, wrap):
 
 def slow(search, exemplar, levels, done, wrap, place, bits, tolerance, candidates=None):
     """(chosen, distance, weight) of one pixel, over all windows or some candidates."""
-    width, weights = len(search.weights), search.weights.tolist()
+    width, weights = search.sample.width, search.sample.weights.tolist()
     y, x = divmod(int(place), done.shape[1])
     known = reference.known_window(done, y, x, wrap, [width // 2] * 4)
-    places = search.windows.centres.tolist() if candidates is None else sorted(candidates)
-    flat = search.windows.to_sample(np.array(places, np.int32))
+    places = search.sample.windows.centres.tolist() if candidates is None else sorted(candidates)
+    flat = search.sample.windows.to_sample(np.array(places, np.int32))
     centres = [divmod(int(p), exemplar.shape[1]) for p in flat]
     distances = reference.weighted_distances(levels, y, x, known, exemplar, centres, weights)
     limit = min(distances) * (1 + tolerance)
@@ -78,9 +79,7 @@ def test_it_finds_what_comparing_everything_finds(data):
     places = np.flatnonzero(done == 0)[:20].astype(np.int32)
     bits = rng.integers(0, 2**64, len(places), dtype=np.uint64)
     tolerance = draw(st.sampled_from([0.0, 0.1, 3.0]))
-    found = search.draw(
-        levels, done, source, wrap, places, bits, tolerance, search.scratch()
-    )  # fmt: skip
+    found = search.on(levels, done, source, wrap, tolerance)(places, bits)
     for n, place in enumerate(places):
         expected = slow(search, exemplar, levels, done, wrap, place, bits[n], tolerance)
         assert tuple(int(part[n]) for part in found) == expected
@@ -95,9 +94,7 @@ def test_long_sums_do_not_overflow(rng):
     done[30, 30] = 0
     levels, source = np.zeros((61, 61, 8), np.uint8), np.full((61, 61), -1, np.int32)
     place, bits = np.array([30 * 61 + 30], np.int32), np.zeros(1, np.uint64)
-    found = search.draw(
-        levels, done, source, (False, False), place, bits, 0.1, search.scratch()
-    )  # fmt: skip
+    found = search.on(levels, done, source, (False, False), 0.1)(place, bits)
     known = 61 * 61 - 1
     assert found[1][0] == known * 8 * 127 * 255**2 and found[2][0] == known * 127
 

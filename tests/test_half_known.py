@@ -8,10 +8,12 @@ from hypothesis import strategies as st
 import reference
 import weftex
 from test_exhaustive import WRAPS, made_up, slow, states
-from weftex.search import half_known
+from weftex.search import exhaustive_kernels, half_known
 from weftex.search import half_known_kernels as _half_known_kernels
-from weftex.search.exhaustive import ExhaustiveSearch, gaussian_weights
+from weftex.search import weighted_kernels as _weighted_kernels
+from weftex.search.exhaustive import ExhaustiveSearch
 from weftex.search.half_known import HalfKnownSearch
+from weftex.search.weighted_windows import gaussian_weights
 from weftex.search.windows import windows_of
 
 
@@ -23,40 +25,44 @@ def search_of(exemplar, reach, candidates=8, variance=0.9):
 
 def rows_of(search, values, fill=0):
     """Numbers of a window's bytes (width**2 * K) in the rows that kernels want."""
-    width = len(search.weights)
-    rows = np.full((width, search.stride), fill, values.dtype)
-    rows[:, : width * search.channels] = values.reshape(width, -1)
+    width = search.sample.width
+    rows = np.full((width, search.sample.stride), fill, values.dtype)
+    rows[:, : width * search.sample.channels] = values.reshape(width, -1)
     return rows.ravel()
 
 
 def leaves_of(search):
     """Places and coordinates of each leaf."""
-    terms = len(search.at)
-    planes = search.planes.reshape(terms, -1)
     leaves = []
-    for n, size in enumerate(search.leaves):
+    for n, size in enumerate(search.leaves.sizes):
         at = slice(64 * n, 64 * n + size)
-        leaves.append((search.centres[at].tolist(), planes[:, at].T))
+        leaves.append((search.leaves.places[at].tolist(), search.leaves.planes[:, at].T))
     return leaves
 
 
 def coordinates(search, query, known):
     """What the kernel estimates from the known bytes of a window."""
-    width, keep = len(search.weights), len(search.ridge)
+    width, fitted = search.sample.width, search.components
+    keep = len(fitted.ridge)
     z, gram = np.empty(keep), np.empty(keep * (keep + 1) // 2)
     rows = np.arange(-1, width, dtype=np.int32)
     rows[0] = width
+    runs = np.empty((1, 3), np.int32)
     _half_known_kernels.coordinates(
-        search.weights, search.channels, search.stride, query, known, rows,
-        search.mean, search.basis, search.products, search.ridge, gram, z,
+        search.sample.bundle(), _weighted_kernels.Query(runs, query, known, rows),
+        _half_known_kernels.Components(
+            fitted.mean, fitted.basis, fitted.products, fitted.ridge, fitted.factor, fitted.origin,
+            gram, z,
+        ),
     )  # fmt: skip
     return z
 
 
 def as_bytes(search, z):
-    levels = np.zeros(len(search.at), int)
-    levels[: len(z)] = np.clip(search.factor * z + search.origin, 0, 255).astype(int)
-    return levels
+    values = np.zeros(len(search.leaves.planes), int)
+    fitted = search.components.factor * z + search.components.origin
+    values[: len(z)] = np.clip(fitted, 0, 255).astype(int)
+    return values
 
 
 @given(st.integers(0, 10**6), st.integers(1, 3), st.sampled_from(["noise", "few", "smooth"]))
@@ -65,11 +71,13 @@ def test_coordinates_are_weighted_least_squares(seed, reach, kind):
     exemplar = weftex.Exemplar(made_up(rng, (20, 24), kind, rng.integers(1, 4)), alpha=False)
     search = search_of(exemplar, reach)
     width = 2 * reach + 1
-    heavy = search.weights * (rng.random((width, width)) < 0.5)
+    heavy = search.sample.weights * (rng.random((width, width)) < 0.5)
     heavy[reach, reach] = 0
-    known = rows_of(search, np.repeat(heavy.ravel(), search.channels).astype(np.int16))
+    known = rows_of(search, np.repeat(heavy.ravel(), search.sample.channels).astype(np.int16))
     query = rng.integers(0, 256, len(known)).astype(np.uint8)
-    expected = reference.ridge_coordinates(known, search.basis, query, search.mean, search.ridge)
+    expected = reference.ridge_coordinates(
+        known, search.components.basis, query, search.components.mean, search.components.ridge
+    )
     assert np.allclose(coordinates(search, query, known), expected, rtol=1e-6, atol=1e-6)
 
 
@@ -78,10 +86,10 @@ def test_a_whole_window_gets_its_own_coordinates(name):
     """All of the window is known, so only the ridge and rounding move it."""
     exemplar = weftex.Exemplar(weftex.load_exemplar(f"sample:{name}").pixels[:48, :48])
     search = search_of(exemplar, 4)
-    search.ridge *= 0
-    heavy = search.weights.copy()
+    search.components.ridge[:] = 0
+    heavy = search.sample.weights.copy()
     heavy[4, 4] = 0
-    known = rows_of(search, np.repeat(heavy.ravel(), search.channels).astype(np.int16))
+    known = rows_of(search, np.repeat(heavy.ravel(), search.sample.channels).astype(np.int16))
     for places, features in leaves_of(search)[::5]:
         for place, feature in list(zip(places, features, strict=True))[::16]:
             y, x = divmod(place, 48)
@@ -96,8 +104,8 @@ def test_every_window_is_in_one_leaf(width, reach):
     pixels = made_up(np.random.default_rng(width), (9, width + 7), "few", 2)
     search = search_of(weftex.Exemplar(pixels), reach)
     found = sorted(place for places, _ in leaves_of(search) for place in places)
-    assert found == search.windows.centres.tolist()
-    assert (search.leaves == 64).sum() >= len(search.leaves) - 1
+    assert found == search.sample.windows.centres.tolist()
+    assert (search.leaves.sizes == 64).sum() >= len(search.leaves.sizes) - 1
 
 
 @given(st.data())
@@ -108,29 +116,29 @@ def test_it_is_the_slow_twin(data):
     pixels = made_up(rng, (rng.integers(12, 30), rng.integers(12, 90)), kind, rng.integers(1, 4))
     exemplar = weftex.Exemplar(pixels, tileable=draw(st.booleans()), alpha=False)
     search = search_of(exemplar, draw(st.integers(0, 3)), draw(st.sampled_from([1, 7, 40])))
-    width, leaves = len(search.weights), leaves_of(search)
+    width, leaves = search.sample.width, leaves_of(search)
     wrap = draw(st.sampled_from(WRAPS))
-    levels, done, source = states(rng, exemplar, search.windows, (12, 14), wrap)
+    levels, done, source = states(rng, exemplar, search.sample.windows, (12, 14), wrap)
     places = np.flatnonzero(done == 0)[:15].astype(np.int32)
     bits = rng.integers(0, 2**64, len(places), dtype=np.uint64)
-    found = search.draw(levels, done, source, wrap, places, bits, 0.1, search.scratch())
+    found = search.on(levels, done, source, wrap, 0.1)(places, bits)
     for n, place in enumerate(places):
         y, x = divmod(int(place), 14)
-        query = np.zeros((width, width, search.channels), np.uint8)
-        known = np.zeros((width, width, search.channels), np.int16)
+        query = np.zeros((width, width, search.sample.channels), np.uint8)
+        known = np.zeros((width, width, search.sample.channels), np.int16)
         for dy, dx in reference.known_window(done, y, x, wrap, [width // 2] * 4):
             at = dy + width // 2, dx + width // 2
-            query[at], known[at] = levels[(y + dy) % 12, (x + dx) % 14], search.weights[at]
+            query[at], known[at] = levels[(y + dy) % 12, (x + dx) % 14], search.sample.weights[at]
         z = coordinates(search, rows_of(search, query), rows_of(search, known))
         candidates = set(
             reference.near_leaves(
-                as_bytes(search, z), leaves, int(search.weight[0]), 16, search.candidates
+                as_bytes(search, z), leaves, exhaustive_kernels.largest_term, 16, search.candidates
             )
         )
         for dy, dx in reference.known_window(done, y, x, wrap, [min(1, width // 2)] * 4):
             own = source[(y + dy) % 12, (x + dx) % 14]
             if own >= 0:
-                candidates |= shifted(search.windows, exemplar, int(own), -dy, -dx)
+                candidates |= shifted(search.sample.windows, exemplar, int(own), -dy, -dx)
         expected = slow(search, exemplar, levels, done, wrap, place, bits[n], 0.1, candidates)
         assert tuple(int(part[n]) for part in found) == expected
 
@@ -160,17 +168,16 @@ def test_most_of_the_best_windows_are_found(name):
     done[:, 24:] = 0
     places = (np.arange(4, 44) * 48 + 24).astype(np.int32)
     bits = np.zeros(len(places), np.uint64)
-    exact = ExhaustiveSearch(model.windows, model.search.weights)
+    exact = ExhaustiveSearch(model.windows, model.search.sample.weights)
     near, best = (
-        s.draw(levels, done, source, (False, False), places, bits, 0.0, s.scratch())[1]
-        for s in (search, exact)
+        s.on(levels, done, source, (False, False), 0.0)(places, bits)[1] for s in (search, exact)
     )
     assert (near >= best).all()
     assert np.mean(near <= 1.21 * best) > 0.8
 
 
 def test_with_room_for_all_windows_it_is_exact(monkeypatch):
-    monkeypatch.setattr(half_known, "_LEAVES", 1000)
+    monkeypatch.setattr(half_known, "_MOST_LEAVES", 1000)
     exemplar = weftex.Exemplar(weftex.load_exemplar("sample:pebbles").pixels[:40, :40])
     near = weftex.EfrosLeung(window_width=7, search="pca", candidates=10**6).fit(exemplar)
     exact = weftex.EfrosLeung(window_width=7).fit(exemplar)

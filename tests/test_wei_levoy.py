@@ -1,11 +1,14 @@
 """Wei and Levoy's method; what holds for every method is in test_invariants.py."""
 
+from dataclasses import asdict
+from types import SimpleNamespace
+
 import numpy as np
 import pytest
 
 import reference
 import weftex
-from weftex.methods import wei_levoy
+from weftex.methods.wei_levoy.passes import inwards
 from weftex.search import pyramid_windows
 from weftex.search.tsvq import build_tsvq
 
@@ -47,10 +50,15 @@ SETTINGS = {
 }
 
 
+def for_the_twin(method):
+    """The settled parameters; the twin's trees have no number of leaves for the method's 0."""
+    return SimpleNamespace(**asdict(method) | {"tree_size": method.tree_size or None})
+
+
 def assert_is_the_twin(exemplar, canvas, seed=5, **parameters):
     model = weftex.WeiLevoy(**parameters).fit(exemplar)
     result = model.sample(canvas, seed=seed)
-    expected = reference.wei_levoy(exemplar, model.method, canvas, seed)
+    expected = reference.wei_levoy(exemplar, for_the_twin(model.method), canvas, seed)
     made = np.ones(canvas.shape, bool) if canvas.hole is None else canvas.hole
     assert np.array_equal(result.index[made], expected[made])
     return model
@@ -84,7 +92,7 @@ def test_samples_that_tile_and_masks(settings, shape):
                 continue
             canvas = CANVASES[kind](pixels)
             index = model.sample(canvas, seed=2).index
-            slow = reference.wei_levoy(exemplar, model.method, canvas, 2)
+            slow = reference.wei_levoy(exemplar, for_the_twin(model.method), canvas, 2)
             made = np.ones(canvas.shape, bool) if canvas.hole is None else canvas.hole
             assert np.array_equal(index[made], slow[made])
             assert exemplar.tileable or mask.reshape(-1)[index[made]].all()
@@ -132,7 +140,7 @@ def test_vectors_are_the_parents_window_and_then_the_own():
 def test_large_samples_are_thinned_out(monkeypatch):
     exemplar = weftex.Exemplar(noise((40, 40)))
     every = pyramid_windows.window_vectors(exemplar, None, 3, 0, causal=False)[1]
-    monkeypatch.setattr(pyramid_windows, "MOST", 200)
+    monkeypatch.setattr(pyramid_windows, "MOST_WINDOWS", 200)
     vectors, places = pyramid_windows.window_vectors(exemplar, None, 3, 0, causal=False)
     assert vectors.shape == (200, 8) and len(set(places.tolist())) == 200
     assert set(places.tolist()) < set(every.tolist()) and (np.diff(places) > 0).all()
@@ -203,9 +211,9 @@ def test_settled_parameters():
     assert settled((256, 256)) == (4, 9, 7)
     assert settled((152, 300)) == (4, 9, 7)  # 19 rows at the coarsest level
     assert settled((128, 128)) == (3, 9, 7)
-    assert settled((24, 24)) == (1, 9, None)
-    assert settled((7, 40)) == (1, 7, None)
-    assert settled((1, 1)) == settled((1, 50)) == (1, 1, None)
+    assert settled((24, 24)) == (1, 9, 0)
+    assert settled((7, 40)) == (1, 7, 0)
+    assert settled((1, 1)) == settled((1, 50)) == (1, 1, 0)
     assert settled((24, 24), levels=2) == (2, 9, 7)
     assert settled((40, 40), levels=3, window_width=5) == (3, 5, 3)
     assert settled((40, 40), window_width=3) == (3, 3, 1)
@@ -256,11 +264,11 @@ def test_a_cancelled_run_stops():
 def test_layers_go_inwards():
     unknown = np.zeros((9, 9), bool)
     unknown[2:7, 2:7] = True
-    order = wei_levoy._inwards(unknown, (False, False), 1)
+    order = inwards(unknown, (False, False), 1)
     ring = np.abs(np.stack(np.divmod(order, 9)) - 4).max(axis=0)
     assert ring.tolist() == [2] * 16 + [1] * 8 + [0]
-    assert order.tolist() != wei_levoy._inwards(unknown, (False, False), 2).tolist()
-    everything = wei_levoy._inwards(np.ones((3, 3), bool), (True, True), 1)
+    assert order.tolist() != inwards(unknown, (False, False), 2).tolist()
+    everything = inwards(np.ones((3, 3), bool), (True, True), 1)
     assert sorted(everything.tolist()) == list(range(9))
 
 
@@ -269,9 +277,11 @@ def test_few_colours_stay_fast():
     pixels = np.zeros((64, 64), np.uint8)
     pixels[10, 10] = 255
     model = weftex.WeiLevoy(levels=1, window_width=5, search="full").fit(weftex.Exemplar(pixels))
-    assert len(model._trees[0, True].nodes) == 1
+    assert len(model.trees.of(0, causal=True).nodes) == 1
     constant = weftex.WeiLevoy(levels=2).fit(weftex.Exemplar(np.zeros((64, 64), np.uint8)))
-    assert all(tree.nodes.tolist() == [[-1, 0, 1]] for tree in constant._trees.values())
+    assert all(
+        constant.trees.of(level, causal=True).nodes.tolist() == [[-1, 0, 1]] for level in (0, 1)
+    )
 
 
 def test_the_tree_is_over_the_windows_of_its_level():
@@ -279,5 +289,5 @@ def test_the_tree_is_over_the_windows_of_its_level():
     model = weftex.WeiLevoy(levels=2, window_width=5).fit(exemplar)
     samples = pyramid_windows.sample_pyramid(exemplar, 2)
     expected = build_tsvq(*pyramid_windows.window_vectors(*samples, 5, 3, causal=True))
-    assert np.array_equal(model._trees[0, True].rows, expected.rows)
-    assert np.array_equal(model._trees[0, True].nodes, expected.nodes)
+    assert np.array_equal(model.trees.of(0, causal=True).rows, expected.rows)
+    assert np.array_equal(model.trees.of(0, causal=True).nodes, expected.nodes)

@@ -22,9 +22,9 @@ if TYPE_CHECKING:
 
     from weftex.search.windows import Windows
 
-#: Windows of a level; a tree over more takes long and hundreds of megabytes.
-MOST = 2**17
-_CHUNK = 4096
+#: Of a level; a tree over more takes long and hundreds of megabytes.
+MOST_WINDOWS = 2**17
+_CHUNK = 4096  # windows that are copied at a time
 
 
 def sample_pyramid(exemplar: Exemplar, count: int) -> list[Exemplar]:
@@ -47,7 +47,7 @@ def sample_pyramid(exemplar: Exemplar, count: int) -> list[Exemplar]:
 
 
 def window_offsets(width: int, causal: bool) -> NDArray[np.int32]:
-    """Rows and columns of a window around its centre, in scan order without the centre: (n, 2).
+    """Rows and columns of a window around its center, in scan order without it: (n, 2).
 
     Examples
     --------
@@ -63,7 +63,7 @@ def parent_offsets(width: int) -> NDArray[np.int32]:
     return _square(width) if width else np.empty((0, 2), np.int32)
 
 
-def whole_windows(
+def interior_windows(
     sample: Exemplar, parent: Exemplar | None, width: int, parent_width: int, *, causal: bool
 ) -> list[tuple[Windows, NDArray[np.int32], NDArray[np.int32]]]:
     """Find the pixels of a level whose windows are whole, at the parent's level too.
@@ -107,14 +107,14 @@ def window_vectors(
 ) -> tuple[NDArray[np.uint8], NDArray[np.int32]]:
     """Return the vectors of a level's pixels, and the pixels' flat indices in scan order.
 
-    They are uint8 (n, D) and int32 (n,), of at most `MOST` pixels: a random part if there are
-    more. Takes what `whole_windows` takes.
+    They are uint8 (n, D) and int32 (n,), of at most `MOST_WINDOWS` pixels: a random part if there
+    are more. The parameters are those of `interior_windows`.
     """
-    parts = whole_windows(sample, parent, width, parent_width, causal=causal)
+    parts = interior_windows(sample, parent, width, parent_width, causal=causal)
     places = parts[-1][0].to_sample(parts[-1][1])
     kept = np.arange(len(places))
-    if len(kept) > MOST:
-        kept = np.sort(np.argsort(draw(0, "windows", places), kind="stable")[:MOST])
+    if len(kept) > MOST_WINDOWS:
+        kept = np.sort(np.argsort(draw(0, "windows", places), kind="stable")[:MOST_WINDOWS])
     vectors = [_bytes_at(windows, at[kept], offsets) for windows, at, offsets in parts]
     return np.concatenate(vectors, axis=1), places[kept]
 

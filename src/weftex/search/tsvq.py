@@ -1,7 +1,7 @@
-"""Tree-structured vector quantisation (Gersho and Gray, 1992), as Wei and Levoy search with it.
+"""Tree-structured vector quantization (Gersho and Gray, 1992), as Wei and Levoy search with it.
 
 A binary tree of centroids over the windows of a sample: each node is split in two by the
-generalised Lloyd algorithm. A query goes down to the nearer child; backtracking then looks into
+generalized Lloyd algorithm. A query goes down to the nearer child; backtracking then looks into
 more leaves, those first whose branch was nearest when it was passed by. Vectors, centroids and
 distances are integers, so every machine builds the same tree. A tree of one leaf is exhaustive
 search.
@@ -12,18 +12,18 @@ from __future__ import annotations
 import heapq
 from dataclasses import dataclass
 from functools import cached_property
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from weftex.search import tsvq_kernels as _tsvq_kernels
+from weftex.search import tsvq_kernels as kernels
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-#: Leaves of a tree without a given size hold at most so many windows, unless these are all equal.
-LEAF = 32
-_ROUNDS = 8  # of Lloyd's algorithm at each split
+#: Leaves of a tree without a given size hold at most so many vectors, unless these are all equal.
+LEAF_VECTORS = 32
+_LLOYD_ROUNDS = 8  # at each split
 
 
 @dataclass(frozen=True, eq=False)
@@ -35,7 +35,7 @@ class TSVQ:
     rows : uint8 array (n, D)
         The vectors, leaf after leaf.
     places : int32 array (n,)
-        What each vector stands for.
+        The pixel of the sample that each vector is the window of, or any other number.
     nodes : int32 array (m, 3)
         Number of the first of two children, or -1 for a leaf; first and last row + 1 to look at.
     centroids : uint8 array (m, D)
@@ -56,9 +56,10 @@ class TSVQ:
                 depth[child : child + 2] = depth[node] + 1
         return int(depth.max())
 
-    def scratch(self) -> tuple[NDArray[np.int64], NDArray[np.int32]]:
-        """Room for the nodes that wait in a search."""
-        return np.empty(len(self.nodes), np.int64), np.empty(len(self.nodes), np.int32)
+    def bundle(self) -> Any:
+        """Return the kernels' view, with scratch for the nodes that wait in a search."""
+        waiting = np.empty(len(self.nodes), np.int64), np.empty(len(self.nodes), np.int32)
+        return kernels.Tree(self.rows, self.places, self.nodes, self.centroids, *waiting)
 
     def nearest(
         self,
@@ -75,19 +76,16 @@ class TSVQ:
         leaves : int
             How many leaves to look into.
         spans : int32 array (s, 2), optional
-            First byte and number of bytes of what distances are taken on; all by default.
+            First byte and number of bytes of each part that is compared; all by default.
         """
         if spans is None:
             spans = np.array([[0, queries.shape[1]]], np.int32)
         found = np.empty(len(queries), np.int32)
-        tree = self.rows, self.places, self.nodes, self.centroids
-        _tsvq_kernels.nearest_rows(*tree, queries, spans, leaves, *self.scratch(), found)
+        kernels.nearest_rows(self.bundle(), queries, spans, leaves, found)
         return found
 
 
-def build_tsvq(
-    vectors: NDArray[np.uint8], places: NDArray[np.int32], tree_size: int | None = None
-) -> TSVQ:
+def build_tsvq(vectors: NDArray[np.uint8], places: NDArray[np.int32], tree_size: int = 0) -> TSVQ:
     """Split vectors into a tree, always that node next that its centroid describes worst.
 
     Parameters
@@ -95,9 +93,9 @@ def build_tsvq(
     vectors : uint8 array (n, D)
         Not empty in either axis.
     places : int32 array (n,)
-        What each vector stands for; of equally near ones the first place is found.
-    tree_size : int, optional
-        The most leaves; by default nodes are split until they hold at most `LEAF` vectors.
+        A number for each vector; of equally near ones the one with the lowest is found.
+    tree_size : int
+        The most leaves; with 0, nodes are split until they hold at most `LEAF_VECTORS` vectors.
 
     Examples
     --------
@@ -109,22 +107,22 @@ def build_tsvq(
     """
     count, size = vectors.shape
     order = np.argsort(places, kind="stable").astype(np.int32)
-    most = 2 * (min(tree_size or count, count)) - 1
-    centroids = np.zeros((most, size), np.uint8)
-    spread = np.zeros(most, np.int64)
-    nodes = np.empty((most, 3), np.int32)
+    most_nodes = 2 * (min(tree_size or count, count)) - 1
+    centroids, spread = np.zeros((most_nodes, size), np.uint8), np.zeros(most_nodes, np.int64)
+    nodes = np.empty((most_nodes, 3), np.int32)
     nodes[0] = (-1, 0, count)
     spread[0] = (vectors != vectors[0]).any()
-    scratch = np.empty((2, count), np.uint8), np.empty(count, np.int32), np.empty((2, size), "q")
+    splitting = kernels.Splitting(
+        vectors, order, centroids, spread, np.empty((2, count), np.uint8),
+        np.empty(count, np.int32), np.empty((2, size), np.int64),
+    )  # fmt: skip
     made, heap = 1, [(0, 0)]
-    while heap and made < most:
+    while heap and made < most_nodes:
         node = heapq.heappop(heap)[1]
         _, start, stop = nodes[node].tolist()
-        if spread[node] == 0 or (tree_size is None and stop - start <= LEAF):
+        if spread[node] == 0 or (not tree_size and stop - start <= LEAF_VECTORS):
             continue
-        middle = _tsvq_kernels.split_node(
-            vectors, order, start, stop, centroids, spread, made, _ROUNDS, *scratch
-        )
+        middle = kernels.split(splitting, start, stop, made, _LLOYD_ROUNDS)
         nodes[node, 0] = made
         nodes[made] = (-1, start, middle)
         nodes[made + 1] = (-1, middle, stop)
@@ -132,7 +130,7 @@ def build_tsvq(
         heapq.heappush(heap, (-int(spread[made + 1]), made + 1))
         made += 2
     nodes, spread = nodes[:made].copy(), spread[:made]
-    # Of equal vectors the first one stands for all, or a sample of few colours would take long.
+    # Of equal vectors the first one stands for all, or a sample of few colors would take long.
     equal = (nodes[:, 0] < 0) & (spread == 0)
     nodes[equal, 2] = nodes[equal, 1] + 1
     return TSVQ(np.ascontiguousarray(vectors[order]), places[order], nodes, centroids[:made].copy())

@@ -1,4 +1,15 @@
-cdef Py_ssize_t nearest(const unsigned char[:, ::1] rows, const int[::1] places,
-                        const int[:, ::1] nodes, const unsigned char[:, ::1] centroids,
-                        const unsigned char[::1] query, const int[:, ::1] spans, Py_ssize_t n,
-                        Py_ssize_t leaves, long long[::1] keys, int[::1] pending) noexcept nogil
+cdef class Tree:
+    cdef const unsigned char[:, ::1] rows  # the vectors, leaf after leaf
+    cdef const int[::1] places  # of the rows
+    cdef const int[:, ::1] nodes  # first child or -1, first and last row + 1
+    cdef const unsigned char[:, ::1] centroids
+    cdef long long[::1] keys  # scratch: a heap of nodes that wait, by their distances
+    cdef int[::1] pending
+    cdef Py_ssize_t waiting
+
+cdef class Query:
+    cdef unsigned char[::1] values  # as long as a vector
+    cdef int[:, ::1] spans  # first byte and number of bytes of what is known
+    cdef Py_ssize_t count  # of the spans
+
+cdef Py_ssize_t nearest(Tree tree, Query query, Py_ssize_t leaves) noexcept nogil

@@ -1,8 +1,52 @@
 # mypy: ignore-errors
-"""Kernels of tree-structured vector quantisation; compiled by Cython, see setup.py."""
+"""Kernels of tree-structured vector quantization; compiled by Cython, see setup.py."""
 
 import cython
 from cython.cimports.weftex.search.zone_kernels import squared
+
+
+class Tree:
+    """A tree over vectors, and scratch for a search."""
+
+    def __init__(self, rows, places, nodes, centroids, keys, pending):
+        self.rows = rows
+        self.places = places
+        self.nodes = nodes
+        self.centroids = centroids
+        self.keys = keys
+        self.pending = pending
+        self.waiting = 0
+
+
+class Query:
+    """A vector of which spans of bytes are known."""
+
+    def __init__(self, values, spans, count):
+        self.values = values
+        self.spans = spans
+        self.count = count
+
+
+@cython.cclass
+class Splitting:
+    """A tree in the making."""
+
+    vectors: cython.const[cython.uchar][:, ::1]
+    order: cython.int[::1]  # numbers of the vectors, leaf after leaf
+    centroids: cython.uchar[:, ::1]
+    spread: cython.longlong[::1]  # sum of squared differences from the centroid
+    side: cython.uchar[:, ::1]  # scratch (2, n): 1 for vectors of the second half
+    kept: cython.int[::1]  # scratch (n,)
+    total: cython.longlong[:, ::1]  # scratch, two vectors
+
+    def __init__(self, vectors, order, centroids, spread, side, kept, total):
+        self.vectors = vectors
+        self.order = order
+        self.centroids = centroids
+        self.spread = spread
+        self.side = side
+        self.kept = kept
+        self.total = total
 
 
 @cython.cfunc
@@ -10,24 +54,19 @@ from cython.cimports.weftex.search.zone_kernels import squared
 @cython.nogil
 @cython.exceptval(check=False)
 def span_distance(
-    a: cython.p_const_uchar,
-    b: cython.p_const_uchar,
-    spans: cython.const[cython.int][:, ::1],
-    n: cython.Py_ssize_t,
-    bound: cython.longlong,
+    row: cython.p_const_uchar, query: Query, bound: cython.longlong
 ) -> cython.longlong:
-    """Sum of squared differences over the spans (start, length); stops past a bound >= 0."""
-    s: cython.Py_ssize_t
-    at: cython.Py_ssize_t
-    stop: cython.Py_ssize_t
-    part: cython.Py_ssize_t
-    total: cython.longlong = 0
-    for s in range(n):
-        at = spans[s, 0]
-        stop = at + spans[s, 1]
+    """Sum of squared differences over the query's spans; stops past a bound >= 0."""
+    cython.declare(s=cython.Py_ssize_t, at=cython.Py_ssize_t, stop=cython.Py_ssize_t)
+    cython.declare(part=cython.Py_ssize_t, total=cython.longlong, values=cython.p_const_uchar)
+    values = cython.address(query.values[0])
+    total = 0
+    for s in range(query.count):
+        at = query.spans[s, 0]
+        stop = at + query.spans[s, 1]
         while at < stop:
             part = 64 if bound >= 0 and stop - at > 64 else stop - at
-            total += squared(a + at, b + at, part)
+            total += squared(row + at, values + at, part)
             if total > bound and bound >= 0:
                 return total
             at += part
@@ -48,266 +87,216 @@ def before(
 @cython.cfunc
 @cython.nogil
 @cython.exceptval(check=False)
-def push(
-    key: cython.longlong,
-    node: cython.int,
-    count: cython.Py_ssize_t,
-    keys: cython.longlong[::1],
-    pending: cython.int[::1],
-) -> cython.void:
+def push(tree: Tree, key: cython.longlong, node: cython.int) -> cython.void:
     """Put a node into the heap of those that wait, nearest first."""
-    i: cython.Py_ssize_t = count
-    while i > 0 and before(key, node, keys[(i - 1) // 2], pending[(i - 1) // 2]):
-        keys[i] = keys[(i - 1) // 2]
-        pending[i] = pending[(i - 1) // 2]
-        i = (i - 1) // 2
-    keys[i] = key
-    pending[i] = node
+    cython.declare(i=cython.Py_ssize_t, above=cython.Py_ssize_t)
+    i = tree.waiting
+    tree.waiting += 1
+    while i > 0:
+        above = (i - 1) // 2
+        if not before(key, node, tree.keys[above], tree.pending[above]):
+            break
+        tree.keys[i] = tree.keys[above]
+        tree.pending[i] = tree.pending[above]
+        i = above
+    tree.keys[i] = key
+    tree.pending[i] = node
 
 
 @cython.cfunc
 @cython.nogil
 @cython.exceptval(check=False)
-def pop(
-    count: cython.Py_ssize_t, keys: cython.longlong[::1], pending: cython.int[::1]
-) -> cython.int:
-    """Take the nearest of `count` waiting nodes."""
-    result: cython.int = pending[0]
-    key: cython.longlong = keys[count - 1]
-    node: cython.int = pending[count - 1]
-    i: cython.Py_ssize_t = 0
-    child: cython.Py_ssize_t
+def pop(tree: Tree) -> cython.int:
+    """Take the nearest of the nodes that wait."""
+    cython.declare(i=cython.Py_ssize_t, child=cython.Py_ssize_t, last=cython.Py_ssize_t)
+    cython.declare(result=cython.int, key=cython.longlong, node=cython.int)
+    last = tree.waiting - 1
+    tree.waiting = last
+    result = tree.pending[0]
+    key = tree.keys[last]
+    node = tree.pending[last]
+    i = 0
     while True:
         child = 2 * i + 1
-        if child >= count - 1:
+        if child >= last:
             break
-        if child + 1 < count - 1 and before(
-            keys[child + 1], pending[child + 1], keys[child], pending[child]
+        if child + 1 < last and before(
+            tree.keys[child + 1], tree.pending[child + 1], tree.keys[child], tree.pending[child]
         ):
             child += 1
-        if not before(keys[child], pending[child], key, node):
+        if not before(tree.keys[child], tree.pending[child], key, node):
             break
-        keys[i] = keys[child]
-        pending[i] = pending[child]
+        tree.keys[i] = tree.keys[child]
+        tree.pending[i] = tree.pending[child]
         i = child
-    keys[i] = key
-    pending[i] = node
+    tree.keys[i] = key
+    tree.pending[i] = node
     return result
 
 
-@cython.cfunc
-@cython.nogil
-@cython.exceptval(check=False)
-def nearest(
-    rows: cython.const[cython.uchar][:, ::1],
-    places: cython.const[cython.int][::1],
-    nodes: cython.const[cython.int][:, ::1],
-    centroids: cython.const[cython.uchar][:, ::1],
-    query: cython.const[cython.uchar][::1],
-    spans: cython.const[cython.int][:, ::1],
-    n: cython.Py_ssize_t,
-    leaves: cython.Py_ssize_t,
-    keys: cython.longlong[::1],
-    pending: cython.int[::1],
-) -> cython.Py_ssize_t:
+def nearest(tree, query, leaves):
     """The row nearest to the query in the leaves that are looked at; the first place of a tie."""
-    node: cython.int = 0
-    child: cython.int
-    near: cython.longlong
-    far: cython.longlong
-    waiting: cython.Py_ssize_t = 0
-    i: cython.Py_ssize_t
-    d: cython.longlong
-    best: cython.Py_ssize_t = -1
-    least: cython.longlong = -1
-    q: cython.p_const_uchar = cython.address(query[0])
+    cython.declare(node=cython.int, child=cython.int, i=cython.Py_ssize_t, best=cython.Py_ssize_t)
+    cython.declare(near=cython.longlong, far=cython.longlong, d=cython.longlong)
+    cython.declare(least=cython.longlong)
+    tree.waiting = 0
+    node = 0
+    best = -1
+    least = -1
     while True:
-        while nodes[node, 0] >= 0:
-            child = nodes[node, 0]
-            near = span_distance(cython.address(centroids[child, 0]), q, spans, n, -1)
-            far = span_distance(cython.address(centroids[child + 1, 0]), q, spans, n, -1)
+        while tree.nodes[node, 0] >= 0:
+            child = tree.nodes[node, 0]
+            near = span_distance(cython.address(tree.centroids[child, 0]), query, -1)
+            far = span_distance(cython.address(tree.centroids[child + 1, 0]), query, -1)
             if far < near:
-                push(near, child, waiting, keys, pending)
+                push(tree, near, child)
                 node = child + 1
             else:
-                push(far, child + 1, waiting, keys, pending)
+                push(tree, far, child + 1)
                 node = child
-            waiting += 1
-        for i in range(nodes[node, 1], nodes[node, 2]):
-            d = span_distance(cython.address(rows[i, 0]), q, spans, n, least)
-            if best < 0 or d < least or (d == least and places[i] < places[best]):
+        for i in range(tree.nodes[node, 1], tree.nodes[node, 2]):
+            d = span_distance(cython.address(tree.rows[i, 0]), query, least)
+            if best < 0 or d < least or (d == least and tree.places[i] < tree.places[best]):
                 best = i
                 least = d
         leaves -= 1
-        if leaves <= 0 or waiting == 0:
+        if leaves <= 0 or tree.waiting == 0:
             return best
-        node = pop(waiting, keys, pending)
-        waiting -= 1
+        node = pop(tree)
+
+
+@cython.cfunc
+@cython.inline
+@cython.nogil
+@cython.exceptval(check=False)
+def vector(tree: Splitting, i: cython.Py_ssize_t) -> cython.p_const_uchar:
+    """The vector that is the ith in order."""
+    return cython.address(tree.vectors[tree.order[i], 0])
 
 
 @cython.cfunc
 @cython.nogil
 @cython.exceptval(check=False)
 def means(
-    vectors: cython.const[cython.uchar][:, ::1],
-    order: cython.const[cython.int][::1],
+    tree: Splitting,
     start: cython.Py_ssize_t,
     stop: cython.Py_ssize_t,
-    side: cython.const[cython.uchar][::1],
-    total: cython.longlong[:, ::1],
-    centroids: cython.uchar[:, ::1],
+    side: cython.p_const_uchar,
     child: cython.Py_ssize_t,
 ) -> cython.void:
     """The centroids of both sides, rounded."""
-    size: cython.Py_ssize_t = vectors.shape[1]
-    i: cython.Py_ssize_t
-    k: cython.Py_ssize_t
-    s: cython.Py_ssize_t
-    count: cython.longlong
-    row: cython.p_const_uchar
-    sums: cython.p_longlong
+    cython.declare(i=cython.Py_ssize_t, k=cython.Py_ssize_t, s=cython.Py_ssize_t)
+    cython.declare(count=cython.longlong, row=cython.p_const_uchar, sums=cython.p_longlong)
+    cython.declare(size=cython.Py_ssize_t)
+    size = tree.vectors.shape[1]
     for s in range(2):
-        sums = cython.address(total[s, 0])
+        sums = cython.address(tree.total[s, 0])
         count = 0
         for k in range(size):
             sums[k] = 0
         for i in range(start, stop):
             if side[i] == s:
                 count += 1
-                row = cython.address(vectors[order[i], 0])
+                row = vector(tree, i)
                 for k in range(size):
                     sums[k] += row[k]
         for k in range(size):
-            centroids[child + s, k] = cython.cast(cython.uchar, (sums[k] + count // 2) // count)
+            tree.centroids[child + s, k] = cython.cast(
+                cython.uchar, (sums[k] + count // 2) // count
+            )
 
 
 @cython.cfunc
 @cython.nogil
 @cython.exceptval(check=False)
 def halve(
-    vectors: cython.const[cython.uchar][:, ::1],
-    order: cython.const[cython.int][::1],
-    start: cython.Py_ssize_t,
-    stop: cython.Py_ssize_t,
-    side: cython.uchar[::1],
-    total: cython.longlong[:, ::1],
+    tree: Splitting, start: cython.Py_ssize_t, stop: cython.Py_ssize_t, side: cython.p_uchar
 ) -> cython.void:
     """A first guess: above the mean or not, in the byte with the largest variance."""
-    size: cython.Py_ssize_t = vectors.shape[1]
-    i: cython.Py_ssize_t
-    k: cython.Py_ssize_t
-    widest: cython.Py_ssize_t = 0
-    d: cython.longlong
-    row: cython.p_const_uchar
+    cython.declare(i=cython.Py_ssize_t, k=cython.Py_ssize_t, widest=cython.Py_ssize_t)
+    cython.declare(d=cython.longlong, row=cython.p_const_uchar, size=cython.Py_ssize_t)
+    cython.declare(mean=cython.p_longlong, variance=cython.p_longlong)
+    size = tree.vectors.shape[1]
+    mean = cython.address(tree.total[0, 0])
+    variance = cython.address(tree.total[1, 0])
     for k in range(size):
-        total[0, k] = 0
-        total[1, k] = 0
+        mean[k] = 0
+        variance[k] = 0
     for i in range(start, stop):
-        row = cython.address(vectors[order[i], 0])
+        row = vector(tree, i)
         for k in range(size):
-            total[0, k] += row[k]
+            mean[k] += row[k]
     for k in range(size):
-        total[0, k] //= stop - start  # rounded down, so that something is above it
+        mean[k] //= stop - start  # rounded down, so that something is above it
     for i in range(start, stop):
-        row = cython.address(vectors[order[i], 0])
+        row = vector(tree, i)
         for k in range(size):
-            d = row[k] - total[0, k]
-            total[1, k] += d * d
+            d = row[k] - mean[k]
+            variance[k] += d * d
+    widest = 0
     for k in range(size):
-        if total[1, k] > total[1, widest]:
+        if variance[k] > variance[widest]:
             widest = k
     for i in range(start, stop):
-        side[i] = vectors[order[i], widest] > total[0, widest]
+        side[i] = vector(tree, i)[widest] > mean[widest]
 
 
-@cython.cfunc
-@cython.nogil
-@cython.exceptval(check=False)
 def split(
-    vectors: cython.const[cython.uchar][:, ::1],
-    order: cython.int[::1],
+    tree: Splitting,
     start: cython.Py_ssize_t,
     stop: cython.Py_ssize_t,
-    centroids: cython.uchar[:, ::1],
-    spread: cython.longlong[::1],
     child: cython.Py_ssize_t,
     rounds: cython.Py_ssize_t,
-    side: cython.uchar[:, ::1],
-    kept: cython.int[::1],
-    total: cython.longlong[:, ::1],
-) -> cython.Py_ssize_t:
+):
     """Split a node in two by Lloyd's algorithm; return where its second half begins.
 
-    The node's vectors must not all be equal. `side` (2, n), `kept` and `total` are scratch space.
+    The node's vectors must not all be equal. Its children are the nodes `child` and `child` + 1.
     """
-    size: cython.Py_ssize_t = vectors.shape[1]
-    i: cython.Py_ssize_t
-    s: cython.Py_ssize_t
-    r: cython.Py_ssize_t
-    moved: cython.Py_ssize_t
-    second: cython.Py_ssize_t
-    now: cython.Py_ssize_t = 0
-    row: cython.p_const_uchar
-    halve(vectors, order, start, stop, side[0], total)
-    means(vectors, order, start, stop, side[0], total, centroids, child)
-    for r in range(rounds):
-        moved = 0
+    cython.declare(i=cython.Py_ssize_t, s=cython.Py_ssize_t, r=cython.Py_ssize_t)
+    cython.declare(moved=cython.Py_ssize_t, second=cython.Py_ssize_t, now=cython.Py_ssize_t)
+    cython.declare(row=cython.p_const_uchar, size=cython.Py_ssize_t)
+    cython.declare(one=cython.p_const_uchar, other=cython.p_const_uchar)
+    size = tree.vectors.shape[1]
+    one = cython.address(tree.centroids[child, 0])
+    other = cython.address(tree.centroids[child + 1, 0])
+    with cython.nogil:
+        now = 0
+        halve(tree, start, stop, cython.address(tree.side[0, 0]))
+        means(tree, start, stop, cython.address(tree.side[0, 0]), child)
+        for r in range(rounds):
+            moved = 0
+            second = 0
+            for i in range(start, stop):
+                row = vector(tree, i)
+                s = squared(row, other, size) < squared(row, one, size)
+                tree.side[1 - now, i] = cython.cast(cython.uchar, s)
+                moved += s != tree.side[now, i]
+                second += s
+            if moved == 0 or second == 0 or second == stop - start:
+                break
+            now = 1 - now
+            means(tree, start, stop, cython.address(tree.side[now, 0]), child)
+        tree.spread[child] = 0
+        tree.spread[child + 1] = 0
         second = 0
+        s = start
         for i in range(start, stop):
-            row = cython.address(vectors[order[i], 0])
-            s = squared(row, cython.address(centroids[child + 1, 0]), size) < squared(
-                row, cython.address(centroids[child, 0]), size
-            )
-            side[1 - now, i] = cython.cast(cython.uchar, s)
-            moved += s != side[now, i]
-            second += s
-        if moved == 0 or second == 0 or second == stop - start:
-            break
-        now = 1 - now
-        means(vectors, order, start, stop, side[now], total, centroids, child)
-    spread[child] = 0
-    spread[child + 1] = 0
-    second = 0
-    s = start
-    for i in range(start, stop):
-        row = cython.address(vectors[order[i], 0])
-        if side[now, i]:
-            spread[child + 1] += squared(row, cython.address(centroids[child + 1, 0]), size)
-            kept[second] = order[i]
-            second += 1
-        else:
-            spread[child] += squared(row, cython.address(centroids[child, 0]), size)
-            order[s] = order[i]
-            s += 1
-    for i in range(second):
-        order[s + i] = kept[i]
+            row = vector(tree, i)
+            if tree.side[now, i]:
+                tree.spread[child + 1] += squared(row, other, size)
+                tree.kept[second] = tree.order[i]
+                second += 1
+            else:
+                tree.spread[child] += squared(row, one, size)
+                tree.order[s] = tree.order[i]
+                s += 1
+        for i in range(second):
+            tree.order[s + i] = tree.kept[i]
     return s
 
 
-def split_node(
-    vectors, order, start, stop, centroids, spread, child, rounds, side, kept, total
-):  # fmt: skip
-    """Call `split`."""
-    v: cython.const[cython.uchar][:, ::1] = vectors
-    o: cython.int[::1] = order
-    c: cython.uchar[:, ::1] = centroids
-    sp: cython.longlong[::1] = spread
-    si: cython.uchar[:, ::1] = side
-    k: cython.int[::1] = kept
-    t: cython.longlong[:, ::1] = total
-    return split(v, o, start, stop, c, sp, child, rounds, si, k, t)
-
-
-def nearest_rows(rows, places, nodes, centroids, queries, spans, leaves, keys, pending, found):
+def nearest_rows(tree: Tree, queries, spans, leaves: cython.Py_ssize_t, found):
     """Call `nearest` for each of `queries`."""
-    r: cython.const[cython.uchar][:, ::1] = rows
-    p: cython.const[cython.int][::1] = places
-    m: cython.const[cython.int][:, ::1] = nodes
-    c: cython.const[cython.uchar][:, ::1] = centroids
-    q: cython.const[cython.uchar][:, ::1] = queries
-    s: cython.const[cython.int][:, ::1] = spans
-    ks: cython.longlong[::1] = keys
-    pe: cython.int[::1] = pending
-    f: cython.int[::1] = found
-    for i in range(q.shape[0]):
-        f[i] = nearest(r, p, m, c, q[i], s, s.shape[0], leaves, ks, pe)
+    rows: cython.int[::1] = found
+    for i in range(len(queries)):
+        rows[i] = nearest(tree, Query(queries[i], spans, len(spans)), leaves)

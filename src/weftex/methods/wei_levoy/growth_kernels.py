@@ -2,151 +2,105 @@
 """The kernel of Wei and Levoy's method; compiled by Cython, see setup.py."""
 
 import cython
-from cython.cimports.weftex.search.tsvq_kernels import nearest
+from cython.cimports.weftex.search.tsvq_kernels import Query, Tree, nearest
+
+
+@cython.cclass
+class Level:
+    """A level of the output's pyramid, and the pixels of the sample's."""
+
+    pixels: cython.uchar[:, :, ::1]
+    source: cython.int[:, ::1]
+    done: cython.uchar[:, ::1]
+    sample: cython.const[cython.uchar][:, :, ::1]
+    wrap_y: cython.bint
+    wrap_x: cython.bint
+
+    def __init__(self, level, wrap):
+        self.pixels = level.pixels
+        self.source = level.source
+        self.done = level.done
+        self.sample = level.sample.pixels
+        self.wrap_y, self.wrap_x = wrap
 
 
 @cython.cfunc
 @cython.nogil
 @cython.exceptval(check=False)
 def gather(
-    levels: cython.const[cython.uchar][:, :, ::1],
-    done: cython.const[cython.uchar][:, ::1],
+    level: Level,
     y: cython.Py_ssize_t,
     x: cython.Py_ssize_t,
-    wrap_y: cython.bint,
-    wrap_x: cython.bint,
     offsets: cython.const[cython.int][:, ::1],
     first: cython.Py_ssize_t,
-    query: cython.uchar[::1],
-    spans: cython.int[:, ::1],
-    n: cython.Py_ssize_t,
-) -> cython.Py_ssize_t:
-    """Copy what is known of a window to its bytes of the query, from byte `first` on.
-
-    Returns the number of spans, `n` of which are there already.
-    """
-    height: cython.Py_ssize_t = levels.shape[0]
-    width: cython.Py_ssize_t = levels.shape[1]
-    channels: cython.Py_ssize_t = levels.shape[2]
-    i: cython.Py_ssize_t
-    k: cython.Py_ssize_t
-    cy: cython.Py_ssize_t
-    cx: cython.Py_ssize_t
-    at: cython.Py_ssize_t = first
+    query: Query,
+) -> cython.void:
+    """Copy what is known of a window to its bytes of the query, from byte `first` on."""
+    cython.declare(height=cython.Py_ssize_t, width=cython.Py_ssize_t, channels=cython.Py_ssize_t)
+    cython.declare(i=cython.Py_ssize_t, k=cython.Py_ssize_t, at=cython.Py_ssize_t)
+    cython.declare(cy=cython.Py_ssize_t, cx=cython.Py_ssize_t, n=cython.Py_ssize_t)
+    height = level.pixels.shape[0]
+    width = level.pixels.shape[1]
+    channels = level.pixels.shape[2]
+    n = query.count
+    at = first
     for i in range(offsets.shape[0]):
         cy = y + offsets[i, 0]
         cx = x + offsets[i, 1]
-        if wrap_y and (cy < 0 or cy >= height):
+        if level.wrap_y and (cy < 0 or cy >= height):
             cy = cy % height
             if cy < 0:
                 cy += height
-        if wrap_x and (cx < 0 or cx >= width):
+        if level.wrap_x and (cx < 0 or cx >= width):
             cx = cx % width
             if cx < 0:
                 cx += width
-        if 0 <= cy < height and 0 <= cx < width and done[cy, cx]:
+        if 0 <= cy < height and 0 <= cx < width and level.done[cy, cx]:
             for k in range(channels):
-                query[at + k] = levels[cy, cx, k]
-            if n and spans[n - 1, 0] + spans[n - 1, 1] == at:
-                spans[n - 1, 1] += cython.cast(cython.int, channels)
+                query.values[at + k] = level.pixels[cy, cx, k]
+            if n and query.spans[n - 1, 0] + query.spans[n - 1, 1] == at:
+                query.spans[n - 1, 1] += cython.cast(cython.int, channels)
             else:
-                spans[n, 0] = cython.cast(cython.int, at)
-                spans[n, 1] = cython.cast(cython.int, channels)
+                query.spans[n, 0] = cython.cast(cython.int, at)
+                query.spans[n, 1] = cython.cast(cython.int, channels)
                 n += 1
         at += channels
-    return n
+    query.count = n
 
 
-@cython.cfunc
-@cython.nogil
-@cython.exceptval(check=False)
-def choose(
-    levels: cython.uchar[:, :, ::1],
-    source: cython.int[:, ::1],
-    done: cython.uchar[:, ::1],
-    wrap_y: cython.bint,
-    wrap_x: cython.bint,
-    parent: cython.const[cython.uchar][:, :, ::1],
-    parent_done: cython.const[cython.uchar][:, ::1],
-    offsets: cython.const[cython.int][:, ::1],
-    parent_offsets: cython.const[cython.int][:, ::1],
-    pixels: cython.const[cython.int][::1],
-    start: cython.Py_ssize_t,
-    stop: cython.Py_ssize_t,
-    sample: cython.const[cython.uchar][:, :, ::1],
-    rows: cython.const[cython.uchar][:, ::1],
+def replace_pixels(
+    level: Level,
+    coarser: Level,
+    own: cython.const[cython.int][:, ::1],
+    parents: cython.const[cython.int][:, ::1],
     places: cython.const[cython.int][::1],
-    nodes: cython.const[cython.int][:, ::1],
-    centroids: cython.const[cython.uchar][:, ::1],
+    tree: Tree,
     leaves: cython.Py_ssize_t,
-    query: cython.uchar[::1],
-    spans: cython.int[:, ::1],
-    keys: cython.longlong[::1],
-    pending: cython.int[::1],
-) -> cython.void:
-    width: cython.Py_ssize_t = levels.shape[1]
-    channels: cython.Py_ssize_t = levels.shape[2]
-    i: cython.Py_ssize_t
-    k: cython.Py_ssize_t
-    y: cython.Py_ssize_t
-    x: cython.Py_ssize_t
-    n: cython.Py_ssize_t
-    place: cython.int
-    own: cython.Py_ssize_t = parent_offsets.shape[0] * channels
-    for i in range(start, stop):
-        y = pixels[i] // width
-        x = pixels[i] % width
-        n = 0
-        if parent_offsets.shape[0]:
-            n = gather(
-                parent, parent_done, y // 2, x // 2, wrap_y, wrap_x, parent_offsets, 0,
-                query, spans, 0,
-            )  # fmt: skip
-        n = gather(levels, done, y, x, wrap_y, wrap_x, offsets, own, query, spans, n)
-        done[y, x] = 1
-        if n == 0:
-            continue
-        place = places[nearest(
-            rows, places, nodes, centroids, query, spans, n, leaves, keys, pending
-        )]  # fmt: skip
-        source[y, x] = place
-        for k in range(channels):
-            levels[y, x, k] = sample[place // sample.shape[1], place % sample.shape[1], k]
+    query: Query,
+):
+    """Replace the pixels of a level at `places` one after the other.
 
-
-def choose_pixels(
-    levels, source, done, wrap, parent, parent_done, offsets, parent_offsets, pixels, start, stop,
-    sample, rows, places, nodes, centroids, leaves, query, spans, keys, pending,
-):  # fmt: skip
-    """Replace the pixels from `start` to `stop` of the list `pixels`, one after the other.
-
-    Each becomes a copy of the sample's pixel whose window is nearest: its parent's window and as
-    much of its own as is done. Where nothing is, the pixel stays.
+    Each becomes a copy of the sample's pixel whose window is nearest: the window around its parent,
+    at the offsets `parents`, and its own as far as it is done. Where nothing is, the pixel stays.
     """
-    le: cython.uchar[:, :, ::1] = levels
-    so: cython.int[:, ::1] = source
-    do: cython.uchar[:, ::1] = done
-    wrap_y: cython.bint = wrap[0]
-    wrap_x: cython.bint = wrap[1]
-    pa: cython.const[cython.uchar][:, :, ::1] = parent
-    pd: cython.const[cython.uchar][:, ::1] = parent_done
-    of: cython.const[cython.int][:, ::1] = offsets
-    po: cython.const[cython.int][:, ::1] = parent_offsets
-    px: cython.const[cython.int][::1] = pixels
-    a: cython.Py_ssize_t = start
-    b: cython.Py_ssize_t = stop
-    sa: cython.const[cython.uchar][:, :, ::1] = sample
-    ro: cython.const[cython.uchar][:, ::1] = rows
-    pl: cython.const[cython.int][::1] = places
-    no: cython.const[cython.int][:, ::1] = nodes
-    ce: cython.const[cython.uchar][:, ::1] = centroids
-    lv: cython.Py_ssize_t = leaves
-    qu: cython.uchar[::1] = query
-    sp: cython.int[:, ::1] = spans
-    ke: cython.longlong[::1] = keys
-    pe: cython.int[::1] = pending
+    cython.declare(i=cython.Py_ssize_t, k=cython.Py_ssize_t, first=cython.Py_ssize_t)
+    cython.declare(y=cython.Py_ssize_t, x=cython.Py_ssize_t, channels=cython.Py_ssize_t)
+    cython.declare(place=cython.int, across=cython.Py_ssize_t)
+    channels = level.pixels.shape[2]
+    across = level.sample.shape[1]
+    first = parents.shape[0] * channels
     with cython.nogil:
-        choose(
-            le, so, do, wrap_y, wrap_x, pa, pd, of, po, px, a, b, sa, ro, pl, no, ce, lv,
-            qu, sp, ke, pe,
-        )  # fmt: skip
+        for i in range(places.shape[0]):
+            y = places[i] // level.pixels.shape[1]
+            x = places[i] % level.pixels.shape[1]
+            query.count = 0
+            if parents.shape[0]:
+                gather(coarser, y // 2, x // 2, parents, 0, query)
+            gather(level, y, x, own, first, query)
+            level.done[y, x] = 1
+            if query.count == 0:
+                continue
+            place = tree.places[nearest(tree, query, leaves)]
+            level.source[y, x] = place
+            for k in range(channels):
+                level.pixels[y, x, k] = level.sample[place // across, place % across, k]

@@ -1,0 +1,83 @@
+"""The passes over a level: in which order pixels are chosen, and by which windows."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from weftex.random import draw
+from weftex.raster.masks import peeled
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    from weftex.methods.wei_levoy.settings import Settings
+
+_MASKED_FACTOR = 8  # times the leaves: a window known in part says less of where to look
+_CLOSING_PASSES = 2  # over the border of a wrapped picture; after one, at one level, much is left
+_WHOLE_PASSES = 4  # over a hole by whole windows; the paper has one, but more make stones whole
+
+
+@dataclass(frozen=True, eq=False)
+class Pass:
+    """One pass over pixels of a level.
+
+    Attributes
+    ----------
+    places : int32 array (n,)
+        Flat indices of the pixels in their order.
+    causal : bool
+        L-shaped windows, or such that look to all sides.
+    leaves : int
+        Leaves to look into.
+    """
+
+    places: NDArray[np.int32]
+    causal: bool
+    leaves: int
+
+
+def scan_passes(shape: tuple[int, ...], wrap: tuple[bool, bool], settings: Settings) -> list[Pass]:
+    """Return the passes over a level of which nothing is known; `wrap` is the canvas's.
+
+    The first is that of the paper, in scan order with causal windows. It does not show the first
+    rows to the last ones, so where the canvas wraps its border is gone over again.
+    """
+    leaves = settings.leaves
+    every = np.arange(shape[0] * shape[1], dtype=np.int32)
+    found = [Pass(every, True, leaves)] + [Pass(every, False, leaves)] * settings.passes
+    reach = settings.window_width // 2
+    border = np.zeros(shape, bool)
+    for axis in (0, 1):
+        if wrap[axis]:
+            lines = border.swapaxes(0, axis)
+            lines[:reach] = lines[max(len(lines) - reach, 0) :] = True
+    if border.any():
+        around = np.flatnonzero(border).astype(np.int32)
+        found += [Pass(around, False, leaves)] * _CLOSING_PASSES
+    return found
+
+
+def hole_passes(
+    unknown: NDArray[np.bool_], wrap: tuple[bool, bool], seed: int, settings: Settings
+) -> list[Pass]:
+    """Return the passes of constrained synthesis: by what is known, then by whole windows."""
+    places, leaves = inwards(unknown, wrap, seed), settings.leaves
+    first = Pass(places, False, leaves * _MASKED_FACTOR)
+    return [first] + [Pass(places, False, leaves)] * (_WHOLE_PASSES + settings.passes)
+
+
+def inwards(unknown: NDArray[np.bool_], wrap: tuple[bool, bool], seed: int) -> NDArray[np.int32]:
+    """Unknown pixels in layers from the border inwards, each by lines from a random corner.
+
+    Neighbors of a layer follow each other, as on a spiral, so that they go on coherently.
+    """
+    layers = [np.empty(0, np.int32)]
+    for number, places in enumerate(peeled(unknown, wrap), 1):
+        bits = int(draw(seed, "wei-levoy order", number))
+        y, x = np.divmod(places, unknown.shape[1])
+        keys = [y * (1 - 2 * (bits & 1)), x * (1 - (bits & 2))]
+        layers.append(places[np.lexsort(keys[:: 1 - 2 * (bits >> 2 & 1)])])
+    return np.concatenate(layers)
