@@ -42,6 +42,7 @@ SETTINGS = {
     "one level": {"levels": 1, "window_width": 5},
     "two levels": {"levels": 2, "window_width": 5},
     "three levels": {"levels": 3, "window_width": 3, "parent_width": 1},
+    "no parents": {"levels": 2, "window_width": 3, "parent_width": 0},
     "tree": {"levels": 2, "window_width": 3, "tree_size": 9, "leaves": 2},
     "full": {"levels": 2, "window_width": 3, "search": "full"},
     "passes": {"levels": 2, "window_width": 3, "passes": 2},

@@ -54,16 +54,19 @@ class Splitting:
 @cython.nogil
 @cython.exceptval(check=False)
 def span_distance(
-    row: cython.p_const_uchar, query: Query, bound: cython.longlong
+    row: cython.p_const_uchar,
+    values: cython.p_const_uchar,
+    spans: cython.p_const_int,
+    count: cython.Py_ssize_t,
+    bound: cython.longlong,
 ) -> cython.longlong:
-    """Sum of squared differences over the query's spans; stops past a bound >= 0."""
+    """Sum of squared differences over spans (first byte, length); stops past a bound >= 0."""
     cython.declare(s=cython.Py_ssize_t, at=cython.Py_ssize_t, stop=cython.Py_ssize_t)
-    cython.declare(part=cython.Py_ssize_t, total=cython.longlong, values=cython.p_const_uchar)
-    values = cython.address(query.values[0])
+    cython.declare(part=cython.Py_ssize_t, total=cython.longlong)
     total = 0
-    for s in range(query.count):
-        at = query.spans[s, 0]
-        stop = at + query.spans[s, 1]
+    for s in range(count):
+        at = spans[2 * s]
+        stop = at + spans[2 * s + 1]
         while at < stop:
             part = 64 if bound >= 0 and stop - at > 64 else stop - at
             total += squared(row + at, values + at, part)
@@ -138,7 +141,11 @@ def nearest(tree, query, leaves):
     """The row nearest to the query in the leaves that are looked at; the first place of a tie."""
     cython.declare(node=cython.int, child=cython.int, i=cython.Py_ssize_t, best=cython.Py_ssize_t)
     cython.declare(near=cython.longlong, far=cython.longlong, d=cython.longlong)
-    cython.declare(least=cython.longlong)
+    cython.declare(least=cython.longlong, n=cython.Py_ssize_t)
+    cython.declare(values=cython.p_const_uchar, spans=cython.p_const_int)
+    values = cython.address(query.values[0])
+    spans = cython.address(query.spans[0, 0])
+    n = query.count
     tree.waiting = 0
     node = 0
     best = -1
@@ -146,8 +153,8 @@ def nearest(tree, query, leaves):
     while True:
         while tree.nodes[node, 0] >= 0:
             child = tree.nodes[node, 0]
-            near = span_distance(cython.address(tree.centroids[child, 0]), query, -1)
-            far = span_distance(cython.address(tree.centroids[child + 1, 0]), query, -1)
+            near = span_distance(cython.address(tree.centroids[child, 0]), values, spans, n, -1)
+            far = span_distance(cython.address(tree.centroids[child + 1, 0]), values, spans, n, -1)
             if far < near:
                 push(tree, near, child)
                 node = child + 1
@@ -155,7 +162,7 @@ def nearest(tree, query, leaves):
                 push(tree, far, child + 1)
                 node = child
         for i in range(tree.nodes[node, 1], tree.nodes[node, 2]):
-            d = span_distance(cython.address(tree.rows[i, 0]), query, least)
+            d = span_distance(cython.address(tree.rows[i, 0]), values, spans, n, least)
             if best < 0 or d < least or (d == least and tree.places[i] < tree.places[best]):
                 best = i
                 least = d

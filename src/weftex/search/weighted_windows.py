@@ -2,24 +2,26 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, Protocol
 
 import numpy as np
-from numpy.typing import NDArray
 
 from weftex.search import weighted_kernels as kernels
 
 if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    from numpy.typing import NDArray
+
     from weftex.search.windows import Windows
 
-#: Chosen windows as flat indices into the sample's windows, their distances, and for each the sum
-#: of the weights of the known pixels: int32, int64 and int64 (n,).
-Drawn = tuple[NDArray[np.int32], NDArray[np.int64], NDArray[np.int64]]
-#: Draws windows for unknown pixels: flat indices into the canvas and random bits, int32 and uint64
-#: (n,). Used by one thread at a time.
-Draw = Callable[[NDArray[np.int32], NDArray[np.uint64]], Drawn]
+    #: For each pixel the window drawn, a flat index into the windows' pixels; its distance; and the
+    #: sum of the weights of the known pixels: int32, int64 and int64 (n,).
+    Drawn = tuple[NDArray[np.int32], NDArray[np.int64], NDArray[np.int64]]
+    #: Draws windows for unknown pixels: flat indices into the canvas and random bits, int32 and
+    #: uint64 (n,). For one thread at a time.
+    Draw = Callable[[NDArray[np.int32], NDArray[np.uint64]], Drawn]
 
 _LARGEST_WEIGHT = 127  # times a difference it fits 16 bits
 _VECTOR = 16  # bytes; rows of windows are whole vectors

@@ -65,10 +65,10 @@ class WeiLevoy(WindowedMethod):
     )
     parent_width: int | None = parameter(
         None,
-        "side N of the window at the parent's level, odd and below S; 0 for one level",
+        "side N of the window at the parent's level, odd and below S, or 0 for none",
         low=0,
         unit="px",
-        default_text="2 less than window_width",
+        default_text="2 less than window_width, or 0 for one level",
     )
     search: str = parameter(
         "tsvq", "look into a part of the tree, or at all windows", choices=("tsvq", "full")
@@ -97,7 +97,7 @@ class WeiLevoy(WindowedMethod):
     def __post_init__(self) -> None:
         super().__post_init__()
         width = self.parent_width
-        if width is None or (width == 0 and self.levels == 1):
+        if not width:
             return
         if width % 2 == 0:
             raise InvalidInputError(f"parent_width is {width}; it must be odd")

@@ -39,11 +39,11 @@ class Trees:
         """Return the tree of a level, 0 the finest."""
         if (level, causal) not in self._built:
             settings = self._settings
-            parent = self._samples[level + 1] if level + 1 < settings.levels else None
+            parent_width = settings.parent_width_at(level)
+            parent = self._samples[level + 1] if parent_width else None
             vectors, places = window_vectors(
-                self._samples[level], parent, settings.window_width,
-                settings.parent_width_at(level), causal=causal,
-            )  # fmt: skip
+                self._samples[level], parent, settings.window_width, parent_width, causal=causal
+            )
             self._built[level, causal] = build_tsvq(vectors, places, settings.most_leaves)
         return self._built[level, causal]
 

@@ -31,12 +31,12 @@ class Settings:
     start: str
 
     def parent_width_at(self, level: int) -> int:
-        """N, or 0 at the coarsest level, where pixels have no parents."""
+        """Return N, or 0 at the coarsest level, where pixels have no parents."""
         return self.parent_width if level + 1 < self.levels else 0
 
     @property
     def most_leaves(self) -> int:
-        """The most leaves of a tree; 0 for no limit."""
+        """The most leaves of a tree; with 0, as many as leave a few windows in each."""
         return 1 if self.search == "full" else self.tree_size
 
 
@@ -51,7 +51,7 @@ def settle(method: Any, exemplar: Exemplar) -> Settings:
     width: int = settle_window(method, exemplar, PROPOSED_WIDTH).window_width
     samples = sample_pyramid(exemplar, method.levels or _PROPOSED_LEVELS)
     while True:
-        parent_width = method.parent_width or max(1, width - 2)
+        parent_width = max(1, width - 2) if method.parent_width is None else method.parent_width
         try:
             levels = _levels_with_windows(samples, width, parent_width)
             break
@@ -89,8 +89,9 @@ def _levels_with_windows(samples: list[Exemplar], width: int, parent_width: int)
     while count < len(samples) and width > 1:
         try:
             interior_windows(samples[count], None, width, 0, causal=False)
-            pair = samples[count - 1], samples[count]
-            interior_windows(*pair, width, parent_width, causal=False)
+            if parent_width:
+                pair = samples[count - 1], samples[count]
+                interior_windows(*pair, width, parent_width, causal=False)
         except InvalidInputError:
             break
         count += 1
