@@ -1,9 +1,10 @@
-"""What methods that choose one pixel after the other have in common."""
+"""What the methods that choose one pixel after the other have in common."""
 
 from __future__ import annotations
 
 import dataclasses
-from typing import TYPE_CHECKING, Any
+from collections.abc import Callable
+from typing import TYPE_CHECKING, Any, Protocol, TypeVar
 
 import numpy as np
 
@@ -29,22 +30,25 @@ class Growth:
     Attributes
     ----------
     canvas : Canvas
-        What to make.
+        The picture to make.
+    exemplar : Exemplar
+        The sample.
     seed : int
         For `weftex.random.draw`.
     threads : int
-        At most so many.
-    levels : uint8 array (H, W, K)
-        What distances are taken on; known pixels are there, the others 0 until they are made.
+        Use at most so many.
+    pixels : uint8 array (H, W, K)
+        The bytes that distances are taken on; those of known pixels are there from the start, the
+        others are 0 until they are made.
     done : uint8 array (H, W)
         1 where a pixel is known or made.
     source : int32 array (H, W)
         Flat index into the pixels of the model's windows. -1 where nothing is made, and for a
         known pixel that is not in the sample.
     hole : bool array (H, W) or None
-        What is to be made, if some is known.
+        The pixels to make; None if that is all of them.
     about : dict
-        What the method has to say about this output, for its provenance.
+        Facts about this output for its provenance; the method adds to them.
     """
 
     def __init__(
@@ -56,9 +60,9 @@ class Growth:
         threads: int,
         callback: ProgressCallback | None,
     ) -> None:
-        self.canvas, self.seed, self.threads, self._callback = canvas, seed, threads, callback
-        self._channels = exemplar.channels
-        self.levels = np.zeros((*canvas.shape, windows.pixels.shape[2]), np.uint8)
+        self.canvas, self.exemplar, self.seed = canvas, exemplar, seed
+        self.threads, self._callback = threads, callback
+        self.pixels = np.zeros((*canvas.shape, windows.pixels.shape[2]), np.uint8)
         self.done = np.zeros(canvas.shape, np.uint8)
         self.source = np.full(canvas.shape, -1, np.int32)
         self.hole = None
@@ -67,45 +71,79 @@ class Growth:
             return
         self.hole = canvas.hole
         known = exemplar.as_matching(canvas.known)
-        if known.shape[2] != self.levels.shape[2]:
+        if known.shape[2] != self.pixels.shape[2]:
             raise InvalidInputError("a canvas's known pixels have no maps; use weftex.fill")
-        self.levels[~self.hole] = known[~self.hole]
+        self.pixels[~self.hole] = known[~self.hole]
         self.done[~self.hole] = 1
         if canvas.known_from is not None:
             y, x = np.indices(canvas.shape) + np.reshape(canvas.known_from, (2, 1, 1))
             place = (y * exemplar.shape[1] + x).astype(np.int32)
             self.source[~self.hole] = windows.from_sample(place[~self.hole])
 
+    @property
+    def levels(self) -> NDArray[np.uint8]:
+        """An older name of `pixels`."""
+        return self.pixels
+
+    @levels.setter
+    def levels(self, pixels: NDArray[np.uint8]) -> None:
+        self.pixels = pixels
+
     def progress(self, total: int, stage: str) -> Progress:
         """Report on `total` steps of one stage; the preview is the picture so far."""
         return Progress(self._callback, total, stage, self._preview)
 
     def _preview(self) -> NDArray[np.uint8]:
-        return self.levels[..., : self._channels].copy()
+        return self.pixels[..., : self.exemplar.channels].copy()
+
+
+class Prepared(Protocol):
+    """A sample as a method has prepared it; immutable and picklable."""
+
+    @property
+    def windows(self) -> Windows:
+        """The windows that `Growth.source` indexes."""
+
+
+_P = TypeVar("_P", bound=Prepared)
 
 
 class PixelModel(Model):
-    """Base of the models of pixel methods: a sample prepared for choosing pixels.
+    """The model of a method that chooses pixels: a prepared sample and the algorithm.
 
-    A subclass sets `windows`, and `method` to what it settled on where a parameter was left open;
-    its `grow` makes every pixel that is not known.
+    A method's `fit` returns ``PixelModel(settled, exemplar, prepared, grow)``.
 
     Parameters
     ----------
     method : Method
-        Parameters.
+        The method with every parameter settled.
     exemplar : Exemplar
         The sample.
+    prepared : Prepared
+        The result of the method's analysis; its `windows` are what `Growth.source` indexes.
+    grow : callable
+        The algorithm, a function of a module: ``grow(prepared, growth)`` makes `pixels` and
+        `source` of every pixel that is not known. It is not called if all are.
     """
 
     windows: Windows
+    prepared: Any
 
-    def __init__(self, method: Method, exemplar: Exemplar) -> None:
+    def __init__(
+        self,
+        method: Method,
+        exemplar: Exemplar,
+        prepared: _P | None = None,
+        grow: Callable[[_P, Growth], None] | None = None,
+    ) -> None:
         self.method, self.exemplar = method, exemplar
+        if prepared is not None and grow is not None:  # else a subclass does both by itself
+            self.windows, self.prepared = prepared.windows, prepared
+            self._algorithm: Callable[[Any, Growth], None] = grow
 
     def grow(self, growth: Growth) -> None:
-        """Fill `levels` and `source` of what is not known."""
-        raise TypeError(f"{type(self).__name__} does not define grow")
+        """Make every pixel that is not known."""
+        self._algorithm(self.prepared, growth)
 
     def sample(
         self,
@@ -158,13 +196,15 @@ class PixelModel(Model):
         )
 
 
-def settle_window(method: Any, exemplar: Exemplar, proposed: int, *, causal: bool = False) -> Any:
-    """Settle the window: return the method with a `window_width` that fits the sample.
+def settled_width(
+    given: int | None, exemplar: Exemplar, proposed: int, *, causal: bool = False
+) -> int:
+    """Return a width of window, odd, that fits the sample.
 
     Parameters
     ----------
-    method : Method
-        With a field `window_width`, odd; None takes the proposed one, shrunk to fit.
+    given : int or None
+        `window_width` of a method; None takes the proposed one, shrunk to fit.
     exemplar : Exemplar
         The sample; one that tiles has room for any window up to its own size.
     proposed : int
@@ -176,13 +216,18 @@ def settle_window(method: Any, exemplar: Exemplar, proposed: int, *, causal: boo
     ------
     InvalidInputError
         If a width was given that is even or does not fit; the largest that fits is named.
+
+    Examples
+    --------
+    >>> import weftex
+    >>> settled_width(None, weftex.load_exemplar("sample:bricks"), 30)
+    29
     """
     height, width = exemplar.shape
     if causal:
         height = 2 * height - 1
     largest = min(height, width)
     largest -= 1 - largest % 2
-    given = method.window_width
     if given is not None and given % 2 == 0:
         raise InvalidInputError(f"window_width is {given}; it must be odd")
     if given is not None and given > largest:
@@ -190,5 +235,10 @@ def settle_window(method: Any, exemplar: Exemplar, proposed: int, *, causal: boo
             f"window_width is {given}; {exemplar.name} is {exemplar.shape[1]}x"
             f"{exemplar.shape[0]}, which has room for {largest}"
         )
-    settled = given or max(1, min(proposed - 1 + proposed % 2, largest))
-    return dataclasses.replace(method, window_width=settled)
+    return given or max(1, min(proposed - 1 + proposed % 2, largest))
+
+
+def settle_window(method: Any, exemplar: Exemplar, proposed: int, *, causal: bool = False) -> Any:
+    """Return the method with its `window_width` settled by `settled_width`."""
+    width = settled_width(method.window_width, exemplar, proposed, causal=causal)
+    return dataclasses.replace(method, window_width=width)
