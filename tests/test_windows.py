@@ -101,14 +101,14 @@ def test_distances_are_sums_over_the_runs(rng, channels):
 
 
 @given(st.integers(-9, 20), st.integers(-9, 20), st.booleans(), st.integers(0, 99))
-def test_a_place_settles_where_a_window_may_be_centred(y, x, tileable, seed):
+def test_a_place_is_usable_where_a_window_may_be_centered(y, x, tileable, seed):
     mask = np.random.default_rng(seed).random((6, 7)) < 0.97
     exemplar = weftex.Exemplar(np.zeros((6, 7), np.uint8), mask=mask, tileable=tileable)
     try:
         windows = windows_of(exemplar, (1, 1, 1, 1))
     except weftex.InvalidInputError:
         return
-    got = kernels.settle_at(windows.usable, windows.period, y, x)
+    got = kernels.place_at(windows.usable, windows.period, y, x)
     top, left = windows.period[:2].tolist()
     own = (y - top, x - left)
     if tileable:

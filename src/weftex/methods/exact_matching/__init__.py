@@ -1,47 +1,31 @@
-"""Texture synthesis using exact neighborhood matching (Sabha, Peers and Dutré, 2005)."""
+"""Texture synthesis using exact neighborhood matching (Sabha, Peers and Dutré, 2007)."""
 
 from __future__ import annotations
 
-import copy
-from dataclasses import dataclass, replace
+from dataclasses import asdict, dataclass, replace
+from functools import partial
 from typing import TYPE_CHECKING, Any, ClassVar
 
-import numpy as np
-
-from weftex.analysis.regularity import regularity
-from weftex.analysis.scale import dominant_scale
 from weftex.errors import InvalidInputError
-from weftex.exemplar import Exemplar
 from weftex.method import Method, parameter
-from weftex.methods.exact_matching.candidates import Candidates
-from weftex.methods.exact_matching.growth import ExactGrowth, Statistics
-from weftex.methods.pixels.growth import PixelModel, settle_window
-from weftex.search.color_index import ColorIndex
-from weftex.search.pyramid_windows import sample_pyramid
-from weftex.search.windows import windows_of
+from weftex.methods.exact_matching.bands import FinishedLevel, random_band, structured_band
+from weftex.methods.exact_matching.matching import Matching, Parents, Sheet, Statistics
+from weftex.methods.exact_matching.model import LevelSample, Prepared, prepare
+from weftex.methods.exact_matching.settings import Settings, settle
+from weftex.methods.pixels.growth import PixelModel
 
 if TYPE_CHECKING:
-    from numpy.typing import NDArray
-
+    from weftex.exemplar import Exemplar
     from weftex.methods.pixels.growth import Growth
     from weftex.results.pixels import PixelSynthesis
-
-_REGULAR = 0.4  # regularity from which on a sample is near-regular
-_WIDTH = 31  # of a window, unless the structure is larger
-_LEVELS = 3  # see docs/exact-matching.md for what they gain
-_WITH_LEVELS = 17  # width of a window where there are levels
-_ENOUGH = 128  # shorter side from which on a sample is seen at several levels
-_NARROW = 11  # the smallest window that is proposed where there is room
-_LEAST = 5  # pixels to a side of the coarsest level
-_NEAR = 5  # colours, itself among them, in reach of one that occurs once
 
 
 @dataclass(frozen=True)
 class ExactMatching(Method):
     """Exact neighborhood matching.
 
-    Pixels are made in scan order. Each is copied from the window that matches best among those
-    that have, at the place of one of the four direct neighbours, exactly that neighbour's colour.
+    Pixels are made in scanline order. Each is copied from the window that matches best among those
+    that have, at the place of one of the four direct neighbors, exactly that neighbor's color.
 
     Raises
     ------
@@ -74,20 +58,20 @@ class ExactMatching(Method):
     )
     tolerance: float | None = parameter(
         None,
-        "how far a colour may be off, of the sample's largest colour distance; 1 takes any",
+        "how far a color may be off, of the sample's largest color distance; 1 takes any",
         low=0.0,
         high=1.0,
-        default_text="0 where colours occur more than once, else as far as the nearest four",
+        default_text="0 where colors occur more than once, else as far as the nearest four",
     )
     nearest_colors: int | None = parameter(
         None,
-        "take so many of the nearest colours, instead of a tolerance",
+        "take so many of the nearest colors, instead of a tolerance",
         low=1,
         default_text="the tolerance decides",
     )
     init: str = parameter(
         "auto",
-        "what lies above the first row: random pixels, a structured band, or as the sample asks",
+        "the band above the first row: random pixels, a structured one, or as the sample asks",
         choices=("auto", "random", "structured"),
     )
     candidates: int = parameter(
@@ -109,7 +93,7 @@ class ExactMatching(Method):
     )
     copying: str = parameter(
         "pixels",
-        "search for each pixel, or go on without where all four neighbours come from one block",
+        "search for each pixel, or not where the sources of all four neighbors go on at one place",
         choices=("pixels", "blocks"),
     )
     levels: int | None = parameter(
@@ -120,7 +104,7 @@ class ExactMatching(Method):
         default_text="1 if window_width is given, for holes, and for small samples; else 3",
     )
     passes: int = parameter(
-        2, "further passes over what was made between known pixels", low=0, high=100
+        2, "further passes over pixels that were made between known ones", low=0, high=100
     )
 
     def __post_init__(self) -> None:
@@ -129,129 +113,135 @@ class ExactMatching(Method):
             raise InvalidInputError("tolerance and nearest_colors are two ways; give one of them")
 
     def fit(self, exemplar: Exemplar) -> ExactMatchingModel:
-        """Make the index of colours (section 4.1); propose what was left open."""
-        return ExactMatchingModel(self, exemplar)
+        """Propose what was left open; make the lists of colors (section 4.1)."""
+        settings = settle(exemplar, **asdict(self))
+        prepared = prepare(settings, exemplar)
+        return ExactMatchingModel(self._settled(settings), exemplar, prepared, grow)
 
     def settle(self, exemplar: Exemplar) -> ExactMatching:
-        """See `Method.settle`; scale, regularity and colours are looked at, no list is made."""
-        return _settled(self, exemplar)
+        """See `Method.settle`; scale, regularity and colors are looked at, no list is made."""
+        return self._settled(settle(exemplar, **asdict(self)))
 
-    def radius(self, index: ColorIndex) -> NDArray[np.int64]:
-        """The squared distance up to which colours count as each colour."""
-        if self.nearest_colors is not None:
-            return index.reach(self.nearest_colors)
-        assert self.tolerance is not None
-        limit = int(self.tolerance * self.tolerance * index.span)
-        return np.full(len(index.colors), limit, np.int64)
+    def _settled(self, settings: Settings) -> ExactMatching:
+        """This method; of `tolerance` and `nearest_colors` the one that decides is set."""
+        return replace(
+            self,
+            window_width=settings.window_width,
+            tolerance=None if settings.nearest_colors else settings.tolerance,
+            init=settings.init,
+            repeat_distance=settings.repeat_distance,
+            levels=settings.levels,
+        )
 
 
 class ExactMatchingModel(PixelModel):
-    """A sample prepared for exact neighborhood matching; `sample` makes outputs from it.
-
-    Attributes
-    ----------
-    samples : list of Exemplar
-        The sample's bytes, level by level, finest first.
-    structured : bool
-        Whether the band above the canvas is made of the sample or of random pixels.
-    """
-
-    method: ExactMatching
-
-    def __init__(self, method: ExactMatching, exemplar: Exemplar) -> None:
-        self.windows = windows_of(exemplar, (0, 0, 0, 0))  # so that indices are the sample's own
-        super().__init__(_settled(method, exemplar), exemplar)
-        count: int = self.method.levels  # type: ignore[assignment]
-        self.samples = sample_pyramid(exemplar, count)
-        most = len(self.samples)
-        while most > 1 and min(self.samples[most - 1].shape) < _LEAST:
-            most -= 1
-        if most < count:
-            raise InvalidInputError(
-                f"levels is {count}; {exemplar.name} is {exemplar.shape[1]}x"
-                f"{exemplar.shape[0]}, which is enough for {most}"
-            )
-        self._fills = count == 1 or method.levels is None
-        self._statistics: Statistics | None = None
-        self._ready: dict[tuple[int, str], Candidates] = {}
-        for level in range(count):
-            self.candidates(level, "causal")
-        if self.method.init == "structured":
-            self.candidates(count - 1, "turned")
-
-    def candidates(self, level: int, kind: str) -> Candidates:
-        """Windows of a level: "causal", "full", or causal ones of the "turned" sample."""
-        if (level, kind) not in self._ready:
-            sample, guide = self.samples[level], None
-            if kind == "turned":
-                sample = _turned(sample)
-            elif level + 1 < len(self.samples):
-                y, x = (np.arange(n) // 2 for n in sample.shape)
-                guide = np.ascontiguousarray(self.samples[level + 1].pixels[np.ix_(y, x)])
-            made = Candidates(self.method, sample, kind != "full", guide)
-            self._ready[level, kind] = made
-        return self._ready[level, kind]
-
-    def grow(self, growth: Growth) -> None:
-        """Scan the canvas (section 4.2), or fill its hole from the border inwards."""
-        making = ExactGrowth(self, growth, self._statistics or Statistics())
-        if growth.hole is None:
-            making.scan()
-        elif self._fills:
-            growth.about["levels"] = 1
-            making.fill()
-        else:
-            raise InvalidInputError(f"levels is {self.method.levels}; holes are filled with 1")
+    """A sample prepared for exact neighborhood matching; `sample` makes outputs from it."""
 
     def measure(self, *args: Any, **options: Any) -> tuple[PixelSynthesis, Statistics]:
-        """Do what `sample` does; return the result and what it cost."""
-        model, statistics = copy.copy(self), Statistics()
-        model._statistics = statistics
-        return model.sample(*args, **options), statistics
+        """Do what `sample` does; return the result and what it costs."""
+        cost = Statistics()
+        measured = partial(grow, cost=cost)
+        model = PixelModel(self.method, self.exemplar, self.prepared, measured)
+        return model.sample(*args, **options), cost
 
 
-def _turned(sample: Exemplar) -> Exemplar:
-    """The sample with its axes exchanged."""
-    mask = None if sample.mask is None else sample.mask.T
-    turned = np.ascontiguousarray(sample.pixels.swapaxes(0, 1))
-    return Exemplar(turned, mask=mask, tileable=sample.tileable, alpha=False, name=sample.name)
+def grow(prepared: Prepared, growth: Growth, cost: Statistics | None = None) -> None:
+    """Synthesize a canvas from the coarsest level to the finest, or fill its hole."""
+    cost = cost or Statistics()
+    if growth.hole is not None:
+        fill_hole(prepared, growth, cost)
+        return
+    finished: list[FinishedLevel] = []
+    for level, shape in reversed(level_shapes(growth.canvas.shape, len(prepared.levels))):
+        finished.append(scan_level(prepared, growth, cost, level, shape, finished[-1:]))
+        growth.pixels[:] = finished[-1].picture(growth.canvas.shape, level)
+    growth.source[:] = finished[-1].places[finished[-1].top :]
 
 
-def _settled(method: ExactMatching, exemplar: Exemplar) -> ExactMatching:
-    """Propose what was left open."""
-    proposed = _NARROW
-    if method.levels is None:
-        several = method.window_width is None and min(exemplar.shape) >= _ENOUGH
-        method = replace(method, levels=_LEVELS if several else 1)
-    if method.levels != 1:
-        proposed = _WITH_LEVELS
-    elif method.window_width is None:
-        proposed = max(_WIDTH, dominant_scale(exemplar).window_width)
-        proposed = min(proposed, max(min(exemplar.shape) // 3, _NARROW))
-    method = settle_window(method, exemplar, proposed)
-    half = (method.window_width or 1) // 2
-    if method.init == "auto":
-        regular = regularity(exemplar) >= _REGULAR
-        method = replace(method, init="structured" if regular else "random")
-    if method.repeat_distance is None:
-        method = replace(method, repeat_distance=0 if method.init == "structured" else half)
-    if method.tolerance is None and method.nearest_colors is None:
-        method = replace(method, tolerance=_proposed_tolerance(exemplar))
-    return method
+def scan_level(
+    prepared: Prepared,
+    growth: Growth,
+    cost: Statistics,
+    level: int,
+    shape: tuple[int, int],
+    coarser: list[FinishedLevel],
+) -> FinishedLevel:
+    """Synthesize one level; `coarser` is the next coarser one, if there is one (section 7)."""
+    sample, settings, (height, width) = prepared.levels[level], prepared.settings, shape
+    lists, top, parents = sample.causal, sample.causal.reach, None
+    with cost.timed("initialization"):
+        # Section 4.3: a band as high as a window reaches. It is cropped at the end, and so are the
+        # rows that see random pixels.
+        if coarser:
+            band, parents = coarser[0].children(top, shape, sample.sample.shape)
+        elif settings.init == "structured":
+            band = structured_band(sample.turned, width, settings, growth, cost)
+        else:
+            band = random_band(lists, width, growth.seed)
+            top += lists.reach
+        wrap = (False, growth.canvas.wrap[1])
+        sheet = Sheet((top + height, width), growth.pixels.shape[2], wrap)
+        sheet.put(lists, band)
+        matching = Matching(lists, sheet, settings, growth, cost, parents)
+        matching.scan(range(len(band), top), f"exact {level}", "beginning")
+    with cost.timed("synthesis"):
+        # Section 4.2: in scanline order, each pixel is the center of the best matching window of
+        # the union of its neighbors' lists: see `match_kernels.match_pixels`.
+        shown = growth.pixels if level == 0 else None
+        matching.scan(range(top, top + height), f"exact {level}", "rows", shown)
+        made = FinishedLevel(
+            sheet.pixels, lists.windows.to_sample(sheet.source), top, lists.windows.shape[1]
+        )
+        if growth.canvas.wrap[0] and height > 1:
+            close_level(sample, settings, growth, cost, level, made, parents)
+    return made
 
 
-def _proposed_tolerance(exemplar: Exemplar) -> float:
-    """Where most pixels have a colour of their own, as far as the few colours nearest to it.
+def close_level(
+    sample: LevelSample,
+    settings: Settings,
+    growth: Growth,
+    cost: Statistics,
+    level: int,
+    made: FinishedLevel,
+    parents: Parents | None,
+) -> None:
+    """Beyond the paper: make the last rows again, between those above and the first ones."""
+    lists, top = sample.around, made.top
+    height, width = made.places[top:].shape
+    again = min(2 * lists.reach + 1, height // 2)
+    sheet = Sheet((height, width), made.pixels.shape[2], growth.canvas.wrap)
+    sheet.put(lists, made.places[top : top + height - again])
+    if parents is not None:
+        parents = Parents(parents.pixels[top:], parents.suggested[top:])
+    Matching(lists, sheet, settings, growth, cost, parents).fill(f"exact seam {level}")
+    made.places[top:] = lists.windows.to_sample(sheet.source)
+    made.pixels[top:] = sheet.pixels
 
-    Each of the four lists then has some places, and a pixel 10 to 30 candidates. Where colours
-    occur twice or more, a tolerance costs time and mends nothing.
+
+def fill_hole(prepared: Prepared, growth: Growth, cost: Statistics) -> None:
+    """Beyond the paper: make a hole from its border inwards, at a single resolution."""
+    settings, lists = prepared.settings, prepared.levels[0].around
+    if settings.hole_levels != 1:
+        raise InvalidInputError(f"levels is {settings.hole_levels}; holes are filled with 1")
+    growth.about["levels"] = 1
+    sheet = Sheet(growth.canvas.shape, growth.pixels.shape[2], growth.canvas.wrap)
+    sheet.pixels, sheet.done = growth.pixels, growth.done
+    sheet.source = lists.windows.from_sample(growth.source)
+    sheet.name_colors(lists)
+    Matching(lists, sheet, settings, growth, cost).fill("exact hole")
+    growth.source[:] = lists.windows.to_sample(sheet.source)
+
+
+def level_shapes(shape: tuple[int, int], levels: int) -> list[tuple[int, tuple[int, int]]]:
+    """Number and shape of each level of a canvas, finest first.
+
+    Examples
+    --------
+    >>> level_shapes((5, 8), 2)
+    [(0, (5, 8)), (1, (3, 4))]
     """
-    windows = windows_of(exemplar, (0, 0, 0, 0))
-    index = ColorIndex(windows.pixels, windows.usable)
-    number = index.number[windows.usable > 0]
-    often = np.bincount(number, minlength=len(index.colors))
-    once = often[number] == 1
-    if 2 * once.sum() < len(once):
-        return 0.0
-    middle = int(np.sort(np.where(once, index.reach(_NEAR)[number], 0))[len(once) // 2])
-    return float(np.ceil(np.sqrt(middle / max(index.span, 1)) * 1e4) / 1e4)
+    shapes = [shape]
+    for _ in range(levels - 1):
+        shapes.append(((shapes[-1][0] + 1) // 2, (shapes[-1][1] + 1) // 2))
+    return list(enumerate(shapes))
