@@ -99,7 +99,7 @@ class ColorIndex:
 
     @property
     def span(self) -> int:
-        """The squared distance of the smallest and the largest bytes; no two colors are further apart."""
+        """The squared distance of the smallest and the largest bytes; colors differ by no more."""
         low, high = self.low[1].astype(np.int64), self.high[1].astype(np.int64)
         return int(((high - low) ** 2).sum())
 
@@ -145,7 +145,10 @@ class ColorIndex:
 def _split(
     colors: NDArray[np.uint8], depth: int
 ) -> tuple[NDArray[np.intp], NDArray[np.uint8], NDArray[np.uint8]]:
-    """Halve each node along its widest channel, level by level; return order, lowest and highest bytes."""
+    """Halve each node along its widest channel, level by level.
+
+    Returns the order of the colors, and the lowest and highest bytes of each node.
+    """
     count = len(colors)
     order = np.arange(count)
     low = np.zeros((2 << depth, colors.shape[1]), np.uint8)

@@ -8,8 +8,9 @@ from typing import TYPE_CHECKING, ClassVar
 import numpy as np
 
 from weftex.method import Method, parameter
-from weftex.methods.ashikhmin.choice import Choice
-from weftex.methods.ashikhmin.model import Prepared, prepare, settle
+from weftex.methods.ashikhmin.choice import Choice, random_places
+from weftex.methods.ashikhmin.model import Prepared, prepare
+from weftex.methods.ashikhmin.settings import settle
 from weftex.methods.pixels.growth import PixelModel
 from weftex.raster.masks import peeled
 
@@ -22,8 +23,9 @@ if TYPE_CHECKING:
 class Ashikhmin(Method):
     """Synthesis of natural textures from coherent candidates.
 
-    A pixel is copied from the place where one of its neighbors' sources goes on, so pieces of the sample of
-    any shape grow until another one fits better. A guide makes the picture follow another one.
+    A pixel is copied from a place where the source of one of its neighbors goes on, so pieces of
+    the sample of any shape grow until another one fits better. A guide makes the picture follow
+    another one.
 
     Examples
     --------
@@ -73,10 +75,12 @@ class Ashikhmin(Method):
 
 def grow(prepared: Prepared, growth: Growth) -> None:
     """Choose all pixels several times (section 3); those of a hole in layers from its border."""
-    settings, choice = prepared.settings, Choice(prepared, growth)
+    settings = prepared.settings
+    choice = Choice(settings, prepared.windows, prepared.guide, growth)
     if growth.hole is not None:
+        layers = peeled(growth.hole, growth.canvas.wrap)
         for number in range(settings.passes):
-            for layer in peeled(growth.hole, growth.canvas.wrap):
+            for layer in layers:
                 choice.choose(layer, number)
         return
     height, width = growth.canvas.shape
@@ -106,6 +110,6 @@ def start_from_noise(prepared: Prepared, growth: Growth) -> None:
     """Fill the last rows, which the windows of the first see above them, with random pixels."""
     rows = slice(max(0, growth.canvas.height - prepared.settings.half), None)
     index = np.arange(growth.source.size).reshape(growth.source.shape)[rows]
-    source = prepared.random_places(growth.seed, "ashikhmin start", index)
+    source = random_places(prepared.windows, growth.seed, "ashikhmin start", index)
     growth.source[rows] = source
     growth.pixels[rows] = prepared.windows.pixels.reshape(-1, growth.pixels.shape[2])[source]

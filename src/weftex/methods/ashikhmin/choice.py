@@ -7,13 +7,15 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from weftex.methods.ashikhmin import growth_kernels as kernels
+from weftex.random import draw
 from weftex.seams.path import least_path
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-    from weftex.methods.ashikhmin.model import Prepared
+    from weftex.methods.ashikhmin.settings import Settings
     from weftex.methods.pixels.growth import Growth
+    from weftex.search.windows import Windows
 
 #: Random places that stand in for candidates outside the sample. The paper takes one; among eight
 #: one matches better, so the same pieces of the sample come back less often.
@@ -29,8 +31,12 @@ class Choice:
 
     Parameters
     ----------
-    prepared : Prepared
-        The sample.
+    settings : Settings
+        See there.
+    windows : Windows
+        Of the sample.
+    guide : uint8 array (H, W, K)
+        The sample's own guide for the pixels of the windows.
     growth : Growth
         The output.
 
@@ -40,19 +46,21 @@ class Choice:
         Rows that are made twice where the canvas wraps along y; at least 2, or 0.
     """
 
-    def __init__(self, prepared: Prepared, growth: Growth) -> None:
-        self._prepared, self._growth = prepared, growth
-        settings, canvas = prepared.settings, growth.canvas
-        guide, weight, jumps = np.zeros((1, 1, 1), np.uint8), 0, settings.jumps
+    def __init__(
+        self, settings: Settings, windows: Windows, guide: NDArray[np.uint8], growth: Growth
+    ) -> None:
+        self._windows, self._half, self._growth = windows, settings.half, growth
+        canvas = growth.canvas
+        followed, weight, jumps = np.zeros((1, 1, 1), np.uint8), 0, settings.jumps
         if canvas.guide is not None:
-            guide = growth.exemplar.as_guide(canvas.guide)
+            followed = growth.exemplar.as_guide(canvas.guide)
             weight, jumps = round(_ONE * settings.guide_weight), settings.jumps_with_guide
         growth.about["jumps"] = jumps
         self._tries = max(jumps, _REPLACEMENTS)
         width, channels = settings.window_width, growth.pixels.shape[2]
-        self._sample = kernels.Sample(prepared.windows, prepared.guide, settings.half)
+        self._sample = kernels.Sample(windows, guide, settings.half)
         self._picture = kernels.Picture(
-            growth.pixels, growth.done, growth.source, canvas.wrap, guide, weight
+            growth.pixels, growth.done, growth.source, canvas.wrap, followed, weight
         )
         self._search = kernels.Search(
             jumps,
@@ -78,18 +86,17 @@ class Choice:
         around : bool
             Windows go around the canvas along y, even if it does not wrap.
         """
-        random_places = self._prepared.random_places(
-            self._growth.seed, "ashikhmin", number, line[:, None], np.arange(self._tries)
-        )
+        seed, tries = self._growth.seed, np.arange(self._tries)
+        strangers = random_places(self._windows, seed, "ashikhmin", number, line[:, None], tries)
         kernels.choose(
-            self._sample, self._picture, self._search, line, random_places, around, number > 0
+            self._sample, self._picture, self._search, line, strangers, around, number > 0
         )
         self._progress.advance(len(line))
 
     def close(self, lines: list[NDArray[np.int32]]) -> None:
         """Make the first lines again, below the last; cut where old and new differ least."""
         growth, rows = self._growth, len(lines)
-        hidden = slice(0, rows + self._prepared.settings.half)
+        hidden = slice(0, rows + self._half)
         pixels, source = growth.pixels[:rows].copy(), growth.source[:rows].copy()
         growth.done[hidden] = 0
         for line in lines:
@@ -99,3 +106,13 @@ class Choice:
         cut = least_path((apart[:-1] + apart[1:]).T, closed=growth.canvas.wrap[1])
         old = np.arange(rows)[:, None] > cut
         growth.pixels[:rows][old], growth.source[:rows][old] = pixels[old], source[old]
+
+
+def random_places(
+    windows: Windows, seed: int, purpose: str, *place: NDArray[np.integer] | int
+) -> NDArray[np.int32]:
+    """Draw centers of windows evenly, one for each place; see `weftex.random.draw`."""
+    centers = windows.centres
+    share = (draw(seed, purpose, *place) >> np.uint64(32)) * np.uint64(len(centers))
+    places: NDArray[np.int32] = centers[share >> np.uint64(32)]
+    return places

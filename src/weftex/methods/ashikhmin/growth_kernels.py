@@ -101,10 +101,10 @@ def gather_candidates(
     random_places: cython.const[cython.int][:, ::1],
     row: cython.Py_ssize_t,
 ) -> cython.Py_ssize_t:
-    """List the candidates: the own source if there is one, the neighbors' shifted ones, random ones.
+    """List the candidates: the own source, the neighbors' shifted ones and random ones.
 
-    There are `jumps` random ones; where a neighbor's source cannot go on, or there is no neighbor,
-    all of the row. Returns the number of candidates.
+    The random ones are `jumps`, or all of the row where a neighbor's source cannot go on and where
+    there is no neighbor. Returns the number of candidates.
     """
     cython.declare(count=cython.Py_ssize_t, found=cython.Py_ssize_t, k=cython.Py_ssize_t)
     cython.declare(tried=cython.Py_ssize_t)

@@ -10,7 +10,7 @@ from weftex.errors import InvalidInputError
 from weftex.method import Method, parameter
 from weftex.methods.exact_matching.bands import FinishedLevel, random_band, structured_band
 from weftex.methods.exact_matching.matching import Matching, Parents, Sheet, Statistics
-from weftex.methods.exact_matching.model import LevelSample, Prepared, prepare
+from weftex.methods.exact_matching.model import Prepared, prepare
 from weftex.methods.exact_matching.settings import Settings, settle
 from weftex.methods.pixels.growth import PixelModel
 
@@ -123,7 +123,7 @@ class ExactMatching(Method):
         return self._settled(settle(exemplar, **asdict(self)))
 
     def _settled(self, settings: Settings) -> ExactMatching:
-        """This method; of `tolerance` and `nearest_colors` the one that decides is set."""
+        """Fill in what was left open; of tolerance and nearest_colors only one ever is set."""
         return replace(
             self,
             window_width=settings.window_width,
@@ -146,77 +146,69 @@ class ExactMatchingModel(PixelModel):
 
 
 def grow(prepared: Prepared, growth: Growth, cost: Statistics | None = None) -> None:
-    """Synthesize a canvas from the coarsest level to the finest, or fill its hole."""
+    """Synthesize a canvas, or fill its hole."""
     cost = cost or Statistics()
     if growth.hole is not None:
         fill_hole(prepared, growth, cost)
-        return
-    finished: list[FinishedLevel] = []
-    for level, shape in reversed(level_shapes(growth.canvas.shape, len(prepared.levels))):
-        finished.append(scan_level(prepared, growth, cost, level, shape, finished[-1:]))
-        growth.pixels[:] = finished[-1].picture(growth.canvas.shape, level)
-    growth.source[:] = finished[-1].places[finished[-1].top :]
+    else:
+        finest = synthesize(prepared, growth, cost, level=0)
+        growth.source[:] = finest.places[finest.top :]
 
 
-def scan_level(
-    prepared: Prepared,
-    growth: Growth,
-    cost: Statistics,
-    level: int,
-    shape: tuple[int, int],
-    coarser: list[FinishedLevel],
-) -> FinishedLevel:
-    """Synthesize one level; `coarser` is the next coarser one, if there is one (section 7)."""
-    sample, settings, (height, width) = prepared.levels[level], prepared.settings, shape
-    lists, top, parents = sample.causal, sample.causal.reach, None
+def synthesize(prepared: Prepared, growth: Growth, cost: Statistics, level: int) -> FinishedLevel:
+    """Synthesize one level of the canvas; the coarser ones before it (section 7)."""
+    settings, sample = prepared.settings, prepared.levels[level]
+    height, width = (-(-n >> level) for n in growth.canvas.shape)
+    lists, parents = sample.causal, None  # section 4.1
+    top = lists.reach
+    coarser = synthesize(prepared, growth, cost, level + 1) if sample.coarser else None
     with cost.timed("initialization"):
-        # Section 4.3: a band as high as a window reaches. It is cropped at the end, and so are the
-        # rows that see random pixels.
-        if coarser:
-            band, parents = coarser[0].children(top, shape, sample.sample.shape)
+        # Section 4.3: a band as high as a window reaches. It is cropped at the end, and so are as
+        # many rows that see random pixels.
+        if coarser is not None:
+            band, parents = coarser.children(top, (height, width), sample.sample.shape)
         elif settings.init == "structured":
             band = structured_band(sample.turned, width, settings, growth, cost)
         else:
             band = random_band(lists, width, growth.seed)
             top += lists.reach
-        wrap = (False, growth.canvas.wrap[1])
-        sheet = Sheet((top + height, width), growth.pixels.shape[2], wrap)
+        sheet = Sheet((top + height, width), growth.pixels.shape[2], (False, growth.canvas.wrap[1]))
         sheet.put(lists, band)
         matching = Matching(lists, sheet, settings, growth, cost, parents)
         matching.scan(range(len(band), top), f"exact {level}", "beginning")
     with cost.timed("synthesis"):
-        # Section 4.2: in scanline order, each pixel is the center of the best matching window of
-        # the union of its neighbors' lists: see `match_kernels.match_pixels`.
+        # Section 4.2: in scanline order, each pixel is copied from the center of the best matching
+        # window of the union of its direct neighbors' lists: see `match_kernels.match_pixels`.
         shown = growth.pixels if level == 0 else None
         matching.scan(range(top, top + height), f"exact {level}", "rows", shown)
-        made = FinishedLevel(
-            sheet.pixels, lists.windows.to_sample(sheet.source), top, lists.windows.shape[1]
-        )
+        places = lists.windows.to_sample(sheet.source)
+        finished = FinishedLevel(sheet.pixels, places, top, lists.windows.shape[1])
         if growth.canvas.wrap[0] and height > 1:
-            close_level(sample, settings, growth, cost, level, made, parents)
-    return made
+            close_level(prepared, growth, cost, level, finished, parents)
+    growth.pixels[:] = finished.picture(growth.canvas.shape, level)
+    return finished
 
 
 def close_level(
-    sample: LevelSample,
-    settings: Settings,
+    prepared: Prepared,
     growth: Growth,
     cost: Statistics,
     level: int,
-    made: FinishedLevel,
+    finished: FinishedLevel,
     parents: Parents | None,
 ) -> None:
     """Beyond the paper: make the last rows again, between those above and the first ones."""
-    lists, top = sample.around, made.top
-    height, width = made.places[top:].shape
+    lists, top = prepared.levels[level].around, finished.top
+    height, width = finished.places[top:].shape
     again = min(2 * lists.reach + 1, height // 2)
-    sheet = Sheet((height, width), made.pixels.shape[2], growth.canvas.wrap)
-    sheet.put(lists, made.places[top : top + height - again])
+    sheet = Sheet((height, width), finished.pixels.shape[2], growth.canvas.wrap)
+    sheet.put(lists, finished.places[top : top + height - again])
     if parents is not None:
         parents = Parents(parents.pixels[top:], parents.suggested[top:])
-    Matching(lists, sheet, settings, growth, cost, parents).fill(f"exact seam {level}")
-    made.places[top:] = lists.windows.to_sample(sheet.source)
-    made.pixels[top:] = sheet.pixels
+    matching = Matching(lists, sheet, prepared.settings, growth, cost, parents)
+    matching.fill(f"exact seam {level}")
+    finished.places[top:] = lists.windows.to_sample(sheet.source)
+    finished.pixels[top:] = sheet.pixels
 
 
 def fill_hole(prepared: Prepared, growth: Growth, cost: Statistics) -> None:
@@ -231,17 +223,3 @@ def fill_hole(prepared: Prepared, growth: Growth, cost: Statistics) -> None:
     sheet.name_colors(lists)
     Matching(lists, sheet, settings, growth, cost).fill("exact hole")
     growth.source[:] = lists.windows.to_sample(sheet.source)
-
-
-def level_shapes(shape: tuple[int, int], levels: int) -> list[tuple[int, tuple[int, int]]]:
-    """Number and shape of each level of a canvas, finest first.
-
-    Examples
-    --------
-    >>> level_shapes((5, 8), 2)
-    [(0, (5, 8)), (1, (3, 4))]
-    """
-    shapes = [shape]
-    for _ in range(levels - 1):
-        shapes.append(((shapes[-1][0] + 1) // 2, (shapes[-1][1] + 1) // 2))
-    return list(enumerate(shapes))

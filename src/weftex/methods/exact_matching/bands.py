@@ -113,7 +113,8 @@ class FinishedLevel:
         Returns
         -------
         band : int32 array (top, W)
-            Flat indices into the finer sample. Places beyond it are moved to its last row or column.
+            Flat indices into the finer sample. Places beyond it are moved to its last row or
+            column.
         parents : Parents
             For the band and the level.
         """

@@ -332,14 +332,15 @@ def compare_groups(
     stays. A random member of its group stands for an entry.
     """
     cython.declare(i=cython.Py_ssize_t, place=cython.Py_ssize_t, member=cython.Py_ssize_t)
-    cython.declare(key=cython.uint, distance=cython.longlong)
+    cython.declare(key=cython.uint, low_bits=cython.uint, share=cython.ulonglong)
+    cython.declare(stamp=cython.int, distance=cython.longlong)
+    low_bits, share, stamp = cython.cast(cython.uint, search.bits), search.share, search.stamp
     for i in range(first, last):
         place = sample.places[sample.groups[i]]
-        key = cython.cast(cython.uint, place) ^ cython.cast(cython.uint, search.bits)
-        key *= cython.cast(cython.uint, 2654435761)
-        if key >= search.share or search.seen[place] == search.stamp:
+        key = (cython.cast(cython.uint, place) ^ low_bits) * cython.cast(cython.uint, 2654435761)
+        if key >= share or search.seen[place] == stamp:
             continue
-        search.seen[place] = search.stamp
+        search.seen[place] = stamp
         distance = window_distance(sample, picture, search, place)
         if search.best >= 0 and (
             distance > search.best or (distance == search.best and search.coherent)
@@ -389,7 +390,6 @@ def near_lists(sample: Sample, search: Search, color: cython.int) -> cython.Py_s
 
 
 @cython.cfunc
-@cython.inline
 @cython.nogil
 @cython.exceptval(check=False)
 def window_distance(
@@ -411,7 +411,6 @@ def window_distance(
 
 
 @cython.cfunc
-@cython.inline
 @cython.nogil
 @cython.exceptval(check=False)
 def repeats(picture: Picture, search: Search, place: cython.Py_ssize_t) -> cython.bint:

@@ -92,7 +92,7 @@ class Sheet:
         self.color = np.full(shape, -1, np.int32)
 
     def put(self, lists: ColorLists, places: NDArray[np.int32]) -> None:
-        """Copy pixels of the sample to the first rows; `places` are flat indices into the sample."""
+        """Copy pixels to the first rows; `places` are flat indices into the sample."""
         rows = slice(len(places))
         source = lists.windows.from_sample(places)
         self.pixels[rows] = lists.windows.pixels.reshape(-1, self.pixels.shape[2])[source]
