@@ -326,36 +326,54 @@ def compare_groups(
     first: cython.Py_ssize_t,
     last: cython.Py_ssize_t,
 ) -> cython.void:
-    """Compare some entries of a list; none twice for a pixel (section 4.4).
+    """Compare the share of some entries of a list; none twice for a pixel (section 4.4)."""
+    cython.declare(i=cython.Py_ssize_t, place=cython.Py_ssize_t, stamp=cython.int)
+    cython.declare(key=cython.uint, low_bits=cython.uint, share=cython.ulonglong)
+    cython.declare(places=cython.p_const_int, heads=cython.p_const_int, seen=cython.p_int)
+    if first == last:
+        return
+    low_bits, share, stamp = cython.cast(cython.uint, search.bits), search.share, search.stamp
+    # Pointers, as most entries of a long list are only looked at and left out.
+    places, heads = cython.address(sample.places[0]), cython.address(sample.groups[0])
+    seen = cython.address(search.seen[0])
+    for i in range(first, last):
+        place = places[heads[i]]
+        key = (cython.cast(cython.uint, place) ^ low_bits) * cython.cast(cython.uint, 2654435761)
+        if key < share and seen[place] != stamp:
+            seen[place] = stamp
+            compare_group(sample, picture, search, i, key)
+
+
+@cython.cfunc
+@cython.nogil
+@cython.exceptval(check=False)
+def compare_group(
+    sample: Sample,
+    picture: Picture,
+    search: Search,
+    group: cython.Py_ssize_t,
+    key: cython.uint,
+) -> cython.void:
+    """Compare one entry of a list.
 
     Of equal ones the one of the smallest key is best, which is a random one, but a coherent place
     stays. A random member of its group stands for an entry.
     """
-    cython.declare(i=cython.Py_ssize_t, place=cython.Py_ssize_t, member=cython.Py_ssize_t)
-    cython.declare(key=cython.uint, low_bits=cython.uint, share=cython.ulonglong)
-    cython.declare(stamp=cython.int, distance=cython.longlong)
-    low_bits, share, stamp = cython.cast(cython.uint, search.bits), search.share, search.stamp
-    for i in range(first, last):
-        place = sample.places[sample.groups[i]]
-        key = (cython.cast(cython.uint, place) ^ low_bits) * cython.cast(cython.uint, 2654435761)
-        if key >= share or search.seen[place] == stamp:
-            continue
-        search.seen[place] = stamp
-        distance = window_distance(sample, picture, search, place)
-        if search.best >= 0 and (
-            distance > search.best or (distance == search.best and search.coherent)
-        ):
-            continue
-        member = sample.places[
-            sample.groups[i] + portion(search.bits, sample.groups[i + 1] - sample.groups[i])
-        ]
-        if repeats(picture, search, member):
-            continue
-        if search.best < 0 or distance < search.best or key < search.best_key:
-            search.best = distance
-            search.best_key = key
-            search.chosen = member
-            search.coherent = False
+    cython.declare(first=cython.Py_ssize_t, member=cython.Py_ssize_t, distance=cython.longlong)
+    first = sample.groups[group]
+    distance = window_distance(sample, picture, search, sample.places[first])
+    if search.best >= 0 and (
+        distance > search.best or (distance == search.best and search.coherent)
+    ):
+        return
+    member = sample.places[first + portion(search.bits, sample.groups[group + 1] - first)]
+    if repeats(picture, search, member):
+        return
+    if search.best < 0 or distance < search.best or key < search.best_key:
+        search.best = distance
+        search.best_key = key
+        search.chosen = member
+        search.coherent = False
 
 
 @cython.cfunc
