@@ -92,9 +92,9 @@ def test_distances_are_sums_over_the_runs(rng, channels):
                 for dy, dx in window
             )  # fmt: skip
         bound = min(got)
-        centres = np.array([v * 21 + u for v, u in places], np.int32)
+        centers = np.array([v * 21 + u for v, u in places], np.int32)
         out = np.zeros(3, np.int64)
-        kernels.distances(levels, y, x, pixels, centres, runs, count, query, out)
+        kernels.distances(levels, y, x, pixels, centers, runs, count, query, out)
         assert out.tolist() == got
         early = kernels.compare(levels, y, x, pixels, places, runs, count, query, bound)
         assert [d for d in early if d <= bound] == [d for d in got if d <= bound]

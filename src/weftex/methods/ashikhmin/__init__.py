@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import asdict, dataclass, replace
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, ClassVar
 
 import numpy as np
@@ -68,7 +68,7 @@ class Ashikhmin(Method):
 
     def fit(self, exemplar: Exemplar) -> PixelModel:
         """See `Method.fit`."""
-        settings = settle(exemplar, **asdict(self))
+        settings = settle(self, exemplar)
         settled = replace(self, window_width=settings.window_width)
         return PixelModel(settled, exemplar, prepare(settings, exemplar), grow)
 

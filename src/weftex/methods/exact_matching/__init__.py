@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import asdict, dataclass, replace
+from dataclasses import dataclass, replace
 from functools import partial
 from typing import TYPE_CHECKING, Any, ClassVar
 
@@ -114,13 +114,13 @@ class ExactMatching(Method):
 
     def fit(self, exemplar: Exemplar) -> ExactMatchingModel:
         """Propose what was left open; make the lists of colors (section 4.1)."""
-        settings = settle(exemplar, **asdict(self))
+        settings = settle(self, exemplar)
         prepared = prepare(settings, exemplar)
         return ExactMatchingModel(self._settled(settings), exemplar, prepared, grow)
 
     def settle(self, exemplar: Exemplar) -> ExactMatching:
         """See `Method.settle`; scale, regularity and colors are looked at, no list is made."""
-        return self._settled(settle(exemplar, **asdict(self)))
+        return self._settled(settle(self, exemplar))
 
     def _settled(self, settings: Settings) -> ExactMatching:
         """Fill in what was left open; of tolerance and nearest_colors only one ever is set."""

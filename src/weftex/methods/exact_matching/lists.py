@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from weftex.methods.exact_matching import match_kernels as kernels
+from weftex.methods.exact_matching import list_kernels as kernels
 from weftex.search.color_index import ColorIndex
 from weftex.search.windows import windows_of
 
@@ -27,6 +27,7 @@ ALL_NEIGHBORS = [*CAUSAL_NEIGHBORS, (1, 1), (1, 0), (1, -1)]
 _REACH_TO_ALL_SIDES = 7
 #: How far the window over the next coarser level reaches, in pixels of the finer one.
 _REACH_OVER_COARSER = 4
+_KEPT_LISTS = 8  # of colors looked up last: at least as many as there are direct neighbors
 
 
 @dataclass(frozen=True, eq=False)
@@ -70,6 +71,11 @@ class ColorLists:
     groups: NDArray[np.int32]
     places: NDArray[np.int32]
     coarse: NDArray[np.uint8]
+
+    def recent(self) -> kernels.Recent:
+        """Return room for the lists looked up last (section 4.4)."""
+        kept = np.full((_KEPT_LISTS, 3), -1, np.int32)
+        return kernels.Recent(kept, np.empty((_KEPT_LISTS, len(self.index.colors) + 2), np.int32))
 
     def for_kernels(self) -> kernels.Sample:
         """Return the bundle that the kernels take."""

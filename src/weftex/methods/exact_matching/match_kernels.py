@@ -1,12 +1,12 @@
 # mypy: ignore-errors
-"""The kernels of exact neighborhood matching; compiled by Cython, see setup.py.
+"""The kernels of texture synthesis (section 4.2); compiled by Cython, see setup.py.
 
 "Section" and "figure" are those of Sabha, Peers and Dutré (2007). Places and centers are flat
 indices into the pixels of the sample's windows.
 """
 
 import cython
-from cython.cimports.weftex.search.color_kernels import ColorTree, near_colors
+from cython.cimports.weftex.methods.exact_matching.list_kernels import Recent, Sample, near_lists
 from cython.cimports.weftex.search.window_kernels import (
     causal_runs,
     gather_runs,
@@ -16,33 +16,7 @@ from cython.cimports.weftex.search.window_kernels import (
     usable_place,
 )
 
-#: Colors whose search space is kept: at least as many as a pixel has direct neighbors.
-KEPT = cython.declare(cython.int, 8)
 LAST_STAMP = cython.declare(cython.longlong, 2**31 - 1)
-
-
-@cython.cclass
-class Sample:
-    """The sample, and the lists of section 4.1; `ColorLists` says what its arrays hold."""
-
-    pixels: cython.const[cython.uchar][:, :, ::1]
-    usable: cython.const[cython.uchar][:, ::1]
-    period: cython.const[cython.int][::1]
-    centers: cython.const[cython.int][::1]
-    coarse: cython.const[cython.uchar][:, :, ::1]  # the next coarser level at this one's size
-    tree: ColorTree
-    number: cython.const[cython.int][:, ::1]
-    radius: cython.const[cython.longlong][::1]
-    offsets: cython.const[cython.int][:, ::1]
-    starts: cython.const[cython.int][:, ::1]
-    groups: cython.const[cython.int][::1]
-    places: cython.const[cython.int][::1]
-
-    def __init__(self, windows, coarse, index, radius, offsets, starts, groups, places):
-        self.pixels, self.usable, self.period = windows.pixels, windows.usable, windows.period
-        self.centers, self.coarse = windows.centres, coarse
-        self.tree, self.number, self.radius = index.tree(), index.number, radius
-        self.offsets, self.starts, self.groups, self.places = offsets, starts, groups, places
 
 
 @cython.cclass
@@ -113,20 +87,17 @@ class Search:
     last: cython.int[::1]  # the pixel that it was last copied to, or -1
     seen: cython.int[::1]  # the stamp of the search that met it last
     stamp: cython.int
-    # Of the colors looked up last: color, number of intervals, last stamp; the intervals.
-    kept: cython.int[:, ::1]
-    intervals: cython.int[:, ::1]
+    recent: Recent
 
-    def __init__(self, last, seen, kept, intervals, windows, neighbors):
-        self.last, self.seen, self.stamp = last, seen, 0
-        self.kept, self.intervals = kept, intervals
+    def __init__(self, last, seen, recent, windows, neighbors):
+        self.last, self.seen, self.stamp, self.recent = last, seen, 0, recent
         (self.runs, self.query), (self.coarse_runs, self.coarse_query) = windows
         self.color, self.goes_on = neighbors
 
     def forget(self):
         """Begin with the first stamp again."""
         self.seen[:] = 0
-        self.kept[:, :] = -1
+        self.recent.kept[:, :] = -1
         self.stamp = 0
 
 
@@ -296,23 +267,23 @@ def compare_listed(sample: Sample, picture: Picture, rule: Rule, search: Search)
         slots[d] = -1
         if search.color[d] < 0:
             continue
-        slot = slots[d] = near_lists(sample, search, search.color[d])
-        for j in range(search.kept[slot, 1]):
-            listed += sample.starts[d, search.intervals[slot, 2 * j + 1]]
-            listed -= sample.starts[d, search.intervals[slot, 2 * j]]
+        slot = slots[d] = near_lists(sample, search.recent, search.color[d], search.stamp)
+        for j in range(search.recent.kept[slot, 1]):
+            listed += sample.starts[d, search.recent.intervals[slot, 2 * j + 1]]
+            listed -= sample.starts[d, search.recent.intervals[slot, 2 * j]]
     search.share = 0x100000000
     if listed > rule.most_compared:
         search.share = search.share * cython.cast(cython.ulonglong, rule.most_compared)
         search.share //= cython.cast(cython.ulonglong, listed)
     for d in range(sample.offsets.shape[0]):
         slot = slots[d]
-        for j in range(search.kept[slot, 1] if slot >= 0 else 0):
+        for j in range(search.recent.kept[slot, 1] if slot >= 0 else 0):
             compare_groups(
                 sample,
                 picture,
                 search,
-                sample.starts[d, search.intervals[slot, 2 * j]],
-                sample.starts[d, search.intervals[slot, 2 * j + 1]],
+                sample.starts[d, search.recent.intervals[slot, 2 * j]],
+                sample.starts[d, search.recent.intervals[slot, 2 * j + 1]],
             )
 
 
@@ -379,37 +350,6 @@ def compare_group(
 @cython.cfunc
 @cython.nogil
 @cython.exceptval(check=False)
-def near_lists(sample: Sample, search: Search, color: cython.int) -> cython.Py_ssize_t:
-    """Find the colors near to one; return the row of `intervals` that they stand in.
-
-    A scan meets two of the four neighbors of a pixel again at the next one, so the results looked
-    up last are kept (section 4.4, figure 5). The one that was used longest ago makes room.
-    """
-    cython.declare(slot=cython.Py_ssize_t, oldest=cython.Py_ssize_t)
-    oldest = 0
-    for slot in range(KEPT):
-        if search.kept[slot, 0] == color:
-            search.kept[slot, 2] = search.stamp
-            return slot
-        if search.kept[slot, 2] < search.kept[oldest, 2]:
-            oldest = slot
-    search.kept[oldest, 0] = color
-    search.kept[oldest, 2] = search.stamp
-    if sample.radius[color] == 0:
-        search.intervals[oldest, 0] = color
-        search.intervals[oldest, 1] = color + 1
-        search.kept[oldest, 1] = 1
-    else:
-        search.kept[oldest, 1] = cython.cast(
-            cython.int,
-            near_colors(sample.tree, color, sample.radius[color], search.intervals, oldest),
-        )
-    return oldest
-
-
-@cython.cfunc
-@cython.nogil
-@cython.exceptval(check=False)
 def window_distance(
     sample: Sample, picture: Picture, search: Search, place: cython.Py_ssize_t
 ) -> cython.longlong:
@@ -469,72 +409,3 @@ def copy_pixel(sample: Sample, picture: Picture, search: Search) -> cython.void:
     )
     for k in range(sample.pixels.shape[2]):
         picture.pixels[search.y, search.x, k] = sample.pixels[y, x, k]
-
-
-@cython.cclass
-class Entries:
-    """The places of all lists, sorted by the sums of their windows' bytes within each."""
-
-    pixels: cython.const[cython.uchar][:, :, ::1]
-    runs: cython.const[cython.int][:, ::1]
-    size: cython.longlong  # bytes of a window
-    places: cython.const[cython.int][::1]
-    sums: cython.const[cython.longlong][::1]
-    query: cython.uchar[::1]  # room for a window
-    heads: cython.int[::1]  # room for a list
-
-    def __init__(self, pixels, runs, places, sums, query, heads):
-        self.pixels, self.runs, self.places, self.sums = pixels, runs, places, sums
-        self.query, self.heads, self.size = query, heads, len(query)
-
-
-def group_places(
-    entries: Entries,
-    starts: cython.const[cython.int][::1],
-    limit: cython.longlong,
-    leader: cython.int[::1],
-):
-    """Find for each place of each list the first one whose window is alike and leads a group.
-
-    Alike is a squared difference of at most `limit`. Lists are sorted by the windows' sums, so a
-    leader whose sum is too far off, by the inequality of Cauchy and Schwarz, ends the search.
-    """
-    cython.declare(c=cython.Py_ssize_t, i=cython.Py_ssize_t, count=cython.Py_ssize_t)
-    with cython.nogil:
-        for c in range(starts.shape[0] - 1):
-            count = 0
-            for i in range(starts[c], starts[c + 1]):
-                leader[i] = cython.cast(cython.int, leader_of(entries, i, count, limit))
-                if leader[i] == i:
-                    entries.heads[count] = cython.cast(cython.int, i)
-                    count += 1
-
-
-@cython.cfunc
-@cython.nogil
-@cython.exceptval(check=False)
-def leader_of(
-    entries: Entries, i: cython.Py_ssize_t, count: cython.Py_ssize_t, limit: cython.longlong
-) -> cython.Py_ssize_t:
-    """The last of `count` leaders that entry i is alike to, or i itself."""
-    cython.declare(j=cython.Py_ssize_t, k=cython.Py_ssize_t, n=cython.Py_ssize_t)
-    cython.declare(columns=cython.Py_ssize_t, gap=cython.longlong)
-    columns, n = entries.pixels.shape[1], entries.runs.shape[0]
-    if count == 0:
-        return i
-    if entries.sums[i] - entries.sums[entries.heads[count - 1]] <= limit * entries.size:
-        gather_runs(
-            entries.pixels, entries.places[i] // columns, entries.places[i] % columns,
-            entries.runs, n, entries.query,
-        )  # fmt: skip
-    for k in range(count - 1, -1, -1):
-        j = entries.heads[k]
-        gap = entries.sums[i] - entries.sums[j]
-        if gap * gap > limit * entries.size:
-            return i
-        if limit >= run_distance(
-            entries.pixels, entries.places[j] // columns, entries.places[j] % columns,
-            entries.runs, n, entries.query, limit,
-        ):  # fmt: skip
-            return j
-    return i

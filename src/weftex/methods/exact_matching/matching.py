@@ -21,7 +21,6 @@ if TYPE_CHECKING:
     from weftex.methods.exact_matching.settings import Settings
     from weftex.methods.pixels.growth import Growth
 
-_KEPT_LISTS = 8  # of colors looked up last
 _MOST_NEIGHBORS = 8
 
 
@@ -159,8 +158,7 @@ class Matching:
         self._search = kernels.Search(
             self._last,
             np.zeros(lists.windows.usable.size, np.int32),
-            np.full((_KEPT_LISTS, 3), -1, np.int32),
-            np.empty((_KEPT_LISTS, len(lists.index.colors) + 2), np.int32),
+            lists.recent(),
             [_window_room(reach, channels) for reach in (lists.reach, lists.coarse_reach)],
             (np.empty(_MOST_NEIGHBORS, np.int32), np.empty(_MOST_NEIGHBORS + 1, np.intp)),
         )

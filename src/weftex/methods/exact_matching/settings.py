@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -27,101 +27,65 @@ _COLORS_IN_REACH = 5  # of a color that occurs once, itself among them
 
 @dataclass(frozen=True)
 class Settings:
-    """Every parameter of `ExactMatching`, settled for a sample.
+    """Every parameter of `ExactMatching`, settled for a sample."""
 
-    Attributes
-    ----------
-    window_width : int
-        Odd, in pixels.
-    tolerance : float
-        How far a color may be off, of the sample's largest color distance.
-    nearest_colors : int
-        Number of colors that are near enough; 0 if the tolerance decides.
-    init : {"random", "structured"}
-        The band above the first row.
-    candidates : int
-        About so many windows of longer lists are compared.
-    grouping : float
-        Root mean square difference, of 1, up to which windows are one entry of a list.
-    repeat_distance : int
-        A pixel of the sample is not taken again nearer than this, in pixels.
-    copying : {"pixels", "blocks"}
-        Whether a pixel whose four neighbors come from one block is searched for.
-    levels : int
-        Of the pyramid.
-    hole_levels : int
-        Levels that holes are asked to be filled with; there they are filled at 1 only.
-    passes : int
-        Further passes over pixels that were made between known ones.
-    """
-
-    window_width: int
-    tolerance: float
-    nearest_colors: int
-    init: str
+    window_width: int  # odd
+    tolerance: float  # of the sample's largest color distance
+    nearest_colors: int  # 0 if the tolerance decides
+    init: str  # "random" or "structured"
     candidates: int
     grouping: float
     repeat_distance: int
     copying: str
     levels: int
-    hole_levels: int
+    hole_levels: int  # that are asked for where a hole is filled, which takes 1 only
     passes: int
 
 
-def settle(
-    exemplar: Exemplar,
-    *,
-    window_width: int | None,
-    tolerance: float | None,
-    nearest_colors: int | None,
-    init: str,
-    candidates: int,
-    grouping: float,
-    repeat_distance: int | None,
-    copying: str,
-    levels: int | None,
-    passes: int,
-) -> Settings:
+def settle(method: Any, exemplar: Exemplar) -> Settings:
     """Propose what was left open (section 7), from the sample's scale, regularity and colors.
 
     Parameters
     ----------
+    method : ExactMatching
+        As it was given.
     exemplar : Exemplar
         The sample.
-    window_width, tolerance, nearest_colors, init, candidates, grouping, repeat_distance, copying,
-    levels, passes
-        Parameters of `ExactMatching`.
 
     Raises
     ------
     InvalidInputError
         If `window_width` is even or the sample has no room for it.
     """
-    several = window_width is None and min(exemplar.shape) >= _SIDE_FOR_LEVELS
-    settled_levels = levels or (_LEVELS if several else 1)
-    proposed = _WIDTH_WITH_LEVELS if settled_levels > 1 else _SMALLEST_WITH_ROOM
-    if settled_levels == 1 and window_width is None:
+    width, levels = method.window_width, method.levels
+    if levels is None:
+        several = width is None and min(exemplar.shape) >= _SIDE_FOR_LEVELS
+        levels = _LEVELS if several else 1
+    proposed = _WIDTH_WITH_LEVELS if levels > 1 else _SMALLEST_WITH_ROOM
+    if levels == 1 and width is None:
         proposed = max(_SMALLEST_PROPOSED, dominant_scale(exemplar).window_width)
         proposed = min(proposed, max(min(exemplar.shape) // 3, _SMALLEST_WITH_ROOM))
-    width = settled_width(window_width, exemplar, proposed)
+    width = settled_width(width, exemplar, proposed)
+    init, repeat_distance = method.init, method.repeat_distance
     if init == "auto":
         init = "structured" if regularity(exemplar) >= _NEAR_REGULAR else "random"
     if repeat_distance is None:
         repeat_distance = 0 if init == "structured" else width // 2
+    tolerance = method.tolerance
     if tolerance is None:
-        tolerance = 0.0 if nearest_colors else _proposed_tolerance(exemplar)
+        tolerance = 0.0 if method.nearest_colors else _proposed_tolerance(exemplar)
     return Settings(
         window_width=width,
         tolerance=tolerance,
-        nearest_colors=nearest_colors or 0,
+        nearest_colors=method.nearest_colors or 0,
         init=init,
-        candidates=candidates,
-        grouping=grouping,
+        candidates=method.candidates,
+        grouping=method.grouping,
         repeat_distance=repeat_distance,
-        copying=copying,
-        levels=settled_levels,
-        hole_levels=levels or 1,
-        passes=passes,
+        copying=method.copying,
+        levels=levels,
+        hole_levels=method.levels or 1,
+        passes=method.passes,
     )
 
 
