@@ -158,19 +158,15 @@ def look_around(sample: Sample, picture: Picture, search: Search) -> cython.void
         search.color[d] = picture.color[y, x]
         source = picture.source[y, x]
         if source >= 0:
-            search.goes_on[d] = usable_place(
-                sample.usable,
-                sample.period,
-                source // columns - sample.offsets[d, 0],
-                source % columns - sample.offsets[d, 1],
-            )
+            y = source // columns - sample.offsets[d, 0]
+            x = source % columns - sample.offsets[d, 1]
+            search.goes_on[d] = usable_place(sample.usable, sample.period, y, x)
     search.goes_on[sample.offsets.shape[0]] = (
         picture.suggested[search.y, search.x] if picture.guided else -1
     )
 
 
 @cython.cfunc
-@cython.inline
 @cython.nogil
 @cython.exceptval(check=False)
 def next_of_block(picture: Picture, search: Search) -> cython.Py_ssize_t:
@@ -260,7 +256,7 @@ def compare_coherent(sample: Sample, picture: Picture, search: Search) -> cython
 def compare_listed(sample: Sample, picture: Picture, rule: Rule, search: Search) -> cython.void:
     """Compare the union of the lists of the neighbors' colors, or a random share of it."""
     cython.declare(d=cython.Py_ssize_t, j=cython.Py_ssize_t, slot=cython.Py_ssize_t)
-    cython.declare(listed=cython.longlong)
+    cython.declare(first=cython.Py_ssize_t, last=cython.Py_ssize_t, listed=cython.longlong)
     slots = cython.declare(cython.Py_ssize_t[8])
     listed = 0
     for d in range(sample.offsets.shape[0]):
@@ -278,13 +274,9 @@ def compare_listed(sample: Sample, picture: Picture, rule: Rule, search: Search)
     for d in range(sample.offsets.shape[0]):
         slot = slots[d]
         for j in range(search.recent.kept[slot, 1] if slot >= 0 else 0):
-            compare_groups(
-                sample,
-                picture,
-                search,
-                sample.starts[d, search.recent.intervals[slot, 2 * j]],
-                sample.starts[d, search.recent.intervals[slot, 2 * j + 1]],
-            )
+            first = sample.starts[d, search.recent.intervals[slot, 2 * j]]
+            last = sample.starts[d, search.recent.intervals[slot, 2 * j + 1]]
+            compare_groups(sample, picture, search, first, last)
 
 
 @cython.cfunc
@@ -319,11 +311,7 @@ def compare_groups(
 @cython.nogil
 @cython.exceptval(check=False)
 def compare_group(
-    sample: Sample,
-    picture: Picture,
-    search: Search,
-    group: cython.Py_ssize_t,
-    key: cython.uint,
+    sample: Sample, picture: Picture, search: Search, group: cython.Py_ssize_t, key: cython.uint
 ) -> cython.void:
     """Compare one entry of a list.
 
@@ -394,7 +382,6 @@ def portion(bits: cython.ulonglong, count: cython.Py_ssize_t) -> cython.Py_ssize
 
 
 @cython.cfunc
-@cython.inline
 @cython.nogil
 @cython.exceptval(check=False)
 def copy_pixel(sample: Sample, picture: Picture, search: Search) -> cython.void:
