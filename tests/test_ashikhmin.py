@@ -26,8 +26,8 @@ def check_twin(method, exemplar, canvas, seed):
     return result
 
 
-def few_colours(rng, shape, colours):
-    return (rng.integers(0, colours, shape) * (255 // max(colours - 1, 1))).astype(np.uint8)
+def few_colors(rng, shape, colors):
+    return (rng.integers(0, colors, shape) * (255 // max(colors - 1, 1))).astype(np.uint8)
 
 
 @given(st.data())
@@ -36,12 +36,12 @@ def test_it_is_the_slow_twin(data):
     draw = data.draw
     rng = np.random.default_rng(draw(st.integers(0, 10**6)))
     shape = draw(st.integers(5, 10)), draw(st.integers(5, 10))
-    channels, colours = draw(st.integers(1, 3)), draw(st.sampled_from([1, 2, 5, 200]))
+    channels, colors = draw(st.integers(1, 3)), draw(st.sampled_from([1, 2, 5, 200]))
     mask = None
     if draw(st.booleans()):
         mask = np.ones(shape, bool)
         mask[0, rng.integers(shape[1])] = False
-    pixels = few_colours(rng, (*shape, channels), colours)
+    pixels = few_colors(rng, (*shape, channels), colors)
     exemplar = weftex.Exemplar(pixels, mask=mask, tileable=draw(st.booleans()), alpha=False)
     size = draw(st.integers(1, 9)), draw(st.integers(1, 9))
     more, parameters = {}, {}
@@ -101,9 +101,9 @@ def test_coherent_places_are_each_there_once(data):
     draw = data.draw
     rng = np.random.default_rng(draw(st.integers(0, 10**6)))
     tileable, half = draw(st.booleans()), draw(st.integers(0, 2))
-    exemplar = weftex.Exemplar(few_colours(rng, (7, 8), 3), tileable=tileable)
+    exemplar = weftex.Exemplar(few_colors(rng, (7, 8), 3), tileable=tileable)
     windows = windows_of(exemplar, (half,) * 4)
-    centres = set(reference.window_centres(np.ones((7, 8), bool), [half] * 4, tileable))
+    centers = set(reference.window_centres(np.ones((7, 8), bool), [half] * 4, tileable))
     source = rng.integers(-1, 56, (6, 6)).astype(np.int32)  # anywhere, usable or not
     y, x = draw(st.integers(0, 5)), draw(st.integers(0, 5))
     steps = reference.known_window(rng.random((6, 6)) < 0.7, y, x, (True, True), [half] * 4)
@@ -114,11 +114,11 @@ def test_coherent_places_are_each_there_once(data):
     )
     found = [None if k < 0 else divmod(int(k), 8) for k in windows.to_sample(places[:n])]
     own = [[None if k < 0 else divmod(int(k), 8) for k in row] for row in source]
-    assert found == reference.coherent_places(own, y, x, steps, exemplar, centres)
+    assert found == reference.coherent_places(own, y, x, steps, exemplar, centers)
 
 
 def test_pieces_of_the_sample_grow():
-    """Most pixels go on from their left neighbour's source, unlike in a random order."""
+    """Most pixels go on from their left neighbor's source, unlike in a random order."""
     result = weftex.synthesize("sample:pebbles", 150, method="ashikhmin", seed=1)
     steps = np.diff(result.source, axis=1)
     assert 0.7 < (steps == (0, 1)).all(axis=2).mean() < 0.99

@@ -1,4 +1,4 @@
-"""From a colour to the places that have it: the tree against looking at every colour."""
+"""From a color to the places that have it: the tree against looking at every color."""
 
 import itertools
 
@@ -31,18 +31,18 @@ def distances(index, color):
 
 
 @given(pixels=samples())
-def test_each_colour_is_there_once(pixels):
+def test_each_color_is_there_once(pixels):
     windows, index = index_of(pixels)
     wanted = {tuple(c) for c in windows.pixels.reshape(-1, windows.pixels.shape[2]).tolist()}
     found = [tuple(c) for c in index.colors.tolist()]
     assert len(found) == len(set(found))
-    assert set(found) == wanted  # every pixel touches a centre, as windows have 3x3 pixels
+    assert set(found) == wanted  # every pixel touches a center, as windows have 3x3 pixels
     assert np.array_equal(index.colors[index.number], windows.pixels)
     assert sorted(found) == [c for _, c in sorted(zip(index.rank.tolist(), found, strict=True))]
 
 
 @given(pixels=samples(), radius=st.sampled_from([0, 1, 3, 50, 4000, 10**6]))
-def test_near_colours_are_those_of_looking_at_every_one(pixels, radius):
+def test_near_colors_are_those_of_looking_at_every_one(pixels, radius):
     _, index = index_of(pixels)
     for number in range(0, len(index.colors), 7):
         intervals = index.near(number, radius)
@@ -65,7 +65,7 @@ def test_reach_is_the_distance_of_the_nth(pixels, count):
 
 
 @given(pixels=samples(), seed=st.integers(0, 99))
-def test_the_nearest_colour_is_the_first_of_equally_near_ones(pixels, seed):
+def test_the_nearest_color_is_the_first_of_equally_near_ones(pixels, seed):
     _, index = index_of(pixels)
     queries = np.random.default_rng(seed).integers(0, 256, (20, pixels.shape[2])).astype(np.uint8)
     for query, found in zip(queries, index.nearest(queries).tolist(), strict=True):
@@ -77,11 +77,11 @@ def test_the_nearest_colour_is_the_first_of_equally_near_ones(pixels, seed):
 
 
 @pytest.mark.parametrize("tiles", [False, True])
-def test_centres_are_listed_by_the_colour_beside_them(tiles):
+def test_centers_are_listed_by_the_color_beside_them(tiles):
     pixels = np.random.default_rng(3).integers(0, 4, (9, 11)).astype(np.uint8)
     windows, index = index_of(pixels, reach=2, tileable=tiles)
     offsets = np.array([(0, -1), (-1, 1), (1, 0)], np.int32)
-    starts, places = index.centres(offsets)
+    starts, places = index.centers_beside(offsets)
     for d, (dy, dx) in enumerate(offsets.tolist()):
         for number in range(len(index.colors)):
             listed = places[starts[d, number] : starts[d, number + 1]].tolist()
@@ -95,7 +95,7 @@ def test_centres_are_listed_by_the_colour_beside_them(tiles):
     assert len(places) == 3 * windows.usable.sum()
 
 
-def test_colours_that_no_window_touches_do_not_count():
+def test_colors_that_no_window_touches_do_not_count():
     pixels = np.zeros((9, 9), np.uint8)
     pixels[0, 0] = 200
     _, index = index_of(pixels, reach=3)

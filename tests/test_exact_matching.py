@@ -17,7 +17,7 @@ def noise(shape, colors=256, seed=0):
 
 
 def blobs(shape, step, seed=0):
-    """Few colours in patches, so that lists are long and windows alike."""
+    """Few colors in patches, so that lists are long and windows alike."""
     small = noise((shape[0] // 3 + 1, shape[1] // 3 + 1, *shape[2:]), seed=seed)
     return (small.repeat(3, 0).repeat(3, 1)[: shape[0], : shape[1]] // step * step).astype(np.uint8)
 
@@ -118,13 +118,13 @@ def test_anything_small_is_the_slow_twins(data):
     same(exemplar, canvas, seed=data.draw(st.integers(0, 2**64 - 1)), **parameters)
 
 
-def test_each_pixel_has_the_colour_of_a_neighbour_beside_its_source():
-    """Section 3: at tolerance 0 one direct neighbour or more matches exactly."""
+def test_each_pixel_has_the_color_of_a_neighbor_beside_its_source():
+    """Section 3: at tolerance 0 one direct neighbor or more matches exactly."""
     pixels = weftex.load_exemplar("sample:pebbles").pixels[:64, :64]
     model = weftex.ExactMatching(window_width=9, tolerance=0.0).fit(weftex.Exemplar(pixels))
     result = model.sample((40, 50), seed=3)
     image, source = result.image, result.source
-    # Colours that no whole window with room below touches are looked up as the nearest one.
+    # Colors that no whole window with room below touches are looked up as the nearest one.
     listed = {tuple(c) for c in pixels[3:57, 3:61].reshape(-1, 3).tolist()}
     inexact = 0
     for y, x in np.ndindex(39, 50):
@@ -184,7 +184,7 @@ def test_the_beginning_follows_the_sample():
         assert method.repeat_distance == (0 if init == "structured" else method.window_width // 2)
 
 
-def test_a_tolerance_is_proposed_where_colours_hardly_occur_twice():
+def test_a_tolerance_is_proposed_where_colors_hardly_occur_twice():
     assert weftex.ExactMatching().settle(weftex.load_exemplar("sample:weave")).tolerance == 0
     assert weftex.ExactMatching().settle(weftex.load_exemplar("sample:grass")).tolerance == 0
     many = weftex.Exemplar(noise((40, 40, 3)))

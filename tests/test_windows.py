@@ -92,23 +92,23 @@ def test_distances_are_sums_over_the_runs(rng, channels):
                 for dy, dx in window
             )  # fmt: skip
         bound = min(got)
-        centres = np.array([v * 21 + u for v, u in places], np.int32)
+        centers = np.array([v * 21 + u for v, u in places], np.int32)
         out = np.zeros(3, np.int64)
-        kernels.distances(levels, y, x, pixels, centres, runs, count, query, out)
+        kernels.distances(levels, y, x, pixels, centers, runs, count, query, out)
         assert out.tolist() == got
         early = kernels.compare(levels, y, x, pixels, places, runs, count, query, bound)
         assert [d for d in early if d <= bound] == [d for d in got if d <= bound]
 
 
 @given(st.integers(-9, 20), st.integers(-9, 20), st.booleans(), st.integers(0, 99))
-def test_a_place_settles_where_a_window_may_be_centred(y, x, tileable, seed):
+def test_a_place_is_usable_where_a_window_may_be_centered(y, x, tileable, seed):
     mask = np.random.default_rng(seed).random((6, 7)) < 0.97
     exemplar = weftex.Exemplar(np.zeros((6, 7), np.uint8), mask=mask, tileable=tileable)
     try:
         windows = windows_of(exemplar, (1, 1, 1, 1))
     except weftex.InvalidInputError:
         return
-    got = kernels.settle_at(windows.usable, windows.period, y, x)
+    got = kernels.place_at(windows.usable, windows.period, y, x)
     top, left = windows.period[:2].tolist()
     own = (y - top, x - left)
     if tileable:

@@ -1,45 +1,31 @@
 # mypy: ignore-errors
-"""Kernels that follow what neighbours are made of; compiled by Cython, see setup.py."""
+"""Kernels that follow the sources of neighbors; compiled by Cython, see setup.py.
+
+Types are declared in coherence_kernels.pxd.
+"""
 
 import cython
-from cython.cimports.weftex.search.window_kernels import settle
+from cython.cimports.weftex.search.window_kernels import usable_place
 
 
-@cython.cfunc
-@cython.nogil
-@cython.exceptval(check=False)
-def coherent_places(
-    source: cython.const[cython.int][:, ::1],
-    y: cython.Py_ssize_t,
-    x: cython.Py_ssize_t,
-    runs: cython.const[cython.int][:, ::1],
-    n: cython.Py_ssize_t,
-    usable: cython.const[cython.uchar][:, ::1],
-    period: cython.const[cython.int][::1],
-    places: cython.int[::1],
-    count: cython.Py_ssize_t,
-) -> cython.Py_ssize_t:
-    """Where the neighbours' sources go on at (y, x), each place once, after `count` that are there.
+def coherent_places(source, y, x, runs, n, usable, period, places, count):
+    """List where the neighbors' sources go on at (y, x), after the `count` places already listed.
 
-    Returns their number with those. The neighbours are the pixels of the runs, from the last to
-    the first. -1 stands once for all places that no window may be centred at, where the first of
-    them was met. The runs reach no further along x than the windows do, so a step along a row of
-    the sample never ends in a usable place of another row.
+    The neighbors are the pixels of the runs, from the last to the first. Each place is listed
+    once; -1 stands once for all places that no window may be centered at, where the first of them
+    was met. The runs reach no further along x than the windows do, so a step along a row of the
+    sample never ends in a usable place of another row. Returns the length of the list.
     """
-    height: cython.Py_ssize_t = source.shape[0]
-    width: cython.Py_ssize_t = source.shape[1]
-    across: cython.Py_ssize_t = usable.shape[1]
-    size: cython.Py_ssize_t = usable.shape[0] * usable.shape[1]
-    may: cython.p_const_uchar = cython.address(usable[0, 0])
-    before: cython.Py_ssize_t = -1 - size
-    r: cython.Py_ssize_t
-    i: cython.Py_ssize_t
-    k: cython.Py_ssize_t
-    cy: cython.Py_ssize_t
-    cx: cython.Py_ssize_t
-    dx: cython.Py_ssize_t
-    own: cython.Py_ssize_t
-    at: cython.Py_ssize_t
+    cython.declare(height=cython.Py_ssize_t, width=cython.Py_ssize_t, across=cython.Py_ssize_t)
+    cython.declare(size=cython.Py_ssize_t, may=cython.p_const_uchar, before=cython.Py_ssize_t)
+    cython.declare(r=cython.Py_ssize_t, i=cython.Py_ssize_t, k=cython.Py_ssize_t)
+    cython.declare(cy=cython.Py_ssize_t, cx=cython.Py_ssize_t, dx=cython.Py_ssize_t)
+    cython.declare(own=cython.Py_ssize_t, at=cython.Py_ssize_t)
+    height, width = source.shape[0], source.shape[1]
+    across = usable.shape[1]
+    size = usable.shape[0] * across
+    may = cython.address(usable[0, 0])
+    before = -1 - size
     for r in range(n - 1, -1, -1):
         cy = y + runs[r, 0]
         if cy < 0:
@@ -61,7 +47,7 @@ def coherent_places(
             if at < 0 or at >= size or not may[at]:
                 at = -1
                 if period[2]:
-                    at = settle(usable, period, own // across - runs[r, 0], own % across - dx)
+                    at = usable_place(usable, period, own // across - runs[r, 0], own % across - dx)
             k = 0
             while k < count and places[k] != at:
                 k += 1

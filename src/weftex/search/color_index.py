@@ -1,8 +1,8 @@
-"""From a colour to the places of a sample that have it, or one that is near it.
+"""From a color to the places of a sample that have it, or one that is near it.
 
-The kd-tree over the distinct colours is that of Sabha, Peers and Dutré (2007), Texture synthesis
-using exact neighborhood matching, section 4: each colour once, with the places where it is.
-Colours of one node are numbered in a row, so that a whole node of near colours is one interval.
+The kd-tree over the distinct colors is that of Sabha, Peers and Dutré (2007), Texture synthesis
+using exact neighborhood matching, section 4: each color once, with the places where it is.
+Colors of one node have consecutive numbers, so a whole node of near colors is one interval.
 """
 
 from __future__ import annotations
@@ -11,36 +11,37 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from weftex.search import color_kernels as _color_kernels
+from weftex.search import color_kernels as kernels
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
 
-_LEAF = 8  # about so many colours are looked at one by one
+_COLORS_OF_A_LEAF = 8  # about; they are compared one by one
 
 
 class ColorIndex:
-    """The colours of a sample's pixels, and where they are.
+    """The colors of a sample's pixels, and where they are.
 
-    Colours count that a listed window is centred on, or beside. Distances are sums of squared
-    differences of bytes.
+    The index holds the colors of the pixels at the centers of listed windows and of those beside
+    them. Distances are sums of squared differences of bytes.
 
     Parameters
     ----------
     pixels : uint8 array (H, W, K)
         The sample's bytes.
     usable : uint8 array (H, W)
-        1 where a window is centred that is to be listed; somewhere at least.
+        1 at the centers of the windows to list; there is at least one.
 
     Attributes
     ----------
     colors : uint8 array (C, K)
-        Distinct colours in the order of the tree's leaves; a colour's number is its row.
+        Distinct colors in the order of the tree's leaves; a color's number is its row.
     number : int32 array (H, W)
-        The colour number of each pixel; of the nearest colour where its own does not count.
+        The color number of each pixel; of the nearest color where the index lacks its own.
     rank : int32 array (C,)
-        Where a colour stands if they are sorted by their bytes; the first of equally near ones.
+        A color's place when all are sorted by their bytes; of equally near colors the one of the
+        lowest rank is the nearest.
     depth : int
         Node i of the tree is followed by 2 i and 2 i + 1; 2**depth is the first leaf.
     low, high : uint8 array (2**(depth + 1), K)
@@ -68,7 +69,7 @@ class ColorIndex:
         number = np.empty(len(order), np.int32)
         number[order] = np.cumsum(new) - 1
         colors = counted[order[new]]
-        self.depth = max(0, (len(colors) // _LEAF).bit_length() - 1)
+        self.depth = max(0, (len(colors) // _COLORS_OF_A_LEAF).bit_length() - 1)
         leaves, self.low, self.high = _split(colors, self.depth)
         self.colors = np.ascontiguousarray(colors[leaves])
         self.rank = leaves.astype(np.int32)
@@ -76,54 +77,57 @@ class ColorIndex:
         self.number[counts] = np.argsort(leaves).astype(np.int32)[number]
         self.number[~counts] = self.nearest(pixels[~counts])
 
+    def tree(self) -> kernels.ColorTree:
+        """Return the tree for kernels; it cannot be pickled."""
+        return kernels.ColorTree(self.colors, self.low, self.high, self.rank, self.depth)
+
     def nearest(self, pixels: NDArray[np.uint8]) -> NDArray[np.int32]:
-        """Return the numbers of the colours nearest to `pixels` (n, K)."""
+        """Return the numbers of the colors nearest to `pixels` (n, K)."""
         found = np.empty(len(pixels), np.int32)
-        tree = self.colors, self.low, self.high, self.depth
-        _color_kernels.nearest_each(*tree, self.rank, np.ascontiguousarray(pixels), found)
+        kernels.nearest_each(self.tree(), np.ascontiguousarray(pixels), found)
         return found
 
     def reach(self, count: int) -> NDArray[np.int64]:
-        """Return, for each colour, the squared distance of its `count`-th nearest, itself first."""
+        """Return, for each color, the squared distance of its `count`-th nearest, itself first."""
         found = np.zeros(len(self.colors), np.int64)
         if 1 < count < len(found):
             keys, places = np.empty(count, np.int64), np.empty(count, np.int32)
-            tree = self.colors, self.low, self.high, self.depth
-            _color_kernels.reach_each(*tree, keys, places, found)
+            kernels.reach_each(self.tree(), keys, places, found)
         elif count > 1:
             found[:] = self.span
         return found
 
     @property
     def span(self) -> int:
-        """The squared distance of the smallest and the largest bytes; no two colours exceed it."""
+        """The squared distance of the smallest and the largest bytes; colors differ by no more."""
         low, high = self.low[1].astype(np.int64), self.high[1].astype(np.int64)
         return int(((high - low) ** 2).sum())
 
     def near(self, number: int, radius: int) -> NDArray[np.int32]:
-        """Return the numbers of the colours within a squared distance, as intervals (n, 2)."""
+        """Return the numbers of the colors within a squared distance, as intervals (n, 2)."""
         room = np.empty((1, len(self.colors) + 2), np.int32)
-        tree = self.colors, self.low, self.high, self.depth
-        count = _color_kernels.near_one(*tree, number, radius, room)
+        count = kernels.near_one(self.tree(), number, radius, room)
         return room[0, : 2 * count].reshape(-1, 2)
 
-    def centres(self, offsets: NDArray[np.int32]) -> tuple[NDArray[np.int32], NDArray[np.int32]]:
-        """List the centres of windows by the colour that they have beside them.
+    def centers_beside(
+        self, offsets: NDArray[np.int32]
+    ) -> tuple[NDArray[np.int32], NDArray[np.int32]]:
+        """List the centers of windows by the color that they have beside them (section 4.2).
 
         Parameters
         ----------
         offsets : int32 array (d, 2)
-            Which of the pixels beside a centre: dy and dx.
+            The steps dy and dx from a center to the pixels beside it.
 
         Returns
         -------
         starts : int32 array (d, C + 1)
-            Those of colour c are `places[starts[d, c] : starts[d, c + 1]]`, in scan order.
+            Those of color c are `places[starts[d, c] : starts[d, c + 1]]`, in scan order.
         places : int32 array
             Flat indices into the pixels.
         """
-        centres = np.flatnonzero(self.usable).astype(np.int32)
-        y, x = np.divmod(centres, np.int32(self.usable.shape[1]))
+        centers = np.flatnonzero(self.usable).astype(np.int32)
+        y, x = np.divmod(centers, np.int32(self.usable.shape[1]))
         starts = np.zeros((len(offsets), len(self.colors) + 1), np.int32)
         lists, total = [], 0
         height, width = self.usable.shape
@@ -131,7 +135,7 @@ class ColorIndex:
             v, u = y + dy, x + dx
             inside = (v >= 0) & (u >= 0) & (v < height) & (u < width)
             beside = self.number[v[inside], u[inside]]
-            lists.append(centres[inside][np.argsort(beside, kind="stable")])
+            lists.append(centers[inside][np.argsort(beside, kind="stable")])
             starts[d, 1:] = np.cumsum(np.bincount(beside, minlength=len(self.colors)))
             starts[d] += total
             total += len(beside)
@@ -141,7 +145,10 @@ class ColorIndex:
 def _split(
     colors: NDArray[np.uint8], depth: int
 ) -> tuple[NDArray[np.intp], NDArray[np.uint8], NDArray[np.uint8]]:
-    """Halve each node along its widest channel, level by level; order, lowest and highest bytes."""
+    """Halve each node along its widest channel, level by level.
+
+    Returns the order of the colors, and the lowest and highest bytes of each node.
+    """
     count = len(colors)
     order = np.arange(count)
     low = np.zeros((2 << depth, colors.shape[1]), np.uint8)

@@ -1,4 +1,10 @@
-cdef Py_ssize_t near_colors(const unsigned char[:, ::1] colors, const unsigned char[:, ::1] low,
-                            const unsigned char[:, ::1] high, Py_ssize_t depth, Py_ssize_t number,
-                            long long radius, int[:, ::1] intervals,
-                            Py_ssize_t row) noexcept nogil
+# A kd-tree over distinct colors; `ColorIndex` says what its arrays hold.
+cdef class ColorTree:
+    cdef const unsigned char[:, ::1] colors
+    cdef const unsigned char[:, ::1] low
+    cdef const unsigned char[:, ::1] high
+    cdef const int[::1] rank
+    cdef Py_ssize_t depth
+
+cdef Py_ssize_t near_colors(ColorTree tree, Py_ssize_t number, long long radius,
+                            int[:, ::1] intervals, Py_ssize_t row) noexcept nogil

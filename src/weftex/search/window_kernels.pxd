@@ -16,5 +16,5 @@ cdef long long run_distance(const unsigned char[:, :, ::1] pixels, Py_ssize_t y,
                             const int[:, ::1] runs, Py_ssize_t n, const unsigned char[::1] query,
                             long long bound) noexcept nogil
 
-cdef Py_ssize_t settle(const unsigned char[:, ::1] usable, const int[::1] period,
-                       Py_ssize_t y, Py_ssize_t x) noexcept nogil
+cdef Py_ssize_t usable_place(const unsigned char[:, ::1] usable, const int[::1] period,
+                             Py_ssize_t y, Py_ssize_t x) noexcept nogil

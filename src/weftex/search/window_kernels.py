@@ -1,8 +1,9 @@
 # mypy: ignore-errors
 """Kernels that compare the windows around two pixels; compiled by Cython, see setup.py.
 
-A window is a list of runs (dy, dx, length): stretches of a row, seen from its centre. All
+A window is a list of runs (dy, dx, length): stretches of a row, seen from its center. All
 distances are sums of squared differences of bytes, so any order of summation gives the same.
+Types are declared in window_kernels.pxd.
 """
 
 import cython
@@ -10,29 +11,15 @@ from cython.cimports.libc.string import memcpy
 from cython.cimports.weftex.search.zone_kernels import squared
 
 
-@cython.cfunc
-@cython.nogil
-@cython.exceptval(check=False)
-def causal_runs(
-    y: cython.Py_ssize_t,
-    x: cython.Py_ssize_t,
-    height: cython.Py_ssize_t,
-    width: cython.Py_ssize_t,
-    wrap_x: cython.bint,
-    up: cython.Py_ssize_t,
-    left: cython.Py_ssize_t,
-    right: cython.Py_ssize_t,
-    runs: cython.int[:, ::1],
-) -> cython.Py_ssize_t:
-    """The L-shaped window of a pixel in scan order, as far as it lies on the canvas.
+def causal_runs(y, x, height, width, wrap_x, up, left, right, runs):
+    """Write the L-shaped window of a pixel in scan order, as far as it lies on the canvas.
 
-    Where the canvas wraps along x it goes around: rows above are whole, and the end of a row sees
-    its beginning. Nothing is in it twice.
+    Where the canvas wraps along x the window goes around: rows above are whole, and the end of a
+    row sees its beginning. No pixel is in it twice. Returns the number of runs.
     """
-    n: cython.Py_ssize_t = 0
-    dy: cython.Py_ssize_t
-    first: cython.Py_ssize_t
-    last: cython.Py_ssize_t
+    cython.declare(n=cython.Py_ssize_t, dy=cython.Py_ssize_t)
+    cython.declare(first=cython.Py_ssize_t, last=cython.Py_ssize_t)
+    n = 0
     for dy in range(-up if up < y else -y, 1):
         first = -left
         last = right if dy < 0 else -1
@@ -63,14 +50,9 @@ def causal_runs(
     return n
 
 
-@cython.cfunc
-@cython.nogil
-@cython.exceptval(check=False)
-def turn_runs(runs: cython.int[:, ::1], n: cython.Py_ssize_t) -> cython.void:
+def turn_runs(runs, n):
     """Put the last run first, so that comparisons begin beside the pixel and end sooner."""
-    i: cython.Py_ssize_t
-    k: cython.Py_ssize_t
-    swapped: cython.int
+    cython.declare(i=cython.Py_ssize_t, k=cython.Py_ssize_t, swapped=cython.int)
     for i in range(n // 2):
         for k in range(3):
             swapped = runs[i, k]
@@ -78,34 +60,18 @@ def turn_runs(runs: cython.int[:, ::1], n: cython.Py_ssize_t) -> cython.void:
             runs[n - 1 - i, k] = swapped
 
 
-@cython.cfunc
-@cython.nogil
-@cython.exceptval(check=False)
-def known_runs(
-    done: cython.const[cython.uchar][:, ::1],
-    y: cython.Py_ssize_t,
-    x: cython.Py_ssize_t,
-    wrap_y: cython.bint,
-    wrap_x: cython.bint,
-    up: cython.Py_ssize_t,
-    down: cython.Py_ssize_t,
-    left: cython.Py_ssize_t,
-    right: cython.Py_ssize_t,
-    runs: cython.int[:, ::1],
-) -> cython.Py_ssize_t:
-    """What is known of the window around a pixel, without the pixel itself.
+def known_runs(done, y, x, wrap_y, wrap_x, up, down, left, right, runs):
+    """Write the known part of the window around a pixel, without the pixel itself.
 
-    On a wrapped axis shorter than the window nothing is in it twice.
+    On a wrapped axis that is shorter than the window no pixel is in it twice. Returns the number
+    of runs.
     """
-    height: cython.Py_ssize_t = done.shape[0]
-    width: cython.Py_ssize_t = done.shape[1]
-    n: cython.Py_ssize_t = 0
-    dy: cython.Py_ssize_t
-    dx: cython.Py_ssize_t
-    cy: cython.Py_ssize_t
-    cx: cython.Py_ssize_t
-    running: cython.bint
-    known: cython.bint
+    cython.declare(height=cython.Py_ssize_t, width=cython.Py_ssize_t, n=cython.Py_ssize_t)
+    cython.declare(dy=cython.Py_ssize_t, dx=cython.Py_ssize_t)
+    cython.declare(cy=cython.Py_ssize_t, cx=cython.Py_ssize_t)
+    cython.declare(running=cython.bint, known=cython.bint)
+    height, width = done.shape[0], done.shape[1]
+    n = 0
     if wrap_y:
         if up > (height - 1) // 2:
             up = (height - 1) // 2
@@ -146,27 +112,13 @@ def known_runs(
     return n
 
 
-@cython.cfunc
-@cython.nogil
-@cython.exceptval(check=False)
-def gather_runs(
-    levels: cython.const[cython.uchar][:, :, ::1],
-    y: cython.Py_ssize_t,
-    x: cython.Py_ssize_t,
-    runs: cython.const[cython.int][:, ::1],
-    n: cython.Py_ssize_t,
-    query: cython.uchar[::1],
-) -> cython.Py_ssize_t:
+def gather_runs(levels, y, x, runs, n, query):
     """Copy the bytes of a window of the canvas, around its borders; return their number."""
-    height: cython.Py_ssize_t = levels.shape[0]
-    width: cython.Py_ssize_t = levels.shape[1]
-    channels: cython.Py_ssize_t = levels.shape[2]
-    r: cython.Py_ssize_t
-    cy: cython.Py_ssize_t
-    cx: cython.Py_ssize_t
-    left: cython.Py_ssize_t
-    part: cython.Py_ssize_t
-    at: cython.Py_ssize_t = 0
+    cython.declare(height=cython.Py_ssize_t, width=cython.Py_ssize_t, channels=cython.Py_ssize_t)
+    cython.declare(r=cython.Py_ssize_t, cy=cython.Py_ssize_t, cx=cython.Py_ssize_t)
+    cython.declare(left=cython.Py_ssize_t, part=cython.Py_ssize_t, at=cython.Py_ssize_t)
+    height, width, channels = levels.shape[0], levels.shape[1], levels.shape[2]
+    at = 0
     for r in range(n):
         cy = y + runs[r, 0]
         if cy < 0:
@@ -192,28 +144,17 @@ def gather_runs(
     return at
 
 
-@cython.cfunc
-@cython.nogil
-@cython.exceptval(check=False)
-def run_distance(
-    pixels: cython.const[cython.uchar][:, :, ::1],
-    y: cython.Py_ssize_t,
-    x: cython.Py_ssize_t,
-    runs: cython.const[cython.int][:, ::1],
-    n: cython.Py_ssize_t,
-    query: cython.const[cython.uchar][::1],
-    bound: cython.longlong,
-) -> cython.longlong:
+def run_distance(pixels, y, x, runs, n, query, bound):
     """Sum of squared differences to the window of the sample at (y, x).
 
     Stops as soon as it is past `bound`, if that is not negative. The rows nearest to the pixel
     come last in a causal window and differ most, so they are compared first.
     """
-    channels: cython.Py_ssize_t = pixels.shape[2]
-    r: cython.Py_ssize_t
-    length: cython.Py_ssize_t
-    at: cython.Py_ssize_t = 0
-    total: cython.longlong = 0
+    cython.declare(channels=cython.Py_ssize_t, r=cython.Py_ssize_t, length=cython.Py_ssize_t)
+    cython.declare(at=cython.Py_ssize_t, total=cython.longlong)
+    channels = pixels.shape[2]
+    at = 0
+    total = 0
     for r in range(n):
         at += runs[r, 2] * channels
     for r in range(n - 1, -1, -1):
@@ -229,16 +170,11 @@ def run_distance(
     return total
 
 
-@cython.cfunc
-@cython.nogil
-@cython.exceptval(check=False)
-def settle(
-    usable: cython.const[cython.uchar][:, ::1],
-    period: cython.const[cython.int][::1],
-    y: cython.Py_ssize_t,
-    x: cython.Py_ssize_t,
-) -> cython.Py_ssize_t:
-    """The flat index of a place in the sample, or -1 if no window may be centred there."""
+def usable_place(usable, period, y, x):
+    """Return the flat index of the window centered at (y, x), or -1 if none may be there.
+
+    A place beside a sample that tiles goes around to the other side.
+    """
     if period[2]:
         y = (y - period[0]) % period[2]
         x = (x - period[1]) % period[3]
@@ -268,28 +204,27 @@ def compare(levels, y, x, pixels, places, runs, n, query, bound=-1):
     return [run_distance(b, v, u, r, n, q, bound) for v, u in places]
 
 
-def distances(levels, y, x, pixels, centres, runs, n, query, out):
-    """Distances of the window at (y, x) to those at the flat indices `centres`, without a bound.
+def distances(levels, y, x, pixels, centers, runs, n, query, out):
+    """Distances of the window at (y, x) to those at the flat indices `centers`, without a bound.
 
-    What exhaustive search costs at least; searches are measured against it.
+    This is the least that an exhaustive search costs; searches are measured against it.
     """
     a: cython.const[cython.uchar][:, :, ::1] = levels
     b: cython.const[cython.uchar][:, :, ::1] = pixels
-    c: cython.const[cython.int][::1] = centres
+    c: cython.const[cython.int][::1] = centers
     r: cython.const[cython.int][:, ::1] = runs
     q: cython.uchar[::1] = query
     o: cython.longlong[::1] = out
-    i: cython.Py_ssize_t
-    count: cython.Py_ssize_t = n
-    width: cython.Py_ssize_t = b.shape[1]
+    cython.declare(i=cython.Py_ssize_t, count=cython.Py_ssize_t, width=cython.Py_ssize_t)
+    count, width = n, b.shape[1]
     gather_runs(a, y, x, r, n, q)
     with cython.nogil:
         for i in range(c.shape[0]):
             o[i] = run_distance(b, c[i] // width, c[i] % width, r, count, q, -1)
 
 
-def settle_at(usable, period, y, x):
-    """`settle`."""
+def place_at(usable, period, y, x):
+    """`usable_place`."""
     u: cython.const[cython.uchar][:, ::1] = usable
     p: cython.const[cython.int][::1] = period
-    return settle(u, p, y, x)
+    return usable_place(u, p, y, x)

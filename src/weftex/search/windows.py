@@ -1,4 +1,4 @@
-"""The windows of a sample that pixels are chosen by."""
+"""The windows of a sample that pixels are compared by."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 
     from weftex.exemplar import Exemplar
 
-    #: How far a window reaches up, down, left and right of its centre, in pixels.
+    #: How far a window reaches up, down, left and right of its center, in pixels.
     Reach = tuple[int, int, int, int]
 
 
@@ -30,7 +30,7 @@ class Windows:
         The bytes that distances are taken on; a sample that tiles is padded with its other side,
         so that windows may hang over its border.
     usable : uint8 array (H', W')
-        1 where a window may be centred: it is whole, on usable pixels, and not in the padding.
+        1 where a window may be centered: it is whole, on usable pixels, and not in the padding.
     period : int32 array (4,)
         Top, left, height and width of a tiling sample inside `pixels`; zeros if it does not tile.
     shape : (int, int)
@@ -44,7 +44,7 @@ class Windows:
 
     @cached_property
     def centres(self) -> NDArray[np.int32]:
-        """Flat indices into `pixels` where a window may be centred, in scan order."""
+        """Flat indices into `pixels` where a window may be centered, in scan order."""
         return np.flatnonzero(self.usable).astype(np.int32)
 
     def to_sample(self, index: NDArray[np.int32]) -> NDArray[np.int32]:
@@ -66,7 +66,7 @@ class Windows:
 
 
 def windows_of(
-    exemplar: Exemplar, reach: Reach, levels: NDArray[np.uint8] | None = None
+    exemplar: Exemplar, reach: Reach, pixels: NDArray[np.uint8] | None = None
 ) -> Windows:
     """Find the whole windows of a sample.
 
@@ -75,9 +75,9 @@ def windows_of(
     exemplar : Exemplar
         The sample; its mask and whether it tiles are respected.
     reach : (up, down, left, right)
-        How far a window reaches from its centre.
-    levels : uint8 array (H, W, K), optional
-        Take distances on these instead of `exemplar.matching()`.
+        How far a window reaches from its center.
+    pixels : uint8 array (H, W, K), optional
+        Take distances on these bytes instead of `exemplar.matching()`.
 
     Raises
     ------
@@ -91,14 +91,14 @@ def windows_of(
     >>> windows_of(Exemplar(np.zeros((9, 8), np.uint8)), (2, 2, 2, 2)).centres.size
     20
     """
-    levels = exemplar.matching() if levels is None else levels
+    pixels = exemplar.matching() if pixels is None else pixels
     up, down, left, right = reach
     mask = np.ones(exemplar.shape, bool) if exemplar.mask is None else exemplar.mask
     period = np.zeros(4, np.int32)
     if exemplar.tileable:
         period[:] = (up, left, *exemplar.shape)
         pads = ((up, down), (left, right))
-        levels = np.pad(levels, (*pads, (0, 0)), mode="wrap")
+        pixels = np.pad(pixels, (*pads, (0, 0)), mode="wrap")
         mask = np.pad(mask, pads, mode="wrap")
     usable = whole_windows(mask, reach)
     if not usable.any():
@@ -107,7 +107,7 @@ def windows_of(
             f"of {exemplar.name}, which is {exemplar.shape[1]}x{exemplar.shape[0]}; make "
             "window_width smaller"
         )
-    return Windows(np.ascontiguousarray(levels), usable, period, exemplar.shape)
+    return Windows(np.ascontiguousarray(pixels), usable, period, exemplar.shape)
 
 
 def whole_windows(mask: NDArray[np.bool_], reach: Reach) -> NDArray[np.uint8]:

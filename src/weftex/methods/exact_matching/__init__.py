@@ -1,48 +1,32 @@
-"""Texture synthesis using exact neighborhood matching (Sabha, Peers and Dutré, 2005)."""
+"""Texture synthesis using exact neighborhood matching (Sabha, Peers and Dutré, 2007)."""
 
 from __future__ import annotations
 
-import copy
 from dataclasses import dataclass, replace
+from functools import partial
 from typing import TYPE_CHECKING, Any, ClassVar
 
-import numpy as np
-
-from weftex.analysis.regularity import regularity
-from weftex.analysis.scale import dominant_scale
 from weftex.errors import InvalidInputError
-from weftex.exemplar import Exemplar
 from weftex.method import parameter
-from weftex.methods.exact_matching.candidates import Candidates
-from weftex.methods.exact_matching.growth import ExactGrowth, Statistics
-from weftex.methods.pixels.growth import PixelModel, settle_window
+from weftex.methods.exact_matching.bands import FinishedLevel, random_band, structured_band
+from weftex.methods.exact_matching.matching import Matching, Parents, Sheet, Statistics
+from weftex.methods.exact_matching.model import Prepared, prepare
+from weftex.methods.exact_matching.settings import Settings, settle
+from weftex.methods.pixels.growth import PixelModel
 from weftex.methods.pixels.windowed import WindowedMethod
-from weftex.search.color_index import ColorIndex
-from weftex.search.pyramid_windows import sample_pyramid
-from weftex.search.windows import windows_of
 
 if TYPE_CHECKING:
-    from numpy.typing import NDArray
-
+    from weftex.exemplar import Exemplar
     from weftex.methods.pixels.growth import Growth
     from weftex.results.pixels import PixelSynthesis
-
-_REGULAR = 0.4  # regularity from which on a sample is near-regular
-_WIDTH = 31  # of a window, unless the structure is larger
-_LEVELS = 3  # see docs/exact-matching.md for what they gain
-_WITH_LEVELS = 17  # width of a window where there are levels
-_ENOUGH = 128  # shorter side from which on a sample is seen at several levels
-_NARROW = 11  # the smallest window that is proposed where there is room
-_LEAST = 5  # pixels to a side of the coarsest level
-_NEAR = 5  # colours, itself among them, in reach of one that occurs once
 
 
 @dataclass(frozen=True)
 class ExactMatching(WindowedMethod):
     """Exact neighborhood matching.
 
-    Pixels are made in scan order. Each is copied from the window that matches best among those
-    that have, at the place of one of the four direct neighbours, exactly that neighbour's colour.
+    Pixels are made in scanline order. Each is copied from the window that matches best among those
+    that have, at the place of one of the four direct neighbors, exactly that neighbor's color.
 
     Raises
     ------
@@ -75,20 +59,20 @@ class ExactMatching(WindowedMethod):
     )
     tolerance: float | None = parameter(
         None,
-        "how far a colour may be off, of the sample's largest colour distance; 1 takes any",
+        "how far a color may be off, of the sample's largest color distance; 1 takes any",
         low=0.0,
         high=1.0,
-        default_text="0 where colours occur more than once, else as far as the nearest four",
+        default_text="0 where colors occur more than once, else as far as the nearest four",
     )
     nearest_colors: int | None = parameter(
         None,
-        "take so many of the nearest colours, instead of a tolerance",
+        "take so many of the nearest colors, instead of a tolerance",
         low=1,
         default_text="the tolerance decides",
     )
     init: str = parameter(
         "auto",
-        "what lies above the first row: random pixels, a structured band, or as the sample asks",
+        "the band above the first row: random pixels, a structured one, or as the sample asks",
         choices=("auto", "random", "structured"),
     )
     candidates: int = parameter(
@@ -110,7 +94,7 @@ class ExactMatching(WindowedMethod):
     )
     copying: str = parameter(
         "pixels",
-        "search for each pixel, or go on without where all four neighbours come from one block",
+        "search for each pixel, or not where the sources of all four neighbors go on at one place",
         choices=("pixels", "blocks"),
     )
     levels: int | None = parameter(
@@ -121,7 +105,7 @@ class ExactMatching(WindowedMethod):
         default_text="1 if window_width is given, for holes, and for small samples; else 3",
     )
     passes: int = parameter(
-        2, "further passes over what was made between known pixels", low=0, high=100
+        2, "further passes over pixels that were made between known ones", low=0, high=100
     )
 
     def __post_init__(self) -> None:
@@ -130,129 +114,113 @@ class ExactMatching(WindowedMethod):
             raise InvalidInputError("tolerance and nearest_colors are two ways; give one of them")
 
     def fit(self, exemplar: Exemplar) -> ExactMatchingModel:
-        """Make the index of colours (section 4.1); propose what was left open."""
-        return ExactMatchingModel(self, exemplar)
+        """Propose what was left open; make the lists of colors (section 4.1)."""
+        settings = settle(self, exemplar)
+        prepared = prepare(settings, exemplar)
+        return ExactMatchingModel(self._settled(settings), exemplar, prepared, grow)
 
     def settle(self, exemplar: Exemplar) -> ExactMatching:
-        """See `Method.settle`; scale, regularity and colours are looked at, no list is made."""
-        return _settled(self, exemplar)
+        """See `Method.settle`; scale, regularity and colors are looked at, no list is made."""
+        return self._settled(settle(self, exemplar))
 
-    def radius(self, index: ColorIndex) -> NDArray[np.int64]:
-        """The squared distance up to which colours count as each colour."""
-        if self.nearest_colors is not None:
-            return index.reach(self.nearest_colors)
-        assert self.tolerance is not None
-        limit = int(self.tolerance * self.tolerance * index.span)
-        return np.full(len(index.colors), limit, np.int64)
+    def _settled(self, settings: Settings) -> ExactMatching:
+        """Fill in what was left open; of tolerance and nearest_colors only one ever is set."""
+        return replace(
+            self,
+            window_width=settings.window_width,
+            tolerance=None if settings.nearest_colors else settings.tolerance,
+            init=settings.init,
+            repeat_distance=settings.repeat_distance,
+            levels=settings.levels,
+        )
 
 
 class ExactMatchingModel(PixelModel):
-    """A sample prepared for exact neighborhood matching; `sample` makes outputs from it.
-
-    Attributes
-    ----------
-    samples : list of Exemplar
-        The sample's bytes, level by level, finest first.
-    structured : bool
-        Whether the band above the canvas is made of the sample or of random pixels.
-    """
-
-    method: ExactMatching
-
-    def __init__(self, method: ExactMatching, exemplar: Exemplar) -> None:
-        self.windows = windows_of(exemplar, (0, 0, 0, 0))  # so that indices are the sample's own
-        super().__init__(_settled(method, exemplar), exemplar)
-        count: int = self.method.levels  # type: ignore[assignment]
-        self.samples = sample_pyramid(exemplar, count)
-        most = len(self.samples)
-        while most > 1 and min(self.samples[most - 1].shape) < _LEAST:
-            most -= 1
-        if most < count:
-            raise InvalidInputError(
-                f"levels is {count}; {exemplar.name} is {exemplar.shape[1]}x"
-                f"{exemplar.shape[0]}, which is enough for {most}"
-            )
-        self._fills = count == 1 or method.levels is None
-        self._statistics: Statistics | None = None
-        self._ready: dict[tuple[int, str], Candidates] = {}
-        for level in range(count):
-            self.candidates(level, "causal")
-        if self.method.init == "structured":
-            self.candidates(count - 1, "turned")
-
-    def candidates(self, level: int, kind: str) -> Candidates:
-        """Windows of a level: "causal", "full", or causal ones of the "turned" sample."""
-        if (level, kind) not in self._ready:
-            sample, guide = self.samples[level], None
-            if kind == "turned":
-                sample = _turned(sample)
-            elif level + 1 < len(self.samples):
-                y, x = (np.arange(n) // 2 for n in sample.shape)
-                guide = np.ascontiguousarray(self.samples[level + 1].pixels[np.ix_(y, x)])
-            made = Candidates(self.method, sample, kind != "full", guide)
-            self._ready[level, kind] = made
-        return self._ready[level, kind]
-
-    def grow(self, growth: Growth) -> None:
-        """Scan the canvas (section 4.2), or fill its hole from the border inwards."""
-        making = ExactGrowth(self, growth, self._statistics or Statistics())
-        if growth.hole is None:
-            making.scan()
-        elif self._fills:
-            growth.about["levels"] = 1
-            making.fill()
-        else:
-            raise InvalidInputError(f"levels is {self.method.levels}; holes are filled with 1")
+    """A sample prepared for exact neighborhood matching; `sample` makes outputs from it."""
 
     def measure(self, *args: Any, **options: Any) -> tuple[PixelSynthesis, Statistics]:
-        """Do what `sample` does; return the result and what it cost."""
-        model, statistics = copy.copy(self), Statistics()
-        model._statistics = statistics
-        return model.sample(*args, **options), statistics
+        """Do what `sample` does; return the result and what it costs."""
+        cost = Statistics()
+        measured = partial(grow, cost=cost)
+        model = PixelModel(self.method, self.exemplar, self.prepared, measured)
+        return model.sample(*args, **options), cost
 
 
-def _turned(sample: Exemplar) -> Exemplar:
-    """The sample with its axes exchanged."""
-    mask = None if sample.mask is None else sample.mask.T
-    turned = np.ascontiguousarray(sample.pixels.swapaxes(0, 1))
-    return Exemplar(turned, mask=mask, tileable=sample.tileable, alpha=False, name=sample.name)
+def grow(prepared: Prepared, growth: Growth, cost: Statistics | None = None) -> None:
+    """Synthesize a canvas, or fill its hole."""
+    cost = cost or Statistics()
+    if growth.hole is not None:
+        fill_hole(prepared, growth, cost)
+    else:
+        finest = synthesize(prepared, growth, cost, level=0)
+        growth.source[:] = finest.places[finest.top :]
 
 
-def _settled(method: ExactMatching, exemplar: Exemplar) -> ExactMatching:
-    """Propose what was left open."""
-    proposed = _NARROW
-    if method.levels is None:
-        several = method.window_width is None and min(exemplar.shape) >= _ENOUGH
-        method = replace(method, levels=_LEVELS if several else 1)
-    if method.levels != 1:
-        proposed = _WITH_LEVELS
-    elif method.window_width is None:
-        proposed = max(_WIDTH, dominant_scale(exemplar).window_width)
-        proposed = min(proposed, max(min(exemplar.shape) // 3, _NARROW))
-    method = settle_window(method, exemplar, proposed)
-    half = (method.window_width or 1) // 2
-    if method.init == "auto":
-        regular = regularity(exemplar) >= _REGULAR
-        method = replace(method, init="structured" if regular else "random")
-    if method.repeat_distance is None:
-        method = replace(method, repeat_distance=0 if method.init == "structured" else half)
-    if method.tolerance is None and method.nearest_colors is None:
-        method = replace(method, tolerance=_proposed_tolerance(exemplar))
-    return method
+def synthesize(prepared: Prepared, growth: Growth, cost: Statistics, level: int) -> FinishedLevel:
+    """Synthesize one level of the canvas; the coarser ones before it (section 7)."""
+    settings, sample = prepared.settings, prepared.levels[level]
+    height, width = (-(-n >> level) for n in growth.canvas.shape)
+    lists, parents = sample.causal, None  # section 4.1
+    top = lists.reach
+    coarser = synthesize(prepared, growth, cost, level + 1) if sample.coarser else None
+    with cost.timed("initialization"):
+        # Section 4.3: a band as high as a window reaches. It is cropped at the end, and so are as
+        # many rows that see random pixels.
+        if coarser is not None:
+            band, parents = coarser.children(top, (height, width), sample.sample.shape)
+        elif settings.init == "structured":
+            band = structured_band(sample.turned, width, settings, growth, cost)
+        else:
+            band = random_band(lists, width, growth.seed)
+            top += lists.reach
+        sheet = Sheet((top + height, width), growth.pixels.shape[2], (False, growth.canvas.wrap[1]))
+        sheet.put(lists, band)
+        matching = Matching(lists, sheet, settings, growth, cost, parents)
+        matching.scan(range(len(band), top), f"exact {level}", "beginning")
+    with cost.timed("synthesis"):
+        # Section 4.2: in scanline order, each pixel is copied from the center of the best matching
+        # window of the union of its direct neighbors' lists: see `match_kernels.match_pixels`.
+        shown = growth.pixels if level == 0 else None
+        matching.scan(range(top, top + height), f"exact {level}", "rows", shown)
+        places = lists.windows.to_sample(sheet.source)
+        finished = FinishedLevel(sheet.pixels, places, top, lists.windows.shape[1])
+        if growth.canvas.wrap[0] and height > 1:
+            close_level(prepared, growth, cost, level, finished, parents)
+    growth.pixels[:] = finished.picture(growth.canvas.shape, level)
+    return finished
 
 
-def _proposed_tolerance(exemplar: Exemplar) -> float:
-    """Where most pixels have a colour of their own, as far as the few colours nearest to it.
+def close_level(
+    prepared: Prepared,
+    growth: Growth,
+    cost: Statistics,
+    level: int,
+    finished: FinishedLevel,
+    parents: Parents | None,
+) -> None:
+    """Beyond the paper: make the last rows again, between those above and the first ones."""
+    lists, top = prepared.levels[level].around, finished.top
+    height, width = finished.places[top:].shape
+    again = min(2 * lists.reach + 1, height // 2)
+    sheet = Sheet((height, width), finished.pixels.shape[2], growth.canvas.wrap)
+    sheet.put(lists, finished.places[top : top + height - again])
+    if parents is not None:
+        parents = Parents(parents.pixels[top:], parents.suggested[top:])
+    matching = Matching(lists, sheet, prepared.settings, growth, cost, parents)
+    matching.fill(f"exact seam {level}")
+    finished.places[top:] = lists.windows.to_sample(sheet.source)
+    finished.pixels[top:] = sheet.pixels
 
-    Each of the four lists then has some places, and a pixel 10 to 30 candidates. Where colours
-    occur twice or more, a tolerance costs time and mends nothing.
-    """
-    windows = windows_of(exemplar, (0, 0, 0, 0))
-    index = ColorIndex(windows.pixels, windows.usable)
-    number = index.number[windows.usable > 0]
-    often = np.bincount(number, minlength=len(index.colors))
-    once = often[number] == 1
-    if 2 * once.sum() < len(once):
-        return 0.0
-    middle = int(np.sort(np.where(once, index.reach(_NEAR)[number], 0))[len(once) // 2])
-    return float(np.ceil(np.sqrt(middle / max(index.span, 1)) * 1e4) / 1e4)
+
+def fill_hole(prepared: Prepared, growth: Growth, cost: Statistics) -> None:
+    """Beyond the paper: make a hole from its border inwards, at a single resolution."""
+    settings, lists = prepared.settings, prepared.levels[0].around
+    if settings.hole_levels != 1:
+        raise InvalidInputError(f"levels is {settings.hole_levels}; holes are filled with 1")
+    growth.about["levels"] = 1
+    sheet = Sheet(growth.canvas.shape, growth.pixels.shape[2], growth.canvas.wrap)
+    sheet.pixels, sheet.done = growth.pixels, growth.done
+    sheet.source = lists.windows.from_sample(growth.source)
+    sheet.name_colors(lists)
+    Matching(lists, sheet, settings, growth, cost).fill("exact hole")
+    growth.source[:] = lists.windows.to_sample(sheet.source)

@@ -1,390 +1,398 @@
 # mypy: ignore-errors
-"""The kernel of exact neighborhood matching; compiled by Cython, see setup.py."""
+"""The kernels of texture synthesis (section 4.2); compiled by Cython, see setup.py.
+
+"Section" and "figure" are those of Sabha, Peers and Dutré (2007). Places and centers are flat
+indices into the pixels of the sample's windows.
+"""
 
 import cython
-from cython.cimports.weftex.search.color_kernels import near_colors
+from cython.cimports.weftex.methods.exact_matching.list_kernels import Recent, Sample, near_lists
 from cython.cimports.weftex.search.window_kernels import (
     causal_runs,
     gather_runs,
     known_runs,
     run_distance,
-    settle,
     turn_runs,
+    usable_place,
 )
 
-# Looked-up colours that are kept: at least as many as a pixel has direct neighbours.
-KEPT = cython.declare(cython.int, 8)
+LAST_STAMP = cython.declare(cython.longlong, 2**31 - 1)
+
+
+@cython.cclass
+class Picture:
+    """A sheet; with the next coarser level at its size, and the places that this leads to."""
+
+    pixels: cython.uchar[:, :, ::1]
+    done: cython.uchar[:, ::1]
+    source: cython.int[:, ::1]
+    color: cython.int[:, ::1]
+    wrap_y: cython.bint
+    wrap_x: cython.bint
+    guided: cython.bint
+    coarse: cython.const[cython.uchar][:, :, ::1]
+    coarse_done: cython.const[cython.uchar][:, ::1]  # 1 everywhere
+    suggested: cython.const[cython.int][:, ::1]
+
+    def __init__(self, pixels, done, source, color, wrap, coarse, coarse_done, suggested):
+        self.pixels, self.done, self.source, self.color = pixels, done, source, color
+        self.wrap_y, self.wrap_x = wrap
+        self.coarse, self.coarse_done, self.suggested = coarse, coarse_done, suggested
+        self.guided = len(suggested) > 0
+
+
+@cython.cclass
+class Rule:
+    """Which windows are compared."""
+
+    causal: cython.bint
+    reach: cython.Py_ssize_t
+    coarse_reach: cython.Py_ssize_t
+    repeat_distance: cython.Py_ssize_t
+    copies_blocks: cython.bint
+    most_compared: cython.longlong
+
+    def __init__(self, causal, reach, coarse_reach, repeat_distance, copies_blocks, most_compared):
+        self.causal, self.reach, self.coarse_reach = causal, reach, coarse_reach
+        self.repeat_distance, self.copies_blocks = repeat_distance, copies_blocks
+        self.most_compared = most_compared
+
+
+@cython.cclass
+class Search:
+    """The search for one pixel, and what is kept from pixel to pixel."""
+
+    # The pixel, the window around it, and that of the coarser level.
+    y: cython.Py_ssize_t
+    x: cython.Py_ssize_t
+    bits: cython.ulonglong  # random ones
+    runs: cython.int[:, ::1]
+    query: cython.uchar[::1]
+    run_count: cython.Py_ssize_t
+    coarse_runs: cython.int[:, ::1]
+    coarse_query: cython.uchar[::1]
+    coarse_run_count: cython.Py_ssize_t
+    # Its direct neighbors, and the place of the coarser level after them.
+    color: cython.int[::1]  # -1: there is none
+    goes_on: cython.Py_ssize_t[::1]  # where the sources go on; -1: nowhere
+    # The best match so far.
+    best: cython.longlong  # its distance; -1: there is none
+    best_key: cython.uint
+    chosen: cython.Py_ssize_t
+    coherent: cython.bint  # a neighbor's source goes on there
+    compared: cython.longlong
+    apart: cython.Py_ssize_t
+    share: cython.ulonglong  # of the lists that is compared, of 2**32
+    # Of each place of the sample.
+    last: cython.int[::1]  # the pixel that it was last copied to, or -1
+    seen: cython.int[::1]  # the stamp of the search that met it last
+    stamp: cython.int
+    recent: Recent
+
+    def __init__(self, last, seen, recent, windows, neighbors):
+        self.last, self.seen, self.stamp, self.recent = last, seen, 0, recent
+        (self.runs, self.query), (self.coarse_runs, self.coarse_query) = windows
+        self.color, self.goes_on = neighbors
+
+    def forget(self):
+        """Begin with the first stamp again."""
+        self.seen[:] = 0
+        self.recent.kept[:, :] = -1
+        self.stamp = 0
+
+
+def match_pixels(
+    sample: Sample,
+    picture: Picture,
+    rule: Rule,
+    search: Search,
+    order: cython.const[cython.int][::1],
+    bits: cython.const[cython.ulonglong][::1],
+):
+    """Synthesize the pixels of `order`, in this order (section 4.2).
+
+    `bits` are random ones for each pixel. Returns how many windows were compared.
+    """
+    cython.declare(p=cython.Py_ssize_t, width=cython.Py_ssize_t)
+    width = picture.source.shape[1]
+    search.compared = 0
+    if search.stamp > LAST_STAMP - 2 * order.shape[0]:  # a pixel takes one or two
+        search.forget()
+    with cython.nogil:
+        for p in range(order.shape[0]):
+            search.y, search.x, search.bits = order[p] // width, order[p] % width, bits[p]
+            look_around(sample, picture, search)
+            search.chosen = -1
+            if rule.copies_blocks:  # section 7
+                search.chosen = next_of_block(picture, search)
+            if search.chosen < 0:
+                gather_windows(picture, rule, search)
+                find_best(sample, picture, rule, search)
+            if search.chosen < 0:  # no list has anything: any window
+                search.chosen = sample.centers[portion(search.bits, sample.centers.shape[0])]
+            copy_pixel(sample, picture, search)
+    return search.compared
 
 
 @cython.cfunc
 @cython.nogil
 @cython.exceptval(check=False)
-def look_up(
-    color: cython.int,
-    radius: cython.const[cython.longlong][::1],
-    colors: cython.const[cython.uchar][:, ::1],
-    low: cython.const[cython.uchar][:, ::1],
-    high: cython.const[cython.uchar][:, ::1],
-    depth: cython.Py_ssize_t,
-    stamp: cython.int,
-    kept: cython.int[:, ::1],
-    intervals: cython.int[:, ::1],
-) -> cython.Py_ssize_t:
-    """Find the colours near to one; return the row of `intervals` that they stand in.
+def look_around(sample: Sample, picture: Picture, search: Search) -> cython.void:
+    """Find the direct neighbors' colors, and the places where their sources go on (figure 3)."""
+    cython.declare(d=cython.Py_ssize_t, y=cython.Py_ssize_t, x=cython.Py_ssize_t)
+    cython.declare(height=cython.Py_ssize_t, width=cython.Py_ssize_t, columns=cython.Py_ssize_t)
+    cython.declare(source=cython.Py_ssize_t)
+    height, width = picture.source.shape[0], picture.source.shape[1]
+    columns = sample.pixels.shape[1]
+    for d in range(sample.offsets.shape[0]):
+        search.color[d] = -1
+        search.goes_on[d] = -1
+        y = search.y + sample.offsets[d, 0]
+        x = search.x + sample.offsets[d, 1]
+        if picture.wrap_y:
+            y = (y + height) % height
+        if picture.wrap_x:
+            x = (x + width) % width
+        if y < 0 or x < 0 or y >= height or x >= width or not picture.done[y, x]:
+            continue
+        search.color[d] = picture.color[y, x]
+        source = picture.source[y, x]
+        if source >= 0:
+            y = source // columns - sample.offsets[d, 0]
+            x = source % columns - sample.offsets[d, 1]
+            search.goes_on[d] = usable_place(sample.usable, sample.period, y, x)
+    search.goes_on[sample.offsets.shape[0]] = (
+        picture.suggested[search.y, search.x] if picture.guided else -1
+    )
 
-    A scan meets two of the four neighbours of a pixel again at the next one, so the results looked
-    up last are kept (section 4.4, fig. 5). `kept` holds their colours, how many intervals they
-    have, and the pixel that used them last; what this pixel has used does not go.
-    """
-    slot: cython.Py_ssize_t
-    oldest: cython.Py_ssize_t = 0
-    for slot in range(KEPT):
-        if kept[slot, 0] == color:
-            kept[slot, 2] = stamp
-            return slot
-        if kept[slot, 2] < kept[oldest, 2]:
-            oldest = slot
-    slot = oldest
-    kept[slot, 0] = color
-    kept[slot, 2] = stamp
-    if radius[color] == 0:
-        intervals[slot, 0] = color
-        intervals[slot, 1] = color + 1
-        kept[slot, 1] = 1
+
+@cython.cfunc
+@cython.nogil
+@cython.exceptval(check=False)
+def next_of_block(picture: Picture, search: Search) -> cython.Py_ssize_t:
+    """The place where the sources of all four causal neighbors go on, if it is one; or -1."""
+    cython.declare(d=cython.Py_ssize_t)
+    if search.y == 0 or search.x == 0 or search.x == picture.source.shape[1] - 1:
+        return -1
+    for d in range(1, 4):
+        if search.goes_on[d] != search.goes_on[0]:
+            return -1
+    return search.goes_on[0]
+
+
+@cython.cfunc
+@cython.nogil
+@cython.exceptval(check=False)
+def gather_windows(picture: Picture, rule: Rule, search: Search) -> cython.void:
+    """Copy the pixel's window, causal or as far as it is done, and that of the coarser level."""
+    cython.declare(y=cython.Py_ssize_t, x=cython.Py_ssize_t)
+    cython.declare(reach=cython.Py_ssize_t, coarse_reach=cython.Py_ssize_t)
+    y, x, reach, coarse_reach = search.y, search.x, rule.reach, rule.coarse_reach
+    if rule.causal:
+        search.run_count = causal_runs(
+            y, x, picture.done.shape[0], picture.done.shape[1], picture.wrap_x,
+            reach, reach, reach, search.runs,
+        )  # fmt: skip
+        turn_runs(search.runs, search.run_count)
     else:
-        kept[slot, 1] = cython.cast(
-            cython.int,
-            near_colors(colors, low, high, depth, color, radius[color], intervals, slot),
+        search.run_count = known_runs(
+            picture.done, y, x, picture.wrap_y, picture.wrap_x,
+            reach, reach, reach, reach, search.runs,
+        )  # fmt: skip
+    gather_runs(picture.pixels, y, x, search.runs, search.run_count, search.query)
+    if picture.guided:
+        search.coarse_run_count = known_runs(
+            picture.coarse_done, y, x, picture.wrap_y, picture.wrap_x,
+            coarse_reach, coarse_reach, coarse_reach, coarse_reach, search.coarse_runs,
+        )  # fmt: skip
+        gather_runs(
+            picture.coarse, y, x, search.coarse_runs, search.coarse_run_count, search.coarse_query
         )
-    return slot
+
+
+@cython.cfunc
+@cython.nogil
+@cython.exceptval(check=False)
+def find_best(sample: Sample, picture: Picture, rule: Rule, search: Search) -> cython.void:
+    """Choose the best match of the reduced search space (section 4.2).
+
+    Places that were copied to a pixel nearby are left out, unless there are no others.
+    """
+    search.best, search.best_key, search.coherent = -1, 0, False
+    search.apart = rule.repeat_distance
+    while True:
+        search.stamp += 1
+        compare_coherent(sample, picture, search)
+        if not (search.coherent and search.best == 0):
+            compare_listed(sample, picture, rule, search)
+        if search.chosen >= 0 or search.apart == 0:
+            return
+        search.apart = 0
+
+
+@cython.cfunc
+@cython.nogil
+@cython.exceptval(check=False)
+def compare_coherent(sample: Sample, picture: Picture, search: Search) -> cython.void:
+    """Compare the places where the neighbors' sources go on; of equal ones the first is best."""
+    cython.declare(d=cython.Py_ssize_t, place=cython.Py_ssize_t, distance=cython.longlong)
+    for d in range(sample.offsets.shape[0] + 1):
+        place = search.goes_on[d]
+        if place < 0 or search.seen[place] == search.stamp:
+            continue
+        search.seen[place] = search.stamp
+        if repeats(picture, search, place):
+            continue
+        distance = window_distance(sample, picture, search, place)
+        if search.best < 0 or distance < search.best:
+            search.best = distance
+            search.chosen = place
+            search.coherent = True
+
+
+@cython.cfunc
+@cython.nogil
+@cython.exceptval(check=False)
+def compare_listed(sample: Sample, picture: Picture, rule: Rule, search: Search) -> cython.void:
+    """Compare the union of the lists of the neighbors' colors, or a random share of it."""
+    cython.declare(d=cython.Py_ssize_t, j=cython.Py_ssize_t, slot=cython.Py_ssize_t)
+    cython.declare(first=cython.Py_ssize_t, last=cython.Py_ssize_t, listed=cython.longlong)
+    slots = cython.declare(cython.Py_ssize_t[8])
+    listed = 0
+    for d in range(sample.offsets.shape[0]):
+        slots[d] = -1
+        if search.color[d] < 0:
+            continue
+        slot = slots[d] = near_lists(sample, search.recent, search.color[d], search.stamp)
+        for j in range(search.recent.kept[slot, 1]):
+            listed += sample.starts[d, search.recent.intervals[slot, 2 * j + 1]]
+            listed -= sample.starts[d, search.recent.intervals[slot, 2 * j]]
+    search.share = 0x100000000
+    if listed > rule.most_compared:
+        search.share = search.share * cython.cast(cython.ulonglong, rule.most_compared)
+        search.share //= cython.cast(cython.ulonglong, listed)
+    for d in range(sample.offsets.shape[0]):
+        slot = slots[d]
+        for j in range(search.recent.kept[slot, 1] if slot >= 0 else 0):
+            first = sample.starts[d, search.recent.intervals[slot, 2 * j]]
+            last = sample.starts[d, search.recent.intervals[slot, 2 * j + 1]]
+            compare_groups(sample, picture, search, first, last)
+
+
+@cython.cfunc
+@cython.nogil
+@cython.exceptval(check=False)
+def compare_groups(
+    sample: Sample,
+    picture: Picture,
+    search: Search,
+    first: cython.Py_ssize_t,
+    last: cython.Py_ssize_t,
+) -> cython.void:
+    """Compare the share of some entries of a list; none twice for a pixel (section 4.4)."""
+    cython.declare(i=cython.Py_ssize_t, place=cython.Py_ssize_t, stamp=cython.int)
+    cython.declare(key=cython.uint, low_bits=cython.uint, share=cython.ulonglong)
+    cython.declare(places=cython.p_const_int, heads=cython.p_const_int, seen=cython.p_int)
+    if first == last:
+        return
+    low_bits, share, stamp = cython.cast(cython.uint, search.bits), search.share, search.stamp
+    # Pointers, as most entries of a long list are only looked at and left out.
+    places, heads = cython.address(sample.places[0]), cython.address(sample.groups[0])
+    seen = cython.address(search.seen[0])
+    for i in range(first, last):
+        place = places[heads[i]]
+        key = (cython.cast(cython.uint, place) ^ low_bits) * cython.cast(cython.uint, 2654435761)
+        if key < share and seen[place] != stamp:
+            seen[place] = stamp
+            compare_group(sample, picture, search, i, key)
+
+
+@cython.cfunc
+@cython.nogil
+@cython.exceptval(check=False)
+def compare_group(
+    sample: Sample, picture: Picture, search: Search, group: cython.Py_ssize_t, key: cython.uint
+) -> cython.void:
+    """Compare one entry of a list.
+
+    Of equal ones the one of the smallest key is best, which is a random one, but a coherent place
+    stays. A random member of its group stands for an entry.
+    """
+    cython.declare(first=cython.Py_ssize_t, member=cython.Py_ssize_t, distance=cython.longlong)
+    first = sample.groups[group]
+    distance = window_distance(sample, picture, search, sample.places[first])
+    if search.best >= 0 and (
+        distance > search.best or (distance == search.best and search.coherent)
+    ):
+        return
+    member = sample.places[first + portion(search.bits, sample.groups[group + 1] - first)]
+    if repeats(picture, search, member):
+        return
+    if search.best < 0 or distance < search.best or key < search.best_key:
+        search.best = distance
+        search.best_key = key
+        search.chosen = member
+        search.coherent = False
+
+
+@cython.cfunc
+@cython.nogil
+@cython.exceptval(check=False)
+def window_distance(
+    sample: Sample, picture: Picture, search: Search, place: cython.Py_ssize_t
+) -> cython.longlong:
+    """The L2 difference to the window at a place, and at the coarser level; past `best` any."""
+    cython.declare(distance=cython.longlong, y=cython.Py_ssize_t, x=cython.Py_ssize_t)
+    search.compared += 1
+    y, x = place // sample.pixels.shape[1], place % sample.pixels.shape[1]
+    distance = run_distance(
+        sample.pixels, y, x, search.runs, search.run_count, search.query, search.best
+    )
+    if picture.guided and (search.best < 0 or distance <= search.best):
+        distance += run_distance(
+            sample.coarse, y, x, search.coarse_runs, search.coarse_run_count,
+            search.coarse_query, -1,
+        )  # fmt: skip
+    return distance
+
+
+@cython.cfunc
+@cython.nogil
+@cython.exceptval(check=False)
+def repeats(picture: Picture, search: Search, place: cython.Py_ssize_t) -> cython.bint:
+    """Whether a place was last copied to another pixel nearer than `apart`."""
+    cython.declare(last=cython.Py_ssize_t, dy=cython.Py_ssize_t, dx=cython.Py_ssize_t)
+    last = search.last[place]
+    if last < 0:
+        return False
+    dy = last // picture.source.shape[1] - search.y
+    dx = last % picture.source.shape[1] - search.x
+    if dy == 0 and dx == 0:
+        return False
+    return -search.apart < dy < search.apart and -search.apart < dx < search.apart
 
 
 @cython.cfunc
 @cython.inline
 @cython.nogil
 @cython.exceptval(check=False)
-def repeats(
-    last: cython.Py_ssize_t,
-    y: cython.Py_ssize_t,
-    x: cython.Py_ssize_t,
-    width: cython.Py_ssize_t,
-    apart: cython.Py_ssize_t,
-) -> cython.bint:
-    """Whether a place was last copied to another pixel nearer than `apart`."""
-    dy: cython.Py_ssize_t
-    dx: cython.Py_ssize_t
-    if last < 0:
-        return False
-    dy = last // width - y
-    dx = last % width - x
-    if dy == 0 and dx == 0:
-        return False
-    return -apart < dy < apart and -apart < dx < apart
+def portion(bits: cython.ulonglong, count: cython.Py_ssize_t) -> cython.Py_ssize_t:
+    """A number below `count`, from the upper half of 64 random bits."""
+    return (bits >> 32) * cython.cast(cython.ulonglong, count) >> 32
 
 
-def match_pixels(
-    order: cython.const[cython.int][::1],
-    bits: cython.const[cython.ulonglong][::1],
-    causal: cython.bint,
-    wrap_y: cython.bint,
-    wrap_x: cython.bint,
-    reach: cython.Py_ssize_t,
-    apart: cython.Py_ssize_t,
-    block_copying: cython.bint,
-    most: cython.longlong,
-    levels: cython.uchar[:, :, ::1],
-    done: cython.uchar[:, ::1],
-    source: cython.int[:, ::1],
-    color: cython.int[:, ::1],
-    pixels: cython.const[cython.uchar][:, :, ::1],
-    usable: cython.const[cython.uchar][:, ::1],
-    period: cython.const[cython.int][::1],
-    centres: cython.const[cython.int][::1],
-    number: cython.const[cython.int][:, ::1],
-    offsets: cython.const[cython.int][:, ::1],
-    starts: cython.const[cython.int][:, ::1],
-    groups: cython.const[cython.int][::1],
-    places: cython.const[cython.int][::1],
-    radius: cython.const[cython.longlong][::1],
-    colors: cython.const[cython.uchar][:, ::1],
-    low: cython.const[cython.uchar][:, ::1],
-    high: cython.const[cython.uchar][:, ::1],
-    depth: cython.Py_ssize_t,
-    guide: cython.const[cython.uchar][:, :, ::1],
-    guide_pixels: cython.const[cython.uchar][:, :, ::1],
-    guide_known: cython.const[cython.uchar][:, ::1],
-    guide_reach: cython.Py_ssize_t,
-    suggested: cython.const[cython.int][:, ::1],
-    guide_runs: cython.int[:, ::1],
-    guide_query: cython.uchar[::1],
-    last: cython.int[:, ::1],
-    seen: cython.int[:, ::1],
-    stamp: cython.int,
-    runs: cython.int[:, ::1],
-    query: cython.uchar[::1],
-    kept: cython.int[:, ::1],
-    intervals: cython.int[:, ::1],
-):
-    """Choose a source for each pixel of `order`, in this order; return how many were tested.
-
-    Of longer lists a random share, about `most` windows in all, is compared.
-    Windows on the canvas are causal or as far as `done`. `guide` and `guide_pixels` are the next
-    coarser level of the canvas and of the sample at this one's size, `suggested` the places that
-    it leads to; empty without. Places that `starts`, `groups` and `places` list are those of
-    `Candidates`. The arrays from `last` on are kept from call to call.
-    """
-    height: cython.Py_ssize_t = levels.shape[0]
-    width: cython.Py_ssize_t = levels.shape[1]
-    columns: cython.Py_ssize_t = pixels.shape[1]
-    channels: cython.Py_ssize_t = pixels.shape[2]
-    guided: cython.bint = guide.shape[0] > 0
-    neighbor = cython.declare(cython.int[8])  # the colours of the direct neighbours, -1 for none
-    lists = cython.declare(cython.Py_ssize_t[8])  # where what was looked up for each is kept
-    p: cython.Py_ssize_t
-    i: cython.Py_ssize_t
-    j: cython.Py_ssize_t
-    d: cython.Py_ssize_t
-    y: cython.Py_ssize_t
-    x: cython.Py_ssize_t
-    ny: cython.Py_ssize_t
-    nx: cython.Py_ssize_t
-    n: cython.Py_ssize_t
-    m: cython.Py_ssize_t = 0
-    slot: cython.Py_ssize_t
-    place: cython.Py_ssize_t
-    member: cython.Py_ssize_t
-    chosen: cython.Py_ssize_t
-    limit: cython.Py_ssize_t
-    agreeing: cython.Py_ssize_t
-    listed: cython.longlong
-    share: cython.ulonglong  # of the lists that is compared, of 2**32
-    coherent: cython.bint
-    key: cython.uint
-    best_key: cython.uint
-    distance: cython.longlong
-    best: cython.longlong
-    tested: cython.longlong = 0
-    with cython.nogil:
-        for p in range(order.shape[0]):
-            y = order[p] // width
-            x = order[p] % width
-            stamp += 1
-            best = -1
-            best_key = 0
-            chosen = -1
-            coherent = False
-            n = -1  # the window is gathered when it is needed first
-            if block_copying:
-                agreeing = 0
-                for d in range(4):
-                    ny = y + offsets[d, 0]
-                    nx = x + offsets[d, 1]
-                    if ny < 0 or nx < 0 or ny >= height or nx >= width or source[ny, nx] < 0:
-                        continue
-                    if not done[ny, nx]:
-                        continue
-                    place = settle(
-                        usable,
-                        period,
-                        source[ny, nx] // columns - offsets[d, 0],
-                        source[ny, nx] % columns - offsets[d, 1],
-                    )
-                    if place < 0 or (agreeing > 0 and place != chosen):
-                        break
-                    chosen = place
-                    agreeing += 1
-                if agreeing < 4:
-                    chosen = -1
-            if chosen < 0:
-                if causal:
-                    n = causal_runs(y, x, height, width, wrap_x, reach, reach, reach, runs)
-                    turn_runs(runs, n)
-                else:
-                    n = known_runs(done, y, x, wrap_y, wrap_x, reach, reach, reach, reach, runs)
-                gather_runs(levels, y, x, runs, n, query)
-                if guided:
-                    m = known_runs(
-                        guide_known, y, x, wrap_y, wrap_x,
-                        guide_reach, guide_reach, guide_reach, guide_reach, guide_runs,
-                    )  # fmt: skip
-                    gather_runs(guide, y, x, guide_runs, m, guide_query)
-                limit = apart
-                while True:
-                    # What the neighbours' sources go on with; of equal ones the first.
-                    for d in range(offsets.shape[0] + guided):
-                        if d < offsets.shape[0]:
-                            neighbor[d] = -1
-                            ny = y + offsets[d, 0]
-                            nx = x + offsets[d, 1]
-                            if wrap_y:
-                                ny = (ny + height) % height
-                            if wrap_x:
-                                nx = (nx + width) % width
-                            if ny < 0 or nx < 0 or ny >= height or nx >= width or not done[ny, nx]:
-                                continue
-                            neighbor[d] = color[ny, nx]
-                            if source[ny, nx] < 0:
-                                continue
-                            place = settle(
-                                usable,
-                                period,
-                                source[ny, nx] // columns - offsets[d, 0],
-                                source[ny, nx] % columns - offsets[d, 1],
-                            )
-                        else:
-                            place = suggested[y, x]
-                        if place < 0 or seen[place // columns, place % columns] == stamp:
-                            continue
-                        seen[place // columns, place % columns] = stamp
-                        if repeats(last[place // columns, place % columns], y, x, width, limit):
-                            continue
-                        tested += 1
-                        distance = run_distance(
-                            pixels, place // columns, place % columns, runs, n, query, best
-                        )
-                        if guided and (best < 0 or distance < best):
-                            distance += run_distance(
-                                guide_pixels, place // columns, place % columns, guide_runs, m,
-                                guide_query, -1,
-                            )  # fmt: skip
-                        if best < 0 or distance < best:
-                            best = distance
-                            chosen = place
-                            coherent = True
-                    if coherent and best == 0:
-                        break
-                    listed = 0
-                    for d in range(offsets.shape[0]):
-                        lists[d] = -1
-                        if neighbor[d] < 0:
-                            continue
-                        slot = look_up(
-                            neighbor[d], radius, colors, low, high, depth, stamp, kept, intervals
-                        )
-                        lists[d] = slot
-                        for j in range(kept[slot, 1]):
-                            listed += starts[d, intervals[slot, 2 * j + 1]]
-                            listed -= starts[d, intervals[slot, 2 * j]]
-                    share = 0x100000000
-                    if listed > most:
-                        share = share * cython.cast(cython.ulonglong, most)
-                        share //= cython.cast(cython.ulonglong, listed)
-                    # The union of the lists of their colours, nothing twice (section 4.4).
-                    for d in range(offsets.shape[0]):
-                        slot = lists[d]
-                        if slot < 0:
-                            continue
-                        for j in range(kept[slot, 1]):
-                            for i in range(
-                                starts[d, intervals[slot, 2 * j]],
-                                starts[d, intervals[slot, 2 * j + 1]],
-                            ):
-                                place = places[groups[i]]
-                                key = cython.cast(cython.uint, place) ^ cython.cast(
-                                    cython.uint, bits[p]
-                                )
-                                key *= cython.cast(cython.uint, 2654435761)
-                                if key >= share:
-                                    continue
-                                if seen[place // columns, place % columns] == stamp:
-                                    continue
-                                seen[place // columns, place % columns] = stamp
-                                tested += 1
-                                distance = run_distance(
-                                    pixels, place // columns, place % columns, runs, n, query, best
-                                )
-                                if guided and (best < 0 or distance <= best):
-                                    distance += run_distance(
-                                        guide_pixels, place // columns, place % columns,
-                                        guide_runs, m, guide_query, -1,
-                                    )  # fmt: skip
-                                if best >= 0 and (
-                                    distance > best or (distance == best and coherent)
-                                ):
-                                    continue
-                                member = places[
-                                    groups[i]
-                                    + (
-                                        (bits[p] >> 32)
-                                        * cython.cast(cython.ulonglong, groups[i + 1] - groups[i])
-                                        >> 32
-                                    )
-                                ]
-                                if repeats(
-                                    last[member // columns, member % columns], y, x, width, limit
-                                ):
-                                    continue
-                                if best < 0 or distance < best or key < best_key:
-                                    best = distance
-                                    best_key = key
-                                    chosen = member
-                                    coherent = False
-                    if chosen >= 0 or limit == 0:
-                        break
-                    limit = 0  # everything repeats something nearby
-                    stamp += 1
-                if chosen < 0:  # no list has anything: any window
-                    chosen = centres[
-                        (bits[p] >> 32) * cython.cast(cython.ulonglong, centres.shape[0]) >> 32
-                    ]
-            source[y, x] = cython.cast(cython.int, chosen)
-            last[chosen // columns, chosen % columns] = order[p]
-            color[y, x] = number[chosen // columns, chosen % columns]
-            for i in range(channels):
-                levels[y, x, i] = pixels[chosen // columns, chosen % columns, i]
-            done[y, x] = 1
-    return tested
-
-
-def group_places(
-    pixels: cython.const[cython.uchar][:, :, ::1],
-    starts: cython.const[cython.int][::1],
-    places: cython.const[cython.int][::1],
-    sums: cython.const[cython.longlong][::1],
-    runs: cython.const[cython.int][:, ::1],
-    size: cython.longlong,
-    limit: cython.longlong,
-    query: cython.uchar[::1],
-    heads: cython.int[::1],
-    leader: cython.int[::1],
-):
-    """For each place of a list, the first of it whose window is alike and leads a group.
-
-    Alike is a squared difference of at most `limit`. Lists are sorted by the windows' sums, so a
-    leader whose sum is too far off, by the inequality of Cauchy and Schwarz, ends the search.
-    """
-    columns: cython.Py_ssize_t = pixels.shape[1]
-    c: cython.Py_ssize_t
-    i: cython.Py_ssize_t
-    j: cython.Py_ssize_t
-    k: cython.Py_ssize_t
-    count: cython.Py_ssize_t
-    gap: cython.longlong
-    with cython.nogil:
-        for c in range(starts.shape[0] - 1):
-            count = 0
-            for i in range(starts[c], starts[c + 1]):
-                leader[i] = cython.cast(cython.int, i)
-                if count > 0 and sums[i] - sums[heads[count - 1]] <= limit * size:
-                    gather_runs(
-                        pixels,
-                        places[i] // columns,
-                        places[i] % columns,
-                        runs,
-                        runs.shape[0],
-                        query,
-                    )
-                for k in range(count - 1, -1, -1):
-                    j = heads[k]
-                    gap = sums[i] - sums[j]
-                    if gap * gap > limit * size:
-                        break
-                    if limit >= run_distance(
-                        pixels, places[j] // columns, places[j] % columns, runs, runs.shape[0],
-                        query, limit,
-                    ):  # fmt: skip
-                        leader[i] = cython.cast(cython.int, j)
-                        break
-                if leader[i] == i:
-                    heads[count] = cython.cast(cython.int, i)
-                    count += 1
+@cython.cfunc
+@cython.nogil
+@cython.exceptval(check=False)
+def copy_pixel(sample: Sample, picture: Picture, search: Search) -> cython.void:
+    """Copy the center of the chosen window."""
+    cython.declare(k=cython.Py_ssize_t, y=cython.Py_ssize_t, x=cython.Py_ssize_t)
+    y, x = search.chosen // sample.pixels.shape[1], search.chosen % sample.pixels.shape[1]
+    picture.source[search.y, search.x] = cython.cast(cython.int, search.chosen)
+    picture.color[search.y, search.x] = sample.number[y, x]
+    picture.done[search.y, search.x] = 1
+    search.last[search.chosen] = cython.cast(
+        cython.int, search.y * picture.source.shape[1] + search.x
+    )
+    for k in range(sample.pixels.shape[2]):
+        picture.pixels[search.y, search.x, k] = sample.pixels[y, x, k]

@@ -1,0 +1,23 @@
+from weftex.search.color_kernels cimport ColorTree
+
+# The sample, and the lists of section 4.1; `ColorLists` says what the arrays hold.
+cdef class Sample:
+    cdef const unsigned char[:, :, ::1] pixels
+    cdef const unsigned char[:, ::1] usable
+    cdef const int[::1] period
+    cdef const int[::1] centers
+    cdef const unsigned char[:, :, ::1] coarse
+    cdef ColorTree tree
+    cdef const int[:, ::1] number
+    cdef const long long[::1] radius
+    cdef const int[:, ::1] offsets
+    cdef const int[:, ::1] starts
+    cdef const int[::1] groups
+    cdef const int[::1] places
+
+# The colors looked up last: for each slot color, number of intervals, last stamp; the intervals.
+cdef class Recent:
+    cdef int[:, ::1] kept
+    cdef int[:, ::1] intervals
+
+cdef Py_ssize_t near_lists(Sample sample, Recent recent, int color, int stamp) noexcept nogil

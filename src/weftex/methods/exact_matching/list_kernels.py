@@ -1,0 +1,123 @@
+# mypy: ignore-errors
+"""The kernels of texture analysis (sections 4.1 and 4.4); compiled by Cython, see setup.py.
+
+Shared types are declared in list_kernels.pxd.
+"""
+
+import cython
+from cython.cimports.weftex.search.color_kernels import near_colors
+from cython.cimports.weftex.search.window_kernels import gather_runs, run_distance
+
+
+class Sample:
+    """The sample and its lists for the kernels."""
+
+    def __init__(self, windows, coarse, index, radius, offsets, starts, groups, places):
+        self.pixels, self.usable, self.period = windows.pixels, windows.usable, windows.period
+        self.centers, self.coarse = windows.centres, coarse
+        self.tree, self.number, self.radius = index.tree(), index.number, radius
+        self.offsets, self.starts, self.groups, self.places = offsets, starts, groups, places
+
+
+class Recent:
+    """The lists looked up last; there is room for at least as many as a pixel has neighbors."""
+
+    def __init__(self, kept, intervals):
+        self.kept, self.intervals = kept, intervals
+
+
+def near_lists(sample, recent, color, stamp):
+    """Find the colors near to one; return the slot of `intervals` that they stand in.
+
+    A scan meets two of the four neighbors of a pixel again at the next one, so the results looked
+    up last are kept (section 4.4, figure 5). The one that was used longest ago makes room.
+    """
+    cython.declare(slot=cython.Py_ssize_t, oldest=cython.Py_ssize_t)
+    oldest = 0
+    for slot in range(recent.kept.shape[0]):
+        if recent.kept[slot, 0] == color:
+            recent.kept[slot, 2] = stamp
+            return slot
+        if recent.kept[slot, 2] < recent.kept[oldest, 2]:
+            oldest = slot
+    recent.kept[oldest, 0] = color
+    recent.kept[oldest, 2] = stamp
+    if sample.radius[color] == 0:
+        recent.intervals[oldest, 0] = color
+        recent.intervals[oldest, 1] = color + 1
+        recent.kept[oldest, 1] = 1
+    else:
+        recent.kept[oldest, 1] = cython.cast(
+            cython.int,
+            near_colors(sample.tree, color, sample.radius[color], recent.intervals, oldest),
+        )
+    return oldest
+
+
+@cython.cclass
+class Entries:
+    """The places of all lists, sorted by the sums of their windows' bytes within each."""
+
+    pixels: cython.const[cython.uchar][:, :, ::1]
+    runs: cython.const[cython.int][:, ::1]
+    size: cython.longlong  # bytes of a window
+    places: cython.const[cython.int][::1]
+    sums: cython.const[cython.longlong][::1]
+    query: cython.uchar[::1]  # room for a window
+    heads: cython.int[::1]  # room for a list
+
+    def __init__(self, pixels, runs, places, sums, query, heads):
+        self.pixels, self.runs, self.places, self.sums = pixels, runs, places, sums
+        self.query, self.heads, self.size = query, heads, len(query)
+
+
+def group_places(
+    entries: Entries,
+    starts: cython.const[cython.int][::1],
+    limit: cython.longlong,
+    leader: cython.int[::1],
+):
+    """Find for each place of each list the first one whose window is alike and leads a group.
+
+    Alike is a squared difference of at most `limit`. Lists are sorted by the windows' sums, so a
+    leader whose sum is too far off, by the inequality of Cauchy and Schwarz, ends the search.
+    """
+    cython.declare(c=cython.Py_ssize_t, i=cython.Py_ssize_t, count=cython.Py_ssize_t)
+    with cython.nogil:
+        for c in range(starts.shape[0] - 1):
+            count = 0
+            for i in range(starts[c], starts[c + 1]):
+                leader[i] = cython.cast(cython.int, leader_of(entries, i, count, limit))
+                if leader[i] == i:
+                    entries.heads[count] = cython.cast(cython.int, i)
+                    count += 1
+
+
+@cython.cfunc
+@cython.nogil
+@cython.exceptval(check=False)
+def leader_of(
+    entries: Entries, i: cython.Py_ssize_t, count: cython.Py_ssize_t, limit: cython.longlong
+) -> cython.Py_ssize_t:
+    """The last of `count` leaders that entry i is alike to, or i itself."""
+    cython.declare(j=cython.Py_ssize_t, k=cython.Py_ssize_t, n=cython.Py_ssize_t)
+    cython.declare(columns=cython.Py_ssize_t, gap=cython.longlong)
+    columns, n = entries.pixels.shape[1], entries.runs.shape[0]
+    if count == 0:
+        return i
+    if entries.sums[i] - entries.sums[entries.heads[count - 1]] <= limit * entries.size:
+        gather_runs(
+            entries.pixels, entries.places[i] // columns, entries.places[i] % columns,
+            entries.runs, n, entries.query,
+        )  # fmt: skip
+    for k in range(count - 1, -1, -1):
+        j = entries.heads[k]
+        gap = entries.sums[i] - entries.sums[j]
+        if gap * gap > limit * entries.size:
+            return i
+        if limit >= run_distance(
+            entries.pixels, entries.places[j] // columns, entries.places[j] % columns,
+            entries.runs, n, entries.query, limit,
+        ):  # fmt: skip
+            return j
+    return i

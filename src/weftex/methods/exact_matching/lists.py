@@ -1,0 +1,217 @@
+"""Texture analysis (section 4.1): from a color to the windows that have it beside their center."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from weftex.methods.exact_matching import list_kernels as kernels
+from weftex.search.color_index import ColorIndex
+from weftex.search.windows import windows_of
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    from weftex.exemplar import Exemplar
+    from weftex.methods.exact_matching.settings import Settings
+    from weftex.search.windows import Windows
+
+#: The direct neighbors of figure 2, and the next pixel, which is there where a row wraps around.
+CAUSAL_NEIGHBORS = [(0, -1), (-1, -1), (-1, 0), (-1, 1), (0, 1)]
+#: All eight direct neighbors, for pixels that are made between known ones.
+ALL_NEIGHBORS = [*CAUSAL_NEIGHBORS, (1, 1), (1, 0), (1, -1)]
+
+#: How far windows between known pixels reach at most: a layer is decided by what is near to it.
+_REACH_TO_ALL_SIDES = 7
+#: How far the window over the next coarser level reaches, in pixels of the finer one.
+_REACH_OVER_COARSER = 4
+_KEPT_LISTS = 8  # of colors looked up last: at least as many as there are direct neighbors
+
+
+@dataclass(frozen=True, eq=False)
+class ColorLists:
+    """Lists of windows by color: the slices of the search space (section 3, figure 3).
+
+    Attributes
+    ----------
+    causal : bool
+        Windows are L-shaped, as in figure 2; otherwise they look to all sides, not as far.
+    reach : int
+        How far a window reaches from its center, in pixels.
+    coarse_reach : int
+        How far it reaches over the next coarser level; 0 without one.
+    windows : Windows
+        The whole windows. A neighbor's source may go on up to the last of them.
+    index : ColorIndex
+        The kd-tree of figure 4.
+    radius : int64 array (C,)
+        For each color, the squared distance up to which another counts as it (section 5).
+    offsets : int32 array (d, 2)
+        The direct neighbors: dy and dx.
+    starts : int32 array (d, C + 1)
+        The groups of color c beside the center at offset d are starts[d, c] to starts[d, c + 1].
+    groups : int32 array (n + 1,)
+        The places of group g are places[groups[g] : groups[g + 1]]; the first stands for all.
+    places : int32 array
+        Flat indices into the pixels of the windows.
+    coarse : uint8 array (H, W, K)
+        The next coarser level for each pixel of the windows; (0, 0, K) without one.
+    """
+
+    causal: bool
+    reach: int
+    coarse_reach: int
+    windows: Windows
+    index: ColorIndex
+    radius: NDArray[np.int64]
+    offsets: NDArray[np.int32]
+    starts: NDArray[np.int32]
+    groups: NDArray[np.int32]
+    places: NDArray[np.int32]
+    coarse: NDArray[np.uint8]
+
+    def recent(self) -> kernels.Recent:
+        """Return room for the lists looked up last (section 4.4)."""
+        kept = np.full((_KEPT_LISTS, 3), -1, np.int32)
+        return kernels.Recent(kept, np.empty((_KEPT_LISTS, len(self.index.colors) + 2), np.int32))
+
+    def for_kernels(self) -> kernels.Sample:
+        """Return the bundle that the kernels take."""
+        return kernels.Sample(
+            self.windows, self.coarse, self.index, self.radius, self.offsets,
+            self.starts, self.groups, self.places,
+        )  # fmt: skip
+
+
+def color_lists(
+    settings: Settings, sample: Exemplar, *, causal: bool, coarser: Exemplar | None = None
+) -> ColorLists:
+    """List the windows of a sample by the colors of the direct neighbors.
+
+    Parameters
+    ----------
+    settings : Settings
+        Width of the window, tolerance and grouping.
+    sample : Exemplar
+        The sample, or a coarser version of it.
+    causal : bool
+        L-shaped windows, or such that look to all sides.
+    coarser : Exemplar, optional
+        The next coarser level; its windows are compared too.
+    """
+    # The coarser levels of a pyramid have room for smaller windows only.
+    reach = (min(settings.window_width, *sample.shape) - 1) // 2
+    if not causal:
+        reach = min(reach, _REACH_TO_ALL_SIDES)
+    coarse_reach = min(reach, _REACH_OVER_COARSER) if coarser is not None else 0
+    windows = windows_of(sample, (reach, coarse_reach if causal else reach, reach, reach))
+    index = ColorIndex(
+        windows.pixels, _with_room_below(windows, reach) if causal else windows.usable
+    )
+    offsets = np.array(CAUSAL_NEIGHBORS if causal else ALL_NEIGHBORS, np.int32)
+    starts, places = index.centers_beside(offsets)
+    runs = _whole_window(reach, causal)
+    if len(runs):
+        starts, groups, places = _grouped(windows, runs, starts, places, settings.grouping)
+    else:
+        groups = np.arange(len(places) + 1, dtype=np.int32)
+    return ColorLists(
+        causal=causal,
+        reach=reach,
+        coarse_reach=coarse_reach,
+        windows=windows,
+        index=index,
+        radius=_radius(settings, index),
+        offsets=offsets,
+        starts=starts,
+        groups=groups,
+        places=places,
+        coarse=_expanded(coarser, sample, windows),
+    )
+
+
+def _with_room_below(windows: Windows, reach: int) -> NDArray[np.uint8]:
+    """Centers that can be gone on with downwards for half a window.
+
+    A jump to the last rows of a sample ends there at once, and the next jump lands in the same
+    rows: they would be repeated over and over.
+    """
+    usable = windows.usable
+    if windows.period[2] or not reach:
+        return usable
+    room = np.zeros_like(usable)
+    room[:-reach] = usable[:-reach] & usable[reach:]
+    return room if room.any() else usable
+
+
+def _radius(settings: Settings, index: ColorIndex) -> NDArray[np.int64]:
+    """The squared distance up to which colors count as each color (section 5)."""
+    if settings.nearest_colors:
+        return index.reach(settings.nearest_colors)
+    limit = int(settings.tolerance * settings.tolerance * index.span)
+    return np.full(len(index.colors), limit, np.int64)
+
+
+def _expanded(coarser: Exemplar | None, sample: Exemplar, windows: Windows) -> NDArray[np.uint8]:
+    """The coarser level's pixels for those of the windows."""
+    if coarser is None:
+        return np.empty((0, 0, windows.pixels.shape[2]), np.uint8)
+    top, left = windows.period[:2]
+    y, x = (np.arange(n) for n in windows.usable.shape)
+    y, x = (y - top) % sample.shape[0] // 2, (x - left) % sample.shape[1] // 2
+    return np.ascontiguousarray(coarser.pixels[np.ix_(y, x)])
+
+
+def _whole_window(reach: int, causal: bool) -> NDArray[np.int32]:
+    """The runs of a whole window: rows (dy, dx, length)."""
+    rows = [(dy, -reach, 2 * reach + 1) for dy in range(-reach, 0)]
+    rows += [(0, -reach, reach)]
+    if not causal:
+        rows += [(0, 1, reach)] + [(dy, -reach, 2 * reach + 1) for dy in range(1, reach + 1)]
+    return np.array([row for row in rows if row[2]], np.int32).reshape(-1, 3)
+
+
+def _grouped(
+    windows: Windows,
+    runs: NDArray[np.int32],
+    starts: NDArray[np.int32],
+    places: NDArray[np.int32],
+    grouping: float,
+) -> tuple[NDArray[np.int32], NDArray[np.int32], NDArray[np.int32]]:
+    """Group places of a list whose windows are alike into one entry (section 4.4).
+
+    Returns `starts`, `groups` and `places` of `ColorLists`.
+    """
+    size = int(runs[:, 2].sum()) * windows.pixels.shape[2]
+    sums = _window_sums(windows, runs)[places]
+    for row in starts:
+        lists = np.repeat(np.arange(len(row) - 1), np.diff(row))
+        part = slice(row[0], row[-1])
+        order = np.lexsort((sums[part], lists))
+        places[part], sums[part] = places[part][order], sums[part][order]
+    limit = int(grouping * grouping * 255 * 255 * size)
+    leader = np.empty(len(places), np.int32)
+    room = np.empty(size, np.uint8), np.empty(len(places), np.int32)
+    entries = kernels.Entries(windows.pixels, runs, places, sums, *room)
+    for row in starts:
+        kernels.group_places(entries, row, limit, leader)
+    order = np.argsort(leader, kind="stable")
+    new = np.flatnonzero(np.diff(leader[order], prepend=-1))
+    groups = np.append(new, len(places)).astype(np.int32)
+    # A list's groups lie where its places were, so that its first group is the first leader
+    # that is not before it.
+    return np.searchsorted(leader[order][new], starts).astype(np.int32), groups, places[order]
+
+
+def _window_sums(windows: Windows, runs: NDArray[np.int32]) -> NDArray[np.int64]:
+    """The sum of the bytes of each whole window."""
+    pixels, centers = windows.pixels, windows.centres
+    along = np.zeros((pixels.shape[0], pixels.shape[1] + 1), np.int64)
+    along[:, 1:] = pixels.sum(axis=2, dtype=np.int64).cumsum(axis=1)
+    y, x = np.divmod(centers, pixels.shape[1])
+    total = np.zeros(windows.usable.size, np.int64)
+    for dy, dx, length in runs.tolist():
+        total[centers] += along[y + dy, x + dx + length] - along[y + dy, x + dx]
+    return total
