@@ -151,6 +151,31 @@ def test_what_it_starts_from():
         weftex.Refinement(init="quilting").fit(weftex.Exemplar(noise((2, 40))))
 
 
+def test_it_starts_from_methods_that_are_added_later(monkeypatch):
+    with pytest.raises(weftex.InvalidInputError, match="init is 'mine'; known: ashik.*wei-levoy"):
+        weftex.Refinement(init="mine")
+    monkeypatch.setitem(weftex.METHODS._homes, "mine", "weftex.methods.quilting:Quilting")
+    weftex.Refinement(init="mine", joints=5)
+    with pytest.raises(weftex.InvalidInputError, match="init is 'mina'; did you mean 'mine'"):
+        weftex.Refinement(init="mina")
+    with pytest.raises(weftex.InvalidInputError, match="init is 'refinement'"):
+        weftex.Refinement(init="refinement")
+
+
+def test_settings_are_settled_and_said():
+    """Also where a guide makes it plant seeds."""
+    exemplar = weftex.Exemplar(noise((60, 60)))
+    for method in (weftex.Refinement(), weftex.Refinement(search="pca", window_width=5)):
+        model = method.fit(exemplar)
+        assert None not in dataclasses.astuple(model.prepared.settings)
+        about = model.sample(20, seed=1).provenance
+        assert about["init"] == model.method.init and about["levels"] == len(model.prepared.levels)
+        assert about["window_width"] == model.method.window_width > 0
+    guide = noise((20, 20))
+    about = weftex.Refinement().fit(exemplar).sample(Canvas(20, 20, guide=guide), seed=1).provenance
+    assert about["init"] == "seeds"
+
+
 @pytest.mark.parametrize("parameters", [{"seed_density": 2.0}, {"matches": 3}, {"variance": 0.5}])
 def test_what_has_no_effect_is_refused(parameters):
     with pytest.raises(weftex.InvalidInputError, match="has no effect unless"):

@@ -9,5 +9,5 @@ cdef class Components:
     cdef long long[::1] totals
     cdef short[::1] coordinates
 
-cdef void run_coordinates(Components to, const int[:, ::1] runs, Py_ssize_t count,
+cdef void run_coordinates(Components components, const int[:, ::1] runs, Py_ssize_t count,
                           const unsigned char[::1] query) noexcept nogil

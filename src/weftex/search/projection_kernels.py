@@ -19,7 +19,7 @@ class Components:
         self.coordinates = np.zeros(found.basis.shape[1], np.int16)
 
 
-def run_coordinates(to, runs, count, query):
+def run_coordinates(components, runs, count, query):
     """Coordinates of a window of which the runs are known, rounded as `WindowComponents` does.
 
     The rest is taken to differ from the mean color, along each component, as what is known.
@@ -28,38 +28,46 @@ def run_coordinates(to, runs, count, query):
     cython.declare(value=cython.longlong, rise=cython.longlong)
     cython.declare(r=cython.Py_ssize_t, d=cython.Py_ssize_t, i=cython.Py_ssize_t)
     cython.declare(k=cython.Py_ssize_t, length=cython.Py_ssize_t)
-    channels: cython.Py_ssize_t = to.mean.shape[0]
-    reach: cython.Py_ssize_t = (to.basis.shape[0] - 1) // 2
-    whole: cython.Py_ssize_t = to.basis.shape[0] * to.basis.shape[0] * channels - channels
+    channels: cython.Py_ssize_t = components.mean.shape[0]
+    reach: cython.Py_ssize_t = (components.basis.shape[0] - 1) // 2
+    whole: cython.Py_ssize_t = (
+        components.basis.shape[0] * components.basis.shape[0] * channels - channels
+    )
     at: cython.Py_ssize_t = 0
-    for d in range(to.totals.shape[0]):
-        to.totals[d] = 0
+    for d in range(components.totals.shape[0]):
+        components.totals[d] = 0
     for r in range(count):
         length = runs[r, 2] * channels
         k = 0
         for i in range(length):
-            to.difference[i] = cython.cast(
-                cython.short, cython.cast(cython.short, query[at + i]) - to.mean[k]
+            components.difference[i] = cython.cast(
+                cython.short, cython.cast(cython.short, query[at + i]) - components.mean[k]
             )
             k = k + 1 if k + 1 < channels else 0
-        for d in range(to.totals.shape[0]):
-            row = cython.address(to.basis[runs[r, 0] + reach, d, (runs[r, 1] + reach) * channels])
+        for d in range(components.totals.shape[0]):
+            row = cython.address(
+                components.basis[runs[r, 0] + reach, d, (runs[r, 1] + reach) * channels]
+            )
             total = 0
             for i in range(length):  # components are 2000 long, so no sum passes 2**31
-                total += cython.cast(cython.int, row[i]) * to.difference[i]
-            to.totals[d] += total
+                total += cython.cast(cython.int, row[i]) * components.difference[i]
+            components.totals[d] += total
         at += length
     rise = whole * 256 // at if at else 0
-    for d in range(to.totals.shape[0]):
-        value = ((to.totals[d] * rise + 128) >> 8) + to.mean_product[d] - to.offset[d]
-        value = (value + ((1 << to.shift) >> 1)) >> to.shift
-        to.coordinates[d] = cython.cast(
+    for d in range(components.totals.shape[0]):
+        value = (
+            ((components.totals[d] * rise + 128) >> 8)
+            + components.mean_product[d]
+            - components.offset[d]
+        )
+        value = (value + ((1 << components.shift) >> 1)) >> components.shift
+        components.coordinates[d] = cython.cast(
             cython.short, -4095 if value < -4095 else 4095 if value > 4095 else value
         )
 
 
 def coordinates_of_runs(found, runs, query):
     """`run_coordinates`, of a `WindowComponents`; int16 array (D,)."""
-    to: Components = Components(found)
-    run_coordinates(to, runs, len(runs), query)
-    return np.asarray(to.coordinates)
+    components: Components = Components(found)
+    run_coordinates(components, runs, len(runs), query)
+    return np.asarray(components.coordinates)

@@ -68,9 +68,9 @@ def window_components(windows: Windows, reach: int, variance: float) -> WindowCo
         Share of the variance to keep, with at most 48 components.
     """
     width, channels = 2 * reach + 1, windows.pixels.shape[2]
-    centres = windows.centres
-    chosen = centres[
-        np.linspace(0, len(centres) - 1, min(len(centres), _LEARNED_WINDOWS)).astype(np.int64)
+    centers = windows.centres
+    chosen = centers[
+        np.linspace(0, len(centers) - 1, min(len(centers), _LEARNED_WINDOWS)).astype(np.int64)
     ]
     y, x = np.divmod(chosen, windows.pixels.shape[1])
     around = np.arange(-reach, reach + 1)
@@ -82,9 +82,9 @@ def window_components(windows: Windows, reach: int, variance: float) -> WindowCo
     basis = (
         np.rint(vectors * _COMPONENT_LENGTH).astype(np.int16).reshape(-1, width, width, channels)
     )
-    corners = centres - reach * windows.pixels.shape[1] - reach
+    corners = centers - reach * windows.pixels.shape[1] - reach
     raw = _correlations(windows.pixels, basis, corners)
-    mean = windows.pixels.reshape(-1, channels)[centres].mean(axis=0, dtype=np.float64)
+    mean = windows.pixels.reshape(-1, channels)[centers].mean(axis=0, dtype=np.float64)
     mean_bytes = np.rint(mean).astype(np.uint8)
     return WindowComponents(
         mean_bytes,

@@ -53,7 +53,7 @@ class Refinement(WindowedMethod):
 
     window_width: int | None = parameter(
         None,
-        "side of the square window, odd; what is wider than 7 pixels is seen in a pyramid",
+        "side of the square window, odd; one wider than 7 pixels is seen in a pyramid",
         low=1,
         unit="px",
         default_text="twice the sample's dominant scale, 29 or more unless search is 'pca'",
@@ -142,7 +142,7 @@ class Refinement(WindowedMethod):
         return replace(belted, init="seeds") if self.init == "auto" else belted
 
     def fit(self, exemplar: Exemplar) -> PixelModel:
-        """Analyse a sample: its dominant scale, and how to find the windows like one."""
+        """Analyze a sample: its dominant scale, and how to find windows like one."""
         settled = self.settle(exemplar)  # step 1: WindowSize
         settings = settings_of(settled, exemplar, seeds_for_guides=self.init == "auto")
         prepared = prepare(exemplar, settings)  # step 2: SearchTree
@@ -165,8 +165,8 @@ class Refinement(WindowedMethod):
 def texture_synthesis(prepared: Prepared, growth: Growth) -> None:
     """Make an output: steps 3 to 10 of TextureSynthesis (section 3), from coarse to fine.
 
-    The paper refines seed points at one resolution. Beside that its result of another method may
-    be refined, and windows are wide because there are coarse levels.
+    The paper refines seed points, at one resolution. Here the result of another method may be
+    refined too, and all but the paper's own search ("pca") go through coarse levels first.
     """
     settings, levels, windows = prepared.settings, prepared.levels, prepared.windows
     start = prepared.start_for(growth.canvas.guide is not None)
@@ -202,5 +202,5 @@ def texture_synthesis(prepared: Prepared, growth: Growth) -> None:
                 progress.advance(left * output.count)
                 break
     finish(outputs[0], levels[0], windows, growth)  # step 10
-    growth.about["levels"] = len(levels)
+    growth.about |= {"init": "seeds" if start is None else settings.init, "levels": len(levels)}
     growth.about["convergence"] = convergence.curve  # section 5, Fig. 7

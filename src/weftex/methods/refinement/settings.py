@@ -5,7 +5,7 @@ from __future__ import annotations
 import dataclasses
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, overload
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -26,7 +26,7 @@ _SMALLEST_LEVEL = 24  # pixels; a coarser sample has too few windows left
 
 
 class Starts(Sequence[str]):
-    """The names of what refinement may start from: its own, then the other methods' slugs.
+    """The values of `init`: its own names, then the slugs of all other methods.
 
     The registry is asked each time, so that methods of other packages count whenever they are
     registered.
@@ -45,19 +45,15 @@ class Starts(Sequence[str]):
         yield from (slug for slug in METHODS if slug != "refinement")
 
     def __len__(self) -> int:
-        return len(list(iter(self)))
+        return sum(1 for _ in self)
 
-    @overload
-    def __getitem__(self, index: int) -> str: ...
-    @overload
-    def __getitem__(self, index: slice) -> Sequence[str]: ...
-    def __getitem__(self, index: int | slice) -> str | Sequence[str]:
-        return list(iter(self))[index]
+    def __getitem__(self, index: Any) -> Any:
+        return tuple(iter(self))[index]
 
 
 @dataclass(frozen=True)
 class Settings:
-    """What refinement does with one sample.
+    """The settings of refinement for one sample.
 
     Attributes
     ----------
