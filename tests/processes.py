@@ -30,5 +30,5 @@ def run(code, *args, **options):
 
 def weftex_process(*words, **options):
     """Start a command of weftex."""
-    command = [sys.executable, "-m", "weftex.cli", *map(str, words)]
+    command = [sys.executable, "-m", "weftex", *map(str, words)]
     return subprocess.Popen(command, stderr=subprocess.PIPE, text=True, env=ENVIRONMENT, **options)

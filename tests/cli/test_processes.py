@@ -82,7 +82,7 @@ def test_a_bar_on_a_terminal(here):
     write_image("large.png", noise((400, 400, 3)))
     words = ["--method", "patch-sampling", "--search", "exhaustive", "--size", "600"]
     words += ["--patch-size", "64"]
-    command = [sys.executable, "-m", "weftex.cli", "synth", "large.png", "-o", "x.png", *words]
+    command = [sys.executable, "-m", "weftex", "synth", "large.png", "-o", "x.png", *words]
     ours, theirs = pty.openpty()
     fcntl.ioctl(theirs, termios.TIOCSWINSZ, struct.pack("HHHH", 24, 80, 0, 0))
     run = subprocess.Popen(command, stderr=theirs, env=ENVIRONMENT)
