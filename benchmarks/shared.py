@@ -21,6 +21,7 @@ import weftex
 HERE = Path(__file__).resolve().parent
 sys.path.append(str(HERE.parent / "examples"))
 import _papers as papers  # noqa: E402
+import paper_patch_sampling as paper  # noqa: E402, F401
 
 PATCH_METHODS = ("patch-sampling", "quilting")
 Work = Callable[[], Any]
