@@ -15,9 +15,9 @@ from PIL import Image
 from shared import HERE, put, rows_of
 
 import weftex
+from weftex.pages.html import as_shown
 from weftex.quality.figures import FIGURES
 from weftex.tasks.method_names import AUTO, method_class
-from weftex.tasks.report import as_shown
 
 ROOT = HERE.parent
 JUDGED = HERE / "judged.csv"

@@ -6,7 +6,7 @@ from PIL import Image
 
 import weftex
 from weftex.cli import main
-from weftex.tasks.fuse import stack
+from weftex.tasks.fuse import combined
 
 SIZE = (70, 80)
 
@@ -113,7 +113,7 @@ def test_maps_and_saved_results(tmp_path):
     assert np.array_equal(result.maps["level"], result.image[..., 0])
     result.save(tmp_path / "f.npz")
     again = weftex.Synthesis.load(
-        tmp_path / "f.npz", stack([weftex.Exemplar(A), weftex.Exemplar(B)])
+        tmp_path / "f.npz", combined([weftex.Exemplar(A), weftex.Exemplar(B)])
     )
     assert np.array_equal(again.image, result.image)
 
@@ -147,7 +147,7 @@ def test_what_does_not_fit_is_refused():
     refused("shape", [A, B], np.zeros((3, 3, 3, 3), np.uint8))
     for method in ("quilting", "patch-sampling", "near-regular"):
         refused(
-            "cannot fuse.*these do: .*refinement", [A, B], HALVES, method=method,
+            "several samples in one picture; these do: .*refinement", [A, B], HALVES, method=method,
             error=weftex.UnsupportedError,
         )  # fmt: skip
     refused("no parameter 'nothing'", [A, B], HALVES, nothing=3)
