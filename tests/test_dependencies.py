@@ -32,7 +32,7 @@ LEVELS = [
     ["exemplar"],
     ["io"],
     ["raster"],
-    ["registry", "threads", "progress", "random"],
+    ["registry", "choice", "threads", "progress", "random"],
     ["errors"],
     ["dispatch"],
 ]

@@ -90,6 +90,16 @@ def test_every_method_has_its_options(here, capsys, method):
         assert "--" + field.name.replace("_", "-") in out
 
 
+@every("method", "way")
+def test_every_way_is_told_in_a_line(here, capsys, method, way):
+    words = ["--method", method, "--size", 24, "--seed", 1]
+    for name, value in (TRIALS[method].small | TRIALS[method].ways[way]).items():
+        text = ",".join(map(str, value)) if isinstance(value, tuple) else value
+        words += ["--" + name.replace("_", "-"), text]
+    assert weft_run("synth", "other.png", "-o", "a.png", *words) == 0
+    assert capsys.readouterr().err.startswith(f"weftex: made 24x24 a.png with {method}, ")
+
+
 @pytest.mark.parametrize("dtype", [np.uint8, np.uint16])
 @pytest.mark.parametrize("channels", [(), (2,), (3,), (4,)])
 def test_kind_alpha_and_profile_are_kept(here, dtype, channels):
