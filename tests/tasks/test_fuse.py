@@ -6,6 +6,7 @@ from PIL import Image
 
 import weftex
 from weftex.cli import main
+from weftex.io.pictures import read_image
 from weftex.tasks.fuse import combined
 
 SIZE = (70, 80)
@@ -171,22 +172,22 @@ def test_the_command(tmp_path, capsys):
     command = ["fuse", path["a.png"], path["b.png"], "-o", out, *common]
     assert main([*command, "--map", path["map.png"], "--save-source", source]) == 0
     expected = weftex.fuse([A, B], HALVES, seed=1, **FAST)
-    assert np.array_equal(np.asarray(Image.open(out)), expected.image)
+    assert np.array_equal(read_image(out).pixels, expected.image)
     assert "fused 2 samples in" in capsys.readouterr().err
     heights = [path["a_height.png"], path["b_height.png"]]
     assert main(["replay", source, *heights, "-o", str(tmp_path / "h.png")]) == 0
-    assert np.array_equal(np.asarray(Image.open(tmp_path / "h.png")), expected.image[..., 0])
+    assert np.array_equal(read_image(tmp_path / "h.png").pixels, expected.image[..., 0])
     colors = ["--colors", "#0000ff,#ff0000"]
     assert main([*command, "--map", path["map.png"], *colors]) == 0
-    assert (np.asarray(Image.open(out))[:, 50:] < 60).all()
+    assert (read_image(out).pixels[:, 50:] < 60).all()
     mixed = np.array([(255, 0, 0), (0, 0, 255), (0, 255, 0)], np.uint8)[THREE]
     Image.fromarray(mixed).save(tmp_path / "mixed.png")
     green = [*colors, "--mixed", "#00ff00=1+2"]
     assert main([*command, "--map", str(tmp_path / "mixed.png"), *green]) == 0
-    both = np.asarray(Image.open(out))[50:] > 60
+    both = read_image(out).pixels[50:] > 60
     assert both.any() and not both.all()
     assert main([*command, "--map", "gradient", "--size", "60x80"]) == 0
-    assert np.asarray(Image.open(out)).shape == (80, 60, 3)
+    assert read_image(out).pixels.shape == (80, 60, 3)
     capsys.readouterr()
     for wrong in (
         ["--colors", "red,blue"],
