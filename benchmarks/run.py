@@ -25,7 +25,7 @@ import near_regular
 import patch
 import pixel
 import process
-from shared import Table, in_child, machine, paper, put
+from shared import Table, in_child, machine, papers, put
 
 TABLES: dict[str, Callable[[], Table]] = {
     table.__name__: table
@@ -57,7 +57,7 @@ def main() -> None:
     found: dict[str, Any] = {"machine": about}
     for name in names:
         table = TABLES[name]()
-        text = paper.as_markdown(table)
+        text = papers.as_markdown(table)
         print(f"## {name}\n\n{text}", flush=True)
         found[name] = {"notes": table[0].strip(), "head": table[1], "rows": table[2]}
         if args.update:

@@ -96,19 +96,24 @@ def report(args: argparse.Namespace, result: Synthesis, what: str, start: float)
     why = f"auto: {used['reason']}\n" if "reason" in used else ""
     why += "".join(f"note: {warning}\n" for warning in used.get("warnings", ()))
     why += f"best of: {used['best_of']['told']}\n" if "best_of" in used else ""
-    if "window_width" in used:
-        looked = f"window width {used['window_width'] or 'by sample'}"
-    elif "lattice" in used:
-        looked = "lattice " + ",".join(f"{part:g}" for part in used["lattice"])
-        looked += f", strained by {100 * used['strain']:.2g} %" if used.get("strain") else ""
-    else:
-        looked = f"patch size {used['patch_size'] or max(result.arrays()['weights'].shape[1:])}"
     hole = result.canvas.hole
     area = result.shape[0] * result.shape[1] if hole is None else int(hole.sum())
     return why + (
-        f"{what} {args.output} with {used['method']}, {looked}, seed {used['seed']}, "
+        f"{what} {args.output} with {used['method']}{_looked_at(result)}, seed {used['seed']}, "
         f"in {took:.2f} s ({area / took / 1e6:.3g} megapixels/s)"
     )
+
+
+def _looked_at(result: Synthesis) -> str:
+    """The size of a window, a patch or a tile, where the method has one."""
+    used, arrays = result.provenance, result.arrays()
+    if "window_width" in used:
+        return f", window width {used['window_width'] or 'by sample'}"
+    if "lattice" in used:
+        strain = f", strained by {100 * used['strain']:.2g} %" if used.get("strain") else ""
+        return ", lattice " + ",".join(f"{part:g}" for part in used["lattice"]) + strain
+    size = used.get("patch_size") or ("weights" in arrays and max(arrays["weights"].shape[1:]))
+    return f", patch size {size}" if size else ""
 
 
 def settings(args: argparse.Namespace, bar: Bar) -> dict[str, Any]:

@@ -87,7 +87,9 @@ def parse_task(
         _refuse_parameters(parser, argv)
     group = parser.add_argument_group(f"parameters of {name}")
     for field, values in parameters_of(method):
-        kind: Any = {"int": int, "float": float}.get(str(field.type).split(" ")[0], str)
+        # A class where the method's module does not postpone its annotations, as ours do.
+        wanted = getattr(field.type, "__name__", str(field.type)).split(" ")[0]
+        kind: Any = {"int": int, "float": float}.get(wanted, str)
         text = f"{field.metadata['help']}; {values}"
         group.add_argument(
             "--" + field.name.replace("_", "-"),
