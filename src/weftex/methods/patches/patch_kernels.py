@@ -283,23 +283,27 @@ def bar_repeats(
     places: cython.p_int = cython.address(scratch.places[0])
     barred: cython.p_uchar = cython.address(scratch.barred[0])
     cython.declare(i=cython.Py_ssize_t, k=cython.Py_ssize_t, n=cython.Py_ssize_t)
-    cython.declare(dy=cython.Py_ssize_t, dx=cython.Py_ssize_t)
+    cython.declare(dy=cython.Py_ssize_t, dx=cython.Py_ssize_t, mark=cython.uchar)
+    cython.declare(source_y=cython.Py_ssize_t, source_x=cython.Py_ssize_t)
     for i in range(count):
-        barred[i] = 0
+        source_y = places[i] // width
+        source_x = places[i] % width
+        mark = 0
         for k in range(patches.around.shape[1]):
             n = patches.around[p, k]
             if n < 0:
                 continue
-            dy = places[i] // width - patches.all_placements[n, 2]
-            dx = places[i] % width - patches.all_placements[n, 3]
+            dy = source_y - patches.all_placements[n, 2]
+            dx = source_x - patches.all_placements[n, 3]
             if dy == y - patches.all_placements[n, 0] and dx == x - patches.all_placements[n, 1]:
                 if leave:
-                    barred[i] = CONTINUES
+                    mark = CONTINUES
                     break
                 continue
             if -reach < dy < reach and -reach < dx < reach:
-                barred[i] = REPEATS
+                mark = REPEATS
                 break
+        barred[i] = mark
 
 
 @cython.cfunc
