@@ -10,12 +10,14 @@ import numpy as np
 from weftex.canvas import Canvas
 from weftex.errors import InvalidInputError
 from weftex.methods.patches import patch_kernels as _kernels
-from weftex.methods.patches.analysis import PatchAnalysis, SearchStructure
+from weftex.methods.patches.analysis import PatchAnalysis
 from weftex.methods.patches.scan_order import Order, Run, scan_patches, scan_pixels
 from weftex.methods.patches.settings import frame_of
 from weftex.methods.patches.spiral_order import spiral_patches
 from weftex.progress import Progress, ProgressCallback
 from weftex.results import paste_kernels
+from weftex.search.zone_search import ZoneSearch
+from weftex.search.zone_search_kernels import Sample
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -58,7 +60,7 @@ class Output:
         self.analysis, self.settings = analysis, analysis.settings
         self.frame = frame_of(self.settings, canvas)
         self._seed, self._threads, self._callback = seed, threads, callback
-        self._structures: list[SearchStructure] = []
+        self._structures: list[ZoneSearch] = []
         self._numbers: dict[tuple[bytes, bytes], int] = {}
         self.pixels = np.zeros((*self.frame.shape, analysis.pixels.shape[2]), np.uint8)
         known = self.frame.known
@@ -76,7 +78,7 @@ class Output:
         if self.settings.blend == "cut" and not self.settings.pixelwise:
             size = len(self.placements), 2 * sum(self.frame.window)
             self.cuts = np.zeros(size, np.uint16)
-        self._sample = _kernels.Sample(analysis.pixels, analysis.turned)
+        self._sample = Sample(analysis.pixels, analysis.turned)
 
     def _order(self) -> Order:
         if self.frame.known is not None:
@@ -122,49 +124,46 @@ class Output:
                 list(pool.map(lay_piece, step.pieces))
                 progress.advance(step.done)
 
-    def structure(self, run: Run) -> SearchStructure:
+    def structure(self, run: Run) -> ZoneSearch:
         """The sample's windows, arranged by the boundary zone of a run."""
         return self._structures[run.zone]
 
-    def choose_and_paste(self, run: Run, structure: SearchStructure, rule: Any) -> None:
+    def choose_and_paste(self, run: Run, structure: ZoneSearch, rule: Any) -> None:
         """Choose the patches of a run by a `patch_kernels.Rule`, and paste each."""
         self.placements[run.first : run.last, 4] = run.zone
-        scratch = structure.scratch(self.pixels.shape[2])
-        if structure.tree is None:
-            self._lay(run, structure, rule, scratch, np.zeros(0, np.int32))
-            return
-        for k in range(run.first, run.last):
-            y, x = self.placements[k, :2].tolist()
-            given = structure.ask_tree(structure.tree, self.pixels, y, x)
-            self._lay(Run(run.zone, k, k + 1), structure, rule, scratch, given)
-
-    def _lay(
-        self,
-        run: Run,
-        structure: SearchStructure,
-        rule: Any,
-        scratch: Any,
-        given: NDArray[np.int32],
-    ) -> None:
-        here = slice(run.first, run.last)
-        placements, cuts = self.placements[here], self.cuts[here]
-        _kernels.lay_patches(
-            self.pixels,
-            self._sample,
-            structure.kernel_zone,
-            structure.kernel_search,
-            rule,
-            _kernels.Patches(
+        zone, weight = structure.zone, structure.zone.weight
+        if self.settings.blend == "feather-at-end":
+            weight = np.where(weight > 0, 256, 0).astype(np.uint16)
+        candidates = structure.scratch(self.pixels.shape[2])
+        scratch = _kernels.Scratch(
+            barred=np.empty(len(candidates["keys"]), np.uint8),
+            cost=np.empty((max(zone.weight.shape), int(zone.bands[0])), np.int64),
+            **candidates,
+        )
+        # A tree is asked from here, so for one patch at a time.
+        step = run.last - run.first if structure.tree is None else 1
+        for first in range(run.first, run.last, step):
+            y, x = self.placements[first, :2].tolist()
+            here = slice(first, first + step)
+            placements, cuts = self.placements[here], self.cuts[here]
+            patches = _kernels.Patches(
                 placements=placements,
                 cuts=cuts,
-                layout=paste_kernels.Layout(placements, structure.weight, cuts, *self.frame.shape),
+                layout=paste_kernels.Layout(placements, weight[None], cuts, *self.frame.shape),
                 bits=self.order.bits[here],
                 all_placements=self.placements,
                 around=self.order.around[here],
-                given=given,
-            ),
-            scratch,
-        )
+                given=structure.ask_tree(self.pixels, y, x),
+            )
+            _kernels.lay_patches(
+                self.pixels,
+                self._sample,
+                structure.kernel_zone,
+                structure.kernel_search,
+                rule,
+                patches,
+                scratch,
+            )
 
     def weights(self) -> NDArray[np.uint16]:
         """Weight of every zone's new pixels in 1/256: (zones, rows, columns)."""

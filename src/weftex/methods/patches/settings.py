@@ -9,12 +9,10 @@ from weftex.canvas import Canvas
 from weftex.errors import InvalidInputError
 from weftex.exemplar import Exemplar
 from weftex.method import Method, parameter
+from weftex.search.zone_search import SEARCHES
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
-
-#: How candidates are found, and the kernel's number for it.
-SEARCHES = {"exhaustive": 0, "quadtree": 1, "pca": 2, "kdtree": 3, "kdtree-pca": 3}
 
 
 @dataclass(frozen=True)
