@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -121,19 +121,3 @@ class ZoneSearch:
             pca, means, query = self.pca, query, np.empty(len(self.pca.basis), np.int16)
             _zone_kernels.coordinates(pca.basis, pca.offset, pca.shift, means, query)
         return self.tree.nearest(query, self.wanted)
-
-    def scratch(self, channels: int) -> dict[str, Any]:
-        """Return arrays for `zone_search_kernels.Candidates` of one patch."""
-        columns, room = self.usable.shape[1], len(self.positions)
-        if self.source != SEARCHES["exhaustive"]:
-            room = self.wanted + 54 * self.stride  # and those climbed to from a coarse grid
-        return {
-            "wanted": self.wanted,
-            "keys": np.empty(room, np.int64),
-            "places": np.empty(room, np.int32),
-            "partial": np.empty(columns, np.int32),
-            "total": np.empty(columns, np.int64),
-            "query": np.empty(self.zone.area * channels, np.uint8),
-            "means": np.empty(len(self.zone.blocks) * channels, np.int32),
-            "coordinates": np.empty(len(self.pca.basis), np.int16),
-        }

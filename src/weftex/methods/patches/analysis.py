@@ -138,3 +138,41 @@ class PatchAnalysis:
 
     def __getstate__(self) -> dict[str, Any]:
         return self.__dict__ | {"_structures": {}, "_windows": {}}
+
+
+class Zones:
+    """The boundary zones of one output, numbered in the order in which patches meet them.
+
+    Parameters
+    ----------
+    analysis : PatchAnalysis
+        Of the sample.
+    boundary_width : int
+        Width w_E on this canvas.
+    """
+
+    def __init__(self, analysis: PatchAnalysis, boundary_width: int) -> None:
+        self._analysis, self._width = analysis, boundary_width
+        self._numbers: dict[tuple[bytes, bytes], int] = {}
+        #: The sample's windows, arranged to be searched by each zone.
+        self.searches: list[ZoneSearch] = []
+        #: (1, rows, columns): the weights that a patch is laid with while others are still chosen.
+        self.laid_with: list[NDArray[np.uint16]] = []
+
+    def number(
+        self,
+        known: NDArray[np.bool_],
+        frozen: NDArray[np.bool_] | None = None,
+        often: bool = False,
+    ) -> int:
+        """Return the number of the zone of a window, see `PatchAnalysis.structure`."""
+        key = known.tobytes(), b"" if frozen is None else frozen.tobytes()
+        if key not in self._numbers:
+            search = self._analysis.structure(known, frozen, width=self._width, often=often)
+            weight = search.zone.weight
+            if self._analysis.settings.blend == "feather-at-end":
+                weight = np.where(weight > 0, 256, 0).astype(np.uint16)
+            self._numbers[key] = len(self.searches)
+            self.searches.append(search)
+            self.laid_with.append(weight[None])
+        return self._numbers[key]
