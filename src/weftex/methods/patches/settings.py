@@ -59,7 +59,7 @@ class PatchMethod(Method):
     )
     edge_weight: float = parameter(
         0.0,
-        "how much outlines count beside colour when zones are compared; 0 is the paper's metric",
+        "how much outlines count beside color when zones are compared; 0 is the paper's metric",
         low=0.0,
         high=10.0,
     )
