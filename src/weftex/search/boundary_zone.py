@@ -1,8 +1,8 @@
-"""The boundary zone of a patch: what is compared, and with what weights the patch is laid.
+"""The boundary zone of a patch: the pixels that are compared, and the weights it is laid with.
 
-Section 2.1 and 2.2 of the paper draw three configurations for plain scan order (Fig. 3 b to d) and
+Sections 2.1 and 2.2 of the paper draw three configurations for plain scan order (Fig. 3 b to d) and
 two more for tileable output (Fig. 5). They and every shape that a hole gives follow from one rule:
-the zone is whatever is known within the boundary width of something unknown.
+the zone is every known pixel within the boundary width of an unknown one.
 """
 
 from __future__ import annotations
@@ -64,7 +64,7 @@ def boundary_zone(
     Parameters
     ----------
     known : bool array (rows, columns)
-        What of the window is on the canvas already.
+        Pixels of the window that are on the canvas already.
     width : int
         Boundary width w_E in pixels.
     frozen : bool array (rows, columns), optional

@@ -1,4 +1,4 @@
-"""The optimised kd-tree of section 3.1: sliding midpoint splits, approximate search."""
+"""The optimized kd-tree of section 3.1: sliding midpoint splits, approximate search."""
 
 from __future__ import annotations
 
@@ -13,16 +13,16 @@ if TYPE_CHECKING:
 
 
 class KDTree:
-    """Approximate nearest neighbours of integer points.
+    """Approximate nearest neighbors of integer points.
 
     Parameters
     ----------
     points : integer array (n, K)
         One row for each window.
     places : int32 array (n,)
-        What to return for each of them.
+        The number to return for each of them.
     error : float
-        A neighbour may be this much farther, relatively, than the true one.
+        A neighbor may be this much farther, relatively, than the true one.
     """
 
     def __init__(

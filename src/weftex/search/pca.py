@@ -18,9 +18,9 @@ import numpy as np
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-_MOST = 48  # components; keeps a sum of squares in the kernel under 2**31
-_LEARN = 4096  # windows that the components are learnt from
-_NORM = 2047  # longest vector of coordinates
+_MOST_COMPONENTS = 48  # keeps a sum of squares in the kernel under 2**31
+_MOST_LEARNED = 4096  # windows that the components are learned from
+_LONGEST_VECTOR = 2047  # of coordinates
 
 
 @dataclass(frozen=True, eq=False)
@@ -32,7 +32,7 @@ class ZonePCA:
     basis : int16 array (D, K)
         Components, scaled and rounded.
     offset : int32 array (D,)
-        What is subtracted from a product with `basis`.
+        Subtracted from a product with `basis`.
     shift : int
         Right shift, with rounding, that brings coordinates to their range.
     features : int16 array (D, n)
@@ -64,7 +64,7 @@ def one_blas_thread() -> AbstractContextManager[Any]:
     return limit
 
 
-def fit_pca(windows: NDArray[np.uint8], variance: float, most: int = _MOST) -> ZonePCA:
+def fit_pca(windows: NDArray[np.uint8], variance: float, most: int = _MOST_COMPONENTS) -> ZonePCA:
     """Find the components of the columns of `windows`, and all columns' coordinates.
 
     Parameters
@@ -82,7 +82,7 @@ def fit_pca(windows: NDArray[np.uint8], variance: float, most: int = _MOST) -> Z
 
 def _fit(windows: NDArray[np.uint8], variance: float, most: int) -> ZonePCA:
     size, count = windows.shape
-    learn = windows[:, np.linspace(0, count - 1, min(count, _LEARN)).astype(np.int64)]
+    learn = windows[:, np.linspace(0, count - 1, min(count, _MOST_LEARNED)).astype(np.int64)]
     learn = learn.astype(np.float64)
     # Integers in float64: the products and sums are exact, so every machine gets this matrix.
     scatter = learn.shape[1] * (learn @ learn.T) - np.outer(learn.sum(axis=1), learn.sum(axis=1))
@@ -131,9 +131,9 @@ def coordinates_of(
     Returns
     -------
     offset : int32 array (D,)
-        What was subtracted.
+        Subtracted first.
     shift : int
-        Right shift, with rounding, that came after.
+        Right shift, with rounding, taken after that.
     features : int16 array (D, n)
         The coordinates; no window is further than 2047 from 0.
     """
@@ -141,7 +141,7 @@ def coordinates_of(
     raw = raw - offset[:, None]
     longest = float(np.sqrt((raw.astype(np.float64) ** 2).sum(axis=0).max()))
     shift = 0
-    while longest / 2**shift > _NORM:
+    while longest / 2**shift > _LONGEST_VECTOR:
         shift += 1
     features = ((raw + ((1 << shift) >> 1)) >> shift).astype(np.int16)
     return offset, shift, np.ascontiguousarray(features)

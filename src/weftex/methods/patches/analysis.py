@@ -8,23 +8,16 @@ import numpy as np
 
 from weftex.errors import InvalidInputError
 from weftex.exemplar import Exemplar
-from weftex.methods.patches import patch_kernels as _kernels
-from weftex.methods.patches.settings import SEARCHES, PatchSettings
+from weftex.methods.patches.settings import PatchSettings
 from weftex.raster.boxes import box_sums
-from weftex.search import zone_kernels as _zone_kernels
-from weftex.search.boundary_zone import BoundaryZone, boundary_zone
-from weftex.search.pca import ZonePCA, fit_pca
+from weftex.search.boundary_zone import boundary_zone
 from weftex.search.quadtree_pyramid import QuadtreePyramid
+from weftex.search.zone_search import ZoneSearch
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-    from weftex.search.kdtree import KDTree
-
-_TREE_ERROR = 0.5  # of the approximate kd-tree search
-_MOST_POSITIONS = 16384  # windows that the default search looks at; more are thinned out first
 _MOST_NUMBERS = 288  # of the low resolution that describe one zone
-_NO_PCA = (np.zeros((1, 1), np.int16), np.zeros(1, np.int32), 0, np.zeros((1, 1), np.int16))
 
 
 class PatchAnalysis:
@@ -60,10 +53,9 @@ class PatchAnalysis:
         self.pyramid = QuadtreePyramid(self.pixels)
         #: The paper's third level is 4; single pixels need every neighbor.
         self.block_side = 4 if settings.search != "pca" else 1 if settings.pixelwise else 16
-        self._structures: dict[tuple[Any, ...], SearchStructure] = {}
-        self._usable: dict[tuple[int, int], NDArray[np.uint8]] = {}
-        self._positions: dict[tuple[int, int], NDArray[np.int32]] = {}
-        self.usable(side, side)
+        self._structures: dict[tuple[Any, ...], ZoneSearch] = {}
+        self._windows: dict[tuple[int, int], tuple[NDArray[np.uint8], NDArray[np.int32]]] = {}
+        self.windows(side, side)
         if exemplar.mask is None:  # a sample with a mask is more likely to fill its own hole
             self._analyze()
 
@@ -81,28 +73,20 @@ class PatchAnalysis:
             known[:width] |= top
             self.structure(known, width=width, often=True)
 
-    def usable(self, rows: int, columns: int) -> NDArray[np.uint8]:
-        """Mark the upper left corners of windows that lie in the usable part of the sample."""
-        if (rows, columns) in self._usable:
-            return self._usable[rows, columns]
-        height, width = self.exemplar.shape
-        bad = box_sums(~self.mask, rows, columns)
-        # A sample that tiles is padded: beyond its own size windows come a second time.
-        usable = np.ascontiguousarray(bad[:height, :width] == 0, np.uint8)
-        if not usable.any():
-            raise InvalidInputError(
-                f"no {columns}x{rows} window lies in the usable part of {self.exemplar.name}; "
-                f"use a smaller patch_size (now {self.settings.patch_size})"
-            )
-        self._usable[rows, columns] = usable
-        return usable
-
-    def positions(self, rows: int, columns: int) -> NDArray[np.int32]:
-        """Return the usable windows' numbers."""
-        if (rows, columns) not in self._positions:
-            usable = self.usable(rows, columns)
-            self._positions[rows, columns] = np.flatnonzero(usable).astype(np.int32)
-        return self._positions[rows, columns]
+    def windows(self, rows: int, columns: int) -> tuple[NDArray[np.uint8], NDArray[np.int32]]:
+        """Mark and number the upper left corners of windows in the usable part of the sample."""
+        if (rows, columns) not in self._windows:
+            height, width = self.exemplar.shape
+            bad = box_sums(~self.mask, rows, columns)
+            # A sample that tiles is padded: beyond its own size windows come a second time.
+            usable = np.ascontiguousarray(bad[:height, :width] == 0, np.uint8)
+            if not usable.any():
+                raise InvalidInputError(
+                    f"no {columns}x{rows} window lies in the usable part of {self.exemplar.name}; "
+                    f"use a smaller patch_size (now {self.settings.patch_size})"
+                )
+            self._windows[rows, columns] = usable, np.flatnonzero(usable).astype(np.int32)
+        return self._windows[rows, columns]
 
     def structure(
         self,
@@ -111,7 +95,7 @@ class PatchAnalysis:
         *,
         width: int,
         often: bool = False,
-    ) -> SearchStructure:
+    ) -> ZoneSearch:
         """Return the search structure for one configuration, made on first use.
 
         Parameters
@@ -139,127 +123,56 @@ class PatchAnalysis:
             paste=settings.blend == "none",
             core=(settings.boundary_width,) * 2 if settings.pixelwise else None,
         )
-        shape = known.shape[0], known.shape[1]
-        structure = SearchStructure(
-            settings, zone, self.pyramid, self.usable(*shape), self.positions(*shape), often
+        structure = ZoneSearch(
+            zone,
+            self.pyramid,
+            *self.windows(*zone.weight.shape),
+            search="exhaustive" if settings.anything else settings.search,
+            candidates=settings.candidates,
+            variance=settings.variance,
+            often=often,
         )
         if frozen is None:
             self._structures[key] = structure
         return structure
 
     def __getstate__(self) -> dict[str, Any]:
-        return self.__dict__ | {"_structures": {}, "_usable": {}, "_positions": {}}
+        return self.__dict__ | {"_structures": {}, "_windows": {}}
 
 
-class SearchStructure:
-    """The windows of a sample, arranged to be searched by one boundary zone.
+class Zones:
+    """The boundary zones of one output, numbered in the order in which patches meet them.
 
     Parameters
     ----------
-    settings : PatchSettings
-        Which search, and how many candidates.
-    zone : BoundaryZone
-        By which windows are searched.
-    pyramid : QuadtreePyramid
+    analysis : PatchAnalysis
         Of the sample.
-    usable : uint8 array (rows, columns)
-        1 at the upper left corners of usable windows.
-    positions : int32 array (n,)
-        Their numbers.
-    often : bool
-        Many patches will ask, so that an analysis pays.
-
-    Attributes
-    ----------
-    weight : uint16 array (1, rows, columns)
-        What a chosen patch is laid with while others are still to be chosen.
-    tree : KDTree or None
-        That finds the candidates of section 3.1.
+    boundary_width : int
+        Width w_E on this canvas.
     """
 
-    def __init__(
+    def __init__(self, analysis: PatchAnalysis, boundary_width: int) -> None:
+        self._analysis, self._width = analysis, boundary_width
+        self._numbers: dict[tuple[bytes, bytes], int] = {}
+        #: The sample's windows, arranged to be searched by each zone.
+        self.searches: list[ZoneSearch] = []
+        #: (1, rows, columns): the weights that a patch is laid with while others are still chosen.
+        self.laid_with: list[NDArray[np.uint16]] = []
+
+    def number(
         self,
-        settings: PatchSettings,
-        zone: BoundaryZone,
-        pyramid: QuadtreePyramid,
-        usable: NDArray[np.uint8],
-        positions: NDArray[np.int32],
-        often: bool,
-    ) -> None:
-        search = settings.search
-        self.zone, self.usable, self.positions = zone, usable, positions
-        self.stride, self.source = 1, SEARCHES[search]
-        self.pca = ZonePCA(*_NO_PCA)
-        self.tree: KDTree | None = None
-        self.projected = "pca" in search
-        self.wanted = settings.candidates
-        if zone.area == 0 or settings.anything:  # chaos mosaic needs no search
-            self.source = SEARCHES["exhaustive"]
-        elif search == "pca":
-            most = _MOST_POSITIONS
-            while self.stride * 2 <= zone.side and len(positions) > most * self.stride**2:
-                self.stride *= 2
-        if search == "pca" and self.source == SEARCHES["pca"] and not often:
-            self.source = SEARCHES["quadtree"]  # one query does not repay an analysis
-        if self.source not in (SEARCHES["exhaustive"], SEARCHES["quadtree"]):
-            self._analyze(settings, pyramid)
-        weight = zone.weight
-        if settings.blend == "feather-at-end":
-            weight = np.where(weight > 0, 256, 0).astype(np.uint16)
-        self.weight = weight[None]
-        nodes = pyramid.nodes(zone.side, self.stride)
-        self.kernel_zone = _kernels.Zone(zone.area, zone.runs, zone.blocks, zone.side, zone.bands)
-        self.kernel_search = _kernels.Search(
-            self.source, self.wanted, usable, self.positions, nodes, self.pca
-        )
-
-    def _analyze(self, settings: PatchSettings, pyramid: QuadtreePyramid) -> None:
-        """Find the windows' principal components (section 3.3) or put them into a kd-tree."""
-        zone, stride = self.zone, self.stride
-        coarse = self.usable[::stride, ::stride]
-        take = np.flatnonzero(coarse)
-        if len(take) == 0:
-            self.source, self.stride = SEARCHES["quadtree"], 1
-            return
-        windows = pyramid.windows(zone.blocks, zone.side, stride, *coarse.shape)
-        windows = windows if len(take) == coarse.size else windows[:, take]
-        y, x = np.divmod(take, coarse.shape[1])
-        places = (y * stride * self.usable.shape[1] + x * stride).astype(np.int32)
-        if self.projected:
-            self.pca = fit_pca(windows, settings.variance)
-            self.positions = places
-        if "kdtree" in settings.search:
-            from weftex.search.kdtree import KDTree
-
-            points = self.pca.features.T if self.projected else windows.T
-            self.tree = KDTree(points, places, _TREE_ERROR)
-
-    def ask_tree(
-        self, tree: KDTree, canvas: NDArray[np.uint8], y: int, x: int
-    ) -> NDArray[np.int32]:
-        """Ask the kd-tree for windows like the one at (y, x) of the canvas."""
-        query = np.empty(len(self.zone.blocks) * canvas.shape[2], np.int32)
-        _zone_kernels.zone_means(canvas, y, x, self.zone.blocks, self.zone.side, query)
-        if self.projected:
-            pca, means, query = self.pca, query, np.empty(len(self.pca.basis), np.int16)
-            _zone_kernels.coordinates(pca.basis, pca.offset, pca.shift, means, query)
-        return tree.nearest(query, self.wanted)
-
-    def scratch(self, channels: int) -> Any:
-        """Return the room that the kernel needs to search for one patch."""
-        zone, columns = self.zone, self.usable.shape[1]
-        room = len(self.positions)
-        if self.source != SEARCHES["exhaustive"]:
-            room = self.wanted + 54 * self.stride  # and what is climbed to from a coarse grid
-        return _kernels.Scratch(
-            wanted=self.wanted,
-            keys=np.empty(room, np.int64),
-            places=np.empty(room, np.int32),
-            partial=np.empty(columns, np.int32),
-            total=np.empty(columns, np.int64),
-            query=np.empty(zone.area * channels, np.uint8),
-            means=np.empty(len(zone.blocks) * channels, np.int32),
-            coordinates=np.empty(len(self.pca.basis), np.int16),
-            barred=np.empty(room, np.uint8),
-            cost=np.empty((max(zone.weight.shape), int(zone.bands[0])), np.int64),
-        )
+        known: NDArray[np.bool_],
+        frozen: NDArray[np.bool_] | None = None,
+        often: bool = False,
+    ) -> int:
+        """Return the number of the zone of a window, see `PatchAnalysis.structure`."""
+        key = known.tobytes(), b"" if frozen is None else frozen.tobytes()
+        if key not in self._numbers:
+            search = self._analysis.structure(known, frozen, width=self._width, often=often)
+            weight = search.zone.weight
+            if self._analysis.settings.blend == "feather-at-end":
+                weight = np.where(weight > 0, 256, 0).astype(np.uint16)
+            self._numbers[key] = len(self.searches)
+            self.searches.append(search)
+            self.laid_with.append(weight[None])
+        return self._numbers[key]

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from threading import get_ident
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -10,12 +11,14 @@ import numpy as np
 from weftex.canvas import Canvas
 from weftex.errors import InvalidInputError
 from weftex.methods.patches import patch_kernels as _kernels
-from weftex.methods.patches.analysis import PatchAnalysis, SearchStructure
-from weftex.methods.patches.scan_order import Order, Run, scan_patches, scan_pixels
-from weftex.methods.patches.settings import frame_of
+from weftex.methods.patches.analysis import PatchAnalysis, Zones
+from weftex.methods.patches.scan_order import Run, scan_patches, scan_pixels
+from weftex.methods.patches.settings import Frame, frame_of
 from weftex.methods.patches.spiral_order import spiral_patches
 from weftex.progress import Progress, ProgressCallback
 from weftex.results import paste_kernels
+from weftex.search.zone_search import ZoneSearch
+from weftex.search.zone_search_kernels import Sample
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -57,48 +60,30 @@ class Output:
     ) -> None:
         self.analysis, self.settings = analysis, analysis.settings
         self.frame = frame_of(self.settings, canvas)
-        self._seed, self._threads, self._callback = seed, threads, callback
-        self._structures: list[SearchStructure] = []
-        self._numbers: dict[tuple[bytes, bytes], int] = {}
+        self._threads, self._callback = threads, callback
+        self._zones = Zones(analysis, self.frame.boundary_width)
         self.pixels = np.zeros((*self.frame.shape, analysis.pixels.shape[2]), np.uint8)
         known = self.frame.known
-        if known is not None:
+        if known is None and self.settings.pixelwise:
+            self.order = scan_pixels(self.frame, self._zones, seed)
+        elif known is None:
+            self.order = scan_patches(self.frame, self._zones, seed, threads)
+        else:
             if analysis.exemplar.maps:
                 raise InvalidInputError(
                     "a hole's surroundings lack the sample's maps; use weftex.fill"
                 )
             matching = analysis.exemplar.as_matching(known, self.settings.edge_weight)
             self.pixels[self.frame.inside] = matching
-        self.order = self._order()
+            self.order = spiral_patches(self.frame, self._zones, seed)
         self.placements = np.zeros((len(self.order.corners), 5), np.int32)
         self.placements[:, :2] = self.order.corners
         self.cuts = np.zeros((0, 0), np.uint16)
         if self.settings.blend == "cut" and not self.settings.pixelwise:
             size = len(self.placements), 2 * sum(self.frame.window)
             self.cuts = np.zeros(size, np.uint16)
-        self._sample = _kernels.Sample(analysis.pixels, analysis.turned)
-
-    def _order(self) -> Order:
-        if self.frame.known is not None:
-            return spiral_patches(self.frame, self._number, self._seed)
-        if self.settings.pixelwise:
-            return scan_pixels(self.frame, self._number, self._seed)
-        return scan_patches(self.frame, self._number, self._seed, self._threads)
-
-    def _number(
-        self,
-        known: NDArray[np.bool_],
-        frozen: NDArray[np.bool_] | None = None,
-        often: bool = False,
-    ) -> int:
-        """Number a zone: what is known of a window, and which pixels of that must stay."""
-        key = known.tobytes(), b"" if frozen is None else frozen.tobytes()
-        if key not in self._numbers:
-            width = self.frame.boundary_width
-            structure = self.analysis.structure(known, frozen, width=width, often=often)
-            self._numbers[key] = len(self._structures)
-            self._structures.append(structure)
-        return self._numbers[key]
+        self._sample = Sample(analysis.pixels, analysis.turned)
+        self._scratch: dict[int, Any] = {}  # each thread has its own
 
     def in_order(self, lay: Callable[[Run], None]) -> None:
         """Call `lay` with every run of the order, in threads where runs do not need each other."""
@@ -122,55 +107,46 @@ class Output:
                 list(pool.map(lay_piece, step.pieces))
                 progress.advance(step.done)
 
-    def structure(self, run: Run) -> SearchStructure:
+    def structure(self, run: Run) -> ZoneSearch:
         """The sample's windows, arranged by the boundary zone of a run."""
-        return self._structures[run.zone]
+        return self._zones.searches[run.zone]
 
-    def choose_and_paste(self, run: Run, structure: SearchStructure, rule: Any) -> None:
+    def choose_and_paste(self, run: Run, structure: ZoneSearch, rule: Any) -> None:
         """Choose the patches of a run by a `patch_kernels.Rule`, and paste each."""
         self.placements[run.first : run.last, 4] = run.zone
-        scratch = structure.scratch(self.pixels.shape[2])
-        if structure.tree is None:
-            self._lay(run, structure, rule, scratch, np.zeros(0, np.int32))
-            return
-        for k in range(run.first, run.last):
-            y, x = self.placements[k, :2].tolist()
-            given = structure.ask_tree(structure.tree, self.pixels, y, x)
-            self._lay(Run(run.zone, k, k + 1), structure, rule, scratch, given)
-
-    def _lay(
-        self,
-        run: Run,
-        structure: SearchStructure,
-        rule: Any,
-        scratch: Any,
-        given: NDArray[np.int32],
-    ) -> None:
-        here = slice(run.first, run.last)
-        placements, cuts = self.placements[here], self.cuts[here]
-        _kernels.lay_patches(
-            self.pixels,
-            self._sample,
-            structure.kernel_zone,
-            structure.kernel_search,
-            rule,
-            _kernels.Patches(
+        weight = self._zones.laid_with[run.zone]
+        scratch = self._scratch.get(get_ident())
+        if scratch is None:
+            scratch = self._scratch[get_ident()] = scratch_for(self.analysis, self.frame)
+        # A tree is asked from here, so for one patch at a time.
+        step = run.last - run.first if structure.tree is None else 1
+        for first in range(run.first, run.last, step):
+            y, x = self.placements[first, :2].tolist()
+            here = slice(first, first + step)
+            placements, cuts = self.placements[here], self.cuts[here]
+            patches = _kernels.Patches(
                 placements=placements,
                 cuts=cuts,
-                layout=paste_kernels.Layout(placements, structure.weight, cuts, *self.frame.shape),
+                layout=paste_kernels.Layout(placements, weight, cuts, *self.frame.shape),
                 bits=self.order.bits[here],
                 all_placements=self.placements,
                 around=self.order.around[here],
-                given=given,
-            ),
-            scratch,
-        )
+                given=structure.ask_tree(self.pixels, y, x),
+            )
+            _kernels.lay_patches(
+                self.pixels,
+                self._sample,
+                structure.kernel_zone,
+                structure.kernel_search,
+                rule,
+                patches,
+                scratch,
+            )
 
     def weights(self) -> NDArray[np.uint16]:
         """Weight of every zone's new pixels in 1/256: (zones, rows, columns)."""
-        if not self._structures:
-            return np.zeros((0, *self.frame.window), np.uint16)
-        return np.stack([s.zone.weight for s in self._structures])
+        found = [search.zone.weight for search in self._zones.searches]
+        return np.stack(found) if found else np.zeros((0, *self.frame.window), np.uint16)
 
     def picture(self) -> NDArray[np.uint8] | None:
         """The matched pixels where they are the picture itself, so that it need not be rendered."""
@@ -186,3 +162,26 @@ class Output:
 
     def _preview(self) -> NDArray[np.uint8]:
         return self.pixels[self.frame.inside][..., : self.analysis.exemplar.channels].copy()
+
+
+def scratch_for(analysis: PatchAnalysis, frame: Frame) -> Any:
+    """Return `patch_kernels.Scratch` with room for any patch of an output."""
+    settings, window = frame.settings, frame.window
+    numbers = window[0] * window[1] * analysis.pixels.shape[2]
+    columns = analysis.exemplar.shape[1]
+    room = len(analysis.windows(*window)[1])
+    if settings.search != "exhaustive":
+        room = settings.candidates + 54 * analysis.block_side  # as many are climbed to at most
+    depth = max(frame.boundary_width, min(window) // 2)  # of a band that a path is found in
+    return _kernels.Scratch(
+        wanted=settings.candidates,
+        keys=np.empty(room, np.int64),
+        places=np.empty(room, np.int32),
+        partial=np.empty(columns, np.int32),
+        total=np.empty(columns, np.int64),
+        query=np.empty(numbers, np.uint8),
+        means=np.empty(numbers, np.int32),
+        coordinates=np.empty(numbers, np.int16),
+        barred=np.empty(room, np.uint8),
+        cost=np.empty((max(window), depth), np.int64),
+    )

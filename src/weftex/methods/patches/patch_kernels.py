@@ -5,21 +5,16 @@ import cython
 from cython.cimports.libc.math import sqrt
 from cython.cimports.weftex.results.paste_kernels import Layout, View, paste
 from cython.cimports.weftex.seams.band_kernels import cut_bands
-from cython.cimports.weftex.search.zone_kernels import (
-    Shortlist,
-    block_means,
-    distance,
-    gather,
-    nearest_by_blocks,
-    nearest_by_features,
-    project,
+from cython.cimports.weftex.search.zone_kernels import distance, gather
+from cython.cimports.weftex.search.zone_search_kernels import (
+    ALL,
+    Candidates,
+    Sample,
+    Search,
+    Zone,
+    climb,
+    list_candidates,
 )
-
-# Where candidates come from, as `SEARCHES` in settings.py numbers them.
-ALL = cython.declare(cython.int, 0)
-BLOCKS = cython.declare(cython.int, 1)
-FEATURES = cython.declare(cython.int, 2)
-GIVEN = cython.declare(cython.int, 3)
 
 # A patch that repeats nothing may have this times the squared distance of one that does.
 VARIETY = cython.declare(cython.double, 1.7)
@@ -27,66 +22,6 @@ VARIETY = cython.declare(cython.double, 1.7)
 # Marks of `bar_repeats`.
 REPEATS = cython.declare(cython.int, 1)
 CONTINUES = cython.declare(cython.int, 2)
-
-
-@cython.cclass
-class Sample:
-    """The sample as distances are taken on it, upright and with its axes exchanged."""
-
-    pixels: cython.const[cython.uchar][:, :, ::1]
-    turned: cython.const[cython.uchar][:, :, ::1]
-
-    def __init__(self, pixels, turned):
-        self.pixels = pixels
-        self.turned = turned
-
-
-@cython.cclass
-class Zone:
-    """The boundary zone of a run's patches, see `BoundaryZone`."""
-
-    area: cython.Py_ssize_t
-    runs: cython.const[cython.int][:, ::1]
-    blocks: cython.const[cython.int][:, ::1]
-    side: cython.Py_ssize_t
-    bands: cython.const[cython.int][::1]
-
-    def __init__(self, area, runs, blocks, side, bands):
-        self.area = area
-        self.runs = runs
-        self.blocks = blocks
-        self.side = side
-        self.bands = bands
-
-
-@cython.cclass
-class Search:
-    """How candidates for one zone are found (section 3), see `SearchStructure`.
-
-    `wanted` is m of section 3.2; the rest are the windows of the sample, the nodes of the quadtree
-    pyramid, and the principal components of section 3.3.
-    """
-
-    source: cython.int
-    wanted: cython.Py_ssize_t
-    usable: cython.const[cython.uchar][:, ::1]
-    positions: cython.const[cython.int][::1]
-    nodes: cython.const[cython.uchar][:, :, :, :, ::1]
-    basis: cython.const[cython.short][:, ::1]
-    offset: cython.const[cython.int][::1]
-    shift: cython.int
-    features: cython.const[cython.short][:, ::1]
-
-    def __init__(self, source, wanted, usable, positions, nodes, pca):
-        self.source = source
-        self.wanted = wanted
-        self.usable = usable
-        self.positions = positions
-        self.nodes = nodes
-        self.basis = pca.basis
-        self.offset = pca.offset
-        self.shift = pca.shift
-        self.features = pca.features
 
 
 @cython.cclass
@@ -160,21 +95,14 @@ class Patches:
 
 
 @cython.cclass
-class Scratch(Shortlist):
-    """Room for one patch at a time: its zone, what the zone is searched by, and candidates."""
+class Scratch(Candidates):
+    """Room for one patch at a time: its candidates, which of them are barred, and its cuts."""
 
-    query: cython.uchar[::1]
-    means: cython.int[::1]
-    coordinates: cython.short[::1]
     barred: cython.uchar[::1]
     cost: cython.longlong[:, ::1]
 
-    def __init__(self, wanted, keys, places, partial, total, query, means, coordinates, barred,
-                 cost):  # fmt: skip
-        Shortlist.__init__(self, wanted, keys, places, partial, total)
-        self.query = query
-        self.means = means
-        self.coordinates = coordinates
+    def __init__(self, barred, cost, **candidates):
+        Candidates.__init__(self, **candidates)
         self.barred = barred
         self.cost = cost
 
@@ -283,111 +211,27 @@ def bar_repeats(
     places: cython.p_int = cython.address(scratch.places[0])
     barred: cython.p_uchar = cython.address(scratch.barred[0])
     cython.declare(i=cython.Py_ssize_t, k=cython.Py_ssize_t, n=cython.Py_ssize_t)
-    cython.declare(dy=cython.Py_ssize_t, dx=cython.Py_ssize_t)
+    cython.declare(dy=cython.Py_ssize_t, dx=cython.Py_ssize_t, mark=cython.uchar)
+    cython.declare(source_y=cython.Py_ssize_t, source_x=cython.Py_ssize_t)
     for i in range(count):
-        barred[i] = 0
+        source_y = places[i] // width
+        source_x = places[i] % width
+        mark = 0
         for k in range(patches.around.shape[1]):
             n = patches.around[p, k]
             if n < 0:
                 continue
-            dy = places[i] // width - patches.all_placements[n, 2]
-            dx = places[i] % width - patches.all_placements[n, 3]
+            dy = source_y - patches.all_placements[n, 2]
+            dx = source_x - patches.all_placements[n, 3]
             if dy == y - patches.all_placements[n, 0] and dx == x - patches.all_placements[n, 1]:
                 if leave:
-                    barred[i] = CONTINUES
+                    mark = CONTINUES
                     break
                 continue
             if -reach < dy < reach and -reach < dx < reach:
-                barred[i] = REPEATS
+                mark = REPEATS
                 break
-
-
-@cython.cfunc
-@cython.nogil
-@cython.exceptval(check=False)
-def climb(
-    sample: Sample, zone: Zone, search: Search, count: cython.Py_ssize_t, scratch: Scratch
-) -> cython.Py_ssize_t:
-    """Try the neighbors that a coarse grid of candidates skipped, around the best few."""
-    width: cython.Py_ssize_t = search.usable.shape[1]
-    reach: cython.Py_ssize_t = search.nodes.shape[1] // 2
-    keys: cython.p_longlong = cython.address(scratch.keys[0])
-    places: cython.p_int = cython.address(scratch.places[0])
-    key: cython.longlong
-    place: cython.int
-    cython.declare(turn=cython.Py_ssize_t, i=cython.Py_ssize_t, j=cython.Py_ssize_t)
-    cython.declare(best=cython.Py_ssize_t, n=cython.Py_ssize_t, dy=cython.Py_ssize_t)
-    cython.declare(dx=cython.Py_ssize_t, y=cython.Py_ssize_t, x=cython.Py_ssize_t)
-    while reach >= 1:
-        n = min(6, count)
-        for turn in range(n):  # bring the best few to the front
-            best = turn
-            for i in range(turn + 1, count):
-                if keys[i] < keys[best]:
-                    best = i
-            key = keys[best]
-            place = places[best]
-            keys[best] = keys[turn]
-            places[best] = places[turn]
-            keys[turn] = key
-            places[turn] = place
-        for turn in range(n):
-            place = places[turn]
-            for dy in range(-1, 2):
-                for dx in range(-1, 2):
-                    y = place // width + dy * reach
-                    x = place % width + dx * reach
-                    if y < 0 or x < 0 or y >= search.usable.shape[0] or x >= width:
-                        continue
-                    if not search.usable[y, x]:
-                        continue
-                    j = 0
-                    while j < count and places[j] != y * width + x:
-                        j += 1
-                    if j == count and count < scratch.places.shape[0]:
-                        places[count] = cython.cast(cython.int, y * width + x)
-                        keys[count] = distance(
-                            sample.pixels, sample.turned, y, x, zone.runs, scratch.query, -1
-                        )
-                        count += 1
-        reach //= 2
-    return count
-
-
-@cython.cfunc
-@cython.nogil
-@cython.exceptval(check=False)
-def list_candidates(
-    canvas: cython.const[cython.uchar][:, :, ::1],
-    p: cython.Py_ssize_t,
-    zone: Zone,
-    search: Search,
-    patches: Patches,
-    scratch: Scratch,
-) -> cython.Py_ssize_t:
-    """List windows that may match patch `p`, by the low resolution where there is one."""
-    y: cython.Py_ssize_t = patches.placements[p, 0]
-    x: cython.Py_ssize_t = patches.placements[p, 1]
-    cython.declare(i=cython.Py_ssize_t, count=cython.Py_ssize_t)
-    if search.source == ALL:
-        count = search.positions.shape[0]
-        for i in range(count):
-            scratch.places[i] = search.positions[i]
-    elif search.source == GIVEN:
-        count = patches.given.shape[0]
-        for i in range(count):
-            scratch.places[i] = patches.given[i]
-    elif search.source == BLOCKS:
-        block_means(canvas, y, x, zone.blocks, zone.side, scratch.means)
-        count = nearest_by_blocks(search.nodes, zone.blocks, scratch.means, search.usable, scratch)
-    else:
-        block_means(canvas, y, x, zone.blocks, zone.side, scratch.means)
-        project(search.basis, search.offset, search.shift, scratch.means, scratch.coordinates)
-        count = nearest_by_features(
-            search.features, search.positions, scratch.coordinates, search.wanted,
-            scratch.keys, scratch.places,
-        )  # fmt: skip
-    return count
+        barred[i] = mark
 
 
 @cython.cfunc
@@ -465,7 +309,7 @@ def lay_patches(
             else:
                 energy = gather(canvas, y, x, zone.runs, scratch.query)  # E_out
                 # Step 2: which windows match it.
-                count = list_candidates(canvas, p, zone, search, patches, scratch)
+                count = list_candidates(canvas, y, x, zone, search, patches.given, scratch)
                 if search.source != ALL:
                     bar_repeats(p, count, width, rule, patches, scratch)
                 measure(sample, zone, search, rule, energy, count, scratch)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from itertools import pairwise
 from typing import TYPE_CHECKING, NamedTuple
@@ -15,8 +15,7 @@ from weftex.random import draw
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-    #: Numbers the zone of a window: from its known pixels, and those of them that must stay.
-    Number = Callable[..., int]
+    from weftex.methods.patches.analysis import Zones
 
 _THREADS_FROM = 512  # patches; fewer are laid faster by one thread
 _PATCHES_IN_PIECE = 16  # that a thread takes at a time
@@ -84,15 +83,15 @@ def runs_of(zones: list[int], first: int) -> list[Run]:
     return [Run(zones[start], first + start, first + stop) for start, stop in ends]
 
 
-def scan_patches(frame: Frame, number: Number, seed: int, threads: int) -> Order:
+def scan_patches(frame: Frame, zones: Zones, seed: int, threads: int) -> Order:
     """Patches in rows, evenly spread, that overlap by the boundary zone (section 2.2, Fig. 3 a).
 
     Parameters
     ----------
     frame : Frame
         Canvas and windows.
-    number : callable
-        Numbers a zone.
+    zones : Zones
+        Numbers the boundary zones.
     seed : int
         Of the random bits.
     threads : int
@@ -108,15 +107,15 @@ def scan_patches(frame: Frame, number: Number, seed: int, threads: int) -> Order
         _kinds(at, side, length, wraps)
         for at, side, length, wraps in zip(starts, window, canvas.shape, canvas.wrap, strict=True)
     ]
-    zones = {
-        (row, column): _grid_zone(frame, number, row, column)
+    numbers = {
+        (row, column): _grid_zone(frame, zones, row, column)
         for row in dict.fromkeys(kinds[0])
         for column in dict.fromkeys(kinds[1])
     }
 
     def runs(row: int, first: int, last: int) -> list[Run]:
-        numbers = [zones[kinds[0][row], kind] for kind in kinds[1][first:last]]
-        return runs_of(numbers, row * columns + first)
+        found = [numbers[kinds[0][row], kind] for kind in kinds[1][first:last]]
+        return runs_of(found, row * columns + first)
 
     # Around a wrapped axis every patch of a row hangs on the whole row above.
     parallel = threads > 1 and not canvas.wrap[1] and rows * columns >= _THREADS_FROM
@@ -167,16 +166,14 @@ def _kinds(starts: list[int], side: int, length: int, wraps: bool) -> list[tuple
     ]
 
 
-def _grid_zone(
-    frame: Frame, number: Number, row: tuple[bool, int], column: tuple[bool, int]
-) -> int:
+def _grid_zone(frame: Frame, zones: Zones, row: tuple[bool, int], column: tuple[bool, int]) -> int:
     """The configuration of Fig. 3 (b) to (d) and Fig. 5 for a patch of the grid, see `_kinds`."""
     known = np.zeros(frame.window, bool)
     known[: frame.boundary_width] |= row[0]
     known[:, : frame.boundary_width] |= column[0]
     known[frame.window[0] - row[1] :] = True
     known[:, frame.window[1] - column[1] :] = True
-    return number(known, often=not (row[1] or column[1]))
+    return zones.number(known, often=not (row[1] or column[1]))
 
 
 #: Patches, as (rows up, columns right), that are always laid before a patch and lie around it.
@@ -218,7 +215,7 @@ def _count(front: list[tuple[int, int, int]]) -> int:
     return sum(last - first for _, first, last in front)
 
 
-def scan_pixels(frame: Frame, number: Number, seed: int) -> Order:
+def scan_pixels(frame: Frame, zones: Zones, seed: int) -> Order:
     """Patches of one pixel, whose zone is the neighborhood above and to the left (section 2.5)."""
     height, width = frame.canvas.shape
     reach = frame.settings.boundary_width
@@ -236,7 +233,7 @@ def scan_pixels(frame: Frame, number: Number, seed: int) -> Order:
             max(column - width, -reach - 1),
         )
         if key not in numbers:
-            numbers[key] = number(_causal(frame, row, column))
+            numbers[key] = zones.number(_causal(frame, row, column))
         return numbers[key]
 
     return Order(

@@ -10,15 +10,13 @@ from weftex.errors import InvalidInputError
 from weftex.exemplar import Exemplar
 from weftex.method import Method, parameter
 from weftex.methods.patches.hole_sizes import patch_size_for
+from weftex.search.zone_search import SEARCHES
 
 if TYPE_CHECKING:
     import numpy as np
     from numpy.typing import NDArray
 
-#: How candidates are found, and the kernel's number for it.
-SEARCHES = {"exhaustive": 0, "quadtree": 1, "pca": 2, "kdtree": 3, "kdtree-pca": 3}
 _HOLE_ZONE, _HOLE_CANDIDATES = 4, 400  # boundary width in px and candidates for holes
-
 
 @dataclass(frozen=True)
 class PatchMethod(Method):
@@ -64,7 +62,7 @@ class PatchMethod(Method):
     )
     edge_weight: float = parameter(
         0.0,
-        "how much outlines count beside colour when zones are compared; 0 is the paper's metric",
+        "how much outlines count beside color when zones are compared; 0 is the paper's metric",
         low=0.0,
         high=10.0,
     )

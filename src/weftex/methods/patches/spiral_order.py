@@ -14,20 +14,20 @@ from weftex.random import draw
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-    from weftex.methods.patches.scan_order import Number
+    from weftex.methods.patches.analysis import Zones
 
 _MOST_AROUND = 11  # earlier patches that a patch should not repeat
 
 
-def spiral_patches(frame: Frame, number: Number, seed: int) -> Order:
+def spiral_patches(frame: Frame, zones: Zones, seed: int) -> Order:
     """Patches, or single pixels, that fill the canvas's hole.
 
     Parameters
     ----------
     frame : Frame
         Canvas and windows.
-    number : callable
-        Numbers a zone.
+    zones : Zones
+        Numbers the boundary zones.
     seed : int
         Of the random bits.
     """
@@ -51,7 +51,7 @@ def spiral_patches(frame: Frame, number: Number, seed: int) -> Order:
         for k, (y, x) in enumerate(corners.tolist()):
             at = _window_at(frame, y, x)
             missing = unknown[at]
-            zone = number(~missing & ~outside[at], frozen[at])
+            zone = zones.number(~missing & ~outside[at], frozen[at])
             done = missing
             if frame.settings.pixelwise:
                 done = np.zeros_like(missing)
