@@ -18,6 +18,7 @@ if TYPE_CHECKING:
 
 _HOLE_ZONE, _HOLE_CANDIDATES = 4, 400  # boundary width in px and candidates for holes
 
+
 @dataclass(frozen=True)
 class PatchMethod(Method):
     """Parameters that patch-based sampling and image quilting have in common."""
