@@ -2,8 +2,8 @@
 """Kernels that resample warped patches; compiled by Cython, see setup.py.
 
 A warp is a grid of shifts over a block, in 1/16 pixel and linear in between; beyond the block
-those of its sides go on. Nothing outside of the window is ever looked at. All of it is whole numbers, so that
-the same bytes come out everywhere.
+those of its sides go on. Nothing outside of the window is ever looked at. All of it is whole
+numbers, so that the same bytes come out everywhere.
 """
 
 import cython
@@ -24,8 +24,7 @@ class Warps:
     within: cython.const[cython.int][:, ::1]
 
     def __init__(self, nodes, within):
-        self.nodes = nodes
-        self.within = within
+        self.nodes, self.within = nodes, within
 
 
 @cython.cfunc

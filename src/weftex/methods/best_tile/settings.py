@@ -1,4 +1,4 @@
-"""What best tile repetition works with: every value settled from the parameters and the sample."""
+"""The settings of best tile repetition: every value settled."""
 
 from __future__ import annotations
 

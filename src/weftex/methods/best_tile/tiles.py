@@ -83,7 +83,7 @@ def tile_errors(exemplar: Exemplar, vectors: tuple[float, ...], border: int) -> 
 def best_tiles(
     errors: NDArray[np.int64], vectors: tuple[float, ...], wanted: int
 ) -> NDArray[np.int64]:
-    """Find the tile with the lowest error, and the next best that show the same part of the lattice.
+    """Find the tile with the lowest error, and the next best that show the same of the lattice.
 
     Parameters
     ----------

@@ -54,10 +54,7 @@ class CanvasLattice:
     """
 
     def __init__(
-        self,
-        vectors: tuple[float, ...],
-        canvas: Canvas | None = None,
-        limit: float = float("inf"),
+        self, vectors: tuple[float, ...], canvas: Canvas | None = None, limit: float = float("inf")
     ) -> None:
         x1, y1, x2, y2 = vectors
         self.sample = np.array([[y1, x1], [y2, x2]])

@@ -16,10 +16,7 @@ class Sample:
     """The sample as it is matched; `turned` has its axes exchanged. See `search.windows`."""
 
     def __init__(self, pixels, turned, usable, period, centers):
-        self.pixels = pixels
-        self.turned = turned
-        self.usable = usable
-        self.period = period
+        self.pixels, self.turned, self.usable, self.period = pixels, turned, usable, period
         self.centers = centers
 
 
@@ -31,12 +28,8 @@ class Grid:
     """
 
     def __init__(self, rows, columns, wrap, phase, bits, place):
-        self.rows = rows
-        self.columns = columns
-        self.wrap = wrap
-        self.phase = phase
-        self.bits = bits
-        self.place = place
+        self.rows, self.columns, self.wrap, self.phase = rows, columns, wrap, phase
+        self.bits, self.place = bits, place
 
 
 def place_at(sample, y, x):

@@ -85,11 +85,9 @@ def fill_gaps(
             place[i, j] = centers[(layout.bits[i, j] % np.uint64(len(centers))).astype(np.int64)]
             return len(gaps)
         known = np.zeros((*border.wedges.shape, sample.pixels.shape[2]), np.uint8)
-        scratch = kernel_scratch(settings, sample.features, border, known)
+        gap = kernel_gap(settings, sample.features, border, known)
         for steps, own in _by_rows(sample, layout, gaps):
-            gap_kernels.fill_gaps(
-                bundle, grid, steps, own, gap_kernels.Border(*border), search, scratch
-            )
+            gap_kernels.fill_gaps(bundle, grid, steps, own, search, gap)
         return len(gaps)
 
     for done in each(fill, list(_jobs(settings, sample, layout, cells))):
@@ -140,12 +138,13 @@ def kernel_search(settings: Settings, features: Features) -> gap_kernels.Search:
     )  # fmt: skip
 
 
-def kernel_scratch(
+def kernel_gap(
     settings: Settings, features: Features, border: Border, known: NDArray[np.uint8]
-) -> gap_kernels.Scratch:
-    """What kernels fill a gap in; `known` has what the canvas knows of it."""
+) -> gap_kernels.Gap:
+    """A gap as kernels fill it; `known` has what the canvas knows of it."""
     channels = known.shape[2]
-    return gap_kernels.Scratch(
+    return gap_kernels.Gap(
+        *border,
         known,
         np.empty(np.count_nonzero(border.wedges) * channels, np.uint8),
         np.empty(len(features.blocks) * channels, np.int32),

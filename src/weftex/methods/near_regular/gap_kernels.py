@@ -30,18 +30,6 @@ KNOWN = cython.declare(cython.int, 5)  # the wedge of pixels that the canvas kno
 
 
 @cython.cclass
-class Border:
-    """The pixels of a gap's window that must match: from which neighbor, and as runs."""
-
-    wedges: cython.const[cython.uchar][:, ::1]
-    runs: cython.const[cython.int][:, ::1]
-
-    def __init__(self, wedges, runs):
-        self.wedges = wedges
-        self.runs = runs
-
-
-@cython.cclass
 class Search:
     """How gaps are searched for: the settings, and features of all borders where nothing repeats.
 
@@ -64,44 +52,40 @@ class Search:
         self, tolerance, candidates, variety, by_correlation,
         blocks, side, basis, offset, shift, features, places,
     ):  # fmt: skip
-        self.tolerance = tolerance
-        self.candidates = candidates
-        self.variety = variety
-        self.by_correlation = by_correlation
-        self.blocks = blocks
-        self.side = side
-        self.basis = basis
-        self.offset = offset
-        self.shift = shift
-        self.features = features
+        self.tolerance, self.candidates, self.variety = tolerance, candidates, variety
+        self.by_correlation, self.blocks, self.side = by_correlation, blocks, side
+        self.basis, self.offset, self.shift, self.features = basis, offset, shift, features
         self.places = places
 
 
 @cython.cclass
-class Scratch:
-    """What a thread works on while it fills gaps; `border` holds the known pixels already."""
+class Gap:
+    """A gap in the making, and what a thread works on while it fills gaps of one size.
 
+    `wedges` tells from which neighbor each pixel of its border comes, `runs` covers the border,
+    `border` holds its pixels; those that the canvas knows are there already.
+    """
+
+    wedges: cython.const[cython.uchar][:, ::1]
+    runs: cython.const[cython.int][:, ::1]
     border: cython.uchar[:, :, ::1]
     query: cython.uchar[::1]
     means: cython.int[::1]
     coordinates: cython.short[::1]
     keys: cython.longlong[::1]
     places: cython.int[::1]
-    # The neighbors above, left, below and right, numbered from 1: their places, where in their
-    # windows this one's corner lies, and the block's own size.
+    # The neighbors above, left, below and right, numbered from 1: their places, and where in
+    # their windows this one's corner lies. And the gap's own size.
     other: cython.int[5]
     dy: cython.longlong[5]
     dx: cython.longlong[5]
     height: cython.longlong
     width: cython.longlong
 
-    def __init__(self, border, query, means, coordinates, keys, places):
-        self.border = border
-        self.query = query
-        self.means = means
-        self.coordinates = coordinates
-        self.keys = keys
-        self.places = places
+    def __init__(self, wedges, runs, border, query, means, coordinates, keys, places):
+        self.wedges, self.runs, self.border = wedges, runs, border
+        self.query, self.means, self.coordinates = query, means, coordinates
+        self.keys, self.places = keys, places
 
 
 @cython.cfunc
@@ -156,12 +140,7 @@ def correlation(
 @cython.nogil
 @cython.exceptval(check=False)
 def mismatch(
-    sample: Sample,
-    border: Border,
-    search: Search,
-    scratch: Scratch,
-    here: cython.int,
-    bound: cython.longlong,
+    sample: Sample, search: Search, gap: Gap, here: cython.int, bound: cython.longlong
 ) -> cython.longlong:
     """How badly the piece at a place fits the border: eq. (4.4), or by the GNCC.
 
@@ -170,22 +149,22 @@ def mismatch(
     """
     cython.declare(n=cython.Py_ssize_t, y=cython.Py_ssize_t, x=cython.Py_ssize_t)
     cython.declare(shown=cython.longlong, found=cython.longlong)
-    area: cython.longlong = max(scratch.height * scratch.width, 1)
+    area: cython.longlong = max(gap.height * gap.width, 1)
     factor: cython.longlong = 256
     for n in range(1, 5):
         shown = shown_again(
-            sample, here, scratch.other[n], scratch.dy[n], scratch.dx[n],
-            scratch.height, scratch.width,
+            sample, here, gap.other[n], gap.dy[n], gap.dx[n],
+            gap.height, gap.width,
         )  # fmt: skip
         factor += search.variety * shown // area
     y = here // sample.usable.shape[1]
     x = here % sample.usable.shape[1]
     if search.by_correlation:
-        found = correlation(sample, y, x, border.runs, scratch.query)
+        found = correlation(sample, y, x, gap.runs, gap.query)
     else:
         bound = bound // factor if bound >= 0 else -1
         found = distance(
-            sample.pixels, sample.turned, y, x, border.runs, scratch.query, bound
+            sample.pixels, sample.turned, y, x, gap.runs, gap.query, bound
         )  # fmt: skip
     return factor * found
 
@@ -193,59 +172,57 @@ def mismatch(
 @cython.cfunc
 @cython.nogil
 @cython.exceptval(check=False)
-def look_around(
-    grid: Grid, i: cython.Py_ssize_t, j: cython.Py_ssize_t, scratch: Scratch
-) -> cython.void:
+def look_around(grid: Grid, i: cython.Py_ssize_t, j: cython.Py_ssize_t, gap: Gap) -> cython.void:
     """Find the places of a gap's neighbors, and where in their windows its corner lies."""
     cython.declare(n=cython.Py_ssize_t, p=cython.Py_ssize_t, q=cython.Py_ssize_t)
-    scratch.height = grid.rows[i + 1] - grid.rows[i]
-    scratch.width = grid.columns[j + 1] - grid.columns[j]
+    gap.height = grid.rows[i + 1] - grid.rows[i]
+    gap.width = grid.columns[j + 1] - grid.columns[j]
     for n in range(1, 5):
         p = i if n % 2 == 0 else around(grid, 0, i, n - 2)
         q = j if n % 2 else around(grid, 1, j, n - 3)
-        scratch.other[n] = grid.place[p, q]
-        scratch.dy[n] = 0
-        scratch.dx[n] = 0
+        gap.other[n] = grid.place[p, q]
+        gap.dy[n] = 0
+        gap.dx[n] = 0
         if n == 1:
-            scratch.dy[n] = grid.rows[p + 1] - grid.rows[p]
+            gap.dy[n] = grid.rows[p + 1] - grid.rows[p]
         elif n == 2:
-            scratch.dx[n] = grid.columns[q + 1] - grid.columns[q]
+            gap.dx[n] = grid.columns[q + 1] - grid.columns[q]
         elif n == 3:
-            scratch.dy[n] = -scratch.height
+            gap.dy[n] = -gap.height
         else:
-            scratch.dx[n] = -scratch.width
+            gap.dx[n] = -gap.width
 
 
 @cython.cfunc
 @cython.nogil
 @cython.exceptval(check=False)
-def compose_border(sample: Sample, border: Border, scratch: Scratch) -> cython.void:
+def compose_border(sample: Sample, gap: Gap) -> cython.void:
     """Copy each wedge of a gap's border from the neighbor that it belongs to (Fig. 4.9)."""
     cython.declare(v=cython.Py_ssize_t, u=cython.Py_ssize_t, k=cython.Py_ssize_t)
     cython.declare(p=cython.Py_ssize_t, q=cython.Py_ssize_t, wedge=cython.int)
     width: cython.Py_ssize_t = sample.usable.shape[1]
-    for v in range(border.wedges.shape[0]):
-        for u in range(border.wedges.shape[1]):
-            wedge = border.wedges[v, u]
+    for v in range(gap.wedges.shape[0]):
+        for u in range(gap.wedges.shape[1]):
+            wedge = gap.wedges[v, u]
             if wedge == 0 or wedge == KNOWN:
                 continue
-            p = scratch.other[wedge] // width + scratch.dy[wedge] + v
-            q = scratch.other[wedge] % width + scratch.dx[wedge] + u
+            p = gap.other[wedge] // width + gap.dy[wedge] + v
+            q = gap.other[wedge] % width + gap.dx[wedge] + u
             for k in range(sample.pixels.shape[2]):
-                scratch.border[v, u, k] = sample.pixels[p, q, k]
-    gather(scratch.border, 0, 0, border.runs, scratch.query)
+                gap.border[v, u, k] = sample.pixels[p, q, k]
+    gather(gap.border, 0, 0, gap.runs, gap.query)
 
 
 @cython.cfunc
 @cython.nogil
 @cython.exceptval(check=False)
-def best_by_features(search: Search, scratch: Scratch) -> cython.Py_ssize_t:
+def best_by_features(search: Search, gap: Gap) -> cython.Py_ssize_t:
     """List the places whose borders are nearest in few numbers (section 5.2); return how many."""
-    block_means(scratch.border, 0, 0, search.blocks, search.side, scratch.means)
-    project(search.basis, search.offset, search.shift, scratch.means, scratch.coordinates)
+    block_means(gap.border, 0, 0, search.blocks, search.side, gap.means)
+    project(search.basis, search.offset, search.shift, gap.means, gap.coordinates)
     return nearest_by_features(
-        search.features, search.places, scratch.coordinates, search.candidates,
-        scratch.keys, scratch.places,
+        search.features, search.places, gap.coordinates, search.candidates,
+        gap.keys, gap.places,
     )  # fmt: skip
 
 
@@ -256,9 +233,8 @@ def best_similar(
     sample: Sample,
     grid: Grid,
     steps: cython.const[cython.longlong][:, ::1],
-    border: Border,
     search: Search,
-    scratch: Scratch,
+    gap: Gap,
     i: cython.Py_ssize_t,
     j: cython.Py_ssize_t,
 ) -> cython.Py_ssize_t:
@@ -277,11 +253,11 @@ def best_similar(
         k = k + 1 if k + 1 < every else 0
         if here < 0:
             continue
-        bound = scratch.keys[0] if count == search.candidates else -1
-        key = mismatch(sample, border, search, scratch, here, bound)
+        bound = gap.keys[0] if count == search.candidates else -1
+        key = mismatch(sample, search, gap, here, bound)
         count = offer(
             key, here, count, search.candidates,
-            cython.address(scratch.keys[0]), cython.address(scratch.places[0]),
+            cython.address(gap.keys[0]), cython.address(gap.places[0]),
         )  # fmt: skip
         tried += 1
         if tried == MOST_COMPARED and steps.shape[0]:
@@ -292,30 +268,26 @@ def best_similar(
 @cython.cfunc
 @cython.nogil
 @cython.exceptval(check=False)
-def put_best_first(scratch: Scratch, count: cython.Py_ssize_t) -> cython.void:
+def put_best_first(gap: Gap, count: cython.Py_ssize_t) -> cython.void:
     """Move the best place listed to the front, so that all others are soon given up."""
     cython.declare(k=cython.Py_ssize_t, t=cython.Py_ssize_t, here=cython.int)
     k = 0
     for t in range(1, count):
-        if scratch.keys[t] < scratch.keys[k] or (
-            scratch.keys[t] == scratch.keys[k] and scratch.places[t] < scratch.places[k]
+        if gap.keys[t] < gap.keys[k] or (
+            gap.keys[t] == gap.keys[k] and gap.places[t] < gap.places[k]
         ):
             k = t
     if count > 0:
-        here = scratch.places[0]
-        scratch.places[0] = scratch.places[k]
-        scratch.places[k] = here
+        here = gap.places[0]
+        gap.places[0] = gap.places[k]
+        gap.places[k] = here
 
 
 @cython.cfunc
 @cython.nogil
 @cython.exceptval(check=False)
 def best_within_tolerance(
-    sample: Sample,
-    border: Border,
-    search: Search,
-    scratch: Scratch,
-    count: cython.Py_ssize_t,
+    sample: Sample, search: Search, gap: Gap, count: cython.Py_ssize_t
 ) -> cython.int:
     """The best place within the tolerance around those listed (section 4.2.2), or -1."""
     cython.declare(t=cython.Py_ssize_t, y=cython.longlong, x=cython.longlong, here=cython.int)
@@ -326,14 +298,10 @@ def best_within_tolerance(
     for t in range(count):
         for y in range(-search.tolerance, search.tolerance + 1):
             for x in range(-search.tolerance, search.tolerance + 1):
-                here = place_at(
-                    sample, scratch.places[t] // width + y, scratch.places[t] % width + x
-                )
+                here = place_at(sample, gap.places[t] // width + y, gap.places[t] % width + x)
                 if here < 0:
                     continue
-                key = mismatch(
-                    sample, border, search, scratch, here, least if least < NEVER else -1
-                )
+                key = mismatch(sample, search, gap, here, least if least < NEVER else -1)
                 if key < least or (key == least and here < best):
                     least = key
                     best = here
@@ -345,9 +313,8 @@ def fill_gaps(
     grid: Grid,
     steps: cython.const[cython.longlong][:, ::1],
     cells: cython.const[cython.int][:, ::1],
-    border: Border,
     search: Search,
-    scratch: Scratch,
+    gap: Gap,
 ):
     """Choose the piece of each gap of `cells` by its four neighbors' borders (section 4.2.2).
 
@@ -361,12 +328,12 @@ def fill_gaps(
         for c in range(cells.shape[0]):
             i = cells[c, 0]
             j = cells[c, 1]
-            look_around(grid, i, j, scratch)
-            compose_border(sample, border, scratch)
+            look_around(grid, i, j, gap)
+            compose_border(sample, gap)
             if steps.shape[0] == 0 and search.blocks.shape[0] > 0:
-                count = best_by_features(search, scratch)
+                count = best_by_features(search, gap)
             else:
-                count = best_similar(sample, grid, steps, border, search, scratch, i, j)
-            put_best_first(scratch, count)
-            best = best_within_tolerance(sample, border, search, scratch, count)
+                count = best_similar(sample, grid, steps, search, gap, i, j)
+            put_best_first(gap, count)
+            best = best_within_tolerance(sample, search, gap, count)
             grid.place[i, j] = best if best >= 0 else any_place(sample, grid, i, j)

@@ -13,8 +13,8 @@ from weftex.methods.lattices.mean_tile import known_pixels
 from weftex.methods.near_regular import gap_kernels
 from weftex.methods.near_regular.blocks import (
     draw_constrained_blocks,
+    kernel_gap,
     kernel_sample,
-    kernel_scratch,
     kernel_search,
 )
 from weftex.methods.near_regular.sample import NO_FEATURES, Border, shuffled
@@ -132,7 +132,7 @@ def _seen(layout: Layout, mask: NDArray[np.bool_]) -> NDArray[np.bool_]:
     result = np.zeros(layout.bits.shape, bool)
     for i in range(layout.rows.shown.start, layout.rows.shown.stop):
         y, inside = layout.rows.lines(i)
-        row = mask[y[inside]].any(axis=0)
+        row: NDArray[np.bool_] = np.any(mask[y[inside]], axis=0)
         for j in range(layout.columns.shown.start, layout.columns.shown.stop):
             x, within = layout.columns.lines(j)
             result[i, j] = row[x[within]].any()
@@ -206,11 +206,9 @@ def _fit(
             centers = sample.windows.centres
             place[i, j] = centers[int(layout.bits[i, j] % np.uint64(len(centers)))]
             return
-        scratch = kernel_scratch(settings, NO_FEATURES, border, known)
+        gap = kernel_gap(settings, NO_FEATURES, border, known)
         own = np.array([[i, j]], np.int32)
-        gap_kernels.fill_gaps(
-            bundle, grid, sample.steps, own, gap_kernels.Border(*border), search, scratch
-        )
+        gap_kernels.fill_gaps(bundle, grid, sample.steps, own, search, gap)
 
     for _ in each(fit, cells):
         progress.advance(1)

@@ -76,10 +76,7 @@ def rectified(
 
 
 def _moved(
-    sample: NDArray[np.int32],
-    tile: NDArray[np.int32],
-    shifts: list[tuple[int, int]],
-    radius: int,
+    sample: NDArray[np.int32], tile: NDArray[np.int32], shifts: list[tuple[int, int]], radius: int
 ) -> NDArray[np.int64]:
     """The best of the shifts for each pixel, evened out by how much it is better than others."""
     height, width = sample.shape[:2]

@@ -11,8 +11,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from weftex.methods.lattices.mean_tile import MeanTile
-from weftex.raster.boxes import sums_along
 from weftex.random import draw
+from weftex.raster.boxes import sums_along
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray

@@ -152,7 +152,7 @@ def prepare(settings: Settings, exemplar: Exemplar) -> BlockSample:
         steps = np.ascontiguousarray(steps[order])
         multiples = np.rint(steps @ lattice.inverse[:, 0] / 65536).astype(np.int64)
         # Blocks must hold a whole row.
-        whole = size >= float(np.hypot(*vectors[:2]))
+        whole = size >= float(np.hypot(vectors[0], vectors[1]))
         if settings.by_rows and exemplar.mask is None and whole:
             row_axis = axis_of_rows(pixels, vectors)
         if row_axis is not None:

@@ -21,21 +21,18 @@ class Shown:
     place: cython.const[cython.int][:, ::1]
 
     def __init__(self, pixels, visibility, place):
-        self.pixels = pixels
-        self.visibility = visibility
-        self.place = place
+        self.pixels, self.visibility, self.place = pixels, visibility, place
 
 
 @cython.cclass
 class Hole:
-    """The canvas's known pixels, and the state of each: 0 in the hole. Both are empty without one."""
+    """The canvas's known pixels, and the state of each; both are empty without a hole."""
 
     known: cython.const[cython.uchar][:, :, ::1]
     state: cython.const[cython.uchar][:, ::1]
 
     def __init__(self, known, state):
-        self.known = known
-        self.state = state
+        self.known, self.state = known, state
 
 
 @cython.cclass
@@ -58,14 +55,8 @@ class Seams:
     lying: cython.int[:, :, ::1]
 
     def __init__(self, inset, reach, slack, box, parity, corners, upright, lying):
-        self.inset = inset
-        self.reach = reach
-        self.slack = slack
-        self.box = box
-        self.parity = parity
-        self.corners = corners
-        self.upright = upright
-        self.lying = lying
+        self.inset, self.reach, self.slack, self.box = inset, reach, slack, box
+        self.parity, self.corners, self.upright, self.lying = parity, corners, upright, lying
 
 
 @cython.cclass
@@ -79,10 +70,7 @@ class Scratch:
     path: cython.int[::1]
 
     def __init__(self, error, beyond, total, came, path):
-        self.error = error
-        self.beyond = beyond
-        self.total = total
-        self.came = came
+        self.error, self.beyond, self.total, self.came = error, beyond, total, came
         self.path = path
 
 
@@ -286,31 +274,6 @@ def least_path(
         k = scratch.came[i, k]
 
 
-@cython.cfunc
-@cython.nogil
-@cython.exceptval(check=False)
-def weigh_hole(
-    shown: Shown,
-    hole: Hole,
-    scratch: Scratch,
-    n: cython.Py_ssize_t,
-    k: cython.Py_ssize_t,
-    at: cython.pointer(cython.Py_ssize_t),
-    kind: cython.int,
-) -> cython.void:
-    """Pixel k of line n of a band counts for nothing off the hole, or by what it leaves known.
-
-    `at` is where the pixel is in the block before, in the block after, and on the canvas.
-    """
-    scratch.beyond[n, k + 1] = scratch.beyond[n, k]
-    if kind == OFF:
-        scratch.error[n, k] = 0
-    if kind == BESIDE:
-        # A boundary past this pixel leaves it to the block before.
-        scratch.beyond[n, k + 1] += leaves(shown, at[0], at[1], hole, at[4], at[5])
-        scratch.beyond[n, k + 1] -= leaves(shown, at[2], at[3], hole, at[4], at[5])
-
-
 def cut_edges(
     shown: Shown,
     grid: Grid,
@@ -334,7 +297,7 @@ def cut_edges(
     cython.declare(size=cython.longlong, length=cython.longlong, a=cython.int, b=cython.int)
     cython.declare(ay=cython.Py_ssize_t, ax=cython.Py_ssize_t)
     cython.declare(by=cython.Py_ssize_t, bx=cython.Py_ssize_t)
-    at = cython.declare(cython.Py_ssize_t[6])
+    cython.declare(y=cython.longlong, x=cython.longlong, kind=cython.int)
     paths: cython.int[:, :, ::1] = seams.upright if upright else seams.lying
     width: cython.Py_ssize_t = shown.pixels.shape[1]
     inset: cython.Py_ssize_t = seams.inset
@@ -385,16 +348,18 @@ def cut_edges(
                         v = n if upright else k
                         u = k if upright else n
                         scratch.error[n, k] = differ(shown, ay + v, ax + u, by + v, bx + u)
-                        if hole.state.shape[0]:
-                            at[0] = ay + v
-                            at[1] = ax + u
-                            at[2] = by + v
-                            at[3] = bx + u
-                            at[4] = grid.rows[i] - reach + v + (start - inset if upright else 0)
-                            at[5] = grid.columns[j] - reach + u + (0 if upright else start - inset)
-                            weigh_hole(
-                                shown, hole, scratch, n, k, at, state_of(hole, grid, at[4], at[5])
-                            )
+                        if hole.state.shape[0] == 0:
+                            continue
+                        y = grid.rows[i] - reach + v + (start - inset if upright else 0)
+                        x = grid.columns[j] - reach + u + (0 if upright else start - inset)
+                        kind = state_of(hole, grid, y, x)
+                        scratch.beyond[n, k + 1] = scratch.beyond[n, k]
+                        if kind == OFF:
+                            scratch.error[n, k] = 0
+                        if kind == BESIDE:
+                            # A boundary past this pixel leaves it to the block before.
+                            scratch.beyond[n, k + 1] += leaves(shown, ay + v, ax + u, hole, y, x)
+                            scratch.beyond[n, k + 1] -= leaves(shown, by + v, bx + u, hole, y, x)
                 least_path(scratch, stop - start, 2 * reach, begin, end)
                 for t in range(paths.shape[2]):
                     if t < start:

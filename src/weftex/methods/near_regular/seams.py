@@ -287,7 +287,7 @@ def lay_blocks(
         about["origin"] = list(layout.origin)
     if any(layout.canvas.wrap):
         about["strain"] = round(layout.lattice.strain, 6)
-    told = {
+    told: dict[str, Any] = {
         "sample_shape": sample.exemplar.shape,
         "exemplar": sample.exemplar,
         "known_from": layout.canvas.known_from,

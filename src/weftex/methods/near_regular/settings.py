@@ -1,4 +1,4 @@
-"""What near-regular synthesis works with: every value settled from the parameters and the sample."""
+"""The settings of near-regular synthesis: every value settled."""
 
 from __future__ import annotations
 
@@ -89,9 +89,8 @@ class Settings:
 
     def parameters(self) -> dict[str, Any]:
         """The settled values of those parameters that may be left open, by name."""
-        names = "lattice", "blend", "tolerance", "rectify", "candidates", "variety"
-        names += "block_size", "border_width"
-        names += ("blend_width",) if self.blend == "feather" else ()
+        names = ["lattice", "block_size", "border_width", "blend", "tolerance", "rectify"]
+        names += ["candidates", "variety"] + ["blend_width"] * (self.blend == "feather")
         return {name: getattr(self, name) for name in names}
 
 

@@ -25,10 +25,7 @@ class Warps:
     nodes: cython.short[:, :, :, :, ::1]
 
     def __init__(self, margin, half, limit, shifts, nodes):
-        self.margin = margin
-        self.half = half
-        self.limit = limit
-        self.shifts = shifts
+        self.margin, self.half, self.limit, self.shifts = margin, half, limit, shifts
         self.nodes = nodes
 
 
@@ -52,10 +49,7 @@ class Scratch:
     length: cython.Py_ssize_t
 
     def __init__(self, lines, costs, found, sides):
-        self.lines = lines
-        self.costs = costs
-        self.found = found
-        self.sides = sides
+        self.lines, self.costs, self.found, self.sides = lines, costs, found, sides
 
 
 @cython.cfunc
@@ -218,6 +212,7 @@ def best_shift(
 def even_sides(last: cython.Py_ssize_t, scratch: Scratch) -> cython.void:
     """Even out the shifts along each side, in 1/128 pixel; both sides of a corner meet there."""
     cython.declare(n=cython.Py_ssize_t, k=cython.Py_ssize_t, t=cython.Py_ssize_t)
+    cython.declare(m=cython.Py_ssize_t, mean=cython.longlong)
     for t in range(2):
         for n in range(4):
             for k in range(last + 1):
@@ -226,27 +221,12 @@ def even_sides(last: cython.Py_ssize_t, scratch: Scratch) -> cython.void:
                     + 2 * scratch.found[n, k, t]
                     + scratch.found[n, min(k + 1, last), t]
                 )
-        meet(scratch, 0, 0, 1, 0, t)
-        meet(scratch, 0, last, 3, 0, t)
-        meet(scratch, 2, 0, 1, last, t)
-        meet(scratch, 2, last, 3, last, t)
-
-
-@cython.cfunc
-@cython.nogil
-@cython.exceptval(check=False)
-def meet(
-    scratch: Scratch,
-    m: cython.Py_ssize_t,
-    a: cython.Py_ssize_t,
-    n: cython.Py_ssize_t,
-    b: cython.Py_ssize_t,
-    t: cython.Py_ssize_t,
-) -> cython.void:
-    """Give two sides one corner; both are even, so the mean is exact."""
-    mean: cython.longlong = (scratch.sides[m, a, t] + scratch.sides[n, b, t]) // 2
-    scratch.sides[m, a, t] = mean
-    scratch.sides[n, b, t] = mean
+        for k in range(4):  # give two sides one corner; both are even, so the mean is exact
+            m = k // 2 * 2
+            n = k % 2 * 2 + 1
+            mean = (scratch.sides[m, k % 2 * last, t] + scratch.sides[n, k // 2 * last, t]) // 2
+            scratch.sides[m, k % 2 * last, t] = mean
+            scratch.sides[n, k // 2 * last, t] = mean
 
 
 @cython.cfunc
