@@ -24,25 +24,19 @@ def thread_count(threads: int | None) -> int:
 
 
 @contextmanager
-def mapping(threads: int | None) -> Iterator[Callable[..., Any]]:
-    """A `map` that calls its function on so many threads; results come in order.
-
-    Parameters
-    ----------
-    threads : int or None
-        See `thread_count`.
+def thread_map(threads: int) -> Iterator[Callable[..., Any]]:
+    """Give a function like `map` that makes up to so many calls at a time.
 
     Examples
     --------
-    >>> with mapping(2) as each:
-    ...     list(each(abs, [-3, 2]))
-    [3, 2]
+    >>> with thread_map(2) as map_:
+    ...     list(map_(abs, [-1, 2]))
+    [1, 2]
     """
-    count = thread_count(threads)
-    if count == 1:
+    if threads == 1:
         yield map
         return
     from concurrent.futures import ThreadPoolExecutor
 
-    with ThreadPoolExecutor(count) as pool:
+    with ThreadPoolExecutor(threads) as pool:
         yield pool.map

@@ -14,7 +14,7 @@ from weftex.methods.near_regular.sample import blockiness, prepare
 from weftex.methods.near_regular.seams import blend_linearly, cut_seams, lay_blocks
 from weftex.methods.near_regular.settings import settle
 from weftex.methods.near_regular.warps import warp_gaps
-from weftex.threads import mapping
+from weftex.threads import thread_count, thread_map
 
 if TYPE_CHECKING:
     from weftex.canvas import Canvas
@@ -186,7 +186,7 @@ class NearRegularModel(LatticeModel):
         """Make an output by section 4.2, with the improvements that chapter 6 proposes."""
         settings, sample = self.settings, self.blocks
         told = self.method.describe() | {"blend_width": settings.blend_width}
-        with mapping(threads) as each:
+        with thread_map(thread_count(threads)) as each:
             # 4.2: split the output into square blocks; f[x] = f[x + a v1 + b v2] (eq. 4.3) says
             # which patches of the sample are similar to each.
             layout = divide(settings, sample, canvas, origin, seed)
