@@ -7,6 +7,7 @@ import weftex
 from families import noise
 from materials import wall
 from twins import best_tile as reference
+from weftex.methods.best_tile.tiles import tile_errors
 from weftex.methods.lattices.mean_tile import MeanTile
 
 
@@ -18,7 +19,7 @@ def model_of(pixels, **parameters):
 @pytest.mark.parametrize("border", [1, 2, 4])
 def test_errors_are_those_of_the_definition(vectors, border):
     pixels = noise((17, 18, 3))
-    error = model_of(pixels, lattice=vectors).errors(tuple(map(float, vectors)), border)
+    error = tile_errors(weftex.Exemplar(pixels), tuple(map(float, vectors)), border)
     expected = reference.tile_errors(pixels, vectors, border)
     assert (error >= 0).any()
     assert np.array_equal(error[error >= 0], expected[error >= 0])
@@ -126,3 +127,13 @@ def test_nothing_repeats():
     x1, y1, x2, y2 = model.method.lattice
     assert y1 == x2 == 0 and 0 < x1 < 50 and 0 < y2 < 40
     model.sample((33, 47), tileable=True)
+
+
+def test_borders_are_as_wide_as_there_is_room_for():
+    model = model_of(noise((40, 50)), lattice=(20, 0, 0, 30), border_width=100)
+    assert 0 < model.method.border_width < 11
+    assert model.sample(20).provenance["border_width"] == model.method.border_width
+    narrow = model_of(noise((40, 50)), lattice=(20, 0, 0, 30), border_width=model.method.border_width)
+    assert np.array_equal(narrow.anchors, model.anchors)
+    bare = model_of(noise((40, 50)), lattice=(49, 0, 0, 20))
+    assert bare.sample(20).provenance["border_width"] == bare.settings.border_width

@@ -11,11 +11,11 @@ from materials import wall
 from twins import near_regular as reference
 from twins.near_regular_holes import NearRegularHoleTwin
 from twins.near_regular_warps import WarpedTwin
-from weftex.methods.lattices.mean_tile import origin_of
+from weftex.methods.lattices.model import origin_of
 from weftex.methods.near_regular import seam_kernels as kernels
-from weftex.methods.near_regular.block_sample import wedges_of
 from weftex.methods.near_regular.rectification import rectified
 from weftex.methods.near_regular.rows import axis_of_rows
+from weftex.methods.near_regular.sample import wedges_of
 from weftex.results.patches import RectifiedSynthesis
 from weftex.results.warped import WarpedSynthesis
 
@@ -93,7 +93,7 @@ def test_holes_are_filled_like_the_twin_does(inside, radius, parameters):
         exemplar = weftex.Exemplar(pixels)
         canvas = weftex.Canvas(60, 64, known=other, hole=hole)
     model = weftex.NearRegular(**settings).fit(exemplar)
-    origin = (0, 0) if model.blocks.free else origin_of(canvas, exemplar, model.blocks.vectors)
+    origin = origin_of(canvas, exemplar, model.vectors) if model.vectors else (0, 0)
     twin = NearRegularHoleTwin(pixels, usable_of(model), model.method, 7, canvas, origin)
     result = model.sample(canvas, seed=7)
     assert np.array_equal(result.source[hole], twin.source(canvas, origin)[hole])
@@ -256,7 +256,28 @@ def test_the_papers_preset():
     model = model_of(wall(128, 128), lattice=(16, 0, 8, 12), preset="paper")
     m = model.method
     assert (m.block_size, m.border_width, m.blend, m.blend_width) == (40, 10, "feather", 4)
-    assert (m.tolerance, m.rectify, m.variety) == (3, 0, 0.0)
+    assert (m.tolerance, m.rectify, m.variety, m.candidates) == (3, 0, 0.0, 512)
+
+
+def test_the_settled_method_says_what_is_done():
+    """Also where a parameter has no effect; nothing but the blending of cut blocks is left open."""
+    pixels, lattice = wall(96, 96), (16, 0, 8, 12)
+    mask = np.ones((96, 96), bool)
+    mask[40:44, 40:44] = False
+    for exemplar, parameters, rectify in (
+        (weftex.Exemplar(pixels), {"lattice": lattice}, 1),
+        (weftex.Exemplar(pixels, mask=mask), {"lattice": lattice, "rectify": 2}, 0),
+        (weftex.Exemplar(pixels, tileable=True), {"lattice": lattice, "rectify": 2}, 0),
+        (weftex.Exemplar(pixels), {"lattice": (1, 0, 0, 1), "rectify": 2}, 0),
+    ):
+        model = weftex.NearRegular(**parameters, block_size=17).fit(exemplar)
+        told = model.sample(20, seed=1).provenance
+        assert told["rectify"] == model.method.rectify == rectify
+        assert told["blend"] == "cut" and told["blend_width"] == 0
+        assert None not in told.values()
+        assert weftex.NearRegular(**parameters, block_size=17).settle(exemplar) == model.method
+    model = model_of(pixels, lattice=lattice, blend="feather", border_width=6, blend_width=20)
+    assert model.method.blend_width == 6  # it cannot be wider than what blocks share
 
 
 def test_blending_is_linear():
@@ -307,8 +328,14 @@ def test_least_paths(seed):
         if abs(a - begin) <= 1 and abs(b - begin) <= 2 and abs(b - end) <= 1 and abs(a - end) <= 2
     ]
     found = np.zeros(length, np.int32)
-    scratch = np.zeros((length, depth + 1), np.int64), np.zeros((length, depth + 1), np.int32)
-    kernels.path_through(error, beyond[: length * (seed % 2)], begin, end, *scratch, found)
+    scratch = kernels.Scratch(
+        error=error,
+        beyond=beyond[: length * (seed % 2)],
+        total=np.zeros((length, depth + 1), np.int64),
+        came=np.zeros((length, depth + 1), np.int32),
+        path=found,
+    )
+    kernels.path_through(scratch, begin, end)
     assert tuple(found) in paths and cost(tuple(found)) == min(map(cost, paths))
 
 

@@ -62,7 +62,33 @@ def centred_sums(values: NDArray[Any], radius: int, axes: tuple[int, ...] = (0, 
     result = np.asarray(values, np.float64)
     for axis in axes:
         at = np.arange(result.shape[axis])
-        result = _spans(result, axis, at - radius, at + radius + 1)
+        result = sums_along(result, axis, at - radius, at + radius + 1)
+    return result
+
+
+def extended_sums(values: NDArray[Any], radius: int) -> NDArray[np.int64]:
+    """Sums over squares of 2 * radius + 1 pixels a side; the border's pixels go on beyond it.
+
+    Parameters
+    ----------
+    values : int array (H, W) or (H, W, K)
+    radius : int
+        0 or more.
+
+    Returns
+    -------
+    int64 array of the shape of `values`
+
+    Examples
+    --------
+    >>> extended_sums(np.arange(6).reshape(2, 3), 1)[0].tolist()
+    [12, 18, 24]
+    """
+    result: NDArray[np.int64] = np.asarray(values, np.int64)
+    for axis in (0, 1):
+        pads = [(radius, radius) if a == axis else (0, 0) for a in range(result.ndim)]
+        at = np.arange(result.shape[axis])
+        result = sums_along(np.pad(result, pads, mode="edge"), axis, at, at + 2 * radius + 1)
     return result
 
 
@@ -86,14 +112,36 @@ def touching_sums(values: Floats, box: tuple[int, ...]) -> Floats:
     """
     for axis in (0, 1):
         at = np.arange(1 - box[axis], values.shape[axis])  # the first row or column in the box
-        values = _spans(values, axis, at, at + box[axis])
+        values = sums_along(values, axis, at, at + box[axis])
     return values
 
 
-def _spans(values: Floats, axis: int, first: NDArray[Any], last: NDArray[Any]) -> Floats:
-    """Sums of values[first:last] along an axis, as far as that lies inside."""
-    running = np.cumsum(values, axis=axis)
+def sums_along(
+    values: NDArray[Any], axis: int, first: NDArray[Any], last: NDArray[Any]
+) -> NDArray[Any]:
+    """Sums of values[first:last] along an axis, as far as that lies inside.
+
+    Parameters
+    ----------
+    values : array
+        Of integers or floats.
+    axis : int
+    first, last : int arrays (n,)
+        Each sum's first place and the one after its last.
+
+    Returns
+    -------
+    array
+        Of the shape and dtype of `values`, but n along the axis. The running sum of integers may
+        wrap around; a sum that fits the dtype is right nevertheless.
+
+    Examples
+    --------
+    >>> sums_along(np.array([200, 100, 50], np.uint8), 0, np.array([1]), np.array([9])).tolist()
+    [150]
+    """
+    running = np.cumsum(values, axis=axis, dtype=values.dtype)
     running = np.concatenate([np.zeros_like(running.take([0], axis)), running], axis)
     ends, starts = np.minimum(last, values.shape[axis]), np.maximum(first, 0)
-    result: Floats = running.take(ends, axis) - running.take(starts, axis)
+    result: NDArray[Any] = running.take(ends, axis) - running.take(starts, axis)
     return result

@@ -1,17 +1,30 @@
 # mypy: ignore-errors
 """Kernels that resample warped patches; compiled by Cython, see setup.py.
 
-A warp is a grid of shifts over a block, `nodes` by `nodes` of them, in 1/16 pixel and linear in
-between; beyond the block those of its sides go on. `within` says where it lies: the patch's first
-row and column in the block's window, the block's height and width, and how far the window reaches
-beyond it. Nothing outside of the window is ever looked at. All of it is whole numbers, so that
-the same bytes come out everywhere.
+A warp is a grid of shifts over a block, in 1/16 pixel and linear in between; beyond the block
+those of its sides go on. Nothing outside of the window is ever looked at. All of it is whole
+numbers, so that the same bytes come out everywhere.
 """
 
 import cython
 
 PART = cython.declare(cython.longlong, 16)  # of a pixel
 ROUND = cython.declare(cython.longlong, 4096)  # pixels that keep quotients above 0
+
+
+@cython.cclass
+class Warps:
+    """Warps of patches: `nodes[k]` are the shifts of patch k, `within[k]` says where they lie.
+
+    That is the patch's first row and column in the block's window, the block's height and width,
+    and how far the window reaches beyond it.
+    """
+
+    nodes: cython.const[cython.short][:, :, :, ::1]
+    within: cython.const[cython.int][:, ::1]
+
+    def __init__(self, nodes, within):
+        self.nodes, self.within = nodes, within
 
 
 @cython.cfunc
@@ -32,25 +45,20 @@ def node(p: cython.longlong, length: cython.longlong, last: cython.longlong) -> 
 @cython.nogil
 @cython.exceptval(check=False)
 def shifted(
-    warps: cython.const[cython.short][:, :, :, ::1],
-    within: cython.const[cython.int][:, ::1],
+    warps: Warps,
     k: cython.Py_ssize_t,
     v: cython.longlong,
     u: cython.longlong,
     shift: cython.pointer(cython.longlong),
 ) -> cython.void:
     """The shift at pixel (v, u) of a window, along both axes."""
-    height: cython.longlong = within[k, 2]
-    width: cython.longlong = within[k, 3]
-    last: cython.longlong = warps.shape[1] - 1
-    n: cython.Py_ssize_t
-    a: cython.Py_ssize_t
-    b: cython.Py_ssize_t
-    y: cython.longlong = min(max(v - within[k, 4], 0), height)
-    x: cython.longlong = min(max(u - within[k, 4], 0), width)
-    tall: cython.longlong
-    wide: cython.longlong
-    total: cython.longlong
+    cython.declare(n=cython.Py_ssize_t, a=cython.Py_ssize_t, b=cython.Py_ssize_t)
+    cython.declare(tall=cython.longlong, wide=cython.longlong, total=cython.longlong)
+    height: cython.longlong = warps.within[k, 2]
+    width: cython.longlong = warps.within[k, 3]
+    last: cython.longlong = warps.nodes.shape[1] - 1
+    y: cython.longlong = min(max(v - warps.within[k, 4], 0), height)
+    x: cython.longlong = min(max(u - warps.within[k, 4], 0), width)
     a = node(y, height, last)
     b = node(x, width, last)
     tall = (a + 1) * height // last - a * height // last
@@ -58,8 +66,12 @@ def shifted(
     y -= a * height // last
     x -= b * width // last
     for n in range(2):
-        total = (tall - y) * ((wide - x) * warps[k, a, b, n] + x * warps[k, a, b + 1, n])
-        total += y * ((wide - x) * warps[k, a + 1, b, n] + x * warps[k, a + 1, b + 1, n])
+        total = (tall - y) * (
+            (wide - x) * warps.nodes[k, a, b, n] + x * warps.nodes[k, a, b + 1, n]
+        )
+        total += y * (
+            (wide - x) * warps.nodes[k, a + 1, b, n] + x * warps.nodes[k, a + 1, b + 1, n]
+        )
         shift[n] = (2 * total + (2 * ROUND * PART + 1) * tall * wide) // (2 * tall * wide)
         shift[n] -= ROUND * PART
 
@@ -182,8 +194,7 @@ def warp_into(
     y: cython.Py_ssize_t,
     x: cython.Py_ssize_t,
     columns: cython.Py_ssize_t,
-    warps: cython.const[cython.short][:, :, :, ::1],
-    within: cython.const[cython.int][:, ::1],
+    warps: Warps,
     k: cython.Py_ssize_t,
     scale: cython.Py_ssize_t,
     alpha: cython.bint,
@@ -192,16 +203,17 @@ def warp_into(
 
     `source` and `piece` are at `scale`, all else is in pixels of the sample.
     """
-    v: cython.Py_ssize_t
-    u: cython.Py_ssize_t
-    r: cython.Py_ssize_t
-    q: cython.Py_ssize_t
-    c: cython.Py_ssize_t
+    cython.declare(v=cython.Py_ssize_t, u=cython.Py_ssize_t, r=cython.Py_ssize_t)
+    cython.declare(q=cython.Py_ssize_t, c=cython.Py_ssize_t)
     channels: cython.Py_ssize_t = source.shape[2]
-    height: cython.longlong = scale * cython.cast(cython.longlong, within[k, 2] + 2 * within[k, 4])
-    width: cython.longlong = scale * cython.cast(cython.longlong, within[k, 3] + 2 * within[k, 4])
-    top: cython.longlong = scale * cython.cast(cython.longlong, y - within[k, 0])
-    left: cython.longlong = scale * cython.cast(cython.longlong, x - within[k, 1])
+    height: cython.longlong = scale * cython.cast(
+        cython.longlong, warps.within[k, 2] + 2 * warps.within[k, 4]
+    )
+    width: cython.longlong = scale * cython.cast(
+        cython.longlong, warps.within[k, 3] + 2 * warps.within[k, 4]
+    )
+    top: cython.longlong = scale * cython.cast(cython.longlong, y - warps.within[k, 0])
+    left: cython.longlong = scale * cython.cast(cython.longlong, x - warps.within[k, 1])
     shift = cython.declare(cython.longlong[2])
     down = cython.declare(cython.longlong[4])
     along = cython.declare(cython.longlong[4])
@@ -210,15 +222,15 @@ def warp_into(
     with cython.nogil:
         for v in range(piece.shape[0] // scale):
             for u in range(columns):
-                shifted(warps, within, k, within[k, 0] + v, within[k, 1] + u, shift)
+                shifted(warps, k, warps.within[k, 0] + v, warps.within[k, 1] + u, shift)
                 for r in range(scale):
                     taps(
-                        PART * (scale * (within[k, 0] + v) + r) + scale * shift[0],
+                        PART * (scale * (warps.within[k, 0] + v) + r) + scale * shift[0],
                         height, top, source.shape[0], down, at_y,
                     )  # fmt: skip
                     for q in range(scale):
                         taps(
-                            PART * (scale * (within[k, 1] + u) + q) + scale * shift[1],
+                            PART * (scale * (warps.within[k, 1] + u) + q) + scale * shift[1],
                             width, left, source.shape[1], along, at_x,
                         )  # fmt: skip
                         for c in range(channels):
@@ -235,26 +247,29 @@ def displace(
     v: cython.longlong[::1],
     u: cython.longlong[::1],
     first: cython.Py_ssize_t,
-    warps: cython.const[cython.short][:, :, :, ::1],
-    within: cython.const[cython.int][:, ::1],
+    warps: Warps,
 ):
     """Move pixels (v, u) of patches from `first` on to the nearest pixel that they show."""
-    n: cython.Py_ssize_t
-    k: cython.Py_ssize_t
-    m: cython.longlong
+    cython.declare(n=cython.Py_ssize_t, k=cython.Py_ssize_t, m=cython.longlong)
     shift = cython.declare(cython.longlong[2])
     with cython.nogil:
         for n in range(patch.shape[0]):
             k = patch[n] - first
             if k < 0:
                 continue
-            shifted(warps, within, k, within[k, 0] + v[n], within[k, 1] + u[n], shift)
-            m = 2 * within[k, 4] - 1
+            shifted(warps, k, warps.within[k, 0] + v[n], warps.within[k, 1] + u[n], shift)
+            m = 2 * warps.within[k, 4] - 1
             v[n] = (
-                min(max(PART * (within[k, 0] + v[n]) + shift[0], 0), PART * (within[k, 2] + m))
+                min(
+                    max(PART * (warps.within[k, 0] + v[n]) + shift[0], 0),
+                    PART * (warps.within[k, 2] + m),
+                )
                 + PART // 2
-            ) // PART - within[k, 0]
+            ) // PART - warps.within[k, 0]
             u[n] = (
-                min(max(PART * (within[k, 1] + u[n]) + shift[1], 0), PART * (within[k, 3] + m))
+                min(
+                    max(PART * (warps.within[k, 1] + u[n]) + shift[1], 0),
+                    PART * (warps.within[k, 3] + m),
+                )
                 + PART // 2
-            ) // PART - within[k, 1]
+            ) // PART - warps.within[k, 1]

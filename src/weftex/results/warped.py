@@ -6,8 +6,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from weftex.results import paste_kernels
-from weftex.results import warp_kernels as _warp_kernels
+from weftex.results import paste_kernels, warp_kernels
 from weftex.results.files import DamageError
 from weftex.results.patches import RectifiedSynthesis
 
@@ -50,7 +49,8 @@ class WarpedSynthesis(RectifiedSynthesis):
     ) -> tuple[NDArray[Any], NDArray[Any]]:
         v, u = (np.array(np.broadcast_to(k, patch.shape), np.int64).ravel() for k in (y, x))
         first = len(self.placements) - len(self.warps)
-        _warp_kernels.displace(np.ravel(patch), v, u, first, self.warps, self.within)
+        warps = warp_kernels.Warps(self.warps, self.within)
+        warp_kernels.displace(np.ravel(patch), v, u, first, warps)
         return v.reshape(patch.shape), u.reshape(patch.shape)
 
     def _lay(self, out: NDArray[Any], pixels: NDArray[Any], window: Window, alpha: bool) -> None:
@@ -58,6 +58,7 @@ class WarpedSynthesis(RectifiedSynthesis):
         scale = out.shape[0] // height
         pixels = self._rectified(pixels)
         rows, columns = self.weights.shape[1:]
+        warps = warp_kernels.Warps(self.warps, self.within)
         piece = np.empty((rows * scale, columns * scale, pixels.shape[2]), pixels.dtype)
         first = len(self.placements) - len(self.warps)
         place = self.placements
@@ -82,9 +83,7 @@ class WarpedSynthesis(RectifiedSynthesis):
                 lay(pixels, place[here], here)
                 continue
             y, x = place[first + k, 2:4].tolist()
-            _warp_kernels.warp_into(
-                piece, pixels, y, x, columns, self.warps, self.within, k, scale, alpha
-            )
+            warp_kernels.warp_into(piece, pixels, y, x, columns, warps, k, scale, alpha)
             at = place[here].copy()
             at[:, 2:4] = 0
             lay(piece, at, here)

@@ -16,10 +16,8 @@ if TYPE_CHECKING:
     from weftex.exemplar import Exemplar
 
 _UNIT = 1 << 16  # positions are in 1/65536 pixel
-_LEAST = 32  # sides of samples in which noise does not look like a lattice by chance
-_LOOK = 64  # pixels on both sides of a size among which a better one is looked for
-#: How far windows may be from the plane's origin, so that positions stay exact enough.
-FAR = 2**40
+_SMALLEST_SAMPLE = 32  # side below which noise may look like a lattice by chance
+_SIZES_TRIED = 64  # pixels on both sides of a size among which a better one is looked for
 #: The unconstrained mode's vectors: any place is similar to any other (section 5.2).
 ANYWHERE = (1.0, 0.0, 0.0, 1.0)
 
@@ -56,10 +54,7 @@ class CanvasLattice:
     """
 
     def __init__(
-        self,
-        vectors: tuple[float, ...],
-        canvas: Canvas | None = None,
-        limit: float = float("inf"),
+        self, vectors: tuple[float, ...], canvas: Canvas | None = None, limit: float = float("inf")
     ) -> None:
         x1, y1, x2, y2 = vectors
         self.sample = np.array([[y1, x1], [y2, x2]])
@@ -138,7 +133,7 @@ def check_lattice(vectors: tuple[float, ...], exemplar: Exemplar) -> None:
 
 def found_vectors(exemplar: Exemplar) -> tuple[float, ...]:
     """The lattice of a sample as x1, y1, x2, y2; x1, y1 where it repeats one way only; or ()."""
-    if min(exemplar.shape) < _LEAST:
+    if min(exemplar.shape) < _SMALLEST_SAMPLE:
         return ()
     lattice = find_lattice(exemplar)
     if lattice is None:
@@ -174,7 +169,7 @@ def _stretched(
 
 def _good_size(vectors: NDArray[np.float64], canvas: Canvas, limit: float) -> str:
     """Say which size close to the canvas's own would do."""
-    reach = [range(-_LOOK, _LOOK + 1) if wraps else range(1) for wraps in canvas.wrap]
+    reach = [range(-_SIZES_TRIED, _SIZES_TRIED + 1) if wraps else range(1) for wraps in canvas.wrap]
     steps = sorted((abs(dy) + abs(dx), dy, dx) for dy in reach[0] for dx in reach[1])
     for _, dy, dx in steps:
         height, width = canvas.height + dy, canvas.width + dx

@@ -13,7 +13,6 @@ from weftex.search.translation import Spectra, fast_size, window_mismatch
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-    from weftex.canvas import Canvas
     from weftex.exemplar import Exemplar
 
 
@@ -45,21 +44,19 @@ class MeanTile:
     ) -> None:
         self._lattice = CanvasLattice(vectors)
         self._bins = [max(1, round(float(np.hypot(*v)))) for v in self._lattice.sample]
-        cell, levels = (
-            self._cell(*np.indices(pixels.shape[:2])).ravel(),
-            pixels.reshape(-1, pixels.shape[2]),
-        )
+        cell = self._cell(*np.indices(pixels.shape[:2])).ravel()
+        colors = pixels.reshape(-1, pixels.shape[2])
         if mask is not None:
-            cell, levels = cell[mask.ravel()], levels[mask.ravel()]
+            cell, colors = cell[mask.ravel()], colors[mask.ravel()]
         size = self._bins[0] * self._bins[1]
         count = np.bincount(cell, minlength=size)
-        total = np.stack([np.bincount(cell, level, minlength=size) for level in levels.T], axis=1)
+        total = np.stack([np.bincount(cell, color, minlength=size) for color in colors.T], axis=1)
         mean = np.rint(total / np.maximum(count, 1)[:, None])
-        mean[count == 0] = np.rint(levels.mean(axis=0))
+        mean[count == 0] = np.rint(colors.mean(axis=0))
         self._mean = mean.astype(np.uint8)
 
     def at(self, y: Any, x: Any) -> NDArray[np.uint8]:
-        """Colours of pixels of the endless plane of mean tiles, (..., K)."""
+        """Colors of pixels of the endless plane of mean tiles, (..., K)."""
         result: NDArray[np.uint8] = self._mean[self._cell(np.asarray(y), np.asarray(x))]
         return result
 
@@ -92,20 +89,9 @@ class MeanTile:
         return result
 
 
-def origin_of(canvas: Canvas, exemplar: Exemplar, vectors: tuple[float, ...]) -> tuple[int, int]:
-    """Where in the sample's plane a canvas's corner lies: what is known there goes on."""
-    if canvas.known_from is not None:
-        return canvas.known_from
-    if canvas.known is None or canvas.hole is None or canvas.hole.all():
-        return canvas.origin
-    known = known_levels(canvas, exemplar)
-    return MeanTile(exemplar.matching(), vectors, exemplar.mask).offset(known, ~canvas.hole)
-
-
-def known_levels(canvas: Canvas, exemplar: Exemplar) -> NDArray[np.uint8]:
-    """The canvas's known pixels as they are matched, (H, W, K)."""
-    assert canvas.known is not None
-    known = exemplar.as_matching(canvas.known)
+def known_pixels(known: NDArray[Any], exemplar: Exemplar) -> NDArray[np.uint8]:
+    """A canvas's known pixels as they are matched, (H, W, K)."""
+    known = exemplar.as_matching(known)
     if known.shape[2] != exemplar.matching().shape[2]:
         raise InvalidInputError("a canvas's known pixels have no maps; use weftex.fill")
     return known

@@ -3,35 +3,24 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, Any, ClassVar
+from typing import TYPE_CHECKING, ClassVar
 
-import numpy as np
-
-from weftex.canvas import Canvas, as_canvas
-from weftex.errors import InvalidInputError
-from weftex.method import Method, Model, parameter
-from weftex.methods.lattices.canvas_lattice import (
-    ANYWHERE,
-    check_lattice,
-    found_vectors,
-)
-from weftex.methods.lattices.mean_tile import origin_of
-from weftex.methods.near_regular.block_sample import BlockSample, has_room
-from weftex.methods.near_regular.blocks import Blocks
-from weftex.methods.near_regular.holes import HoleBlocks
-from weftex.random import seed_number
+from weftex.method import Method, parameter
+from weftex.methods.lattices.model import LatticeModel
+from weftex.methods.near_regular.blocks import draw_constrained_blocks, fill_gaps
+from weftex.methods.near_regular.holes import fill_hole
+from weftex.methods.near_regular.layout import divide
+from weftex.methods.near_regular.sample import blockiness, prepare
+from weftex.methods.near_regular.seams import blend_linearly, cut_seams, lay_blocks
+from weftex.methods.near_regular.settings import settle
+from weftex.methods.near_regular.warps import warp_gaps
+from weftex.threads import thread_count, thread_map
 
 if TYPE_CHECKING:
+    from weftex.canvas import Canvas
     from weftex.exemplar import Exemplar
     from weftex.progress import ProgressCallback
-    from weftex.random import Seed
     from weftex.results.patches import PatchSynthesis
-
-_PAPER = 40 / 128  # block over the sample's side
-_LEAST = 0.15  # the smallest block that is chosen, over the sample's shorter side
-_PLACES = 6.0  # similar places that a block should have to choose from
-_ROWS = 4  # rows to choose from, where nothing else repeats
-_TOLERANCE = 3  # px (section 4.2.2)
 
 
 @dataclass(frozen=True)
@@ -131,7 +120,7 @@ class NearRegular(Method):
     )
     match: str = parameter(
         "difference",
-        "how borders are compared: squared differences of colours, or their correlation",
+        "how borders are compared: squared differences of colors, or their correlation",
         choices=("difference", "gncc"),
     )
     candidates: int | None = parameter(
@@ -154,7 +143,7 @@ class NearRegular(Method):
         return NearRegularModel(self, exemplar)
 
 
-class NearRegularModel(Model):
+class NearRegularModel(LatticeModel):
     """A sample prepared for near-regular synthesis; `sample` and `window` make outputs from it.
 
     Parameters
@@ -164,170 +153,57 @@ class NearRegularModel(Model):
     exemplar : Exemplar
         The sample.
 
+    Attributes
+    ----------
+    settings : Settings
+        The parameters, settled.
+    blocks : BlockSample
+        The sample as blocks are taken from it.
+
     Raises
     ------
     InvalidInputError
         If the vectors or a block do not fit the sample.
     """
 
-    method: NearRegular
-
     def __init__(self, method: NearRegular, exemplar: Exemplar) -> None:
-        self.exemplar = exemplar
-        self.method, rows = _settled(method, exemplar)
-        self.blocks = BlockSample(self.method, exemplar, rows)
-        self.method = self.blocks.method
+        settings = settle(method, exemplar)
+        self.blocks = prepare(settings, exemplar)
+        if settings.blend == "feather" and method.blend_width is None and method.preset != "paper":
+            settings = settings.blended_for(blockiness(settings, self.blocks.pixels))
+        self.settings = settings
+        self.vectors = () if settings.unconstrained else settings.lattice
+        super().__init__(replace(method, **settings.parameters()), exemplar)
 
-    def sample(
-        self,
-        size: Canvas | int | tuple[int, int],
-        *,
-        seed: Seed = None,
-        tileable: bool | str = False,
-        threads: int | None = None,
-        progress: ProgressCallback | None = None,
-    ) -> PatchSynthesis:
-        """Make an output.
-
-        Parameters
-        ----------
-        size : Canvas, int or (int, int)
-            What to make: height and width, or a Canvas. Where it wraps, the lattice is stretched
-            until whole tiles fit; `provenance["strain"]` says how much. A hole goes on with the
-            lattice of its surroundings.
-        seed : int, numpy Generator or None
-            The same seed gives the same bytes, at any number of threads.
-        tileable : bool or {"x", "y"}
-            Axes that are to repeat without a seam.
-        threads : int, optional
-            At most so many; by default as many as there are processors.
-        progress : callable, optional
-            See `weftex.progress.ProgressCallback`.
-
-        Returns
-        -------
-        PatchSynthesis
-
-        Raises
-        ------
-        InvalidInputError
-            If the lattice would have to be stretched too much; a good size is named. If a hole
-            leaves no whole piece that lies right.
-        """
-        canvas = as_canvas(size, tileable)
-        self.method.require(canvas)
-        canvas.check_known(self.exemplar)
-        origin = canvas.origin
-        if not self.blocks.free:
-            origin = origin_of(canvas, self.exemplar, self.blocks.vectors)
-        return self._made(canvas, origin, seed, threads, progress)
-
-    def _made(
+    def make(
         self,
         canvas: Canvas,
         origin: tuple[int, int],
-        seed: Seed,
+        seed: int,
         threads: int | None,
         progress: ProgressCallback | None,
     ) -> PatchSynthesis:
-        kind = Blocks if canvas.known is None else HoleBlocks
-        return kind(self.blocks, canvas, origin, seed_number(seed), threads, progress).result()
-
-
-def _settled(method: NearRegular, exemplar: Exemplar) -> tuple[NearRegular, bool]:
-    """Fill in what follows from the sample and the preset; and whether it repeats by rows only."""
-    paper = method.preset == "paper"
-    vectors, rows = method.lattice, False
-    if vectors is not None:
-        check_lattice(vectors, exemplar)
-    else:
-        vectors, rows = _found(exemplar)
-    settled: dict[str, Any] = {
-        "lattice": vectors,
-        "blend": ("feather" if paper else "cut") if method.blend == "auto" else method.blend,
-        "candidates": method.candidates or (512 if paper else 6),
-        "variety": (0.0 if paper else 1.0) if method.variety is None else method.variety,
-    }
-    x1, y1, x2, y2 = vectors
-    if method.tolerance is None:
-        # Where the tile is hardly larger, a few pixels are another place in it.
-        small = int(abs(x1 * y2 - x2 * y1) ** 0.5 / 4)
-        near = paper or vectors == ANYWHERE
-        settled["tolerance"] = _TOLERANCE if near else min(_TOLERANCE, small)
-    if method.rectify is None:
-        # Little beside the tile, or one thing would be taken for the next.
-        shortest = float(min(np.hypot(x1, y1), np.inf if rows else np.hypot(x2, y2)))
-        settled["rectify"] = 0 if paper else min(_TOLERANCE, round(shortest / 10))
-    shorter = min(exemplar.shape)
-    size, border = method.block_size, method.border_width
-    if border is not None and border % 2:
-        raise InvalidInputError(f"border_width is {border}; it must be even")
-    if size is None:
-        size = max(1, int(_PAPER * shorter))
-        if not paper:
-            size = _block_size(vectors, exemplar, border, rows)
-    if border is None:
-        border = 10 if paper else size // 3 * 2
-        border = min(border, (size - 1) // 2 * 2, max(0, shorter - size) // 2 * 2)
-    if method.warp and border < 2:
-        raise InvalidInputError(f"warp is {method.warp}; it needs a border_width of 2 or more")
-    if border >= size:
-        raise InvalidInputError(f"border_width is {border}; it must be less than the block, {size}")
-    if size + border > shorter:
-        raise InvalidInputError(
-            f"block_size is {size} and border_width {border}; {exemplar.name} is "
-            f"{exemplar.shape[1]}x{exemplar.shape[0]}, which has room for {shorter} together"
-        )
-    if not has_room(exemplar, size + border):
-        raise InvalidInputError(
-            f"no block of {size} pixels with a border of {border} lies on usable pixels of "
-            f"{exemplar.name}; make them smaller"
-        )
-    return replace(method, block_size=size, border_width=border, **settled), rows
-
-
-def _found(exemplar: Exemplar) -> tuple[tuple[float, ...], bool]:
-    """The sample's own vectors, or the unconstrained mode's; and whether there is but one."""
-    vectors = found_vectors(exemplar)
-    if not vectors:
-        return ANYWHERE, False
-    if len(vectors) == 4:
-        return vectors, False
-    # Along the other direction any place is as good, as far on as the tolerance reaches.
-    x, y = vectors
-    step = (2 * _TOLERANCE + 1) / float(np.hypot(x, y))
-    return (x, y, -y * step, x * step), True
-
-
-def _block_size(
-    vectors: tuple[float, ...], exemplar: Exemplar, border: int | None, rows: bool
-) -> int:
-    """The largest block, up to the paper's, that has a choice of places."""
-    x1, y1, x2, y2 = vectors
-    area = abs(x1 * y2 - x2 * y1)
-    shorter = min(exemplar.shape)
-    size, least = int(_PAPER * shorter), max(1, round(_LEAST * shorter))
-    while size > least:
-        height, width = (max(0, n - _window(size, border)) for n in exemplar.shape)
-        room = height * abs(y1) + width * abs(x1)
-        few = rows and room < (_ROWS - 1) * (x1 * x1 + y1 * y1)
-        if height * width >= _PLACES * area and not few:
-            break
-        size -= 1
-    if exemplar.mask is None:
-        while size > 1 and _window(size, border) > shorter:
-            size -= 1
-        return max(size, 1)
-    # What a mask leaves must have a place for every part of the tile.
-    low, high = 0, max(size, 1)
-    while low < high:
-        size = (low + high + 1) // 2
-        if has_room(exemplar, _window(size, border), vectors):
-            low = size
-        else:
-            high = size - 1
-    return max(low, 1)
-
-
-def _window(size: int, border: int | None) -> int:
-    return size + (size // 3 * 2 if border is None else border)
+        """Make an output by section 4.2, with the improvements that chapter 6 proposes."""
+        settings, sample = self.settings, self.blocks
+        told = self.method.describe() | {"blend_width": settings.blend_width}
+        with thread_map(thread_count(threads)) as each:
+            # 4.2: split the output into square blocks; f[x] = f[x + a v1 + b v2] (eq. 4.3) says
+            # which patches of the sample are similar to each.
+            layout = divide(settings, sample, canvas, origin, seed)
+            if canvas.known is not None and canvas.hole is not None:  # ours, by the same steps
+                known = canvas.known, canvas.hole
+                return fill_hole(settings, sample, layout, *known, told, each, progress)
+            # 4.2.1: every second block shows a similar patch, drawn at random (Fig. 4.7).
+            place = draw_constrained_blocks(sample, layout)
+            # 4.2.2: each gap shows the patch that best matches the wedge-shaped borders of its
+            # neighbors (Fig. 4.8 and 4.9, eq. 4.4), within a tolerance around similar ones.
+            place = fill_gaps(settings, sample, layout, place, each, progress)
+            # 6: each gap may be deformed to meet its neighbors.
+            warps = warp_gaps(settings, sample, layout, place, each) if settings.warp else None
+            if settings.blend == "cut":
+                # 6: seams of least error instead of blending.
+                joints = cut_seams(sample, layout, place, each, warps)
+            else:
+                # 4.2.3: blend blocks linearly where they overlap (eqs. 4.6 to 4.10).
+                joints = blend_linearly(settings, layout)
+            return lay_blocks(sample, layout, place, joints, told, warps)

@@ -1,14 +1,17 @@
 # mypy: ignore-errors
 """Kernels of near-regular synthesis: which piece a gap takes; compiled, see setup.py.
 
-Places are as in `_near_regular_kernels`.
+Places are as in `block_kernels`.
 """
 
 import cython
 from cython.cimports.libc.math import sqrt
 from cython.cimports.weftex.methods.near_regular.block_kernels import (
+    Grid,
+    Sample,
+    any_place,
     around,
-    settled,
+    place_at,
     shown_again,
     similar,
 )
@@ -22,38 +25,88 @@ from cython.cimports.weftex.search.zone_kernels import (
 )
 
 NEVER = cython.declare(cython.longlong, 1 << 60)  # more than any piece differs by
-SUBSET = cython.declare(cython.Py_ssize_t, 512)  # lattice positions that a gap looks at
-KNOWN = cython.declare(cython.int, 5)  # the wedge of pixels that are there already
+MOST_COMPARED = cython.declare(cython.Py_ssize_t, 512)  # similar places that a gap looks at
+KNOWN = cython.declare(cython.int, 5)  # the wedge of pixels that the canvas knows
+
+
+@cython.cclass
+class Search:
+    """How gaps are searched for: the settings, and features of all borders where nothing repeats.
+
+    `variety` is in 1/256. `blocks` is empty where pieces are looked for by the lattice.
+    """
+
+    tolerance: cython.Py_ssize_t
+    candidates: cython.Py_ssize_t
+    variety: cython.longlong
+    by_correlation: cython.bint
+    blocks: cython.const[cython.int][:, ::1]
+    side: cython.Py_ssize_t
+    basis: cython.const[cython.short][:, ::1]
+    offset: cython.const[cython.int][::1]
+    shift: cython.int
+    features: cython.const[cython.short][:, ::1]
+    places: cython.const[cython.int][::1]
+
+    def __init__(
+        self, tolerance, candidates, variety, by_correlation,
+        blocks, side, basis, offset, shift, features, places,
+    ):  # fmt: skip
+        self.tolerance, self.candidates, self.variety = tolerance, candidates, variety
+        self.by_correlation, self.blocks, self.side = by_correlation, blocks, side
+        self.basis, self.offset, self.shift, self.features = basis, offset, shift, features
+        self.places = places
+
+
+@cython.cclass
+class Gap:
+    """A gap in the making, and what a thread works on while it fills gaps of one size.
+
+    `wedges` tells from which neighbor each pixel of its border comes, `runs` covers the border,
+    `border` holds its pixels; those that the canvas knows are there already.
+    """
+
+    wedges: cython.const[cython.uchar][:, ::1]
+    runs: cython.const[cython.int][:, ::1]
+    border: cython.uchar[:, :, ::1]
+    query: cython.uchar[::1]
+    means: cython.int[::1]
+    coordinates: cython.short[::1]
+    keys: cython.longlong[::1]
+    places: cython.int[::1]
+    # The neighbors above, left, below and right, numbered from 1: their places, and where in
+    # their windows this one's corner lies. And the gap's own size.
+    other: cython.int[5]
+    dy: cython.longlong[5]
+    dx: cython.longlong[5]
+    height: cython.longlong
+    width: cython.longlong
+
+    def __init__(self, wedges, runs, border, query, means, coordinates, keys, places):
+        self.wedges, self.runs, self.border = wedges, runs, border
+        self.query, self.means, self.coordinates = query, means, coordinates
+        self.keys, self.places = keys, places
 
 
 @cython.cfunc
 @cython.nogil
 @cython.exceptval(check=False)
-def mismatch(
-    pixels: cython.const[cython.uchar][:, :, ::1],
-    turned: cython.const[cython.uchar][:, :, ::1],
+def correlation(
+    sample: Sample,
     y: cython.Py_ssize_t,
     x: cython.Py_ssize_t,
     runs: cython.const[cython.int][:, ::1],
     query: cython.const[cython.uchar][::1],
-    bound: cython.longlong,
-    by_correlation: cython.bint,
 ) -> cython.longlong:
-    """Eq. (4.4), or 2**40 (1 - gamma) by eq. (3.13) of the border and the window at (y, x)."""
-    channels: cython.Py_ssize_t = pixels.shape[2]
-    r: cython.Py_ssize_t
-    i: cython.Py_ssize_t
-    k: cython.Py_ssize_t
+    """2**40 (1 - gamma) by eq. (3.13) of the border and the window at (y, x)."""
+    cython.declare(r=cython.Py_ssize_t, i=cython.Py_ssize_t, k=cython.Py_ssize_t)
+    cython.declare(at=cython.Py_ssize_t, f=cython.longlong, g=cython.longlong)
+    cython.declare(row=cython.p_const_uchar)
+    channels: cython.Py_ssize_t = sample.pixels.shape[2]
     n: cython.longlong = 0
-    at: cython.Py_ssize_t
-    f: cython.longlong
-    g: cython.longlong
     sums = cython.declare(cython.longlong[5])
     above: cython.longlong = 0
     below: cython.double = 0
-    row: cython.p_const_uchar
-    if not by_correlation:
-        return distance(pixels, turned, y, x, runs, query, bound)
     for k in range(channels):
         for i in range(5):
             sums[i] = 0
@@ -61,9 +114,9 @@ def mismatch(
         n = 0
         for r in range(runs.shape[0]):
             if runs[r, 0]:
-                row = cython.address(turned[x + runs[r, 2], y + runs[r, 1], 0])
+                row = cython.address(sample.turned[x + runs[r, 2], y + runs[r, 1], 0])
             else:
-                row = cython.address(pixels[y + runs[r, 1], x + runs[r, 2], 0])
+                row = cython.address(sample.pixels[y + runs[r, 1], x + runs[r, 2], 0])
             for i in range(runs[r, 3]):
                 f = row[i * channels + k]
                 g = query[at + i * channels + k]
@@ -83,175 +136,204 @@ def mismatch(
     return cython.cast(cython.longlong, (1.0 - above / below) * 1099511627776.0)
 
 
-def fill_gaps(
-    pixels: cython.const[cython.uchar][:, :, ::1],
-    turned: cython.const[cython.uchar][:, :, ::1],
-    usable: cython.const[cython.uchar][:, ::1],
-    period: cython.const[cython.int][::1],
-    steps: cython.const[cython.longlong][:, ::1],
-    centres: cython.const[cython.int][::1],
-    cells: cython.const[cython.int][:, ::1],
-    phase: cython.const[cython.longlong][:, :, ::1],
-    bits: cython.const[cython.ulonglong][:, ::1],
-    rows: cython.const[cython.longlong][::1],
-    columns: cython.const[cython.longlong][::1],
-    wrap: cython.const[cython.int][::1],
-    wedges: cython.const[cython.uchar][:, ::1],
-    runs: cython.const[cython.int][:, ::1],
-    blocks: cython.const[cython.int][:, ::1],
-    side: cython.Py_ssize_t,
-    basis: cython.const[cython.short][:, ::1],
-    offset: cython.const[cython.int][::1],
-    shift: cython.int,
-    features: cython.const[cython.short][:, ::1],
-    positions: cython.const[cython.int][::1],
-    tolerance: cython.Py_ssize_t,
-    wanted: cython.Py_ssize_t,
-    variety: cython.longlong,
-    by_correlation: cython.bint,
-    border: cython.uchar[:, :, ::1],
-    query: cython.uchar[::1],
-    means: cython.int[::1],
-    coordinates: cython.short[::1],
-    keys: cython.longlong[::1],
-    places: cython.int[::1],
-    place: cython.int[:, ::1],
-):
-    """Choose the source of each gap of `cells` by its four neighbours' borders (section 4.2.2).
+@cython.cfunc
+@cython.nogil
+@cython.exceptval(check=False)
+def mismatch(
+    sample: Sample, search: Search, gap: Gap, here: cython.int, bound: cython.longlong
+) -> cython.longlong:
+    """How badly the piece at a place fits the border: eq. (4.4), or by the GNCC.
 
-    Of the similar places the `wanted` best ones are found, and then the best window within the
-    tolerance around them. Without `steps` the shortlist is that of the nearest `features`, and
-    without `blocks` of all `centres`. The six arrays before `place` are scratch, but `border` has
-    what is known already where `wedges` is 5. What a place shows again of its neighbours makes it
-    count worse: by `variety` 1/256 where it is all.
+    What it shows again of its neighbors makes it count worse, by `variety` where it is all. It is
+    given up past `bound`, if that is not negative.
     """
-    c: cython.Py_ssize_t
-    k: cython.Py_ssize_t
-    t: cython.Py_ssize_t
-    i: cython.Py_ssize_t
-    j: cython.Py_ssize_t
-    n: cython.Py_ssize_t
-    p: cython.Py_ssize_t
-    q: cython.Py_ssize_t
-    v: cython.Py_ssize_t
-    u: cython.Py_ssize_t
-    y: cython.longlong
-    x: cython.longlong
-    count: cython.Py_ssize_t
-    all_places: cython.Py_ssize_t = steps.shape[0] if steps.shape[0] else centres.shape[0]
-    tried: cython.Py_ssize_t
-    wedge: cython.int
-    here: cython.int
-    best: cython.int
-    key: cython.longlong
-    factor: cython.longlong
-    least: cython.longlong
-    size_y: cython.longlong
-    size_x: cython.longlong
-    other = cython.declare(cython.int[5])
-    off_y = cython.declare(cython.longlong[5])
-    off_x = cython.declare(cython.longlong[5])
-    dy = cython.declare(cython.longlong[5])
-    dx = cython.declare(cython.longlong[5])
-    width: cython.Py_ssize_t = usable.shape[1]
-    channels: cython.Py_ssize_t = pixels.shape[2]
+    cython.declare(n=cython.Py_ssize_t, y=cython.Py_ssize_t, x=cython.Py_ssize_t)
+    cython.declare(shown=cython.longlong, found=cython.longlong)
+    area: cython.longlong = max(gap.height * gap.width, 1)
+    factor: cython.longlong = 256
+    for n in range(1, 5):
+        shown = shown_again(
+            sample, here, gap.other[n], gap.dy[n], gap.dx[n],
+            gap.height, gap.width,
+        )  # fmt: skip
+        factor += search.variety * shown // area
+    y = here // sample.usable.shape[1]
+    x = here % sample.usable.shape[1]
+    if search.by_correlation:
+        found = correlation(sample, y, x, gap.runs, gap.query)
+    else:
+        bound = bound // factor if bound >= 0 else -1
+        found = distance(
+            sample.pixels, sample.turned, y, x, gap.runs, gap.query, bound
+        )  # fmt: skip
+    return factor * found
+
+
+@cython.cfunc
+@cython.nogil
+@cython.exceptval(check=False)
+def look_around(grid: Grid, i: cython.Py_ssize_t, j: cython.Py_ssize_t, gap: Gap) -> cython.void:
+    """Find the places of a gap's neighbors, and where in their windows its corner lies."""
+    cython.declare(n=cython.Py_ssize_t, p=cython.Py_ssize_t, q=cython.Py_ssize_t)
+    gap.height = grid.rows[i + 1] - grid.rows[i]
+    gap.width = grid.columns[j + 1] - grid.columns[j]
+    for n in range(1, 5):
+        p = i if n % 2 == 0 else around(grid, 0, i, n - 2)
+        q = j if n % 2 else around(grid, 1, j, n - 3)
+        gap.other[n] = grid.place[p, q]
+        gap.dy[n] = 0
+        gap.dx[n] = 0
+        if n == 1:
+            gap.dy[n] = grid.rows[p + 1] - grid.rows[p]
+        elif n == 2:
+            gap.dx[n] = grid.columns[q + 1] - grid.columns[q]
+        elif n == 3:
+            gap.dy[n] = -gap.height
+        else:
+            gap.dx[n] = -gap.width
+
+
+@cython.cfunc
+@cython.nogil
+@cython.exceptval(check=False)
+def compose_border(sample: Sample, gap: Gap) -> cython.void:
+    """Copy each wedge of a gap's border from the neighbor that it belongs to (Fig. 4.9)."""
+    cython.declare(v=cython.Py_ssize_t, u=cython.Py_ssize_t, k=cython.Py_ssize_t)
+    cython.declare(p=cython.Py_ssize_t, q=cython.Py_ssize_t, wedge=cython.int)
+    width: cython.Py_ssize_t = sample.usable.shape[1]
+    for v in range(gap.wedges.shape[0]):
+        for u in range(gap.wedges.shape[1]):
+            wedge = gap.wedges[v, u]
+            if wedge == 0 or wedge == KNOWN:
+                continue
+            p = gap.other[wedge] // width + gap.dy[wedge] + v
+            q = gap.other[wedge] % width + gap.dx[wedge] + u
+            for k in range(sample.pixels.shape[2]):
+                gap.border[v, u, k] = sample.pixels[p, q, k]
+    gather(gap.border, 0, 0, gap.runs, gap.query)
+
+
+@cython.cfunc
+@cython.nogil
+@cython.exceptval(check=False)
+def best_by_features(search: Search, gap: Gap) -> cython.Py_ssize_t:
+    """List the places whose borders are nearest in few numbers (section 5.2); return how many."""
+    block_means(gap.border, 0, 0, search.blocks, search.side, gap.means)
+    project(search.basis, search.offset, search.shift, gap.means, gap.coordinates)
+    return nearest_by_features(
+        search.features, search.places, gap.coordinates, search.candidates,
+        gap.keys, gap.places,
+    )  # fmt: skip
+
+
+@cython.cfunc
+@cython.nogil
+@cython.exceptval(check=False)
+def best_similar(
+    sample: Sample,
+    grid: Grid,
+    steps: cython.const[cython.longlong][:, ::1],
+    search: Search,
+    gap: Gap,
+    i: cython.Py_ssize_t,
+    j: cython.Py_ssize_t,
+) -> cython.Py_ssize_t:
+    """List the places similar to block (i, j) that fit its border best; return how many."""
+    cython.declare(k=cython.Py_ssize_t, t=cython.Py_ssize_t, here=cython.int)
+    cython.declare(key=cython.longlong, bound=cython.longlong)
+    count: cython.Py_ssize_t = 0
+    tried: cython.Py_ssize_t = 0
+    every: cython.Py_ssize_t = steps.shape[0] if steps.shape[0] else sample.centers.shape[0]
+    k = cython.cast(cython.Py_ssize_t, grid.bits[i, j] % cython.cast(cython.ulonglong, every))
+    for t in range(every):
+        if steps.shape[0]:
+            here = similar(sample, grid, steps, i, j, k)
+        else:
+            here = sample.centers[k]
+        k = k + 1 if k + 1 < every else 0
+        if here < 0:
+            continue
+        bound = gap.keys[0] if count == search.candidates else -1
+        key = mismatch(sample, search, gap, here, bound)
+        count = offer(
+            key, here, count, search.candidates,
+            cython.address(gap.keys[0]), cython.address(gap.places[0]),
+        )  # fmt: skip
+        tried += 1
+        if tried == MOST_COMPARED and steps.shape[0]:
+            break
+    return count
+
+
+@cython.cfunc
+@cython.nogil
+@cython.exceptval(check=False)
+def put_best_first(gap: Gap, count: cython.Py_ssize_t) -> cython.void:
+    """Move the best place listed to the front, so that all others are soon given up."""
+    cython.declare(k=cython.Py_ssize_t, t=cython.Py_ssize_t, here=cython.int)
+    k = 0
+    for t in range(1, count):
+        if gap.keys[t] < gap.keys[k] or (
+            gap.keys[t] == gap.keys[k] and gap.places[t] < gap.places[k]
+        ):
+            k = t
+    if count > 0:
+        here = gap.places[0]
+        gap.places[0] = gap.places[k]
+        gap.places[k] = here
+
+
+@cython.cfunc
+@cython.nogil
+@cython.exceptval(check=False)
+def best_within_tolerance(
+    sample: Sample, search: Search, gap: Gap, count: cython.Py_ssize_t
+) -> cython.int:
+    """The best place within the tolerance around those listed (section 4.2.2), or -1."""
+    cython.declare(t=cython.Py_ssize_t, y=cython.longlong, x=cython.longlong, here=cython.int)
+    cython.declare(key=cython.longlong)
+    width: cython.Py_ssize_t = sample.usable.shape[1]
+    best: cython.int = -1
+    least: cython.longlong = NEVER
+    for t in range(count):
+        for y in range(-search.tolerance, search.tolerance + 1):
+            for x in range(-search.tolerance, search.tolerance + 1):
+                here = place_at(sample, gap.places[t] // width + y, gap.places[t] % width + x)
+                if here < 0:
+                    continue
+                key = mismatch(sample, search, gap, here, least if least < NEVER else -1)
+                if key < least or (key == least and here < best):
+                    least = key
+                    best = here
+    return best
+
+
+def fill_gaps(
+    sample: Sample,
+    grid: Grid,
+    steps: cython.const[cython.longlong][:, ::1],
+    cells: cython.const[cython.int][:, ::1],
+    search: Search,
+    gap: Gap,
+):
+    """Choose the piece of each gap of `cells` by its four neighbors' borders (section 4.2.2).
+
+    The best of the similar places are listed, and then the best window within the tolerance around
+    them is taken. Without `steps` the list is that of the nearest features, and without those of
+    all places.
+    """
+    cython.declare(c=cython.Py_ssize_t, i=cython.Py_ssize_t, j=cython.Py_ssize_t)
+    cython.declare(count=cython.Py_ssize_t, best=cython.int)
     with cython.nogil:
         for c in range(cells.shape[0]):
             i = cells[c, 0]
             j = cells[c, 1]
-            size_y = rows[i + 1] - rows[i]
-            size_x = columns[j + 1] - columns[j]
-            # Top, left, bottom, right: whose window, and where in it this one's corner lies.
-            for n in range(1, 5):
-                p = i if n % 2 == 0 else around(i, n - 2, place.shape[0], wrap[0] != 0)
-                q = j if n % 2 else around(j, n - 3, place.shape[1], wrap[1] != 0)
-                other[n] = place[p, q]
-                off_y[n] = 0 if n % 2 == 0 else (-size_y if n == 3 else rows[p + 1] - rows[p])
-                off_x[n] = 0 if n % 2 else (-size_x if n == 4 else columns[q + 1] - columns[q])
-                dy[n] = off_y[n]
-                dx[n] = off_x[n]
-            for v in range(wedges.shape[0]):
-                for u in range(wedges.shape[1]):
-                    wedge = wedges[v, u]
-                    if wedge == 0 or wedge == KNOWN:
-                        continue
-                    p = other[wedge] // width + off_y[wedge] + v
-                    q = other[wedge] % width + off_x[wedge] + u
-                    for k in range(channels):
-                        border[v, u, k] = pixels[p, q, k]
-            gather(border, 0, 0, runs, query)
-            count = 0
-            if steps.shape[0] == 0 and blocks.shape[0] > 0:
-                block_means(border, 0, 0, blocks, side, means)
-                project(basis, offset, shift, means, coordinates)
-                count = nearest_by_features(features, positions, coordinates, wanted, keys, places)
+            look_around(grid, i, j, gap)
+            compose_border(sample, gap)
+            if steps.shape[0] == 0 and search.blocks.shape[0] > 0:
+                count = best_by_features(search, gap)
             else:
-                k = cython.cast(
-                    cython.Py_ssize_t,
-                    bits[i, j] % cython.cast(cython.ulonglong, all_places),
-                )
-                tried = 0
-                for t in range(all_places):
-                    if steps.shape[0]:
-                        here = similar(usable, period, steps, phase[i, j, 0], phase[i, j, 1], k)
-                    else:
-                        here = centres[k]
-                    k = k + 1 if k + 1 < all_places else 0
-                    if here < 0:
-                        continue
-                    factor = 256
-                    for n in range(1, 5):
-                        factor += (
-                            variety
-                            * shown_again(here, other[n], width, dy[n], dx[n], size_y, size_x)
-                            // max(size_y * size_x, 1)
-                        )
-                    key = factor * mismatch(
-                        pixels, turned, here // width, here % width, runs, query,
-                        keys[0] // factor if count == wanted else -1, by_correlation,
-                    )  # fmt: skip
-                    count = offer(
-                        key, here, count, wanted,
-                        cython.address(keys[0]), cython.address(places[0]),
-                    )  # fmt: skip
-                    tried += 1
-                    if tried == SUBSET and steps.shape[0]:
-                        break
-            # The best one first, so that all others are soon given up.
-            n = 0
-            for t in range(1, count):
-                if keys[t] < keys[n] or (keys[t] == keys[n] and places[t] < places[n]):
-                    n = t
-            if count > 0:
-                here = places[0]
-                places[0] = places[n]
-                places[n] = here
-            best = -1
-            least = NEVER
-            for t in range(count):
-                for y in range(-tolerance, tolerance + 1):
-                    for x in range(-tolerance, tolerance + 1):
-                        here = settled(
-                            usable, period, places[t] // width + y, places[t] % width + x
-                        )
-                        if here < 0:
-                            continue
-                        factor = 256
-                        for n in range(1, 5):
-                            factor += (
-                                variety
-                                * shown_again(here, other[n], width, dy[n], dx[n], size_y, size_x)
-                                // max(size_y * size_x, 1)
-                            )
-                        key = factor * mismatch(
-                            pixels, turned, here // width, here % width, runs, query,
-                            least // factor if least < NEVER else -1, by_correlation,
-                        )  # fmt: skip
-                        if key < least or (key == least and here < best):
-                            least = key
-                            best = here
-            k = cython.cast(
-                cython.Py_ssize_t, bits[i, j] % cython.cast(cython.ulonglong, centres.shape[0])
-            )
-            # No window lies where a multiple leads to: any other one.
-            place[i, j] = best if best >= 0 else centres[k]
+                count = best_similar(sample, grid, steps, search, gap, i, j)
+            put_best_first(gap, count)
+            best = best_within_tolerance(sample, search, gap, count)
+            grid.place[i, j] = best if best >= 0 else any_place(sample, grid, i, j)

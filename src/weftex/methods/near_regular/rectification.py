@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from weftex.methods.lattices.mean_tile import MeanTile
+from weftex.raster.boxes import extended_sums, sums_along
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -14,11 +15,11 @@ if TYPE_CHECKING:
 _ROUNDS = 2  # the mean tile gets sharper by the first
 _GRID = 4  # px between the places where the shift is found
 _GAIN = (3, 4)  # what is left of the difference, at most, where a part is moved
-_LEAST, _MOST = 4, 12  # px around such a place that are compared
+_NEAREST, _FARTHEST = 4, 12  # px around such a place that are compared
 
 
 def rectified(
-    pixels: NDArray[np.uint8], vectors: tuple[float, ...], reach: int, *, rows: bool = False
+    pixels: NDArray[np.uint8], vectors: tuple[float, ...], reach: int, *, by_rows: bool = False
 ) -> NDArray[np.int32]:
     """Say which pixel of a sample belongs at each place if all tiles had one shape.
 
@@ -34,7 +35,7 @@ def rectified(
         x1, y1, x2, y2.
     reach : int
         The largest shift in pixels, along both axes.
-    rows : bool
+    by_rows : bool
         Only the first vector is a period, so shifts go along it.
 
     Returns
@@ -53,46 +54,43 @@ def rectified(
     x1, y1, x2, y2 = vectors
     height, width = pixels.shape[:2]
     side = round(abs(x1 * y2 - x2 * y1) ** 0.5 / 6)
-    radius = min(max(side, _LEAST), _MOST)
+    radius = min(max(side, _NEAREST), _FARTHEST)
     steps = range(-reach, reach + 1)
     shifts = sorted(
         ((a, b) for a in steps for b in steps), key=lambda s: (s[0] ** 2 + s[1] ** 2, s)
     )
-    if rows:
+    if by_rows:
         length = float(np.hypot(x1, y1))
         along = [(round(n * y1 / length), round(n * x1 / length)) for n in steps]
         shifts = sorted(set(along), key=lambda s: (s[0] ** 2 + s[1] ** 2, s))
     place = np.indices((height, width))
     moved = np.zeros((2, height, width), np.int64)
-    levels = pixels.astype(np.int32)
+    sample = pixels.astype(np.int32)
     for _ in range(_ROUNDS):
         y, x = np.clip(place + moved, 0, np.array([height - 1, width - 1])[:, None, None])
         tile = MeanTile(pixels[y, x], vectors).at(*place).astype(np.int32)
-        moved = _moved(levels, tile, shifts, radius)
+        moved = _moved(sample, tile, shifts, radius)
     y, x = np.clip(place + moved, 0, np.array([height - 1, width - 1])[:, None, None])
     result: NDArray[np.int32] = (y * width + x).astype(np.int32)
     return result
 
 
 def _moved(
-    levels: NDArray[np.int32],
-    tile: NDArray[np.int32],
-    shifts: list[tuple[int, int]],
-    radius: int,
+    sample: NDArray[np.int32], tile: NDArray[np.int32], shifts: list[tuple[int, int]], radius: int
 ) -> NDArray[np.int64]:
     """The best of the shifts for each pixel, evened out by how much it is better than others."""
-    height, width = levels.shape[:2]
+    height, width = sample.shape[:2]
     grid = [np.arange(0, n + _GRID - 1, _GRID).clip(max=n - 1) for n in (height, width)]
-    area = _box_means(np.ones((height, width), np.uint32), grid, radius)
+    area = _sums(np.ones((height, width), np.uint32), grid, radius)
     best = np.full(area.shape, np.iinfo(np.int64).max)
     found = np.zeros((2, *area.shape), np.int64)
     total, still = np.zeros(area.shape, np.int64), area
     rows, columns = np.arange(height), np.arange(width)
     for dy, dx in shifts:
-        lines = levels[(rows + dy).clip(0, height - 1)]
+        lines = sample[(rows + dy).clip(0, height - 1)]
         error = lines[:, (columns + dx).clip(0, width - 1)] - tile
         error *= error
-        mean = _box_means(error.sum(axis=2).astype(np.uint32), grid, radius) // area
+        mean = _sums(error.sum(axis=2).astype(np.uint32), grid, radius) // area
         total += mean
         still = mean if (dy, dx) == (0, 0) else still
         better = mean < best
@@ -101,10 +99,10 @@ def _moved(
     found[:, best * _GAIN[1] > still * _GAIN[0]] = 0
     sure = total // len(shifts) - best
     around = max(2, radius // 2)
-    weight = _smooth(sure, around)
+    weight = _even(sure, around)
     moved = []
     for k in (0, 1):
-        evened = _smooth(sure * found[k], around) / np.maximum(weight, 1)
+        evened = _even(sure * found[k], around) / np.maximum(weight, 1)
         for axis, n in enumerate((height, width)):  # linear between the places of the grid
             at = np.arange(n)
             low = at // _GRID
@@ -115,33 +113,15 @@ def _moved(
     return np.stack(moved)
 
 
-def _box_means(
+def _sums(
     values: NDArray[np.uint32], grid: list[NDArray[np.int64]], radius: int
 ) -> NDArray[np.int64]:
-    """Sums over the box around each place of the grid, as far as it lies in the picture.
-
-    Sums over the picture may go over, those over a box do not: so their differences are right.
-    """
-    total = np.zeros((values.shape[0] + 1, values.shape[1] + 1), np.uint32)
-    np.cumsum(values, axis=0, out=total[1:, 1:])
-    np.cumsum(total[1:, 1:], axis=1, out=total[1:, 1:])
-    first = [np.maximum(at - radius, 0) for at in grid]
-    last = [np.minimum(at + radius + 1, n) for at, n in zip(grid, values.shape, strict=True)]
-    lower, upper = total[last[0]], total[first[0]]
-    box = lower[:, last[1]] - upper[:, last[1]] - lower[:, first[1]] + upper[:, first[1]]
-    result: NDArray[np.int64] = box.astype(np.int64)
-    return result
+    """Sums over the box around each place of the grid, as far as it lies in the picture."""
+    for axis, at in enumerate(grid):
+        values = sums_along(values, axis, at - radius, at + radius + 1)
+    return values.astype(np.int64)
 
 
-def _smooth(values: NDArray[np.int64], radius: int) -> NDArray[np.int64]:
-    """Two box sums over whole numbers, so exact."""
-    for _ in range(2):
-        for axis in (0, 1):
-            pads = [(radius, radius) if a == axis else (0, 0) for a in (0, 1)]
-            wide = np.pad(values, pads, mode="edge").cumsum(axis=axis)
-            wide = np.concatenate([np.zeros_like(np.take(wide, [0], axis)), wide], axis=axis)
-            count = values.shape[axis]
-            values = np.take(wide, np.arange(count) + 2 * radius + 1, axis) - np.take(
-                wide, np.arange(count), axis
-            )
-    return values
+def _even(values: NDArray[np.int64], radius: int) -> NDArray[np.int64]:
+    """Sum over boxes twice; the numbers are whole, so that is exact."""
+    return extended_sums(extended_sums(values, radius), radius)

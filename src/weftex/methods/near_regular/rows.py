@@ -1,4 +1,4 @@
-"""Samples that repeat by rows only and whose rows have a colour each: boards.
+"""Samples that repeat by rows only and whose rows have a color each: boards.
 
 There blocks beside each other show the same rows of the sample, or every board would end with its
 block.
@@ -12,14 +12,13 @@ import numpy as np
 
 from weftex.methods.lattices.mean_tile import MeanTile
 from weftex.random import draw
+from weftex.raster.boxes import sums_along
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-    from weftex.methods.near_regular.blocks import Blocks
-
 _SLANT = 0.1  # of rows that blocks still follow
-_SHARE = (2, 5)  # of what colours differ by, from which rows go on; boards 0.5 to 0.8, roofs 0.1
+_SHARE = (2, 5)  # of what colors differ by, from which rows go on; boards 0.5 to 0.8, roofs 0.1
 _JOINT = 12  # of a row's height, over which a joint is looked for
 _UNIT = 1 << 16
 ANY = -(2**31)
@@ -27,7 +26,7 @@ ANY = -(2**31)
 
 
 def axis_of_rows(pixels: NDArray[np.uint8], vectors: tuple[float, ...]) -> int | None:
-    """Along which axis of the blocks the rows of a sample change, if they keep their colours.
+    """Along which axis of the blocks the rows of a sample change, if they keep their colors.
 
     Parameters
     ----------
@@ -39,7 +38,7 @@ def axis_of_rows(pixels: NDArray[np.uint8], vectors: tuple[float, ...]) -> int |
     Returns
     -------
     int or None
-        0 if rows lie, 1 if they stand, None if they are slanted or of mixed colours.
+        0 if rows lie, 1 if they stand, None if they are slanted or of mixed colors.
 
     Examples
     --------
@@ -54,13 +53,13 @@ def axis_of_rows(pixels: NDArray[np.uint8], vectors: tuple[float, ...]) -> int |
     period = round(max(x, y))
     tile = MeanTile(pixels, vectors).at(*np.indices(pixels.shape[:2]))
     rest = np.moveaxis(pixels.astype(np.int64) - tile, axis, 0)
-    # Colours of pieces as long as rows are high, and half as high.
+    # Colors of pieces as long as rows are high, and half as high.
     count, high = rest.shape[1] // period, max(1, period // 2)
     if count < 2 or len(rest) < high:
         return None
     parts = rest[:, : count * period].reshape(len(rest), count, period, -1).sum(axis=2)
-    parts = np.cumsum(np.pad(parts, ((1, 0), (0, 0), (0, 0))), axis=0)
-    parts = parts[high:] - parts[:-high]
+    first = np.arange(len(parts) - high + 1)
+    parts = sums_along(parts, 0, first, first + high)
     whole = parts.sum(axis=(0, 1)) ** 2
     number = parts.shape[0] * count
     rows = (parts.sum(axis=1) ** 2).sum(axis=0) * len(parts) - whole
@@ -108,33 +107,45 @@ def pitch_of_rows(
     return round(pitch * _UNIT), int(around.argmin()) * _UNIT
 
 
-def rows_shown(blocks: Blocks) -> NDArray[np.int64] | None:
+def rows_shown(
+    whole: NDArray[np.bool_],
+    period: int,
+    multiples: NDArray[np.int64],
+    places: NDArray[np.int64],
+    numbers: NDArray[np.int64],
+    seed: int,
+) -> NDArray[np.int64]:
     """Which multiple of the first vector each block shows: those beside each other the same.
+
+    Parameters
+    ----------
+    whole : bool array (n,)
+        Where whole windows lie along the axis that rows change along.
+    period : int
+        Of a sample that tiles, else 0.
+    multiples : int64 array (k,)
+        The multiples that there are.
+    places : int64 array (rows, columns, k)
+        Where they lead to from each block, along that axis.
+    numbers : int64 array, broadcast against (rows, columns)
+        Numbers of the blocks along that axis.
+    seed : int
 
     Returns
     -------
-    int64 array (rows, columns) or None
-        `ANY` where none of them leads to a whole window; None if all blocks may show any.
+    int64 array (rows, columns)
+        `ANY` where none of them leads to a whole window.
     """
-    sample = blocks.sample
-    axis = sample.row_axis
-    if axis is None:
-        return None
-    windows = sample.windows
-    usable: NDArray[np.bool_] = np.any(windows.usable > 0, axis=1 - axis)
-    numbers = np.unique(sample.rows)
-    step = np.rint(sample.vectors[1 - axis] * 65536 * numbers).astype(np.int64)
-    place = (blocks.phase[..., axis, None] + step + 2**15) >> 16
-    if windows.period[2]:
-        place %= int(windows.period[2 + axis])
-    there = (place >= 0) & (place < len(usable))
-    there[there] = usable[place[there]] > 0
+    if period:
+        places = places % period
+    there = (places >= 0) & (places < len(whole))
+    there[there] = whole[places[there]]
     # One after the other, up or down, from a row that is drawn for every round of them.
     count = np.maximum(there.sum(axis=-1), 1)
-    rounds, turn = np.divmod(np.broadcast_to(blocks.number[axis], count.shape), count)
-    bits = draw(blocks.seed, "rows", rounds)
+    rounds, turn = np.divmod(np.broadcast_to(numbers, count.shape), count)
+    bits = draw(seed, "rows", rounds)
     turn = np.where(bits >> np.uint64(63), turn, -turn)
     chosen = ((bits % count.astype(np.uint64)).astype(np.int64) + turn) % count
     first = (there.cumsum(axis=-1) == chosen[..., None] + 1).argmax(axis=-1)
-    result: NDArray[np.int64] = np.where(there.any(axis=-1), numbers[first], ANY)
+    result: NDArray[np.int64] = np.where(there.any(axis=-1), multiples[first], ANY)
     return result

@@ -1,0 +1,102 @@
+"""The models of methods that repeat a sample by its lattice."""
+
+from __future__ import annotations
+
+from abc import abstractmethod
+from typing import TYPE_CHECKING
+
+from weftex.canvas import Canvas, as_canvas
+from weftex.method import Method, Model
+from weftex.methods.lattices.mean_tile import MeanTile, known_pixels
+from weftex.random import seed_number
+
+if TYPE_CHECKING:
+    from weftex.exemplar import Exemplar
+    from weftex.progress import ProgressCallback
+    from weftex.random import Seed
+    from weftex.results.synthesis import Synthesis
+
+
+class LatticeModel(Model):
+    """Base of the models of methods over a lattice: a sample prepared for repeating it.
+
+    A subclass sets `vectors`; its `make` makes an output.
+
+    Parameters
+    ----------
+    method : Method
+        With every parameter settled.
+    exemplar : Exemplar
+        The sample.
+
+    Attributes
+    ----------
+    vectors : tuple of float
+        x1, y1, x2, y2 of the lattice, or nothing where any place is similar to any other.
+    """
+
+    vectors: tuple[float, ...]
+
+    def __init__(self, method: Method, exemplar: Exemplar) -> None:
+        self.method, self.exemplar = method, exemplar
+
+    @abstractmethod
+    def make(
+        self,
+        canvas: Canvas,
+        origin: tuple[int, int],
+        seed: int,
+        threads: int | None,
+        progress: ProgressCallback | None,
+    ) -> Synthesis:
+        """Make an output whose corner lies at `origin` in the plane of the sample's lattice."""
+
+    def sample(
+        self,
+        size: Canvas | int | tuple[int, int],
+        *,
+        seed: Seed = None,
+        tileable: bool | str = False,
+        threads: int | None = None,
+        progress: ProgressCallback | None = None,
+    ) -> Synthesis:
+        """Make an output.
+
+        Parameters
+        ----------
+        size : Canvas, int or (int, int)
+            What to make: height and width, or a Canvas. Where it wraps, the lattice is stretched
+            until whole tiles fit; `provenance["strain"]` says how much. A hole goes on with the
+            lattice of its surroundings.
+        seed : int, numpy Generator or None
+            The same seed gives the same bytes, at any number of threads.
+        tileable : bool or {"x", "y"}
+            Axes that are to repeat without a seam.
+        threads : int, optional
+            At most so many; by default as many as there are processors.
+        progress : callable, optional
+            See `weftex.progress.ProgressCallback`.
+
+        Raises
+        ------
+        InvalidInputError
+            If the lattice would have to be stretched too much; a good size is named. If a hole
+            leaves no whole piece that lies right.
+        """
+        canvas = as_canvas(size, tileable)
+        self.method.require(canvas)
+        canvas.check_known(self.exemplar)
+        origin = canvas.origin
+        if self.vectors:
+            origin = origin_of(canvas, self.exemplar, self.vectors)
+        return self.make(canvas, origin, seed_number(seed), threads, progress)
+
+
+def origin_of(canvas: Canvas, exemplar: Exemplar, vectors: tuple[float, ...]) -> tuple[int, int]:
+    """Where in the sample's plane a canvas's corner lies: what is known there goes on."""
+    if canvas.known_from is not None:
+        return canvas.known_from
+    if canvas.known is None or canvas.hole is None or canvas.hole.all():
+        return canvas.origin
+    known = known_pixels(canvas.known, exemplar)
+    return MeanTile(exemplar.matching(), vectors, exemplar.mask).offset(known, ~canvas.hole)

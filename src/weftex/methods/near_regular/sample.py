@@ -1,0 +1,282 @@
+"""A sample prepared for near-regular synthesis: whole windows, similar places, borders."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, NamedTuple
+
+import numpy as np
+
+from weftex.exemplar import Exemplar
+from weftex.methods.lattices.canvas_lattice import CanvasLattice
+from weftex.methods.lattices.mean_tile import MeanTile
+from weftex.methods.near_regular.rectification import rectified
+from weftex.methods.near_regular.rows import axis_of_rows, pitch_of_rows
+from weftex.random import draw
+from weftex.search.boundary_zone import BoundaryZone, boundary_zone, runs_over
+from weftex.search.pca import fit_pca
+from weftex.search.quadtree_pyramid import QuadtreePyramid
+from weftex.search.windows import Windows, windows_of
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    from weftex.methods.near_regular.settings import Settings
+
+_BLOCK_SIDE = 16  # of the low resolution that unconstrained gaps are looked for by
+_NUMBERS = 288  # that describe a border there, at most
+_WINDOWS = 16384  # that the unconstrained search looks at; more are thinned out
+_SOFT = 40  # squared difference of a channel, two pixels apart, that hides half of a seam
+
+
+class Border(NamedTuple):
+    """The pixels of a gap's window that must match.
+
+    Attributes
+    ----------
+    wedges : uint8 array (rows, columns)
+        From which neighbor: 1 to 4 for above, left, below and right, 0 off the border.
+    runs : int32 array (n, 4)
+        The border as runs of pixels, as in `BoundaryZone`.
+    """
+
+    wedges: NDArray[np.uint8]
+    runs: NDArray[np.int32]
+
+
+class Features(NamedTuple):
+    """All windows' borders in few numbers, for the unconstrained search (section 5.2).
+
+    Attributes
+    ----------
+    blocks, side
+        The border at a low resolution, see `BoundaryZone`.
+    basis, offset, shift, features
+        See `ZonePCA`.
+    places : int32 array (n,)
+        Flat indices of the windows.
+    """
+
+    blocks: NDArray[np.int32]
+    side: int
+    basis: NDArray[np.int16]
+    offset: NDArray[np.int32]
+    shift: int
+    features: NDArray[np.int16]
+    places: NDArray[np.int32]
+
+
+NO_FEATURES = Features(
+    np.zeros((0, 2), np.int32),
+    1,
+    np.zeros((1, 1), np.int16),
+    np.zeros(1, np.int32),
+    0,
+    np.zeros((1, 0), np.int16),
+    np.zeros(0, np.int32),
+)
+"""Pieces are looked for by the lattice, or among all places."""
+
+
+@dataclass(frozen=True, eq=False)
+class BlockSample:
+    """All that outputs of one sample have in common.
+
+    Attributes
+    ----------
+    exemplar : Exemplar
+        The sample.
+    windows : Windows
+        Its bytes, and the upper left corners of blocks' windows.
+    lookup : int32 array (H, W) or None
+        Which pixel of the sample is at each place, if it was rectified.
+    pixels : uint8 array (H', W', K)
+        The windows' pixels, rectified.
+    turned : uint8 array (W', H', K)
+        The same with their axes exchanged.
+    visibility : uint16 array (H', W')
+        How much a seam shows at each of them.
+    steps : int64 array (n, 2)
+        Sums of multiples of the vectors in 1/65536 pixel, shuffled, so that the first that will do
+        is a random one; none if any place is similar to any other.
+    multiples : int64 array (n,)
+        The multiple of the first vector in each of them.
+    row_axis : int or None
+        Along which axis rows change that have a color each, see `axis_of_rows`.
+    pitch : ((int, int) or None, (int, int) or None)
+        How blocks are laid along both axes, see `Axis`.
+    features : Features
+        Of the unconstrained search.
+    """
+
+    exemplar: Exemplar
+    windows: Windows
+    lookup: NDArray[np.int32] | None
+    pixels: NDArray[np.uint8]
+    turned: NDArray[np.uint8]
+    visibility: NDArray[np.uint16]
+    steps: NDArray[np.int64]
+    multiples: NDArray[np.int64]
+    row_axis: int | None
+    pitch: tuple[tuple[int, int] | None, ...]
+    features: Features
+    _borders: dict[tuple[int, ...], Border] = field(default_factory=dict, repr=False)
+
+    def border(self, height: int, width: int, margin: int, reach: int) -> Border:
+        """The border of gaps of one size, see `wedges_of`."""
+        key = height, width, margin, reach
+        if key not in self._borders:
+            wedges = wedges_of(*key)
+            self._borders[key] = Border(wedges, shuffled(runs_over(wedges > 0)))
+        return self._borders[key]
+
+
+def prepare(settings: Settings, exemplar: Exemplar) -> BlockSample:
+    """Analyze a sample: its windows, rectified pixels and similar places."""
+    vectors, size = settings.lattice, settings.block_size
+    windows = _windows(settings, exemplar)
+    pixels, lookup = windows.pixels, None
+    if settings.rectify:
+        lookup = rectified(pixels, vectors, settings.rectify, by_rows=settings.by_rows)
+        flat = pixels.reshape(-1, pixels.shape[2])
+        pixels = np.ascontiguousarray(flat[lookup])
+    steps, features = np.zeros((0, 2), np.int64), NO_FEATURES
+    multiples, row_axis = np.zeros(0, np.int64), None
+    pitch: list[tuple[int, int] | None] = [None, None]
+    if settings.unconstrained:
+        features = _features(settings, pixels, windows)
+    else:
+        lattice = CanvasLattice(vectors)
+        steps = lattice.steps(*exemplar.shape)
+        order = np.argsort(draw(0, "steps", np.arange(len(steps))), kind="stable")
+        steps = np.ascontiguousarray(steps[order])
+        multiples = np.rint(steps @ lattice.inverse[:, 0] / 65536).astype(np.int64)
+        # Blocks must hold a whole row.
+        whole = size >= float(np.hypot(vectors[0], vectors[1]))
+        if settings.by_rows and exemplar.mask is None and whole:
+            row_axis = axis_of_rows(pixels, vectors)
+        if row_axis is not None:
+            pitch[row_axis] = pitch_of_rows(pixels, vectors, row_axis, size)
+    return BlockSample(
+        exemplar=exemplar,
+        windows=windows,
+        lookup=lookup,
+        pixels=pixels,
+        turned=np.ascontiguousarray(pixels.transpose(1, 0, 2)),
+        visibility=visibility(pixels, settings.seam_cost == "gradient"),
+        steps=steps,
+        multiples=multiples,
+        row_axis=row_axis,
+        pitch=tuple(pitch),
+        features=features,
+    )
+
+
+def _windows(settings: Settings, exemplar: Exemplar) -> Windows:
+    if exemplar.tileable and not settings.tiles:
+        exemplar = Exemplar(
+            exemplar.pixels,
+            maps=exemplar.maps,
+            mask=exemplar.mask,
+            alpha=exemplar.alpha,
+            name=exemplar.name,
+        )
+    return windows_of(exemplar, (0, settings.side - 1, 0, settings.side - 1))
+
+
+def _features(settings: Settings, pixels: NDArray[np.uint8], windows: Windows) -> Features:
+    zone = _zone(settings, pixels.shape[2])
+    rows, columns = (n - settings.side + 1 for n in pixels.shape[:2])
+    stride = 1
+    while stride * 2 <= zone.side and rows * columns > _WINDOWS * stride**2:
+        stride *= 2
+    usable = windows.usable[:rows:stride, :columns:stride]
+    take = np.flatnonzero(usable)
+    if zone.area == 0 or len(take) == 0:
+        return NO_FEATURES
+    low = QuadtreePyramid(pixels).windows(zone.blocks, zone.side, stride, *usable.shape)
+    pca = fit_pca(np.ascontiguousarray(low[:, take]), 0.97)
+    y, x = np.divmod(take, usable.shape[1])
+    places = (y * stride * pixels.shape[1] + x * stride).astype(np.int32)
+    return Features(zone.blocks, zone.side, pca.basis, pca.offset, pca.shift, pca.features, places)
+
+
+def _zone(settings: Settings, channels: int) -> BoundaryZone:
+    """The border at a low resolution, in few numbers."""
+    size, margin = settings.block_size, settings.margin
+    return boundary_zone(
+        wedges_of(size, size, margin, margin) > 0,
+        max(1, 2 * margin),
+        block_side=_BLOCK_SIDE,
+        most_blocks=max(16, _NUMBERS // channels),
+    )
+
+
+def wedges_of(height: int, width: int, margin: int, reach: int) -> NDArray[np.uint8]:
+    """Wedge-shaped borders (Fig. 4.8b) of a block's window, see `Border`.
+
+    Parameters
+    ----------
+    height, width : int
+        Of the block.
+    margin : int
+        How far the window reaches beyond it.
+    reach : int
+        Half the width of the border.
+
+    Examples
+    --------
+    >>> wedges_of(4, 4, 1, 1)[:3]
+    array([[1, 1, 1, 1, 1, 1],
+           [2, 1, 1, 1, 1, 4],
+           [2, 2, 0, 0, 4, 4]], dtype=uint8)
+    """
+    v, u = np.indices((height + 2 * margin, width + 2 * margin))
+    away = np.stack([v, u, v[::-1], u[:, ::-1]]) - (margin - reach)
+    nearest = away.min(axis=0)
+    border = (nearest >= 0) & (nearest < 2 * reach)
+    return np.where(border, away.argmin(axis=0) + 1, 0).astype(np.uint8)
+
+
+def shuffled(runs: NDArray[np.int32]) -> NDArray[np.int32]:
+    """Shuffle runs, so that a few of them lie all around and bad fits soon show."""
+    order = np.argsort(draw(0, "runs", np.arange(len(runs))), kind="stable")
+    return np.ascontiguousarray(runs[order])
+
+
+def visibility(pixels: NDArray[np.uint8], gradient: bool) -> NDArray[np.uint16]:
+    """How much a seam shows at each pixel, for 1 at least; everywhere alike unless by `gradient`.
+
+    Where the sample has an edge of its own, such as a joint, one more does not show.
+
+    Examples
+    --------
+    >>> step = np.array([[[10], [10], [10], [90], [90]]], np.uint8)
+    >>> visibility(step, gradient=True).tolist()
+    [[4096, 4096, 25, 25, 4096]]
+    """
+    if not gradient:
+        return np.ones(pixels.shape[:2], np.uint16)
+    wide = np.pad(pixels.astype(np.int32), ((1, 1), (1, 1), (0, 0)), mode="edge")
+    steep = (wide[2:, 1:-1] - wide[:-2, 1:-1]) ** 2
+    steep += (wide[1:-1, 2:] - wide[1:-1, :-2]) ** 2
+    soft = _SOFT * pixels.shape[2]
+    shown = np.maximum(4096 * soft // (soft + steep.sum(axis=2)), 1)
+    result: NDArray[np.uint16] = shown.astype(np.uint16)
+    return result
+
+
+def blockiness(settings: Settings, pixels: NDArray[np.uint8]) -> float:
+    """Measure how much of the difference of similar places is brightness and color of whole blocks.
+
+    From 0 to 1. Where it is high, blocks beside each other show (Fig. 5.12).
+    """
+    side = max(1, settings.side // 2)
+    rest = pixels.astype(np.int64)
+    if not settings.unconstrained:
+        rest -= MeanTile(pixels, settings.lattice).at(*np.indices(pixels.shape[:2]))
+    rows, columns = (n // side for n in rest.shape[:2])
+    parts = rest[: rows * side, : columns * side].reshape(rows, side, columns, side, -1)
+    means = parts.mean(axis=(1, 3))
+    whole = float(parts.var(axis=(0, 1, 2, 3)).sum())
+    return float(means.var(axis=(0, 1)).sum()) / whole if whole > 0 else 0.0
