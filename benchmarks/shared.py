@@ -1,4 +1,4 @@
-"""What all tables need: samples, timing in turn, processes of their own, pages, the machine."""
+"""What all tables need: samples, timing in turn, processes of their own, the machine."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ import paper_patch_sampling as paper  # noqa: E402
 
 PATCH_METHODS = ("patch-sampling", "quilting")
 Work = Callable[[], Any]
-Table = paper.Table
+Table = tuple[str, Sequence[str], Sequence[Sequence[str]]]  # notes, head, rows
 
 
 def machine() -> str:
@@ -143,17 +143,13 @@ def ms(seconds: float) -> str:
     return f"{seconds * 1e3:.3g} ms" if seconds < 1 else f"{seconds:.2f} s"
 
 
-def put(page: Path, name: str, text: str) -> bool:
-    """Replace what lies between a table's two marks; say whether the page has them."""
-    first, last = f"<!-- {name} -->\n", f"<!-- end {name} -->"
-    whole = page.read_text(encoding="utf-8")
-    head, mark, rest = whole.partition(first)
-    if mark:
-        page.write_text(f"{head}{mark}{text}{last}{rest.partition(last)[2]}", encoding="utf-8")
-    return bool(mark)
-
-
 def rows_of(head: Sequence[str], rows: Sequence[Sequence[str]]) -> str:
     """A table in Markdown."""
     lines = (f"| {' | '.join(cells)} |\n" for cells in (head, ["---"] * len(head), *rows))
     return "".join(lines)
+
+
+def as_markdown(table: Table) -> str:
+    """A table below its notes."""
+    notes, head, rows = table
+    return f"{notes.strip()}\n\n{rows_of(head, rows)}"
