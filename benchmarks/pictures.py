@@ -27,7 +27,7 @@ from shared import HERE
 import weftex
 
 DOCS = HERE.parent / "docs"
-_ACROSS = 1040  # pixels of a row, in which the next picture finds no place
+_ACROSS = 1100  # pixels of a row, in which the next picture finds no place
 _SHOWN = 860  # pixels of a page's column
 _GAP = 6
 _QUALITY = 70
