@@ -23,6 +23,7 @@ KERNELS = sorted(
 SHARED = "weftex._memoryviews"
 CHECKS = os.environ.get("WEFTEX_CHECKS") == "1"
 BASE = "build/checks" if CHECKS else "build/plain"  # apart, or one would take the other's objects
+SHARED_C = Path(BASE, "c", "_memoryviews.c")
 MSVC = sys.platform == "win32"
 # No contraction into fused multiply-adds: floating point must give the same bytes everywhere.
 FLAGS = ["-O3", "-g0", "-ffp-contract=off", "-fno-math-errno", "-Wno-unused-function"]
@@ -77,15 +78,9 @@ class BuildKernels(build_ext):
 
     def write_c(self):
         from Cython.Build import cythonize
-        from Cython.Build.SharedModule import generate_shared_module
-        from Cython.Compiler.Main import CompilationOptions
 
-        shared = Path(BASE, "c", python_file(SHARED)).with_suffix(".c")
-        if not shared.exists():
-            shared.parent.mkdir(parents=True, exist_ok=True)
-            generate_shared_module(
-                CompilationOptions(shared_c_file_path=str(shared), language_level=3)
-            )
+        print(f"weftex: writing {len(KERNELS)} kernels as C", flush=True)
+        write_shared_c()
         cythonize(
             [setuptools.Extension(name, [python_file(name)]) for name in KERNELS],
             build_dir=f"{BASE}/c",
@@ -100,7 +95,12 @@ class BuildKernels(build_ext):
                 "freethreading_compatible": True,
             },
         )
+        kinds = "with checks" if CHECKS else "for any processor, and for AVX2" if FAST else "once"
+        print(f"weftex: compiling them {kinds}, {self.parallel} at a time", flush=True)
         for extension in self.extensions:
+            if extension.name == SHARED:
+                extension.sources = [str(SHARED_C)]
+                continue
             source = Path(BASE, "c", extension.sources[0]).with_suffix(".c")
             if extension.name.startswith("weftex._avx2."):  # a copy, or their objects would collide
                 copy = Path(BASE, "avx2", extension.sources[0]).with_suffix(".c")
@@ -118,6 +118,18 @@ class BuildKernels(build_ext):
         super().copy_extensions_to_source()
 
 
+def write_shared_c():
+    """Write what Cython would put into every kernel, unless the one there is of this Cython."""
+    import Cython
+    from Cython.Build.SharedModule import generate_shared_module
+    from Cython.Compiler.Main import CompilationOptions
+
+    if SHARED_C.exists() and SHARED_C.stat().st_mtime > Path(Cython.__file__).stat().st_mtime:
+        return
+    SHARED_C.parent.mkdir(parents=True, exist_ok=True)
+    generate_shared_module(CompilationOptions(shared_c_file_path=str(SHARED_C), language_level=3))
+
+
 def python_file(name):
     """The source of a kernel."""
     return f"src/{name.replace('.', '/')}.py"
@@ -131,7 +143,8 @@ def extension(name, kernel, flags):
 
 
 if __name__ == "__main__":  # processes that Cython starts import this file
-    modules = [extension(name, name, FLAGS) for name in [SHARED, *KERNELS]]
+    modules = [setuptools.Extension(SHARED, [], extra_compile_args=FLAGS)]
+    modules += [extension(name, name, FLAGS) for name in KERNELS]
     if FAST:  # and once more for processors with AVX2, see weftex/dispatch.py
         modules += [
             extension(name.replace("weftex.", "weftex._avx2.", 1), name, FLAGS + AVX2)

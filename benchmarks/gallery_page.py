@@ -15,10 +15,9 @@ from PIL import Image
 from shared import HERE, rows_of
 
 import weftex
-from weftex.pages.html import document
+from weftex.pages.html import as_shown, document
 from weftex.quality.figures import FIGURES
 from weftex.tasks.method_names import AUTO, method_class
-from weftex.tasks.report import as_shown
 
 JUDGED = HERE / "judged.csv"
 PAGES = ("quality.md", "quality-figures.md")

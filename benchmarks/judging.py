@@ -83,7 +83,7 @@ def processes() -> tuple[dict[str, float], int]:
         weftex.write_image(sample, sample_of(128, "leaves"))
         words = ["synth", sample, "-o", f"{folder}/out.png", "--size", "200", "--seed", "7"]
         words.append("--quiet")
-        command = [sys.executable, "-m", "weftex.cli", *words]
+        command = [sys.executable, "-m", "weftex", *words]
         works = {
             "quilting": [*command, "--method", "quilting"],
             AUTO: command,

@@ -15,6 +15,7 @@ from shared import (
     medians,
     ms,
     paper,
+    papers,
     sample_of,
     sampling,
 )
@@ -145,7 +146,7 @@ def recall() -> Table:
     ratios: dict[int, list[float]] = {k: [] for k in range(len(searches))}
     times: dict[int, list[float]] = {k: [] for k in range(len(searches))}
     for name in paper.SAMPLES:
-        exemplar = weftex.Exemplar(paper.load(name, 128))
+        exemplar = weftex.Exemplar(papers.load(name, 128))
         truth = Truth(exemplar)
         works = {}
         for k, (search, given) in enumerate(searches):

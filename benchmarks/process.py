@@ -48,7 +48,7 @@ def startup() -> Table:
             for method in PATCH_METHODS:
                 label = f"weftex synth --method {method}, {side} to {size}"
                 commands[label] = [
-                    *(python, "-m", "weftex.cli", "synth", f"{folder}/{side}.png"),
+                    *(python, "-m", "weftex", "synth", f"{folder}/{side}.png"),
                     *("-o", f"{folder}/out.png", "--size", str(size), "--method", method),
                     *("--seed", "7", "--quiet"),
                 ]

@@ -25,7 +25,7 @@ import near_regular
 import patch
 import pixel
 import process
-from shared import HERE, Table, as_markdown, in_child, machine
+from shared import HERE, Table, in_child, machine, papers
 
 PAGE = HERE.parent / "docs" / "measured" / "benchmarks.md"
 _HEAD = """\
@@ -73,7 +73,7 @@ def main() -> None:
     found: dict[str, Any] = {"machine": about}
     for name in names:
         table = TABLES[name]()
-        text = as_markdown(table)
+        text = papers.as_markdown(table)
         print(f"## {name}\n\n{text}", flush=True)
         found[name] = {"notes": table[0].strip(), "head": table[1], "rows": table[2]}
         if args.update:

@@ -20,11 +20,12 @@ import weftex
 
 HERE = Path(__file__).resolve().parent
 sys.path.append(str(HERE.parent / "examples"))
-import paper_patch_sampling as paper  # noqa: E402
+import _papers as papers  # noqa: E402
+import paper_patch_sampling as paper  # noqa: E402, F401
 
 PATCH_METHODS = ("patch-sampling", "quilting")
 Work = Callable[[], Any]
-Table = tuple[str, Sequence[str], Sequence[Sequence[str]]]  # notes, head, rows
+Table = papers.Table
 
 
 def machine() -> str:
@@ -45,7 +46,7 @@ def machine() -> str:
 
 def sample_of(side: int, name: str = "pebbles") -> np.ndarray:
     """A crop of a packaged sample, or more of it made by weftex where it is too small."""
-    pixels = paper.load(name)
+    pixels = papers.load(name)
     if side > min(pixels.shape[:2]):
         return weftex.synthesize(pixels, side, seed=0).image
     return np.ascontiguousarray(pixels[:side, :side])
@@ -147,9 +148,3 @@ def rows_of(head: Sequence[str], rows: Sequence[Sequence[str]]) -> str:
     """A table in Markdown."""
     lines = (f"| {' | '.join(cells)} |\n" for cells in (head, ["---"] * len(head), *rows))
     return "".join(lines)
-
-
-def as_markdown(table: Table) -> str:
-    """A table below its notes."""
-    notes, head, rows = table
-    return f"{notes.strip()}\n\n{rows_of(head, rows)}"

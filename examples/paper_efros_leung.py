@@ -1,6 +1,6 @@
 """The figures of non-parametric sampling, made again with weftex.
 
-python examples/paper_efros_leung.py FIGURE -o FOLDER
+python examples/paper_efros_leung.py FIGURE -o FOLDER [--small]
 
 Figures: fig1 fig2 fig3, which are those of the comparison of non-parametric sampling and TSVQ
 (section III.A), and surfaces; `all` makes every one. The method is that of A. A. Efros and
@@ -10,13 +10,10 @@ Needs Pillow and SciPy beside weftex: pip install 'weftex[test]'.
 
 from __future__ import annotations
 
-import argparse
-from collections.abc import Callable
 from pathlib import Path
-from time import perf_counter
 
 import numpy as np
-from paper_patch_sampling import load, sheet, shrunk
+from _papers import load, run, sheet, shrunk, sized, some
 from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
 
@@ -36,16 +33,19 @@ def rings(side: int, seed: int) -> np.ndarray:
 
 
 def grow(pixels: np.ndarray, size: int, width: int, seed: int = 1) -> weftex.Synthesis:
-    return weftex.synthesize(pixels, size, method="efros-leung", window_width=width, seed=seed)
+    return weftex.synthesize(
+        pixels, sized(size), method="efros-leung", window_width=width, seed=seed
+    )
 
 
 def fig1(folder: Path, suffix: str) -> None:
     """The width of the window is how random the picture may be."""
     rows = []
-    for pixels, widths in (
+    cases = (
         (rings(72, 1), (5, 11, 17, 25)),
         (shrunk(load("bricks"), 4), (5, 9, 15, 23)),
-    ):
+    )
+    for pixels, widths in some(cases):
         row = [("sample", pixels)]
         row += [(f"width {width}", grow(pixels, 140, width).image) for width in widths]
         rows.append(row)
@@ -58,7 +58,8 @@ def fig2(folder: Path, suffix: str) -> None:
     disc = np.hypot(y - 80, x - 80) < 32
     band = np.abs(y - 80 - 20 * np.sin(x / 22)) < 9
     rows = []
-    for name, hole, width in (("pebbles", disc, 11), ("weave", band, 15), ("grass", disc, 11)):
+    cases = (("pebbles", disc, 11), ("weave", band, 15), ("grass", disc, 11))
+    for name, hole, width in some(cases):
         photo = load(name, 160)
         empty = np.where(hole.reshape(160, 160, *(1,) * (photo.ndim - 2)), 0, photo)
         empty = empty.astype(np.uint8)
@@ -88,10 +89,11 @@ def pieces(result: weftex.Synthesis) -> np.ndarray:
 def fig3(folder: Path, suffix: str) -> None:
     """Failures: growing garbage, and verbatim copying."""
     rows = []
-    for title, name, side, width, seed in (
+    cases = (
         ("growing garbage", "pebbles", 96, 23, 1),
         ("verbatim copying", "leaves", 160, 25, 3),
-    ):
+    )
+    for title, name, side, width, seed in some(cases):
         pixels = load(name, side)
         result = grow(pixels, 200, width, seed)
         size = pieces(result)
@@ -113,7 +115,7 @@ def fig3(folder: Path, suffix: str) -> None:
 def surfaces(folder: Path, suffix: str) -> None:
     """Real materials at three widths."""
     rows = []
-    for name in ("pebbles", "grass", "weave"):
+    for name in some(("pebbles", "grass", "weave")):
         pixels = load(name, 128)
         row = [("sample", pixels)]
         row += [(f"width {width}", grow(pixels, 180, width).image) for width in (9, 15, 23)]
@@ -121,26 +123,7 @@ def surfaces(folder: Path, suffix: str) -> None:
     sheet(folder / f"surfaces_efros_leung{suffix}", rows)
 
 
-FIGURES: dict[str, Callable[[Path, str], None]] = {
-    f.__name__: f for f in (fig1, fig2, fig3, surfaces)
-}
-
-
-def main() -> None:
-    lines = "\n".join(f"  {name:9}{f.__doc__}" for name, f in FIGURES.items())
-    parser = argparse.ArgumentParser(
-        description=f"{__doc__}\n{lines}", formatter_class=argparse.RawDescriptionHelpFormatter
-    )
-    parser.add_argument("figure", choices=(*FIGURES, "all"))
-    parser.add_argument("-o", "--output", type=Path, default=Path(), metavar="FOLDER")
-    parser.add_argument("--format", default="png", choices=("png", "jpg", "webp"))
-    args = parser.parse_args()
-    args.output.mkdir(parents=True, exist_ok=True)
-    for name in FIGURES if args.figure == "all" else (args.figure,):
-        start = perf_counter()
-        FIGURES[name](args.output, f".{args.format}")
-        print(f"{name}: {perf_counter() - start:.1f} s")
-
+FIGURES = (fig1, fig2, fig3, surfaces)
 
 if __name__ == "__main__":
-    main()
+    run(__doc__, FIGURES)

@@ -1,6 +1,6 @@
 """The figures and the table of exact neighborhood matching, made again with weftex.
 
-python examples/paper_exact_matching.py EXPERIMENT -o FOLDER
+python examples/paper_exact_matching.py EXPERIMENT -o FOLDER [--small]
 
 Experiments that draw a picture: fig6 fig7 fig8 fig10 fig13 levels; that print a table and write it
 as Markdown: table1 fig9 grouping; `all` runs every one. M. Sabha, P. Peers and P. Dutré, Texture
@@ -10,14 +10,12 @@ Needs Pillow beside weftex: pip install 'weftex[test]'.
 
 from __future__ import annotations
 
-import argparse
-from collections.abc import Callable
 from pathlib import Path
 from time import perf_counter
 from typing import Any
 
 import numpy as np
-from paper_patch_sampling import Table, as_markdown, load, sheet, shrunk
+from _papers import Table, load, run, sheet, shrunk, sized, some
 from PIL import Image
 
 import weftex
@@ -82,13 +80,13 @@ thread. Brute force compares every pixel with every whole window to its end; its
 extrapolated from 16 pixels. The paper's seconds are of an AMD64 4000+ (2.4 GHz).
 """
     rows = []
-    for label, (pixels, width, paper) in samples().items():
+    for label, (pixels, width, paper) in some(samples().items()):
         runs = []
-        for seed in (1, 2, 3):
+        for seed in some((1, 2, 3)):
             start = perf_counter()
             model = weftex.ExactMatching(window_width=width, **PAPER).fit(weftex.Exemplar(pixels))
             analysis = perf_counter() - start
-            _, cost = model.measure(400, seed=seed)
+            _, cost = model.measure(sized(400), seed=seed)
             tested = cost.tested / cost.pixels
             runs.append((tested, analysis, cost.initialization, cost.synthesis))
         tested, *stages = np.median(runs, axis=0).tolist()
@@ -106,11 +104,11 @@ extrapolated from 16 pixels. The paper's seconds are of an AMD64 4000+ (2.4 GHz)
 def fig6(folder: Path, suffix: str) -> None:
     """Results for the rows of Table 1, with weftex's own defaults but the window."""
     rows: list[list[tuple[str, np.ndarray]]] = []
-    for n, (label, (pixels, width, _)) in enumerate(samples().items()):
+    for n, (label, (pixels, width, _)) in enumerate(some(samples().items())):
         if n % 2 == 0:
             rows.append([])
         made = weftex.synthesize(
-            pixels, 256, method="exact-matching", window_width=width, seed=1
+            pixels, sized(256), method="exact-matching", window_width=width, seed=1
         ).image
         rows[-1] += [(f"({label}) {pixels.shape[1]} px", pixels), (f"window {width}", made)]
     sheet(folder / f"fig6_exact_matching{suffix}", rows)
@@ -119,12 +117,12 @@ def fig6(folder: Path, suffix: str) -> None:
 def fig7(folder: Path, suffix: str) -> None:
     """Quality against tolerance, from an exact match to all windows."""
     rows = []
-    for name, width in (("pebbles", 15), ("weave", 15)):
+    for name, width in some((("pebbles", 15), ("weave", 15))):
         pixels = crop(name, 96)
         row = [("sample", pixels)]
         for tolerance in (0, 0.01, 0.05, 0.2, 1):
             method = weftex.ExactMatching(window_width=width, **PAPER | {"tolerance": tolerance})
-            made = method.fit(weftex.Exemplar(pixels)).sample(140, seed=1).image
+            made = method.fit(weftex.Exemplar(pixels)).sample(sized(140), seed=1).image
             row.append((f"tolerance {100 * tolerance:g} %", made))
         rows.append(row)
     sheet(folder / f"fig7_exact_matching{suffix}", rows)
@@ -139,15 +137,16 @@ def noisy(pixels: np.ndarray) -> np.ndarray:
 def fig8(folder: Path, suffix: str) -> None:
     """Exact matches alone are too few where hardly a colour occurs twice; a tolerance mends it."""
     rows = []
-    for pixels, width in (
+    cases = (
         (noisy(shrunk(load("bricks"), 2)[:112, :112]), 25),
         (noisy(crop("weave", 96)), 19),
-    ):
+    )
+    for pixels, width in some(cases):
         row = [("sample", pixels)]
         for tolerance in (0.0, 0.005, 0.01, 0.02):
             settings = PAPER | {"tolerance": tolerance, "init": "random"}
             method = weftex.ExactMatching(window_width=width, **settings)
-            made = method.fit(weftex.Exemplar(pixels)).sample(180, seed=1).image
+            made = method.fit(weftex.Exemplar(pixels)).sample(sized(180), seed=1).image
             row.append((f"tolerance {100 * tolerance:g} %", made))
         rows.append(row)
     sheet(folder / f"fig8_exact_matching{suffix}", rows)
@@ -163,7 +162,7 @@ each. At 100 % every window is compared, with early ends.
     for tolerance in (0, 0.002, 0.005, 0.01, 0.02, 0.05, 0.1, 0.2, 0.5, 1):
         method = weftex.ExactMatching(window_width=15, **PAPER | {"tolerance": tolerance})
         model = method.fit(weftex.Exemplar(crop("pebbles", 96)))
-        _, cost = model.measure(128, seed=1)
+        _, cost = model.measure(sized(128), seed=1)
         seconds = cost.initialization + cost.synthesis
         tested = f"{cost.tested / cost.pixels:.1f}"
         rows.append([f"{100 * tolerance:g} %", tested, f"{seconds:.2f}"])
@@ -185,14 +184,14 @@ windows whose root mean square difference is at most the given share of the rang
         "tiles, window 33": (crop("tiles", 100), 33),
         "bricks in 234 colours, window 33": (samples()["h"][0], 33),
     }
-    for label, (pixels, width) in cases.items():
+    for label, (pixels, width) in some(cases.items()):
         for limit in (0, 0.02, 0.05):
             start = perf_counter()
             model = weftex.ExactMatching(
                 window_width=width, grouping=limit, init="random", **PAPER
             ).fit(weftex.Exemplar(pixels))
             analysis = perf_counter() - start
-            _, cost = model.measure(200, seed=1)
+            _, cost = model.measure(sized(200), seed=1)
             tested = f"{cost.tested / cost.pixels:.1f}"
             seconds = f"{cost.initialization + cost.synthesis:.2f}"
             rows.append([label, f"{limit:g}", tested, f"{analysis:.2f}", seconds])
@@ -202,26 +201,28 @@ windows whose root mean square difference is at most the given share of the rang
 def fig10(folder: Path, suffix: str) -> None:
     """Where pixels come from, below the band of the initialisation in black."""
     rows = []
-    for name, width in (("pebbles", 31), ("leaves", 31), ("weave", 31), ("bricks", 61)):
+    cases = (("pebbles", 31), ("leaves", 31), ("weave", 31), ("bricks", 61))
+    for name, width in some(cases, least=2):
         sample = weftex.Exemplar(crop(name, 192))
         model = weftex.ExactMatching(window_width=width).fit(sample)
-        result = model.sample(240, seed=1)
-        band = np.zeros((width // 2, 240, 3), np.uint8)
+        result = model.sample(sized(240), seed=1)
+        band = np.zeros((width // 2, result.shape[1], 3), np.uint8)
         row = [("sample", sample.pixels), (model.method.init, result.image)]
         row.append(("sources", np.concatenate([band, result.draw("sources")])))
         rows.append(row)
-    pairs = [rows[k] + rows[k + 1] for k in (0, 2)]
+    pairs = [rows[k] + rows[k + 1] for k in range(0, len(rows), 2)]
     sheet(folder / f"fig10_exact_matching{suffix}", pairs)
 
 
 def fig13(folder: Path, suffix: str) -> None:
     """More results, everything as weftex proposes it."""
     rows: list[list[tuple[str, np.ndarray]]] = []
-    for n, name in enumerate(("weave", "pebbles", "tiles", "leaves", "stone_wall", "grass")):
+    names = ("weave", "pebbles", "tiles", "leaves", "stone_wall", "grass")
+    for n, name in enumerate(some(names)):
         if n % 3 == 0:
             rows.append([])
         pixels = crop(name, 160)
-        made = weftex.synthesize(pixels, 240, method="exact-matching", seed=1).image
+        made = weftex.synthesize(pixels, sized(240), method="exact-matching", seed=1).image
         rows[-1] += [("sample", pixels), ("exact-matching", made)]
     sheet(folder / f"fig13_exact_matching{suffix}", rows)
 
@@ -229,45 +230,19 @@ def fig13(folder: Path, suffix: str) -> None:
 def levels(folder: Path, suffix: str) -> None:
     """The paper's future work: multi-resolution, with windows of 15 pixels at each level."""
     rows = []
-    for name in ("bricks", "tiles", "leaves"):
+    for name in some(("bricks", "tiles", "leaves")):
         pixels = crop(name, 192)
         row = [("sample", pixels)]
         for count in (1, 2, 3):
             method = weftex.ExactMatching(window_width=15, levels=count)
-            made = method.fit(weftex.Exemplar(pixels)).sample(240, seed=1).image
+            made = method.fit(weftex.Exemplar(pixels)).sample(sized(240), seed=1).image
             row.append((f"levels {count}", made))
         rows.append(row)
     sheet(folder / f"levels_exact_matching{suffix}", rows)
 
 
-FIGURES: dict[str, Callable[[Path, str], None]] = {
-    f.__name__: f for f in (fig6, fig7, fig8, fig10, fig13, levels)
-}
-TABLES: dict[str, Callable[[], Table]] = {f.__name__: f for f in (table1, fig9, grouping)}
-
-
-def main() -> None:
-    every = {**FIGURES, **TABLES}
-    lines = "\n".join(f"  {name:9}{f.__doc__}" for name, f in every.items())
-    parser = argparse.ArgumentParser(
-        description=f"{__doc__}\n{lines}", formatter_class=argparse.RawDescriptionHelpFormatter
-    )
-    parser.add_argument("experiment", choices=(*every, "all"))
-    parser.add_argument("-o", "--output", type=Path, default=Path(), metavar="FOLDER")
-    parser.add_argument("--format", default="png", choices=("png", "jpg", "webp"))
-    args = parser.parse_args()
-    args.output.mkdir(parents=True, exist_ok=True)
-    for name in every if args.experiment == "all" else (args.experiment,):
-        start = perf_counter()
-        if name in FIGURES:
-            FIGURES[name](args.output, f".{args.format}")
-        else:
-            path = args.output / f"{name}_exact_matching.md"
-            text = as_markdown(TABLES[name]())
-            path.write_text(text, encoding="utf-8")
-            print(f"\n{text}\nwrote {path}")
-        print(f"{name}: {perf_counter() - start:.1f} s")
-
+FIGURES = (fig6, fig7, fig8, fig10, fig13, levels)
+TABLES = (table1, fig9, grouping)
 
 if __name__ == "__main__":
-    main()
+    run(__doc__, FIGURES, TABLES, name="{}_exact_matching")

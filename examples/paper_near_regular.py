@@ -1,6 +1,6 @@
 """The experiments of the thesis on near-regular textures, run again with weftex.
 
-python examples/paper_near_regular.py EXPERIMENT -o FOLDER
+python examples/paper_near_regular.py EXPERIMENT -o FOLDER [--small]
 
 Experiments: fig410 (both ways of matching), fig411 (after gap filling, and a repeated tile), fig413
 (blending), fig52 (5.2 to 5.9: near-regular samples by repetition, thesis, weftex and quilting),
@@ -13,13 +13,11 @@ Needs Pillow beside weftex: pip install 'weftex[test]'.
 
 from __future__ import annotations
 
-import argparse
-from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
 import numpy as np
-from paper_patch_sampling import load, sheet, shrunk
+from _papers import Table, load, run, sheet, shrunk, sized, some
 
 import weftex
 
@@ -46,44 +44,42 @@ def opaque(pixels: np.ndarray) -> np.ndarray:
 
 def make(pixels: np.ndarray, size: int = 256, **parameters: Any) -> np.ndarray:
     method = parameters.pop("method", "near-regular")
-    return weftex.synthesize(pixels, size, method=method, seed=1, **parameters).image
+    return weftex.synthesize(pixels, sized(size), method=method, seed=1, **parameters).image
 
 
 def paper(pixels: np.ndarray, **parameters: Any) -> np.ndarray:
     return make(pixels, preset="paper", **parameters)
 
 
-def rows(folder: Path, name: str, labels: str, lines: list[list[np.ndarray]]) -> None:
+def rows(path: Path, labels: str, lines: list[list[np.ndarray]]) -> None:
     """Write a picture of lines that have the same labels, separated by commas."""
     named = [list(zip(labels.split(", "), line, strict=True)) for line in lines]
-    sheet(folder / f"{name}.png", named)
+    sheet(path, named)
 
 
-def fig410(folder: Path) -> None:
+def fig410(folder: Path, suffix: str) -> None:
     """Borders by correlation, and by differences of colours."""
-    samples = [small(name) for name in REGULAR]
+    samples = [small(name) for name in some(REGULAR)]
     lines = [[s, paper(s, match="gncc"), paper(s, match="difference")] for s in samples]
-    rows(folder, "fig410", "sample, gncc, difference", lines)
+    rows(folder / f"fig410{suffix}", "sample, gncc, difference", lines)
 
 
-def fig411(folder: Path) -> None:
+def fig411(folder: Path, suffix: str) -> None:
     """A repeated tile beside blocks and gaps before they are blended."""
-    samples = [small(name) for name in REGULAR]
+    samples = [small(name) for name in some(REGULAR)]
     rows(
-        folder,
-        "fig411",
+        folder / f"fig411{suffix}",
         "sample, best-tile, gaps filled",
         [[s, make(s, method="best-tile"), paper(s, blend="none")] for s in samples],
     )
 
 
-def fig413(folder: Path) -> None:
+def fig413(folder: Path, suffix: str) -> None:
     """Without and with blending; and cut, with and without rectifying the sample."""
-    samples = [small(name) for name in REGULAR]
+    samples = [small(name) for name in some(REGULAR)]
     ways = [{"preset": "paper", "blend": "none"}, {"preset": "paper"}, {"rectify": 0}, {}]
     rows(
-        folder,
-        "fig413",
+        folder / f"fig413{suffix}",
         "sample, pasted, blended, cut, cut and rectified",
         [[s, *(make(s, **way) for way in ways)] for s in samples],
     )
@@ -109,7 +105,7 @@ FREE: dict[str, dict[str, Any]] = {
 
 def repeated(pixels: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """The sample again and again, and where each pixel comes from."""
-    source = np.moveaxis(np.indices((256, 256)), 0, -1) % pixels.shape[:2]
+    source = np.moveaxis(np.indices([sized(256)] * 2), 0, -1) % pixels.shape[:2]
     return pixels[source[..., 0], source[..., 1]], source
 
 
@@ -117,29 +113,28 @@ def compared(pixels: np.ndarray, ways: dict[str, dict[str, Any]]) -> dict[str, n
     return {"sample": pixels, **{way: make(pixels, **with_) for way, with_ in ways.items()}}
 
 
-def fig52(folder: Path) -> None:
+def fig52(folder: Path, suffix: str) -> None:
     """Every near-regular sample: repeated, its best tile, the thesis, weftex, quilting."""
     lines = []
-    for name in ALL_REGULAR:
+    for name in some(ALL_REGULAR):
         made = compared(small(name), WAYS)
         pictures = list(made.values())
         lines.append([pictures[0], repeated(pictures[0])[0], *pictures[1:]])
-    rows(folder, "fig52", ", ".join(["sample", "repeated", *WAYS]), lines)
+    rows(folder / f"fig52{suffix}", ", ".join(["sample", "repeated", *WAYS]), lines)
 
 
-def fig510(folder: Path) -> None:
+def fig510(folder: Path, suffix: str) -> None:
     """Joints that do not meet: as in the thesis, with shifts, and on a rectified sample."""
     s = load("bricks")[:256, :256]
     ways = [{"preset": "paper", "block_size": 80}, {"rectify": 0}, {}]
     rows(
-        folder,
-        "fig510",
+        folder / f"fig510{suffix}",
         "sample, thesis, cut, cut and rectified",
         [[s, *(make(s, 384, **way) for way in ways)]],
     )
 
 
-def fig511(folder: Path) -> None:
+def fig511(folder: Path, suffix: str) -> None:
     """Vectors rounded to pixels and with their fractions; a bent sample, as it is and rectified."""
     y, x = np.indices((128, 128))
     waves = 127 + 50 * np.sin(x * 2 * np.pi / 12.45) + 50 * np.sin(y * 2 * np.pi / 9.55)
@@ -152,10 +147,10 @@ def fig511(folder: Path) -> None:
     lattice = weftex.NearRegular().fit(weftex.Exemplar(straight)).method.lattice
     mended = make(bent, lattice=lattice, rectify=3)
     lines.append([bent, make(bent, lattice=lattice, rectify=0), mended])
-    rows(folder, "fig511", "sample, rounded or bent, mended", lines)
+    rows(folder / f"fig511{suffix}", "sample, rounded or bent, mended", lines)
 
 
-def fig512(folder: Path) -> None:
+def fig512(folder: Path, suffix: str) -> None:
     """Blended over 4 pixels, over 28, and as wide as weftex chooses: uneven light."""
     s = small("bricks").astype(float)
     light = np.linspace(0.6, 1.3, s.shape[1])[None, :, None]
@@ -163,56 +158,54 @@ def fig512(folder: Path) -> None:
     ways = [{"blend_width": 4}, {"blend_width": 28}, {}]
     wide = {"blend": "feather", "block_size": 40, "border_width": 30}
     rows(
-        folder,
-        "fig512",
+        folder / f"fig512{suffix}",
         "sample, over 4 pixels, over 28, by itself",
         [[s, *(make(s, **wide, **way) for way in ways)]],
     )
 
 
-def fig513(folder: Path) -> None:
+def fig513(folder: Path, suffix: str) -> None:
     """Every other sample, unconstrained: the thesis's preset, weftex's defaults, and quilting."""
-    lines = [list(compared(small(name), FREE).values()) for name in IRREGULAR]
-    rows(folder, "fig513", ", ".join(["sample", *FREE]), lines)
+    lines = [list(compared(small(name), FREE).values()) for name in some(IRREGULAR)]
+    rows(folder / f"fig513{suffix}", ", ".join(["sample", *FREE]), lines)
 
 
-def figures(folder: Path) -> None:
-    """What weftex.assess says of the pictures of fig52 and fig513, as a table in Markdown."""
-    text = ""
-    for title, names, ways in (("near-regular", ALL_REGULAR, WAYS), ("others", IRREGULAR, FREE)):
-        text += f"| {title} | {' | '.join(['repeated', *ways])} |\n{'|---' * (len(ways) + 2)}|\n"
+def figures() -> Table:
+    """What weftex.assess says of the pictures of fig52 and fig513."""
+    rows = []
+    for names, ways in ((ALL_REGULAR, WAYS), (IRREGULAR, FREE)):
         found = []
-        for name in names:
+        for name in some(names):
             sample = small(name)
-            scores = [weftex.assess(sample, *repeated(sample)).score]
-            for way in ways.values():
-                settings = {"method": "near-regular"} | way
-                result = weftex.synthesize(sample, 256, seed=1, **settings)
-                scores.append(weftex.assess(result.exemplar, result).score)
+            scores = {"repeated": weftex.assess(sample, *repeated(sample)).score}
+            for way, how in ways.items():
+                settings = {"method": "near-regular"} | how
+                result = weftex.synthesize(sample, sized(256), seed=1, **settings)
+                scores[way] = weftex.assess(result.exemplar, result).score
             found.append(scores)
-            text += f"| {name} | {' | '.join(f'{score:.2f}' for score in scores)} |\n"
-        means = np.mean(found, axis=0)
-        text += f"| mean | {' | '.join(f'{mean:.2f}' for mean in means)} |\n\n"
-    (folder / "figures.md").write_text(text)
-    print(text)
+        found.append({way: np.mean([scores[way] for scores in found]) for way in found[0]})
+        for name, scores in zip([*some(names), "mean"], found, strict=True):
+            cells = (f"{scores[way]:.2f}" if way in scores else "" for way in ("repeated", *WAYS))
+            rows.append([name, *cells])
+    return "Scores of near-regular samples, then of others.", ["", "repeated", *WAYS], rows
 
 
-def blocks(folder: Path) -> None:
+def blocks(folder: Path, suffix: str) -> None:
     """Blocks of 20 to 60 pixels: larger ones have fewer seams and less variety."""
     lines = []
-    for name in REGULAR:
+    for name in some(REGULAR):
         s = small(name)
         lines.append([s, *(paper(s, block_size=size) for size in (20, 30, 40, 60))])
-    rows(folder, "blocks", "sample, 20, 30, 40, 60", lines)
+    rows(folder / f"blocks{suffix}", "sample, 20, 30, 40, 60", lines)
 
 
-def holes(folder: Path) -> None:
+def holes(folder: Path, suffix: str) -> None:
     """Holes that go on with the lattice, beside methods that know of none."""
     y, x = np.indices((256, 256)) - 128
     angle, away = np.arctan2(y, x), np.hypot(y, x)
     hole = away < 44 * (1 + 0.25 * np.sin(3 * angle) + 0.1 * np.sin(7 * angle))
     lines = []
-    for name in ("bricks", "fishscale", "fence"):
+    for name in some(("bricks", "fishscale", "fence")):
         photo = opaque(load(name, 256).reshape(256, 256, -1))
         photo = np.broadcast_to(photo, (256, 256, 3))
         shown = np.where(hole[..., None], np.uint8([255, 0, 255]), photo)
@@ -221,29 +214,11 @@ def holes(folder: Path) -> None:
             for method in ("patch-sampling", "quilting", "near-regular")
         ]
         lines.append([shown, *filled])
-    rows(folder, "holes", "hole, patch-sampling, quilting, near-regular", lines)
+    rows(folder / f"holes{suffix}", "hole, patch-sampling, quilting, near-regular", lines)
 
 
-EXPERIMENTS: dict[str, Callable[[Path], None]] = {
-    f.__name__: f
-    for f in (
-        *(fig410, fig411, fig413, fig52, fig510, fig511, fig512, fig513),
-        *(blocks, holes, figures),
-    )
-}
-
-
-def main() -> None:
-    parser = argparse.ArgumentParser(
-        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
-    )
-    parser.add_argument("experiment", choices=[*EXPERIMENTS, "all"])
-    parser.add_argument("-o", "--output", type=Path, default=Path(), metavar="FOLDER")
-    args = parser.parse_args()
-    args.output.mkdir(parents=True, exist_ok=True)
-    for name in EXPERIMENTS if args.experiment == "all" else [args.experiment]:
-        EXPERIMENTS[name](args.output)
-
+FIGURES = (fig410, fig411, fig413, fig52, fig510, fig511, fig512, fig513, blocks, holes)
+TABLES = (figures,)
 
 if __name__ == "__main__":
-    main()
+    run(__doc__, FIGURES, TABLES)

@@ -5,80 +5,48 @@ python examples/paper_patch_sampling.py EXPERIMENT -o FOLDER
 Experiments that draw a picture: fig4 fig6 fig7 fig8 fig15 fig16 fig17; that print a table and write
 it as Markdown: copying edges table1; `all` runs every one. L. Liang, C. Liu, Y.-Q. Xu, B. Guo and
 H.-Y. Shum, Real-time texture synthesis by patch-based sampling, ACM Transactions on Graphics, 2001.
-Needs Pillow and SciPy beside weftex: pip install 'weftex[test]'.
+`--small` makes all of them small. Needs Pillow and SciPy beside weftex: pip install 'weftex[test]'.
 """
 
 from __future__ import annotations
 
-import argparse
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from pathlib import Path
 from time import perf_counter
 from typing import Any
 
 import numpy as np
+from _papers import Table, load, run, sheet, shrunk, sized, some
 from PIL import Image, ImageDraw, ImageFont
 
 import weftex
 
-HERE = Path(__file__).parent
 SAMPLES = ("bricks", "grass", "leaves", "pebbles", "stone_wall", "tiles", "weave", "wood")
 #: What the paper does and weftex does not by default; its zones are "typically four pixels wide".
-PAPER: dict[str, Any] = {"repeat_distance": 0, "boundary_width": 4}
+PAPER: dict[str, Any] = {
+    "method": "patch-sampling",
+    "repeat_distance": 0,
+    "boundary_width": 4,
+}
 
 
-def load(name: str, side: int | None = None) -> np.ndarray:
-    """Pixels of a sample that ships with weftex or lies in examples/samples, or a crop of them."""
-    own = HERE / "samples" / f"{name}.png"
-    pixels = weftex.load_exemplar(own if own.exists() else f"sample:{name}").pixels
-    return np.ascontiguousarray(pixels[:side, :side])
-
-
-def shrunk(pixels: np.ndarray, factor: int) -> np.ndarray:
-    """Means over factor x factor pixels."""
-    height, width = (n // factor * factor for n in pixels.shape[:2])
-    blocks = pixels[:height, :width].reshape(height // factor, factor, width // factor, factor, -1)
-    return np.rint(blocks.mean(axis=(1, 3))).astype(np.uint8)
-
-
-def make(pixels: np.ndarray, size: Any, seed: int = 1, **parameters: Any) -> np.ndarray:
-    return weftex.synthesize(pixels, size, seed=seed, **parameters).image
+def make(pixels: np.ndarray, size: int, **parameters: Any) -> np.ndarray:
+    settings = {"method": "patch-sampling"} | parameters
+    return weftex.synthesize(pixels, sized(size), seed=1, **settings).image
 
 
 # ------------------------------------------------------------------------------------- pictures
 
 
-def sheet(path: Path, rows: Sequence[Sequence[tuple[str, np.ndarray]]], gap: int = 10) -> None:
-    """Write pictures with labels under them, row by row."""
-    font = ImageFont.load_default(13)
-    line = 20
-    columns = range(max(len(row) for row in rows))
-    wide = [max(row[c][1].shape[1] for row in rows if c < len(row)) for c in columns]
-    high = [max(pixels.shape[0] for _, pixels in row) + line for row in rows]
-    size = (sum(wide) + gap * (len(wide) + 1), sum(high) + gap * (len(high) + 1))
-    whole = Image.new("RGB", size, "white")
-    pen = ImageDraw.Draw(whole)
-    y = gap
-    for row, height in zip(rows, high, strict=True):
-        x = gap
-        for (label, pixels), width in zip(row, wide, strict=False):
-            whole.paste(Image.fromarray(np.squeeze(pixels)).convert("RGB"), (x, y))
-            pen.text((x, y + pixels.shape[0] + 2), label, "black", font)
-            x += width + gap
-        y += height + gap
-    whole.save(path, quality=85)
-    print(f"wrote {path}")
-
-
 def fig4(folder: Path, suffix: str) -> None:
     """Constrained synthesis: a 128x128 hole in a 256x256 texture."""
     rows = []
-    for name in ("bricks", "stone_wall", "leaves", "tiles"):
+    for name in some(("bricks", "stone_wall", "leaves", "tiles")):
         photo = load(name)
         hole = np.zeros(photo.shape[:2], bool)
         hole[64:192, 64:192] = True
         empty = np.where(hole[..., None], 0, photo).astype(np.uint8)
-        filled = weftex.fill(empty, hole, seed=1).image
+        filled = weftex.fill(empty, hole, method="patch-sampling", seed=1).image
         assert (filled[~hole] == photo[~hole]).all()
         rows.append([("(a) texture", photo), ("(b) hole", empty), ("(c) filled", filled)])
     sheet(folder / f"fig4{suffix}", rows)
@@ -87,7 +55,7 @@ def fig4(folder: Path, suffix: str) -> None:
 def fig6(folder: Path, suffix: str) -> None:
     """Tileable synthesis, and its 2x2 tiling."""
     rows = []
-    for name in ("pebbles", "grass"):
+    for name in some(("pebbles", "grass")):
         tile = make(load(name), 192, tileable=True)
         again = np.concatenate([np.concatenate([tile] * 2, axis=0)] * 2, axis=1)
         rows.append([("sample", load(name)), ("(a) tileable", tile), ("(b) 2x2 of it", again)])
@@ -103,7 +71,7 @@ def fig7(folder: Path, suffix: str) -> None:
             (f"patch size {size}", make(sample, 160, patch_size=size, **PAPER))
             for size in (16, 24, 32)
         ]
-        for sample in samples
+        for sample in some(samples)
     ]
     sheet(folder / f"fig7{suffix}", rows)
 
@@ -111,7 +79,7 @@ def fig7(folder: Path, suffix: str) -> None:
 def fig8(folder: Path, suffix: str) -> None:
     """Relative error: 0, 0.2, 1 and infinity, over all windows (no shortlist)."""
     rows = []
-    for name in ("pebbles", "bricks", "weave"):
+    for name in some(("pebbles", "bricks", "weave")):
         sample = load(name, 128)
         row = [("(a) sample", sample)]
         for epsilon in (0, 0.2, 1, float("inf")):
@@ -124,7 +92,7 @@ def fig8(folder: Path, suffix: str) -> None:
 def fig15(folder: Path, suffix: str) -> None:
     """Patch-based sampling beside patch pasting, which is epsilon = infinity."""
     rows = []
-    for name in ("grass", "bricks", "weave"):
+    for name in some(("grass", "bricks", "weave")):
         sample = load(name, 192)
         rows.append(
             [
@@ -177,16 +145,6 @@ def fig17(folder: Path, suffix: str) -> None:
 # --------------------------------------------------------------------------------------- tables
 
 
-#: Notes, the names of the columns, and the rows.
-Table = tuple[str, Sequence[str], Sequence[Sequence[str]]]
-
-
-def as_markdown(table: Table) -> str:
-    notes, head, rows = table
-    lines = [f"| {' | '.join(cells)} |" for cells in (head, ["---"] * len(head), *rows)]
-    return "\n".join([*notes.strip().splitlines(), "", *lines, ""])
-
-
 def largest_copy(result: weftex.Synthesis) -> float:
     """Area of the largest connected region copied with one offset, over the sample's area."""
     from scipy.sparse import coo_matrix
@@ -216,18 +174,18 @@ mean half of the sample. The paper names no share and found 93 % without.
 """
     settings: dict[str, dict[str, Any]] = {
         "paper's (repeat_distance 0)": PAPER,
-        "weftex's": {},
+        "weftex's": {"method": "patch-sampling"},
         "quilting": {"method": "quilting"},
     }
     limits = (0.25, 1 / 3, 0.5, 0.75)
     rows = []
     for label, parameters in settings.items():
         copies = []
-        for name in SAMPLES:
+        for name in some(SAMPLES):
             sample = weftex.Exemplar(load(name, 128))
-            for k in range(25):
+            for k in some(range(25)):
                 result = weftex.synthesize(
-                    sample, 216, seed=k, patch_size=32 + k // 2, **parameters
+                    sample, sized(216), seed=k, patch_size=32 + k // 2, **parameters
                 )
                 copies.append(largest_copy(result))
         at = np.array(copies)
@@ -310,7 +268,7 @@ def own_continuity(sample: np.ndarray, zone: int) -> tuple[float, float, list[fl
 
 def edges() -> Table:
     """The edge metric, the paper's future work for Fig. 17 c, measured."""
-    zone, seeds = 4, 12
+    zone, seeds = 4, len(some(range(12), least=2))
     weights = (0.0, 0.5, 1.0, 2.0, 4.0)
     notes = f"""
 Interrupted outlines at seams by edge_weight: 0 is as continuous as the sample, 1 as broken as
@@ -324,16 +282,17 @@ pixel of seam meets, over the sample's own; less than 1 is a metric that shuns o
 whose S and R are close (weave, leaves, pebbles, grass) cannot be measured so.
 """
     rows = []
-    for epsilon in (0.2, 0.05):
+    names = ("bricks", "tiles", "fishscale", "cobbles", "perspective", "stone_wall")
+    for epsilon in some((0.2, 0.05)):
         mean = []
-        for name in ("bricks", "tiles", "fishscale", "cobbles", "perspective", "stone_wall"):
+        for name in some(names):
             exemplar = weftex.Exemplar(load(name, 192))
             own, density, limits = own_continuity(exemplar.pixels, zone)
 
             def shares(**parameters: Any) -> np.ndarray:
-                settings = PAPER | {"patch_size": 40, "boundary_width": zone} | parameters
-                model = weftex.PatchSampling(**settings).fit(exemplar)  # noqa: B023
-                made = (model.sample(320, seed=k) for k in range(seeds))
+                settings = {"repeat_distance": 0, "patch_size": 40, "boundary_width": zone}
+                model = weftex.PatchSampling(**settings | parameters).fit(exemplar)  # noqa: B023
+                made = (model.sample(sized(320), seed=k) for k in range(seeds))
                 return np.array([continuity(result, zone, limits) for result in made])  # noqa: B023
 
             random = shares(epsilon=float("inf"))[:, 0].mean()
@@ -369,17 +328,19 @@ of {len(SAMPLES)} samples, all searches of a trial in turn. The paper's times ar
 and means of 500 trials. "x" is how many times shorter synthesis is than with the exhaustive search.
 """
     searches = ("exhaustive", "quadtree", "kdtree", "kdtree-pca", "pca")
-    method = {s: weftex.PatchSampling(patch_size=32, search=s, **PAPER) for s in searches}
+    trials = len(some(range(trials)))
+    settings = {"patch_size": 32, "repeat_distance": 0, "boundary_width": 4}
+    method = {s: weftex.PatchSampling(search=s, **settings) for s in searches}
     method["pca, weftex's defaults"] = weftex.PatchSampling()
     times: dict[str, list[tuple[float, float]]] = {label: [] for label in method}
-    for name in SAMPLES:
+    for name in some(SAMPLES):
         sample = load(name, 128)
         for trial in range(trials + 1):
             for label, chosen in method.items():
                 start = perf_counter()
                 model = chosen.fit(weftex.Exemplar(sample))
                 middle = perf_counter()
-                _ = model.sample(200, seed=trial).image
+                _ = model.sample(sized(200), seed=trial).image
                 if trial:  # the first warms caches up
                     times[label].append((middle - start, perf_counter() - middle))
     ours = {label: np.array(values).mean(axis=0) * 1e3 for label, values in times.items()}
@@ -396,33 +357,8 @@ and means of 500 trials. "x" is how many times shorter synthesis is than with th
     return notes, head, rows
 
 
-FIGURES: dict[str, Callable[[Path, str], None]] = {
-    f.__name__: f for f in (fig4, fig6, fig7, fig8, fig15, fig16, fig17)
-}
-TABLES: dict[str, Callable[[], Table]] = {f.__name__: f for f in (copying, edges, table1)}
-
-
-def main() -> None:
-    every = {**FIGURES, **TABLES}
-    lines = "\n".join(f"  {name:9}{f.__doc__}" for name, f in every.items())
-    parser = argparse.ArgumentParser(
-        description=f"{__doc__}\n{lines}", formatter_class=argparse.RawDescriptionHelpFormatter
-    )
-    parser.add_argument("experiment", choices=(*every, "all"))
-    parser.add_argument("-o", "--output", type=Path, default=Path(), metavar="FOLDER")
-    parser.add_argument("--format", default="png", choices=("png", "jpg", "webp"))
-    args = parser.parse_args()
-    args.output.mkdir(parents=True, exist_ok=True)
-    for name in every if args.experiment == "all" else (args.experiment,):
-        start = perf_counter()
-        if name in FIGURES:
-            FIGURES[name](args.output, f".{args.format}")
-        else:
-            text, path = as_markdown(TABLES[name]()), args.output / f"{name}.md"
-            path.write_text(text, encoding="utf-8")
-            print(f"\n{text}\nwrote {path}")
-        print(f"{name}: {perf_counter() - start:.1f} s")
-
+FIGURES = (fig4, fig6, fig7, fig8, fig15, fig16, fig17)
+TABLES = (copying, edges, table1)
 
 if __name__ == "__main__":
-    main()
+    run(__doc__, FIGURES, TABLES)

@@ -1,6 +1,6 @@
 """The experiments of the paper on texture refinement, run again with weftex.
 
-python examples/paper_refinement.py EXPERIMENT -o FOLDER
+python examples/paper_refinement.py EXPERIMENT -o FOLDER [--small]
 
 Experiments that draw a picture: fig4 fig5 fig7 fig8 fig9 fig12 fig13 density evenness coherence
 init; that print a table and write it as Markdown: table1 (takes a minute); `all` runs every one.
@@ -10,14 +10,13 @@ its section 6. Needs Pillow beside weftex: pip install 'weftex[test]'.
 
 from __future__ import annotations
 
-import argparse
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from pathlib import Path
 from time import process_time
 from typing import Any
 
 import numpy as np
-from paper_patch_sampling import Table, as_markdown, load, sheet
+from _papers import Table, load, run, sheet, sized, some
 from PIL import Image, ImageDraw
 
 import weftex
@@ -29,8 +28,8 @@ from weftex.search.windows import windows_of
 PAPER: dict[str, Any] = {"search": "pca", "init": "seeds"}
 
 
-def make(pixels: np.ndarray, size: Any = 200, **parameters: Any) -> weftex.Synthesis:
-    return weftex.synthesize(pixels, size, method="refinement", seed=1, **parameters)
+def make(pixels: np.ndarray, size: int = 200, **parameters: Any) -> weftex.Synthesis:
+    return weftex.synthesize(pixels, sized(size), method="refinement", seed=1, **parameters)
 
 
 def curve(
@@ -60,7 +59,7 @@ def curve(
 def fig4(folder: Path, suffix: str) -> None:
     """Scale estimation: the power of rings, and the scale of the highest."""
     rows = []
-    for name in ("pebbles", "weave", "grass"):
+    for name in some(("pebbles", "weave", "grass")):
         sample = load(name, 192)
         found = dominant_scale(weftex.Exemplar(sample))
         shown = sample.copy()
@@ -76,7 +75,7 @@ def fig4(folder: Path, suffix: str) -> None:
 def fig5(folder: Path, suffix: str) -> None:
     """Seed points: their colours as squares, and what the first iteration makes of them."""
     rows = []
-    for name in ("pebbles", "weave"):
+    for name in some(("pebbles", "weave")):
         sample = load(name, 192)
         exemplar = weftex.Exemplar(sample)
         scale = max(1, round(dominant_scale(exemplar).scale))
@@ -92,8 +91,11 @@ def fig5(folder: Path, suffix: str) -> None:
 def fig7(folder: Path, suffix: str) -> None:
     """Convergence: mean squared error and pixels changed, iteration by iteration."""
     rows = []
-    for label, iterations, how in (("pca", 20, PAPER), ("coherent", 10, {"init": "seeds"})):
-        result = make(load("pebbles", 128), 128, iterations=iterations, threshold=0.0, **how)
+    cases: list[tuple[str, int, dict[str, Any]]]
+    cases = [("pca", 20, PAPER), ("coherent", 10, {"init": "seeds"})]
+    for label, iterations, how in cases:
+        iterations = len(some(range(iterations), least=3))
+        result = make(load("pebbles", sized(128)), 128, iterations=iterations, threshold=0.0, **how)
         points = result.provenance["convergence"]
         lines = [
             ("MSE", [p["mse"] for p in points[1:]]),
@@ -106,15 +108,16 @@ def fig7(folder: Path, suffix: str) -> None:
 def fig8(folder: Path, suffix: str) -> None:
     """Iterations side by side: the paper's recipe, and in the last row the coherent search."""
     rows = []
-    for name, how in (
+    cases: list[tuple[str, dict[str, Any]]] = [
         ("pebbles", PAPER),
         ("weave", PAPER),
         ("grass", PAPER),
         ("grass", {"init": "seeds"}),
-    ):
-        sample = load(name, 128)
+    ]
+    for name, how in some(cases):
+        sample = load(name, sized(128))
         row = [("sample", sample)]
-        for iterations in (1, 2, 5, 10):
+        for iterations in some((1, 2, 5, 10), least=2):
             made = make(sample, 128, **how, iterations=iterations, threshold=0.0)
             row.append((f"iteration {iterations}", made.image))
         rows.append(row)
@@ -124,7 +127,7 @@ def fig8(folder: Path, suffix: str) -> None:
 def fig9(folder: Path, suffix: str) -> None:
     """Results at the defaults, with their sources."""
     rows = []
-    for name in ("pebbles", "grass", "weave"):
+    for name in some(("pebbles", "grass", "weave")):
         sample = load(name, 192)
         result = make(sample, 256)
         row = [("sample", sample), ("output", result.image), ("sources", result.draw("sources"))]
@@ -135,7 +138,7 @@ def fig9(folder: Path, suffix: str) -> None:
 def fig12(folder: Path, suffix: str) -> None:
     """Constrained synthesis in cyclic order."""
     rows = []
-    for name in ("bricks", "pebbles", "grass"):
+    for name in some(("bricks", "pebbles", "grass")):
         photo = load(name, 192)
         y, x = np.indices(photo.shape[:2])
         hole = ((y - 100) / 42) ** 2 + ((x - 90) / 54) ** 2 < 1
@@ -153,11 +156,11 @@ def fig12(folder: Path, suffix: str) -> None:
 def fig13(folder: Path, suffix: str) -> None:
     """Patches placed by matching, and belts along their seams refined."""
     rows = []
-    for name in ("leaves", "tiles"):
+    for name in some(("leaves", "tiles")):
         sample = load(name, 192)
         row = [("sample", sample)]
         for method in ("quilting", "graphcut"):
-            made = weftex.synthesize(sample, 224, method=method, seed=1).image
+            made = weftex.synthesize(sample, sized(224), method=method, seed=1).image
             row.append((method, made))
             row.append(("its joints refined", make(sample, 224, init=method, joints=24).image))
         rows.append(row)
@@ -167,7 +170,7 @@ def fig13(folder: Path, suffix: str) -> None:
 def density(folder: Path, suffix: str) -> None:
     """Seed points for each scale: few leave structure to chance, many copy or contradict."""
     rows = []
-    for name in ("pebbles", "bricks"):
+    for name in some(("pebbles", "bricks")):
         sample = load(name, 192)
         row = [("sample", sample)]
         for points in (0.25, 0.5, 1.0, 2.0):
@@ -190,7 +193,7 @@ def evenness(folder: Path, suffix: str) -> None:
 def coherence(folder: Path, suffix: str) -> None:
     """How much nearer what goes on from no neighbour must be, and the sources."""
     rows = []
-    for name in ("pebbles", "stone_wall"):
+    for name in some(("pebbles", "stone_wall")):
         sample = load(name, 192)
         row = [("sample", sample)]
         for margin in (1.0, 2.0):
@@ -203,7 +206,7 @@ def coherence(folder: Path, suffix: str) -> None:
 def init(folder: Path, suffix: str) -> None:
     """What it starts from."""
     rows = []
-    for name in ("bricks", "leaves"):
+    for name in some(("bricks", "leaves")):
         sample = load(name, 192)
         row = [("sample", sample)]
         for start in ("seeds", "ashikhmin", "quilting", "graphcut"):
@@ -225,8 +228,8 @@ are of the last iteration.
     paper = {128: "stone, scale 15: 287 + 1.2 + 222", 192: "rope, scale 18: 392 + 3.8 + 259"}
     rows = []
     make(load("pebbles", 64), 64)  # what is loaded at first use
-    for side in (128, 192):
-        exemplar = weftex.Exemplar(load("pebbles", side))
+    for side in some((128, 192)):
+        exemplar = weftex.Exemplar(load("pebbles", sized(side)))
         for label, how in (
             ("default", {}),
             ('init="seeds"', {"init": "seeds"}),
@@ -235,7 +238,7 @@ are of the last iteration.
             start = process_time()
             model = weftex.Refinement(**how).fit(exemplar)
             middle = process_time()
-            result = model.sample(200, seed=1)
+            result = model.sample(sized(200), seed=1)
             times = f"{middle - start:.2f} s", f"{process_time() - middle:.2f} s"
             last = result.provenance["convergence"][-1]
             shares = f"{last['changed']:.3f}", f"{last['difference']:.3f}"
@@ -246,32 +249,8 @@ are of the last iteration.
     return notes, [*head, "paper: PCA + tree + synthesis"], rows
 
 
-FIGURES: dict[str, Callable[[Path, str], None]] = {
-    f.__name__: f
-    for f in (fig4, fig5, fig7, fig8, fig9, fig12, fig13, density, evenness, coherence, init)
-}
-TABLES: dict[str, Callable[[], Table]] = {"table1": table1}
-
-
-def main() -> None:
-    every = {**FIGURES, **TABLES}
-    lines = "\n".join(f"  {name:12}{f.__doc__}" for name, f in every.items())
-    parser = argparse.ArgumentParser(
-        description=f"{__doc__}\n{lines}", formatter_class=argparse.RawDescriptionHelpFormatter
-    )
-    parser.add_argument("experiment", choices=(*every, "all"))
-    parser.add_argument("-o", "--output", type=Path, default=Path(), metavar="FOLDER")
-    parser.add_argument("--format", default="png", choices=("png", "jpg", "webp"))
-    args = parser.parse_args()
-    args.output.mkdir(parents=True, exist_ok=True)
-    for name in every if args.experiment == "all" else (args.experiment,):
-        if name in FIGURES:
-            FIGURES[name](args.output, f".{args.format}")
-        else:
-            text, path = as_markdown(TABLES[name]()), args.output / f"refinement_{name}.md"
-            path.write_text(text, encoding="utf-8")
-            print(f"\n{text}\nwrote {path}")
-
+FIGURES = (fig4, fig5, fig7, fig8, fig9, fig12, fig13, density, evenness, coherence, init)
+TABLES = (table1,)
 
 if __name__ == "__main__":
-    main()
+    run(__doc__, FIGURES, TABLES, name="refinement_{}")

@@ -1,6 +1,6 @@
 """The experiments of Wei and Levoy's paper, run again with weftex.
 
-python examples/paper_wei_levoy.py EXPERIMENT -o FOLDER
+python examples/paper_wei_levoy.py EXPERIMENT -o FOLDER [--small]
 
 Experiments that draw a picture: surfaces levels windows search constrained tileable comparison;
 that print a table and write it as Markdown: times; `all` runs every one. Seconds are of processor
@@ -11,15 +11,13 @@ Needs Pillow beside weftex: pip install 'weftex[test]'.
 
 from __future__ import annotations
 
-import argparse
-from collections.abc import Callable
 from pathlib import Path
 from statistics import median
 from time import process_time
 from typing import Any
 
 import numpy as np
-from paper_patch_sampling import Table, as_markdown, load, sheet
+from _papers import Table, load, run, sheet, sized, some
 
 import weftex
 
@@ -27,7 +25,7 @@ import weftex
 Labelled = tuple[str, np.ndarray]
 
 
-def timed(pixels: np.ndarray, size: Any, trials: int = 1, **parameters: Any) -> tuple[Any, ...]:
+def timed(pixels: np.ndarray, size: int, trials: int = 1, **parameters: Any) -> tuple[Any, ...]:
     """A result with the seconds that analysis and synthesis took, medians of the trials."""
     method = weftex.METHODS[parameters.pop("method", "wei-levoy")](**parameters)
     fits, samples = [], []
@@ -35,13 +33,13 @@ def timed(pixels: np.ndarray, size: Any, trials: int = 1, **parameters: Any) -> 
         start = process_time()
         model = method.fit(weftex.Exemplar(pixels))
         middle = process_time()
-        result = model.sample(size, seed=1)
+        result = model.sample(sized(size), seed=1)
         fits.append(middle - start)
         samples.append(process_time() - middle)
     return result, median(fits), median(samples)
 
 
-def drawn(label: str, pixels: np.ndarray, size: Any = 192, **parameters: Any) -> Labelled:
+def drawn(label: str, pixels: np.ndarray, size: int = 192, **parameters: Any) -> Labelled:
     result, fit, sample = timed(pixels, size, **parameters)
     return f"{label}, {fit + sample:.2f} s", result.image
 
@@ -52,9 +50,9 @@ def drawn(label: str, pixels: np.ndarray, size: Any = 192, **parameters: Any) ->
 def surfaces(folder: Path, suffix: str) -> None:
     """Sample, output and where each pixel comes from, with the defaults."""
     rows = []
-    for name in ("weave", "pebbles", "bricks"):
+    for name in some(("weave", "pebbles", "bricks")):
         exemplar = weftex.load_exemplar(f"sample:{name}")
-        result = weftex.WeiLevoy().fit(exemplar).sample(256, seed=1)
+        result = weftex.WeiLevoy().fit(exemplar).sample(sized(256), seed=1)
         sources = result.draw("sources")
         rows.append(
             [("sample", exemplar.pixels), ("wei-levoy", result.image), ("sources", sources)]
@@ -65,7 +63,7 @@ def surfaces(folder: Path, suffix: str) -> None:
 def levels(folder: Path, suffix: str) -> None:
     """One resolution beside pyramids of two to four levels."""
     rows = []
-    for name in ("pebbles", "bricks", "grass"):
+    for name in some(("pebbles", "bricks", "grass")):
         sample = load(name, 160)
         row = [("sample", sample)]
         row += [drawn(f"levels {n}", sample, levels=n) for n in (1, 2, 3, 4)]
@@ -76,8 +74,8 @@ def levels(folder: Path, suffix: str) -> None:
 def windows(folder: Path, suffix: str) -> None:
     """Window widths S and N, at three levels."""
     rows = []
-    for name in ("pebbles", "bricks", "weave"):
-        sample = load(name, 160)
+    for name in some(("pebbles", "bricks", "weave")):
+        sample = load(name, sized(160))
         row = [("sample", sample)]
         for own, parent in ((5, 1), (5, 3), (9, 3), (9, 7)):
             widths = {"window_width": own, "parent_width": parent, "levels": 3}
@@ -98,8 +96,8 @@ SEARCHES: dict[str, dict[str, Any]] = {
 def search(folder: Path, suffix: str) -> None:
     """Full search beside trees: how many leaves there are and how many are looked into."""
     rows = []
-    for name in ("pebbles", "bricks", "wood"):
-        sample = load(name, 128)
+    for name in some(("pebbles", "bricks", "wood")):
+        sample = load(name, sized(128))
         row = [("sample", sample)]
         row += [drawn(label, sample, levels=3, **how) for label, how in SEARCHES.items()]
         rows.append(row)
@@ -109,10 +107,10 @@ def search(folder: Path, suffix: str) -> None:
 def constrained(folder: Path, suffix: str) -> None:
     """Holes, filled in two passes from the border inwards."""
     rows = []
-    for name in ("bricks", "weave", "pebbles"):
-        photo = load(name, 192)
-        y, x = np.indices(photo.shape[:2])
-        hole = ((y - 96) / 40) ** 2 + ((x - 96) / 54) ** 2 < 1
+    for name in some(("bricks", "weave", "pebbles")):
+        photo = load(name, sized(192))
+        y, x = np.indices(photo.shape[:2]) * (192 / len(photo)) - 96
+        hole = (y / 40) ** 2 + (x / 54) ** 2 < 1
         empty = np.where(hole[..., None], 0, photo).astype(np.uint8)
         row = [("photo", photo), ("hole", empty)]
         for label, how in {
@@ -135,12 +133,14 @@ def tileable(folder: Path, suffix: str) -> None:
         return np.tile(result.image, (2, 2, 1))
 
     rows = []
-    for name in ("pebbles", "wood"):
-        sample = load(name, 160)
+    for name in some(("pebbles", "wood")):
+        sample = load(name, sized(160))
         row = [("sample", sample)]
         for count in (1, 3):
             model = weftex.WeiLevoy(levels=count).fit(weftex.Exemplar(sample))
-            plain, closed = (model.sample(96, seed=2, tileable=wrap) for wrap in (False, True))
+            plain, closed = (
+                model.sample(sized(96), seed=2, tileable=wrap) for wrap in (False, True)
+            )
             row.append((f"levels {count}, one causal pass", twice(plain)))
             row.append((f"levels {count}, tileable", twice(closed)))
         rows.append(row)
@@ -150,8 +150,8 @@ def tileable(folder: Path, suffix: str) -> None:
 def comparison(folder: Path, suffix: str) -> None:
     """Beside non-parametric sampling (section IV), 128x128 to 200x200."""
     rows = []
-    for name in ("pebbles", "bricks", "weave"):
-        sample = load(name, 128)
+    for name in some(("pebbles", "bricks", "weave")):
+        sample = load(name, sized(128))
         rows.append(
             [
                 ("sample", sample),
@@ -173,10 +173,10 @@ def times() -> Table:
 "x" is how many times shorter synthesis is than with the full search.
 """
     seconds: dict[str, list[tuple[float, float]]] = {label: [] for label in SEARCHES}
-    for name in ("pebbles", "bricks", "wood"):
-        sample = load(name, 128)
+    for name in some(("pebbles", "bricks", "wood")):
+        sample = load(name, sized(128))
         for label, how in SEARCHES.items():
-            trials = 1 if label == "full" else 3
+            trials = 1 if label == "full" else len(some(range(3)))
             seconds[label].append(timed(sample, 200, trials, levels=3, **how)[1:])
     full = median(sample for _, sample in seconds["full"])
     rows = []
@@ -186,31 +186,8 @@ def times() -> Table:
     return notes, ["search", "analysis", "synthesis", "x"], rows
 
 
-FIGURES: dict[str, Callable[[Path, str], None]] = {
-    f.__name__: f for f in (surfaces, levels, windows, search, constrained, tileable, comparison)
-}
-TABLES: dict[str, Callable[[], Table]] = {"times": times}
-
-
-def main() -> None:
-    every = {**FIGURES, **TABLES}
-    lines = "\n".join(f"  {name:12}{f.__doc__}" for name, f in every.items())
-    parser = argparse.ArgumentParser(
-        description=f"{__doc__}\n{lines}", formatter_class=argparse.RawDescriptionHelpFormatter
-    )
-    parser.add_argument("experiment", choices=(*every, "all"))
-    parser.add_argument("-o", "--output", type=Path, default=Path(), metavar="FOLDER")
-    parser.add_argument("--format", default="png", choices=("png", "jpg", "webp"))
-    args = parser.parse_args()
-    args.output.mkdir(parents=True, exist_ok=True)
-    for name in every if args.experiment == "all" else (args.experiment,):
-        if name in FIGURES:
-            FIGURES[name](args.output, f".{args.format}")
-        else:
-            text, path = as_markdown(TABLES[name]()), args.output / f"wei_levoy_{name}.md"
-            path.write_text(text, encoding="utf-8")
-            print(f"\n{text}\nwrote {path}")
-
+FIGURES = (surfaces, levels, windows, search, constrained, tileable, comparison)
+TABLES = (times,)
 
 if __name__ == "__main__":
-    main()
+    run(__doc__, FIGURES, TABLES, name="wei_levoy_{}")

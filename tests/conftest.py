@@ -1,4 +1,4 @@
-"""Shared by all tests: the import path of `reference` and settled hypothesis runs."""
+"""Shared by all tests: the import path of `families` and `twins`, and settled hypothesis runs."""
 
 import os
 import sys

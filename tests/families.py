@@ -217,11 +217,31 @@ def method_of(slug: str, way: str | None = None, **parameters: Any) -> weftex.Me
     return weftex.METHODS[slug](**trial.small | way_of | parameters)
 
 
-def noise(shape: Any, dtype: Any = np.uint8, seed: int = 2) -> Any:
-    """Random pixels of any dtype."""
-    rng = np.random.default_rng(seed)
+def noise(
+    shape: Any,
+    dtype: Any = np.uint8,
+    seed: int = 2,
+    *,
+    values: int | None = None,
+    wide: bool = False,
+    rng: Any = None,
+) -> Any:
+    """Random pixels of any dtype.
+
+    Parameters
+    ----------
+    values : int, optional
+        Only so many different ones, spread over 0 to 255: few make ties and many matches.
+    wide : bool
+        Floating-point pixels around 0.5 that also lie below 0 and above 1, as in files.
+    rng : numpy.random.Generator, optional
+        Where they come from in place of `seed`.
+    """
+    rng = np.random.default_rng(seed) if rng is None else rng
+    if values is not None:
+        return (rng.integers(0, values, shape) * (255 // max(values - 1, 1))).astype(dtype)
     if np.dtype(dtype).kind == "f":
-        return rng.random(shape).astype(dtype)
+        return (rng.normal(0.5, 1, shape) if wide else rng.random(shape)).astype(dtype)
     return rng.integers(0, np.iinfo(dtype).max + 1, shape).astype(dtype)
 
 

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import weftex
-from families import SEARCHES, TRIALS, every, kinds_of, method_of
+from families import SEARCHES, TRIALS, every, kinds_of, method_of, noise
 
 WRAPS = list(itertools.product([False, True], repeat=2))
 
@@ -37,10 +37,6 @@ def attempt(method, exemplar, canvas, **parameters):
     return True
 
 
-def noise(*shape):
-    return np.random.default_rng(8).integers(0, 256, shape).astype(np.uint8)
-
-
 # Patches
 
 
@@ -64,7 +60,7 @@ def test_constant_samples(method, search, value, patch_size):
 )
 @pytest.mark.parametrize("tileable", [False, True])
 def test_tiny_samples(method, shape, tileable):
-    exemplar = weftex.Exemplar(noise(*shape), tileable=tileable)
+    exemplar = weftex.Exemplar(noise(shape), tileable=tileable)
     works = [
         attempt(method, exemplar, weftex.Canvas(*size, wrap), **parameters)
         for size in ((1, 1), (5, 7))
@@ -81,7 +77,7 @@ def test_tiny_samples(method, shape, tileable):
 @pytest.mark.parametrize("patch_size", [2, 3, 8, 16])
 def test_a_sample_of_one_patch(method, search, patch_size):
     """One window: every patch is the same one, whatever the search."""
-    exemplar = weftex.Exemplar(noise(patch_size, patch_size, 3))
+    exemplar = weftex.Exemplar(noise((patch_size, patch_size, 3)))
     model = weftex.METHODS[method](search=search, patch_size=patch_size).fit(exemplar)
     for wrap in WRAPS:
         result = model.sample(weftex.Canvas(20, 21, wrap), seed=1)
@@ -93,7 +89,7 @@ def test_a_sample_of_one_patch(method, search, patch_size):
 @pytest.mark.parametrize("search", SEARCHES)
 @pytest.mark.parametrize("patch_size", [1, 6])
 def test_tiny_canvases(method, search, patch_size):
-    exemplar = weftex.Exemplar(noise(20, 22, 3))
+    exemplar = weftex.Exemplar(noise((20, 22, 3)))
     model = weftex.METHODS[method](search=search, patch_size=patch_size).fit(exemplar)
     for size in ((1, 1), (1, 2), (2, 1), (2, 2), (1, 40), (40, 1), (3, 3), (6, 6), (7, 5)):
         for wrap in WRAPS:
@@ -104,7 +100,7 @@ def test_tiny_canvases(method, search, patch_size):
 @pytest.mark.parametrize("channels", [1, 2, 7, 16, 40])
 @pytest.mark.parametrize("search", SEARCHES)
 def test_many_channels(method, channels, search):
-    exemplar = weftex.Exemplar(noise(24, 24, channels))
+    exemplar = weftex.Exemplar(noise((24, 24, channels)))
     assert attempt(method, exemplar, weftex.Canvas(30, 30), search=search, patch_size=8)
 
 
@@ -112,7 +108,7 @@ def test_many_channels(method, channels, search):
 @pytest.mark.parametrize("patch_size, width", [(2, 1), (12, 6), (13, 6), (24, 12), (1, 11)])
 @pytest.mark.parametrize("search", SEARCHES)
 def test_huge_boundaries(method, patch_size, width, search):
-    exemplar = weftex.Exemplar(noise(24, 24))
+    exemplar = weftex.Exemplar(noise((24, 24)))
     sizes = ((25, 25), (13, 40), (30, 7)) if patch_size > 1 else ((9, 13),)
     for wrap in ((False, False), (True, True)):
         for size in sizes:
@@ -131,7 +127,7 @@ def test_huge_boundaries(method, patch_size, width, search):
     ids=str,
 )  # fmt: skip
 def test_absurd_parameters_are_refused_before_work_starts(method, tileable, parameters):
-    exemplar = weftex.Exemplar(noise(24, 24), tileable=tileable)
+    exemplar = weftex.Exemplar(noise((24, 24)), tileable=tileable)
     with pytest.raises(weftex.InvalidInputError):
         weftex.METHODS[method](**parameters).fit(exemplar)
 
@@ -139,7 +135,7 @@ def test_absurd_parameters_are_refused_before_work_starts(method, tileable, para
 @every("method", family="patch")
 @pytest.mark.parametrize("colours", [1, 2])
 def test_two_colours(method, colours):
-    exemplar = weftex.Exemplar(((noise(30, 30) % colours) * 255).astype(np.uint8))
+    exemplar = weftex.Exemplar(((noise((30, 30)) % colours) * 255).astype(np.uint8))
     for search in SEARCHES:
         assert attempt(method, exemplar, weftex.Canvas(40, 40), patch_size=8, search=search)
 
@@ -147,9 +143,9 @@ def test_two_colours(method, colours):
 @every("method", family="patch")
 @pytest.mark.parametrize("patch_size", [1, 6])
 def test_holes_of_nothing_and_of_everything(method, patch_size):
-    exemplar = weftex.Exemplar(noise(20, 20, 3))
+    exemplar = weftex.Exemplar(noise((20, 20, 3)))
     model = weftex.METHODS[method](patch_size=patch_size).fit(exemplar)
-    known = noise(15, 16, 3)
+    known = noise((15, 16, 3))
     nothing = model.sample(
         weftex.Canvas(15, 16, known=known, hole=np.zeros((15, 16), bool)), seed=1
     )
@@ -164,7 +160,7 @@ def test_holes_of_nothing_and_of_everything(method, patch_size):
 def test_masks_with_one_window(method):
     mask = np.zeros((30, 30), bool)
     mask[11:17, 7:13] = True
-    exemplar = weftex.Exemplar(noise(30, 30), mask=mask)
+    exemplar = weftex.Exemplar(noise((30, 30)), mask=mask)
     for search in SEARCHES:
         assert attempt(method, exemplar, weftex.Canvas(20, 20), patch_size=6, search=search)
     assert not attempt(method, exemplar, weftex.Canvas(20, 20), patch_size=7)
@@ -191,7 +187,7 @@ def test_constant_samples_in_every_way(method, way, value):
 @pytest.mark.parametrize("tileable", [False, True])
 def test_defaults_work_on_tiny_samples(method, shape, tileable):
     """Windows shrink to fit; patches need three pixels."""
-    exemplar = weftex.Exemplar(noise(*shape), tileable=tileable)
+    exemplar = weftex.Exemplar(noise(shape), tileable=tileable)
     works = [
         attempt(method, exemplar, weftex.Canvas(*size, wrap))
         for size in ((1, 1), (5, 7))
@@ -202,7 +198,7 @@ def test_defaults_work_on_tiny_samples(method, shape, tileable):
 
 @every("method", "way")
 def test_tiny_canvases_in_every_way(method, way):
-    exemplar = weftex.Exemplar(noise(20, 22, 3))
+    exemplar = weftex.Exemplar(noise((20, 22, 3)))
     model = method_of(method, way).fit(exemplar)
     for size in ((1, 1), (1, 2), (2, 1), (2, 2), (1, 40), (40, 1), (3, 3), (6, 6), (7, 5)):
         for wrap in wraps_of(method):
@@ -212,7 +208,7 @@ def test_tiny_canvases_in_every_way(method, way):
 @every("method", "way")
 @pytest.mark.parametrize("channels", [1, 2, 7, 40])
 def test_many_channels_in_every_way(method, way, channels):
-    exemplar = weftex.Exemplar(noise(24, 24, channels))
+    exemplar = weftex.Exemplar(noise((24, 24, channels)))
     result = method_of(method, way).fit(exemplar).sample(30, seed=3)
     check(result, exemplar, (30, 30))
 
@@ -220,7 +216,7 @@ def test_many_channels_in_every_way(method, way, channels):
 @every("method", "way")
 @pytest.mark.parametrize("colours", [1, 2])
 def test_two_colours_in_every_way(method, way, colours):
-    exemplar = weftex.Exemplar(((noise(30, 30) % colours) * 255).astype(np.uint8))
+    exemplar = weftex.Exemplar(((noise((30, 30)) % colours) * 255).astype(np.uint8))
     result = method_of(method, way).fit(exemplar).sample(40, seed=3)
     check(result, exemplar, (40, 40))
 
@@ -229,7 +225,7 @@ def test_two_colours_in_every_way(method, way, colours):
 @pytest.mark.parametrize("width", [10**6 + 1, 10**9 + 1, 10**30 + 1])
 @pytest.mark.parametrize("tileable", [False, True])
 def test_absurd_windows_are_refused_before_work_starts(method, width, tileable):
-    exemplar = weftex.Exemplar(noise(24, 24), tileable=tileable)
+    exemplar = weftex.Exemplar(noise((24, 24)), tileable=tileable)
     with pytest.raises(weftex.InvalidInputError, match=str(width)):
         weftex.METHODS[method](**{TRIALS[method].window: width}).fit(exemplar)
 
@@ -239,16 +235,16 @@ def test_even_windows_are_refused(method):
     if TRIALS[method].window != "window_width":
         return
     with pytest.raises(weftex.InvalidInputError, match="window_width is 6; it must be odd"):
-        weftex.METHODS[method](window_width=6).fit(weftex.Exemplar(noise(24, 24)))
+        weftex.METHODS[method](window_width=6).fit(weftex.Exemplar(noise((24, 24))))
 
 
 @every("method", "way")
 def test_holes_of_nothing_and_of_everything_in_every_way(method, way):
     if "hole" not in kinds_of(method):
         return
-    exemplar = weftex.Exemplar(noise(20, 20, 3))
+    exemplar = weftex.Exemplar(noise((20, 20, 3)))
     model = method_of(method, way).fit(exemplar)
-    known = noise(15, 16, 3)
+    known = noise((15, 16, 3))
     nothing, everything = (
         model.sample(weftex.Canvas(15, 16, known=known, hole=np.full((15, 16), hole)), seed=1)
         for hole in (False, True)
@@ -261,9 +257,9 @@ def test_holes_of_nothing_and_of_everything_in_every_way(method, way):
 def test_holes_of_one_pixel_and_all_but_one(method, way):
     if "hole" not in kinds_of(method):
         return
-    exemplar = weftex.Exemplar(noise(20, 20, 3))
+    exemplar = weftex.Exemplar(noise((20, 20, 3)))
     model = method_of(method, way).fit(exemplar)
-    known = noise(9, 8, 3)
+    known = noise((9, 8, 3))
     for place in ((0, 0), (4, 4), (8, 7)):
         for alone in (False, True):
             hole = np.full((9, 8), not alone)
@@ -281,11 +277,11 @@ def test_masks_that_leave_few_windows(method, way, tileable):
     mask = np.zeros((30, 30), bool)
     mask[11:22, 7:18] = True
     mask[15, 17] = False
-    exemplar = weftex.Exemplar(noise(30, 30), mask=mask, tileable=tileable)
+    exemplar = weftex.Exemplar(noise((30, 30)), mask=mask, tileable=tileable)
     model = method_of(method, way).fit(exemplar)
     for wrap in wraps_of(method):
         check(model.sample(weftex.Canvas(20, 20, wrap), seed=1), exemplar, (20, 20))
-    stripes = weftex.Exemplar(noise(30, 30), mask=np.indices((30, 30))[1] % 4 == 0)
+    stripes = weftex.Exemplar(noise((30, 30)), mask=np.indices((30, 30))[1] % 4 == 0)
     trial = TRIALS[method]
     if "single" not in way and trial.window in trial.small | trial.ways[way]:
         with pytest.raises(weftex.InvalidInputError, match="lies (in|on) .*usable"):
@@ -301,7 +297,7 @@ def test_constant_floats(method, value):
 
 @every("method")
 def test_wild_floats(method):
-    pixels = noise(20, 20).astype(float)
+    pixels = noise((20, 20)).astype(float)
     pixels[3, 4], pixels[7, 7] = 1e308, -1e308
     exemplar = weftex.Exemplar(pixels)
     with np.errstate(over="ignore"):
@@ -310,7 +306,7 @@ def test_wild_floats(method):
 
 @every("method")
 def test_arrays_of_any_layout(method):
-    pixels = noise(20, 20, 3)
+    pixels = noise((20, 20, 3))
     frozen = pixels.copy()
     frozen.flags.writeable = False
     expected = None
@@ -333,7 +329,7 @@ def test_samples_that_are_none(sample):
 
 
 def test_the_sample_is_not_changed():
-    pixels = noise(30, 30, 3)
+    pixels = noise((30, 30, 3))
     before = pixels.copy()
     for blend in ("feather", "cut"):
         weftex.synthesize(pixels, 40, seed=1, method="patch-sampling", patch_size=8, blend=blend)
@@ -342,7 +338,7 @@ def test_the_sample_is_not_changed():
     hole[5:9, 5:9] = True
     canvas = weftex.Canvas(30, 30, known=pixels, hole=hole)
     result = weftex.synthesize(
-        noise(20, 20, 3), canvas, seed=1, method="patch-sampling", patch_size=8
+        noise((20, 20, 3)), canvas, seed=1, method="patch-sampling", patch_size=8
     )
     result.image[:] = 0
     assert np.array_equal(pixels, before)

@@ -1,36 +1,45 @@
-"""Imports point one way, and importing weftex costs next to nothing."""
+"""Imports point one way, and importing weftex costs next to nothing.
+
+The graph has an arrow for every import statement of every module, wherever it stands (in functions
+and under TYPE_CHECKING too), for every cimport, also of declarations (`.pxd`), and for every string
+that names a module of weftex. `weftex/__init__.py` names everything, lazily, and is left out.
+"""
 
 import ast
+import re
 import subprocess
 import sys
+from functools import cache
 from pathlib import Path
 
 import pytest
 
 ROOT = Path(__file__).parent.parent / "src" / "weftex"
 
-#: From the top down; a module may import from its own level and from those below.
+#: Rooms from the top down; a module imports from its own room and from those below.
 LEVELS = [
-    ["__main__", "cli"],
-    ["commands"],
-    ["options", "terminal", "pictures"],
+    ["__main__"],
+    ["cli"],
     ["tasks"],
-    ["quality"],
+    ["pages"],
     ["methods"],
     ["method"],
-    ["search", "seams", "analysis"],
-    ["synthesis", "patch_synthesis", "pixel_synthesis", "warped_synthesis"] + ["saved", "drawing"],
-    ["exemplar", "canvas", "_compositing", "_warp_kernels"],
+    ["quality"],
+    ["analysis"],
+    ["search", "seams"],
+    ["results"],
+    ["canvas"],
+    ["exemplar"],
     ["io"],
-    ["formats"],
-    ["progress", "random"],
-    ["errors", "_cpu"],
+    ["raster"],
+    ["registry", "threads", "progress", "random"],
+    ["errors"],
+    ["dispatch"],
 ]
-LEVEL = {name: n for n, names in enumerate(reversed(LEVELS)) for name in names}
-# Parts of one level that have nothing to do with each other.
-APART = [{"search", "seams"}, {"search", "analysis"}, {"seams", "analysis"}]
-KERNELS = sorted(p.relative_to(ROOT) for p in ROOT.rglob("*kernels.py"))
-FILES = sorted(p.relative_to(ROOT) for p in ROOT.rglob("*.py"))
+LEVEL = {room: level for level, rooms in enumerate(reversed(LEVELS)) for room in rooms}
+MOST_METHOD_ROOMS = 14
+#: Strings that read like modules: the group of entry points by which packages add methods.
+NO_MODULES = {("registry", "weftex.methods")}
 
 
 def dotted(path):
@@ -38,106 +47,192 @@ def dotted(path):
     return ".".join(parts[:-1] if parts[-1] == "__init__" else parts)
 
 
-MODULES = {dotted(path) for path in FILES}
+FILES = {
+    dotted(path): path
+    for path in sorted(p.relative_to(ROOT) for p in ROOT.rglob("*.py"))
+    if path.parts[0] != "_avx2"
+}
 
 
-def imports(path):
-    """(module of weftex, when) of every import: "start", "later" in a function, "types" only."""
-    tree = ast.parse((ROOT / path).read_text())
-    found = []
-
-    def visit(node, when):
-        if isinstance(node, ast.If) and ast.unparse(node.test) == "TYPE_CHECKING":
-            when = "types"
-        elif isinstance(node, (ast.FunctionDef, ast.AsyncFunctionDef)) and when == "start":
-            when = "later"
-        if isinstance(node, ast.Import):
-            found.extend((name.name, when) for name in node.names)
-        elif isinstance(node, ast.ImportFrom):
-            assert node.level == 0, f"{path}: imports are absolute"
-            for name in node.names:
-                found.append((f"{node.module}.{name.name}", when))
-        for child in ast.iter_child_nodes(node):
-            visit(child, when)
-
-    visit(tree, "start")
-    result = set()
-    for name, when in found:
-        name = name.removeprefix("cython.cimports.")
-        if name == "weftex" or name.startswith("weftex."):
-            name = name.removeprefix("weftex").removeprefix(".")
-            while name and name not in MODULES:
-                name = name.rpartition(".")[0]
-            if name:
-                result.add((name, when))
-    return result
-
-
-def part(module):
+def room(module):
     return module.split(".")[0]
 
 
-def test_every_part_has_a_level():
-    unknown = {part(dotted(path)) for path in FILES} - set(LEVEL) - {""}
-    assert not unknown, f"add {sorted(unknown)} to the list in this test and to the design"
+def is_kernel(module):
+    return module.endswith("kernels")
 
 
-@pytest.mark.parametrize("path", FILES, ids=str)
-def test_imports_point_down(path):
-    module = dotted(path)
-    if not module:
-        return  # weftex/__init__.py names everything, lazily
-    for other, _ in imports(path):
-        if part(other) == part(module):
-            continue
-        assert LEVEL[part(other)] <= LEVEL[part(module)], f"{module} imports {other}"
-        assert {part(other), part(module)} not in APART, f"{module} imports {other}"
+def module_of(name):
+    """The module of weftex that a dotted name is or lies in, or None; "" is weftex itself."""
+    name = name.removeprefix("cython.cimports.")
+    if name != "weftex" and not name.startswith("weftex."):
+        return None
+    name = name.removeprefix("weftex").removeprefix(".")
+    while name not in FILES:
+        name = name.rpartition(".")[0]
+    return name
+
+
+def imported(tree):
+    """Dotted names of all import statements."""
+    for node in ast.walk(tree):
+        if isinstance(node, ast.Import):
+            yield from (name.name for name in node.names)
+        elif isinstance(node, ast.ImportFrom):
+            assert node.level == 0, "imports are absolute"
+            yield from (f"{node.module}.{name.name}" for name in node.names)
+
+
+def declared(text):
+    """Dotted names that declarations of a kernel cimport."""
+    for module, names in re.findall(r"^from (\S+) cimport (.*)", text, re.M):
+        yield from (f"{module}.{name}" for name in re.findall(r"\w+", names))
+    yield from re.findall(r"^cimport (\S+)", text, re.M)
+
+
+def named(tree):
+    """Strings that begin as modules do, but docstrings; "weftex.cli.commands." of an f-string."""
+    docstrings = {
+        node.body[0].value
+        for node in ast.walk(tree)
+        if isinstance(node, (ast.Module, ast.ClassDef, ast.FunctionDef))
+        and node.body
+        and isinstance(node.body[0], ast.Expr)
+    }
+    for node in ast.walk(tree):
+        if isinstance(node, ast.Constant) and isinstance(node.value, str):
+            found = re.match(r"weftex\.[\w.]+", node.value)
+            if found and node not in docstrings:
+                yield found.group()
+
+
+@cache
+def graph():
+    """{module: modules that it has an arrow to}."""
+    arrows = {}
+    for module, path in FILES.items():
+        tree = ast.parse((ROOT / path).read_text("utf-8"))
+        pxd = (ROOT / path).with_suffix(".pxd")
+        text = pxd.read_text("utf-8") if pxd.exists() else ""
+        found = {module_of(name) for name in (*imported(tree), *declared(text))}
+        for name in named(tree):
+            if (module, name) in NO_MODULES:
+                continue
+            start = name.removeprefix("weftex.")
+            if name.endswith("."):  # whichever lies below
+                found |= {other for other in FILES if other.startswith(start)}
+            else:
+                found.add(module_of(name))
+        if module:
+            arrows[module] = sorted(found - {None, module})
+    return arrows
+
+
+def circles():
+    """Sets of modules that all lead to each other (strongly connected components)."""
+
+    @cache
+    def reached(start):
+        seen, waiting = set(), list(graph()[start])
+        while waiting:
+            module = waiting.pop()
+            if module and module not in seen:
+                seen.add(module)
+                waiting.extend(graph()[module])
+        return seen
+
+    found = {
+        tuple(sorted(other for other in reached(m) if m in reached(other)))
+        for m in graph()
+        if m in reached(m)
+    }
+    return sorted(found)
+
+
+def arrows():
+    return ((module, other) for module, others in graph().items() for other in others)
+
+
+def none_of(offences):
+    if offences := list(offences):
+        pytest.fail("\n".join(offences), pytrace=False)
+
+
+def test_every_room_has_a_level():
+    none_of(sorted({room(module) for module in graph()} - set(LEVEL)))
 
 
 def test_no_circles():
-    graph = {dotted(p): {m for m, when in imports(p) if when == "start"} for p in FILES}
-
-    def reaches(start):
-        seen, stack = set(), list(graph[start])
-        while stack:
-            module = stack.pop()
-            if module not in seen:
-                seen.add(module)
-                stack.extend(graph.get(module, ()))
-        return seen
-
-    assert [m for m in graph if m in reaches(m)] == []
+    none_of(" <-> ".join(circle) for circle in circles())
 
 
-@pytest.mark.parametrize("path", KERNELS, ids=str)
-def test_kernels_depend_on_kernels_only(path):
+def test_arrows_point_down():
+    """Rooms of one level have nothing to do with each other; weftex itself is above them all."""
+    none_of(
+        f"{module} -> {other or 'weftex'}"
+        for module, other in arrows()
+        if room(module) != room(other)
+        and LEVEL.get(room(other), len(LEVELS)) >= LEVEL.get(room(module), 0)
+    )
+
+
+def test_parts_of_a_method_do_not_import_the_method():
+    """`__init__` -> model -> parts -> settings; and a method finds others by `registry.METHODS`."""
+    none_of(
+        f"{module} -> {other}"
+        for module, other in arrows()
+        if module.startswith("methods.") and (other == "methods" or module.startswith(f"{other}."))
+    )
+
+
+def test_kernels_depend_on_kernels_only():
     """A kernel fills arrays: no files, no randomness, no NumPy, no errors to raise."""
-    for other, _ in imports(path):
-        assert Path(*other.split(".")).with_suffix(".py") in KERNELS
-    tree = ast.parse((ROOT / path).read_text())
-    for node in ast.walk(tree):
-        assert not isinstance(node, ast.Raise)
-        names = [n.name for n in node.names] if isinstance(node, ast.Import) else []
-        if isinstance(node, ast.ImportFrom):
-            names = [node.module]
-        assert all(n == "cython" or n.startswith("cython.cimports.") for n in names)
+    kernels = [module for module in graph() if is_kernel(module)]
+    assert len(kernels) >= 3
+    offences = [f"{m} -> {o}" for m, o in arrows() if is_kernel(m) and not is_kernel(o)]
+    for module in kernels:
+        tree = ast.parse((ROOT / FILES[module]).read_text("utf-8"))
+        offences += [
+            f"{module} imports {name}"
+            for name in imported(tree)
+            if not name.startswith(("cython", "__future__"))
+        ]
+        if any(isinstance(node, ast.Raise) for node in ast.walk(tree)):
+            offences.append(f"{module} raises")
+    none_of(offences)
 
 
-def test_kernels_are_found():
-    assert len(KERNELS) >= 3
+def test_methods_have_few_rooms():
+    rooms = {module.split(".")[1] for module in graph() if module.startswith("methods.")}
+    assert len(rooms) <= MOST_METHOD_ROOMS, sorted(rooms)
+
+
+def test_the_graph_sees_every_kind_of_arrow():
+    """One of each kind, so that none is lost unseen."""
+    assert "errors" in graph()["io.pictures"]  # a plain import
+    assert "methods.graphcut" in graph()["methods"]  # a string
+    assert "cli.commands.synth" in graph()["cli"]  # the beginning of one
+    assert any(is_kernel(a) and is_kernel(b) for a, b in arrows())  # a cimport
+    text = "cimport cython\nfrom weftex.search.window_kernels cimport Windows, settle\n"
+    assert [module_of(name) for name in declared(text)] == ["search.window_kernels"] * 2 + [None]
+
+
+#: Where files are opened, and where OpenImageIO is.
+FILE_MODULES = ("io.", "results.files")
 
 
 def test_only_io_and_results_touch_files():
     """`open`, OpenImageIO and os.replace elsewhere would be a second place for files."""
-    for path in FILES:
-        if part(dotted(path)) in ("io", "formats", "saved"):
+    offences = []
+    for module, path in FILES.items():
+        if module.startswith(FILE_MODULES):
             continue
-        for node in ast.walk(ast.parse((ROOT / path).read_text())):
-            if isinstance(node, ast.Call):
-                name = ast.unparse(node.func)
-                assert name not in ("open", "os.replace", "os.rename", "np.load", "np.save"), path
-            if isinstance(node, ast.Import):
-                assert all(n.name.split(".")[0] != "OpenImageIO" for n in node.names), path
+        tree = ast.parse((ROOT / path).read_text("utf-8"))
+        calls = {ast.unparse(node.func) for node in ast.walk(tree) if isinstance(node, ast.Call)}
+        calls &= {"open", "os.replace", "os.rename", "np.load", "np.save", "np.savez"}
+        offences += [f"{module} calls {name}" for name in sorted(calls)]
+        offences += [f"{module} imports {n}" for n in imported(tree) if n.startswith("OpenImageIO")]
+    none_of(offences)
 
 
 def modules_after(code):
@@ -161,7 +256,11 @@ def test_importing_weft_is_light():
     added = {m for m in after - before if not m.startswith("weftex")}
     assert not added & HEAVY
     assert len(added) <= 5, sorted(added)
-    assert {m for m in after if m.startswith("weftex")} <= {"weftex", "weftex.errors"}
+    assert {m for m in after if m.startswith("weftex")} <= {
+        "weftex",
+        "weftex.errors",
+        "weftex.dispatch",
+    }
 
 
 def test_a_run_on_arrays_loads_no_more_than_it_needs():

@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-import reference
+from twins import randomness as reference
 from weftex.errors import InvalidInputError
 from weftex.random import draw, seed_number
 

@@ -1,6 +1,8 @@
 """What a reader of the README, of a page or of an example would paste does run."""
 
+import ast
 import re
+import runpy
 import shlex
 import subprocess
 import sys
@@ -11,7 +13,8 @@ import pytest
 
 ROOT = Path(__file__).parent.parent
 PAGES = sorted(p for p in [ROOT / "README.md", *ROOT.glob("docs/*.md")] if p.exists())
-EXAMPLES = sorted(p for p in ROOT.glob("examples/*.py") if not p.name.startswith("paper_"))
+EXAMPLES = sorted(p for p in ROOT.glob("examples/*.py") if not p.name.startswith(("paper_", "_")))
+PAPERS = sorted(ROOT.glob("examples/paper_*.py"))
 WEFTEX = Path(sysconfig.get_path("scripts"), "weftex")
 
 
@@ -48,6 +51,37 @@ def test_python_of_pages(page, tmp_path, monkeypatch):
 def test_examples(example, tmp_path):
     run([sys.executable, example, "-o", tmp_path], tmp_path)
     assert list(tmp_path.iterdir())
+
+
+def experiments(script):
+    """Names of what a script's tables FIGURES and TABLES list."""
+    lists = [
+        node.value.elts
+        for node in ast.parse(script.read_text("utf-8")).body
+        if isinstance(node, ast.Assign) and node.targets[0].id in ("FIGURES", "TABLES")
+    ]
+    return [name.id for names in lists for name in names]
+
+
+@pytest.mark.parametrize(
+    "script, experiment",
+    [
+        pytest.param(script, name, id=f"{script.stem}-{name}")
+        for script in PAPERS
+        for name in experiments(script)
+    ],
+)
+def test_experiments_of_papers(script, experiment, tmp_path, monkeypatch, capsys):
+    """Small ones, in this process: none is left out of what its script runs for `all`."""
+    monkeypatch.syspath_prepend(script.parent)
+    monkeypatch.setattr(sys, "argv", [str(script), experiment, "--small", "-o", str(tmp_path)])
+    runpy.run_path(str(script), run_name="__main__")
+    assert [path.suffix for path in tmp_path.iterdir()] in ([".png"], [".md"])
+    assert capsys.readouterr().out.splitlines()[-1].startswith(f"{experiment}: ")
+
+
+def test_papers_have_experiments():
+    assert len(PAPERS) >= 6 and all(len(experiments(script)) >= 4 for script in PAPERS)
 
 
 @pytest.mark.parametrize("page", PAGES, ids=lambda page: page.name)

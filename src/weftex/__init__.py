@@ -35,6 +35,7 @@ if TYPE_CHECKING:
     from weftex.methods.quilting import Quilting
     from weftex.methods.refinement import Refinement
     from weftex.methods.wei_levoy import WeiLevoy
+    from weftex.pages.report import Report
     from weftex.quality.assess import Assessment, assess
     from weftex.results.synthesis import Synthesis
     from weftex.tasks.analyze import analyze
@@ -42,7 +43,7 @@ if TYPE_CHECKING:
     from weftex.tasks.compare import compare
     from weftex.tasks.fill import fill
     from weftex.tasks.fuse import fuse
-    from weftex.tasks.report import Report, report
+    from weftex.tasks.report import report
     from weftex.tasks.synthesize import load_exemplar, synthesize
 
 __version__ = "0.1.0"
@@ -80,7 +81,8 @@ _PUBLIC = {
     "tasks.compare": ["compare"],
     "tasks.fill": ["fill"],
     "tasks.fuse": ["fuse"],
-    "tasks.report": ["Report", "report"],
+    "pages.report": ["Report"],
+    "tasks.report": ["report"],
     "tasks.synthesize": ["load_exemplar", "synthesize"],
 }
 _HOME = {name: module for module, names in _PUBLIC.items() for name in names}

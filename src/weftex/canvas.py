@@ -102,11 +102,13 @@ class Canvas:
     def _check_origin(self) -> None:
         if self.origin == (0, 0):
             return
-        if len(self.origin) != 2 or any(type(at) is not int for at in self.origin):
-            raise InvalidInputError(f"origin is {self.origin!r}; it must be two integers")
+        if not isinstance(self.origin, tuple) or len(self.origin) != 2:
+            raise InvalidInputError(f"origin is {self.origin!r}; it must be (top, left)")
         for name, at in zip(("top", "left"), self.origin, strict=True):
-            if not -FAR <= at <= FAR:
-                raise InvalidInputError(f"{name} is {at}; it must be from -2**40 to 2**40")
+            if type(at) is not int or not -FAR <= at <= FAR:
+                raise InvalidInputError(
+                    f"{name} is {at!r}; it must be an integer from -2**40 to 2**40"
+                )
         if any(self.wrap) or self.hole is not None:
             raise InvalidInputError(
                 "a window of an endless plane neither wraps nor has known pixels; leave origin out"

@@ -9,27 +9,32 @@ from __future__ import annotations
 
 import os
 import sys
-from collections.abc import Sequence
-from importlib.abc import MetaPathFinder
-from importlib.machinery import EXTENSION_SUFFIXES, ModuleSpec
-from importlib.util import spec_from_file_location
-from types import ModuleType
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+    from importlib.machinery import ModuleSpec
+    from types import ModuleType
 
 _ROOT = os.path.dirname(__file__)
 
 
-class FastKernels(MetaPathFinder):
-    """Finds the AVX2 build of a kernel, where there is one and the processor has AVX2."""
+class FastKernels:
+    """A finder on `sys.meta_path` for the AVX2 build of a kernel, if the processor has AVX2."""
 
     def find_spec(
         self, fullname: str, path: Sequence[str] | None, target: ModuleType | None = None
     ) -> ModuleSpec | None:
         """Return where the faster build of ``weftex....kernels`` is, or None."""
-        package, *inner = fullname.split(".")
-        if package != "weftex" or not fullname.endswith("kernels") or not _processor_is_fast():
+        if not (fullname.startswith("weftex.") and fullname.endswith("kernels")):
             return None
+        if not _processor_is_fast():
+            return None
+        from importlib.machinery import EXTENSION_SUFFIXES
+        from importlib.util import spec_from_file_location
+
         for suffix in EXTENSION_SUFFIXES:
-            file = os.path.join(_ROOT, "_avx2", *inner) + suffix
+            file = os.path.join(_ROOT, "_avx2", *fullname.split(".")[1:]) + suffix
             if os.path.exists(file):
                 return spec_from_file_location(fullname, file)
         return None

@@ -6,7 +6,7 @@ import dataclasses
 import math
 import numbers
 from abc import ABC, abstractmethod
-from typing import TYPE_CHECKING, Any, ClassVar
+from typing import TYPE_CHECKING, Any, ClassVar, Self
 
 from weftex.canvas import Canvas
 from weftex.errors import InvalidInputError, UnsupportedError, did_you_mean
@@ -14,6 +14,7 @@ from weftex.registry import supporting
 
 if TYPE_CHECKING:
     import numpy as np
+    from numpy.typing import NDArray
 
     from weftex.exemplar import Exemplar
     from weftex.progress import ProgressCallback
@@ -24,9 +25,11 @@ CANVAS_KINDS = {
     "wrap": "tileable output",
     "known": "hole filling",
     "guide": "following a guide",
-    "many": "several samples",
+    "many": "several samples in one picture",
     "random_access": "windows of an endless plane",
 }
+#: The thing that a canvas of a kind has.
+CANVAS_NAMES = {"guide": "a guide", "known": "known pixels", "wrap": "tileable output"}
 
 
 def parameter(
@@ -39,6 +42,7 @@ def parameter(
     choices: tuple[str, ...] = (),
     default_text: str = "",
     needs: tuple[str, tuple[str, ...]] | None = None,
+    needs_canvas: str = "",
     count: int = 0,
 ) -> Any:
     """Declare a field of a method.
@@ -60,6 +64,8 @@ def parameter(
     needs : (field, values), optional
         The parameter does something only while `field` has one of these values; setting it
         otherwise is refused, not ignored.
+    needs_canvas : str
+        Likewise for a kind of canvas, see `CANVAS_KINDS`.
     count : int
         The value is so many numbers; a text with commas between them is taken too.
     """
@@ -73,6 +79,7 @@ def parameter(
             "choices": choices,
             "default_text": default_text,
             "needs": needs,
+            "needs_canvas": needs_canvas,
             "count": count,
         },
     )
@@ -154,7 +161,7 @@ class Model(ABC):
 
 
 @dataclasses.dataclass(frozen=True)
-class Method:
+class Method(ABC):
     """Base of all methods; its fields are declared with `parameter`.
 
     Raises
@@ -183,9 +190,9 @@ class Method:
                         f"{field.name} has no effect unless {needs[0]} is {allowed}"
                     )
 
+    @abstractmethod
     def fit(self, exemplar: Exemplar) -> Model:
-        """Analyse a sample; the result makes any number of outputs from it."""
-        raise TypeError(f"{type(self).__name__} does not define fit")
+        """Analyze a sample; the result makes any number of outputs from it."""
 
     def settle(self, exemplar: Exemplar) -> Method:
         """Return this method with what it takes from the sample by itself filled in.
@@ -195,13 +202,53 @@ class Method:
         """
         return self.fit(exemplar).method
 
+    def for_part(self, whole: Exemplar) -> Self:
+        """Return this method for a part of an exemplar: shares of the whole become pixels."""
+        return self
+
+    @property
+    def hole_reach(self) -> int:
+        """How far around a hole the method must look, in pixels; 0 if any distance will do."""
+        return 0
+
+    def for_hole(
+        self, hole: NDArray[np.bool_], usable: NDArray[np.bool_], given: frozenset[str] | None
+    ) -> Self:
+        """Return this method with what suits a hole where its parameters leave that open.
+
+        Parameters
+        ----------
+        hole : bool array (H, W)
+            What is to be filled.
+        usable : bool array (H', W')
+            The exemplar's pixels that may be copied.
+        given : set of str, optional
+            Parameters that somebody chose; None if all values were, so that only None is open.
+        """
+        return self
+
+    def window_for(self, proposed: int) -> int:
+        """Return the width of the window that is compared, in pixels, if this one is proposed."""
+        return proposed
+
+    def for_belt(self, width: int) -> Self:
+        """Return this method for a belt between two materials, whose windows are so wide."""
+        return self
+
+    def window_of(self, exemplar: Exemplar) -> int:
+        """Return the width of the window that the method settles on; 0 if it compares none.
+
+        Raises
+        ------
+        InvalidInputError
+            If no window fits the exemplar.
+        """
+        return 0
+
     def require(self, canvas: Canvas) -> None:
         """Raise `UnsupportedError` if the canvas is of a kind that the method does not do."""
         if canvas.hole is not None and canvas.known is None:
             raise InvalidInputError("the canvas has a hole but no known pixels around it")
-        weight = getattr(type(self), "guide_weight", None)
-        if canvas.guide is None and getattr(self, "guide_weight", None) != weight:
-            raise InvalidInputError("guide_weight has no effect without a guide")
         wanted = {
             "wrap": any(canvas.wrap),
             "known": canvas.known is not None,
@@ -211,6 +258,12 @@ class Method:
         for kind, want in wanted.items():
             if want:
                 self.require_kind(kind)
+        for field in dataclasses.fields(self):
+            needed = field.metadata["needs_canvas"]
+            if needed and not wanted[needed] and getattr(self, field.name) != field.default:
+                raise InvalidInputError(
+                    f"{field.name} has no effect without {CANVAS_NAMES[needed]}"
+                )
 
     def require_kind(self, kind: str) -> None:
         """Raise `UnsupportedError` unless the method supports this kind of canvas."""

@@ -24,7 +24,7 @@ if TYPE_CHECKING:
 _CELLS = 8  # along each side; what is larger than one is a large form
 _BINS = 8  # of the spectrum, an octave
 _COARSE, _FINE = 2.0**-5, 0.5  # waves a pixel between which spectra are compared
-_LEAST = 32  # pixels of the parts whose spectra are compared
+_SMALLEST_PART = 32  # pixels of the parts whose spectra are compared
 _REACH = 8  # bins that a spectrum is shifted by at most
 _LIKE, _UNLIKE = 0.6, 0.2  # correlations of spectra: of the same things, and of others
 
@@ -129,7 +129,7 @@ def _growth(levels: Floats) -> float:
     shifted and unlike as they are, and the middle one lies between them, there is perspective.
     """
     third = len(levels) // 3
-    if third < _LEAST or levels.shape[1] < _LEAST:
+    if third < _SMALLEST_PART or levels.shape[1] < _SMALLEST_PART:
         return 1.0
     first, middle, last = _spectra([levels[k * third : (k + 1) * third] for k in range(3)])
     shift, alike, unshifted = _best_shift(first, last)

@@ -10,7 +10,7 @@ import numpy as np
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-_WIDEST = 64  # pixels of dominance; more is not told apart
+_LARGEST_DOMINANCE = 64  # pixels of dominance; more is not told apart
 
 
 @dataclass(frozen=True, eq=False)
@@ -54,7 +54,7 @@ def find_peaks(correlation: NDArray[np.float64]) -> Peaks:
     [[10, 0], [20, 0], [30, 0]]
     """
     middle, centre = (side // 2 for side in correlation.shape)
-    margin = min(_WIDEST, centre)  # of the left half, which squares reach into
+    margin = min(_LARGEST_DOMINANCE, centre)  # of the left half, which squares reach into
     # Rounded, so that what is equal but for rounding is so on every machine.
     part = np.rint(correlation[:, centre - margin :] * 1e9) / 1e9
     around, radius = _wider(part, 1, first=True), 1
@@ -64,7 +64,7 @@ def find_peaks(correlation: NDArray[np.float64]) -> Peaks:
     y, x = high.nonzero()
     heights = part[y, x]
     dominance = np.ones(len(y), np.int64)
-    while radius < _WIDEST:
+    while radius < _LARGEST_DOMINANCE:
         around, radius = _wider(around, radius), 2 * radius
         dominance[heights >= around[y, x]] = radius
     shifts = np.stack([x - margin, y - middle], axis=1)

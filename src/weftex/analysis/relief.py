@@ -12,7 +12,7 @@ from weftex.exemplar import Exemplar
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-_MOST = 1024  # pixels a side; more are averaged together first
+_LARGEST_SIDE = 1024  # pixels a side; more are averaged together first
 
 
 @dataclass(frozen=True, eq=False)
@@ -59,7 +59,7 @@ def relief(exemplar: Exemplar) -> Relief:
     rows, columns = (np.flatnonzero(usable.any(axis=axis)) for axis in (1, 0))
     box = slice(rows[0], rows[-1] + 1), slice(columns[0], columns[-1] + 1)
     levels, usable = levels[box], usable[box]
-    step = -(-max(usable.shape) // _MOST)
+    step = -(-max(usable.shape) // _LARGEST_SIDE)
     share = _means(usable, step)
     y, x = (np.linspace(-1, 1, side) if side > 1 else np.zeros(1) for side in share.shape)
     powers = ((0, 0), (1, 0), (0, 1), (2, 0), (1, 1), (0, 2))

@@ -17,14 +17,14 @@ if TYPE_CHECKING:
 
 def load(path: str, args: argparse.Namespace) -> tuple[Exemplar, dict[str, Picture]]:
     """Read a picture, or a folder of maps, and what each one was stored as."""
-    from weftex.io import pictures as io
+    from weftex.io.pictures import MAX_PIXELS, is_folder, read_image, read_maps
     from weftex.tasks.synthesize import exemplar_of_maps
 
-    limit = None if args.allow_huge else io.MAX_PIXELS
-    if io.is_folder(path):
-        pictures = io.read_maps(path, max_pixels=limit)
+    limit = None if args.allow_huge else MAX_PIXELS
+    if is_folder(path):
+        pictures = read_maps(path, max_pixels=limit)
     else:
-        pictures = {os.path.basename(path): io.read_image(path, max_pixels=limit)}
+        pictures = {os.path.basename(path): read_image(path, max_pixels=limit)}
     return exemplar_of_maps(pictures), pictures
 
 
@@ -32,21 +32,21 @@ def open_sample(
     path: str, args: argparse.Namespace, outputs: Outputs
 ) -> tuple[Exemplar, dict[str, Picture], dict[str, str]]:
     """Read the sample, and say where each of its pictures goes; all is checked before any work."""
-    from weftex.io import pictures as io
+    from weftex.io.pictures import check_output, is_folder
 
-    folder = io.is_folder(path)
+    folder = is_folder(path)
     if args.save_source is not None:
-        io.check_output(args.save_source, suffixes=(".npz",))
+        check_output(args.save_source, suffixes=(".npz",))
     if folder:
         outputs.make_folder(args.output)
     else:
-        io.check_output(args.output)
+        check_output(args.output)
     exemplar, pictures = load(path, args)
     targets = {}
     for name, picture in pictures.items():
         file = os.path.basename(picture.path)
         targets[name] = os.path.join(args.output, file) if folder else args.output
-        io.check_output(targets[name], picture.pixels, alpha=picture.alpha)
+        check_output(targets[name], picture.pixels, alpha=picture.alpha)
     return exemplar, pictures, targets
 
 

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-from typing import TYPE_CHECKING, ClassVar
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING, ClassVar, Self
 
 from weftex.canvas import Canvas, as_canvas
 from weftex.method import Model, parameter
@@ -14,7 +14,12 @@ from weftex.random import seed_number
 from weftex.results.patches import PatchSynthesis
 
 if TYPE_CHECKING:
+    import numpy as np
+    from numpy.typing import NDArray
+
     from weftex.random import Seed
+
+_HOLE_EPSILON = 0.02  # known pixels cannot be blended, so the best match is taken
 
 
 @dataclass(frozen=True)
@@ -54,6 +59,15 @@ class PatchSampling(PatchMethod):
         "joining patches: feathered after each or at the end, cut along least error, or pasted",
         choices=("feather", "feather-at-end", "cut", "none"),
     )
+
+    def for_hole(
+        self, hole: NDArray[np.bool_], usable: NDArray[np.bool_], given: frozenset[str] | None
+    ) -> Self:
+        """See `Method.for_hole`."""
+        suited = super().for_hole(hole, usable, given)
+        if given is None or "epsilon" in given:
+            return suited
+        return replace(suited, epsilon=_HOLE_EPSILON)
 
     def rule(self) -> tuple[float, bool, bool]:
         """Equation (1) with d_max of section 2.4."""

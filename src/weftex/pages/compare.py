@@ -1,19 +1,104 @@
-"""The page of a comparison: one HTML file with everything in it."""
+"""A comparison of methods on one sample; one HTML file."""
 
 from __future__ import annotations
 
+import dataclasses
+from dataclasses import dataclass
 from html import escape
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
-from weftex.pages.html import document, number, parameters, show
+from weftex.pages.html import Page, as_shown, document, number, parameters, show
 from weftex.quality.figures import FIGURES
-from weftex.tasks.report import as_shown
 
 if TYPE_CHECKING:
-    from weftex.tasks.compare import Comparison, Entry
+    from weftex.choice import Choice
+    from weftex.exemplar import Exemplar
+    from weftex.quality.assess import Assessment
+    from weftex.results.synthesis import Synthesis
 
 
-def page(found: Comparison) -> str:
+@dataclass(frozen=True, eq=False)
+class Entry:
+    """What one method made of the sample.
+
+    Attributes
+    ----------
+    method : str
+        Its name.
+    result : Synthesis or None
+        None where it cannot do this.
+    seconds : float
+        That fitting and making took.
+    assessment : Assessment or None
+        The figures.
+    note : str
+        What its parameters were chosen for, or why there is no result.
+    """
+
+    method: str
+    result: Synthesis | None
+    seconds: float
+    assessment: Assessment | None
+    note: str
+
+    @property
+    def rank(self) -> float:
+        """The score; endless without one, so that it comes last."""
+        score = None if self.assessment is None else self.assessment.score
+        return float("inf") if score is None else score
+
+    def as_dict(self) -> dict[str, Any]:
+        """Return all but the picture as JSON has it."""
+        return {
+            "method": self.method,
+            "seconds": round(self.seconds, 3),
+            "note": self.note,
+            "figures": None if self.assessment is None else self.assessment.as_dict(),
+            "provenance": None if self.result is None else self.result.provenance,
+        }
+
+
+@dataclass(frozen=True, eq=False)
+class Comparison(Page):
+    """What `weftex.compare` finds.
+
+    Attributes
+    ----------
+    exemplar : Exemplar
+        The sample.
+    shape : (int, int)
+        Height and width of the outputs.
+    seed : int
+        Of all of them.
+    choice : Choice
+        What "auto" would take, and why.
+    entries : tuple of Entry
+        Best score first, then those without a result.
+    """
+
+    exemplar: Exemplar
+    shape: tuple[int, int]
+    seed: int
+    choice: Choice
+    entries: tuple[Entry, ...]
+
+    def as_dict(self) -> dict[str, Any]:
+        """Return all figures as numbers, texts, lists, dicts and None, as JSON has them."""
+        return {
+            "sample": self.exemplar.name,
+            "height": self.shape[0],
+            "width": self.shape[1],
+            "seed": self.seed,
+            "auto": dataclasses.asdict(self.choice),
+            "methods": [entry.as_dict() for entry in self.entries],
+        }
+
+    def html(self) -> str:
+        """Return a page that needs nothing but itself."""
+        return _page(self)
+
+
+def _page(found: Comparison) -> str:
     """Return the whole page."""
     name, (height, width) = found.exemplar.name, found.shape
     title = f"{len(found.entries)} methods on {name}"

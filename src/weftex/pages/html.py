@@ -5,6 +5,7 @@ from __future__ import annotations
 import base64
 import json
 import os
+from abc import ABC, abstractmethod
 from html import escape
 from typing import TYPE_CHECKING, Any
 
@@ -17,9 +18,10 @@ if TYPE_CHECKING:
 
     from numpy.typing import NDArray
 
+    from weftex.exemplar import Exemplar
     from weftex.quality.figures import Figure
 
-_WIDEST = 1024  # pixels a side of a picture in the page
+_LARGEST_PICTURE = 1024  # pixels a side of a picture in the page
 
 _STYLE = """
 :root { color-scheme: light dark; --line: #8886; --bad: #b3261e; --good: #1b6e2c; }
@@ -40,12 +42,12 @@ td.number { text-align: right; font-variant-numeric: tabular-nums; white-space: 
 """
 
 
-class Page:
+class Page(ABC):
     """What can be shown as a page and written as one."""
 
+    @abstractmethod
     def html(self) -> str:
         """Return a page that needs nothing but itself."""
-        raise NotImplementedError
 
     def save(self, path: str | os.PathLike[str]) -> None:
         """Write the page.
@@ -55,10 +57,10 @@ class Page:
         FileError
             If it cannot be written there.
         """
-        from weftex.io import pictures as io
+        from weftex.io.pictures import check_output, write_text
 
-        io.check_output(path, suffixes=(".html",))
-        io.write_text(path, self.html())
+        check_output(path, suffixes=(".html",))
+        write_text(path, self.html())
 
 
 def document(title: str, parts: Iterable[str]) -> str:
@@ -75,7 +77,7 @@ def document(title: str, parts: Iterable[str]) -> str:
 def show(picture: NDArray[np.uint8], title: str, text: str) -> str:
     """A picture in the page itself; a large one is shown by every second, third, ... pixel."""
     height, width = picture.shape[:2]
-    step = -(-max(height, width) // _WIDEST)
+    step = -(-max(height, width) // _LARGEST_PICTURE)
     data = base64.b64encode(png(np.ascontiguousarray(picture[::step, ::step]))).decode("ascii")
     size = f"{width}x{height} pixels" + (f", shown at 1:{step}" if step > 1 else "")
     return (
@@ -104,3 +106,10 @@ def parameters(provenance: dict[str, Any]) -> str:
 def _plain(value: Any) -> str:
     text = value if isinstance(value, str) else json.dumps(value, default=str)
     return text if len(text) <= 400 else text[:400] + " …"
+
+
+def as_shown(exemplar: Exemplar, pixels: NDArray[Any]) -> NDArray[np.uint8]:
+    """Three channels of bytes, to look at."""
+    pixel_bytes = exemplar.as_matching(pixels)
+    colors = pixel_bytes.shape[2] - exemplar.alpha
+    return pixel_bytes[..., :3] if colors >= 3 else np.repeat(pixel_bytes[..., :1], 3, axis=2)

@@ -1,15 +1,21 @@
-"""The page of a report: one HTML file with everything in it."""
+"""A report: pictures, maps of where a result fails, every figure; one HTML file."""
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from html import escape
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
-from weftex.pages.html import document, number, parameters, show
+from weftex.pages.html import Page, document, number, parameters, show
 from weftex.quality.figures import FIGURES
 
 if TYPE_CHECKING:
-    from weftex.tasks.report import Report
+    import numpy as np
+    from numpy.typing import NDArray
+
+    from weftex.quality.assess import Assessment
+
+    Bytes = NDArray[np.uint8]
 
 _CAPTIONS = {
     "seams": (
@@ -31,7 +37,60 @@ _CAPTIONS = {
 }
 
 
-def page(found: Report) -> str:
+@dataclass(frozen=True, eq=False)
+class Report(Page):
+    """What `weftex.report` finds.
+
+    Attributes
+    ----------
+    sample, result : uint8 array (H, W, 3)
+        Both pictures as they are shown.
+    name : str
+        Of the sample.
+    result_name : str
+        Of the result.
+    assessment : Assessment
+        All figures of the result.
+    real : dict of str to float or None
+        The same figures of real pictures of this surface; see
+        `weftex.quality.yardstick.real_crops`.
+    maps : dict of str to uint8 array (H, W, 3)
+        "seams", "repetition" and, with a source, "source" and "use" (of the sample), as far as
+        they can be made.
+    provenance : dict
+        How the result was made, if its source says so.
+    notes : tuple of str
+        What is to be kept in mind about the figures.
+    """
+
+    sample: Bytes
+    result: Bytes
+    name: str
+    result_name: str
+    assessment: Assessment
+    real: dict[str, float | None]
+    maps: dict[str, Bytes]
+    provenance: dict[str, Any]
+    notes: tuple[str, ...]
+
+    def as_dict(self) -> dict[str, Any]:
+        """Return all figures as numbers, texts, lists, dicts and None, as JSON has them."""
+        return {
+            "sample": self.name,
+            "result": self.result_name,
+            "verdict": self.assessment.verdict(),
+            **self.assessment.as_dict(),
+            "real": self.real,
+            "provenance": self.provenance,
+            "notes": list(self.notes),
+        }
+
+    def html(self) -> str:
+        """Return a page that needs nothing but itself."""
+        return _page(self)
+
+
+def _page(found: Report) -> str:
     """Return the whole page."""
     title = f"{found.result_name} from {found.name}"
     score = found.assessment.score

@@ -28,7 +28,7 @@ from weftex.results.synthesis import Synthesis
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-WIDEST = 2048
+LARGEST_MEASURED = 2048
 """Of a result of more pixels a side only the middle is looked at, but for the wrap."""
 
 _DIGITS = 3
@@ -178,7 +178,7 @@ def assess(
         result = result.image if result.exemplar is not None else result.render(exemplar)
     wrap = tileable if isinstance(tileable, tuple) else (bool(tileable),) * 2
     own, whole = views(exemplar, result)
-    made = whole.centre(WIDEST)
+    made = whole.centre(LARGEST_MEASURED)
     model, used = Seams(own), None
     if source is not None:
         source = check_source(source, own.shape, whole.shape)

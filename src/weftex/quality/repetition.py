@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 
 _WIDTH = 32  # pixels of the windows whose mean power is taken out
 _NARROWEST = 24  # sides of less are not looked at
-_WIDEST = 1024
+_LARGEST_PICTURE = 1024
 _NEAR = 6  # shifts of fewer pixels are a matter of sharpness
 _ERRORS = 6  # standard errors of a correlation that pass for chance
 _SHOWN = 6  # shifts that are told
@@ -171,7 +171,7 @@ def repetition_map(
 
 def _both(sample: View, result: View) -> tuple[Floats, Floats] | None:
     """The middle of the result with a flat spectrum, and what comes back in it."""
-    part = result.centre(_WIDEST)
+    part = result.centre(_LARGEST_PICTURE)
     if min(*sample.shape, *part.shape) < _NARROWEST:
         return None
     width = min(_WIDTH, 2 ** int(np.log2(min(sample.shape) // 2)))

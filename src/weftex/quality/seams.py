@@ -22,7 +22,7 @@ _ROWS = 2  # lines above and below
 _LEARN = 2**14  # places
 _ALONG = 8  # half the pixels along a line that are looked at together
 _USUAL = 0.99  # of the sample's places
-_WIDEST = 2048  # pixels a side that the border of a result is compared with
+_LONGEST_BORDER = 2048  # pixels a side that the border of a result is compared with
 _BORDER = 2 * (_REACH + _ALONG)
 
 
@@ -75,7 +75,7 @@ class Seams:
 
     def border(self, result: View, axis: int) -> float:
         """The share of the border along an axis that is a seam; see `weftex.quality.wrap`."""
-        usual = np.quantile(self._along(result.centre(_WIDEST), axis), _USUAL)
+        usual = np.quantile(self._along(result.centre(_LONGEST_BORDER), axis), _USUAL)
         across = np.take(result.levels, np.arange(-_BORDER, _BORDER), axis)
         beside = View(across, np.ones(across.shape[:2], bool), result.axis, result.side)
         found = self._along(beside, axis)

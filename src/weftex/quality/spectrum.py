@@ -13,7 +13,7 @@ if TYPE_CHECKING:
 
     Floats = NDArray[np.float64]
 
-_WIDEST = 64  # pixels of a window
+_LARGEST_WINDOW = 64  # pixels of a window
 _NARROWEST = 8
 _WINDOWS = 96
 _PER_OCTAVE = 2
@@ -71,8 +71,8 @@ def mean_power(view: View, width: int) -> Floats | None:
 
 def _window(sample: View, result: View) -> int | None:
     """The widest power of two that fits halves of the sample and the result."""
-    side = min(min(sample.shape) // 2, *result.shape, _WIDEST)
-    width = _WIDEST
+    side = min(min(sample.shape) // 2, *result.shape, _LARGEST_WINDOW)
+    width = _LARGEST_WINDOW
     while width > side:
         width //= 2
     return width if width >= _NARROWEST else None

@@ -25,7 +25,7 @@ if TYPE_CHECKING:
 
 Kind = TypeVar("Kind", bound=np.generic)
 
-_WIDEST = 640  # pixels a side that measures which need transforms look at
+_LARGEST_TRANSFORM = 640  # pixels a side that measures which need transforms look at
 _SMOOTH = 4  # the mean over a square of this share of the side is slow lighting
 
 
@@ -81,7 +81,7 @@ class View:
     @cached_property
     def correlation(self) -> Floats:
         """`flat` correlated with itself, no shift in the middle; of a large picture, its centre."""
-        part = self.centre(_WIDEST)
+        part = self.centre(_LARGEST_TRANSFORM)
         return correlate(part.flat, first_mask=part.usable if part.masked else None)
 
     def part(self, top: int, left: int, height: int, width: int) -> View:

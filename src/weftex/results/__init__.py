@@ -1,1 +1,15 @@
 """Results: which sample pixels an output is made of; drawn, saved and replayed from that."""
+
+from weftex.results.patches import PatchSynthesis, RectifiedSynthesis
+from weftex.results.pixels import PixelSynthesis
+from weftex.results.synthesis import Synthesis
+from weftex.results.warped import WarpedSynthesis
+
+# Loading a file needs to know every kind.
+__all__ = [
+    "PatchSynthesis",
+    "PixelSynthesis",
+    "RectifiedSynthesis",
+    "Synthesis",
+    "WarpedSynthesis",
+]

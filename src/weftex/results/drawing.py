@@ -1,41 +1,63 @@
-"""Pictures of how a result was put together, from the result alone."""
+"""Pictures of how a result was put together, from the source of each of its pixels."""
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from weftex.errors import InvalidInputError
-
 if TYPE_CHECKING:
+    from collections.abc import Callable
+
     from numpy.typing import NDArray
 
-    from weftex.results.synthesis import Synthesis
+    from weftex.exemplar import Exemplar
 
+    #: Row and column in the sample of the pixels of some rows: (rows, W, 2), -1 for no source.
+    SourceOf = Callable[[slice], NDArray[np.int64]]
+
+#: What `Synthesis.draw` draws.
+DRAWINGS = ("sources", "seams", "error", "patches", "uncertainty")
 _REACH = 2  # pixels around one whose surroundings are compared
 _BAND = 256  # rows that are looked at together
 
 
-def draw_pieces(result: Synthesis) -> NDArray[np.uint8]:
-    """A colour for each piece that was copied as a whole: all pixels moved by one vector.
+def draw_sources(source: NDArray[np.int32], sample_shape: tuple[int, int]) -> NDArray[np.uint8]:
+    """False colors by position in the sample: red to the right, green downwards."""
+    scale = 255 / np.maximum(np.array(sample_shape) - 1, 1)
+    picture = np.full((*source.shape[:2], 3), 96, np.uint8)
+    picture[..., 1::-1] = np.rint(np.maximum(source, 0) * scale)
+    picture[source[..., 0] < 0] = 0
+    return picture
 
-    Parameters
-    ----------
-    result : Synthesis
-        Known pixels that are not in the sample are black.
 
-    Returns
-    -------
-    uint8 array (H, W, 3)
+def draw_seams(
+    gray: NDArray[np.uint8], source: NDArray[np.int32], sample_shape: tuple[int, int]
+) -> NDArray[np.uint8]:
+    """A gray picture, and in red the pixels whose source does not go on from the one before."""
+    y, x = np.indices(source.shape[:2])
+    shift = (source - np.stack([y, x], axis=-1)) % sample_shape
+    seam = np.zeros(source.shape[:2], bool)
+    seam[1:] |= (shift[1:] != shift[:-1]).any(axis=-1)
+    seam[:, 1:] |= (shift[:, 1:] != shift[:, :-1]).any(axis=-1)
+    picture = np.repeat(gray[..., None], 3, axis=2)
+    picture[seam] = (255, 0, 0)
+    return picture
+
+
+def draw_pieces(
+    source_of: SourceOf, shape: tuple[int, int], sample_shape: tuple[int, int]
+) -> NDArray[np.uint8]:
+    """A color for each piece that was copied as a whole: all pixels moved by one vector.
+
+    Known pixels that are not in the sample are black.
     """
-    picture = np.zeros((*result.shape, 3), np.uint8)
-    for top in range(0, result.shape[0], _BAND):
-        rows = slice(top, min(top + _BAND, result.shape[0]))
-        source = _source(result, rows)
+    picture = np.zeros((*shape, 3), np.uint8)
+    for rows in _bands(shape[0]):
+        source = source_of(rows)
         y, x = np.indices(source.shape[:2])
-        shift = (source - np.stack([y + top, x], axis=-1)) % result.sample_shape
-        name = shift[..., 0] * result.sample_shape[1] + shift[..., 1]
+        shift = (source - np.stack([y + rows.start, x], axis=-1)) % sample_shape
+        name = shift[..., 0] * sample_shape[1] + shift[..., 1]
         mixed = name.astype(np.uint64) * np.uint64(0x9E3779B97F4A7C15)  # Fibonacci hashing
         for k in range(3):
             picture[rows][..., k] = 64 + (mixed >> np.uint64(40 + 8 * k)) % np.uint64(192)
@@ -43,67 +65,65 @@ def draw_pieces(result: Synthesis) -> NDArray[np.uint8]:
     return picture
 
 
-def uncertainty(result: Synthesis) -> NDArray[np.float64]:
+def uncertainty_of(
+    image: NDArray[Any], source_of: SourceOf, exemplar: Exemplar, wrap: tuple[bool, bool]
+) -> NDArray[np.float64]:
     """How badly the surroundings of each pixel match those of the place that it comes from.
-
-    Parameters
-    ----------
-    result : Synthesis
-        With its sample.
 
     Returns
     -------
     float64 array (H, W)
         Mean squared difference of the 5 x 5 pixels around, over that of two pixels of the sample
-        at random: 0 inside of what was copied as a whole, 1 where a place drawn at random would
-        have done as well. 0 for known pixels that are not in the sample.
-
-    Raises
-    ------
-    InvalidInputError
-        If the result was loaded without its sample.
+        at random: 0 inside a piece that was copied as a whole, 1 where a place drawn at random
+        would have done as well. 0 for known pixels that are not in the sample.
     """
-    exemplar = result.exemplar
-    if exemplar is None:
-        raise InvalidInputError("this result was loaded without its sample, so nothing is compared")
-    levels = exemplar.matching()
-    made = exemplar.as_matching(result.image)
-    made = made if made.shape[2] == levels.shape[2] else made[..., : levels.shape[2]]
-    depth = made.shape[2]  # maps that only the sample has do not count
-    random = 2 * float(levels[..., :depth].reshape(-1, depth).var(axis=0).mean())
-    found = np.zeros(result.shape)
+    features = exemplar.matching()
+    made = exemplar.as_matching(image)
+    depth = min(made.shape[2], features.shape[2])  # maps that only the sample has do not count
+    made = made[..., :depth]
+    random = 2 * float(features[..., :depth].reshape(-1, depth).var(axis=0).mean())
+    found = np.zeros(image.shape[:2])
     height, width = exemplar.shape
-    for top in range(0, result.shape[0], _BAND):
-        rows = slice(top, min(top + _BAND, result.shape[0]))
-        source = _source(result, rows)
+    for rows in _bands(image.shape[0]):
+        source = source_of(rows)
         total, count = np.zeros(source.shape[:2]), np.zeros(source.shape[:2])
         for dy in range(-_REACH, _REACH + 1):
             for dx in range(-_REACH, _REACH + 1):
-                y, x = np.arange(rows.start, rows.stop) + dy, np.arange(result.shape[1]) + dx
+                y, x = np.arange(rows.start, rows.stop) + dy, np.arange(image.shape[1]) + dx
                 there = np.ones(source.shape[:2], bool)
-                if not result.canvas.wrap[0]:
-                    there &= ((y >= 0) & (y < result.shape[0]))[:, None]
-                if not result.canvas.wrap[1]:
-                    there &= ((x >= 0) & (x < result.shape[1]))[None]
+                if not wrap[0]:
+                    there &= ((y >= 0) & (y < image.shape[0]))[:, None]
+                if not wrap[1]:
+                    there &= ((x >= 0) & (x < image.shape[1]))[None]
                 v, u = source[..., 0] + dy, source[..., 1] + dx
                 if not exemplar.tileable:
                     there &= (v >= 0) & (v < height) & (u >= 0) & (u < width)
-                around = made[y[:, None] % result.shape[0], x[None] % result.shape[1]]
-                apart = around.astype(np.int32) - levels[v % height, u % width, :depth]
+                around = made[y[:, None] % image.shape[0], x[None] % image.shape[1]]
+                apart = around.astype(np.int32) - features[v % height, u % width, :depth]
                 total += there * (apart**2).mean(axis=2)
                 count += there
         found[rows] = np.where(source[..., 0] < 0, 0, total / np.maximum(count, 1))
     return found / random if random > 0 else found
 
 
-def draw_uncertainty(result: Synthesis) -> NDArray[np.uint8]:
-    """`uncertainty` as a grey picture, its root so that faint places show; 1 and more is white."""
-    strength = np.sqrt(np.clip(uncertainty(result), 0, 1))
-    grey = np.rint(255 * strength).astype(np.uint8)
-    return np.repeat(grey[..., None], 3, axis=2)
+def as_gray_picture(values: NDArray[Any]) -> NDArray[np.uint8]:
+    """Values from 0 to 255 as a picture of three equal channels."""
+    gray = np.clip(np.rint(values), 0, 255).astype(np.uint8)
+    return np.repeat(gray[..., None], 3, axis=2)
 
 
-def _source(result: Synthesis, rows: slice) -> NDArray[np.int64]:
-    window = (rows.start, 0, rows.stop - rows.start, result.shape[1])
-    source: NDArray[np.int64] = result.layers(window)[0][:, :, 0].astype(np.int64)
-    return source
+def gray_of(pixels: NDArray[Any]) -> NDArray[np.uint8]:
+    """Mean of the color channels as bytes; other depths are stretched."""
+    channels = pixels.reshape(*pixels.shape[:2], -1)
+    if channels.shape[2] in (2, 4):
+        channels = channels[..., :-1]
+    gray = channels.mean(axis=2)
+    if pixels.dtype != np.uint8:
+        low, high = float(gray.min()), float(gray.max())
+        gray = (gray - low) * (255 / ((high - low) or 1))
+    result: NDArray[np.uint8] = np.rint(gray).astype(np.uint8)
+    return result
+
+
+def _bands(height: int) -> list[slice]:
+    return [slice(top, min(top + _BAND, height)) for top in range(0, height, _BAND)]

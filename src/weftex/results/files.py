@@ -1,160 +1,98 @@
-"""Results on disk: where pixels come from, but no pictures."""
+"""Results on disk: arrays and a few facts in one compressed file, without pictures."""
 
 from __future__ import annotations
 
 import json
 import os
+from contextlib import contextmanager
+from dataclasses import asdict, dataclass
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from weftex.canvas import Canvas
 from weftex.errors import FileError
 from weftex.io.pictures import atomic
-from weftex.results.patches import PatchSynthesis, RectifiedSynthesis
-from weftex.results.pixels import PixelSynthesis
-from weftex.results.warped import WarpedSynthesis
 
 if TYPE_CHECKING:
+    from collections.abc import Iterator, Mapping
+
     from numpy.typing import NDArray
 
-    from weftex.exemplar import Exemplar
-    from weftex.results.synthesis import Synthesis
-
 _FORMAT = 1
-_WIDEST = 1 << 24  # px of a block; no sample is as large
-#: The kinds of results, the arrays of each and their types.
-_PATCHES: dict[str, type] = {"placements": np.int32, "weights": np.uint16, "cuts": np.uint16}
-_RECTIFIED: dict[str, type] = {**_PATCHES, "lookup": np.int32}
-_KINDS: dict[type[Synthesis], dict[str, type]] = {
-    WarpedSynthesis: {**_RECTIFIED, "warps": np.int16, "within": np.int32},
-    RectifiedSynthesis: _RECTIFIED,
-    PatchSynthesis: _PATCHES,
-    PixelSynthesis: {"index": np.int32},
-}
 
 
-class _Damage(ValueError):
-    """What a file that weftex once wrote cannot contain."""
+class DamageError(ValueError):
+    """A saved file contains something that was never written so."""
 
 
-def write_result(path: str | os.PathLike[str], result: Synthesis) -> None:
-    """Write a result to a compressed `.npz` file; nothing is left behind if that fails."""
-    about = {
-        "format": _FORMAT,
-        "shape": result.shape,
-        "wrap": result.canvas.wrap,
-        "origin": result.canvas.origin,
-        "sample_shape": result.sample_shape,
-        "known_from": result.known_from,
-        "provenance": result.provenance,
-    }
-    arrays = result.arrays()
-    if result.canvas.hole is not None:
-        arrays["hole"] = np.packbits(result.canvas.hole, axis=1)
-    with atomic(path) as temporary, open(temporary, "wb") as file:
-        np.savez_compressed(file, about=np.array(json.dumps(about)), **arrays)  # type: ignore[arg-type]
+@dataclass(frozen=True)
+class Facts:
+    """What a saved result says of itself beside its arrays.
 
-
-def read_result(
-    path: str | os.PathLike[str], exemplar: Exemplar | None, known: NDArray[Any] | None
-) -> Synthesis:
-    """Return the result that was written.
-
-    Raises
-    ------
-    FileError
-        If the file is missing, damaged, or something else.
+    Attributes
+    ----------
+    shape, sample_shape : (int, int)
+        Height and width of the output and of the sample.
+    wrap, origin, known_from
+        See `weftex.Canvas`.
+    provenance : dict
+        Method, parameters and seed.
     """
+
+    shape: tuple[int, int]
+    sample_shape: tuple[int, int]
+    wrap: tuple[bool, bool]
+    known_from: tuple[int, int] | None
+    provenance: dict[str, Any]
+    origin: tuple[int, int] = (0, 0)  # not in files of the first version
+
+    def check_hole(self, bits: NDArray[Any] | None) -> NDArray[np.bool_] | None:
+        """Unpack the hole, after a look at whether it and the known pixels fit the shapes."""
+        if self.known_from is not None:
+            ends = np.add(self.known_from, self.shape)
+            if min(self.known_from) < 0 or (ends > self.sample_shape).any():
+                raise DamageError("its known pixels lie outside the sample")
+        if bits is None:
+            return None
+        if bits.shape != (self.shape[0], -(-self.shape[1] // 8)):
+            raise DamageError("its hole does not fit its size")
+        return np.unpackbits(bits, axis=1, count=self.shape[1]).astype(bool)
+
+
+def write_result(
+    path: str | os.PathLike[str],
+    facts: Facts,
+    arrays: Mapping[str, NDArray[Any]],
+    hole: NDArray[np.bool_] | None,
+) -> None:
+    """Write a result to a compressed `.npz` file; nothing is left behind if that fails."""
+    about = np.array(json.dumps({"format": _FORMAT, **asdict(facts)}))
+    bits = {} if hole is None else {"hole": np.packbits(hole, axis=1)}
+    with atomic(path) as temporary, open(temporary, "wb") as file:
+        np.savez_compressed(file, about=about, **arrays, **bits)  # type: ignore[arg-type]
+
+
+def read_result(path: str | os.PathLike[str]) -> tuple[Facts, dict[str, NDArray[Any]]]:
+    """Return the facts and the arrays that were written."""
+    with open(path, "rb") as raw, np.load(raw, allow_pickle=False) as file:
+        arrays = {key: file[key] for key in file}
+    about = json.loads(str(arrays.pop("about")))
+    number = about.pop("format")
+    if number != _FORMAT:
+        raise DamageError(f"its format is {number}, not {_FORMAT}")
+    pairs = {k: tuple(v) for k, v in about.items() if isinstance(v, list)}
+    return Facts(**about | pairs), arrays
+
+
+@contextmanager
+def one_line_errors(path: str | os.PathLike[str]) -> Iterator[None]:
+    """Turn whatever goes wrong while a saved result is read into a `FileError`."""
     name = os.fsdecode(path)
     try:
-        with open(path, "rb") as raw, np.load(raw, allow_pickle=False) as file:
-            about = json.loads(str(file["about"]))
-            kind = next(k for k, arrays in _KINDS.items() if arrays.keys() <= file.keys())
-            arrays = {key: file[key] for key in _KINDS[kind]}
-            hole = file.get("hole")
-        if about["format"] != _FORMAT:
-            raise _Damage(f"its format is {about['format']}, not {_FORMAT}")
-        height, width = about["shape"]
-        origin = tuple(about.get("origin", (0, 0)))  # not in files of the first version
-        canvas = Canvas(height, width, tuple(about["wrap"]), origin=origin)
-        if any(arrays[key].dtype != dtype for key, dtype in _KINDS[kind].items()):
-            raise _Damage("its arrays have other types")
-        _check_about(about, canvas, hole)
-        if issubclass(kind, PatchSynthesis):
-            _check_patches(canvas, tuple(about["sample_shape"]), **arrays)
-        else:
-            least = 0 if hole is None else -1  # only known pixels come from nowhere
-            _check_pixels(canvas, tuple(about["sample_shape"]), least, **arrays)
+        yield
     except FileNotFoundError:
         raise FileError(f"{name} does not exist") from None
-    except _Damage as error:
+    except DamageError as error:
         raise FileError(f"{name} is damaged: {error}") from None
     except Exception:  # numpy and zipfile raise many kinds, with advice that does not fit here
         raise FileError(f"{name} is not a saved weftex result") from None
-    if hole is not None:
-        hole = np.unpackbits(hole, axis=1, count=width).astype(bool)
-        canvas = Canvas(height, width, canvas.wrap, known, hole)
-    return kind(
-        canvas,
-        **arrays,
-        sample_shape=tuple(about["sample_shape"]),
-        known_from=tuple(about["known_from"]) if about["known_from"] else None,
-        provenance=about["provenance"],
-        exemplar=exemplar,
-    )
-
-
-def _check_about(about: dict[str, Any], canvas: Canvas, hole: NDArray[Any] | None) -> None:
-    if hole is not None and hole.shape != (canvas.height, -(-canvas.width // 8)):
-        raise _Damage("its hole does not fit its size")
-    known_from = about["known_from"]
-    if known_from is not None:
-        ends = np.add(known_from, canvas.shape)
-        if min(known_from) < 0 or (ends > about["sample_shape"]).any():
-            raise _Damage("its known pixels lie outside the sample")
-
-
-def _check_patches(
-    canvas: Canvas,
-    sample_shape: tuple[int, int],
-    placements: NDArray[Any],
-    weights: NDArray[Any],
-    cuts: NDArray[Any],
-    lookup: NDArray[Any] | None = None,
-    warps: NDArray[Any] | None = None,
-    within: NDArray[Any] | None = None,
-) -> None:
-    """Raise unless the kernels may trust these arrays."""
-    if placements.shape[1:] != (5,) or weights.ndim != 3 or cuts.ndim != 2:
-        raise _Damage("its arrays have other shapes")
-    if (weights > 256).any():
-        raise _Damage("its weights are above 256")
-    if cuts.size and cuts.shape != (len(placements), 2 * sum(weights.shape[1:])):
-        raise _Damage("its cuts do not fit its patches")
-    below = (*canvas.shape, *sample_shape, len(weights))
-    if len(placements) and ((placements < 0) | (placements >= np.array(below))).any():
-        raise _Damage("its patches lie outside")
-    if lookup is not None:
-        if lookup.shape != sample_shape:
-            raise _Damage("its moved pixels do not fit its sample")
-        if ((lookup < 0) | (lookup >= lookup.size)).any():
-            raise _Damage("its moved pixels lie outside")
-    if warps is not None and within is not None:
-        nodes = warps.shape[1:2] if warps.ndim == 4 else (0,)
-        if nodes[0] < 2 or warps.shape[1:] != (*nodes, *nodes, 2):
-            raise _Damage("its warps have another shape")
-        if len(warps) > len(placements) or within.shape != (len(warps), 5):
-            raise _Damage("its warps do not fit its patches")
-        least = np.array([0, 0, 1, 1, 0])
-        if ((within < least) | (within > _WIDEST)).any():
-            raise _Damage("its warps lie outside")
-
-
-def _check_pixels(
-    canvas: Canvas, sample_shape: tuple[int, int], least: int, index: NDArray[Any]
-) -> None:
-    if index.shape != canvas.shape:
-        raise _Damage("its sources do not fit its size")
-    if ((index < least) | (index >= sample_shape[0] * sample_shape[1])).any():
-        raise _Damage("its sources lie outside")

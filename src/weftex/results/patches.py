@@ -8,14 +8,15 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from weftex.canvas import Canvas
-from weftex.exemplar import Exemplar
 from weftex.results import paste_kernels
-from weftex.results.synthesis import Synthesis, grey_of
+from weftex.results.drawing import gray_of
+from weftex.results.files import DamageError
+from weftex.results.synthesis import Synthesis
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-    from weftex.results.synthesis import Window
+    from weftex.results.synthesis import Place, Window
 
 _LAYERS = 4
 
@@ -40,6 +41,8 @@ class PatchSynthesis(Synthesis):
     **about
         As for `Synthesis`.
     """
+
+    ARRAYS = {"placements": np.int32, "weights": np.uint16, "cuts": np.uint16}  # noqa: RUF012
 
     def __init__(
         self,
@@ -87,43 +90,35 @@ class PatchSynthesis(Synthesis):
 
     def _error(self) -> NDArray[np.int16]:
         """The difference in the overlaps as they were before they were cut."""
-        assert self.exemplar is not None
         whole = copy(self)
         whole.cuts = self.cuts[:0]
         coordinates, share = whole.layers()
-        grey = grey_of(self.exemplar.pixels).astype(np.int16)
-        values = grey[coordinates[..., 0], coordinates[..., 1]]
+        gray = gray_of(self.sample.pixels).astype(np.int16)
+        values = gray[coordinates[..., 0], coordinates[..., 1]]
         both = (share[..., :2] > 0).all(axis=-1)
         error: NDArray[np.int16] = np.abs(values[..., 0] - values[..., 1]) * both
         return error
 
-    def moved(
-        self,
-        canvas: Canvas,
-        exemplar: Exemplar,
-        *,
-        to: tuple[int, int],
-        source_to: tuple[int, int],
-        provenance: dict[str, Any],
-    ) -> PatchSynthesis:
-        """See `Synthesis.moved`."""
+    def _moved_arrays(
+        self, shape: tuple[int, int], sample: tuple[int, int], to: Place, source_to: Place
+    ) -> dict[str, NDArray[Any]]:
         placements = self.placements.copy()
-        placements[:, :2] = (placements[:, :2] + to) % canvas.shape
-        placements[:, 2:4] = (placements[:, 2:4] + source_to) % exemplar.shape
-        return PatchSynthesis(
-            canvas,
-            placements,
-            self.weights,
-            self.cuts,
-            sample_shape=exemplar.shape,
-            exemplar=exemplar,
-            known_from=canvas.known_from,
-            provenance=provenance,
-        )
+        placements[:, :2] = (placements[:, :2] + to) % shape
+        placements[:, 2:4] = (placements[:, 2:4] + source_to) % sample
+        return self.arrays() | {"placements": placements}
 
-    def arrays(self) -> dict[str, NDArray[Any]]:
-        """See `Synthesis.arrays`."""
-        return {"placements": self.placements, "weights": self.weights, "cuts": self.cuts}
+    @classmethod
+    def _check(cls, canvas: Canvas, sample: tuple[int, int], arrays: dict[str, Any]) -> None:
+        placements, weights, cuts = (arrays[name] for name in PatchSynthesis.ARRAYS)
+        if placements.shape[1:] != (5,) or weights.ndim != 3 or cuts.ndim != 2:
+            raise DamageError("its arrays have other shapes")
+        if (weights > 256).any():
+            raise DamageError("its weights are above 256")
+        if cuts.size and cuts.shape != (len(placements), 2 * sum(weights.shape[1:])):
+            raise DamageError("its cuts do not fit its patches")
+        below = (*canvas.shape, *sample, len(weights))
+        if len(placements) and ((placements < 0) | (placements >= np.array(below))).any():
+            raise DamageError("its patches lie outside")
 
 
 class RectifiedSynthesis(PatchSynthesis):
@@ -136,6 +131,8 @@ class RectifiedSynthesis(PatchSynthesis):
     **about
         As for `PatchSynthesis`.
     """
+
+    ARRAYS = {**PatchSynthesis.ARRAYS, "lookup": np.int32}  # noqa: RUF012
 
     def __init__(self, *plan: Any, lookup: NDArray[np.int32], **about: Any) -> None:
         super().__init__(*plan, **about)
@@ -160,42 +157,28 @@ class RectifiedSynthesis(PatchSynthesis):
     def _lay(self, out: NDArray[Any], pixels: NDArray[Any], window: Window, alpha: bool) -> None:
         super()._lay(out, self._rectified(pixels), window, alpha)
 
-    def moved(
-        self,
-        canvas: Canvas,
-        exemplar: Exemplar,
-        *,
-        to: tuple[int, int],
-        source_to: tuple[int, int],
-        provenance: dict[str, Any],
-    ) -> RectifiedSynthesis:
-        """See `Synthesis.moved`."""
-        plain = super().moved(canvas, exemplar, to=to, source_to=source_to, provenance=provenance)
-        height, width = exemplar.shape
-        lookup = np.arange(height * width, dtype=np.int32).reshape(height, width)
+    def _moved_arrays(
+        self, shape: tuple[int, int], sample: tuple[int, int], to: Place, source_to: Place
+    ) -> dict[str, NDArray[Any]]:
+        lookup = np.arange(sample[0] * sample[1], dtype=np.int32).reshape(sample)
         y, x = (
             (k + at) % n
             for k, at, n in zip(
-                np.divmod(self.lookup, self.sample_shape[1]), source_to, exemplar.shape, strict=True
+                np.divmod(self.lookup, self.sample_shape[1]), source_to, sample, strict=True
             )
         )
         rows, columns = (
             (np.arange(k) + at) % n
-            for k, at, n in zip(self.sample_shape, source_to, exemplar.shape, strict=True)
+            for k, at, n in zip(self.sample_shape, source_to, sample, strict=True)
         )
-        lookup[np.ix_(rows, columns)] = y * width + x
-        return RectifiedSynthesis(
-            canvas,
-            plain.placements,
-            plain.weights,
-            plain.cuts,
-            lookup=lookup,
-            sample_shape=exemplar.shape,
-            exemplar=exemplar,
-            known_from=canvas.known_from,
-            provenance=provenance,
-        )
+        lookup[np.ix_(rows, columns)] = y * sample[1] + x
+        return super()._moved_arrays(shape, sample, to, source_to) | {"lookup": lookup}
 
-    def arrays(self) -> dict[str, NDArray[Any]]:
-        """See `Synthesis.arrays`."""
-        return super().arrays() | {"lookup": self.lookup}
+    @classmethod
+    def _check(cls, canvas: Canvas, sample: tuple[int, int], arrays: dict[str, Any]) -> None:
+        super()._check(canvas, sample, arrays)
+        lookup = arrays["lookup"]
+        if lookup.shape != sample:
+            raise DamageError("its moved pixels do not fit its sample")
+        if ((lookup < 0) | (lookup >= lookup.size)).any():
+            raise DamageError("its moved pixels lie outside")

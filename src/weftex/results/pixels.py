@@ -7,13 +7,14 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from weftex.canvas import Canvas
-from weftex.exemplar import Exemplar
-from weftex.results.synthesis import Synthesis, grey_of
+from weftex.results.drawing import gray_of
+from weftex.results.files import DamageError
+from weftex.results.synthesis import Synthesis
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-    from weftex.results.synthesis import Window
+    from weftex.results.synthesis import Place, Window
 
 
 class PixelSynthesis(Synthesis):
@@ -28,6 +29,8 @@ class PixelSynthesis(Synthesis):
     **about
         As for `Synthesis`.
     """
+
+    ARRAYS = {"index": np.int32}  # noqa: RUF012
 
     def __init__(self, canvas: Canvas, index: NDArray[np.int32], **about: Any) -> None:
         super().__init__(canvas, **about)
@@ -55,11 +58,10 @@ class PixelSynthesis(Synthesis):
             target[:, made] = cells[y, x].swapaxes(0, 1)
 
     def _error(self) -> NDArray[np.int16]:
-        """The larger difference from what the upper and the left neighbour go on with."""
-        assert self.exemplar is not None
-        grey = grey_of(self.exemplar.pixels).astype(np.int16)
+        """The larger difference from what the upper and the left neighbor go on with."""
+        gray = gray_of(self.sample.pixels).astype(np.int16)
         source, made = self.source, self.index >= 0
-        value = grey[source[..., 0], source[..., 1]]
+        value = gray[source[..., 0], source[..., 1]]
         error = np.zeros(self.shape, np.int16)
         for axis in (0, 1):
             later = tuple(slice(axis == a, None) for a in (0, 1))
@@ -68,38 +70,28 @@ class PixelSynthesis(Synthesis):
             goes_on[..., axis] += 1
             inside = (goes_on[..., axis] < self.sample_shape[axis]) & made[earlier] & made[later]
             goes_on %= self.sample_shape
-            wanted = grey[goes_on[..., 0], goes_on[..., 1]]
+            wanted = gray[goes_on[..., 0], goes_on[..., 1]]
             differs = np.abs(wanted - value[later]) * inside
             error[later] = np.maximum(error[later], differs)
         return error
 
-    def moved(
-        self,
-        canvas: Canvas,
-        exemplar: Exemplar,
-        *,
-        to: tuple[int, int],
-        source_to: tuple[int, int],
-        provenance: dict[str, Any],
-    ) -> PixelSynthesis:
-        """See `Synthesis.moved`."""
-        index = np.full(canvas.shape, -1, np.int32)
+    def _moved_arrays(
+        self, shape: tuple[int, int], sample: tuple[int, int], to: Place, source_to: Place
+    ) -> dict[str, NDArray[Any]]:
+        index = np.full(shape, -1, np.int32)
         y, x = np.nonzero(self.index >= 0)
         source = np.divmod(self.index[y, x], self.sample_shape[1])
         source_y, source_x = (
-            (s + k) % n for s, k, n in zip(source, source_to, exemplar.shape, strict=True)
+            (s + k) % n for s, k, n in zip(source, source_to, sample, strict=True)
         )
-        at = (y + to[0]) % canvas.height, (x + to[1]) % canvas.width
-        index[at] = source_y * exemplar.shape[1] + source_x
-        return PixelSynthesis(
-            canvas,
-            index,
-            sample_shape=exemplar.shape,
-            exemplar=exemplar,
-            known_from=canvas.known_from,
-            provenance=provenance,
-        )
+        index[(y + to[0]) % shape[0], (x + to[1]) % shape[1]] = source_y * sample[1] + source_x
+        return {"index": index}
 
-    def arrays(self) -> dict[str, NDArray[Any]]:
-        """See `Synthesis.arrays`."""
-        return {"index": self.index}
+    @classmethod
+    def _check(cls, canvas: Canvas, sample: tuple[int, int], arrays: dict[str, Any]) -> None:
+        index = arrays["index"]
+        if index.shape != canvas.shape:
+            raise DamageError("its sources do not fit its size")
+        least = 0 if canvas.hole is None else -1  # only known pixels come from nowhere
+        if ((index < least) | (index >= sample[0] * sample[1])).any():
+            raise DamageError("its sources lie outside")

@@ -2,27 +2,39 @@
 
 from __future__ import annotations
 
-from functools import cached_property
-from typing import TYPE_CHECKING, Any
+import os
+from abc import ABC, abstractmethod
+from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
 
 from weftex.canvas import Canvas
 from weftex.errors import InvalidInputError
 from weftex.exemplar import Exemplar, check_pixels
+from weftex.results.drawing import (
+    DRAWINGS,
+    as_gray_picture,
+    draw_pieces,
+    draw_seams,
+    draw_sources,
+    gray_of,
+    uncertainty_of,
+)
+from weftex.results.files import DamageError, Facts, one_line_errors, read_result, write_result
 
 if TYPE_CHECKING:
-    import os
+    from collections.abc import Mapping
 
     from numpy.typing import NDArray
 
     #: (top, left, height, width) in output pixels.
     Window = tuple[int, int, int, int]
+    Place = tuple[int, int]
 
 _BAND = 256
 
 
-class Synthesis:
+class Synthesis(ABC):
     """Which pixels of the sample an output is made of.
 
     This is what all results have in common; `PatchSynthesis` keeps patches and `PixelSynthesis`
@@ -45,6 +57,14 @@ class Synthesis:
         The finished picture, when making it was part of the work.
     """
 
+    #: The arrays that say where pixels come from, by the name of the parameter, and their types.
+    ARRAYS: ClassVar[Mapping[str, type]] = {}
+    #: Every kind of result by its arrays.
+    _KINDS: ClassVar[list[type[Synthesis]]] = []
+
+    def __init_subclass__(cls) -> None:
+        Synthesis._KINDS.append(cls)
+
     def __init__(
         self,
         canvas: Canvas,
@@ -58,28 +78,38 @@ class Synthesis:
         self.canvas, self.exemplar = canvas, exemplar
         self.sample_shape, self.known_from = sample_shape, known_from
         self.provenance = provenance or {}
-        if picture is not None:
-            self.__dict__["image"] = picture
+        self._picture = picture
 
+    @abstractmethod
     def _layers(self, window: Window) -> tuple[NDArray[np.int32], NDArray[np.float32]]:
         """Coordinates and weights as `layers` returns them, -1 and 0 for known pixels."""
-        raise TypeError(f"{type(self).__name__} does not define _layers")
 
+    @abstractmethod
     def _lay(self, out: NDArray[Any], pixels: NDArray[Any], window: Window, alpha: bool) -> None:
         """Lay the pixels of (H, W, C) over `out`, which is a multiple of the window's size."""
-        raise TypeError(f"{type(self).__name__} does not define _lay")
 
+    @abstractmethod
     def _error(self) -> NDArray[np.int16]:
-        """How far, in grey levels, what was laid is from what its neighbours wanted."""
-        raise TypeError(f"{type(self).__name__} does not define _error")
+        """How far, in gray values, each pixel is from what its neighbors wanted."""
+
+    @abstractmethod
+    def _moved_arrays(
+        self, shape: tuple[int, int], sample: tuple[int, int], to: Place, source_to: Place
+    ) -> dict[str, NDArray[Any]]:
+        """The arrays of the same result on a larger canvas and sample; see `moved`."""
+
+    @classmethod
+    @abstractmethod
+    def _check(cls, canvas: Canvas, sample: tuple[int, int], arrays: dict[str, Any]) -> None:
+        """Raise `DamageError` unless kernels may trust these arrays, read from a file."""
 
     def moved(
         self,
         canvas: Canvas,
         exemplar: Exemplar,
         *,
-        to: tuple[int, int],
-        source_to: tuple[int, int],
+        to: Place,
+        source_to: Place,
         provenance: dict[str, Any],
     ) -> Synthesis:
         """Return the same as a part of a larger canvas, made from a part of a larger sample.
@@ -93,30 +123,42 @@ class Synthesis:
         provenance : dict
             Of the new result.
         """
-        raise TypeError(f"{type(self).__name__} does not define moved")
+        return type(self)(
+            canvas,
+            **self._moved_arrays(canvas.shape, exemplar.shape, to, source_to),
+            sample_shape=exemplar.shape,
+            exemplar=exemplar,
+            known_from=canvas.known_from,
+            provenance=provenance,
+        )
 
     def arrays(self) -> dict[str, NDArray[Any]]:
-        """What `save` writes, by the name of the parameter."""
-        raise TypeError(f"{type(self).__name__} does not define arrays")
+        """Return the arrays that `save` writes, by the name of the parameter."""
+        return {name: getattr(self, name) for name in self.ARRAYS}
 
     @property
     def shape(self) -> tuple[int, int]:
         """Height and width of the output."""
         return self.canvas.shape
 
-    @cached_property
+    @property
     def image(self) -> NDArray[Any]:
         """The output: (H, W) or (H, W, C) in the sample's dtype."""
+        if self._picture is None:
+            self._picture = self.render(self.sample)
+        return self._picture
+
+    @property
+    def sample(self) -> Exemplar:
+        """The exemplar, of which `load` may have been given none."""
         if self.exemplar is None:
             raise InvalidInputError("this result was loaded without its sample; render a map of it")
-        return self.render(self.exemplar)
+        return self.exemplar
 
     @property
     def maps(self) -> dict[str, NDArray[Any]]:
         """The sample's maps, replayed at the same coordinates."""
-        if self.exemplar is None:
-            raise InvalidInputError("this result was loaded without its sample; render its maps")
-        return {name: self.render(pixels) for name, pixels in self.exemplar.maps.items()}
+        return {name: self.render(pixels) for name, pixels in self.sample.maps.items()}
 
     @property
     def source(self) -> NDArray[np.int32]:
@@ -198,9 +240,7 @@ class Synthesis:
         whole = window is None
         top, left, height, width = self._check_window(window)
         own = other is None or other is self.exemplar
-        given = self.exemplar if other is None else other
-        if given is None:
-            raise InvalidInputError("this result was loaded without its sample; give a map of it")
+        given = self.sample if other is None else other
         if isinstance(given, Exemplar):
             pixels, alpha = given.pixels, given.alpha
         else:
@@ -226,8 +266,8 @@ class Synthesis:
             (top, left, height, width),
             alpha,
         )
-        if own and whole:
-            self.__dict__.setdefault("image", out)
+        if own and whole and self._picture is None:
+            self._picture = out
         return out
 
     def _base(
@@ -276,47 +316,53 @@ class Synthesis:
         Parameters
         ----------
         what : {"sources", "seams", "error", "patches", "uncertainty"}
-            False colours by source position (red to the right, green downwards); the picture's
-            seams in red over its grey version; or how much overlapping patches differ, or a copied
-            pixel from what its upper and left neighbours' sources go on with, black for not at
-            all; or as `weftex.results.drawing.draw_pieces` and `draw_uncertainty` do.
+            False colors by source position (red to the right, green downwards); the picture's seams
+            in red over its gray version; how much overlapping patches differ, or a copied pixel
+            from what its upper and left neighbors' sources go on with, black for not at all; a
+            color for each piece that was copied as a whole; or `uncertainty`, its root so that
+            faint places show.
 
         Returns
         -------
         uint8 array (H, W, 3)
         """
+        if what not in DRAWINGS:
+            raise InvalidInputError(f"cannot draw {what!r}; known: {', '.join(DRAWINGS)}")
+        if what == "error":
+            return as_gray_picture(self._error())
+        if what == "uncertainty":
+            return as_gray_picture(255 * np.sqrt(np.clip(self.uncertainty(), 0, 1)))
         if what == "sources":
-            scale = 255 / np.maximum(np.array(self.sample_shape) - 1, 1)
-            source = self.source
-            colour = np.full((*self.shape, 3), 96, np.uint8)
-            colour[..., 1::-1] = np.rint(np.maximum(source, 0) * scale)
-            colour[source[..., 0] < 0] = 0
-            return colour
-        if what in ("patches", "uncertainty"):
-            from weftex.results.drawing import draw_pieces, draw_uncertainty
-
-            return draw_pieces(self) if what == "patches" else draw_uncertainty(self)
-        if what not in ("seams", "error"):
-            known = "sources, seams, error, patches, uncertainty"
-            raise InvalidInputError(f"cannot draw {what!r}; known: {known}")
-        picture = grey_of(self.image)
+            return draw_sources(self.source, self.sample_shape)
         if what == "seams":
-            y, x = np.indices(self.shape)
-            shift = (self.source - np.stack([y, x], axis=-1)) % self.sample_shape
-            seam = np.zeros(self.shape, bool)
-            seam[1:] |= (shift[1:] != shift[:-1]).any(axis=-1)
-            seam[:, 1:] |= (shift[:, 1:] != shift[:, :-1]).any(axis=-1)
-            colour = np.repeat(picture[..., None], 3, axis=2)
-            colour[seam] = (255, 0, 0)
-            return colour
-        error: NDArray[np.uint8] = np.clip(self._error(), 0, 255).astype(np.uint8)
-        return np.repeat(error[..., None], 3, axis=2)
+            return draw_seams(gray_of(self.image), self.source, self.sample_shape)
+        return draw_pieces(self._source_of, self.shape, self.sample_shape)
+
+    def uncertainty(self) -> NDArray[np.float64]:
+        """How badly each pixel's surroundings match its source's: 0 inside a copied piece.
+
+        See `weftex.results.drawing.uncertainty_of`.
+        """
+        return uncertainty_of(self.image, self._source_of, self.sample, self.canvas.wrap)
+
+    def _source_of(self, rows: slice) -> NDArray[np.int64]:
+        """Row and column in the sample of the pixels of some rows."""
+        window = (rows.start, 0, rows.stop - rows.start, self.shape[1])
+        source: NDArray[np.int64] = self.layers(window)[0][:, :, 0].astype(np.int64)
+        return source
 
     def save(self, path: str | os.PathLike[str]) -> None:
         """Write everything but the pictures to a compressed `.npz` file."""
-        from weftex.results.files import write_result
-
-        write_result(path, self)
+        canvas = self.canvas
+        facts = Facts(
+            shape=self.shape,
+            sample_shape=self.sample_shape,
+            wrap=canvas.wrap,
+            known_from=self.known_from,
+            provenance=self.provenance,
+            origin=canvas.origin,
+        )
+        write_result(path, facts, self.arrays(), canvas.hole)
 
     @classmethod
     def load(
@@ -341,19 +387,22 @@ class Synthesis:
         FileError
             If the file is missing, damaged, or something else.
         """
-        from weftex.results.files import read_result
-
-        return read_result(path, exemplar, known)
-
-
-def grey_of(pixels: NDArray[Any]) -> NDArray[np.uint8]:
-    """Mean of the colour channels as bytes; other depths are stretched."""
-    levels = pixels.reshape(*pixels.shape[:2], -1)
-    if levels.shape[2] in (2, 4):
-        levels = levels[..., :-1]
-    grey = levels.mean(axis=2)
-    if pixels.dtype != np.uint8:
-        low, high = float(grey.min()), float(grey.max())
-        grey = (grey - low) * (255 / ((high - low) or 1))
-    result: NDArray[np.uint8] = np.rint(grey).astype(np.uint8)
-    return result
+        with one_line_errors(path):
+            facts, arrays = read_result(path)
+            hole = facts.check_hole(arrays.pop("hole", None))
+            fitting = [kind for kind in cls._KINDS if kind.ARRAYS.keys() <= arrays.keys()]
+            kind = max(fitting, key=lambda kind: len(kind.ARRAYS))
+            if any(arrays[key].dtype != dtype for key, dtype in kind.ARRAYS.items()):
+                raise DamageError("its arrays have other types")
+            canvas = Canvas(*facts.shape, facts.wrap, hole=hole, origin=facts.origin)
+            kind._check(canvas, facts.sample_shape, arrays)
+        if hole is not None:
+            canvas = Canvas(*facts.shape, facts.wrap, known, hole)
+        return kind(
+            canvas,
+            **{key: arrays[key] for key in kind.ARRAYS},
+            sample_shape=facts.sample_shape,
+            known_from=facts.known_from,
+            provenance=facts.provenance,
+            exemplar=exemplar,
+        )

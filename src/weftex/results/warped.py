@@ -8,14 +8,16 @@ import numpy as np
 
 from weftex.results import paste_kernels
 from weftex.results import warp_kernels as _warp_kernels
+from weftex.results.files import DamageError
 from weftex.results.patches import RectifiedSynthesis
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from weftex.canvas import Canvas
-    from weftex.exemplar import Exemplar
     from weftex.results.synthesis import Window
+
+_LARGEST_BLOCK = 1 << 24  # px; no sample is as large
 
 
 class WarpedSynthesis(RectifiedSynthesis):
@@ -34,6 +36,8 @@ class WarpedSynthesis(RectifiedSynthesis):
     **about
         As for `RectifiedSynthesis`.
     """
+
+    ARRAYS = {**RectifiedSynthesis.ARRAYS, "warps": np.int16, "within": np.int32}  # noqa: RUF012
 
     def __init__(
         self, *plan: Any, warps: NDArray[np.int16], within: NDArray[np.int32], **about: Any
@@ -83,31 +87,15 @@ class WarpedSynthesis(RectifiedSynthesis):
             at[:, 2:4] = 0
             lay(piece, at, here)
 
-    def moved(
-        self,
-        canvas: Canvas,
-        exemplar: Exemplar,
-        *,
-        to: tuple[int, int],
-        source_to: tuple[int, int],
-        provenance: dict[str, Any],
-    ) -> WarpedSynthesis:
-        """See `Synthesis.moved`."""
-        still = super().moved(canvas, exemplar, to=to, source_to=source_to, provenance=provenance)
-        return WarpedSynthesis(
-            canvas,
-            still.placements,
-            still.weights,
-            still.cuts,
-            lookup=still.lookup,
-            warps=self.warps,
-            within=self.within,
-            sample_shape=exemplar.shape,
-            exemplar=exemplar,
-            known_from=canvas.known_from,
-            provenance=provenance,
-        )
-
-    def arrays(self) -> dict[str, NDArray[Any]]:
-        """See `Synthesis.arrays`."""
-        return super().arrays() | {"warps": self.warps, "within": self.within}
+    @classmethod
+    def _check(cls, canvas: Canvas, sample: tuple[int, int], arrays: dict[str, Any]) -> None:
+        super()._check(canvas, sample, arrays)
+        warps, within = arrays["warps"], arrays["within"]
+        nodes = warps.shape[1:2] if warps.ndim == 4 else (0,)
+        if nodes[0] < 2 or warps.shape[1:] != (*nodes, *nodes, 2):
+            raise DamageError("its warps have another shape")
+        if len(warps) > len(arrays["placements"]) or within.shape != (len(warps), 5):
+            raise DamageError("its warps do not fit its patches")
+        least = np.array([0, 0, 1, 1, 0])
+        if ((within < least) | (within > _LARGEST_BLOCK)).any():
+            raise DamageError("its warps lie outside")

@@ -13,9 +13,10 @@ from weftex.analysis.lattice import Lattice, find_lattice
 from weftex.analysis.regularity import regularity
 from weftex.analysis.scale import DominantScale, dominant_scale
 from weftex.analysis.tiling import SEAMLESS, border_steps
+from weftex.choice import Choice
 from weftex.errors import InvalidInputError
 from weftex.methods import METHODS
-from weftex.tasks.auto import Auto, Choice
+from weftex.tasks.auto import Auto
 from weftex.tasks.synthesize import load_exemplar
 
 if TYPE_CHECKING:
@@ -231,9 +232,10 @@ def _windows(exemplar: Exemplar) -> dict[str, int | None]:
     """The window that each method settles on."""
     result: dict[str, int | None] = {}
     for slug, cls in METHODS.items():
-        if any(field.name == "window_width" for field in dataclasses.fields(cls)):
-            try:
-                result[slug] = getattr(cls().settle(exemplar), "window_width")  # noqa: B009
-            except InvalidInputError:
-                result[slug] = None
+        try:
+            width = cls().window_of(exemplar)
+        except InvalidInputError:
+            width = None
+        if width != 0:
+            result[slug] = width
     return result

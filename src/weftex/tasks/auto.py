@@ -6,7 +6,7 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from functools import cached_property
 from typing import TYPE_CHECKING, Any, ClassVar
 
@@ -16,6 +16,7 @@ from weftex.analysis.evenness import Evenness, evenness
 from weftex.analysis.lattice import Lattice, find_lattice
 from weftex.analysis.scale import dominant_scale
 from weftex.canvas import Canvas, as_canvas
+from weftex.choice import Choice
 from weftex.errors import InvalidInputError
 from weftex.exemplar import Exemplar
 from weftex.method import Method, Model
@@ -29,7 +30,7 @@ if TYPE_CHECKING:
     from weftex.results.synthesis import Synthesis
 
 _LOOK = 320  # pixels a side; of larger samples a smaller copy and a part are looked at
-_LEAST = 32  # pixels a side of a sample that has something to be analysed
+_SMALLEST_ANALYZED = 32  # pixels a side of a sample that has something to be analysed
 _LATTICE = 0.6  # confidence from which blocks are laid by the lattice
 _TILES = 4  # that a sample must show, so that a block has more than one place to come from
 _FINE = 1 / 16  # scale over the sample's side: a patch of a quarter of it is four pieces wide
@@ -70,31 +71,6 @@ class Findings:
     scale: float
     colors: int
     evenness: Evenness
-
-
-@dataclass(frozen=True)
-class Choice:
-    """A method for a sample, and why.
-
-    Attributes
-    ----------
-    method : str
-        A name in `weftex.METHODS`.
-    parameters : dict
-        Those that differ from the method's defaults.
-    reason : str
-        One line.
-    warnings : tuple of str
-        What no method can do with this sample, the figure that says so, and what would help.
-    """
-
-    method: str
-    parameters: dict[str, Any] = field(default_factory=dict)
-    reason: str = ""
-    warnings: tuple[str, ...] = ()
-
-    def __str__(self) -> str:
-        return "; ".join((self.reason, *(f"but {text}" for text in self.warnings)))
 
 
 @dataclass(frozen=True)
@@ -151,7 +127,7 @@ class AutoModel(Model):
     def chosen(self, size: Canvas | int | tuple[int, int]) -> tuple[Choice, Model]:
         """The choice and the fitted method; the next one where a method cannot be fitted."""
         first = self.choose(size)
-        failure = None
+        failure: InvalidInputError | None = None
         for slug in (first.method, *(other for other in _OTHERS if other != first.method)):
             choice = first
             if failure is not None:
@@ -164,8 +140,7 @@ class AutoModel(Model):
                 return choice, self._models[key]
             except InvalidInputError as error:
                 failure = failure or error
-        assert failure is not None
-        raise failure
+        raise failure or InvalidInputError("no method can be fitted to this sample")
 
     def sample(
         self,
@@ -212,10 +187,9 @@ def choose(findings: Findings, canvas: Canvas) -> Choice:
     area = canvas.height * canvas.width
     warnings = tuple(_warnings(findings))
     parameters: dict[str, Any] = {}
-    if shorter < _LEAST:
+    if shorter < _SMALLEST_ANALYZED:
         slug, said = "graphcut", f"too small to be analysed, {_size(findings.shape)}"
-    elif _is_near_regular(findings):
-        assert lattice is not None
+    elif lattice is not None and _is_near_regular(lattice, findings.shape):
         slug, said = "near-regular", f"near-regular, {_words(lattice)}"
         vectors = tuple(part for vector in lattice.vectors for part in vector)
         strain = _strain(vectors, canvas)
@@ -252,7 +226,7 @@ def look(exemplar: Exemplar) -> Findings:
         The sample.
     """
     small, step = _copy(exemplar)
-    if min(small.shape) < _LEAST:
+    if min(small.shape) < _SMALLEST_ANALYZED:
         return Findings(exemplar.shape, None, True, 1.0, _colors(small), Evenness(0, 0, 0, (1, 1)))
     lattice, exact = find_lattice(small), step == 1
     if lattice is not None and step > 1:
@@ -270,11 +244,10 @@ def look(exemplar: Exemplar) -> Findings:
     )
 
 
-def _is_near_regular(findings: Findings) -> bool:
-    lattice = findings.lattice
-    if lattice is None or len(lattice.vectors) == 1 or lattice.confidence < _LATTICE:
+def _is_near_regular(lattice: Lattice, shape: tuple[int, int]) -> bool:
+    if len(lattice.vectors) == 1 or lattice.confidence < _LATTICE:
         return False
-    return math.prod(findings.shape) >= _TILES * lattice.area
+    return math.prod(shape) >= _TILES * lattice.area
 
 
 def _warnings(findings: Findings) -> list[str]:

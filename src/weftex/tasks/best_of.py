@@ -21,7 +21,7 @@ if TYPE_CHECKING:
     from weftex.random import Seed
     from weftex.results.synthesis import Synthesis
 
-_MOST = 1000
+_MOST_TRIES = 1000
 _JUDGED = 1024  # pixels a side of the middle by which a larger output is judged
 
 
@@ -41,12 +41,12 @@ def tries(method: Method, count: int | Sequence[str | Method]) -> list[tuple[Met
         If it is no such number, no list of methods, or a list beside a method that was chosen.
     """
     if isinstance(count, int) and not isinstance(count, bool):
-        if not 1 <= count <= _MOST:
-            raise InvalidInputError(f"best_of is {count}; it must be from 1 to {_MOST}")
+        if not 1 <= count <= _MOST_TRIES:
+            raise InvalidInputError(f"best_of is {count}; it must be from 1 to {_MOST_TRIES}")
         return [(method, k) for k in range(count)]
     if not isinstance(count, (list, tuple)) or not count:
         raise InvalidInputError(
-            f"best_of is {count!r}; it must be an integer from 1 to {_MOST}, or a list of methods"
+            f"best_of is {count!r}; it must be from 1 to {_MOST_TRIES}, or a list of methods"
         )
     if method.slug != AUTO:
         raise InvalidInputError(
@@ -98,20 +98,22 @@ def best_of(
     methods = [method for method, _ in tried]
     several = len(set(seeds)) == 1 and len(tried) > 1
     names = _distinct([method.slug for method in methods]) if several else list(map(str, seeds))
-    best: Synthesis | None = None
     kept = names[0]
+    made_by: dict[str, Synthesis] = {}  # the best so far
     scores: dict[str, float | None] = {}
     fitted: Method | None = None
-    steps = Progress(progress, len(tried), "outputs", lambda: None if best is None else best.image)
+    steps = Progress(
+        progress, len(tried), "outputs", lambda: made_by[kept].image if made_by else None
+    )
     for name, method, number in zip(names, methods, seeds, strict=True):
         if method is not fitted:
             model, fitted = method.fit(exemplar), method
         made = model.sample(canvas, seed=number, threads=threads, progress=steps.within())
         scores[name] = _score(made)
-        if best is None or _key(scores[name]) < _key(scores[kept]):
-            best, kept = made, name
+        if not made_by or _key(scores[name]) < _key(scores[kept]):
+            kept, made_by = name, {name: made}
         steps.advance(1)
-    assert best is not None
+    best = made_by[kept]
     told = _told(kept, scores, "" if several else "seed ")
     best.provenance["best_of"] = {"scores": scores, "told": told}
     return best
@@ -124,11 +126,10 @@ def _distinct(names: list[str]) -> list[str]:
 
 
 def _score(made: Synthesis) -> float | None:
-    assert made.exemplar is not None
     if max(made.shape) <= _JUDGED:
-        return assess(made.exemplar, made).score
+        return assess(made.sample, made).score
     shape = min(made.shape[0], _JUDGED), min(made.shape[1], _JUDGED)
-    return assess(made.exemplar, middle(made.image, shape), middle(made.source, shape)).score
+    return assess(made.sample, middle(made.image, shape), middle(made.source, shape)).score
 
 
 def _key(score: float | None) -> float:

@@ -2,29 +2,25 @@
 
 from __future__ import annotations
 
-import dataclasses
-from dataclasses import dataclass
 from time import perf_counter
 from typing import TYPE_CHECKING, Any
 
 from weftex.canvas import as_canvas
 from weftex.errors import InvalidInputError, UnsupportedError
 from weftex.methods import METHODS
-from weftex.pages.html import Page
+from weftex.pages.compare import Comparison, Entry
 from weftex.progress import Progress
-from weftex.quality.assess import Assessment, assess
+from weftex.quality.assess import assess
 from weftex.random import seed_number
-from weftex.tasks.auto import Auto, AutoModel, Choice
+from weftex.tasks.auto import Auto, AutoModel
 from weftex.tasks.method_names import make_method
 from weftex.tasks.synthesize import load_exemplar
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from weftex.exemplar import Exemplar
     from weftex.progress import ProgressCallback
     from weftex.random import Seed
-    from weftex.results.synthesis import Synthesis
     from weftex.tasks.synthesize import Sample
 
 _USUAL = 512  # pixels a side of the output, at most, where no size is given
@@ -36,89 +32,6 @@ FAST: dict[str, tuple[dict[str, Any], str]] = {
         "with search=pca; all windows, its default, would take about three times as long",
     ),
 }
-
-
-@dataclass(frozen=True, eq=False)
-class Entry:
-    """What one method made of the sample.
-
-    Attributes
-    ----------
-    method : str
-        Its name.
-    result : Synthesis or None
-        None where it cannot do this.
-    seconds : float
-        That fitting and making took.
-    assessment : Assessment or None
-        The figures.
-    note : str
-        What its parameters were chosen for, or why there is no result.
-    """
-
-    method: str
-    result: Synthesis | None
-    seconds: float
-    assessment: Assessment | None
-    note: str
-
-    @property
-    def rank(self) -> float:
-        """The score; endless without one, so that it comes last."""
-        score = None if self.assessment is None else self.assessment.score
-        return float("inf") if score is None else score
-
-    def as_dict(self) -> dict[str, Any]:
-        """Return all but the picture as JSON has it."""
-        return {
-            "method": self.method,
-            "seconds": round(self.seconds, 3),
-            "note": self.note,
-            "figures": None if self.assessment is None else self.assessment.as_dict(),
-            "provenance": None if self.result is None else self.result.provenance,
-        }
-
-
-@dataclass(frozen=True, eq=False)
-class Comparison(Page):
-    """What `compare` finds.
-
-    Attributes
-    ----------
-    exemplar : Exemplar
-        The sample.
-    shape : (int, int)
-        Height and width of the outputs.
-    seed : int
-        Of all of them.
-    choice : Choice
-        What "auto" would take, and why.
-    entries : tuple of Entry
-        Best score first, then those without a result.
-    """
-
-    exemplar: Exemplar
-    shape: tuple[int, int]
-    seed: int
-    choice: Choice
-    entries: tuple[Entry, ...]
-
-    def as_dict(self) -> dict[str, Any]:
-        """Return all figures as numbers, texts, lists, dicts and None, as JSON has them."""
-        return {
-            "sample": self.exemplar.name,
-            "height": self.shape[0],
-            "width": self.shape[1],
-            "seed": self.seed,
-            "auto": dataclasses.asdict(self.choice),
-            "methods": [entry.as_dict() for entry in self.entries],
-        }
-
-    def html(self) -> str:
-        """Return a page that needs nothing but itself."""
-        from weftex.pages.compare import page
-
-        return page(self)
 
 
 def compare(

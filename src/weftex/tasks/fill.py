@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import dataclasses
 import os
 from typing import TYPE_CHECKING, Any
 
@@ -11,17 +10,16 @@ import numpy as np
 from weftex.canvas import Canvas, as_canvas
 from weftex.errors import InvalidInputError
 from weftex.exemplar import Exemplar
-from weftex.method import Method
 from weftex.random import seed_number
-from weftex.raster.boxes import box_sums
 from weftex.raster.masks import grown
 from weftex.results.pixels import PixelSynthesis
-from weftex.tasks.method_names import AUTO, make_method
+from weftex.tasks.method_names import is_auto, make_method
 from weftex.tasks.synthesize import load_exemplar
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
+    from weftex.method import Method
     from weftex.progress import ProgressCallback
     from weftex.random import Seed
     from weftex.results.synthesis import Synthesis
@@ -38,14 +36,8 @@ DEFAULT = "patch-sampling"
 NEIGHBOURHOOD = 2**20
 _CELL = 16  # pixels a side; the neighbourhood grows by whole cells
 
-#: What differs from a method's own defaults where a hole is filled, chosen by eye on bricks, tiles,
-#: boards, pebbles, leaves and lawn. Known pixels cannot be blended, so the best match is taken; and
-#: the wider a zone of an irregular material, the more its best match is a dull, blurred place.
-#: As holes take few patches, more candidates cost little.
-FILL_DEFAULTS: dict[str, Any] = {"boundary_width": 4, "epsilon": 0.02, "candidates": 400}
-#: Patch sizes; a hole gets the largest of which it holds a square _LEAP times as wide.
-_SIZES = (128, 96, 64, 48)
-_LEAP = 2.5
+#: Around a hole at least so many pixels are looked at, or those that the method asks for.
+_LEAST_REACH = 256
 
 
 def fill(
@@ -113,7 +105,7 @@ def fill(
     >>> bool((result.image[~hole] == photo[~hole]).all())
     True
     """
-    method = DEFAULT if getattr(method, "slug", method) == AUTO else method
+    method = DEFAULT if is_auto(method) else method
     chosen = make_method(method, parameters)
     seed = seed_number(seed)
     whole = load_exemplar(photo)
@@ -145,13 +137,13 @@ def fill(
     usable = ~hole if inside else np.ones(source.shape, bool)
     if source.mask is not None:
         usable &= source.mask
-    given = set(parameters) if isinstance(method, str) else None
-    chosen = _settle_share(chosen, source)
-    reach = 2 * max(_SIZES[0], getattr(chosen, "patch_size", None) or 0)
+    given = frozenset(parameters) if isinstance(method, str) else None
+    chosen = chosen.for_part(source)
+    reach = max(_LEAST_REACH, chosen.hole_reach)
     region = _Region(hole, canvas.wrap, usable if inside else None, reach)
     if inside:
         usable = region.crop(usable) & region.near
-    chosen = _with_defaults(chosen, given, region.crop(hole), usable)
+    chosen = chosen.for_hole(region.crop(hole), usable, given)
 
     place = Exemplar(
         region.crop(whole.pixels, blank=hole),
@@ -160,9 +152,9 @@ def fill(
     )
     # On bytes, which distances are taken on anyway, the maps have a say about known pixels too.
     if inside:
-        levels = place.matching()
+        features = place.matching()
         near = Exemplar(
-            levels,
+            features,
             mask=usable,
             tileable=whole.tileable and region.whole,
             alpha=False,
@@ -170,7 +162,7 @@ def fill(
         )
     else:
         plain = Exemplar(source.pixels, alpha=source.alpha)
-        levels = plain.as_matching(place.pixels)
+        features = plain.as_matching(place.pixels)
         near = Exemplar(
             plain.matching(),
             mask=usable,
@@ -179,10 +171,10 @@ def fill(
             name=source.name,
         )
     part = Canvas(
-        levels.shape[0],
-        levels.shape[1],
+        features.shape[0],
+        features.shape[1],
         region.wrap,
-        known=levels,
+        known=features,
         hole=region.crop(hole),
         known_from=canvas.known_from,
     )
@@ -302,55 +294,3 @@ def _load_sample(sample: Sample, photo: Exemplar) -> Exemplar:
             f"{source.name} is {kinds[0]}, {photo.name} is {kinds[1]}; they must be equal"
         )
     return source
-
-
-def _settle_share(method: Method, source: Exemplar) -> Method:
-    """Turn a share of the sample that was asked for into pixels, as only a part is looked at."""
-    defaults = {field.name: field.default for field in dataclasses.fields(method)}
-    share = getattr(method, "randomness", None)
-    if share == defaults.get("randomness") or getattr(method, "patch_size", 0) is not None:
-        return method
-    size = max(1, round(share * min(source.shape)))  # type: ignore[operator]
-    return dataclasses.replace(method, patch_size=size)  # type: ignore[call-arg]
-
-
-def _with_defaults(
-    method: Method, given: set[str] | None, hole: NDArray[np.bool_], usable: NDArray[np.bool_]
-) -> Method:
-    """Set what was not `given`; of a ready Method (None) only what it leaves open."""
-    known = {field.name for field in dataclasses.fields(method)}
-    new: dict[str, Any] = {}
-    size = getattr(method, "patch_size", None)
-    whole = getattr(method, "placement", "subpatch") != "subpatch"  # no patches, the entire sample
-    if "patch_size" in known and size is None and not whole:
-        size = new["patch_size"] = _patch_size(
-            hole, usable, 2 * (getattr(method, "boundary_width", None) or 1)
-        )
-    zones = known >= {"search", "boundary_width"}  # which candidates are found by
-    if zones and getattr(method, "boundary_width", 0) is None and size and size > 1:
-        new["boundary_width"] = min(FILL_DEFAULTS["boundary_width"], size // 2)
-    # An exhaustive search takes no number of candidates.
-    for name, others in (("epsilon", set()), ("candidates", {"search"})):
-        free = given is not None and not given & {name, *others}
-        if free and zones and name in known:
-            new[name] = FILL_DEFAULTS[name]
-    return dataclasses.replace(method, **new)
-
-
-def _patch_size(hole: NDArray[np.bool_], usable: NDArray[np.bool_], least: int) -> int:
-    fits = (s for s in _SIZES if s == _SIZES[-1] or _windows(hole, round(_LEAP * s)))
-    size: int = max(min(next(fits), min(*hole.shape, *usable.shape) // 5), least)
-    enough = np.count_nonzero(usable) // 4
-    while size > least:
-        # With few windows to choose from none of them matches.
-        if _windows(usable, size) > (enough if size > 8 else 0):
-            break
-        size = max(size * 3 // 4, least)
-    return size
-
-
-def _windows(mask: NDArray[np.bool_], side: int) -> int:
-    """Count the square windows that are True all over."""
-    if side > min(mask.shape):
-        return 0
-    return int(np.count_nonzero(box_sums(mask, side, side) == side * side))

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import dataclasses
 import itertools
 from typing import TYPE_CHECKING, Any
 
@@ -10,16 +9,15 @@ import numpy as np
 
 from weftex.analysis.scale import dominant_scale
 from weftex.canvas import Canvas, as_canvas
-from weftex.errors import InvalidInputError, UnsupportedError
+from weftex.errors import InvalidInputError
 from weftex.exemplar import Exemplar
 from weftex.method import Method
-from weftex.methods import METHODS
 from weftex.random import draw, seed_number
 from weftex.raster.masks import squared_distance_to
 from weftex.results.pixels import PixelSynthesis
 from weftex.seams.merge import island
 from weftex.tasks.label_map import circle_map, labels_of
-from weftex.tasks.method_names import AUTO, make_method
+from weftex.tasks.method_names import is_auto, make_method
 from weftex.tasks.synthesize import load_exemplar
 
 if TYPE_CHECKING:
@@ -89,7 +87,7 @@ def fuse(
     Returns
     -------
     PixelSynthesis
-        Its exemplar is the samples one under the other, see `stack`.
+        Its exemplar is the samples one under the other, see `combined`.
 
     Raises
     ------
@@ -107,16 +105,17 @@ def fuse(
     (80, 90, 3)
     """
     number = seed_number(seed)
-    method = DEFAULT if getattr(method, "slug", method) == AUTO else method
+    method = DEFAULT if is_auto(method) else method
     chosen = make_method(method, parameters)
     exemplars = [load_exemplar(sample) for sample in samples]
     _check_kinds(exemplars)
-    whole = stack(exemplars)
+    whole = combined(exemplars)
     scales = [dominant_scale(exemplar).window_width for exemplar in exemplars]
     labels = _labels(label_map, size, exemplars, scales, (colors, mixed or {}), number)
     shape = labels.shape[0], labels.shape[1]
     canvas = as_canvas(shape, tileable)
-    _check_method(chosen, canvas)
+    chosen.require_kind("many")
+    chosen.require(canvas)
     fusion = _Fusion(whole, exemplars, chosen, scales, canvas, number, threads, progress)
     return PixelSynthesis(
         canvas,
@@ -127,7 +126,7 @@ def fuse(
     )
 
 
-def stack(exemplars: Sequence[Exemplar]) -> Exemplar:
+def combined(exemplars: Sequence[Exemplar]) -> Exemplar:
     """Put samples one under the other, so that one source map can point into all of them.
 
     Parameters
@@ -201,8 +200,7 @@ class _Fusion:
         return self.index
 
     def _window(self, *numbers: int) -> int:
-        given = getattr(self.method, "window_width", None)
-        return given or max(self.scales[k] for k in numbers)
+        return self.method.window_for(max(self.scales[k] for k in numbers))
 
     def _belts(self, labels: NDArray[np.int32]) -> tuple[NDArray[np.int32], NDArray[np.int32]]:
         """Labels without belts, and the pair that each pixel of a belt belongs to; else -1."""
@@ -250,13 +248,7 @@ class _Fusion:
             known = np.zeros((*self.canvas.shape, *self.whole.pixels.shape[2:]), known.dtype)
         hole = belt | (self.index < 0)
         canvas = Canvas(*self.canvas.shape, self.canvas.wrap, known=known, hole=hole)
-        width = self._window(a, b)
-        method = self.method
-        if getattr(method, "window_width", 0) is None:
-            method = dataclasses.replace(method, window_width=width)  # type: ignore[call-arg]
-        if method.slug == DEFAULT and method.init == "auto":  # type: ignore[attr-defined]
-            # Patches of another start end along the belt; seeds lie all over it (section 4).
-            method = dataclasses.replace(method, init="seeds")  # type: ignore[call-arg]
+        method = self.method.for_belt(self._window(a, b))
         made = self._sample(merged, canvas, _MIXED + a * len(self.exemplars) + b, method)
         self.index = np.where(belt, places.ravel()[made.index], self.index)
 
@@ -302,22 +294,6 @@ def _check_kinds(exemplars: list[Exemplar]) -> None:
                 f"{exemplar.name} is {kind}, {exemplars[0].name} is {kinds[0]}; "
                 "all samples must be of one kind"
             )
-
-
-def _fuses(method: type[Method]) -> bool:
-    """Whether a method fills holes by single pixels: it has no patches and no blocks to lay."""
-    lays = hasattr(method, "patch_size") or hasattr(method, "block_size")
-    return "known" in method.supports and not lays
-
-
-def _check_method(method: Method, canvas: Canvas) -> None:
-    if not _fuses(type(method)):
-        able = [slug for slug in METHODS if _fuses(METHODS[slug])]
-        raise UnsupportedError(
-            f"{method.slug} cannot fuse, for that takes a method that copies single pixels and "
-            f"fills holes; these do: {', '.join(able)}"
-        )
-    method.require(canvas)
 
 
 def _labels(

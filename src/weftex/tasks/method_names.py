@@ -13,6 +13,11 @@ from weftex.method import Method
 AUTO = "auto"
 
 
+def is_auto(method: str | Method) -> bool:
+    """Whether "auto" is meant, by name or as an object."""
+    return getattr(method, "slug", method) == AUTO
+
+
 def method_class(name: str) -> type[Method]:
     """Return the method of that slug; "auto" too, which is a choice among them and not one of them.
 
@@ -41,7 +46,7 @@ def make_method(method: str | Method, parameters: Mapping[str, Any]) -> Method:
     >>> make_method("quilting", {"patch_size": 24}).patch_size
     24
     """
-    if getattr(method, "slug", method) == AUTO:
+    if is_auto(method):
         for name in parameters:
             able = ", ".join(methods.owners(name))
             near = f"; these methods do: {able}" if able else ""

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import os
-from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -11,8 +10,9 @@ import numpy as np
 from weftex.analysis.lattice import find_lattice
 from weftex.errors import InvalidInputError
 from weftex.exemplar import Exemplar, check_pixels
-from weftex.pages.html import Page
-from weftex.quality.assess import WIDEST, Assessment, assess, made_from
+from weftex.pages.html import as_shown
+from weftex.pages.report import Report
+from weftex.quality.assess import LARGEST_MEASURED, assess, made_from
 from weftex.quality.copying import check_source
 from weftex.quality.repetition import repetition, repetition_map
 from weftex.quality.seams import Seams, seam_map
@@ -30,61 +30,6 @@ if TYPE_CHECKING:
 
 _SEAM = 0.5  # surprise beyond the usual that is drawn in full
 _SAME = 2.0  # levels; a picture further than this from what its source gives is another one
-
-
-@dataclass(frozen=True, eq=False)
-class Report(Page):
-    """What `report` finds.
-
-    Attributes
-    ----------
-    sample, result : uint8 array (H, W, 3)
-        Both pictures as they are shown.
-    name : str
-        Of the sample.
-    result_name : str
-        Of the result.
-    assessment : Assessment
-        All figures of the result.
-    real : dict of str to float or None
-        The same figures of real pictures of this surface; see
-        `weftex.quality.yardstick.real_crops`.
-    maps : dict of str to uint8 array (H, W, 3)
-        "seams", "repetition" and, with a source, "source" and "use" (of the sample), as far as
-        they can be made.
-    provenance : dict
-        How the result was made, if its source says so.
-    notes : tuple of str
-        What is to be kept in mind about the figures.
-    """
-
-    sample: Bytes
-    result: Bytes
-    name: str
-    result_name: str
-    assessment: Assessment
-    real: dict[str, float | None]
-    maps: dict[str, Bytes]
-    provenance: dict[str, Any]
-    notes: tuple[str, ...]
-
-    def as_dict(self) -> dict[str, Any]:
-        """Return all figures as numbers, texts, lists, dicts and None, as JSON has them."""
-        return {
-            "sample": self.name,
-            "result": self.result_name,
-            "verdict": self.assessment.verdict(),
-            **self.assessment.as_dict(),
-            "real": self.real,
-            "provenance": self.provenance,
-            "notes": list(self.notes),
-        }
-
-    def html(self) -> str:
-        """Return a page that needs nothing but itself."""
-        from weftex.pages.report import page
-
-        return page(self)
 
 
 def report(
@@ -151,8 +96,10 @@ def report(
     )
     if source is None:
         notes.append("Without a source it is not known what was copied from where.")
-    if max(pixels.shape[:2]) > WIDEST:
-        notes.append(f"Of this large result the middle, {WIDEST} pixels a side, was looked at.")
+    if max(pixels.shape[:2]) > LARGEST_MEASURED:
+        notes.append(
+            f"Of this large result the middle, {LARGEST_MEASURED} pixels a side, was looked at."
+        )
     if min(exemplar.shape) < 64:
         notes.append("The sample is so small that its halves say little.")
     return Report(
@@ -187,17 +134,10 @@ def _another(source: Synthesis, exemplar: Exemplar, pixels: NDArray[Any]) -> lis
     return [f"The result is not {text}. What is said of copying may not hold for it."]
 
 
-def as_shown(exemplar: Exemplar, pixels: NDArray[Any]) -> Bytes:
-    """Three channels of bytes, to look at."""
-    levels = exemplar.as_matching(pixels)
-    colors = levels.shape[2] - exemplar.alpha
-    return levels[..., :3] if colors >= 3 else np.repeat(levels[..., :1], 3, axis=2)
-
-
 def _maps(
     exemplar: Exemplar, pixels: NDArray[Any], source: NDArray[Any] | None
 ) -> dict[str, Bytes]:
-    shape = (min(pixels.shape[0], WIDEST), min(pixels.shape[1], WIDEST))
+    shape = (min(pixels.shape[0], LARGEST_MEASURED), min(pixels.shape[1], LARGEST_MEASURED))
     if source is not None:
         source = middle(check_source(source, exemplar.shape, pixels.shape[:2]), shape)
     pixels = middle(pixels, shape)

@@ -161,12 +161,12 @@ def load_exemplar(sample: Sample, **options: Any) -> Exemplar:
             )
         return sample
     if isinstance(sample, (str, os.PathLike)):
-        from weftex.io import pictures as io
+        from weftex.io.pictures import is_folder, read_image, read_maps
 
         path = os.fspath(sample)
-        if io.is_folder(path):
-            return exemplar_of_maps(io.read_maps(path), **options)
-        picture = io.read_image(path)
+        if is_folder(path):
+            return exemplar_of_maps(read_maps(path), **options)
+        picture = read_image(path)
         return exemplar_of_maps({os.path.basename(path): picture}, **options)
     image: Any = sample
     if hasattr(image, "getbands"):  # a PIL image, without importing PIL

@@ -22,17 +22,17 @@ def run(argv: list[str]) -> None:
     parser.add_argument("--overlay", metavar="FILE", help=text)
     add_huge(parser)
     args = parser.parse(argv)
-    from weftex.io import pictures as io
+    from weftex.io.pictures import check_output, write_image
     from weftex.tasks.analyze import analyze
 
     if args.overlay is not None:
-        io.check_output(args.overlay)
+        check_output(args.overlay)
     exemplar = load(args.sample, args)[0]
     found = analyze(exemplar)
     if args.overlay is not None:
         from weftex.analysis.overlay import draw_lattice
 
-        io.write_image(args.overlay, draw_lattice(exemplar, found.lattice))
+        write_image(args.overlay, draw_lattice(exemplar, found.lattice))
     if args.json:
         import json
 

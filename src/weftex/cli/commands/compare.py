@@ -48,11 +48,11 @@ def run(argv: list[str]) -> None:
     check_numbers(args)
 
     def work(bar: Bar, outputs: Outputs) -> str:
-        from weftex.io import pictures as io
+        from weftex.io.pictures import check_output
         from weftex.tasks.compare import compare
 
         if args.output is not None:
-            io.check_output(args.output, suffixes=(".html",))
+            check_output(args.output, suffixes=(".html",))
         exemplar = load(args.sample, args)[0]
         found = compare(exemplar, size, methods=names, **settings(args, bar))
         if args.output is not None:

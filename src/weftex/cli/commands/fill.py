@@ -36,11 +36,11 @@ def run(argv: list[str]) -> None:
     method(**parameters)  # finds wrong values before anything is read
 
     def work(bar: Bar, outputs: Outputs) -> str:
-        from weftex.io import pictures as io
+        from weftex.io.pictures import MAX_PIXELS, read_mask
         from weftex.tasks.fill import fill
 
         photo, pictures, targets = open_sample(args.photo, args, outputs)
-        mask = io.read_mask(args.mask, max_pixels=None if args.allow_huge else io.MAX_PIXELS)
+        mask = read_mask(args.mask, max_pixels=None if args.allow_huge else MAX_PIXELS)
         sample = None if args.sample is None else load(args.sample, args)[0]
         result = fill(
             photo, mask, sample=sample, method=args.method, **settings(args, bar), **parameters

@@ -44,21 +44,20 @@ def run(argv: list[str]) -> None:
     chosen = method(**parameters)
 
     def work(bar: Bar, outputs: Outputs) -> str:
-        from weftex.io import pictures as io
+        from weftex.io.pictures import check_output, read_image
         from weftex.tasks.fuse import fuse
 
-        io.check_output(args.output)
+        check_output(args.output)
         samples, pictures = zip(*(load(path, args) for path in args.samples), strict=True)
         first = pictures[0][samples[0].name]
-        io.check_output(args.output, first.pixels, alpha=first.alpha)
+        check_output(args.output, first.pixels, alpha=first.alpha)
         label_map = args.map
         if label_map != "gradient":
-            label_map = io.read_image(label_map).pixels
+            label_map = read_image(label_map).pixels
         named: dict[str, Any] = {"colors": colors, "mixed": mixed}
         result = fuse(samples, label_map, size, method=chosen, **named, **settings(args, bar))
-        assert result.exemplar is not None
-        own = {result.exemplar.name: first}
-        write(result, result.exemplar, own, {result.exemplar.name: args.output}, args, outputs)
+        whole = result.sample
+        write(result, whole, {whole.name: first}, {whole.name: args.output}, args, outputs)
         return report(args, result, f"fused {len(samples)} samples in", start)
 
     finish(work, args.quiet)

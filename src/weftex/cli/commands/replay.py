@@ -35,21 +35,21 @@ def run(argv: list[str]) -> None:
 
     def work(bar: Bar, outputs: Outputs) -> str:
         from weftex.exemplar import Exemplar
-        from weftex.io import pictures as io
+        from weftex.io.pictures import MAX_PIXELS, check_output, read_image, write_image
         from weftex.results.synthesis import Synthesis
 
-        io.check_output(args.output)
+        check_output(args.output)
         result = Synthesis.load(args.source)
-        limit = None if args.allow_huge else io.MAX_PIXELS
-        read = [io.read_image(path, max_pixels=limit) for path in args.maps]
+        limit = None if args.allow_huge else MAX_PIXELS
+        read = [read_image(path, max_pixels=limit) for path in args.maps]
         picture = read[0]
-        io.check_output(args.output, picture.pixels, alpha=picture.alpha)
+        check_output(args.output, picture.pixels, alpha=picture.alpha)
         given = Exemplar(picture.pixels, alpha=picture.alpha, name=os.path.basename(args.maps[0]))
         if len(read) > 1:
-            from weftex.tasks.fuse import stack
+            from weftex.tasks.fuse import combined
 
             names = [os.path.basename(path) for path in args.maps]
-            given = stack(
+            given = combined(
                 [
                     Exemplar(p.pixels, alpha=p.alpha, name=name)
                     for p, name in zip(read, names, strict=True)
@@ -57,9 +57,9 @@ def run(argv: list[str]) -> None:
             )
         around = None
         if args.background is not None:
-            around = io.read_image(args.background, max_pixels=limit).pixels
+            around = read_image(args.background, max_pixels=limit).pixels
         pixels = result.render(given, background=around)
-        io.write_image(outputs.add(args.output), pixels, alpha=picture.alpha, icc=picture.icc)
+        write_image(outputs.add(args.output), pixels, alpha=picture.alpha, icc=picture.icc)
         took = perf_counter() - start
         return f"made {pixels.shape[1]}x{pixels.shape[0]} {args.output} in {took:.2f} s"
 

@@ -35,11 +35,11 @@ def run(argv: list[str]) -> None:
     args = parser.parse(argv)
     if args.output is None and not args.json:
         raise InvalidInputError("nothing to do; give -o report.html, --json, or both")
-    from weftex.io import pictures as io
+    from weftex.io.pictures import check_output
     from weftex.tasks.report import report as measure
 
     if args.output is not None:
-        io.check_output(args.output, suffixes=(".html",))
+        check_output(args.output, suffixes=(".html",))
     sample, result = load(args.sample, args)[0], load(args.result, args)[0]
     wrap = None if args.tileable is None else ("y" in args.tileable, "x" in args.tileable)
     found = measure(sample, result, args.source, tileable=wrap)

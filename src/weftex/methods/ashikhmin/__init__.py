@@ -7,10 +7,11 @@ from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
 
-from weftex.method import Method, parameter
+from weftex.method import parameter
 from weftex.methods.ashikhmin import growth_kernels as kernels
 from weftex.methods.pixels.growth import PixelModel, settle_window
 from weftex.methods.pixels.order import scan_lines
+from weftex.methods.pixels.windowed import WindowedMethod
 from weftex.random import draw
 from weftex.raster.masks import peeled
 from weftex.seams.path import least_path
@@ -35,7 +36,7 @@ _ONE = 256  # a weight of 1 in distances, which are integers
 
 
 @dataclass(frozen=True)
-class Ashikhmin(Method):
+class Ashikhmin(WindowedMethod):
     """Synthesis of natural textures from coherent candidates.
 
     A pixel is copied from where one of its neighbours' sources goes on, so pieces of the sample of
@@ -54,7 +55,7 @@ class Ashikhmin(Method):
     paper: ClassVar[str] = (
         "M. Ashikhmin: Synthesizing natural textures. Symposium on Interactive 3D Graphics, 2001"
     )
-    supports: ClassVar[frozenset[str]] = frozenset({"wrap", "known", "guide"})
+    supports: ClassVar[frozenset[str]] = frozenset({"wrap", "known", "guide", "many"})
 
     window_width: int | None = parameter(
         None,
@@ -77,7 +78,11 @@ class Ashikhmin(Method):
         default_text="0, with a guide 1",
     )
     guide_weight: float = parameter(
-        0.3, "how much the guide counts beside what is made", low=0.01, high=100.0
+        0.3,
+        "how much the guide counts beside what is made",
+        low=0.01,
+        high=100.0,
+        needs_canvas="guide",
     )
 
     def fit(self, exemplar: Exemplar) -> AshikhminModel:

@@ -56,7 +56,7 @@ class BestTile(Method):
         "Near-regular texture synthesis by constrained random sampling and gap filling, a thesis: "
         "section 4.1"
     )
-    supports: ClassVar[frozenset[str]] = frozenset({"wrap", "known", "random_access"})
+    supports: ClassVar[frozenset[str]] = frozenset({"wrap", "known", "random_access", "many"})
 
     lattice: tuple[float, ...] | None = parameter(
         None,

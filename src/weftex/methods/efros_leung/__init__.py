@@ -9,9 +9,10 @@ from typing import TYPE_CHECKING, Any, ClassVar
 import numpy as np
 
 from weftex.errors import InvalidInputError
-from weftex.method import Method, parameter
+from weftex.method import parameter
 from weftex.methods.efros_leung import draw_kernels as kernels
 from weftex.methods.pixels.growth import PixelModel, settle_window
+from weftex.methods.pixels.windowed import WindowedMethod
 from weftex.random import draw
 from weftex.raster.masks import grown
 from weftex.search.exhaustive import ExhaustiveSearch, gaussian_weights
@@ -36,7 +37,7 @@ _PIECE = 8  # pixels; fewer are not worth another thread
 
 
 @dataclass(frozen=True)
-class EfrosLeung(Method):
+class EfrosLeung(WindowedMethod):
     """Non-parametric sampling.
 
     The picture grows in layers from a seed, or into a hole from its border. A pixel is drawn from
@@ -56,7 +57,7 @@ class EfrosLeung(Method):
         "A. A. Efros, T. K. Leung: Texture synthesis by non-parametric sampling. "
         "Proceedings of ICCV 1999"
     )
-    supports: ClassVar[frozenset[str]] = frozenset({"wrap", "known"})
+    supports: ClassVar[frozenset[str]] = frozenset({"wrap", "known", "many"})
 
     window_width: int | None = parameter(
         None,

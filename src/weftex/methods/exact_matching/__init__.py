@@ -12,10 +12,11 @@ from weftex.analysis.regularity import regularity
 from weftex.analysis.scale import dominant_scale
 from weftex.errors import InvalidInputError
 from weftex.exemplar import Exemplar
-from weftex.method import Method, parameter
+from weftex.method import parameter
 from weftex.methods.exact_matching.candidates import Candidates
 from weftex.methods.exact_matching.growth import ExactGrowth, Statistics
 from weftex.methods.pixels.growth import PixelModel, settle_window
+from weftex.methods.pixels.windowed import WindowedMethod
 from weftex.search.color_index import ColorIndex
 from weftex.search.pyramid_windows import sample_pyramid
 from weftex.search.windows import windows_of
@@ -37,7 +38,7 @@ _NEAR = 5  # colours, itself among them, in reach of one that occurs once
 
 
 @dataclass(frozen=True)
-class ExactMatching(Method):
+class ExactMatching(WindowedMethod):
     """Exact neighborhood matching.
 
     Pixels are made in scan order. Each is copied from the window that matches best among those
@@ -62,7 +63,7 @@ class ExactMatching(Method):
         "M. Sabha, P. Peers, P. Dutré: Texture synthesis using exact neighborhood matching. "
         "Computer Graphics Forum 26(2), 2007"
     )
-    supports: ClassVar[frozenset[str]] = frozenset({"wrap", "known"})
+    supports: ClassVar[frozenset[str]] = frozenset({"wrap", "known", "many"})
 
     window_width: int | None = parameter(
         None,

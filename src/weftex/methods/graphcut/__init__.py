@@ -4,15 +4,19 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, Any, ClassVar
+from typing import TYPE_CHECKING, Any, ClassVar, Self
 
 from weftex.errors import InvalidInputError
 from weftex.method import Method, parameter
 from weftex.methods.graphcut.growth import Cutting
+from weftex.methods.patches.hole_sizes import patch_size_for
 from weftex.methods.pixels.growth import PixelModel
 from weftex.search.windows import windows_of
 
 if TYPE_CHECKING:
+    import numpy as np
+    from numpy.typing import NDArray
+
     from weftex.exemplar import Exemplar
     from weftex.methods.pixels.growth import Growth
 
@@ -89,6 +93,19 @@ class GraphCut(Method):
         high=1000.0,
         needs=("placement", ("subpatch",)),
     )
+
+    @property
+    def hole_reach(self) -> int:
+        """See `Method.hole_reach`."""
+        return 2 * (self.patch_size or 0)
+
+    def for_hole(
+        self, hole: NDArray[np.bool_], usable: NDArray[np.bool_], given: frozenset[str] | None
+    ) -> Self:
+        """See `Method.for_hole`; the other placements lay the entire sample."""
+        if self.patch_size is not None or self.placement != "subpatch":
+            return self
+        return replace(self, patch_size=patch_size_for(hole, usable, 2))
 
     def fit(self, exemplar: Exemplar) -> GraphCutModel:
         """Prepare a sample."""

@@ -2,14 +2,15 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, ClassVar
+from dataclasses import dataclass, fields, replace
+from typing import TYPE_CHECKING, Any, ClassVar, Self
 
 import numpy as np
 
 from weftex.errors import InvalidInputError
 from weftex.exemplar import Exemplar
 from weftex.method import Method, parameter
+from weftex.methods.patches.hole_sizes import patch_size_for
 from weftex.raster.boxes import box_sums
 from weftex.search import zone_kernels as _kernels
 from weftex.search.boundary_zone import BoundaryZone, boundary_zone
@@ -24,6 +25,7 @@ if TYPE_CHECKING:
 
 #: How candidates are found, and the kernel's number for it.
 SEARCHES = {"exhaustive": 0, "quadtree": 1, "pca": 2, "kdtree": 3, "kdtree-pca": 3}
+_HOLE_ZONE, _HOLE_CANDIDATES = 4, 400  # boundary width in px and candidates for holes
 _TREE_ERROR = 0.5  # of the approximate kd-tree search
 _POSITIONS = 16384  # windows that the default search looks at; more are thinned out first
 _MOST_NUMBERS = 288  # of the low resolution that describe one zone
@@ -87,6 +89,37 @@ class PatchMethod(Method):
         low=0.0,
         high=10.0,
     )
+
+    def for_part(self, whole: Exemplar) -> Self:
+        """See `Method.for_part`: a share that was asked for is one of the whole."""
+        share = {field.name: field.default for field in fields(self)}["randomness"]
+        if self.patch_size is not None or self.randomness == share:
+            return self
+        return replace(self, patch_size=max(1, round(self.randomness * min(whole.shape))))
+
+    @property
+    def hole_reach(self) -> int:
+        """See `Method.hole_reach`."""
+        return 2 * (self.patch_size or 0)
+
+    def for_hole(
+        self, hole: NDArray[np.bool_], usable: NDArray[np.bool_], given: frozenset[str] | None
+    ) -> Self:
+        """See `Method.for_hole`.
+
+        Known pixels cannot be blended, so the best match is taken; and the wider a zone of an
+        irregular material, the more its best match is a dull, blurred place. As holes take few
+        patches, more candidates cost little. All chosen by eye on bricks, tiles, boards, pebbles,
+        leaves and lawn.
+        """
+        size = self.patch_size or patch_size_for(hole, usable, 2 * (self.boundary_width or 1))
+        suits: dict[str, Any] = {"patch_size": size}
+        if self.boundary_width is None and size > 1:
+            suits["boundary_width"] = min(_HOLE_ZONE, size // 2)
+        # An exhaustive search takes no number of candidates.
+        if given is not None and not given & {"candidates", "search"}:
+            suits["candidates"] = _HOLE_CANDIDATES
+        return replace(self, **suits)
 
     def rule(self) -> tuple[float, bool, bool]:
         """Tolerance, whether it is relative to the best candidate, whether similarity weighs."""

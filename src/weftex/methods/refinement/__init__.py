@@ -3,15 +3,16 @@
 from __future__ import annotations
 
 import dataclasses
-from dataclasses import dataclass
-from typing import TYPE_CHECKING, ClassVar
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING, ClassVar, Self
 
 import numpy as np
 
 from weftex.analysis.scale import dominant_scale
 from weftex.errors import InvalidInputError
-from weftex.method import Method, parameter
+from weftex.method import parameter
 from weftex.methods.pixels.growth import PixelModel, settle_window
+from weftex.methods.pixels.windowed import WindowedMethod
 from weftex.methods.refinement.levels import component_level, pyramid_levels
 from weftex.methods.refinement.sweeps import Refining
 from weftex.registry import METHODS
@@ -30,7 +31,7 @@ _WIDEST = 29  # pixels; with less than its four levels noise decides, and the pi
 
 
 @dataclass(frozen=True)
-class Refinement(Method):
+class Refinement(WindowedMethod):
     """Iterative refinement.
 
     A grid of seed points, or the result of another method, is refined again and again: every
@@ -50,7 +51,7 @@ class Refinement(Method):
         "Iterative texture refinement and texture fusion: window size estimation, seed point "
         "planting, iterative refinement"
     )
-    supports: ClassVar[frozenset[str]] = frozenset({"wrap", "known", "guide"})
+    supports: ClassVar[frozenset[str]] = frozenset({"wrap", "known", "guide", "many"})
 
     window_width: int | None = parameter(
         None,
@@ -115,7 +116,11 @@ class Refinement(Method):
         needs=("search", ("coherent",)),
     )
     guide_weight: float = parameter(
-        0.3, "how much a guide counts beside what is made", low=0.01, high=100.0
+        0.3,
+        "how much a guide counts beside what is made",
+        low=0.01,
+        high=100.0,
+        needs_canvas="guide",
     )
     variance: float = parameter(
         0.97,
@@ -131,6 +136,12 @@ class Refinement(Method):
         high=10000,
         needs=("search", ("pca",)),
     )
+
+    def for_belt(self, width: int) -> Self:
+        """See `Method.for_belt`: seeds lie all over a belt (section 4)."""
+        # Patches of another start end along the belt.
+        belted = super().for_belt(width)
+        return replace(belted, init="seeds") if self.init == "auto" else belted
 
     def fit(self, exemplar: Exemplar) -> RefinementModel:
         """Analyse a sample: its dominant scale, and how to find what is like a window."""

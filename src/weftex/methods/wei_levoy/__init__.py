@@ -9,8 +9,9 @@ from typing import TYPE_CHECKING, ClassVar
 import numpy as np
 
 from weftex.errors import InvalidInputError
-from weftex.method import Method, parameter
+from weftex.method import parameter
 from weftex.methods.pixels.growth import PixelModel, settle_window
+from weftex.methods.pixels.windowed import WindowedMethod
 from weftex.methods.wei_levoy import growth_kernels as _wei_levoy_kernels
 from weftex.random import draw
 from weftex.raster.pyramids import gaussian_pyramid, mask_pyramid
@@ -40,7 +41,7 @@ _LEAST = 64  # pixels in one call of the kernel, where lines are shorter
 
 
 @dataclass(frozen=True)
-class WeiLevoy(Method):
+class WeiLevoy(WindowedMethod):
     """Synthesis in scan order by L-shaped windows, at one resolution or over a pyramid.
 
     The picture starts as noise. Each pixel in turn is replaced by that of the sample whose window
@@ -66,7 +67,7 @@ class WeiLevoy(Method):
         "L.-Y. Wei, M. Levoy: Fast texture synthesis using tree-structured vector quantization. "
         "Proceedings of SIGGRAPH 2000"
     )
-    supports: ClassVar[frozenset[str]] = frozenset({"wrap", "known"})
+    supports: ClassVar[frozenset[str]] = frozenset({"wrap", "known", "many"})
 
     levels: int | None = parameter(
         None,

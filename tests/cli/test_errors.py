@@ -1,0 +1,162 @@
+"""Bad input is one line, and leaves every file as it was."""
+
+from __future__ import annotations
+
+import re
+
+import numpy as np
+import pytest
+
+import weftex
+from commands import fails
+from families import noise
+from weftex.io.pictures import write_image
+
+PATCHES = ["synth", "sample.png", "-o", "x.png", "--method", "patch-sampling"]
+WRONG = [
+    ([], "a command is missing"),
+    (["snyth"], "unknown command 'snyth'; did you mean 'synth'"),
+    (["--verson"], "unknown option '--verson'"),
+    (["synth"], "required: SAMPLE"),
+    (["synth", "sample.png"], "-o/--output"),
+    (["synth", "sample.png", "-o", "x.png", "more.png"], "unexpected argument 'more.png'"),
+    (["synth", "nowhere.png", "-o", "x.png"], "nowhere.png: cannot read"),
+    (["synth", "sample:brick", "-o", "x.png"], "did you mean 'bricks'"),
+    (["synth", "sample.png", "-o", "nowhere/x.png"], "nowhere does not exist"),
+    (["synth", "sample:stone_wall", "-o", "nowhere/x"], "nowhere/x"),
+    (["synth", "sample:stone_wall", "-o", "old.png"], "it is a file"),
+    (["synth", "sample.png", "-o", "x.pngg"], "did you mean '.png'"),
+    (["synth", "sample.png", "-o", "x.exr"], "'.exr' cannot hold uint8"),
+    (["synth", "sample.png", "-o", "."], "folder"),
+    (["synth", "sample.png", "-o", "x.png", "--save-source", "nowhere/x.npz"], "does not exist"),
+    (["synth", "sample.png", "-o", "x.png", "--save-source", "x.png"], "cannot write '.png'"),
+    (["synth", "sample.png", "-o", "x.png", "--size", "0"], "1 or more"),
+    (["synth", "sample.png", "-o", "x.png", "--size", "-5"], "1 or more"),
+    (["synth", "sample.png", "-o", "x.png", "--size=-5x7"], "1 or more"),
+    (["synth", "sample.png", "-o", "x.png", "--size", "5x7x9"], "WxH"),
+    (["synth", "sample.png", "-o", "x.png", "--size", "big"], "WxH"),
+    (["synth", "sample.png", "-o", "x.png", "--size", "99999999"], "--allow-huge"),
+    (
+        ["synth", "sample.png", "-o", "x.png", "--size", "99999999", "--allow-huge"],
+        "pixels at once",
+    ),
+    (["synth", "sample.png", "-o", "x.png", "--method", "quiltin"], "did you mean 'quilting'"),
+    ([*PATCHES, "--patchsize", "9"], "did you mean '--patch-size'"),
+    (["synth", "sample.png", "-o", "x.png", "--patch-size", "9"], "--method patch-sampling or"),
+    ([*PATCHES, "--patch-size", "0"], "1 or more"),
+    ([*PATCHES, "--patch-size", "big"], "invalid int value"),
+    ([*PATCHES, "--patch-size", "70"], "largest that fits is 64"),
+    ([*PATCHES, "--blend", "cutt"], "did you mean 'cut'"),
+    ([*PATCHES, "--epsilon", "nan"], "number"),
+    (["synth", "sample.png", "-o", "x.png", "--seed", "-1"], "--seed is -1"),
+    (["synth", "sample.png", "-o", "x.png", "--threads", "0"], "--threads is 0"),
+    (["synth", "sample.png", "-o", "x.png", "--tileable=z"], "invalid choice"),
+    (["synth", "text.png", "-o", "x.png"], "text.png"),
+    (["synth", "empty.png", "-o", "old.png"], "empty"),
+    (["synth", "cut.png", "-o", "old.png"], "cut short"),
+    (["synth", "bomb.png", "-o", "old.png"], "--allow-huge takes it anyway"),
+    (["synth", "zero.png", "-o", "old.png"], "damaged"),
+    (["synth", "hollow.png", "-o", "old.png"], "damaged"),
+    (["synth", "nan.tif", "-o", "x.tif"], "NaN or infinity"),
+    (["synth", "void", "-o", "x"], "has no pictures"),
+    (["synth", "uneven", "-o", "x"], "one size"),
+    (["synth", "sample.png", "-o", "x.png", "--guide", "nowhere.png"], "nowhere.png"),
+    (
+        [*PATCHES, "--guide", "photo.png"],
+        "patch-sampling does not do following a guide; these do: .*ashikhmin",
+    ),
+    (
+        ["synth", "sample.png", "-o", "x.png", "--method", "ashikhmin", "--guide", "other.png"],
+        "guide is uint8",
+    ),
+    (
+        [
+            "synth",
+            "sample.png",
+            "-o",
+            "x.png",
+            "--method",
+            "ashikhmin",
+            "--guide",
+            "photo.png",
+            "--size",
+            "50",
+        ],
+        "guide is 96x80, the canvas is 50x50",
+    ),
+    (
+        ["synth", "sample.png", "-o", "x.png", "--method", "ashikhmin", "--guide-weight", "2"],
+        "guide_weight has no effect without a guide",
+    ),
+    (["fill", "photo.png", "-o", "x.png"], "--mask"),
+    (["fill", "photo.png", "--mask", "nowhere.png", "-o", "old.png"], "nowhere.png"),
+    (["fill", "photo.png", "--mask", "other.png", "-o", "old.png"], "40x40.*96x80"),
+    (["fill", "photo.png", "--mask", "all.png", "-o", "old.png"], "nothing to learn from"),
+    (
+        ["fill", "photo.png", "--mask", "hole.png", "-o", "old.png", "--sample", "other.png"],
+        "equal",
+    ),
+    (["replay", "nowhere.npz", "sample.png", "-o", "x.png"], "nowhere.npz does not exist"),
+    (["replay", "photo.png", "sample.png", "-o", "x.png"], "not a saved weftex result"),
+    (["replay", "a.npz", "photo.png", "-o", "x.png"], "integer multiple"),
+    (["replay", "a.npz", "sample.png", "-o", "old.txt"], "cannot write '.txt'"),
+    (["methods", "quiltin"], "did you mean 'quilting'"),
+    (["samples", "more"], "unexpected argument"),
+]
+
+
+@pytest.mark.parametrize(("words", "message"), WRONG, ids=[" ".join(w)[:60] for w, _ in WRONG])
+def test_bad_input_is_one_line_and_leaves_everything(here, capsys, words, message):
+    import struct
+    import zlib
+
+    (here / "text.png").write_text("this is no picture")
+    (here / "old.txt").write_text("old")
+    (here / "empty.png").write_bytes(b"")
+    whole = (here / "sample.png").read_bytes()
+    (here / "old.png").write_bytes(whole)
+    (here / "cut.png").write_bytes(whole[: len(whole) // 2])
+    for name, side in (("bomb.png", 100_000), ("zero.png", 0)):
+        header = b"IHDR" + struct.pack(">IIBBBBB", side, side, 8, 2, 0, 0, 0)
+        chunks = (header, b"IDAT" + zlib.compress(bytes(1000)), b"IEND")
+        packed = [
+            struct.pack(">I", len(c) - 4) + c + struct.pack(">I", zlib.crc32(c)) for c in chunks
+        ]
+        (here / name).write_bytes(whole[:8] + b"".join(packed))
+    (here / "hollow.png").write_bytes(whole[:33] + packed[-1])
+    write_image("nan.tif", np.full((40, 40), np.nan, np.float32))
+    (here / "void").mkdir()
+    (here / "uneven").mkdir()
+    write_image("uneven/a.png", noise((40, 40)))
+    write_image("uneven/b.png", noise((40, 41)))
+    weftex.synthesize("sample.png", 80, seed=1).save("a.npz")
+    assert re.search(message, fails(capsys, here, *words))
+
+
+def test_not_enough_memory_is_one_line(here, capsys, monkeypatch):
+    def fail(*_, **__):
+        raise MemoryError
+
+    monkeypatch.setattr("weftex.tasks.synthesize.synthesize", fail)
+    message = fails(capsys, here, "synth", "sample.png", "-o", "x.png")
+    assert "not enough memory" in message
+
+
+def test_a_map_that_cannot_be_written_leaves_no_map(here, capsys, monkeypatch):
+    import weftex.io.pictures
+
+    real, seen = weftex.io.pictures.write_image, []
+
+    def fail_third(*words, **options):
+        seen.append(words)
+        if len(seen) == 3:
+            raise weftex.FileError("the disk is full")
+        real(*words, **options)
+
+    monkeypatch.setattr(weftex.io.pictures, "write_image", fail_third)
+    fails(capsys, here, "synth", "sample:stone_wall", "-o", "new", "--size", 80)
+    assert len(seen) == 3
+    (here / "old").mkdir()
+    real("old/albedo.png", noise((9, 9)))
+    seen.clear()
+    fails(capsys, here, "synth", "sample:stone_wall", "-o", "old", "--size", 80)

@@ -1,0 +1,39 @@
+"""`weftex fill`: what it makes of photos and of folders."""
+
+from __future__ import annotations
+
+import numpy as np
+
+import weftex
+from commands import weft_run
+from weftex.io.pictures import read_image, read_maps, write_image
+
+
+def test_fill(here, capsys):
+    words = ["photo.png", "--mask", "hole.png", "-o", "out.png", "--seed", 1]
+    assert weft_run("fill", *words) == 0
+    assert "filled 400 pixels of out.png with patch-sampling" in capsys.readouterr().err
+    assert (
+        read_image("out.png").pixels == weftex.fill("photo.png", "hole.png", seed=1).image
+    ).all()
+    assert weft_run("fill", *words, "--sample", "sample.png") == 0
+    expected = weftex.fill("photo.png", "hole.png", seed=1, sample="sample.png").image
+    assert (read_image("out.png").pixels == expected).all()
+
+
+def test_fill_a_folder(here):
+    given = read_maps("sample:stone_wall")
+    mask = np.zeros(given["albedo"].pixels.shape[:2], np.uint8)
+    mask[100:130, 90:140] = 255
+    write_image("mask.png", mask)
+    assert weft_run("fill", "sample:stone_wall", "--mask", "mask.png", "-o", "new") == 0
+    made = read_maps("new")
+    assert sorted(made) == sorted(given)
+    for name, picture in made.items():
+        assert (picture.pixels[mask == 0] == given[name].pixels[mask == 0]).all()
+
+
+def test_fill_nothing(here, capsys):
+    assert weft_run("fill", "photo.png", "--mask", "nothing.png", "-o", "out.png") == 0
+    assert "unchanged" in capsys.readouterr().err
+    assert (read_image("out.png").pixels == read_image("photo.png").pixels).all()

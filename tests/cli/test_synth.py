@@ -1,0 +1,145 @@
+"""`weftex synth` makes what the library makes."""
+
+from __future__ import annotations
+
+import dataclasses
+import re
+
+import numpy as np
+import pytest
+
+import weftex
+from commands import weft_run
+from families import TRIALS, every, method_of, noise
+from weftex.io.pictures import read_image, read_maps, write_image
+
+
+def test_synth_makes_what_the_library_makes(here, capsys):
+    assert weft_run("synth", "sample.png", "-o", "out.png", "--size", "100x90", "--seed", 7) == 0
+    made = read_image("out.png").pixels
+    assert (made == weftex.synthesize("sample.png", (90, 100), seed=7).image).all()
+    err = capsys.readouterr().err
+    assert re.fullmatch(
+        r"weftex: auto: .*structure.*: (graphcut|patch-sampling)\n"
+        r"weftex: made 100x90 out\.png with \1, patch size \d+, seed 7, "
+        r"in [\d.]+ s \([\d.e-]+ megapixels/s\)\n",
+        err,
+    ), err
+
+
+def test_a_seed_that_was_drawn_can_be_had_again(here, capsys):
+    weft_run("synth", "sample.png", "-o", "a.png")
+    seed = re.search(r"seed (\d+)", capsys.readouterr().err).group(1)
+    weft_run("synth", "sample.png", "-o", "b.png", "--seed", seed, "--quiet")
+    assert capsys.readouterr().err == ""
+    assert (here / "a.png").read_bytes() == (here / "b.png").read_bytes()
+    assert read_image("a.png").pixels.shape == (128, 144, 3)
+
+
+@pytest.mark.parametrize(
+    ("words", "wrap"),
+    [(["--tileable"], True), (["--tileable", "x"], "x"), (["--tileable", "y"], "y"), ([], False)],
+)
+def test_tileable(here, words, wrap):
+    assert weft_run("synth", *words, "sample.png", "-o", "a.png", "--size", 80, "--seed", 1) == 0
+    expected = weftex.synthesize("sample.png", 80, seed=1, tileable=wrap).image
+    assert (read_image("a.png").pixels == expected).all()
+
+
+def test_parameters_come_from_the_method(here):
+    words = ["--method", "quilting", "--patch-size", 20, "--tolerance", 0.3, "--blend", "feather"]
+    assert weft_run("synth", "sample.png", "-o", "a.png", "--seed", 1, *words, "--size=70") == 0
+    expected = weftex.synthesize(
+        "sample.png", 70, method="quilting", seed=1, patch_size=20, tolerance=0.3, blend="feather"
+    )
+    assert (read_image("a.png").pixels == expected.image).all()
+
+
+def test_a_folder_gives_a_folder(here):
+    assert weft_run("synth", "sample:stone_wall", "-o", "big/", "--size", 150, "--seed", 3) == 0
+    maps = read_maps("big")
+    result = weftex.synthesize("sample:stone_wall", 150, seed=3)
+    assert sorted(maps) == ["albedo", "ao", "height", "normal", "roughness"]
+    assert (maps.pop("albedo").pixels == result.image).all()
+    for name, picture in maps.items():
+        assert (picture.pixels == result.maps[name]).all()
+
+
+def test_a_folder_may_exist_and_keeps_what_else_is_in_it(here):
+    (here / "big").mkdir()
+    (here / "big" / "notes.txt").write_text("mine")
+    assert weft_run("synth", "sample:stone_wall", "-o", "big", "--size", 100) == 0
+    assert (here / "big" / "notes.txt").read_text() == "mine"
+    assert len(list((here / "big").iterdir())) == 6
+
+
+@every("method")
+def test_every_method_has_its_options(here, capsys, method):
+    chosen = method_of(method)
+    words = ["--method", method, "--size", 50, "--seed", 1]
+    for name, value in TRIALS[method].small.items():
+        text = ",".join(map(str, value)) if isinstance(value, tuple) else value
+        words += ["--" + name.replace("_", "-"), text]
+    assert weft_run("synth", "sample.png", "-o", "a.png", *words) == 0
+    assert f"with {method}, " in capsys.readouterr().err
+    expected = weftex.synthesize("sample.png", 50, method=chosen, seed=1).image
+    assert (read_image("a.png").pixels == expected).all()
+    assert weft_run("synth", "--help", "--method", method) == 0
+    out = capsys.readouterr().out
+    for field in dataclasses.fields(chosen):
+        assert "--" + field.name.replace("_", "-") in out
+
+
+@pytest.mark.parametrize("dtype", [np.uint8, np.uint16])
+@pytest.mark.parametrize("channels", [(), (2,), (3,), (4,)])
+def test_kind_alpha_and_profile_are_kept(here, dtype, channels):
+    from PIL import ImageCms
+
+    profile = ImageCms.ImageCmsProfile(ImageCms.createProfile("sRGB")).tobytes()
+    alpha = channels in ((2,), (4,))
+    write_image("in.png", noise((50, 50, *channels), dtype=dtype), alpha=alpha, icc=profile)
+    given = read_image("in.png")
+    assert weft_run("synth", "in.png", "-o", "out.png", "--size", 60) == 0
+    made = read_image("out.png")
+    assert made.pixels.dtype == dtype and made.pixels.shape == (60, 60, *channels)
+    assert (made.alpha, made.icc) == (given.alpha, given.icc)
+
+
+def test_texture_by_numbers(here):
+    """The sample has a map of labels, and the output follows another one."""
+    sample = weftex.load_exemplar("sample.png").pixels
+    labels = np.zeros(sample.shape[:2], np.uint8)
+    labels[:, labels.shape[1] // 2 :] = 200
+    write_image("in.png", labels)
+    write_image("out.png", np.resize(np.uint8([0] * 9 + [200] * 9), (20, 36)))
+    words = ["--method", "refinement", "--guide", "out.png", "--seed", 1]
+    assert weft_run("synth", "sample.png", "-o", "a.png", *words, "--sample-guide", "in.png") == 0
+    guides = {"guide": "out.png", "sample_guide": labels}
+    expected = weftex.synthesize("sample.png", (20, 36), method="refinement", seed=1, **guides)
+    assert np.array_equal(weftex.read_image("a.png").pixels, expected.image)
+    with pytest.raises(
+        weftex.InvalidInputError, match="sample_guide has no effect without a guide"
+    ):
+        weftex.synthesize("sample.png", 20, method="refinement", sample_guide=labels)
+    with pytest.raises(weftex.InvalidInputError, match="the guide of .* lacks"):
+        weftex.synthesize(
+            "sample.png", 9, method="refinement", guide=np.full((9, 9), 3), sample_guide=labels
+        )
+
+
+def test_a_guide_gives_the_size(here):
+    write_image("guide.png", noise((50, 60, 3), seed=4))
+    words = ["--method", "ashikhmin", "--guide", "guide.png", "--seed", 1]
+    assert weft_run("synth", "sample.png", "-o", "a.png", *words, "--guide-weight", 2) == 0
+    expected = weftex.synthesize(
+        "sample.png", (50, 60), method="ashikhmin", guide="guide.png", seed=1, guide_weight=2.0
+    )
+    assert (read_image("a.png").pixels == expected.image).all()
+    assert weft_run("synth", "sample.png", "-o", "b.png", *words, "--size", "60x50") == 0
+
+
+def test_the_input_may_be_overwritten(here):
+    given = read_image("sample.png").pixels
+    assert weft_run("synth", "sample.png", "-o", "sample.png", "--seed", 2) == 0
+    expected = weftex.synthesize(given, (128, 144), seed=2).image
+    assert (read_image("sample.png").pixels == expected).all()

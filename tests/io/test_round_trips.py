@@ -1,0 +1,182 @@
+"""Pictures that are written and read again: every format, depth and number of channels, alpha."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from hypothesis.extra import numpy as hnp
+
+from picture_files import files_in, noise, oiio_write, smooth
+from weftex.io import pictures as io
+
+Image = pytest.importorskip("PIL.Image")
+
+EXACT = [
+    *[(s, d, n, a) for s in (".png",) for d in ("uint8", "uint16")
+      for n, a in ((1, 0), (2, 1), (3, 0), (4, 1))],
+    *[(s, d, n, a) for s in (".tif", ".tiff") for d in ("uint8", "uint16", "float32")
+      for n, a in ((1, 0), (2, 1), (3, 0), (4, 1), (2, 0), (4, 0), (5, 0), (6, 1), (12, 0))],
+    *[(".exr", "float32", n, a)
+      for n, a in ((1, 0), (3, 0), (2, 0), (4, 0), (5, 0), (12, 0))],
+    (".webp", "uint8", 3, 0),
+    (".bmp", "uint8", 1, 0),
+    (".bmp", "uint8", 3, 0),
+]  # fmt: skip
+
+
+@pytest.mark.parametrize("size", [(1, 1), (1, 9), (8, 1), (23, 17)])
+@pytest.mark.parametrize(("suffix", "dtype", "channels", "alpha"), EXACT)
+def test_round_trip_is_exact(tmp_path, suffix, dtype, channels, alpha, size):
+    pixels = noise((*size, channels) if channels > 1 else size, dtype)
+    path = tmp_path / f"a{suffix}"
+    io.write_image(path, pixels, alpha=bool(alpha))
+    back = io.read_image(path)
+    assert back.pixels.dtype == pixels.dtype
+    np.testing.assert_array_equal(back.pixels, pixels)
+    assert back.alpha is bool(alpha)
+    assert back.icc is None
+    assert back.path == str(path)
+    assert back.pixels.flags.c_contiguous
+    assert files_in(tmp_path) == [path.name]
+
+
+def test_webp_widens_grey(tmp_path):
+    pixels = noise((9, 8, 2)) | 1
+    for alpha, index in ((False, [0, 0, 0]), (True, [0, 0, 0, 1])):
+        io.write_image(tmp_path / "a.webp", pixels if alpha else pixels[..., 0], alpha=alpha)
+        back = io.read_image(tmp_path / "a.webp")
+        assert back.alpha is alpha
+        np.testing.assert_array_equal(back.pixels, pixels[..., index])
+
+
+def test_webp_keeps_straight_alpha_except_colour_under_zero(tmp_path):
+    pixels = noise((20, 20, 4))
+    pixels[:3, :3, 3] = 0
+    io.write_image(tmp_path / "a.webp", pixels, alpha=True)
+    back = io.read_image(tmp_path / "a.webp").pixels
+    np.testing.assert_array_equal(back[..., 3], pixels[..., 3])
+    seen = pixels[..., 3] > 0
+    np.testing.assert_array_equal(back[seen], pixels[seen])
+
+
+@pytest.mark.parametrize("channels", [1, 3])
+def test_jpeg_is_close(tmp_path, channels):
+    pixels = smooth(40, 50, channels)
+    pixels = pixels[..., 0] if channels == 1 else pixels
+    for suffix in (".jpg", ".jpeg"):
+        io.write_image(tmp_path / f"a{suffix}", pixels)
+        back = io.read_image(tmp_path / f"a{suffix}").pixels
+        assert back.shape == pixels.shape
+        assert np.abs(back.astype(int) - pixels).max() <= 6
+    with Image.open(tmp_path / "a.jpg") as peer:
+        np.testing.assert_allclose(np.asarray(peer).astype(int), pixels, atol=6)
+        assert channels == 1 or peer.layer[0][1:3] == (1, 1)  # no colour subsampling
+
+
+@settings(max_examples=25, deadline=None)
+@given(
+    hnp.arrays(
+        st.sampled_from([np.uint8, np.uint16]),
+        hnp.array_shapes(min_dims=2, max_dims=2, max_side=40),
+    ),
+    st.integers(1, 4),
+    st.sampled_from([".png", ".tif"]),
+)
+def test_any_integers_survive(tmp_path_factory, plane, channels, suffix):
+    pixels = plane if channels == 1 else np.stack([np.roll(plane, k) for k in range(channels)], 2)
+    path = tmp_path_factory.mktemp("any") / f"a{suffix}"
+    io.write_image(path, pixels, alpha=channels in (2, 4))
+    np.testing.assert_array_equal(io.read_image(path).pixels, pixels)
+
+
+@pytest.mark.parametrize("suffix", [".tif", ".exr"])
+def test_extreme_floats_survive(tmp_path, suffix):
+    values = [0, -0.0, 1, -1, 1e-38, -3e38, 3e38, np.inf, -np.inf, np.nan, 1e-45, 65536]
+    pixels = np.array(values, np.float32).reshape(3, 4)
+    io.write_image(tmp_path / f"a{suffix}", pixels)
+    back = io.read_image(tmp_path / f"a{suffix}").pixels
+    assert back.tobytes() == pixels.tobytes()
+
+
+@pytest.mark.parametrize("dtype", ["float16", "float64", ">f4"])
+def test_other_floats_are_written_as_float32(tmp_path, dtype):
+    pixels = noise((5, 6, 3), "float64").astype(dtype)
+    for suffix in (".tif", ".exr"):
+        io.write_image(tmp_path / f"a{suffix}", pixels)
+        back = io.read_image(tmp_path / f"a{suffix}").pixels
+        assert back.dtype == np.float32
+        np.testing.assert_array_equal(back, pixels.astype(np.float32))
+
+
+def test_views_and_foreign_byte_order(tmp_path):
+    base = noise((30, 40, 3), "uint16")
+    for k, view in enumerate((base[::-2, ::3], base.transpose(1, 0, 2), base[..., ::-1],
+                              np.asfortranarray(base), base.astype(">u2"))):  # fmt: skip
+        io.write_image(tmp_path / f"{k}.png", view)
+        np.testing.assert_array_equal(io.read_image(tmp_path / f"{k}.png").pixels, view)
+
+
+def test_input_is_not_changed(tmp_path):
+    pixels = noise((6, 6, 4), "float32")
+    before = pixels.copy()
+    pixels.flags.writeable = False
+    for suffix in (".exr", ".tif"):
+        io.write_image(tmp_path / f"a{suffix}", pixels, alpha=True)
+    np.testing.assert_array_equal(pixels, before)
+
+
+def test_exr_premultiplies(tmp_path):
+    pixels = np.abs(noise((7, 8, 4), "float32"))
+    pixels[0, :, 3] = 0
+    io.write_image(tmp_path / "a.exr", pixels, alpha=True)
+    back = io.read_image(tmp_path / "a.exr")
+    assert back.alpha
+    np.testing.assert_allclose(back.pixels[1:], pixels[1:], rtol=1e-6)
+    assert (back.pixels[0] == 0).all()
+    for channels in (2, 6):
+        many = np.abs(noise((7, 8, channels), "float32")) + 0.1
+        io.write_image(tmp_path / "b.exr", many, alpha=True)
+        np.testing.assert_allclose(io.read_image(tmp_path / "b.exr").pixels, many, rtol=1e-6)
+
+
+@pytest.mark.filterwarnings("error")
+def test_infinities_make_no_warnings(tmp_path):
+    values = np.array([0, 1e-45, 1e-38, 0.5, 3e38, np.inf, -np.inf, np.nan])
+    pixels = np.stack(np.meshgrid(values, values), 2)
+    for kind in ("float64", "float32"):
+        with np.errstate(all="ignore"):
+            wanted = pixels.astype(kind) * 1.1
+            single = wanted.astype("float32")
+        io.write_image(tmp_path / "a.exr", wanted, alpha=True)
+        back = io.read_image(tmp_path / "a.exr").pixels
+        np.testing.assert_array_equal(back[..., 1], single[..., 1])
+    with np.errstate(all="ignore"):
+        io.write_image(tmp_path / "a.tif", pixels * 1e300)
+    io.read_image(tmp_path / "a.tif")
+
+
+def oiio_names(path):
+    import OpenImageIO as oiio
+
+    spec = oiio.ImageInput.open(str(path)).spec()
+    return tuple(spec.channelnames), str(spec.format), spec.get_string_attribute("compression")
+
+
+@pytest.mark.parametrize(
+    ("channels", "alpha", "names"),
+    [(1, False, "Y"), (2, True, "YA"), (3, False, "RGB"), (4, True, "RGBA")],
+)
+def test_exr_channel_names(tmp_path, channels, alpha, names):
+    io.write_image(tmp_path / "a.exr", noise((4, 4, channels), "float32"), alpha=alpha)
+    found, kind, packed = oiio_names(tmp_path / "a.exr")
+    assert (found, kind, packed) == (tuple(names), "float", "zip")
+
+
+def test_exr_half_becomes_float(tmp_path):
+    pixels = np.abs(noise((5, 6, 3), "float16"))
+    oiio_write(tmp_path / "half.exr", "openexr", pixels)
+    back = io.read_image(tmp_path / "half.exr").pixels
+    assert back.dtype == np.float32
+    np.testing.assert_array_equal(back, pixels.astype(np.float32))

@@ -1,0 +1,246 @@
+"""Coherent candidates: byte by byte what choosing one pixel after the other gives."""
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+import weftex
+from families import noise, with_guides
+from twins import ashikhmin as reference
+from weftex.canvas import Canvas
+from weftex.raster.masks import peeled
+from weftex.search import coherence_kernels as _coherence_kernels
+from weftex.search.windows import windows_of
+
+WRAPS = [(False, False), (False, True), (True, False), (True, True)]
+
+
+def check_twin(method, exemplar, canvas, seed):
+    model = method.fit(exemplar)
+    result = model.sample(canvas, seed=seed)
+    expected = reference.ashikhmin(model.method, exemplar, canvas, seed)
+    if canvas.hole is not None and canvas.known_from is None:
+        expected[~canvas.hole] = -1
+    assert np.array_equal(result.source, expected)
+    return result
+
+
+def few_colours(rng, shape, colours):
+    return (rng.integers(0, colours, shape) * (255 // max(colours - 1, 1))).astype(np.uint8)
+
+
+@given(st.data())
+def test_it_is_the_slow_twin(data):
+    """Small samples, where sources leave at every border, on every kind of canvas."""
+    draw = data.draw
+    rng = np.random.default_rng(draw(st.integers(0, 10**6)))
+    shape = draw(st.integers(5, 10)), draw(st.integers(5, 10))
+    channels, colours = draw(st.integers(1, 3)), draw(st.sampled_from([1, 2, 5, 200]))
+    mask = None
+    if draw(st.booleans()):
+        mask = np.ones(shape, bool)
+        mask[0, rng.integers(shape[1])] = False
+    pixels = few_colours(rng, (*shape, channels), colours)
+    exemplar = weftex.Exemplar(pixels, mask=mask, tileable=draw(st.booleans()), alpha=False)
+    size = draw(st.integers(1, 9)), draw(st.integers(1, 9))
+    more, parameters = {}, {}
+    if draw(st.booleans()):
+        more = {"known": noise((*size, channels)), "hole": rng.random(size) < 0.6}
+        if size <= shape and size[1] <= shape[1] and draw(st.booleans()):
+            corner = shape[0] - size[0], shape[1] - size[1]
+            cut = pixels[corner[0] :, corner[1] :].copy()
+            more |= {"known": cut, "known_from": corner}
+    if draw(st.booleans()):
+        more["guide"] = noise((*size, channels), seed=5)
+        if draw(st.booleans()):
+            exemplar, more["guide"] = with_guides(exemplar, size, rng)
+        parameters["guide_weight"] = draw(st.sampled_from([0.01, 0.3, 3.0]))
+    method = weftex.Ashikhmin(
+        window_width=draw(st.sampled_from([1, 3, 5])) if mask is None else 3,
+        passes=draw(st.integers(1, 3)),
+        jumps=draw(st.sampled_from([None, 0, 1, 10])),
+        **parameters,
+    )
+    canvas = Canvas(*size, draw(st.sampled_from(WRAPS)), **more)
+    check_twin(method, exemplar, canvas, draw(st.integers(0, 2**64 - 1)))
+
+
+@pytest.mark.parametrize("wrap", WRAPS)
+@pytest.mark.parametrize("name", ["pebbles", "grass"])
+def test_real_samples_are_the_slow_twin(name, wrap):
+    exemplar = weftex.Exemplar(weftex.load_exemplar(f"sample:{name}").pixels[:30, :34])
+    check_twin(weftex.Ashikhmin(), exemplar, Canvas(28, 31, wrap), 7)
+
+
+@pytest.mark.parametrize("wrap", [(False, False), (True, True)])
+def test_holes_are_the_slow_twin(wrap):
+    """Two holes of a photo, learnt from the rest of it, one of them over its border."""
+    photo = weftex.load_exemplar("sample:pebbles").pixels[:36, :32]
+    hole = np.zeros(photo.shape[:2], bool)
+    hole[12:19, 8:17] = hole[25:30, 27:] = True
+    exemplar = weftex.Exemplar(photo, mask=~hole)
+    canvas = Canvas(36, 32, wrap, known=photo, hole=hole, known_from=(0, 0))
+    result = check_twin(weftex.Ashikhmin(), exemplar, canvas, 5)
+    assert np.array_equal(result.image[~hole], photo[~hole])
+
+
+def test_a_guide_beside_maps_is_the_slow_twin():
+    """The guide is compared with the picture, what is made with all of its maps too."""
+    pixels = weftex.load_exemplar("sample:pebbles").pixels[:24, :24]
+    exemplar = weftex.Exemplar(pixels, maps={"height": noise((24, 24))})
+    canvas = Canvas(14, 15, (True, False), guide=pixels[5:19, 8:23].copy())
+    check_twin(weftex.Ashikhmin(), exemplar, canvas, 5)
+
+
+# Candidates
+
+
+@given(st.data())
+def test_coherent_places_are_each_there_once(data):
+    draw = data.draw
+    rng = np.random.default_rng(draw(st.integers(0, 10**6)))
+    tileable, half = draw(st.booleans()), draw(st.integers(0, 2))
+    exemplar = weftex.Exemplar(few_colours(rng, (7, 8), 3), tileable=tileable)
+    windows = windows_of(exemplar, (half,) * 4)
+    centres = set(reference.window_centres(np.ones((7, 8), bool), [half] * 4, tileable))
+    source = rng.integers(-1, 56, (6, 6)).astype(np.int32)  # anywhere, usable or not
+    y, x = draw(st.integers(0, 5)), draw(st.integers(0, 5))
+    steps = reference.known_window(rng.random((6, 6)) < 0.7, y, x, (True, True), [half] * 4)
+    runs = np.array([(dy, dx, 1) for dy, dx in steps], np.int32).reshape(-1, 3)
+    places = np.empty(40, np.int32)
+    n = _coherence_kernels.places_at(
+        windows.from_sample(source), y, x, runs, len(runs), windows.usable, windows.period, places
+    )
+    found = [None if k < 0 else divmod(int(k), 8) for k in windows.to_sample(places[:n])]
+    own = [[None if k < 0 else divmod(int(k), 8) for k in row] for row in source]
+    assert found == reference.coherent_places(own, y, x, steps, exemplar, centres)
+
+
+def test_pieces_of_the_sample_grow():
+    """Most pixels go on from their left neighbour's source, unlike in a random order."""
+    result = weftex.synthesize("sample:pebbles", 150, method="ashikhmin", seed=1)
+    steps = np.diff(result.source, axis=1)
+    assert 0.7 < (steps == (0, 1)).all(axis=2).mean() < 0.99
+
+
+def test_a_regular_pattern_is_continued():
+    """Stripes that a window can see stay whole, whatever the start."""
+    y, x = np.indices((40, 40))
+    stripes = (((x + y) % 6) * 40).astype(np.uint8)
+    image = weftex.synthesize(stripes, 60, method="ashikhmin", seed=1, passes=4).image
+    inside = image[8:].astype(int)
+    assert (inside[1:, :-1] == inside[:-1, 1:]).mean() > 0.9
+
+
+# Holes in layers
+
+
+@given(st.data())
+def test_layers_go_inwards(data):
+    rng = np.random.default_rng(data.draw(st.integers(0, 10**6)))
+    shape = data.draw(st.integers(1, 9)), data.draw(st.integers(1, 9))
+    wrap = data.draw(st.sampled_from(WRAPS))
+    unknown = rng.random(shape) < data.draw(st.sampled_from([0.0, 0.5, 0.9, 1.0]))
+    found = peeled(unknown, wrap)
+    order = np.concatenate([*found, np.empty(0, int)])
+    assert sorted(order) == np.flatnonzero(unknown).tolist()
+    if unknown.all():
+        assert len(found) == 1
+        return
+    known = ~unknown
+    for layer in found:
+        assert layer.dtype == np.int32 and (np.diff(layer) > 0).all()
+        padded = np.pad(known, 1)
+        for axis in (0, 1):
+            if wrap[axis]:
+                around = padded.swapaxes(0, axis)
+                around[0], around[-1] = around[-2].copy(), around[1].copy()
+        beside = padded[:-2, 1:-1] | padded[2:, 1:-1] | padded[1:-1, :-2] | padded[1:-1, 2:]
+        assert np.array_equal(layer, np.flatnonzero(beside & ~known))
+        known.reshape(-1)[layer] = True
+
+
+# The guide
+
+
+def two_halves(height=60, width=64):
+    """A sample with a dark and a bright half, and a guide with a bright disc on dark ground."""
+    rng = np.random.default_rng(1)
+    pixels = rng.integers(0, 60, (40, 48, 3), np.uint8)
+    pixels[:, 24:] += 180
+    y, x = np.indices((height, width))
+    guide = np.full((height, width, 3), 30, np.uint8)
+    guide[(y - 30) ** 2 + (x - 30) ** 2 < 300] = 210
+    return weftex.Exemplar(pixels), guide
+
+
+@pytest.mark.parametrize("passes", [1, 2])
+@pytest.mark.parametrize("wrap", [(False, False), (True, True)])
+def test_the_output_follows_the_guide(passes, wrap):
+    exemplar, guide = two_halves()
+    canvas = Canvas(*guide.shape[:2], wrap, guide=guide)
+    bright = guide[..., 0] > 100
+    image = (
+        weftex.Ashikhmin(passes=passes, guide_weight=1.0).fit(exemplar).sample(canvas, seed=1).image
+    )
+    follows = (image.mean(axis=2) > 120) == bright
+    assert follows.mean() > 0.95
+    alone = weftex.Ashikhmin(passes=passes).fit(exemplar).sample(Canvas(60, 64, wrap), seed=1).image
+    assert ((alone.mean(axis=2) > 120) == bright).mean() < 0.8
+
+
+def test_a_heavier_guide_is_followed_more():
+    exemplar = weftex.load_exemplar("sample:pebbles")
+    guide = np.repeat(np.linspace(20, 200, 90).astype(np.uint8)[:, None], 90, 1)
+    guide = np.repeat(guide[..., None], 3, 2)
+    away = []
+    for weight in (0.01, 0.1, 1.0, 10.0):
+        model = weftex.Ashikhmin(guide_weight=weight).fit(exemplar)
+        image = model.sample(Canvas(90, 90, guide=guide), seed=1).image
+        away.append(np.abs(image.astype(int) - guide).mean())
+    assert away == sorted(away, reverse=True)
+    assert away[-1] < away[0] / 2
+
+
+def test_a_guided_hole():
+    exemplar, guide = two_halves()
+    hole = np.zeros(guide.shape[:2], bool)
+    hole[10:50, 10:50] = True
+    known = np.where(hole[..., None], 0, guide).astype(np.uint8)
+    canvas = Canvas(60, 64, known=known, hole=hole, guide=guide)
+    image = weftex.Ashikhmin(guide_weight=1.0).fit(exemplar).sample(canvas, seed=1).image
+    assert np.array_equal(image[~hole], known[~hole])
+    assert ((image.mean(axis=2) > 120) == (guide[..., 0] > 100))[hole].mean() > 0.9
+
+
+def test_guide_weight_without_a_guide_is_refused():
+    exemplar, guide = two_halves()
+    model = weftex.Ashikhmin(guide_weight=1.0).fit(exemplar)
+    with pytest.raises(
+        weftex.InvalidInputError, match="guide_weight has no effect without a guide"
+    ):
+        model.sample(30, seed=1)
+    assert model.sample(Canvas(60, 64, guide=guide), seed=1).image.shape == (60, 64, 3)
+
+
+def test_guides_for_synthesize():
+    """A path, an array or a picture; one place only."""
+    from PIL import Image
+
+    exemplar, guide = two_halves()
+    canvas = Canvas(60, 64, guide=guide)
+    expected = weftex.Ashikhmin().fit(exemplar).sample(canvas, seed=2).image
+    for given_guide in (guide, Image.fromarray(guide), weftex.Exemplar(guide)):
+        result = weftex.synthesize(
+            exemplar, (60, 64), method="ashikhmin", guide=given_guide, seed=2
+        )
+        assert np.array_equal(result.image, expected)
+    with pytest.raises(weftex.InvalidInputError, match="the canvas has a guide"):
+        weftex.synthesize(exemplar, canvas, method="ashikhmin", guide=guide)
+    with pytest.raises(weftex.InvalidInputError, match="guide is 64x60, the canvas is 64x50"):
+        weftex.synthesize(exemplar, (50, 64), method="ashikhmin", guide=guide)
+    with pytest.raises(weftex.UnsupportedError, match="quilting does not do following a guide"):
+        weftex.synthesize(exemplar, (60, 64), method="quilting", guide=guide)
+    with pytest.raises(weftex.InvalidInputError, match="guide is uint8"):
+        weftex.synthesize(exemplar, (60, 64), method="ashikhmin", guide=guide[..., 0])

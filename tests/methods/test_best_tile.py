@@ -1,0 +1,128 @@
+"""Best tile repetition: the best tile, repeated as the vectors say."""
+
+import numpy as np
+import pytest
+
+import weftex
+from families import noise
+from materials import wall
+from twins import best_tile as reference
+from weftex.methods.lattices.mean_tile import MeanTile
+
+
+def model_of(pixels, **parameters):
+    return weftex.BestTile(**parameters).fit(weftex.Exemplar(pixels))
+
+
+@pytest.mark.parametrize("vectors", [(7, 0, 0, 6), (5.5, 2, -3, 6.25), (-5, 3, 4, 5)])
+@pytest.mark.parametrize("border", [1, 2, 4])
+def test_errors_are_those_of_the_definition(vectors, border):
+    pixels = noise((17, 18, 3))
+    error = model_of(pixels, lattice=vectors).errors(tuple(map(float, vectors)), border)
+    expected = reference.tile_errors(pixels, vectors, border)
+    assert (error >= 0).any()
+    assert np.array_equal(error[error >= 0], expected[error >= 0])
+
+
+def test_the_only_seamless_tile_is_found():
+    """One tile's opposite borders fit, those of all others are noise."""
+    pixels = noise((60, 70, 3))
+    pixels[20:26, 10:50] = pixels[40:46, 10:50]  # around rows 23 and 43
+    pixels[10:60, 15:21] = pixels[10:60, 39:45]  # around columns 18 and 42
+    pixels[20:26, 10:50] = pixels[40:46, 10:50]
+    model = model_of(pixels, lattice=(24, 0, 0, 20), border_width=4)
+    y, x = model.anchors[0]
+    assert abs(y - 23) <= 1 and abs(x - 18) <= 1
+
+
+@pytest.mark.parametrize("vectors", [(10, 0, 0, 12), (10, 3, -4, 12), (-10, 12, 10, 12)])
+def test_one_tile_is_all_there_is(vectors):
+    pixels = noise((60, 60, 3))
+    model = model_of(pixels, lattice=vectors)
+    image = model.sample((100, 110), seed=1).image
+    x1, y1, x2, y2 = vectors
+    assert np.array_equal(image[20:80, 20:80], image[20 + y1 : 80 + y1, 20 + x1 : 80 + x1])
+    assert np.array_equal(image[20:80, 20:80], image[20 + y2 : 80 + y2, 20 + x2 : 80 + x2])
+    source = model.sample((100, 110)).source.reshape(-1, 2)
+    assert len(np.unique(source, axis=0)) == abs(x1 * y2 - x2 * y1)
+
+
+def test_fractions_do_not_add_up():
+    y, x = np.indices((80, 90))
+    waves = np.rint(127 + 60 * np.sin(x * 2 * np.pi / 12.3) + 60 * np.sin(y * 2 * np.pi / 9.7))
+    model = model_of(waves.astype(np.uint8), lattice=(12.3, 0, 0, 9.7))
+    for corner in ((0, 0), (10**6, -(10**6))):
+        far = model.window(*corner, 120, 120).image
+        v, u = np.indices(far.shape) + np.reshape(corner, (2, 1, 1))
+        ideal = 127 + 60 * np.sin(u * 2 * np.pi / 12.3) + 60 * np.sin(v * 2 * np.pi / 9.7)
+        assert np.abs(far - ideal).max() < 60 * 2 * np.pi * (1 / 9.7 + 1 / 12.3)
+
+
+def test_windows_agree():
+    model = model_of(wall(60, 64), lattice=(16, 0, 8, 12), tiles=3)
+    whole = model.sample((90, 95), seed=4).image
+    assert np.array_equal(model.window(30, 41, 50, 30, seed=4).image, whole[30:80, 41:71])
+    far = model.window(2**39, -(2**39), 60, 60, seed=4).image
+    assert np.array_equal(model.window(2**39 + 9, 5 - 2**39, 40, 40, seed=4).image, far[9:49, 5:45])
+
+
+def test_many_tiles_show_the_same_part_of_the_lattice():
+    model = model_of(wall(96, 96, spread=1), lattice=(16, 0, 8, 12), tiles=6)
+    assert len(model.anchors) == 6
+    y, x = np.indices((120, 130))
+    row = y // 12
+    mortar = (y % 12 < 2) | ((x + 8 * (row % 2)) % 16 < 2)
+    image = model.sample((120, 130), seed=1).image
+    assert ((image[..., 0] > 180) == mortar).mean() > 0.85  # 0.6 if they were anywhere
+
+
+@pytest.mark.parametrize("tileable", [True, "x", "y"])
+def test_it_goes_around(tileable):
+    model = model_of(noise((60, 64, 3)), lattice=(16, 0, 8, 12), tiles=4)
+    result = model.sample((49, 62), seed=1, tileable=tileable)
+    assert 0 < result.provenance["strain"] < 0.05
+    index, steps = result.index, []
+    for axis, name in ((0, "y"), (1, "x")):
+        if tileable in (True, name):
+            # Across the border sources go on as often as inside.
+            step = (np.roll(index, -1, axis) - index) == (64 if axis == 0 else 1)
+            step = np.moveaxis(step, axis, 0).mean(axis=1)
+            steps.append(step[-1] >= step.min())
+    assert all(steps)
+    with pytest.raises(weftex.InvalidInputError, match="would do"):
+        model.sample((30, 24), tileable=True)
+
+
+def test_holes_go_on_with_the_surroundings():
+    """Wherever the hole's picture was cut from, known or found."""
+    pixels = wall(96, 96, spread=1)
+    model = model_of(pixels, lattice=(16, 0, 8, 12))
+    hole = np.zeros((50, 60), bool)
+    hole[15:35, 20:45] = True
+    for corner in ((0, 0), (7, 13), (22, 5)):
+        whole = pixels[corner[0] : corner[0] + 50, corner[1] : corner[1] + 60]
+        known = np.where(hole[..., None], 0, whole).astype(np.uint8)
+        for known_from in (corner, None):
+            canvas = weftex.Canvas(50, 60, known=known, hole=hole, known_from=known_from)
+            image = model.sample(canvas).image
+            assert np.array_equal(image[~hole], whole[~hole])
+            assert np.abs(image.astype(int) - whole)[hole].mean() < 8
+
+
+def test_mean_tile():
+    tile = noise((9, 13, 2))
+    plane = MeanTile(np.tile(tile, (5, 5, 1)), (13, 0, 0, 9))
+    y, x = np.indices((40, 50)) + 1000
+    assert np.array_equal(plane.at(y, x), tile[y % 9, x % 13])
+    picture = np.tile(tile, (5, 5, 1))[4:34, 6:46]
+    mask = np.ones((30, 40), bool)
+    mask[5:9] = False
+    assert plane.offset(picture, mask) == (4, 6)
+
+
+def test_nothing_repeats():
+    """Without a lattice an upright tile that fits itself is chosen."""
+    model = model_of(noise((40, 50)))
+    x1, y1, x2, y2 = model.method.lattice
+    assert y1 == x2 == 0 and 0 < x1 < 50 and 0 < y2 < 40
+    model.sample((33, 47), tileable=True)

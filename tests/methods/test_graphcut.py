@@ -1,0 +1,348 @@
+"""Graph-cut textures against their slow twin, and what seams and placement are to do."""
+
+import itertools
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+import weftex
+from families import canvas_of
+from twins import graphcut as reference
+from weftex.methods.graphcut import GraphCut
+from weftex.methods.graphcut import growth as graphcut_growth
+from weftex.methods.graphcut.growth import Cutting
+from weftex.methods.graphcut.placement import chances_of, variance
+from weftex.search.translation import Spectra, fast_size, overlap_mismatch, window_mismatch
+
+KINDS = ("plain", "x", "y", "xy", "hole", "wrapped hole")
+WAYS = {
+    "subpatch": {"patch_size": 7},
+    "difference": {"patch_size": 7, "seam_cost": "difference"},
+    "papers": {"patch_size": 9, "boundary_width": 2, "variety": 0.0, "candidates": 1},
+    "best": {"patch_size": 6, "tolerance": 0.0},
+    "entire": {"placement": "entire", "tolerance": 0.03},
+    "random": {"placement": "random", "refinements": 0.5},
+}
+
+
+def material(name, height, width, channels=3):
+    pixels = weftex.load_exemplar(f"sample:{name}").pixels
+    return np.ascontiguousarray(pixels[40 : 40 + height, 50 : 50 + width, :channels])
+
+
+def few_levels(shape, seed=0, levels=4):
+    return np.random.default_rng(seed).integers(0, levels, shape).astype(np.uint8) * 60
+
+
+def check(exemplar, method, canvas, seed=5):
+    """The method and its twin give the same sources."""
+    model = method.fit(exemplar)
+    result = model.sample(canvas, seed=seed)
+    twin = reference.GraphCutTwin(exemplar, model.method, canvas, seed)
+    assert np.array_equal(result.index >= 0, np.ones(canvas.shape, bool) if canvas.hole is None
+                          else canvas.hole)  # fmt: skip
+    expected = twin.source()
+    made = expected[..., 0] >= 0
+    assert np.array_equal(result.source[made], expected[made])
+    return twin
+
+
+@pytest.mark.parametrize("kind", KINDS)
+@pytest.mark.parametrize("way", WAYS)
+def test_it_is_the_slow_twin(kind, way):
+    pixels = few_levels((13, 14, 2)) if kind in ("x", "hole") else material("pebbles", 13, 14)
+    canvas = canvas_of(kind, pixels, (24, 21)) if "hole" not in kind else small_hole(kind, pixels)
+    check(weftex.Exemplar(pixels), GraphCut(**WAYS[way]), canvas)
+
+
+def small_hole(kind, pixels):
+    size = (20, 19)
+    hole = np.zeros(size, bool)
+    hole[5:14, 4:13] = hole[-2:, 15:] = hole[:2, 9] = True
+    known = np.resize(pixels[::-1], (*size, *pixels.shape[2:]))
+    return weftex.Canvas(*size, (kind != "hole",) * 2, known=known, hole=hole)
+
+
+@pytest.mark.parametrize("way", WAYS)
+@pytest.mark.parametrize("wrap", [False, True])
+def test_samples_that_tile_and_samples_with_masks(way, wrap):
+    pixels = few_levels((11, 12, 3), seed=3)
+    canvas = weftex.Canvas(17, 19, (wrap, wrap))
+    check(weftex.Exemplar(pixels, tileable=True), GraphCut(**WAYS[way]), canvas)
+    mask = np.ones((11, 12), bool)
+    mask[2:4, 9:] = mask[10, :2] = False
+    for tileable in (False, True):
+        exemplar = weftex.Exemplar(pixels, mask=mask, tileable=tileable)
+        check(exemplar, GraphCut(**WAYS[way]), canvas)
+        result = GraphCut(**WAYS[way]).fit(exemplar).sample(canvas, seed=2)
+        assert mask[tuple(result.source.transpose(2, 0, 1))].all()
+
+
+@pytest.mark.parametrize("way", ["subpatch", "entire"])
+def test_holes_whose_surroundings_are_the_sample(way):
+    pixels = material("bricks", 18, 20)
+    hole = np.zeros((18, 20), bool)
+    hole[6:11, 7:12] = True
+    canvas = weftex.Canvas(18, 20, known=pixels, hole=hole, known_from=(0, 0))
+    check(weftex.Exemplar(pixels, mask=~hole), GraphCut(**WAYS[way] | {"variety": 1.0}), canvas)
+
+
+@st.composite
+def jobs(draw):
+    sides = st.integers(1, 9)
+    pixels = few_levels(
+        (draw(sides), draw(sides), draw(st.integers(1, 2))), draw(st.integers(0, 99))
+    )
+    canvas = weftex.Canvas(
+        draw(st.integers(1, 14)), draw(st.integers(1, 14)),
+        (draw(st.booleans()), draw(st.booleans())),
+    )  # fmt: skip
+    parameters = {
+        "placement": draw(st.sampled_from(["subpatch", "entire", "random"])),
+        "seam_cost": draw(st.sampled_from(["difference", "gradient"])),
+        "candidates": draw(st.integers(1, 3)),
+        "refinements": draw(st.sampled_from([0.0, 1.0])),
+    }
+    return weftex.Exemplar(pixels, tileable=draw(st.booleans())), canvas, parameters
+
+
+@given(jobs(), st.integers(0, 2**64 - 1))
+@settings(max_examples=60, deadline=None)
+def test_anything_small_is_the_slow_twin(job, seed):
+    exemplar, canvas, parameters = job
+    check(exemplar, GraphCut(**parameters), canvas, seed)
+
+
+# Seams
+
+
+def kwatra_cut(twin, box, patch):
+    """The graph of the paper: a node for each old seam, joined to both pixels and to the patch."""
+    number = {cell: i for i, cell in enumerate(box)}
+    new = dict(zip(box, patch, strict=True))
+    count = len(box)
+    unary = [0] * count
+    arc = {}
+    constant = 0
+
+    def edge(i, j, weight):
+        arc[i, j] = arc.get((i, j), 0) + weight
+        arc[j, i] = arc.get((j, i), 0) + weight
+
+    for p in box:
+        for step in reference.ARCS:
+            q = twin.step(p, *step)
+            if q is None:
+                continue
+            cost = [
+                twin.seam(p, q, step, *labels)
+                for labels in (
+                    (twin.label[p], twin.label[q]),
+                    (twin.label[p], new.get(q)),
+                    (new[p], twin.label[q]),
+                )
+                if None not in labels
+            ]
+            if q not in new:
+                unary[number[p]] += cost[1] - cost[0]
+                constant += cost[0]
+            elif step in reference.ARCS[:2]:
+                both_old, p_old, q_old = cost
+                if both_old == 0:
+                    assert p_old == q_old
+                    edge(number[p], number[q], p_old)
+                else:
+                    seam = len(unary)
+                    unary.append(-both_old)  # cut from the new patch while the old seam is there
+                    constant += both_old
+                    edge(number[p], seam, p_old)
+                    edge(seam, number[q], q_old)
+    labels, value = reference.least_labelling(unary, arc)
+    return labels[:count], value + constant
+
+
+@pytest.mark.parametrize("name", ["pebbles", "bricks", "weave"])
+def test_old_seams_need_no_nodes(name):
+    """The cut has the cost and the pixels that the paper's seam nodes give.
+
+    Where all patches go on, which they do in a sample that tiles, costs are a metric.
+    """
+    exemplar = weftex.Exemplar(material(name, 15, 16), tileable=True)
+    canvas = weftex.Canvas(20, 20)
+    method = (
+        GraphCut(patch_size=8, candidates=3, tolerance=0.1, seam_cost="difference")
+        .fit(exemplar)
+        .method
+    )
+    twin = reference.GraphCutTwin(exemplar, method, canvas, 1)
+    rng = np.random.default_rng(3)
+    for y, x in twin.cells:  # blocks from anywhere, so that a patch improves on them
+        corner = rng.integers(0, 15, 2) if y % 5 == x % 5 == 0 else None
+        corner = twin.label[y - y % 5, x - x % 5] if corner is None else corner
+        twin.label[y, x] = (int(corner[0] + y % 5) % 15, int(corner[1] + x % 5) % 16)
+    replaced = seams = 0
+    for pixel in [(6, 6), (10, 6), (8, 12), (14, 13)]:
+        twin.columns = 8
+        for box, patch in twin.patches(pixel, mend=True):
+            ours, theirs = twin.cut(box, patch), kwatra_cut(twin, box, patch)
+            assert ours[1] == theirs[1]
+            assert ours[0] == theirs[0]
+            replaced += sum(ours[0])
+            seams += sum(twin.seams()[cell] > 0 for cell in box)
+    assert replaced > 0 and seams > 0
+
+
+@pytest.mark.parametrize("seam_cost", ["difference", "gradient"])
+@pytest.mark.parametrize("kind", KINDS)
+def test_refinement_never_makes_seams_worse(seam_cost, kind, monkeypatch):
+    totals = []
+
+    def price(self, *box):
+        whole(self, *box)
+        cost = np.zeros_like(self.cost)
+        before, self.cost = self.cost, cost
+        cells, self.cells = self.cells, np.zeros_like(self.cells)
+        whole(self, 0, 0, *self.growth.canvas.shape)
+        assert np.array_equal(before, self.cost) and np.array_equal(cells, self.cells)
+        totals.append(int(cost.sum()))
+
+    whole = Cutting.price
+    pixels = material("pebbles", 40, 40)
+    canvas = canvas_of(kind, pixels, (61, 50))
+    method = GraphCut(patch_size=14, seam_cost=seam_cost, refinements=3.0)
+    monkeypatch.setattr(graphcut_growth, "_BAND", 1000)
+    monkeypatch.setattr(Cutting, "price", price)
+    method.fit(weftex.Exemplar(pixels)).sample(canvas, seed=1)
+    assert len(totals) > 5
+    assert all(later <= before for before, later in itertools.pairwise(totals))
+    assert totals[-1] < totals[0]
+
+
+def test_refinement_improves_the_picture():
+    """What is beside a pixel in the sample differs less from what is beside it in the output."""
+    exemplar = weftex.Exemplar(material("pebbles", 60, 60))
+    means = []
+    for refinements in (0.0, 4.0):
+        method = GraphCut(
+            placement="random", candidates=1, seam_cost="difference", refinements=refinements
+        )
+        results = [method.fit(exemplar).sample(120, seed=seed) for seed in range(3)]
+        means.append(np.mean([result.draw("error").mean() for result in results]))
+    assert means[1] < 0.85 * means[0]
+
+
+def test_a_continued_patch_has_no_seam():
+    """Of a sample that repeats, entire placement at tolerance 0 finds the exact fit."""
+    y, x = np.indices((32, 32))
+    pixels = ((y * 7 + x * 3) % 32 * 8).astype(np.uint8)
+    model = GraphCut(placement="entire", tolerance=0.0).fit(weftex.Exemplar(pixels))
+    image = model.sample((40, 44), seed=3).image.astype(int)
+    assert ((np.diff(image, axis=1) - 24) % 256 == 0).all()
+    assert ((np.diff(image, axis=0) - 56) % 256 == 0).all()
+
+
+# Placement
+
+
+@given(st.integers(1, 9), st.integers(1, 9), st.integers(1, 3), st.integers(0, 99))
+def test_mismatch_is_the_sum_of_squared_differences(height, width, channels, seed):
+    rng = np.random.default_rng(seed)
+    picture = rng.integers(0, 256, (12, 13, channels)).astype(np.uint8)
+    window = rng.integers(0, 256, (height, width, channels)).astype(np.uint8)
+    here = rng.random((12, 13)) < 0.8
+    there = rng.random((height, width)) < 0.6
+    size = fast_size(12), fast_size(13)
+    whole, part = Spectra(picture, np.ones((12, 13)), size), Spectra(window, there, size)
+    holed = Spectra(picture, here, size)
+    total = window_mismatch(whole, part)
+    common, area = overlap_mismatch(holed, part)
+    for y in range(12 - height + 1):
+        for x in range(13 - width + 1):
+            like = picture[y : y + height, x : x + width].astype(int)
+            squares = ((like - window.astype(int)) ** 2).sum(axis=2)
+            assert total[y, x] == squares[there].sum()
+            both = there & here[y : y + height, x : x + width]
+            assert common[y, x] == squares[both].sum()
+            assert area[y, x] == both.sum()
+
+
+def test_mismatch_is_exact_where_it_is_largest():
+    """Black against white over the largest patch: still the exact whole number."""
+    black, white = np.zeros((600, 640, 4), np.uint8), np.full((300, 310, 4), 255, np.uint8)
+    size = (600, 640)
+    total = window_mismatch(
+        Spectra(black, np.ones((600, 640)), size), Spectra(white, np.ones((300, 310)), size)
+    )
+    assert (total[:301, :331] == 300 * 310 * 4 * 255**2).all()
+
+
+def test_chances_follow_the_exponential():
+    costs = np.linspace(0, 300, 50).reshape(5, 10)
+    chances = chances_of(costs, np.ones((5, 10), bool), 40.0)
+    assert np.allclose(chances / chances[0, 0], np.exp(-costs / 40), rtol=0.03)
+    alone = chances_of(costs[::-1].copy(), np.ones((5, 10), bool), 0.0)
+    assert alone.sum() == 1 and alone[4, 0] == 1
+
+
+def test_variance_is_numpys():
+    pixels = material("leaves", 30, 31).reshape(-1, 3)
+    assert variance(pixels) == pytest.approx(pixels.var(axis=0).sum(), rel=1e-12)
+
+
+def test_variety_keeps_repeats_apart():
+    """Fewer pixels near each other come from the same place than in the paper's way."""
+    exemplar = weftex.Exemplar(weftex.load_exemplar("sample:leaves").pixels[:128, :128])
+
+    def distinct(variety):
+        source = GraphCut(variety=variety).fit(exemplar).sample(256, seed=4).source
+        flat = source[..., 0] * 128 + source[..., 1]
+        boxes = [flat[y : y + 64, x : x + 64] for y in range(0, 256, 64) for x in range(0, 256, 64)]
+        return np.mean([len(np.unique(box)) / box.size for box in boxes])
+
+    def largest(variety):
+        """The share of the sample that is copied in one piece, at most."""
+        result = GraphCut(variety=variety, refinements=0.0).fit(exemplar).sample(256, seed=4)
+        shift = result.source - np.indices((256, 256)).transpose(1, 2, 0)
+        _, counts = np.unique(shift.reshape(-1, 2), axis=0, return_counts=True)
+        return counts.max() / 128**2
+
+    assert distinct(1.0) > 0.9
+    assert largest(1.0) < 0.5 * largest(0.0)
+
+
+# Parameters
+
+
+@pytest.mark.parametrize(
+    "wrong, message",
+    [
+        ({"patch_size": 31}, "patch_size is 31; .* room for 30"),
+        ({"patch_size": 10, "boundary_width": 6}, "boundary_width is 6; .* 5"),
+        ({"placement": "entire", "patch_size": 5}, "patch_size has no effect"),
+        ({"placement": "random", "tolerance": 0.5}, "tolerance has no effect"),
+        ({"placement": "entire", "variety": 2.0}, "variety has no effect"),
+        ({"candidates": 0}, "candidates is 0"),
+        ({"placement": "sub-patch"}, "placement is 'sub-patch'"),
+    ],
+)
+def test_wrong_parameters_are_named(wrong, message):
+    with pytest.raises(weftex.InvalidInputError, match=message):
+        GraphCut(**wrong).fit(weftex.Exemplar(few_levels((30, 31))))
+
+
+def test_a_mask_without_room_is_an_error_for_a_given_patch_only():
+    mask = np.zeros((30, 31), bool)
+    mask[::2] = True
+    exemplar = weftex.Exemplar(few_levels((30, 31)), mask=mask)
+    with pytest.raises(weftex.InvalidInputError, match="patch_size is 2; no patch"):
+        GraphCut(patch_size=2).fit(exemplar)
+    model = GraphCut().fit(exemplar)
+    assert model.method.patch_size == 1
+    assert mask[model.sample(20, seed=1).source[..., 0].ravel(), 0].all()
+
+
+def test_defaults_follow_from_the_sample():
+    method = GraphCut().fit(weftex.Exemplar(few_levels((100, 120)))).method
+    assert (method.patch_size, method.boundary_width) == (45, 15)

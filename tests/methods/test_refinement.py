@@ -1,0 +1,330 @@
+"""Iterative refinement: byte by byte its slow twin, the start, the sweeps, and when they stop."""
+
+import dataclasses
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+import weftex
+from families import canvas_of, noise, with_guides
+from twins import refinement as reference
+from weftex.analysis.scale import dominant_scale
+from weftex.canvas import Canvas
+from weftex.methods.refinement.sweeps import _cyclic, _lines
+
+WRAPS = [(False, False), (False, True), (True, False), (True, True)]
+
+
+def check_twin(method, exemplar, canvas, seed):
+    model = method.fit(exemplar)
+    result = model.sample(canvas, seed=seed)
+    start = None
+    if model.start and not (canvas.guide is not None and model.open):
+        bare = "guide" not in model.start.method.supports
+        follow = dataclasses.replace(canvas, guide=None) if bare else canvas
+        start = model.start.sample(follow, seed=seed).source
+    components = model.levels[0].components
+    expected = reference.refinement(model.method, exemplar, canvas, seed, start, components)
+    source = result.source
+    if canvas.hole is not None:
+        source[~canvas.hole] = -1
+    assert np.array_equal(source, expected)
+    return result
+
+
+@settings(max_examples=40)
+@given(st.data())
+def test_it_is_the_slow_twin(data):
+    """Small samples on every kind of canvas, one resolution."""
+    draw = data.draw
+    rng = np.random.default_rng(draw(st.integers(0, 10**6)))
+    shape = draw(st.integers(5, 9)), draw(st.integers(5, 9))
+    channels, colours = draw(st.integers(1, 3)), draw(st.sampled_from([1, 2, 5, 200]))
+    mask = None
+    if draw(st.booleans()):
+        mask = np.ones(shape, bool)
+        mask[0, rng.integers(shape[1])] = False
+    pixels = rng.integers(0, colours, (*shape, channels)) * (255 // max(colours - 1, 1))
+    pixels = pixels.astype(np.uint8)
+    exemplar = weftex.Exemplar(pixels, mask=mask, tileable=draw(st.booleans()), alpha=False)
+    size = draw(st.integers(1, 9)), draw(st.integers(1, 9))
+    more = {}
+    if draw(st.booleans()):
+        more = {"known": noise((*size, channels)), "hole": rng.random(size) < 0.6}
+        if size <= shape and size[1] <= shape[1] and draw(st.booleans()):
+            corner = shape[0] - size[0], shape[1] - size[1]
+            more |= {"known": pixels[corner[0] :, corner[1] :].copy(), "known_from": corner}
+    starts = ["seeds"] if exemplar.mask is not None else ["seeds", "ashikhmin"]
+    parameters = {"init": draw(st.sampled_from(starts))}
+    if parameters["init"] == "seeds":
+        parameters |= {"matches": draw(st.integers(1, 5)), "seed_density": draw(st.just(0.5))}
+    if draw(st.booleans()):
+        more["guide"] = noise((*size, channels), seed=5)
+        if draw(st.booleans()):
+            exemplar, more["guide"] = with_guides(exemplar, size, rng)
+        parameters["guide_weight"] = draw(st.sampled_from([0.01, 0.3, 3.0]))
+    if draw(st.booleans()) and "guide" not in more:
+        # Distances by few colours are equal so often that any shortlist is as good.
+        parameters |= {"search": "pca", "candidates": 3 if colours == 200 else 100}
+    else:
+        parameters |= {"similar": draw(st.integers(0, 2)), "evenness": draw(st.just(2.0))}
+    if parameters["init"] != "seeds" and "guide" not in more and draw(st.booleans()):
+        parameters["joints"] = draw(st.integers(2, 5))
+    method = weftex.Refinement(
+        window_width=draw(st.sampled_from([1, 3, 5])) if mask is None else 3,
+        iterations=draw(st.integers(1, 5)),
+        **parameters,
+    )
+    canvas = Canvas(*size, draw(st.sampled_from(WRAPS)), **more)
+    check_twin(method, exemplar, canvas, draw(st.integers(0, 2**64 - 1)))
+
+
+@pytest.mark.parametrize("kind", ["plain", "xy", "hole"])
+@pytest.mark.parametrize(("init", "tileable"), [("seeds", True), ("quilting", False)])
+def test_levels_are_the_slow_twins(kind, tileable, init):
+    """Two levels; the second sample has odd sides and a mask."""
+    sample = weftex.load_exemplar("sample:pebbles").pixels
+    pixels = np.ascontiguousarray(sample[20:68, 10:59, :1])
+    mask = np.ones(pixels.shape[:2], bool)
+    mask[:9, 30:] = False
+    exemplar = weftex.Exemplar(pixels, mask=mask, tileable=tileable)
+    method = weftex.Refinement(window_width=13, iterations=1, init=init, similar=1 + tileable)
+    canvas = canvas_of(kind, pixels, (13, 15))
+    model = method.fit(exemplar)
+    assert len(model.levels) == 2
+    check_twin(method, exemplar, canvas, 5)
+
+
+@pytest.mark.parametrize("tileable", [False, True])
+def test_guides_of_levels_are_the_slow_twins(tileable):
+    pixels = weftex.load_exemplar("sample:pebbles").pixels[20:68, 10:59].copy()
+    exemplar = weftex.Exemplar(pixels, tileable=tileable)
+    canvas = canvas_of("guide", pixels, (9, 10))
+    init = "auto"
+    if tileable:
+        init, (y, x) = "quilting", np.indices((48, 49))
+        exemplar = exemplar.with_guide((y + x > 50).astype(int) + (x > 30))
+        canvas = Canvas(9, 10, (True, False), guide=np.indices((9, 10))[1] // 4)
+    method = weftex.Refinement(window_width=13, iterations=1, similar=0, init=init)
+    check_twin(method, exemplar, canvas, 5)
+
+
+def test_the_depth_follows_the_window_and_the_sample():
+    pixels = noise((100, 120))
+    for width, depth in ((3, 1), (7, 1), (9, 2), (15, 3), (29, 3), (99, 3)):
+        levels = weftex.Refinement(window_width=width).fit(weftex.Exemplar(pixels)).levels
+        assert len(levels) == depth
+        assert [level.reach for level in levels] == [1 if depth > 1 else min(3, width // 2)] + [
+            3
+        ] * (depth - 1)
+    model = weftex.Refinement(window_width=29, search="pca").fit(weftex.Exemplar(pixels))
+    assert len(model.levels) == 1 and model.levels[0].reach == 14
+
+
+def test_the_window_is_twice_the_scale():
+    y, x = np.indices((128, 128))
+    waves = np.rint(127 + 60 * np.sin(x * np.pi / 10) + 60 * np.sin(y * np.pi / 10))
+    exemplar = weftex.Exemplar(waves.astype(np.uint8))
+    for search in ("coherent", "pca"):
+        width = weftex.Refinement(search=search).fit(exemplar).method.window_width
+        assert width == dominant_scale(exemplar).window_width and 39 <= width <= 43
+    grain = weftex.Exemplar(noise((128, 128)))
+    assert weftex.Refinement().fit(grain).method.window_width == 29
+    assert weftex.Refinement(search="pca").fit(grain).method.window_width < 29
+
+
+def test_settling_is_what_fitting_does():
+    for shape in ((2, 40), (40, 41)):
+        for search in ("coherent", "pca"):
+            method, exemplar = weftex.Refinement(search=search), weftex.Exemplar(noise(shape))
+            assert method.settle(exemplar) == method.fit(exemplar).method
+
+
+def test_what_it_starts_from():
+    assert weftex.Refinement().settle(weftex.Exemplar(noise((40, 40)))).init == "quilting"
+    assert weftex.Refinement().settle(weftex.Exemplar(noise((2, 40)))).init == "seeds"
+    assert weftex.Refinement(search="pca").settle(weftex.Exemplar(noise((40, 40)))).init == "seeds"
+    with pytest.raises(weftex.InvalidInputError):
+        weftex.Refinement(init="quilting").fit(weftex.Exemplar(noise((2, 40))))
+
+
+@pytest.mark.parametrize("parameters", [{"seed_density": 2.0}, {"matches": 3}, {"variance": 0.5}])
+def test_what_has_no_effect_is_refused(parameters):
+    with pytest.raises(weftex.InvalidInputError, match="has no effect unless"):
+        weftex.Refinement(**parameters)
+
+
+def test_what_follows_no_guide_is_refused():
+    pixels = noise((40, 40))
+    with pytest.raises(weftex.InvalidInputError, match="search is 'pca', which follows no guide"):
+        weftex.synthesize(pixels, 40, method="refinement", guide=pixels, search="pca")
+    with pytest.raises(weftex.InvalidInputError, match="no effect without a guide"):
+        weftex.synthesize(pixels, 40, method="refinement", guide_weight=2.0)
+
+
+@pytest.mark.parametrize("init", ["quilting", "graphcut"])
+def test_only_joints_are_refined(init):
+    """Patches stay, and pictures of a pattern are the pattern."""
+    pixels = weftex.load_exemplar("sample:pebbles").pixels[:72, :72].copy()
+    method = weftex.Refinement(window_width=15, init=init, joints=10)
+    made = method.fit(weftex.Exemplar(pixels)).sample(80, seed=2)
+    start = weftex.METHODS[init]().fit(weftex.Exemplar(pixels)).sample(80, seed=2)
+    same = (made.source == start.source).all(axis=2)
+    step = np.diff(start.source, axis=1) != (0, 1)
+    seams = np.pad(step.any(axis=2), ((0, 0), (0, 1)))
+    assert same[~reference.seam_belts(start.source, 5, (False, False), made.exemplar)].all()
+    assert not same[seams].all() and same.mean() > 0.2
+    with pytest.raises(weftex.InvalidInputError, match="joints has no effect unless init is"):
+        weftex.Refinement(init="seeds", joints=10)
+    with pytest.raises(weftex.InvalidInputError, match="joints keeps what follows no guide"):
+        weftex.synthesize(pixels, 72, method=method, guide=pixels)
+
+
+@pytest.mark.parametrize("wrap", [(False, False), (True, True)])
+def test_joints_of_levels_are_the_slow_twins(wrap):
+    pixels = weftex.load_exemplar("sample:pebbles").pixels[20:68, 10:59, :1].copy()
+    method = weftex.Refinement(window_width=13, iterations=1, similar=0, joints=6)
+    check_twin(method, weftex.Exemplar(pixels, tileable=wrap[0]), Canvas(23, 25, wrap), 5)
+
+
+def test_labels_are_followed():
+    """A sample of two materials, and a map that asks for much of one and a piece of the other."""
+    y, x = np.indices((60, 90))
+    own = x > 70 + 4 * np.sin(y / 5)
+    pixels = np.where(own, 200, 60) + noise((60, 90)) // 8
+    exemplar = weftex.Exemplar(pixels.astype(np.uint8), guide=own)
+    y, x = np.indices((48, 64))
+    wanted = (y - 24) ** 2 + (x - 24) ** 2 > 200
+    for init in ("auto", "ashikhmin", "quilting"):
+        model = weftex.Refinement(window_width=15, init=init).fit(exemplar)
+        image = model.sample(Canvas(48, 64, guide=wanted), seed=1).image
+        assert ((image > 150) == wanted).mean() > 0.97
+
+
+def test_what_has_no_effect_on_the_search_is_refused():
+    for parameters in ({"similar": 1}, {"evenness": 0.0}):
+        with pytest.raises(weftex.InvalidInputError, match="has no effect unless search is"):
+            weftex.Refinement(search="pca", **parameters)
+
+
+def curve_of(**parameters):
+    exemplar = weftex.Exemplar(weftex.load_exemplar("sample:pebbles").pixels[:64, :64])
+    result = weftex.Refinement(**parameters).fit(exemplar).sample(48, seed=3)
+    return result, result.provenance["convergence"]
+
+
+def test_the_number_of_iterations_stops_it():
+    _, curve = curve_of(window_width=13, iterations=4, threshold=0.0)
+    assert [(p["level"], p["iteration"]) for p in curve] == [
+        *((1, n) for n in range(1, 9)),
+        (0, 1),
+        (0, 2),
+    ]
+
+
+def test_a_small_difference_stops_it():
+    _, curve = curve_of(window_width=13, iterations=50, threshold=0.05)
+    last = {point["level"]: point for point in curve}
+    assert all(point["difference"] < 0.05 for point in last.values())
+    assert all(
+        p["difference"] >= 0.05 for p in curve if p is not last[p["level"]] and p["iteration"] > 1
+    )
+    assert len(curve) < 40
+
+
+def test_the_curve_is_saved(tmp_path):
+    result, curve = curve_of(window_width=13, iterations=2)
+    assert {"level", "iteration", "changed", "difference", "mse"} == set(curve[0])
+    result.save(tmp_path / "result.npz")
+    loaded = weftex.Synthesis.load(tmp_path / "result.npz")
+    assert loaded.provenance["convergence"] == curve
+
+
+def test_the_curve_says_what_changed():
+    """Iterations of one level, from the pictures before and after each."""
+    exemplar = weftex.Exemplar(weftex.load_exemplar("sample:pebbles").pixels[:40, :40])
+    pictures = []
+    for iterations in (1, 2, 3):
+        method = weftex.Refinement(search="pca", window_width=7, iterations=iterations)
+        pictures.append(method.fit(exemplar).sample(24, seed=1))
+    curve = pictures[-1].provenance["convergence"]
+    assert curve[0]["changed"] > 0.98  # a seed may stay
+    assert 0.8 < curve[0]["difference"] <= 1.0  # what was not there before counts as different
+    for k in (1, 2):
+        old, new = (pictures[n].image.astype(float) for n in (k - 1, k))
+        moved = (pictures[k].source != pictures[k - 1].source).any(axis=2)
+        assert curve[k]["changed"] == moved.mean()
+        assert curve[k]["mse"] == pytest.approx(((new - old) ** 2).mean())
+        away = np.sqrt(((new - old) ** 2).sum(axis=2) / np.maximum((old**2).sum(axis=2), 1))
+        assert curve[k]["difference"] == pytest.approx(away.mean(), abs=1e-6)
+
+
+def test_evenness_spreads_what_is_used():
+    exemplar = weftex.Exemplar(weftex.load_exemplar("sample:grass").pixels[:96, :96])
+
+    def spread(evenness):
+        method = weftex.Refinement(window_width=15, init="seeds", evenness=evenness)
+        source = method.fit(exemplar).sample(128, seed=1).source
+        used = np.bincount((source[..., 0] // 12 * 8 + source[..., 1] // 12).ravel(), minlength=64)
+        share = used[used > 0] / used.sum()
+        return -(share * np.log(share)).sum()
+
+    assert spread(1.0) > spread(0.0)
+
+
+def test_holes_are_swept_from_four_sides():
+    hole = np.zeros((3, 4), bool)
+    hole[0, 1:], hole[2, 2] = True, True
+    lines = _lines(hole)
+    expected = [
+        [[1, 2, 3], [10]],
+        [[1], [2, 10], [3]],
+        [[10], [3, 2, 1]],
+        [[3], [10, 2], [1]],
+    ]
+    for turn in range(8):
+        assert [k.tolist() for k in _cyclic(lines, turn, hole.shape)] == expected[turn % 4]
+
+
+def test_a_hole_of_a_texture_that_repeats_is_filled_with_it():
+    tile = noise((8, 9, 3))
+    photo = np.tile(tile, (8, 8, 1))
+    hole = np.zeros(photo.shape[:2], bool)
+    hole[20:40, 25:44] = True
+    damaged = photo.copy()
+    damaged[hole] = 0
+    for parameters in ({}, {"init": "seeds"}, {"search": "pca"}):
+        filled = weftex.fill(
+            damaged, hole, method="refinement", window_width=13, **parameters, seed=1
+        )
+        assert np.array_equal(filled.image, photo)
+
+
+def test_the_papers_search_makes_the_canvas_a_torus():
+    """From the second iteration neighbourhoods go around the borders (section 3)."""
+    tile = noise((8, 8), seed=4)
+    exemplar = weftex.Exemplar(np.tile(tile, (5, 5)))
+    image = weftex.Refinement(search="pca", window_width=9).fit(exemplar).sample(32, seed=2).image
+    y, x = np.argwhere([[(np.roll(image, (-v, -u), (0, 1))[:8, :8] == tile).all() for u in range(8)]
+                        for v in range(8)])[0]  # fmt: skip
+    assert np.array_equal(np.roll(image, (-y, -x), (0, 1)), np.tile(tile, (4, 4)))
+
+
+def test_progress_counts_every_pixel_and_shows_coarse_levels():
+    seen, previews = [], []
+
+    def watch(done, total, stage, preview):
+        seen.append((done, total, stage))
+        if not previews or done == total:
+            previews.append(preview())
+
+    exemplar = weftex.Exemplar(weftex.load_exemplar("sample:pebbles").pixels[:64, :64])
+    model = weftex.Refinement(window_width=13, iterations=3).fit(exemplar)
+    result = model.sample((40, 44), seed=1, progress=watch)
+    assert seen[-1][0] == seen[-1][1] and {stage for *_, stage in seen} == {"pixels"}
+    assert previews[0].shape == result.image.shape
+    assert np.array_equal(previews[-1], result.image)
+    with pytest.raises(weftex.WeftexError, match="cancelled"):
+        model.sample((40, 44), seed=1, progress=lambda *_: False)

@@ -1,0 +1,280 @@
+"""Wei and Levoy's method; what holds for every method is in test_invariants.py."""
+
+import numpy as np
+import pytest
+
+import weftex
+from families import noise
+from twins import wei_levoy as reference
+from weftex.methods import wei_levoy
+from weftex.search import pyramid_windows
+from weftex.search.tsvq import build_tsvq
+
+
+def pebbles(height, width):
+    return np.ascontiguousarray(weftex.load_exemplar("sample:pebbles").pixels[:height, :width])
+
+
+def holed(pixels, size, wrap=(False, False)):
+    y, x = np.indices(size)
+    hole = (y - 5) ** 2 + (x - 7) ** 2 < 17
+    hole[-2:, :3] = True
+    known = np.resize(pixels[::-1], (*size, *pixels.shape[2:])).astype(pixels.dtype)
+    return weftex.Canvas(*size, wrap, known=known, hole=hole)
+
+
+CANVASES = {
+    "plain": lambda _: weftex.Canvas(13, 11),
+    "x": lambda _: weftex.Canvas(12, 13, (False, True)),
+    "xy": lambda _: weftex.Canvas(11, 12, (True, True)),
+    "line": lambda _: weftex.Canvas(1, 14),
+    "small": lambda _: weftex.Canvas(3, 2, (True, True)),
+    "hole": lambda pixels: holed(pixels, (14, 15)),
+    "wrapped hole": lambda pixels: holed(pixels, (13, 14), (True, True)),
+}
+SETTINGS = {
+    "one level": {"levels": 1, "window_width": 5},
+    "two levels": {"levels": 2, "window_width": 5},
+    "three levels": {"levels": 3, "window_width": 3, "parent_width": 1},
+    "tree": {"levels": 2, "window_width": 3, "tree_size": 9, "leaves": 2},
+    "full": {"levels": 2, "window_width": 3, "search": "full"},
+    "passes": {"levels": 2, "window_width": 3, "passes": 2},
+    "noise": {"levels": 2, "window_width": 5, "parent_width": 3, "start": "noise"},
+    "single": {"levels": 1, "window_width": 1},
+}
+
+
+def assert_is_the_twin(exemplar, canvas, seed=5, **parameters):
+    model = weftex.WeiLevoy(**parameters).fit(exemplar)
+    result = model.sample(canvas, seed=seed)
+    expected = reference.wei_levoy(exemplar, model.method, canvas, seed)
+    made = np.ones(canvas.shape, bool) if canvas.hole is None else canvas.hole
+    assert np.array_equal(result.index[made], expected[made])
+    return model
+
+
+@pytest.mark.parametrize("kind", CANVASES)
+@pytest.mark.parametrize("settings", SETTINGS)
+def test_it_is_the_slow_twin(kind, settings):
+    pixels = noise((14, 13, 2), values=2 if kind in ("x", "small", "hole") else 256)
+    assert_is_the_twin(weftex.Exemplar(pixels), CANVASES[kind](pixels), **SETTINGS[settings])
+
+
+@pytest.mark.parametrize("kind", CANVASES)
+def test_it_is_the_slow_twin_on_a_real_sample(kind):
+    pixels = pebbles(30, 29)
+    assert_is_the_twin(weftex.Exemplar(pixels), CANVASES[kind](pixels))
+
+
+@pytest.mark.parametrize("settings", ["one level", "two levels", "noise"])
+@pytest.mark.parametrize("shape", [(14, 14), (11, 9), (7, 14)])
+def test_samples_that_tile_and_masks(settings, shape):
+    pixels = noise((*shape, 1))
+    mask = np.ones(shape, bool)
+    mask[1, 1] = False
+    for exemplar in (weftex.Exemplar(pixels, tileable=True), weftex.Exemplar(pixels, mask=mask)):
+        for kind in ("plain", "xy", "hole"):
+            try:
+                model = weftex.WeiLevoy(**SETTINGS[settings]).fit(exemplar)
+            except weftex.InvalidInputError:
+                assert not exemplar.tileable and min(shape) < 12
+                continue
+            canvas = CANVASES[kind](pixels)
+            index = model.sample(canvas, seed=2).index
+            slow = reference.wei_levoy(exemplar, model.method, canvas, 2)
+            made = np.ones(canvas.shape, bool) if canvas.hole is None else canvas.hole
+            assert np.array_equal(index[made], slow[made])
+            assert exemplar.tileable or mask.reshape(-1)[index[made]].all()
+
+
+def test_the_noise_has_the_samples_histogram():
+    """One-pixel windows see nothing, so the noise is the picture."""
+    pixels = noise((6, 7), values=5)
+    image = (
+        weftex.WeiLevoy(window_width=1).fit(weftex.Exemplar(pixels)).sample((12, 14), seed=3).image
+    )
+    assert np.array_equal(np.bincount(image.ravel()), 4 * np.bincount(pixels.ravel()))
+    model = weftex.WeiLevoy(window_width=1).fit(weftex.Exemplar(pixels))
+    index = model.sample((5, 10), seed=3).index
+    assert set(np.unique(index, return_counts=True)[1]) == {1, 2}  # 50 from 42
+    assert not np.array_equal(index, model.sample((5, 10), seed=4).index)
+
+
+def test_the_tree_with_all_leaves_is_the_full_search():
+    exemplar = weftex.Exemplar(pebbles(40, 40))
+    full = weftex.WeiLevoy(search="full", levels=2, window_width=5).fit(exemplar)
+    tree = weftex.WeiLevoy(leaves=10_000, levels=2, window_width=5).fit(exemplar)
+    some = weftex.WeiLevoy(leaves=1, levels=2, window_width=5).fit(exemplar)
+    for canvas in (weftex.Canvas(30, 31, (True, False)), holed(exemplar.pixels, (30, 31))):
+        expected = full.sample(canvas, seed=1).index
+        assert np.array_equal(tree.sample(canvas, seed=1).index, expected)
+        assert not np.array_equal(some.sample(canvas, seed=1).index, expected)
+
+
+def test_vectors_are_the_parents_window_and_then_the_own():
+    levels = pyramid_windows.sample_pyramid(weftex.Exemplar(noise((20, 22, 3))), 2)
+    causal, places = pyramid_windows.window_vectors(*levels, 5, 3, causal=True)
+    whole, others = pyramid_windows.window_vectors(*levels, 5, 3, causal=False)
+    assert causal.shape[1] == 3 * (9 + 12) and whole.shape[1] == 3 * (9 + 24)
+    both, a, b = np.intersect1d(places, others, return_indices=True)
+    assert np.array_equal(both, others)  # looking down too leaves fewer
+    assert np.array_equal(causal[a], whole[b, : causal.shape[1]])
+    y, x = divmod(int(places[5]), 22)
+    own, parent = levels[0].pixels, levels[1].pixels
+    expected = [parent[y // 2 - 1 : y // 2 + 2, x // 2 - 1 : x // 2 + 2].reshape(-1)]
+    expected += [own[y - 2 : y, x - 2 : x + 3].reshape(-1), own[y, x - 2 : x].reshape(-1)]
+    assert np.array_equal(causal[5], np.concatenate(expected))
+
+
+def test_large_samples_are_thinned_out(monkeypatch):
+    exemplar = weftex.Exemplar(noise((40, 40)))
+    every = pyramid_windows.window_vectors(exemplar, None, 3, 0, causal=False)[1]
+    monkeypatch.setattr(pyramid_windows, "MOST", 200)
+    vectors, places = pyramid_windows.window_vectors(exemplar, None, 3, 0, causal=False)
+    assert vectors.shape == (200, 8) and len(set(places.tolist())) == 200
+    assert set(places.tolist()) < set(every.tolist()) and (np.diff(places) > 0).all()
+    result = weftex.WeiLevoy(levels=1, window_width=3).fit(exemplar).sample(30, seed=1)
+    assert set(result.index.ravel().tolist()) <= set(
+        pyramid_windows.window_vectors(exemplar, None, 3, 0, causal=True)[1].tolist()
+    )
+
+
+def test_a_sample_that_tiles_comes_back():
+    """With enough context every pixel goes on as in the sample, once the noise is behind."""
+    exemplar = weftex.Exemplar(noise((16, 16, 3)), tileable=True)
+    result = (
+        weftex.WeiLevoy(levels=1, window_width=7, search="full").fit(exemplar).sample(48, seed=1)
+    )
+    step = np.diff(result.source[24:, 12:36, 1], axis=1) % 16
+    assert (step == 1).mean() > 0.8  # a sixteenth by chance
+
+
+def border_difference(image, axis):
+    """Mean difference across the border over that between neighbouring lines inside."""
+    lines = np.moveaxis(image.astype(float), axis, 0)
+    steps = np.abs(np.roll(lines, -1, axis=0) - lines).reshape(len(lines), -1).mean(axis=1)
+    return steps[-1] / steps[:-1].mean()
+
+
+@pytest.mark.pictures
+@pytest.mark.parametrize("levels", [1, 3])
+@pytest.mark.parametrize("name", ["pebbles", "wood"])
+def test_a_further_pass_closes_the_seam(levels, name):
+    """The causal pass alone shows where the last row meets the first; the paper has no more."""
+    exemplar = weftex.Exemplar(weftex.load_exemplar(f"sample:{name}").pixels[:128, :128])
+    model = weftex.WeiLevoy(levels=levels).fit(exemplar)
+    closed, plain = [], []
+    for seed in range(4):
+        closed.append(border_difference(model.sample((70, 61), seed=seed, tileable="y").image, 0))
+        plain.append(border_difference(model.sample((70, 61), seed=seed).image, 0))
+    assert np.mean(closed) < 1.3
+    assert np.mean(closed) - 1 < 0.6 * (np.mean(plain) - 1)
+
+
+def test_only_the_border_is_looked_at_again():
+    """Away from a wrapped border the finest level of one resolution stays as it was."""
+    model = weftex.WeiLevoy(levels=1).fit(weftex.Exemplar(pebbles(60, 60)))
+    plain = model.sample((50, 40), seed=1).index
+    wrapped = model.sample((50, 40), seed=1, tileable=True).index
+    assert np.array_equal(plain[4:-4, 4:-4], wrapped[4:-4, 4:-4])
+    assert not np.array_equal(plain, wrapped)
+
+
+def test_a_hole_in_a_pattern_is_filled_with_it():
+    """A hole in stripes that only one phase fits is filled without a fault."""
+    y, x = np.indices((60, 64))
+    photo = np.where((x + y) % 8 < 4, 40, 200).astype(np.uint8)
+    hole = (y - 30) ** 2 + (x - 33) ** 2 < 90
+    result = weftex.fill(
+        np.where(hole, 0, photo).astype(np.uint8), hole, method="wei-levoy", seed=1
+    )
+    assert np.array_equal(result.image, photo)
+
+
+def test_settled_parameters():
+    def settled(shape, tileable=False, **parameters):
+        exemplar = weftex.Exemplar(noise(shape), tileable=tileable)
+        method = weftex.WeiLevoy(**parameters).fit(exemplar).method
+        return method.levels, method.window_width, method.parent_width
+
+    assert settled((256, 256)) == (4, 9, 7)
+    assert settled((152, 300)) == (4, 9, 7)  # 19 rows at the coarsest level
+    assert settled((128, 128)) == (3, 9, 7)
+    assert settled((24, 24)) == (1, 9, None)
+    assert settled((7, 40)) == (1, 7, None)
+    assert settled((1, 1)) == settled((1, 50)) == (1, 1, None)
+    assert settled((24, 24), levels=2) == (2, 9, 7)
+    assert settled((40, 40), levels=3, window_width=5) == (3, 5, 3)
+    assert settled((40, 40), window_width=3) == (3, 3, 1)
+    assert settled((12, 12), tileable=True, levels=4, window_width=5, parent_width=1) == (4, 5, 1)
+
+
+@pytest.mark.parametrize(
+    "parameters, message",
+    [
+        ({"levels": 4}, "levels is 4; sample is 40x30, which has room for 2 with windows of 9"),
+        ({"window_width": 8}, "window_width is 8; it must be odd"),
+        ({"window_width": 31}, "window_width is 31; sample is 40x30, which has room for 29"),
+        ({"parent_width": 4}, "parent_width is 4; it must be odd"),
+        ({"parent_width": 5, "window_width": 5}, "must be below window_width, which is 5"),
+        ({"parent_width": 9, "levels": 2}, "must be below window_width, which is 9"),
+        ({"parent_width": 3, "levels": 1}, "parent_width has no effect"),
+        ({"parent_width": 3, "window_width": 29}, "room for one level only"),
+        ({"levels": 2, "window_width": 1}, "room for 1 with windows of 1"),
+        ({"levels": 0}, "levels is 0; it must be from 1 to 16"),
+        ({"search": "full", "leaves": 2}, "leaves has no effect unless search is 'tsvq'"),
+        ({"search": "full", "tree_size": 2}, "tree_size has no effect unless search is 'tsvq'"),
+        ({"search": "kdtree"}, "search is 'kdtree'"),
+    ],
+)
+def test_parameters_that_do_not_fit(parameters, message):
+    with pytest.raises(weftex.InvalidInputError, match=message):
+        weftex.WeiLevoy(**parameters).fit(weftex.Exemplar(noise((30, 40))))
+
+
+def test_progress_covers_all_levels_and_passes():
+    seen = []
+    model = weftex.WeiLevoy(levels=2, window_width=5, passes=1).fit(
+        weftex.Exemplar(noise((30, 30)))
+    )
+    model.sample((20, 24), seed=1, progress=lambda *report: seen.append(report[:3]))
+    total = 2 * (20 * 24 + 10 * 12)
+    assert seen[-1] == (total, total, "pixels")
+    assert [done for done, *_ in seen] == sorted({done for done, *_ in seen})
+    assert len(seen) >= 2 * (20 * 24 // 64)
+
+
+def test_a_cancelled_run_stops():
+    model = weftex.WeiLevoy(levels=1).fit(weftex.Exemplar(noise((30, 30))))
+    with pytest.raises(weftex.CancelledError):
+        model.sample(60, seed=1, progress=lambda done, *_: done < 500)
+
+
+def test_layers_go_inwards():
+    unknown = np.zeros((9, 9), bool)
+    unknown[2:7, 2:7] = True
+    order = wei_levoy._inwards(unknown, (False, False), 1)
+    ring = np.abs(np.stack(np.divmod(order, 9)) - 4).max(axis=0)
+    assert ring.tolist() == [2] * 16 + [1] * 8 + [0]
+    assert order.tolist() != wei_levoy._inwards(unknown, (False, False), 2).tolist()
+    everything = wei_levoy._inwards(np.ones((3, 3), bool), (True, True), 1)
+    assert sorted(everything.tolist()) == list(range(9))
+
+
+def test_few_colours_stay_fast():
+    """Equal windows are one leaf with one row, or each pixel would look at thousands."""
+    pixels = np.zeros((64, 64), np.uint8)
+    pixels[10, 10] = 255
+    model = weftex.WeiLevoy(levels=1, window_width=5, search="full").fit(weftex.Exemplar(pixels))
+    assert len(model._trees[0, True].nodes) == 1
+    constant = weftex.WeiLevoy(levels=2).fit(weftex.Exemplar(np.zeros((64, 64), np.uint8)))
+    assert all(tree.nodes.tolist() == [[-1, 0, 1]] for tree in constant._trees.values())
+
+
+def test_the_tree_is_over_the_windows_of_its_level():
+    exemplar = weftex.Exemplar(pebbles(50, 50))
+    model = weftex.WeiLevoy(levels=2, window_width=5).fit(exemplar)
+    samples = pyramid_windows.sample_pyramid(exemplar, 2)
+    expected = build_tsvq(*pyramid_windows.window_vectors(*samples, 5, 3, causal=True))
+    assert np.array_equal(model._trees[0, True].rows, expected.rows)
+    assert np.array_equal(model._trees[0, True].nodes, expected.nodes)

@@ -1,0 +1,383 @@
+"""Measures rank known degradations below a real picture of the same surface, and are defined."""
+
+from __future__ import annotations
+
+import dataclasses
+import json
+import warnings
+from functools import cache
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import weftex
+from weftex.analysis.lattice import Lattice
+from weftex.errors import InvalidInputError
+from weftex.exemplar import Exemplar
+from weftex.quality.assess import Assessment, assess
+from weftex.quality.copying import copying, pieces
+from weftex.quality.figures import FIGURES
+from weftex.quality.repetition import repetition, repetition_map
+from weftex.quality.seams import Seams, seam_map, seams
+from weftex.quality.view import views
+from weftex.quality.wrap import wrap_seam
+from weftex.quality.yardstick import real_crops
+from weftex.raster.boxes import centred_sums
+
+SAMPLES = Path(__file__).parents[2] / "examples" / "samples"
+SURFACES = ["cobbles", "gingham", "shingles", "boards"]
+
+
+@cache
+def surface(name):
+    """Two disjoint pictures of one surface, (128, 256, 3) each."""
+    pixels = weftex.load_exemplar(SAMPLES / f"{name}.png").pixels
+    return np.ascontiguousarray(pixels[:128]), np.ascontiguousarray(pixels[128:])
+
+
+def blurred(pixels):
+    levels = pixels.astype(float)
+    for axis in (0, 1):
+        levels = sum(np.roll(levels, k, axis) for k in range(-2, 3)) / 5
+    return np.rint(levels).astype(np.uint8)
+
+
+def hard_patches(pixels, rng, side=32):
+    """Squares from anywhere, side by side."""
+    result = np.empty((192, 256, *pixels.shape[2:]), pixels.dtype)
+    for y in range(0, 192, side):
+        for x in range(0, 256, side):
+            top, left = (rng.integers(0, s - side + 1) for s in pixels.shape[:2])
+            result[y : y + side, x : x + side] = pixels[top : top + side, left : left + side]
+    return result
+
+
+def shuffled(pixels, rng, side=32):
+    rows, columns = pixels.shape[0] // side, pixels.shape[1] // side
+    blocks = pixels[: rows * side, : columns * side].reshape(rows, side, columns, side, -1)
+    blocks = blocks.swapaxes(1, 2).reshape(rows * columns, side, side, -1)
+    blocks = blocks[rng.permutation(len(blocks))].reshape(rows, columns, side, side, -1)
+    return blocks.swapaxes(1, 2).reshape(rows * side, columns * side, *pixels.shape[2:])
+
+
+DEGRADED = {
+    "plain repetition": lambda a, b, rng: np.tile(a[:, :128], (2, 2, 1)),
+    "hard patches": lambda a, b, rng: hard_patches(a, rng),
+    "blur": lambda a, b, rng: blurred(b),
+    "noise": lambda a, b, rng: rng.permutation(b.reshape(-1, 3)).reshape(b.shape),
+    "shuffled": lambda a, b, rng: shuffled(b, rng),
+}
+
+
+@cache
+def measured(name, what):
+    first, second = surface(name)
+    rng = np.random.default_rng(7)
+    picture = second if what == "real" else DEGRADED[what](first, second, rng)
+    return assess(first, picture)
+
+
+@pytest.mark.parametrize("what", DEGRADED)
+@pytest.mark.parametrize("name", SURFACES)
+def test_a_real_picture_is_better_than_degraded_ones(name, what):
+    real, bad = measured(name, "real"), measured(name, what)
+    assert real.score < bad.score
+
+
+def test_hardly_any_degraded_picture_passes():
+    passed = [(n, what) for n in SURFACES for what in DEGRADED if not measured(n, what).flags]
+    assert len(passed) <= 2, passed
+    assert [n for n in SURFACES if measured(n, "real").score > 1.5] == []
+
+
+@pytest.mark.parametrize("name", SURFACES)
+def test_each_measure_sees_what_it_is_for(name):
+    real = measured(name, "real")
+    bad = {what: measured(name, what) for what in DEGRADED}
+    assert bad["noise"].patches > 1.5 * real.patches
+    assert bad["blur"].spectrum > 2 * real.spectrum and bad["noise"].spectrum > 1.3 * real.spectrum
+    assert bad["hard patches"].seams > 1.5 * real.seams
+    assert bad["shuffled"].seams > 1.5 * real.seams
+    assert bad["blur"].sharpness < 0.5 < real.sharpness < 1.5 < bad["noise"].sharpness
+    assert bad["blur"].soft > 1.5 * real.soft and bad["noise"].soft < real.soft
+    assert bad["plain repetition"].period > 0.25 and real.period < 0.12
+
+
+def test_order_is_seen_where_there_is_some():
+    real, bad = measured("gingham", "real"), measured("gingham", "shuffled")
+    assert bad.lattice < 0.5 < 0.8 < real.lattice < 1.2
+    assert measured("gingham", "hard patches").lattice < 0.5
+    assert measured("gingham", "noise").autocorrelation > 2 * real.autocorrelation
+    assert measured("gingham", "plain repetition").lattice > 0.8
+    assert measured("cobbles", "real").lattice is None
+
+
+def test_colours(rng):
+    first, second = surface("cobbles")
+    real = measured("cobbles", "real")
+    other = assess(first, np.minimum(second, 235) + np.uint8(20))
+    assert other.color > 2 * real.color and 15 < other.color_levels < 25
+    assert "color" in other.flags and "other colours" in other.verdict()
+    grey = assess(first[..., 0], second[..., 0])
+    assert grey.color is not None and grey.score < 3
+
+
+def test_made_by_weft_is_good_and_says_where_from():
+    sample = weftex.load_exemplar("sample:pebbles")
+    made = weftex.synthesize(sample, 192, method="quilting", seed=1, tileable=True)
+    found = assess(sample, made)
+    assert found == assess(sample, made.image, made.source, tileable=True)
+    assert found.flags == () and found.score < 1 and found.verdict().startswith("Good")
+    assert found.copied > 0.9 and found.distinct > 0.7 and found.joints < 1.5
+    assert found.wrap < 0.1
+    whole = assess(sample, sample.pixels, np.indices(sample.shape).transpose(1, 2, 0))
+    assert whole.evenness == 1 and whole.largest == 1 and whole.distinct == 1
+    assert whole.joints is None and "largest" in whole.flags
+    json.dumps(found.as_dict(), allow_nan=False)
+
+
+def test_the_wrap_is_judged_axis_by_axis():
+    sample = weftex.load_exemplar("sample:pebbles")
+    made = weftex.synthesize(sample, 160, method="quilting", seed=1, tileable="x").image
+    own, result = views(sample, made)
+    model = Seams(own)
+    assert wrap_seam(model, result, (False, True)) < 0.1
+    assert wrap_seam(model, result, (True, False)) > 0.3
+    assert wrap_seam(model, result, (True, True)) == wrap_seam(model, result, (True, False))
+    assert wrap_seam(model, result, (False, False)) is None
+
+
+@pytest.mark.parametrize("axis", [0, 1])
+def test_a_seam_is_found_where_it_is(axis):
+    pixels = weftex.load_exemplar("sample:grass").pixels[:128, :128]
+    pieces = np.split(pixels, [50], axis)
+    cut = np.concatenate([pieces[1], pieces[0]], axis)  # the seam lies after 78 lines
+    own, made = views(Exemplar(pixels), np.ascontiguousarray(cut))
+    model = Seams(own)
+    found = seam_map(model, made).mean(axis=1 - axis)
+    assert found.argmax() in (77, 78) and found.max() > 5 * np.median(found)
+    assert seams(model, made) > 1.5 * seams(model, own)
+
+
+def test_repetition_is_a_share_and_says_the_shift(rng):
+    pixels = rng.integers(0, 256, (160, 160), np.uint8)
+    sample = Exemplar(rng.integers(0, 256, (160, 160), np.uint8))
+    pixels[70:130, 80:150] = pixels[10:70, 20:90]  # 60 x 70 pixels
+    own, made = views(sample, pixels)
+    found = repetition(own, made)
+    assert found.shifts[0] == (60, 60)
+    assert found.period == found.repeats == pytest.approx(60 * 70 / 160**2, abs=0.06)
+    where = repetition_map(own, made, found.shifts[:1])
+    assert np.median(where[75:125, 85:145]) > 0.6 and where[80:, 8:60].max() < 0.2
+    assert repetition(*views(sample, np.tile(sample.pixels, (1, 2)))).period > 0.4
+    # A sample that repeats by itself is no reason for complaint.
+    regular = np.tile(rng.integers(0, 256, (40, 40), np.uint8), (4, 4))
+    assert repetition(*views(Exemplar(regular), np.tile(regular, (2, 2)))).period < 0.05
+
+
+def test_what_a_lattice_makes_come_back_by_chance_is_no_repetition(rng):
+    tiles = rng.integers(0, 256, (16, 40, 40), np.uint8)
+    lattice = Lattice(((40.0, 0.0), (0.0, 40.0)))
+
+    def laid(which):
+        return np.block([[tiles[k] for k in row] for row in which])
+
+    sample = Exemplar(laid(np.arange(16).reshape(4, 4)))
+    even = views(sample, laid(rng.integers(0, 16, (9, 9))))
+    assert repetition(*even).repeats > 0.2 > 0.1 > repetition(*even, lattice).repeats
+    assert repetition(*even, lattice).period < 0.12
+    for few in (np.zeros((9, 9), int), np.tile([[0, 5], [5, 0]], (4, 4))):
+        found = repetition(*views(sample, laid(few)), lattice)
+        assert found.period > 0.3 and found.repeats > 0.8
+
+
+def flooded(shift, known):
+    """Pieces by filling, one after the other."""
+    names, count = np.full(known.shape, -1), 0
+    for start in np.ndindex(known.shape):
+        if names[start] >= 0:
+            continue
+        names[start], stack = count, [start]
+        while stack and known[start]:
+            y, x = stack.pop()
+            for at in ((y - 1, x), (y + 1, x), (y, x - 1), (y, x + 1)):
+                if min(at) < 0 or at[0] >= known.shape[0] or at[1] >= known.shape[1]:
+                    continue
+                if names[at] < 0 and known[at] and (shift[at] == shift[y, x]).all():
+                    names[at] = count
+                    stack.append(at)
+        count += 1
+    return names
+
+
+@pytest.mark.parametrize("seed", range(6))
+def test_pieces_are_what_hangs_together(seed):
+    rng = np.random.default_rng(seed)
+    shape = tuple(rng.integers(1, 24, 2))
+    shift = rng.integers(0, 2, (*shape, 2)) * rng.integers(0, 2, (*shape, 1))
+    known = rng.random(shape) < 0.9
+    found, expected = pieces(shift, known), flooded(shift, known)
+    pairs = {*zip(found.ravel().tolist(), expected.ravel().tolist(), strict=True)}
+    assert len(pairs) == len({a for a, _ in pairs}) == len({b for _, b in pairs})
+
+
+def test_what_was_known_is_not_called_copied():
+    photo = surface("cobbles")[0]
+    hole = np.zeros(photo.shape[:2], bool)
+    hole[40:90, 60:120] = True
+    filled = weftex.fill(photo, hole, method="quilting", seed=1)
+    found = assess(photo, filled)
+    assert found.largest < 0.2 and found.copied > 0.5
+    assert weftex.report(photo, filled).assessment == found
+
+
+def test_copying_by_hand():
+    sample = np.arange(64, dtype=np.uint8).reshape(8, 8) * 3
+    source = np.indices((8, 16)).transpose(1, 2, 0) % (8, 8)  # twice, side by side
+    source[:, 8:] = source[::-1, 8:]
+    own, made = views(Exemplar(sample), sample[source[..., 0], source[..., 1]])
+    found = copying(own, made, source)
+    assert (found.copied, found.largest, found.evenness) == (0.5, 1.0, 1.0)
+    assert found.piece == pytest.approx(np.sqrt((64 * 64 + 8 * 8 * 8) / 128))
+    half = np.zeros((8, 8, 2), int)
+    half[..., 0] = np.arange(8)[:, None]
+    half[..., 1] = np.arange(8) % 4
+    own, made = views(Exemplar(sample), sample)
+    assert copying(own, made, half).evenness == pytest.approx(0.5)
+    assert copying(own, made, half).distinct == 1  # within 4 pixels
+    assert copying(own, made, np.full((8, 8, 2), -1)) is None
+
+
+def test_figures_are_the_same_every_time():
+    first, second = surface("cobbles")
+    again = assess(Exemplar(first.copy()), second.copy())
+    assert again == measured("cobbles", "real")
+
+
+@pytest.mark.parametrize(
+    "dtype, channels",
+    [(np.uint8, (2,)), (np.uint16, ()), (np.uint16, (4,)), (np.float32, (1,)), (np.float64, (9,))],
+)
+def test_any_kind_of_picture(dtype, channels, rng):
+    top = {"uint8": 255, "uint16": 65535}.get(np.dtype(dtype).name, 1)
+    sample = (rng.random((30, 28, *channels)) * top).astype(dtype)
+    result = (rng.random((26, 40, *channels)) * top).astype(dtype)
+    found = assess(sample, result)
+    assert found.patches < 3 and found.score is not None
+
+
+def test_depths_are_alike():
+    first, second = surface("cobbles")
+    wide = assess(first.astype(np.uint16) * 257, second.astype(np.uint16) * 257)
+    assert wide.as_dict() == measured("cobbles", "real").as_dict()
+
+
+@pytest.mark.parametrize(
+    "own, made",
+    [
+        ((1, 1), (1, 1)),
+        ((1, 1), (40, 33)),
+        ((1, 40), (50, 1)),
+        ((3, 3), (5, 6)),
+        ((7, 9), (31, 31)),
+        ((20, 20), (20, 20)),
+        ((33, 36), (1, 1)),
+        ((33, 36), (5, 40)),
+        ((33, 36), (31, 40)),
+    ],
+)
+@pytest.mark.parametrize("plain", [False, True])
+def test_small_and_flat_pictures_give_none_and_no_warning(own, made, plain, rng):
+    colours = 1 if plain else 256
+    sample = rng.integers(0, colours, (*own, 3), np.uint8)
+    result = rng.integers(0, colours, (*made, 3), np.uint8)
+    source = rng.integers(0, own, (*made, 2))
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        found = assess(sample, result, source, tileable=True)
+        real_crops(Exemplar(sample))
+    values = [v for v in dataclasses.asdict(found).values() if isinstance(v, float)]
+    assert np.isfinite(values).all()
+    assert found.verdict()
+    if plain:
+        assert found.color_levels == 0 and found.sharpness in (1, None)
+
+
+def test_masks_hide_what_is_under_them(rng):
+    pixels = surface("cobbles")[0].copy()
+    mask = np.ones(pixels.shape[:2], bool)
+    mask[40:60, 100:130] = False
+    other = pixels.copy()
+    other[~mask] = rng.integers(0, 256, (int((~mask).sum()), 3))
+    result = surface("cobbles")[1]
+    found = assess(Exemplar(pixels, mask=mask), result)
+    assert found == assess(Exemplar(other, mask=mask), result)
+    assert found.score < measured("cobbles", "noise").score
+    few = np.zeros_like(mask)
+    few[3, 4] = True
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        assert assess(Exemplar(pixels, mask=few), result).patches is None
+
+
+def test_of_a_large_result_the_middle_is_looked_at(rng):
+    sample = rng.integers(0, 256, (16, 16, 3), np.uint8)
+    source = rng.integers(0, 16, (20, 2100, 2))
+    result = sample[source[..., 0], source[..., 1]]
+    middle = slice(26, 26 + 2048)
+    found = assess(sample, result, source)
+    assert found == assess(sample, result[:, middle], source[:, middle])
+
+
+def test_what_does_not_go_together_is_refused():
+    sample = np.zeros((20, 20, 3), np.uint8)
+    with pytest.raises(InvalidInputError, match="uint8 with 1 channels, the sample uint8 with 3"):
+        assess(sample, np.zeros((9, 9), np.uint8))
+    with pytest.raises(InvalidInputError, match="float32 with 3 channels"):
+        assess(sample, np.zeros((9, 9, 3), np.float32))
+    with pytest.raises(InvalidInputError, match="the source is 8x9"):
+        assess(sample, np.zeros((9, 9, 3), np.uint8), np.zeros((9, 8, 2), int))
+    with pytest.raises(InvalidInputError, match="leaves the sample, which is 20x20"):
+        assess(sample, np.zeros((9, 9, 3), np.uint8), np.full((9, 9, 2), 2**40 + 20))
+    made = weftex.synthesize(surface("cobbles")[0], 64, method="quilting", seed=1)
+    with pytest.raises(InvalidInputError, match="from a sample of 256x128, not 20x20"):
+        assess(sample, made)
+
+
+def test_every_figure_is_described():
+    fields = {field.name for field in dataclasses.fields(Assessment)}
+    extra = {"patch_scales", "color_levels", "spectrum_decibels", "flags", "score"}
+    assert set(FIGURES) == fields - extra
+    for name, figure in FIGURES.items():
+        assert (figure.limit is None) == (figure.good == "") == (figure.within() == "")
+        if figure.limit is not None:
+            assert figure.badness(figure.limit) == pytest.approx(1)
+            text = Assessment(**{name: figure.limit}, flags=(name,), score=2.0).verdict()
+            assert figure.fault(figure.limit) in text
+    assert Assessment().verdict() == "Too small to be judged."
+    assert FIGURES["sharpness"].fault(0.5) == "is blurred"
+    assert FIGURES["sharpness"].fault(1.5).startswith("is noisier")
+
+
+def test_box_sums_by_definition(rng):
+    values = rng.random((7, 9))
+    for radius in (1, 3, 12):
+        expected = [
+            [
+                values[
+                    max(0, y - radius) : y + radius + 1, max(0, x - radius) : x + radius + 1
+                ].sum()
+                for x in range(9)
+            ]
+            for y in range(7)
+        ]
+        np.testing.assert_allclose(centred_sums(values, radius), expected)
+
+
+def test_the_page_lists_every_figure_as_it_is():
+    page = Path(__file__).parents[2].joinpath("docs", "measures.md").read_text("utf-8")
+    for figure in FIGURES.values():
+        limit = figure.within() or "describes only"
+        row = f"| {figure.title} | {figure.unit} | {limit} | {figure.meaning} | {figure.blind} |"
+        assert row in page

@@ -1,0 +1,152 @@
+"""Laying patches over each other, against pixel-by-pixel twins."""
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from twins import compositing as reference
+from weftex.results import paste_kernels
+
+DTYPES = (np.uint8, np.uint16, np.float32, np.float64)
+
+
+def picture(rng, shape, dtype):
+    if np.dtype(dtype).kind == "f":
+        return rng.random(shape).astype(dtype)
+    return rng.integers(0, np.iinfo(dtype).max + 1, shape).astype(dtype)
+
+
+def layout(rng, canvas, sample, rows, columns, count, cut):
+    """Random patches, some of which hang over the border, with random weights and cuts."""
+    weights = rng.choice([0, 1, 100, 128, 255, 256], (3, rows, columns), p=[0.1, *[0.15] * 4, 0.3])
+    placements = np.stack(
+        [
+            rng.integers(0, canvas[0], count),
+            rng.integers(0, canvas[1], count),
+            rng.integers(0, sample[0], count),
+            rng.integers(0, sample[1], count),
+            rng.integers(0, 3, count),
+        ],
+        axis=1,
+    )
+    cuts = np.zeros((0, 0), np.uint16)
+    if cut:
+        parts = [
+            rng.integers(0, columns // 2 + 1, (count, rows)),
+            rng.integers(columns // 2, columns + 1, (count, rows)),
+            rng.integers(0, rows // 2 + 1, (count, columns)),
+            rng.integers(rows // 2, rows + 1, (count, columns)),
+        ]
+        cuts = np.concatenate(parts, axis=1).astype(np.uint16)
+    return placements.astype(np.int32), weights.astype(np.uint16), cuts
+
+
+def check(out, source, top, left, canvas, layout, scale, alpha):
+    expected = out.copy()
+    reference.paste_all(expected, source, top, left, canvas, *layout, scale, alpha)
+    paste_kernels.paste_all(out, source, top, left, *canvas, *layout, scale, alpha)
+    if out.dtype == np.float32 and alpha:
+        # The kernel sums in float32 what the twin sums in float64.
+        assert np.allclose(out, expected, rtol=1e-5, atol=1e-6)
+    else:
+        assert np.array_equal(out, expected)
+
+
+@given(
+    st.sampled_from(DTYPES),
+    st.integers(1, 5),
+    st.booleans(),
+    st.booleans(),
+    st.integers(1, 3),
+    st.integers(0, 2**30),
+)
+def test_pasting_is_the_slow_twin(dtype, channels, cut, alpha, scale, seed):
+    rng = np.random.default_rng(seed)
+    canvas, sample = (9, 11), (6, 7)
+    alpha = alpha and channels > 1
+    source = picture(rng, (sample[0] * scale, sample[1] * scale, channels), dtype)
+    out = picture(rng, (canvas[0] * scale, canvas[1] * scale, channels), dtype)
+    check(out, source, 0, 0, canvas, layout(rng, canvas, sample, 5, 4, 6, cut), scale, alpha)
+
+
+@given(st.sampled_from(DTYPES), st.booleans(), st.integers(1, 2), st.data())
+def test_a_window_is_that_part_of_the_whole(dtype, cut, scale, data):
+    rng = np.random.default_rng(data.draw(st.integers(0, 2**30)))
+    canvas, sample = (9, 11), (6, 7)
+    top, left = data.draw(st.integers(0, 8)), data.draw(st.integers(0, 10))
+    rows, columns = data.draw(st.integers(1, 9 - top)), data.draw(st.integers(1, 11 - left))
+    source = picture(rng, (sample[0] * scale, sample[1] * scale, 3), dtype)
+    plan = layout(rng, canvas, sample, 5, 4, 8, cut)
+    whole = np.zeros((canvas[0] * scale, canvas[1] * scale, 3), dtype)
+    part = np.zeros((rows * scale, columns * scale, 3), dtype)
+    paste_kernels.paste_all(whole, source, 0, 0, *canvas, *plan, scale, False)
+    paste_kernels.paste_all(part, source, top, left, *canvas, *plan, scale, False)
+    inside = np.ix_(
+        range(top * scale, (top + rows) * scale), range(left * scale, (left + columns) * scale)
+    )
+    assert np.array_equal(part, whole[inside])
+
+
+@given(st.booleans(), st.integers(1, 14), st.integers(0, 2**30))
+def test_layers_are_the_slow_twin(cut, count, seed):
+    rng = np.random.default_rng(seed)
+    canvas, window = (8, 9), (1, 2, 6, 5)
+    plan = layout(rng, canvas, (6, 7), 5, 4, count, cut)
+    patch = np.full((6, 5, 4), -1, np.int32)
+    share = np.zeros((6, 5, 4), np.float32)
+    paste_kernels.layer_all(patch, share, 1, 2, *canvas, *plan)
+    for at, entries in reference.layers(window, canvas, *plan).items():
+        got = [(int(p), float(s)) for p, s in zip(patch[at], share[at], strict=True) if s > 0]
+        assert got == [(p, float(s)) for p, s in entries]
+
+
+def test_whole_numbers_round_halves_up():
+    out, source = np.zeros((1, 1, 1), np.uint8), np.ones((1, 1, 1), np.uint8)
+    one = np.array([[0, 0, 0, 0, 0]], np.int32)
+    for weight, expected in ((127, 0), (128, 1)):
+        out[:] = 0
+        weights = np.full((1, 1, 1), weight, np.uint16)
+        paste_kernels.paste_all(
+            out, source, 0, 0, 1, 1, one, weights, np.zeros((0, 0), np.uint16), 1, False
+        )
+        assert out[0, 0, 0] == expected
+
+
+@pytest.mark.parametrize("dtype", DTYPES)
+@pytest.mark.parametrize("alpha", [False, True])
+def test_constant_in_constant_out_whatever_the_weights(rng, dtype, alpha):
+    for value in picture(rng, (20, 4), dtype):
+        out = np.broadcast_to(value, (9, 11, 4)).copy()
+        source = np.broadcast_to(value, (6, 7, 4)).copy()
+        plan = layout(rng, (9, 11), (6, 7), 5, 4, 12, False)
+        paste_kernels.paste_all(out, source, 0, 0, 9, 11, *plan, 1, alpha)
+        assert np.array_equal(out, np.broadcast_to(value, out.shape))
+
+
+@pytest.mark.parametrize("dtype", DTYPES)
+def test_clear_pixels_bleed_no_colour(dtype):
+    """Straight alpha: a clear pixel changes the alpha of what it is mixed with, not its colour."""
+    full = 1 if np.dtype(dtype).kind == "f" else np.iinfo(dtype).max
+    red = np.array([full, 0, 0, full], dtype)
+    clear_green = np.array([0, full, 0, 0], dtype)
+    one = np.array([[0, 0, 0, 0, 0]], np.int32)
+    half = np.full((1, 1, 1), 128, np.uint16)
+    for old, new in ((red, clear_green), (clear_green, red)):
+        out = old.reshape(1, 1, 4).copy()
+        paste_kernels.paste_all(
+            out, new.reshape(1, 1, 4), 0, 0, 1, 1, one, half, np.zeros((0, 0), np.uint16), 1, True
+        )
+        assert out[0, 0, :3].tolist() == red[:3].tolist()
+        assert abs(float(out[0, 0, 3]) - full / 2) <= 0.5
+
+
+def test_more_patches_than_layers_keep_the_heaviest():
+    """Five patches in one place: the lightest gives way, the rest stay in order of weight."""
+    weights = np.full((1, 1, 1), 100, np.uint16)
+    placements = np.zeros((6, 5), np.int32)
+    patch, share = np.full((1, 1, 4), -1, np.int32), np.zeros((1, 1, 4), np.float32)
+    none = np.zeros((0, 0), np.uint16)
+    paste_kernels.layer_all(patch, share, 0, 0, 1, 1, placements, weights, none)
+    assert patch[0, 0].tolist() == [5, 4, 3, 2]
+    assert (np.diff(share[0, 0]) < 0).all()

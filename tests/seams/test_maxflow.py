@@ -1,0 +1,135 @@
+"""Minimum cuts of grids against trying every labelling, and against SciPy's maximum flow."""
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from hypothesis.extra.numpy import arrays
+from scipy.sparse import coo_array
+from scipy.sparse.csgraph import breadth_first_order, maximum_flow
+
+import weftex
+from twins import maxflow as reference
+from weftex.seams.maxflow import MOST, minimum_cut
+
+
+def scipy_cut(arcs, source, sink):
+    """The same by SciPy: what the source reaches through the residual capacities, and the flow."""
+    height, width = source.shape
+    start, end = source.size, source.size + 1
+    number = np.arange(source.size).reshape(source.shape)
+    edges = [(np.full(start, start), number.ravel(), source.ravel())]
+    edges += [(number.ravel(), np.full(start, end), sink.ravel())]
+    y, x = np.indices(source.shape)
+    for d, (dy, dx) in enumerate(reference.ARCS):
+        inside = (y + dy >= 0) & (y + dy < height) & (x + dx >= 0) & (x + dx < width)
+        other = ((y + dy) * width + x + dx)[inside]
+        edges.append((number[inside], other, arcs[..., d][inside]))
+    rows, columns, capacity = (np.concatenate(part) for part in zip(*edges, strict=True))
+    graph = coo_array((capacity, (rows, columns)), (end + 1, end + 1)).tocsr().astype(np.int32)
+    found = maximum_flow(graph, start, end)
+    residual = graph - found.flow
+    residual.eliminate_zeros()
+    reached = breadth_first_order(residual, start, return_predecessors=False)
+    side = np.zeros(end + 1, bool)
+    side[reached] = True
+    return side[:start].reshape(source.shape), found.flow_value
+
+
+@st.composite
+def grids(draw, longest):
+    height, width = (draw(st.integers(1, longest)) for _ in range(2))
+    top = draw(st.sampled_from([1, 3, 300, MOST // 4]))
+    capacity = st.one_of(st.just(0), st.integers(0, top))
+    terminal = st.one_of(st.just(0), st.integers(0, 4 * top))
+    return (
+        draw(arrays(np.int32, (height, width, 4), elements=capacity)),
+        draw(arrays(np.int32, (height, width), elements=terminal)),
+        draw(arrays(np.int32, (height, width), elements=terminal)),
+    )
+
+
+@given(grids(3))
+def test_every_labelling_is_no_cheaper(grid):
+    side, value = minimum_cut(*grid)
+    expected, least = reference.cut_by_exhaustion(*grid)
+    assert value == least
+    assert np.array_equal(side, expected)
+
+
+@given(grids(8))
+def test_it_is_scipys_cut(grid):
+    side, value = minimum_cut(*grid)
+    expected, flow = scipy_cut(*grid)
+    assert value == flow == reference.cut_value(side, *grid)
+    assert np.array_equal(side, expected)
+
+
+@pytest.mark.parametrize("shape", [(40, 40), (1, 200), (200, 1), (97, 33)])
+@pytest.mark.parametrize("top", [1, 9, 1000])
+@pytest.mark.parametrize("terminals", ["borders", "everywhere", "few"])
+def test_large_grids(shape, top, terminals):
+    rng = np.random.default_rng(top)
+    arcs = rng.integers(0, top + 1, (*shape, 4)).astype(np.int32)
+    source, sink = np.zeros((2, *shape), np.int32)
+    if terminals == "borders":
+        source[-1] = source[:, -1] = MOST
+        sink[0] = sink[:, 0] = MOST
+    else:
+        share = 1.0 if terminals == "everywhere" else 0.02
+        source = (rng.integers(0, 4 * top, shape) * (rng.random(shape) < share)).astype(np.int32)
+        sink = (rng.integers(0, 4 * top, shape) * (rng.random(shape) < share)).astype(np.int32)
+    capacities = arcs, source, np.minimum(sink, MOST - source)
+    side, value = minimum_cut(*capacities)
+    if terminals == "borders":  # SciPy adds capacities up in 32 bits
+        capacities = arcs, np.minimum(source, 4 * top), np.minimum(capacities[2], 4 * top)
+    assert value == reference.cut_value(side, *capacities)
+    if terminals != "borders":
+        expected, flow = scipy_cut(*capacities)
+        assert value == flow
+        assert np.array_equal(side, expected)
+
+
+def test_the_cut_between_real_pictures():
+    """A patch over another one: the seam is as cheap as SciPy's."""
+    pixels = weftex.load_exemplar("sample:pebbles").pixels.astype(np.int32)
+    step = np.abs(pixels[20:68, 30:78] - pixels[90:138, 70:118]).sum(axis=2)
+    arcs = np.zeros((48, 48, 4), np.int32)
+    arcs[:, :-1, 0] = arcs[:, 1:, 2] = step[:, 1:] + step[:, :-1]
+    arcs[:-1, :, 1] = arcs[1:, :, 3] = step[1:] + step[:-1]
+    source, sink = np.zeros((2, 48, 48), np.int32)
+    source[20:28, 20:28] = 10**6
+    sink[[0, -1]] = sink[:, [0, -1]] = 10**6
+    side, value = minimum_cut(arcs, source, sink)
+    expected, flow = scipy_cut(arcs, source, sink)
+    assert value == flow > 0
+    assert np.array_equal(side, expected)
+    assert 64 <= side.sum() < 46 * 46
+
+
+def test_nothing_to_cut():
+    empty = np.zeros((0, 3), np.int32)
+    side, value = minimum_cut(np.zeros((0, 3, 4), np.int32), empty, empty)
+    assert side.shape == (0, 3) and value == 0
+    blank = np.zeros((4, 3), np.int32)
+    side, value = minimum_cut(np.zeros((4, 3, 4), np.int32), blank, blank)
+    assert not side.any() and value == 0
+
+
+def test_the_largest_capacities_do_not_overflow():
+    arcs = np.full((5, 6, 4), MOST, np.int32)
+    source, sink = np.zeros((2, 5, 6), np.int32)
+    source[:, 0] = sink[:, -1] = MOST
+    assert minimum_cut(arcs, source, sink)[1] == 5 * MOST
+
+
+def test_wrong_capacities_are_refused():
+    good = np.zeros((2, 3, 4), np.int32), np.zeros((2, 3), np.int32), np.zeros((2, 3), np.int32)
+    for at in range(3):
+        for value in (-1, MOST + 1):
+            wrong = [a.copy() for a in good]
+            wrong[at].flat[1] = value
+            with pytest.raises(weftex.InvalidInputError, match="from 0 to"):
+                minimum_cut(*wrong)
+    with pytest.raises(weftex.InvalidInputError, match=r"\(H, W, 4\)"):
+        minimum_cut(good[0][:, :2], good[1], good[2])

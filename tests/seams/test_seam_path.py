@@ -1,0 +1,155 @@
+"""Minimum-error paths against trying every path."""
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from hypothesis.extra.numpy import arrays
+
+from twins import seams as reference
+from twins.boundary_zone import zone_of, zone_weights
+from weftex.seams import band_kernels as _kernels
+from weftex.search.boundary_zone import boundary_zone
+
+SIDES = ("left", "top", "right", "bottom")
+
+
+@given(
+    arrays(np.int64, st.tuples(st.integers(1, 6), st.integers(1, 4)), elements=st.integers(0, 5))
+)
+def test_the_twins_agree(cost):
+    assert reference.path_by_programming(cost) == reference.path_by_exhaustion(cost)
+
+
+def kernel_cuts(canvas, pixels, corner, source, zone):
+    rows, columns = zone.weight.shape
+    cuts = np.full((2, 2 * (rows + columns)), 9999, np.uint16)
+    cost = np.empty((max(rows, columns), int(zone.bands[0])), np.int64)
+    assert zone.bands.dtype == np.int32 and zone.bands.shape == (9,)
+    _kernels.find_cuts(
+        canvas, pixels, *corner, *source, zone.weight[None], zone.bands, cost, cuts, 1
+    )
+    assert (cuts[0] == 9999).all()  # only its own row
+    return cuts[1]
+
+
+def compare(known, width, frozen, levels, rng):
+    rows, columns = known.shape
+    canvas = rng.integers(0, levels, (15, 14, 2)).astype(np.uint8)
+    pixels = rng.integers(0, levels, (16, 17, 2)).astype(np.uint8)
+    corner = int(rng.integers(0, 15)), int(rng.integers(0, 14))
+    source = int(rng.integers(0, 17 - rows)), int(rng.integers(0, 18 - columns))
+    zone = boundary_zone(known, width, frozen=frozen)
+    at = np.ix_((corner[0] + np.arange(rows)) % 15, (corner[1] + np.arange(columns)) % 14)
+    new = pixels[source[0] : source[0] + rows, source[1] : source[1] + columns]
+    weights, mask = zone_weights(known, width, frozen), zone_of(known, width)
+    paths = reference.cut_sides(canvas[at], new, weights, mask, width, frozen is not None)
+    expected = reference.cut_row(paths, rows, columns)
+    cut = kernel_cuts(canvas, pixels, corner, source, zone)
+    assert np.array_equal(cut, expected)
+    return weights, cut
+
+
+@given(
+    st.integers(1, 12),
+    st.integers(1, 12),
+    st.integers(1, 5),
+    st.sets(st.sampled_from(SIDES), min_size=1),
+    st.sampled_from([2, 4, 256]),
+    st.integers(0, 2**30),
+)
+def test_cuts_follow_the_cheapest_paths(rows, columns, width, sides, levels, seed):
+    rng = np.random.default_rng(seed)
+    known = np.zeros((rows, columns), bool)
+    known[:, :width] |= "left" in sides
+    known[:width] |= "top" in sides
+    known[:, -width:] |= "right" in sides
+    known[-width:] |= "bottom" in sides
+    compare(known, width, None, levels, rng)
+
+
+masks = arrays(bool, st.tuples(st.integers(1, 12), st.integers(1, 12)))
+
+
+@given(masks, st.integers(1, 5), st.booleans(), st.sampled_from([2, 4, 256]), st.data())
+def test_cuts_of_any_zone(known, width, hole, levels, data):
+    """Holes of any outline, with pixels that must stay."""
+    frozen = data.draw(arrays(bool, known.shape)) & known if hole else None
+    rng = np.random.default_rng(data.draw(st.integers(0, 2**30)))
+    compare(known, width, frozen, levels, rng)
+
+
+@pytest.mark.parametrize("seed", range(5))
+def test_a_hole_in_the_middle_of_a_window_is_cut_along_its_outline(seed):
+    """What is laid of a hole's patch starts anywhere in the window; paths run there."""
+    rng = np.random.default_rng(seed)
+    known = np.ones((12, 12), bool)
+    known[5:10, 4:9] = False
+    zone_known = known.copy()  # and what an earlier patch of the hole laid
+    zone_known[5:10, 4:7] = True
+    weights, cut = compare(zone_known, 3, known, 256, rng)
+    final = reference.cut_weights(weights, cut)
+    assert (final[known] == 0).all() and (final[~zone_known] == 256).all()
+    assert set(np.unique(final)) == {0, 256}
+    mixed = (weights > 0) & (weights < 256)
+    assert mixed.any()
+    assert set(np.unique(final[mixed])) == {0, 256}, "the path runs through the overlap"
+
+
+def test_paths_keep_to_where_the_patch_shows():
+    """A step that shows nothing costs more than any that does, however long and bright."""
+    known = np.zeros((9, 9), bool)
+    known[:, :6] = True
+    zone = boundary_zone(known, 3)
+    assert zone.bands.tolist() == [3, 0, 3, 9, 9, 1, 1, 0, 1]
+    frozen = np.zeros((9, 9), bool)
+    frozen[:, 3] = True
+    frozen[4, 3:5] = True  # a step aside
+    zone = boundary_zone(known, 3, frozen=frozen)
+    black, white = np.zeros((9, 9, 1), np.uint8), np.full((9, 9, 1), 255, np.uint8)
+    cut = kernel_cuts(black, white, (0, 0), (0, 0), zone)
+    assert all(zone.weight[v, cut[v]] > 0 for v in range(9))
+
+
+def test_the_path_finds_the_place_where_patches_agree():
+    """A zigzag of equal pixels in otherwise different ones is followed exactly."""
+    known = np.zeros((6, 8), bool)
+    known[:, :4] = True
+    zone = boundary_zone(known, 4)
+    canvas = np.full((6, 8, 1), 200, np.uint8)
+    pixels = np.zeros((6, 8, 1), np.uint8)
+    path = [1, 2, 3, 2, 1, 0]
+    for v, u in enumerate(path):
+        pixels[v, u] = 200
+    # Only the left side has a band that is longer than it is deep.
+    bands = zone.bands.copy()
+    bands[5:] = 1, 0, 0, 0
+    cuts = np.zeros((1, 2 * (6 + 8)), np.uint16)
+    cost = np.empty((8, 4), np.int64)
+    _kernels.find_cuts(canvas, pixels, 0, 0, 0, 0, zone.weight[None], bands, cost, cuts, 0)
+    assert cuts[0, :6].tolist() == path
+
+
+@pytest.mark.parametrize("level", [0, 7])
+def test_equal_patches_are_cut_at_the_border(level):
+    """Every path costs nothing: ties go to the pixel nearest to the window's border."""
+    known = np.zeros((9, 9), bool)
+    known[:3] = known[:, :3] = True
+    zone = boundary_zone(known, 3)
+    flat = np.full((9, 9, 1), level, np.uint8)
+    cut = kernel_cuts(flat, flat, (0, 0), (0, 0), zone)
+    assert cut[:9].tolist() == [0] * 9 and cut[18:27].tolist() == [0] * 9
+
+
+def test_costs_of_long_bands_do_not_overflow():
+    length = 40000
+    known = np.zeros((length, 2), bool)
+    known[:, :1] = True
+    zone = boundary_zone(known, 1)
+    canvas, pixels = np.zeros((length, 2, 1), np.uint8), np.full((length, 2, 1), 255, np.uint8)
+    bands = zone.bands.copy()
+    bands[5:] = 1, 0, 0, 0
+    cost = np.empty((length, 1), np.int64)
+    cuts = np.zeros((1, 2 * (length + 2)), np.uint16)
+    _kernels.find_cuts(canvas, pixels, 0, 0, 0, 0, zone.weight[None], bands, cost, cuts, 0)
+    assert cost[-1, 0] == length * 255**2 > 2**31

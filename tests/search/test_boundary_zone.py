@@ -1,0 +1,220 @@
+"""Boundary zones against their definition: known, and within w_E of something unknown."""
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from hypothesis.extra.numpy import arrays
+
+from twins import boundary_zone as reference
+from twins import seams
+from weftex.search import zone_kernels as _kernels
+from weftex.search.boundary_zone import boundary_zone
+
+masks = arrays(bool, st.tuples(st.integers(1, 12), st.integers(1, 12)))
+widths = st.integers(1, 6)
+
+
+def covered(zone, shape):
+    """How often each pixel is in a run."""
+    count = np.zeros(shape, int)
+    for upright, v, u, length in zone.runs.tolist():
+        if upright:
+            count[v : v + length, u] += 1
+        else:
+            count[v, u : u + length] += 1
+        assert v + length * upright <= shape[0] and u + length * (not upright) <= shape[1]
+    return count
+
+
+@given(masks, widths)
+def test_zone_and_weights_follow_the_definition(known, width):
+    zone = boundary_zone(known, width)
+    expected = reference.zone_of(known, width)
+    assert np.array_equal(covered(zone, known.shape), expected.astype(int))
+    assert zone.area == expected.sum()
+    assert np.array_equal(zone.weight, reference.zone_weights(known, width))
+
+
+@given(masks, widths, st.data())
+def test_frozen_pixels_weigh_nothing(known, width, data):
+    frozen = data.draw(arrays(bool, known.shape)) & known
+    zone = boundary_zone(known, width, frozen=frozen)
+    assert np.array_equal(zone.weight, reference.zone_weights(known, width, frozen))
+    assert np.array_equal(covered(zone, known.shape), reference.zone_of(known, width))
+
+
+@given(masks, widths)
+def test_pasting_replaces_the_zone_and_nothing_else_that_is_known(known, width):
+    zone = boundary_zone(known, width, paste=True)
+    assert np.array_equal(zone.weight, reference.zone_weights(known, width, paste=True))
+    assert set(np.unique(zone.weight)) <= {0, 256}
+
+
+@given(masks, widths, st.sampled_from([1, 2, 4, 8, 16]))
+def test_blocks_lie_in_the_zone(known, width, block_side):
+    zone = boundary_zone(known, width, block_side=block_side)
+    expected = reference.zone_of(known, width)
+    assert zone.side <= min(block_side, width)
+    assert zone.side & (zone.side - 1) == 0
+    for v, u in zone.blocks.tolist():
+        block = expected[v : v + zone.side, u : u + zone.side]
+        assert block.shape == (zone.side, zone.side)
+        assert block.all()
+    assert (len(zone.blocks) > 0) == bool(expected.any())
+
+
+@given(masks, widths, st.sampled_from([1, 2, 4, 8]))
+def test_blocks_share_little(known, width, block_side):
+    """Whole blocks first, then those that are at least half new, until there are no more."""
+    zone = boundary_zone(known, width, block_side=block_side, most_blocks=10**6)
+    side = zone.side
+    seen, shares = np.zeros(known.shape, bool), []
+    for v, u in zone.blocks.tolist():
+        own = seen[v : v + side, u : u + side]
+        shares.append(np.count_nonzero(~own))
+        own[:] = True
+    whole = [share == side * side for share in shares]
+    assert whole == sorted(whole, reverse=True)
+    assert all(2 * share >= side * side for share in shares)
+    expected = reference.zone_of(known, width)
+    for v, u in np.argwhere(expected).tolist():
+        block = expected[v : v + side, u : u + side]
+        if block.shape == (side, side) and block.all():
+            left = np.count_nonzero(~seen[v : v + side, u : u + side])
+            assert 2 * left < side * side or (side == 1 and left == 0)
+    assert len(zone.blocks) * side * side * 2 >= expected.sum()
+
+
+@pytest.mark.parametrize("most", [1, 5, 16, 1000])
+def test_blocks_are_thinned_out_evenly(most):
+    known = np.zeros((64, 64), bool)
+    known[:, :4] = known[:4] = True
+    every = boundary_zone(known, 4, most_blocks=10**6).blocks.tolist()
+    some = boundary_zone(known, 4, most_blocks=most).blocks.tolist()
+    assert len(some) == min(most, len(every))
+    kept = [every.index(block) for block in some]
+    assert kept == sorted(set(kept))
+    if 1 < most < len(every):
+        gaps = np.diff(kept)
+        assert kept[0] == 0 and kept[-1] == len(every) - 1 and gaps.max() - gaps.min() <= 1
+
+
+@given(masks, widths, st.booleans(), st.booleans(), st.data())
+def test_bands_lie_along_the_box_that_the_patch_shows_in(known, width, hole, paste, data):
+    frozen = data.draw(arrays(bool, known.shape)) & known if hole else None
+    zone = boundary_zone(known, width, frozen=frozen, paste=paste)
+    weights = reference.zone_weights(known, width, frozen, paste)
+    top, left, bottom, right = seams.box_of(weights)
+    depth = seams.band_depth(weights, width, hole)
+    assert zone.bands[:5].tolist() == [depth, top, left, bottom, right]
+    if hole:
+        assert depth >= min(bottom - top, right - left) // 2
+    there = reference.zone_of(known, width)[top:bottom, left:right]
+    sides = there[:, :depth], there[:depth], there[:, -depth:], there[-depth:]
+    assert zone.bands[5:].tolist() == [int(s.any()) for s in sides]
+
+
+def test_blocks_cover_most_of_the_zones_of_the_paper():
+    for left, top in ((True, False), (False, True), (True, True)):
+        known = np.zeros((64, 64), bool)
+        known[:, :4] |= left
+        known[:4] |= top
+        zone = boundary_zone(known, 4)
+        seen = np.zeros_like(known)
+        for v, u in zone.blocks.tolist():
+            seen[v : v + zone.side, u : u + zone.side] = True
+        assert zone.side == 4
+        assert np.array_equal(seen, known)  # 16 + 15 blocks for the L, as section 3.3 counts them
+        if left and top:
+            assert len(zone.blocks) == 31
+
+
+@pytest.mark.parametrize(
+    "left, top, bands",
+    [(1, 0, [1, 0, 0, 0]), (0, 1, [0, 1, 0, 0]), (1, 1, [1, 1, 0, 0])],
+    ids=["b", "c", "d"],
+)
+def test_configurations_of_figure_3(left, top, bands):
+    known = np.zeros((12, 12), bool)
+    known[:, : 3 * left] = True
+    known[: 3 * top] = True
+    zone = boundary_zone(known, 3)
+    # A band's sides are those that its pixels reach: the left band also ends at top and bottom.
+    assert zone.bands[:5].tolist() == [3, 0, 0, 12, 12]
+    touches = reference.zone_of(known, 3)
+    sides = touches[:, :3], touches[:3], touches[:, 9:], touches[9:]
+    assert zone.bands[5:].tolist() == [int(s.any()) for s in sides]
+    assert [a for a, b in zip(zone.bands[5:], bands, strict=True) if b] == [1] * sum(bands)
+    assert zone.area == known.sum()
+    assert zone.weight[known].max() < 256
+    assert zone.weight[~known].min() == 256
+
+
+def test_weights_fall_evenly_through_the_zone():
+    known = np.zeros((1, 8), bool)
+    known[:, :3] = True
+    assert boundary_zone(known, 3).weight.tolist() == [[64, 128, 192, 256, 256, 256, 256, 256]]
+
+
+@pytest.mark.parametrize("width", [255, 256, 300, 700])
+def test_a_very_wide_zone_is_blended_everywhere(width):
+    known = np.zeros((1, 2 * width), bool)
+    known[:, :width] = True
+    zone = boundary_zone(known, width)
+    assert zone.area == width
+    assert (zone.weight[known] > 0).all(), "weight 0 means the canvas stays, also when it is cut"
+
+
+def test_nothing_known_and_everything_known():
+    nothing = boundary_zone(np.zeros((4, 5), bool), 2)
+    assert nothing.area == 0 and len(nothing.runs) == 0 and (nothing.weight == 256).all()
+    everything = boundary_zone(np.ones((4, 5), bool), 2)
+    assert everything.area == 0 and len(everything.runs) == 0 and (everything.weight == 0).all()
+
+
+def test_the_core_is_all_that_is_laid():
+    known = np.zeros((5, 5), bool)
+    known[:2] = True
+    zone = boundary_zone(known, 2, core=(2, 2))
+    assert zone.area == 10
+    assert zone.weight.sum() == zone.weight[2, 2] == 256
+
+
+@given(masks, widths, st.integers(1, 4), st.data())
+def test_distances_are_equation_2(known, width, channels, data):
+    """The kernel's sums are A d**2 and A d_max**2 / epsilon**2, at corners that wrap too."""
+    zone = boundary_zone(known, width)
+    rows, columns = known.shape
+    bytes_ = np.random.default_rng(data.draw(st.integers(0, 999)))
+    canvas = bytes_.integers(0, 256, (rows + 3, columns + 2, channels), np.uint8)
+    pixels = bytes_.integers(0, 256, (rows + 2, columns + 4, channels), np.uint8)
+    y, x = data.draw(st.integers(0, rows + 2)), data.draw(st.integers(0, columns + 1))
+    corners = [(0, 0), (2, 4), (1, 2)]
+    query = np.empty(zone.area * channels, np.uint8)
+    turned = np.ascontiguousarray(pixels.transpose(1, 0, 2))
+    keys, energy = _kernels.zone_distances(canvas, y, x, pixels, turned, zone.runs, corners, query)
+    mask = reference.zone_of(known, width)
+    at = np.ix_((y + np.arange(rows)) % (rows + 3), (x + np.arange(columns)) % (columns + 2))
+    there = canvas[at][mask].astype(int)
+    assert energy == (there**2).sum()
+    for key, (v, u) in zip(keys, corners, strict=True):
+        here = pixels[v : v + rows, u : u + columns][mask].astype(int)
+        assert key == ((here - there) ** 2).sum()
+        if zone.area:
+            assert (key / zone.area) ** 0.5 == pytest.approx(reference.zone_distance(here, there))
+            limit = 0.2 * (energy / zone.area) ** 0.5
+            assert limit == pytest.approx(reference.largest_distance(there, 0.2))
+
+
+def test_distances_of_long_zones_do_not_overflow():
+    """All black against all white, past what 31 bits hold."""
+    known = np.ones((200, 300), bool)
+    known[100, 150] = False
+    zone = boundary_zone(known, 200)
+    black, white = np.zeros((200, 300, 3), np.uint8), np.full((200, 300, 3), 255, np.uint8)
+    turned = np.ascontiguousarray(white.transpose(1, 0, 2))
+    query = np.empty(zone.area * 3, np.uint8)
+    keys, energy = _kernels.zone_distances(black, 0, 0, white, turned, zone.runs, [(0, 0)], query)
+    assert keys == [zone.area * 3 * 255**2] and keys[0] > 2**31
+    assert energy == 0

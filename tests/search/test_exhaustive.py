@@ -1,0 +1,73 @@
+"""The exact search: the distances of the definition, and every window within the tolerance."""
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+import families
+import weftex
+from materials import made_up, states
+from twins import exhaustive as reference
+from twins.exhaustive import choice_of_all as slow
+from weftex.search.exhaustive import ExhaustiveSearch, gaussian_weights
+from weftex.search.windows import windows_of
+
+WRAPS = list(families.WRAPS.values())
+
+
+@given(st.data())
+def test_it_finds_what_comparing_everything_finds(data):
+    draw = data.draw
+    rng = np.random.default_rng(draw(st.integers(0, 10**6)))
+    kind = draw(st.sampled_from(["noise", "few", "extreme", "smooth"]))
+    pixels = made_up(rng, (rng.integers(12, 24), rng.integers(12, 90)), kind, rng.integers(1, 6))
+    mask = None
+    if draw(st.booleans()):
+        mask = np.ones(pixels.shape[:2], bool)
+        mask[3, 2] = False
+    exemplar = weftex.Exemplar(pixels, mask=mask, tileable=draw(st.booleans()), alpha=False)
+    reach = draw(st.integers(0, 3))
+    windows = windows_of(exemplar, (reach,) * 4)
+    search = ExhaustiveSearch(windows, gaussian_weights(2 * reach + 1, (2 * reach + 1) / 6.4))
+    shape, wrap = tuple(rng.integers(1, 14, 2)), draw(st.sampled_from(WRAPS))
+    levels, done, source = states(rng, exemplar, windows, shape, wrap)
+    done.flat[0], source.flat[0], levels[0, 0] = 0, -1, 0
+    places = np.flatnonzero(done == 0)[:20].astype(np.int32)
+    bits = rng.integers(0, 2**64, len(places), dtype=np.uint64)
+    tolerance = draw(st.sampled_from([0.0, 0.1, 3.0]))
+    found = search.draw(
+        levels, done, source, wrap, places, bits, tolerance, search.scratch()
+    )  # fmt: skip
+    for n, place in enumerate(places):
+        expected = slow(search, exemplar, levels, done, wrap, place, bits[n], tolerance)
+        assert tuple(int(part[n]) for part in found) == expected
+
+
+def test_long_sums_do_not_overflow(rng):
+    """Black against white, all over a window of 61 pixels with eight channels."""
+    exemplar = weftex.Exemplar(np.full((70, 70, 8), 255, np.uint8), alpha=False)
+    windows = windows_of(exemplar, (30,) * 4)
+    search = ExhaustiveSearch(windows, np.full((61, 61), 127, np.int16))
+    done = np.ones((61, 61), np.uint8)
+    done[30, 30] = 0
+    levels, source = np.zeros((61, 61, 8), np.uint8), np.full((61, 61), -1, np.int32)
+    place, bits = np.array([30 * 61 + 30], np.int32), np.zeros(1, np.uint64)
+    found = search.draw(
+        levels, done, source, (False, False), place, bits, 0.1, search.scratch()
+    )  # fmt: skip
+    known = 61 * 61 - 1
+    assert found[1][0] == known * 8 * 127 * 255**2 and found[2][0] == known * 127
+
+
+@given(st.integers(0, 40), st.floats(0.3, 20))
+def test_weights_are_a_bell(reach, sigma):
+    weights = gaussian_weights(2 * reach + 1, sigma).astype(int)
+    assert weights.min() >= 1 and weights[reach, reach] == weights.max() == 127
+    assert np.array_equal(weights, weights.T) and np.array_equal(weights, weights[::-1])
+    assert (np.diff(weights[reach, reach:]) <= 0).all()
+
+
+@pytest.mark.parametrize("width", [1, 3, 9, 15, 23])
+def test_weights_are_the_papers(width):
+    assert gaussian_weights(width, width / 6.4).tolist() == reference.bell_weights(width)

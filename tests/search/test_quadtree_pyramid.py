@@ -1,0 +1,118 @@
+"""The quadtree pyramid against the paper's recursive construction (section 3.2, figure 9)."""
+
+import itertools
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from twins import quadtree_pyramid as reference
+from weftex.search import zone_kernels as _kernels
+from weftex.search.boundary_zone import boundary_zone
+from weftex.search.quadtree_pyramid import QuadtreePyramid
+
+
+@pytest.mark.parametrize("level, side", [(1, 1), (2, 2), (3, 4)])
+@pytest.mark.parametrize("shape", [(8, 8), (11, 14), (4, 9)])
+def test_nodes_are_the_papers_levels(rng, level, side, shape):
+    pixels = rng.integers(0, 256, (*shape, 2), np.uint8)
+    nodes = QuadtreePyramid(pixels).nodes(side, side)
+    assert nodes.shape[1:3] == (side, side)  # 1, 4 and 16 small pictures
+    seen = 0
+    for channel in range(2):
+        for (v, u), node in reference.quadtree_level(pixels[..., channel], level).items():
+            rounded = np.floor(node + 0.5)  # documented: means are rounded
+            rows, columns = node.shape
+            assert np.array_equal(nodes[channel, v, u, :rows, :columns], rounded)
+            seen += node.size
+    # Nothing but padding is left over.
+    assert seen == 2 * (shape[0] - side + 1) * (shape[1] - side + 1)
+
+
+def test_every_patch_has_a_counterpart(rng):
+    """What figure 9 is about: any window, whatever its position, has low-resolution pixels."""
+    pixels = rng.integers(0, 256, (13, 17, 1), np.uint8)
+    pyramid = QuadtreePyramid(pixels)
+    for side, stride in itertools.product((1, 2, 4), (1, 2, 4)):
+        nodes = pyramid.nodes(side, stride)
+        for y, x in itertools.product(range(13 - side + 1), range(17 - side + 1)):
+            got = nodes[:, y % stride, x % stride, y // stride, x // stride]
+            assert np.array_equal(got, reference.block_mean(pixels, y, x, side))
+
+
+@given(st.sampled_from([1, 2, 4]), st.sampled_from([1, 2, 4]), st.integers(1, 3), st.data())
+def test_windows_gather_the_blocks_of_each_window(side, stride, channels, data):
+    rng = np.random.default_rng(data.draw(st.integers(0, 99)))
+    pixels = rng.integers(0, 256, (15, 13, channels), np.uint8)
+    window = 7
+    offsets = st.tuples(*[st.integers(0, window - side)] * 2)
+    blocks = np.array(data.draw(st.lists(offsets, min_size=1, max_size=5)), np.int32)
+    rows, columns = (-(-(n - window + 1) // stride) for n in (15, 13))
+    found = QuadtreePyramid(pixels).windows(blocks, side, stride, rows, columns)
+    for i, j in itertools.product(range(rows), range(columns)):
+        expected = [
+            reference.block_mean(pixels, i * stride + v, j * stride + u, side) for v, u in blocks
+        ]
+        assert np.array_equal(found[:, i * columns + j], np.concatenate(expected))
+
+
+@given(st.sampled_from([1, 2, 4]), st.integers(1, 3), st.integers(0, 20), st.integers(0, 20))
+def test_block_means_of_a_canvas_wrap(side, channels, y, x):
+    rng = np.random.default_rng(side * channels)
+    canvas = rng.integers(0, 256, (21, 21, channels), np.uint8)
+    blocks = np.array([(0, 0), (3, 1), (1, 5)], np.int32)
+    means = np.empty(3 * channels, np.int32)
+    _kernels.zone_means(canvas, y, x, blocks, side, means)
+    expected = [reference.block_mean(canvas, y + v, x + u, side) for v, u in blocks]
+    assert np.array_equal(means, np.concatenate(expected))
+
+
+def shortlist(pixels, zone, means, usable, stride, wanted):
+    nodes = QuadtreePyramid(pixels).nodes(zone.side, stride)
+    keys, places = np.empty(wanted, np.int64), np.empty(wanted, np.int32)
+    columns = usable.shape[1]
+    count = _kernels.windows_by_blocks(
+        nodes,
+        zone.blocks,
+        means,
+        usable,
+        np.empty(columns, np.int32),
+        np.empty(columns, np.int64),
+        wanted,
+        keys,
+        places,
+    )
+    return keys[:count].tolist(), [tuple(divmod(p, columns)) for p in places[:count].tolist()]
+
+
+@given(
+    st.sampled_from([1, 2, 4]),
+    st.sampled_from([1, 2, 4]),
+    st.sampled_from([1, 3]),
+    st.integers(1, 60),
+    st.integers(0, 2**30),
+)
+def test_block_shortlist_is_the_m_smallest(side, stride, channels, wanted, seed):
+    rng = np.random.default_rng(seed)
+    few = int(rng.choice([3, 256]))  # few values make many ties
+    pixels = rng.integers(0, few, (22, 19, channels)).astype(np.uint8)
+    known = np.zeros((9, 9), bool)
+    known[:4] = True
+    known[:, :4] = True
+    zone = boundary_zone(known, 4, block_side=side)
+    usable = (rng.random((14, 11)) < 0.8).astype(np.uint8)
+    usable[0, 0] = 1
+    query = rng.integers(0, few, len(zone.blocks) * channels).astype(np.int32)
+    expected = reference.block_distances(pixels, zone.blocks, zone.side, query, usable, stride)
+    keys, places = shortlist(pixels, zone, query, usable, stride, wanted)
+    assert sorted(keys) == sorted(expected.values())[:wanted]
+    assert len(set(places)) == len(places)
+    assert [expected[p] for p in places] == keys
+
+
+def test_rounding_of_means_is_halves_up():
+    pixels = np.array([[[0], [1]], [[1], [0]]], np.uint8)  # mean 0.5
+    assert QuadtreePyramid(pixels).nodes(2, 1)[0, 0, 0, 0, 0] == 1
+    pixels[0, 1] = 0  # mean 0.25
+    assert QuadtreePyramid(pixels).nodes(2, 1)[0, 0, 0, 0, 0] == 0

@@ -1,0 +1,83 @@
+"""Places of a sample that look alike, and the nearest place of a window."""
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+import weftex
+from families import noise
+from twins import similar as reference
+from weftex.exemplar import Exemplar
+from weftex.raster.pyramids import gaussian_pyramid
+from weftex.search.similar import nearest_centre, similar_places
+from weftex.search.windows import windows_of
+
+
+def by_place(windows, found):
+    """What was found for each centre, in pixels of the sample."""
+    width, (top, left) = windows.pixels.shape[1], windows.period[:2]
+
+    def place(flat):
+        y, x = divmod(int(flat), width)
+        return y - int(top), x - int(left)
+
+    return {place(c): [place(p) for p in found[c] if p >= 0] for c in windows.centres}
+
+
+@given(
+    st.tuples(st.integers(3, 10), st.integers(3, 10)),
+    st.sampled_from([1, 2, 255]),
+    st.integers(0, 4),
+    st.booleans(),
+    st.integers(0, 99),
+)
+def test_the_coarsest_level_is_the_slow_twin(shape, colours, count, tileable, seed):
+    pixels = (noise((*shape, 2), seed=seed) % colours).astype(np.uint8)
+    exemplar = Exemplar(pixels, tileable=tileable, alpha=False)
+    windows = windows_of(exemplar, (1, 1, 1, 1))
+    centres = reference.window_centres(np.ones(shape, bool), [1] * 4, tileable)
+    expected = reference.similar_places(pixels, centres, 1, count, lambda _: centres)
+    found = similar_places(windows, 1, count)
+    assert found.shape == (windows.usable.size, count) and found.dtype == np.int32
+    assert by_place(windows, found) == expected
+
+
+@pytest.mark.parametrize("tileable", [False, True])
+@pytest.mark.parametrize("shape", [(20, 24), (19, 21)])
+def test_the_next_level_looks_around_the_children(shape, tileable):
+    pixels = np.ascontiguousarray(
+        weftex.load_exemplar("sample:pebbles").pixels[: shape[0], : shape[1], :1]
+    )
+    pyramid = gaussian_pyramid(pixels, 2, (tileable, tileable))
+    masks = [np.ones(level.shape[:2], bool) for level in pyramid]
+    coarser = None
+    for k in (1, 0):
+        windows = windows_of(Exemplar(pyramid[k], tileable=tileable), (2, 2, 2, 2))
+        found = similar_places(windows, 2, 2, coarser)
+        expected = reference.registered_similar(pyramid[k:], masks[k:], tileable, 2, 2)
+        places = by_place(windows, found)
+        assert places == {centre: expected[centre] for centre in places}
+        coarser = windows, found
+    assert any(places.values())
+
+
+def test_windows_of_a_pattern_are_like_those_a_period_away():
+    pixels = np.tile(noise((7, 6)), (4, 4))
+    windows = windows_of(Exemplar(pixels), (2, 2, 2, 2))
+    found = by_place(windows, similar_places(windows, 2, 3))
+    for (y, x), places in found.items():
+        assert len(places) == 3
+        assert all((v - y) % 7 == 0 and (u - x) % 6 == 0 for v, u in places)
+
+
+def test_where_no_window_is_the_nearest_stands_for_it():
+    mask = np.ones((9, 10), bool)
+    mask[4, 5] = False
+    for tileable in (False, True):
+        windows = windows_of(Exemplar(noise((9, 10)), mask=mask, tileable=tileable), (1, 1, 1, 1))
+        centres = list(zip(*np.nonzero(windows.usable), strict=True))
+        result = nearest_centre(windows.usable)
+        for y, x in np.ndindex(result.shape):
+            expected = reference.nearest_centre(centres, y, x)
+            assert divmod(int(result[y, x]), result.shape[1]) == expected

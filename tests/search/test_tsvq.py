@@ -1,0 +1,130 @@
+"""Trees of vectors."""
+
+import itertools
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from twins import tree as reference
+from weftex.search import tsvq
+from weftex.search.tsvq import build_tsvq
+
+
+def vectors_of(count, size, values, seed):
+    rng = np.random.default_rng(seed)
+    return rng.integers(0, values, (count, size)).astype(np.uint8) * np.uint8(255 // values)
+
+
+def leaves_of(tree):
+    return tree.nodes[tree.nodes[:, 0] < 0]
+
+
+def as_dicts(tree):
+    """The twin's nodes; rows of a node that is split are those of its children."""
+    nodes = []
+    for number, (child, start, stop) in enumerate(tree.nodes.tolist()):
+        node = {"members": sorted(tree.places[start:stop].tolist())}
+        if child >= 0:
+            node["children"] = (child, child + 1)
+        if number:
+            node["centroid"] = tree.centroids[number].tolist()
+        nodes.append(node)
+    return nodes
+
+
+CASES = {
+    "count": st.integers(1, 90),
+    "size": st.integers(1, 12),
+    "values": st.sampled_from([1, 2, 3, 255]),
+    "tree_size": st.sampled_from([None, 1, 2, 7, 1000]),
+    "seed": st.integers(0, 2**32 - 1),
+}
+
+
+@given(**CASES)
+def test_it_is_the_slow_tree(count, size, values, tree_size, seed):
+    vectors = vectors_of(count, size, values, seed)
+    tree = build_tsvq(vectors, np.arange(count, dtype=np.int32), tree_size)
+    slow = reference.vector_tree(vectors, tree_size)
+    assert len(slow) == len(tree.nodes)
+    for fast, node in zip(as_dicts(tree), slow, strict=True):
+        assert fast.get("children") == node.get("children")
+        if "centroid" in node:
+            assert fast["centroid"] == node["centroid"].tolist()
+        members = vectors[node["members"]]
+        if "children" in node or (members != members[0]).any():
+            assert fast["members"] == sorted(node["members"].tolist())
+        else:  # the first of equal vectors stands for all
+            assert fast["members"] == [min(node["members"].tolist())]
+    assert np.array_equal(tree.rows, vectors[tree.places])
+
+
+@given(**CASES, leaves=st.integers(1, 9), data=st.data())
+def test_it_finds_what_the_slow_search_finds(count, size, values, tree_size, seed, leaves, data):
+    vectors = vectors_of(count, size, values, seed)
+    tree = build_tsvq(vectors, np.arange(count, dtype=np.int32), tree_size)
+    slow = reference.vector_tree(vectors, tree_size)
+    queries = vectors_of(5, size, values, seed + 1)
+    counts = np.array(data.draw(st.lists(st.booleans(), min_size=size, max_size=size)))
+    counts[seed % size] = True
+    spans = np.flatnonzero(np.diff(np.concatenate([[0], counts, [0]]))).reshape(-1, 2)
+    spans[:, 1] -= spans[:, 0]
+    found = tree.nearest(queries, leaves, spans.astype(np.int32))
+    for query, row in zip(queries, found, strict=True):
+        expected = reference.nearest_in_tree(slow, vectors, query.astype(int), counts, leaves)
+        assert tree.places[row] == expected
+
+
+@pytest.mark.parametrize("tree_size", [None, 1, 20])
+def test_all_leaves_are_exhaustive_search(tree_size):
+    vectors, queries = vectors_of(500, 9, 5, 0), vectors_of(60, 9, 5, 1)
+    tree = build_tsvq(vectors, np.arange(500, dtype=np.int32), tree_size)
+    found = tree.places[tree.nearest(queries, len(leaves_of(tree)))]
+    distance = ((vectors[None].astype(int) - queries[:, None]) ** 2).sum(axis=2)
+    assert np.array_equal(found, distance.argmin(axis=1))  # the first of equals
+
+
+def test_more_leaves_are_never_worse():
+    vectors, queries = vectors_of(3000, 20, 255, 2), vectors_of(200, 20, 255, 3)
+    tree = build_tsvq(vectors, np.arange(3000, dtype=np.int32))
+    errors = []
+    for leaves in (1, 2, 4, 8, 16, 1000):
+        near = tree.rows[tree.nearest(queries, leaves)].astype(int)
+        errors.append(((near - queries) ** 2).sum(axis=1))
+    assert all((more <= less).all() for less, more in itertools.pairwise(errors))
+    assert errors[0].sum() > errors[3].sum() > errors[-1].sum()
+
+
+def test_long_vectors_and_far_values():
+    """Black against white over 40,000 bytes passes 2**31."""
+    vectors = np.repeat(np.array([[0], [255]], np.uint8), 40_000, axis=1)
+    tree = build_tsvq(vectors, np.array([7, 3], np.int32), 2)
+    query = np.full((1, 40_000), 128, np.uint8)
+    assert tree.places[tree.nearest(query)].tolist() == [3]
+
+
+def test_sizes():
+    vectors = vectors_of(2000, 6, 255, 4)
+    every = np.arange(2000, dtype=np.int32)
+    for size in (1, 2, 3, 100, 2000, 5000):
+        assert len(leaves_of(build_tsvq(vectors, every, size))) == min(size, 2000)
+    sizes = np.diff(leaves_of(build_tsvq(vectors, every))[:, 1:])
+    assert sizes.max() <= tsvq.LEAF and sizes.sum() == 2000
+
+
+def test_equal_vectors_are_one_leaf():
+    """Otherwise a sample of one colour would be searched through for every pixel."""
+    tree = build_tsvq(np.full((50_000, 8), 9, np.uint8), np.arange(50_000, dtype=np.int32), 64)
+    assert tree.nodes.tolist() == [[-1, 0, 1]]
+    assert tree.places[0] == 0
+
+
+def test_places_may_come_in_any_order():
+    vectors = vectors_of(300, 5, 4, 5)
+    places = np.random.default_rng(6).permutation(300).astype(np.int32)
+    shuffled = build_tsvq(vectors, places)
+    ordered = build_tsvq(vectors[np.argsort(places)], np.arange(300, dtype=np.int32))
+    assert np.array_equal(shuffled.places, ordered.places)
+    assert np.array_equal(shuffled.nodes, ordered.nodes)

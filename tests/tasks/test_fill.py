@@ -1,0 +1,259 @@
+"""Hole filling as a task: what stays, what is refused, where patches come from."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from PIL import Image
+
+import families
+import weftex
+from families import noise
+from weftex.tasks import fill as fill_module
+
+METHODS = [slug for slug in families.METHODS if "hole" in families.kinds_of(slug)]
+
+
+def box(shape, *boxes):
+    hole = np.zeros(shape, bool)
+    for top, left, bottom, right in boxes:
+        hole[top:bottom, left:right] = True
+    return hole
+
+
+HOLES = {
+    "square": box((70, 90), (20, 30, 45, 60)),
+    "several": box((70, 90), (5, 5, 12, 20), (40, 50, 60, 58), (30, 80, 33, 83)),
+    "border": box((70, 90), (0, 0, 10, 30), (60, 70, 70, 90)),
+    "scratch": np.abs(np.arange(70)[:, None] - np.arange(90) // 2 - 8) < 2,
+    "pixel": box((70, 90), (33, 44, 34, 45)),
+}
+
+
+@pytest.mark.parametrize("method", METHODS)
+@pytest.mark.parametrize("kind", HOLES)
+def test_known_pixels_stay_and_holes_get_sample_pixels(method, kind):
+    hole = HOLES[kind]
+    photo = noise((70, 90, 3))
+    photo[hole] = 255
+    trial = families.TRIALS[method]
+    copying = {"blend": "none"} if trial.family == "patch" else trial.small
+    result = weftex.fill(photo, hole, method=method, seed=1, **copying)
+    image = result.image
+    assert image.dtype == photo.dtype and image.shape == photo.shape
+    assert (image[~hole] == photo[~hole]).all()
+    source = result.source
+    assert (source[~hole] == np.argwhere(~hole)).all()
+    assert not hole[tuple(source[hole].T)].any()
+    assert (image == photo[source[..., 0], source[..., 1]]).all()
+
+
+@settings(max_examples=15, deadline=None)
+@given(
+    dtype=st.sampled_from(["uint8", "uint16", "float32"]),
+    channels=st.sampled_from([(), (1,), (2,), (3,), (4,), (5,)]),
+    wrap=st.sampled_from([False, True, "x", "y"]),
+    corner=st.tuples(st.integers(0, 39), st.integers(0, 49)),
+    size=st.tuples(st.integers(1, 20), st.integers(1, 20)),
+    seed=st.integers(0, 9),
+)
+def test_known_pixels_stay_for_any_kind(dtype, channels, wrap, corner, size, seed):
+    photo = noise((40, 50, *channels), dtype=dtype, seed=seed)
+    hole = box((40, 50), (*corner, corner[0] + size[0], corner[1] + size[1]))
+    image = weftex.fill(photo, hole, seed=seed, tileable=wrap).image
+    assert image.dtype == photo.dtype and image.shape == photo.shape
+    assert (image[~hole] == photo[~hole]).all()
+
+
+def test_constant_stays_constant():
+    photo = np.full((60, 60, 3), 90, np.uint8)
+    hole = box((60, 60), (20, 20, 40, 40))
+    photo[hole] = 7
+    assert (weftex.fill(photo, hole, seed=1).image == 90).all()
+
+
+@pytest.mark.parametrize("method", METHODS)
+def test_the_same_seed_gives_the_same_bytes(method):
+    photo, hole = noise((70, 90, 3)), HOLES["several"]
+    small = families.TRIALS[method].small
+    first, second = (
+        weftex.fill(photo, hole, method=method, seed=5, threads=n, **small).image.tobytes()
+        for n in (1, 2)
+    )
+    assert first == second
+
+
+def test_what_marks_the_hole_does_not_matter():
+    photo, hole = noise((70, 90), dtype=np.uint16) // 20, HOLES["square"]
+    images = []
+    for mark in (0, 65535):
+        photo[hole] = mark
+        images.append(weftex.fill(photo, hole, seed=2).image)
+    assert (images[0] == images[1]).all()
+
+
+def test_a_regular_pattern_is_continued():
+    y, x = np.mgrid[:128, :160]
+    photo = (((x // 8 + y // 8) % 2) * 200).astype(np.uint8)
+    hole = box(photo.shape, (50, 60, 80, 95))
+    broken = np.where(hole, 90, photo).astype(np.uint8)
+    assert (weftex.fill(broken, hole, seed=1).image == photo).all()
+
+
+def test_a_hole_across_the_border_of_a_tileable_photo():
+    y, x = np.mgrid[:128, :128]
+    photo = (((x // 8 + y // 8) % 2) * 200).astype(np.uint8)
+    hole = box(photo.shape, (50, 0, 70, 11), (50, 117, 70, 128))
+    broken = np.where(hole, 90, photo).astype(np.uint8)
+    assert (weftex.fill(broken, hole, seed=1, tileable=True).image == photo).all()
+
+
+def test_a_mask_that_covers_nothing_changes_nothing():
+    photo = noise((30, 40, 3))
+    result = weftex.fill(photo, np.zeros((30, 40), bool), seed=1)
+    assert (result.index == -1).all()
+    assert (result.image == photo).all()
+    assert (result.source == np.stack(np.mgrid[:30, :40], axis=-1)).all()
+
+
+def test_a_mask_that_covers_everything_needs_a_sample():
+    photo, everything = noise((50, 60, 3)), np.ones((50, 60), bool)
+    with pytest.raises(weftex.InvalidInputError, match="nothing to learn from.*sample"):
+        weftex.fill(photo, everything)
+    sample = noise((64, 64, 3), seed=1)
+    result = weftex.fill(photo, everything, sample=sample, seed=1, blend="none")
+    assert (result.image == sample[result.source[..., 0], result.source[..., 1]]).all()
+
+
+def test_from_a_sample_of_its_own():
+    photo, sample, hole = noise((70, 90, 3)), noise((80, 80, 3), seed=1), HOLES["border"]
+    result = weftex.fill(photo, hole, sample=sample, seed=1, blend="none")
+    image, source = result.image, result.source
+    assert (image[~hole] == photo[~hole]).all()
+    assert (source[~hole] == -1).all()
+    assert (image[hole] == sample[tuple(source[hole].T)]).all()
+    with pytest.raises(weftex.InvalidInputError, match="background"):
+        result.render(sample[..., 0])
+    around = np.zeros((70, 90), np.uint8)
+    assert (result.render(sample[..., 0], background=around)[~hole] == 0).all()
+
+
+@pytest.mark.parametrize(
+    ("sample", "message"),
+    [
+        (noise((60, 60, 3), dtype=np.uint16), "uint16 with 3 channels.*uint8 with 3"),
+        (noise((60, 60)), "uint8 with 1 channels.*uint8 with 3"),
+    ],
+)
+def test_a_sample_of_another_kind_is_refused(sample, message):
+    with pytest.raises(weftex.InvalidInputError, match=message):
+        weftex.fill(noise((70, 90, 3)), HOLES["square"], sample=sample)
+
+
+def test_masks_that_do_not_fit_are_refused(tmp_path):
+    photo = noise((70, 90, 3))
+    with pytest.raises(weftex.InvalidInputError, match="mask is 8x9.*90x70"):
+        weftex.fill(photo, np.ones((9, 8), bool))
+    with pytest.raises(weftex.InvalidInputError, match="boolean"):
+        weftex.fill(photo, np.ones((70, 90), np.uint8))
+    with pytest.raises(weftex.FileError, match="nowhere"):
+        weftex.fill(photo, tmp_path / "nowhere.png")
+
+
+def test_masks_from_files_and_pil_are_the_same(tmp_path):
+    photo, hole = noise((70, 90, 3)), HOLES["several"]
+    image = Image.fromarray(hole)
+    image.save(tmp_path / "hole.png")
+    images = [weftex.fill(photo, m, seed=1).image for m in (hole, image, tmp_path / "hole.png")]
+    assert (images[0] == images[1]).all() and (images[0] == images[2]).all()
+
+
+def test_all_maps_are_filled_alike():
+    height = noise((70, 90), dtype=np.uint16)
+    exemplar = weftex.Exemplar(noise((70, 90, 3)), maps={"height": height})
+    hole = HOLES["several"]
+    result = weftex.fill(exemplar, hole, seed=1, blend="none")
+    filled = result.maps["height"]
+    assert filled.dtype == np.uint16
+    assert (filled == height[result.source[..., 0], result.source[..., 1]]).all()
+    with pytest.raises(weftex.InvalidInputError, match="maps"):
+        weftex.fill(exemplar, hole, sample=exemplar.pixels)
+
+
+def test_maps_take_part_in_matching():
+    # The picture tells nothing; only the map shows where the pattern goes on.
+    y, x = np.mgrid[:128, :128]
+    pattern = (((x // 8 + y // 8) % 2) * 200).astype(np.uint8)
+    hole = box(pattern.shape, (50, 60, 70, 90))
+    exemplar = weftex.Exemplar(np.full((128, 128), 60, np.uint8), maps={"height": pattern})
+    assert (weftex.fill(exemplar, hole, seed=1).maps["height"] == pattern).all()
+
+
+def test_save_and_replay(tmp_path):
+    photo, hole = noise((70, 90, 3)), HOLES["square"]
+    result = weftex.fill(photo, hole, seed=1)
+    result.save(tmp_path / "f.npz")
+    again = weftex.Synthesis.load(tmp_path / "f.npz")
+    assert (again.render(photo) == result.image).all()
+    twice = noise((140, 180), dtype=np.uint16)
+    assert (
+        again.render(twice)[~hole.repeat(2, 0).repeat(2, 1)]
+        == twice[~hole.repeat(2, 0).repeat(2, 1)]
+    ).all()
+
+
+def test_usable_pixels_of_the_photo_are_respected():
+    photo, hole = noise((70, 160, 3)), box((70, 160), (20, 60, 45, 80))
+    mask = np.zeros((70, 160), bool)
+    mask[:, 100:] = True
+    result = weftex.fill(weftex.Exemplar(photo, mask=mask), hole, seed=1)
+    assert mask[tuple(result.source[hole].T)].all()
+
+
+@pytest.mark.parametrize("wrap", [False, True])
+def test_a_large_photo_is_filled_from_nearby(monkeypatch, wrap):
+    monkeypatch.setattr(fill_module, "NEIGHBOURHOOD", 40_000)
+    photo = noise((900, 1000))
+    hole = box(photo.shape, (0, 980, 30, 1000))
+    result = weftex.fill(photo, hole, seed=1, tileable=wrap, patch_size=16)
+    source = result.source[hole].astype(int)
+    far = np.abs(source - (15, 990))
+    far = np.minimum(far, photo.shape - far) if wrap else far
+    assert far.max() < 500
+    assert (result.image[~hole] == photo[~hole]).all()
+    assert not hole[tuple(source.T)].any()
+
+
+def test_parameters_given_are_kept_and_the_rest_chosen():
+    photo, hole = noise((300, 300)), box((300, 300), (100, 100, 180, 180))
+    chosen = weftex.fill(photo, hole, seed=1).provenance
+    assert (chosen["patch_size"], chosen["boundary_width"]) == (48, 4)
+    given_size = weftex.fill(photo, hole, seed=1, patch_size=20, epsilon=0.3).provenance
+    assert (given_size["patch_size"], given_size["epsilon"]) == (20, 0.3)
+    assert weftex.fill(photo, hole, seed=1, randomness=0.1).provenance["patch_size"] == 30
+    ready = weftex.PatchSampling(patch_size=24, boundary_width=5)
+    kept = weftex.fill(photo, hole, seed=1, method=ready).provenance
+    assert (kept["patch_size"], kept["boundary_width"]) == (24, 5)
+    assert kept["epsilon"] == ready.epsilon
+
+
+def test_patches_shrink_where_holes_leave_little():
+    hole = np.zeros((120, 120), bool)
+    hole[::14] = hole[:, ::14] = True
+    photo = noise((120, 120))
+    result = weftex.fill(photo, hole, seed=1)
+    assert result.provenance["patch_size"] <= 13
+    assert (result.image[~hole] == photo[~hole]).all()
+
+
+def test_single_pixels():
+    photo, hole = noise((40, 50, 3)), box((40, 50), (10, 10, 16, 20))
+    result = weftex.fill(photo, hole, seed=1, patch_size=1)
+    assert (result.image == photo[result.source[..., 0], result.source[..., 1]]).all()
+
+
+def test_progress_can_cancel():
+    with pytest.raises(weftex.CancelledError):
+        weftex.fill(noise((70, 90)), HOLES["several"], seed=1, progress=lambda *_: False)

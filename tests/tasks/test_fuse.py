@@ -1,0 +1,198 @@
+"""Texture fusion: several materials in one picture."""
+
+import numpy as np
+import pytest
+from PIL import Image
+
+import weftex
+from weftex.cli import main
+from weftex.tasks.fuse import combined
+
+SIZE = (70, 80)
+
+
+def sample(level, shape=(40, 44), seed=0, dtype=np.uint8):
+    """Noise around a level, so that it is seen from which sample a pixel is."""
+    noise = np.random.default_rng(seed).integers(0, 20, (*shape, 3))
+    return (noise + level).astype(dtype)
+
+
+A, B, C = sample(10), sample(100, (44, 40), 1), sample(200, (50, 50), 2)
+HALVES = (np.arange(80) >= 40) * np.ones((70, 1), int)
+THREE = np.where(np.arange(70)[:, None] >= 35, 2, HALVES)
+FAST = {"iterations": 2, "window_width": 9}
+
+
+def which(result, count):
+    """The sample that each pixel is from, by its place in the stack."""
+    tops = np.cumsum([e.shape[0] for e in (A, B, C)[:count]])
+    return np.searchsorted(tops, result.source[..., 0], side="right")
+
+
+@pytest.mark.parametrize("tileable", [False, True, "x", "y"])
+def test_regions_are_of_their_samples(tileable):
+    result = weftex.fuse([A, B, C], THREE, seed=1, tileable=tileable, **FAST)
+    assert result.image.shape == (*SIZE, 3)
+    stacked = result.exemplar.pixels
+    assert np.array_equal(result.image, stacked[tuple(np.moveaxis(result.source, -1, 0))])
+    assert result.exemplar.mask[tuple(np.moveaxis(result.source, -1, 0))].all()
+    made = which(result, 3)
+    # Beyond the belts nothing is from another sample.
+    for k, part in enumerate((np.s_[8:27, 8:32], np.s_[8:27, 48:72], np.s_[43:62, 8:72])):
+        assert (made[part] == k).all()
+    assert len(np.unique(made)) == 3
+
+
+def test_the_boundary_is_merged_and_not_straight():
+    result = weftex.fuse([A, B], HALVES, seed=1, iterations=4, window_width=21)
+    made = which(result, 2)
+    first = (made == 0).sum(axis=1)
+    assert first.min() > 30 and first.max() < 50
+    assert len(np.unique(first)) > 1
+
+
+def test_the_same_seed_the_same_bytes():
+    images = [
+        weftex.fuse([A, B], HALVES, seed=s, threads=t, **FAST).image.tobytes()
+        for s, t in ((1, 1), (1, 2), (2, 1))
+    ]
+    assert images[0] == images[1] and images[0] != images[2]
+
+
+@pytest.mark.parametrize("method", ["ashikhmin", "exact-matching", "efros-leung"])
+def test_with_other_pixel_methods(method):
+    result = weftex.fuse([A, B], HALVES[:30, 20:60], method=method, seed=1, window_width=5)
+    made = which(result, 2)
+    assert (made[:, :16] == 0).all() and (made[:, -16:] == 1).all()
+
+
+def test_mixed_regions_are_of_both():
+    labels = HALVES.copy()
+    labels[:, 30:50] = 7
+    made = which(weftex.fuse([A, B], labels, mixed={7: (1, 0)}, seed=3, **FAST), 2)
+    assert (made[:, :28] == 0).all() and (made[:, 52:] == 1).all()
+    assert 0.1 < made[:, 30:50].mean() < 0.9
+
+
+def test_everything_may_be_mixed():
+    labels = np.full((30, 30), 2)
+    labels[0, 0], labels[-1, -1] = 0, 1
+    result = weftex.fuse([A, B], labels, mixed={2: (0, 1)}, seed=1, window_width=3)
+    assert len(np.unique(which(result, 2))) == 2
+
+
+def test_the_gradient_goes_over():
+    result = weftex.fuse([A, B], "gradient", (260, 60), seed=1, **FAST)
+    made = which(result, 2)
+    assert made[:10].mean() < 0.35 and made[-40:].mean() > 0.9
+
+
+def test_painted_maps_files_and_arrays_are_the_same(tmp_path):
+    painted = np.array([(255, 0, 0), (0, 0, 255)], np.uint8)[HALVES]
+    Image.fromarray(painted).save(tmp_path / "map.png")
+    expected = weftex.fuse([A, B], HALVES, seed=1, **FAST).image
+    for label_map in (painted, tmp_path / "map.png", Image.fromarray(painted)):
+        assert np.array_equal(weftex.fuse([A, B], label_map, seed=1, **FAST).image, expected)
+    swapped = weftex.fuse([B, A], painted, colors=[(0, 0, 255), (255, 0, 0)], seed=1, **FAST)
+    assert (swapped.image[:, :30] < 60).all()
+
+
+@pytest.mark.parametrize("dtype", [np.uint16, np.float32])
+def test_any_depth(dtype):
+    result = weftex.fuse([A.astype(dtype), B.astype(dtype)], HALVES, seed=1, **FAST)
+    assert result.image.dtype == dtype
+
+
+def test_maps_and_saved_results(tmp_path):
+    exemplars = [
+        weftex.Exemplar(p, maps={"level": p[..., 0].astype(np.uint16), str(k): p[..., 1].copy()})
+        for k, p in enumerate((A, B))
+    ]
+    result = weftex.fuse(exemplars, HALVES, seed=1, **FAST)
+    assert list(result.maps) == ["level"]
+    assert np.array_equal(result.maps["level"], result.image[..., 0])
+    result.save(tmp_path / "f.npz")
+    again = weftex.Synthesis.load(
+        tmp_path / "f.npz", combined([weftex.Exemplar(A), weftex.Exemplar(B)])
+    )
+    assert np.array_equal(again.image, result.image)
+
+
+def test_masks_are_respected():
+    mask = np.zeros(A.shape[:2], bool)
+    mask[:, :30] = True
+    result = weftex.fuse([weftex.Exemplar(A, mask=mask), B], HALVES, seed=1, **FAST)
+    source = result.source[which(result, 2) == 0]
+    assert (source[:, 1] < 30).all()
+
+
+def test_what_does_not_fit_is_refused():
+    def refused(match, *args, error=weftex.InvalidInputError, **more):
+        with pytest.raises(error, match=match):
+            weftex.fuse(*args, **more)
+
+    refused("1 sample to fuse", [A], HALVES)
+    refused("is uint16 with 3 channels", [A, B.astype(np.uint16)], HALVES)
+    refused("is uint8 with 1 channels", [A, B[..., 0]], HALVES)
+    refused("no pixel of the colour 1", [A, B], HALVES * 0)
+    refused("2 colours .* for 3 samples", [A, B, C], np.uint8([(0, 0, 9), (9, 0, 0)])[HALVES])
+    refused("the map is 80x70, the size 50x60", [A, B], HALVES, (60, 50))
+    refused("takes two samples", [A, B, C], "gradient", 50)
+    refused("takes two samples and the size", [A, B], "gradient")
+    thin = HALVES * 0
+    thin[:, 40:43] = 1
+    refused("nowhere wider than its belts", [A, B], thin, window_width=21)
+    refused("two numbers of samples", [A, B], HALVES, mixed={2: (0, 2)})
+    refused("colours of the samples beside", [A, B], HALVES + 5, mixed={2: (0, 1)})
+    refused("shape", [A, B], np.zeros((3, 3, 3, 3), np.uint8))
+    for method in ("quilting", "patch-sampling", "near-regular"):
+        refused(
+            "several samples in one picture; these do: .*refinement", [A, B], HALVES, method=method,
+            error=weftex.UnsupportedError,
+        )  # fmt: skip
+    refused("no parameter 'nothing'", [A, B], HALVES, nothing=3)
+    refused("nowhere.png", [A, B], "nowhere.png", error=weftex.FileError)
+
+
+def test_progress_can_cancel():
+    with pytest.raises(weftex.CancelledError):
+        weftex.fuse([A, B], HALVES, seed=1, progress=lambda *_: False, **FAST)
+
+
+def test_the_command(tmp_path, capsys):
+    for name, picture in (("a", A), ("b", B)):
+        Image.fromarray(picture).save(tmp_path / f"{name}.png")
+        Image.fromarray(picture[..., 0].copy()).save(tmp_path / f"{name}_height.png")
+    painted = np.array([(255, 0, 0), (0, 0, 255)], np.uint8)[HALVES]
+    Image.fromarray(painted).save(tmp_path / "map.png")
+    path = {p.name: str(p) for p in tmp_path.iterdir()}
+    out, source = str(tmp_path / "out.png"), str(tmp_path / "out.npz")
+    common = ["--iterations", "2", "--window-width", "9", "--seed", "1"]
+    command = ["fuse", path["a.png"], path["b.png"], "-o", out, *common]
+    assert main([*command, "--map", path["map.png"], "--save-source", source]) == 0
+    expected = weftex.fuse([A, B], HALVES, seed=1, **FAST)
+    assert np.array_equal(np.asarray(Image.open(out)), expected.image)
+    assert "fused 2 samples in" in capsys.readouterr().err
+    heights = [path["a_height.png"], path["b_height.png"]]
+    assert main(["replay", source, *heights, "-o", str(tmp_path / "h.png")]) == 0
+    assert np.array_equal(np.asarray(Image.open(tmp_path / "h.png")), expected.image[..., 0])
+    colors = ["--colors", "#0000ff,#ff0000"]
+    assert main([*command, "--map", path["map.png"], *colors]) == 0
+    assert (np.asarray(Image.open(out))[:, 50:] < 60).all()
+    mixed = np.array([(255, 0, 0), (0, 0, 255), (0, 255, 0)], np.uint8)[THREE]
+    Image.fromarray(mixed).save(tmp_path / "mixed.png")
+    green = [*colors, "--mixed", "#00ff00=1+2"]
+    assert main([*command, "--map", str(tmp_path / "mixed.png"), *green]) == 0
+    both = np.asarray(Image.open(out))[50:] > 60
+    assert both.any() and not both.all()
+    assert main([*command, "--map", "gradient", "--size", "60x80"]) == 0
+    assert np.asarray(Image.open(out)).shape == (80, 60, 3)
+    capsys.readouterr()
+    for wrong in (
+        ["--colors", "red,blue"],
+        ["--colors", "1"],
+        ["--mixed", "3"],
+        ["--mixed", "#00ff00=1+x"],
+    ):
+        assert main([*command, "--map", path["map.png"], *wrong]) == 2
+        assert "error: " in capsys.readouterr().err

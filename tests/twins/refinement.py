@@ -1,0 +1,356 @@
+"""Iterative refinement (sections 3, 5 and 6 of the paper on texture refinement and fusion)."""
+
+from __future__ import annotations
+
+import itertools
+import math
+
+import numpy as np
+
+from twins.components import component_coordinates
+from twins.guides import guides
+from twins.pyramids import coarser, coarser_mask, pyramid, stacked
+from twins.randomness import random_bits
+from twins.seed_points import seed_points
+from twins.similar import registered_similar
+from twins.windows import known_window, nearest_centre, usable, window_at, window_centres
+
+
+class RefinedLevel:
+    """A sample at one resolution, for `refinement`; places are of the sample on all levels."""
+
+    def __init__(self, pixels, mask, tileable, number, reach, side, whole=False):
+        self.pixels, self.mask, self.tileable = pixels, mask, tileable
+        self.shape, self.number, self.reach, self.side = mask.shape, number, reach, side
+        self.whole, self.similar, self.guide, self.windows = whole, {}, None, {}
+        steps = list(itertools.product(range(-reach, reach + 1), repeat=2))
+        self.centres = [
+            (y, x)
+            for y, x in np.ndindex(mask.shape)
+            if all(at is not None and mask[at] for at in (self.at((y, x), *s) for s in steps))
+        ]
+        self.centre_set = set(self.centres)
+
+    def at(self, place, dy, dx):
+        """The pixel beside a place, 2**number pixels for a step; mirrored beyond a border."""
+        result = []
+        for first, step, length in zip(place, (dy, dx), self.shape, strict=True):
+            first, start = divmod(first, 2**self.number)
+            count = len(range(start, length, 2**self.number))
+            step = first + step
+            if self.whole and not self.tileable and not 0 <= step < count:
+                return None
+            step %= count if self.tileable else 2 * count
+            step = min(step, 2 * count - 1 - step) if not self.tileable else step
+            result.append(start + step * 2**self.number)
+        return tuple(result)
+
+    def around(self, place, steps):
+        """Rows and columns of the pixels at some steps from a place, to index with."""
+        if place not in self.windows:
+            reach = range(-self.reach, self.reach + 1)
+            self.windows[place] = {s: self.at(place, *s) for s in itertools.product(reach, reach)}
+        window = self.windows[place]
+        return tuple(np.array([window[s] for s in steps], int).reshape(-1, 2).T)
+
+    def beside(self, place, dy, dx):
+        """Where a source goes on, or None."""
+        inside = self.tileable or all(
+            0 <= k + d * 2**self.number < n
+            for k, d, n in zip(place, (dy, dx), self.shape, strict=True)
+        )
+        place = self.at(place, dy, dx) if inside else None
+        return place if place in self.centre_set else None
+
+    def cell(self, place):
+        """The square of the sample that a place lies in."""
+        return tuple(k // self.side for k in place)
+
+
+def turned_lines(unknown, turn, cyclic, to_and_fro):
+    """Pixels line by line in the order of an iteration."""
+    height, width = unknown.shape
+    if cyclic and turn % 2:
+        lines = [[(y, x) for y in range(height)] for x in range(width)]
+    else:
+        lines = [[(y, x) for x in range(width)] for y in range(height)]
+    lines = [[at for at in line if unknown[at]] for line in lines]
+    lines = [line for line in lines if line]
+    backwards = turn % 4 > 1 if cyclic else turn % 2 and to_and_fro
+    return [line[::-1] for line in lines[::-1]] if backwards else lines
+
+
+def refinement(method, exemplar, canvas, seed, start=None, components=None):
+    """Refine a canvas from coarse to fine; (H, W, 2) sources, -1 for known pixels.
+
+    `method` is settled; `start` the sources of the other method's result; `components` those of
+    the fast code, which its tests compare with their definition.
+    """
+    width, coherent = method.window_width, method.search == "coherent"
+    reach = min(3, width // 2) if coherent else width // 2
+    depth = 1
+    while coherent and (2 * reach + 1) * 2 ** (depth - 1) < width:
+        if min(exemplar.shape) // 2**depth < 24:
+            break
+        depth += 1
+    tiles = (exemplar.tileable,) * 2
+    masks = [usable(exemplar)]
+    pictures = [exemplar.matching()]
+    for _ in range(depth - 1):
+        mask = coarser_mask(masks[-1], tiles)
+        if not window_centres(mask, [reach] * 4, exemplar.tileable):
+            break  # the mask leaves nothing
+        masks.append(mask)
+        pictures.append(coarser(pictures[-1], tiles))
+    levels = []
+    for number in range(len(masks)):
+        fine = coherent and not number and len(masks) > 1 and method.joints is None
+        levels.append(
+            RefinedLevel(
+                stacked(pictures[0], number, tiles),
+                stacked(masks[0], number, tiles, coarser_mask),
+                exemplar.tileable, number, min(reach, 1) if fine else reach, max(1, width // 2),
+                not coherent,
+            )
+        )  # fmt: skip
+    if coherent:
+        similar = registered_similar(pictures, masks, exemplar.tileable, reach, method.similar)
+        for level in levels:
+            level.similar = {
+                place: [p for p in places if p in level.centre_set]
+                for place, places in similar.items()
+            }
+    picture = np.zeros((*canvas.shape, exemplar.matching().shape[2]), np.uint8)
+    hole = np.ones(canvas.shape, bool) if canvas.hole is None else canvas.hole
+    picture[~hole] = exemplar.as_matching(canvas.known)[~hole] if not hole.all() else 0
+    kept = np.zeros(canvas.shape, bool)
+    if method.joints is not None:
+        for y, x in np.argwhere(hole):
+            picture[y, x] = exemplar.matching()[tuple(start[y, x])]
+        kept = hole & ~seam_belts(start, method.joints // 2, canvas.wrap, exemplar)
+        hole = hole & ~kept
+        levels = levels[:1]
+    stack = zip(*pyramid(picture, ~hole, canvas.wrap, len(levels)), strict=True)
+    guide = guides(exemplar, canvas)
+    if guide[0] is not None:
+        weight = max(1, round(256 * method.guide_weight * picture.shape[2] / guide[0].shape[2]))
+        shown, own = (np.asarray(g, np.uint8) for g in guide)
+        for level in levels:
+            level.guide = shown.astype(int), None, weight
+            shown = coarser(shown, canvas.wrap)
+        for level in levels:
+            shown, _, weight = level.guide
+            level.guide = shown, stacked(own, level.number, tiles).astype(int), weight
+    below = None
+    for level, (picture, known) in list(zip(levels, stack, strict=True))[::-1]:
+        coarsest = below is None
+        step = 2**level.number
+        source = [[None] * known.shape[1] for _ in range(known.shape[0])]
+        seeds = coarsest and start is None
+        if seeds:
+            spacing = max(1, round(max(1, width // 2) / (step * method.seed_density)))
+            plain = level.guide and (level.guide[0], level.guide[1][::step, ::step], weight)
+            points = seed_points(
+                level.pixels[::step, ::step], level.mask[::step, ::step], known.shape, canvas.wrap,
+                spacing, method.matches, seed, plain,
+            )  # fmt: skip
+            for (y, x), (v, u) in points.items():
+                source[y][x] = nearest_centre(level.centres, v * step, u * step)
+        for y, x in np.ndindex(known.shape):
+            if coarsest and not seeds:
+                v, u = (int(k) for k in start[y * step, x * step])
+                source[y][x] = None if v < 0 else (v, u)
+            elif not coarsest and not known[y, x]:  # whose parents are not known either
+                v, u = below[y // 2][x // 2]
+                v, u = v + y % 2 * step, u + x % 2 * step
+                if exemplar.tileable:
+                    v, u = v % exemplar.shape[0], u % exemplar.shape[1]
+                source[y][x] = v, u
+            if known[y, x]:
+                source[y][x] = None
+                if kept[y * step, x * step]:
+                    source[y][x] = tuple(int(k) for k in start[y * step, x * step])
+                elif canvas.known_from is not None:
+                    v, u = y * step + canvas.known_from[0], x * step + canvas.known_from[1]
+                    source[y][x] = v, u
+            if source[y][x] is not None and (not seeds or known[y, x]):
+                source[y][x] = nearest_centre(level.centres, *source[y][x])
+        done = np.array([[s is not None for s in row] for row in source]) | known
+        for y, x in np.argwhere(done & ~known):
+            picture[y, x] = level.pixels[source[y][x]]
+        rounds = method.iterations * (2 if coherent else 1)
+        rounds = rounds if coarsest else max(1, method.iterations // 2)
+        cyclic = not hole.all()
+        sweep = _coherent_sweep if coherent else _component_sweep
+        usage = {}
+        for y, x in np.argwhere(done & ~known):
+            usage[level.cell(source[y][x])] = usage.get(level.cell(source[y][x]), 0) + 1
+        above = len(levels) - 1 - levels.index(level)
+        settled = bool(done.all()) and (
+            above > 0 or not ((cyclic and method.joints is None) or level.guide)
+        )
+        for turn in range(rounds):
+            before, there = picture.copy(), done.copy()
+            for line in turned_lines(~known, turn, cyclic, coherent):
+                sweep(
+                    method, level, canvas, seed, picture, done, source, ~known, line, turn,
+                    cyclic, usage, above, components, settled,
+                )  # fmt: skip
+            if turn >= (3 if cyclic else 1):
+                ratios = []
+                for at in zip(*np.nonzero(~known), strict=True):
+                    old, new = before[at].astype(int), picture[at].astype(int)
+                    away = math.sqrt(((new - old) ** 2).sum() / max((old**2).sum(), 1))
+                    ratios.append(round(away * 2**20) if there[at] else 2**20)
+                if sum(ratios) / 2**20 / len(ratios) < method.threshold:
+                    break
+        below = source
+    result = np.full((*canvas.shape, 2), -1)
+    result[kept] = start[kept] if kept.any() else -1
+    for y, x in np.argwhere(hole):
+        result[y, x] = below[y][x]
+    return result
+
+
+def seam_belts(source, reach, wrap, exemplar):
+    """What lies less than `reach` pixels from one beside which another source goes on."""
+    height, width = source.shape[:2]
+    seams = []
+    for y, x in np.ndindex(height, width):
+        for axis in (0, 1):
+            at = [y, x]
+            at[axis] += 1
+            if at[axis] >= source.shape[axis] and not wrap[axis]:
+                continue
+            at = at[0] % height, at[1] % width
+            step = [int(source[at][k]) - int(source[y, x][k]) - (k == axis) for k in (0, 1)]
+            if exemplar.tileable:
+                step = [s % n for s, n in zip(step, exemplar.shape, strict=True)]
+            if any(step):
+                seams += [(y, x), at]
+    belts = np.zeros((height, width), bool)
+    for y, x in seams:
+        for dy, dx in itertools.product(range(1 - reach, reach), repeat=2):
+            v, u = y + dy, x + dx
+            if (wrap[0] or 0 <= v < height) and (wrap[1] or 0 <= u < width):
+                belts[v % height, u % width] = True
+    return belts
+
+
+def _steps_away(picture, y, x, steps):
+    """The pixels of a canvas at some steps from one, around its borders."""
+    dy, dx = np.array(steps, int).reshape(-1, 2).T
+    return picture[(y + dy) % len(picture), (x + dx) % picture.shape[1]].astype(int)
+
+
+def _known_distance(level, here, known, place):
+    """Sum of squared differences over the known pixels of a window, which are `here`."""
+    return int(((level.pixels[level.around(place, known)] - here) ** 2).sum())
+
+
+def _settle(level, picture, done, source, y, x, place):
+    source[y][x], done[y, x], picture[y, x] = place, True, level.pixels[place]
+
+
+def _asked(level, unknown):
+    """In 1/256, how often each centre is to be used, for what the guide shows there."""
+    shown, own, _ = level.guide
+    there, wanted = {}, {}
+    for at in level.centres:
+        kind = tuple(own[at] // 64)
+        there[kind] = there.get(kind, 0) + 1
+    for at in zip(*np.nonzero(unknown), strict=True):
+        kind = tuple(shown[at] // 64)
+        wanted[kind] = wanted.get(kind, 0) + 1
+    kinds = {at: tuple(own[at] // 64) for at in level.centres}
+    least = max(256 // 4**level.number, 1)
+    return {at: max(least, 256 * wanted.get(k, 0) // there[k]) for at, k in kinds.items()}
+
+
+def _coherent_sweep(
+    method, level, canvas, seed, picture, done, source, unknown, line, turn, cyclic, usage, above,
+    components, settled,
+):  # fmt: skip
+    weight = round(1024 * method.evenness / 2**above)
+    wanted = int(unknown.sum())
+    count = len(level.centres)
+    room = {}
+    asked = _asked(level, unknown) if level.guide else {}
+    for place in level.centres:
+        room[level.cell(place)] = room.get(level.cell(place), 0) + asked.get(place, 1)
+    if level.guide:
+        room = {cell: 2 * n // 256 for cell, n in room.items()}
+    else:
+        room = {
+            cell: 2 * n * max(wanted, count // 4**level.number) // count for cell, n in room.items()
+        }
+    tried = []
+    if not settled and turn == 0:
+        count = max(2**23 // wanted, 64)
+        first = line[0][0] * picture.shape[1] + line[0][1]
+        tried = [
+            level.centres[random_bits(seed, "tried place", first, k) % len(level.centres)]
+            for k in range(count if count < len(level.centres) else 0)
+        ] or level.centres
+    for y, x in line:
+        own = source[y][x]
+        beside = known_window(done, y, x, canvas.wrap, [min(1, level.reach)] * 4)
+        places = [own] if own in level.centre_set else []
+        for dy, dx in reversed(beside):
+            other = source[(y + dy) % len(source)][(x + dx) % len(source[0])]
+            place = None if other is None else level.beside(other, -dy, -dx)
+            places += [place] if place is not None and place not in places else []
+        near = len(places)
+        places += [other for p in places for other in level.similar[p]]
+        known = known_window(done, y, x, canvas.wrap, [level.reach] * 4)
+        here, best = _steps_away(picture, y, x, known), None
+        for k, place in enumerate([*places, *tried]):
+            cell = level.cell(place)
+            capacity = max(1, room[cell])
+            over = usage.get(cell, 0) - capacity
+            factor = 256 + min(weight * over // capacity, 2**14) if over > 0 else 256
+            if k >= near:
+                factor = factor * round(256 * method.coherence) // 256
+            cost = _known_distance(level, here, known, place) * factor
+            if level.guide:
+                shown, theirs, heavy = level.guide
+                every = known_window(np.ones_like(done), y, x, canvas.wrap, [level.reach] * 4)
+                every += [(0, 0)]
+                away = theirs[level.around(place, every)] - _steps_away(shown, y, x, every)
+                cost += heavy * int((away**2).sum())
+            if best is None or cost < best[0]:
+                best = cost, place
+        if best is None:
+            continue
+        if own is not None:
+            usage[level.cell(own)] = usage.get(level.cell(own), 0) - 1
+        usage[level.cell(best[1])] = usage.get(level.cell(best[1]), 0) + 1
+        _settle(level, picture, done, source, y, x, best[1])
+
+
+def _component_sweep(
+    method, level, canvas, seed, picture, done, source, unknown, line, turn, cyclic, usage, above,
+    components, settled,
+):  # fmt: skip
+    reach = level.reach
+    wrap = (True, True) if turn and not cyclic else canvas.wrap
+    size = max(2 * reach + 1, 3) ** 2
+    every = [
+        (dy, dx) for dy in range(-reach, reach + 1) for dx in range(-reach, reach + 1) if dy or dx
+    ]
+    if not hasattr(level, "features"):
+        level.features = [
+            component_coordinates(window_at(level.pixels, *at, reach), every, components, reach)
+            for at in level.centres
+        ]
+    for y, x in line:
+        known = known_window(done, y, x, wrap, [reach] * 4)
+        places, channels = range(len(level.centres)), level.pixels.shape[2]
+        if len(known) * channels >= size * channels // 8:
+            here = window_at(picture, y, x, reach)
+            query = component_coordinates(here, known, components, reach)
+            unlike = ((np.array(level.features) - query) ** 2).sum(axis=1).tolist()
+            places = sorted(places, key=lambda n: unlike[n])[: method.candidates]
+        here = _steps_away(picture, y, x, known)
+        best = min((_known_distance(level, here, known, level.centres[n]), n) for n in places)
+        _settle(level, picture, done, source, y, x, level.centres[best[1]])

@@ -1,0 +1,71 @@
+"""Tree-structured vector quantization (Wei and Levoy, 2000)."""
+
+from __future__ import annotations
+
+import numpy as np
+
+
+def _centroid(vectors):
+    return (vectors.sum(axis=0) + len(vectors) // 2) // len(vectors)
+
+
+def _spread(vectors):
+    return int(((vectors - _centroid(vectors)) ** 2).sum())
+
+
+def halves(vectors, rounds=8):
+    """Which vectors are in the second of two clusters, by Lloyd's algorithm."""
+    mean = vectors.sum(axis=0) // len(vectors)
+    byte = int(np.argmax(((vectors - mean) ** 2).sum(axis=0)))
+    second = vectors[:, byte] > mean[byte]
+    for _ in range(rounds):
+        centroids = [_centroid(vectors[second == k]) for k in (False, True)]
+        first, other = (((vectors - c) ** 2).sum(axis=1) for c in centroids)
+        now = other < first
+        if (now == second).all() or now.all() or not now.any():
+            break
+        second = now
+    return second
+
+
+def vector_tree(vectors, tree_size=None, leaf=32):
+    """Nodes as dicts: members, centroid and, if split, children; always the worst leaf is split."""
+    vectors = vectors.astype(np.int64)
+    nodes = [{"members": np.arange(len(vectors))}]
+    while True:
+        open_leaves = [
+            (-_spread(vectors[node["members"]]) if number else 0, number)
+            for number, node in enumerate(nodes)
+            if "children" not in node
+            and _spread(vectors[node["members"]])
+            and (tree_size is not None or len(node["members"]) > leaf)
+        ]
+        leaves = sum("children" not in node for node in nodes)
+        if not open_leaves or leaves == tree_size:
+            return nodes
+        node = nodes[min(open_leaves)[1]]
+        second = halves(vectors[node["members"]])
+        node["children"] = (len(nodes), len(nodes) + 1)
+        for members in (node["members"][~second], node["members"][second]):
+            nodes.append({"members": members, "centroid": _centroid(vectors[members])})
+
+
+def nearest_in_tree(nodes, vectors, query, counts, leaves):
+    """The member nearest in the bytes that count, among those of the leaves that are looked at."""
+
+    def distance(vector):
+        return int(((vector[counts].astype(np.int64) - query[counts]) ** 2).sum())
+
+    waiting, found = [(0, 0)], []
+    while waiting and leaves:
+        number = min(waiting)[1]
+        waiting.remove(min(waiting))
+        while "children" in nodes[number]:
+            near, far = sorted(
+                (distance(nodes[c]["centroid"]), c) for c in nodes[number]["children"]
+            )
+            waiting.append(far)
+            number = near[1]
+        found += [(distance(vectors[m]), m) for m in nodes[number]["members"]]
+        leaves -= 1
+    return min(found)[1]
