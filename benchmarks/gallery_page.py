@@ -118,8 +118,8 @@ FIGURES_PAGE = """\
 `python benchmarks/gallery.py --jobs 2` writes this page; edits are lost.
 
 Every figure of every output of [quality.md](quality.md). Bold figures are beyond their limits;
-[measures.md](../measures.md) has their meanings, units and limits. Below each table stand the verdict
-in words and, in brackets, the parameters that differ from the defaults of the method's page.
+[measures.md](../measures.md) has their meanings, units and limits. Below each table stand the
+verdict in words and, in brackets, the parameters that differ from the defaults.
 
 {figures}"""
 
@@ -301,14 +301,16 @@ def _plain(value: Any) -> str:
 
 
 def pictures(gallery: Gallery) -> str:
-    """A page with a section for each surface: the sample beside the output of auto, and all methods."""
+    """A page with a section for each surface: sample and output of auto, and all methods."""
     parts = ["<h1>Every surface with every method</h1>"]
     for name, about in gallery.surfaces.items():
         parts.append(f'<h2 id="{name}">{name}</h2>\n<p>{escape(about["subject"])}</p>')
         if (name, AUTO) in gallery.found:
             made = gallery.found[name, AUTO]
             chosen = f"auto: {made['provenance']['reason']}; score {_plain_score(made)}"
-            parts.append(_figure(f"{name}.webp", f"{name}: sample, tileable output, output; {chosen}"))
+            parts.append(
+                _figure(f"{name}.webp", f"{name}: sample, tileable output, output; {chosen}")
+            )
         if gallery.shown:
             told = [f"{m} {_plain_score(gallery.found[name, m])}" for m in gallery.shown]
             lines = [", ".join(told[k : k + _ACROSS]) for k in range(0, len(told), _ACROSS)]

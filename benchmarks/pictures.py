@@ -54,7 +54,9 @@ def files_of(words: list[str], folder: Path) -> Iterator[str]:
 def pictures_of(file: str) -> Iterator[Image.Image]:
     """The picture in a file; every picture of a page."""
     if file.endswith(".html"):
-        for data in re.findall(r'src="data:image/png;base64,([^"]+)"', Path(file).read_text("utf-8")):
+        for data in re.findall(
+            r'src="data:image/png;base64,([^"]+)"', Path(file).read_text("utf-8")
+        ):
             yield Image.open(io.BytesIO(base64.b64decode(data))).convert("RGB")
     elif file.endswith((".png", ".jpg", ".webp")):
         yield Image.open(file).convert("RGB")

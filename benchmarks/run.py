@@ -1,4 +1,4 @@
-"""Speed, memory, start-up, growth: tables of docs/measured/benchmarks.md; run by hand, never a test.
+"""Speed, memory, start-up, growth: docs/measured/benchmarks.md; run by hand, never a test.
 
     python benchmarks/run.py [all | TABLE ...] [--json FILE] [--update [PAGE]]
 
@@ -31,8 +31,8 @@ PAGE = HERE.parent / "docs" / "measured" / "benchmarks.md"
 _HEAD = """\
 # Benchmarks: tables
 
-`python benchmarks/run.py all --update` writes this page, and `python benchmarks/run.py TABLE --update`
-one table of it; edits are lost. [How to read them](../benchmarks.md).
+`python benchmarks/run.py all --update` writes this page, and
+`python benchmarks/run.py TABLE --update` one table of it; edits are lost. [How to read them](../benchmarks.md).
 """
 
 TABLES: dict[str, Callable[[], Table]] = {
