@@ -32,7 +32,8 @@ _HEAD = """\
 # Benchmarks: tables
 
 `python benchmarks/run.py all --update` writes this page, and
-`python benchmarks/run.py TABLE --update` one table of it; edits are lost. [How to read them](../benchmarks.md).
+`python benchmarks/run.py TABLE --update` one table of it; edits are lost.
+[How to read them](../benchmarks.md).
 """
 
 TABLES: dict[str, Callable[[], Table]] = {
