@@ -1,20 +1,20 @@
-"""Every test surface with every method: makes the pictures, measures them, writes docs/quality.md.
+"""Every test surface with every method: pictures, measures and the pages of docs/measured.
 
     python benchmarks/gallery.py --jobs 2                     # everything; 15 minutes with one
     python benchmarks/gallery.py --surfaces bark --methods quilting auto --docs FOLDER
 
 From each surface of benchmarks/surfaces, 256x256, each method makes 512x512 with seed 1 at its
-defaults, with one thread; efros-leung, which is slow, 256x256 from the upper left 128x128. Beside
-that it makes half as large a tileable output, of which only the seam at the wrap is measured. The
-tables and pictures go between the marks of docs/quality.md and docs/quality-figures.md, and to
-docs/img/quality; what is written by hand there stays. With a part of the surfaces or methods name
-another folder with --docs: it gets its own pages.
+defaults, with one thread; efros-leung, which is slow, 256x256 from the upper left 128x128. Each
+also makes a tileable output half as large, of which only the seam at the wrap is measured. The
+tables go to --docs (docs/measured/quality.md and quality-figures.md, written whole). A part of the
+surfaces or methods needs another folder there.
 
-Full-size pictures, sources (.npz) and figures (.json) are kept in --keep. A run that was
-interrupted goes on from there. Only what may have changed is made again: pictures after a change of
-the method's code, of what it imports, of the surface or the size, and figures after one of the
-measures. benchmarks/judged.csv has scores of a measure that is not part of weftex; the pages show
-those of pictures that are still the same. Needs weftex[test].
+--keep (build/gallery, which git ignores) gets a page of all pictures, index.html, and the full-size
+pictures, sources (.npz) and figures (.json). A run that was interrupted goes on from there, and
+later runs make again only outputs that may have changed: pictures after a change of the method's
+code, of its imports, of the surface or the size, and figures after a change of the measures.
+benchmarks/judged.csv has scores of a measure that is not part of weftex; the pages show those of
+pictures that are still the same. Needs weftex[test].
 """
 
 from __future__ import annotations
@@ -41,10 +41,11 @@ import weftex
 from weftex.quality.seams import Seams
 from weftex.quality.view import views
 from weftex.quality.wrap import wrap_seam
-from weftex.tasks.method_names import AUTO, make_method
+from weftex.tasks.method_names import AUTO, make_method, method_class
 
 ROOT = HERE.parent
 SURFACES = HERE / "surfaces" / "MANIFEST.csv"
+PAGES = ROOT / "docs" / "measured"
 METHODS = (AUTO, *weftex.METHODS)
 SEED = 1
 SIZE = 512
@@ -80,9 +81,8 @@ class Job:
         return weftex.Exemplar(pixels, alpha=whole.alpha, name=self.surface)
 
     def keys(self) -> list[str]:
-        """What its pictures hang on, and what its figures hang on."""
-        slug = self.method.replace("-", "_")
-        code = code_hash(f"weftex.methods.{slug}")
+        """Names of all that its pictures depend on, and its figures."""
+        code = code_hash(method_class(self.method).__module__)
         found = hashlib.sha256(Path(self.file).read_bytes())
         found.update(f"{code} {self.method} {self.size} {self.part} {SEED}".encode())
         pictures = found.hexdigest()[:16]
@@ -90,7 +90,7 @@ class Job:
         return [pictures, found.hexdigest()[:16]]
 
     def kept(self) -> dict[str, Any] | None:
-        """What an earlier run has kept, if its pictures would come out the same now."""
+        """The record of an earlier run, if its pictures would come out the same now."""
         if not self.place.with_suffix(".json").exists():
             return None
         found: dict[str, Any] = json.loads(self.place.with_suffix(".json").read_text("utf-8"))
@@ -202,13 +202,15 @@ def main(words: Sequence[str] | None = None) -> None:
     parser.add_argument("--methods", choices=METHODS, default=list(METHODS), **some)
     parser.add_argument("--size", type=int, default=SIZE, metavar="PIXELS")
     parser.add_argument("--jobs", type=int, default=1, metavar="N", help="processes, 1 core each")
-    parser.add_argument("--keep", type=Path, default=ROOT / "build" / "gallery", metavar="DIR")
-    parser.add_argument("--docs", type=Path, default=ROOT / "docs", metavar="DIR")
+    parser.add_argument(
+        "--keep", type=Path, default=ROOT / "build" / "gallery", metavar="DIR", help="for pictures"
+    )
+    parser.add_argument("--docs", type=Path, default=PAGES, metavar="DIR", help="for the tables")
     args = parser.parse_args(words)
     names = [name for name in listed if name in args.surfaces]
     methods = [name for name in METHODS if name in args.methods]
     whole = len(names) == len(listed) and len(methods) == len(METHODS) and args.size == SIZE
-    if not whole and args.docs.resolve() == (ROOT / "docs").resolve():
+    if not whole and args.docs.resolve() == PAGES:
         parser.error("the pages show all surfaces and methods; for a part name another --docs")
 
     start = perf_counter()
@@ -234,7 +236,7 @@ def main(words: Sequence[str] | None = None) -> None:
     shown = {name: listed[name] for name in names}
     gallery_page.write(args.docs, shown, methods, done, args.keep)
     minutes = (perf_counter() - start) / 60
-    print(f"{args.docs / 'quality.md'}: {minutes:.1f} minutes, {args.jobs} at a time")
+    print(f"{args.docs / 'quality.md'}, {args.keep / 'index.html'}: {minutes:.1f} minutes")
 
 
 if __name__ == "__main__":

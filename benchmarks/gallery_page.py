@@ -1,33 +1,32 @@
-"""What gallery.py has found, as pages: tables of scores and figures, and the pictures."""
+"""The pages of gallery.py: tables of scores and figures, and a page of pictures."""
 
 from __future__ import annotations
 
 import csv
-import shutil
 import statistics
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, fields
+from html import escape
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 from PIL import Image
-from shared import HERE, put, rows_of
+from shared import HERE, rows_of
 
 import weftex
-from weftex.pages.html import as_shown
+from weftex.pages.html import as_shown, document
 from weftex.quality.figures import FIGURES
 from weftex.tasks.method_names import AUTO, method_class
 
-ROOT = HERE.parent
 JUDGED = HERE / "judged.csv"
 PAGES = ("quality.md", "quality-figures.md")
 KINDS = {"near-regular": ("near-regular", "regular"), "irregular": (), "stochastic": ()}
 _MIDDLE = 320  # pixels a side of an output that is shown beside the others
 _ACROSS = 5  # pictures in a row
 _GAP = 6
-_SKY = np.array((120, 160, 220))  # behind what is transparent
-_QUALITY = 68  # of WebP: what keeps all pictures together below 6 MB
+_SKY = np.array((120, 160, 220))  # behind transparent pixels
+_QUALITY = 85  # of WebP
 LIMITED = {name: figure for name, figure in FIGURES.items() if figure.limit is not None}
 
 
@@ -42,7 +41,7 @@ class Gallery:
     methods : sequence of str
         Columns.
     found : mapping
-        What `gallery.Job.run` returns, by surface and method.
+        The results of `gallery.Job.run`, by surface and method.
     keep : Path
         Where the full-size pictures are.
     """
@@ -76,34 +75,60 @@ def write(
     found: Mapping[tuple[str, str], Mapping[str, Any]],
     keep: Path,
 ) -> None:
-    """Put tables between the marks of the pages, and pictures beside them."""
+    """Write the tables to `docs`, and the pictures and their page to `keep`."""
     gallery = Gallery(surfaces, methods, found, keep)
-    images = docs / "img" / "quality"
+    docs.mkdir(parents=True, exist_ok=True)
+    images = keep / "pictures"
     images.mkdir(parents=True, exist_ok=True)
-    for name in PAGES:
-        if not (docs / name).exists():
-            shutil.copyfile(ROOT / "docs" / name, docs / name)
     for old in images.iterdir():
         old.unlink()
     for name in surfaces:
         draw(gallery, name, images)
-    first, second = (docs / name for name in PAGES)
-    for page, name, text in (
-        (first, "summary", summary(gallery)),
-        (first, "scores", scores(gallery)),
-        (first, "judged", judged(gallery)),
-        (first, "pictures", pictures(gallery)),
-        (second, "figures", figures(gallery)),
-    ):
-        if not put(page, name, text):
-            raise SystemExit(f"{page} has no line <!-- {name} -->")
+    scored, measured = PAGES
+    (docs / scored).write_text(QUALITY.format(
+        summary=summary(gallery), scores=scores(gallery), judged=judged(gallery)
+    ), encoding="utf-8")  # fmt: skip
+    (docs / measured).write_text(FIGURES_PAGE.format(figures=figures(gallery)), encoding="utf-8")
+    (keep / "index.html").write_text(pictures(gallery), encoding="utf-8")
+
+
+QUALITY = """\
+# Quality: scores
+
+`python benchmarks/gallery.py --jobs 2` writes this page; edits are lost.
+[How to read it, and what the eye sees](../quality.md).
+
+## Summary
+
+{summary}
+## Scores
+
+Bold: no figure is beyond its limit. [All figures](quality-figures.md).
+
+{scores}
+## An independent measure
+
+[Whose it is](../quality.md#an-independent-measure). Bold: good by its own rule.
+
+{judged}"""
+
+FIGURES_PAGE = """\
+# Quality: all figures
+
+`python benchmarks/gallery.py --jobs 2` writes this page; edits are lost.
+
+Every figure of every output of [quality.md](quality.md). Bold figures are beyond their limits;
+[measures.md](../measures.md) has their meanings, units and limits. Below each table stand the
+verdict in words and, in brackets, the parameters that differ from the defaults.
+
+{figures}"""
 
 
 # --------------------------------------------------------------------------------------- tables
 
 
 def page_of(method: str) -> str:
-    return f"[{method}]({method}.md)"
+    return f"[{method}](../{method}.md)"
 
 
 def good(made: Mapping[str, Any]) -> bool:
@@ -121,7 +146,7 @@ def values(made: Iterable[Mapping[str, Any]], name: str) -> list[float]:
 
 
 def summary(gallery: Gallery) -> str:
-    """All surfaces together, by kind, and by what is wrong."""
+    """All surfaces together, by kind, and by fault."""
 
     def row(title: str, cell: Callable[[list[Mapping[str, Any]]], str], names: Any = None) -> Any:
         return [title, *(cell(gallery.column(method, names)) for method in gallery.methods)]
@@ -157,7 +182,7 @@ def summary(gallery: Gallery) -> str:
         rows_of(head, whole),
         "By kind of surface, the mean score (and how many are good):\n",
         rows_of(head, kinds),
-        f"How many of the {count} are beyond which limit (at the wrap: of the tileable ones):\n",
+        f"How many of the {count} are beyond each limit (at the wrap: of the tileable outputs):\n",
         rows_of(head, faults),
     )
     return "\n".join(parts)
@@ -178,7 +203,7 @@ def _seconds(found: Iterable[float]) -> str:
 
 
 def scores(gallery: Gallery) -> str:
-    """The score of every surface with every method; of auto also what it took."""
+    """The score of every surface with every method; for auto also the method it took."""
     rows = []
     for name, about in gallery.surfaces.items():
         cells = []
@@ -186,7 +211,7 @@ def scores(gallery: Gallery) -> str:
             made = gallery.found[name, method]
             chosen = f" {made['provenance']['method']}" if method == AUTO else ""
             cells.append(f"{score(made)}{chosen}")
-        rows.append([f"[{name}](#{name})", about["class"], *cells])
+        rows.append([f"[{name}](quality-figures.md#{name})", about["class"], *cells])
     return rows_of(["surface", "kind", *map(page_of, gallery.methods)], rows)
 
 
@@ -256,7 +281,7 @@ def figures(gallery: Gallery) -> str:
 
 
 def _parameters(made: Mapping[str, Any]) -> str:
-    """What differs from the method's defaults, because the sample asked for it."""
+    """The parameters that were settled from the sample and differ from the method's defaults."""
     given = made["provenance"]
     usual = {field.name: field.default for field in fields(method_class(given["method"]))}
     told = [
@@ -276,24 +301,32 @@ def _plain(value: Any) -> str:
 
 
 def pictures(gallery: Gallery) -> str:
-    """A section for each surface: the sample beside what auto makes, and all methods."""
-    parts = []
+    """A page with a section for each surface: sample and output of auto, and all methods."""
+    parts = ["<h1>Every surface with every method</h1>"]
     for name, about in gallery.surfaces.items():
-        told = [f"### {name}\n", f"{about['subject'][:1].upper()}{about['subject'][1:]}."]
+        parts.append(f'<h2 id="{name}">{name}</h2>\n<p>{escape(about["subject"])}</p>')
         if (name, AUTO) in gallery.found:
             made = gallery.found[name, AUTO]
-            told[-1] += f" {page_of(AUTO)}: {made['provenance']['reason']}; score {score(made)}."
-            told.append(f"\n![{name}: sample, tile, and what auto made](img/quality/{name}.webp)")
+            chosen = f"auto: {made['provenance']['reason']}; score {_plain_score(made)}"
+            parts.append(
+                _figure(f"{name}.webp", f"{name}: sample, tileable output, output; {chosen}")
+            )
         if gallery.shown:
-            listed = ", ".join(gallery.shown)
-            told.append(f"\n![{name}: {listed}](img/quality/{name}-methods.webp)\n")
-            cells = [f"{page_of(m)} {score(gallery.found[name, m])}" for m in gallery.shown]
-            lines = [cells[at : at + _ACROSS] for at in range(0, len(cells), _ACROSS)]
-            lines[-1] += [""] * (len(lines[0]) - len(lines[-1]))
-            told.append(rows_of(lines[0], lines[1:]))
-        told.append(f"All figures: [{name}](quality-figures.md#{name}).\n")
-        parts.append("\n".join(told))
-    return "\n".join(parts)
+            told = [f"{m} {_plain_score(gallery.found[name, m])}" for m in gallery.shown]
+            lines = [", ".join(told[k : k + _ACROSS]) for k in range(0, len(told), _ACROSS)]
+            parts.append(_figure(f"{name}-methods.webp", "; ".join(lines)))
+    return document("Every surface with every method", parts)
+
+
+def _plain_score(made: Mapping[str, Any]) -> str:
+    return score(made).strip("*")
+
+
+def _figure(file: str, told: str) -> str:
+    told = escape(told)
+    return (
+        f'<figure><img src="pictures/{file}" alt="{told}"><figcaption>{told}</figcaption></figure>'
+    )
 
 
 def draw(gallery: Gallery, name: str, images: Path) -> None:
@@ -319,7 +352,7 @@ def draw(gallery: Gallery, name: str, images: Path) -> None:
 
 
 def flat(exemplar: weftex.Exemplar, pixels: np.ndarray) -> np.ndarray:
-    """Three channels of bytes; what is transparent over a plain background."""
+    """Three channels of bytes, over a plain background where there is alpha."""
     if not exemplar.alpha:
         return as_shown(exemplar, pixels)
     share = pixels[..., -1:] / 255

@@ -52,9 +52,9 @@ CASES = (
 
 
 def reduced(pixels: np.ndarray, colors: int) -> np.ndarray:
-    """The picture in about so many colours.
+    """The picture in about so many colors.
 
-    Few by Pillow's median cut. Many by joining the colours that are nearest to each other in the
+    Few by Pillow's median cut. Many by joining the colors that are nearest to each other in the
     least bits until there are no more.
     """
     from PIL import Image
@@ -64,7 +64,7 @@ def reduced(pixels: np.ndarray, colors: int) -> np.ndarray:
     if colors <= 256:
         image = Image.fromarray(pixels).quantize(colors).convert("RGB")
         return np.asarray(image)
-    # Coarser steps for a growing share of the colours, most frequent ones last.
+    # Coarser steps for a growing share of the colors, most frequent ones last.
     low, high, best = 0.0, 4.0, pixels
     for _ in range(20):
         step = 2 ** ((low + high) / 2)
@@ -77,7 +77,7 @@ def reduced(pixels: np.ndarray, colors: int) -> np.ndarray:
 
 
 def distinct(pixels: np.ndarray) -> int:
-    """How many colours there are."""
+    """How many colors there are."""
     return len(np.unique(pixels.reshape(-1, pixels.shape[-1]), axis=0))
 
 
@@ -199,7 +199,7 @@ on machines of 2000 to 2006. Brute force compares every pixel with every whole w
 by the plain kernel, without early ends or weights: the median time of a strip of {_STRIP} pixels,
 times all pixels, levels and passes. "x" is that over fit and sample together.
 """
-    head = ["method", "", "", "colours", "seconds", "target", "megapixels/s", "paper, s"]
+    head = ["method", "", "", "colors", "seconds", "target", "megapixels/s", "paper, s"]
     return notes, [*head, "brute force", "x", "target"], rows
 
 
@@ -208,11 +208,11 @@ GROWING = (("exact-matching", 256), ("wei-levoy", 128), ("ashikhmin", 256), ("ef
 
 
 def pixel_growth(scale: float = 1.0) -> Table:
-    """How the pixel methods grow with the window, the sample, its colours and the output."""
+    """How the pixel methods grow with the window, the sample, its colors and the output."""
     series: tuple[tuple[str, tuple[int, ...]], ...] = (
         ("window width", (5, 11, 21, 41)),
         ("sample side", (64, 128, 256, 512)),
-        ("colours", (8, 32, 128, 1000, 8000)),
+        ("colors", (8, 32, 128, 1000, 8000)),
         ("output side, of the first", (1, 2, 4)),
     )
     methods = [(slug, round(size * scale)) for slug, size in GROWING if slug in weftex.METHODS]
@@ -226,7 +226,7 @@ def pixel_growth(scale: float = 1.0) -> Table:
                     width = value
                 elif what == "sample side":
                     side = value
-                elif what == "colours":
+                elif what == "colors":
                     colors = value
                 else:
                     size *= value
@@ -241,7 +241,7 @@ def pixel_growth(scale: float = 1.0) -> Table:
     sides = ", ".join(f"{slug} {size}" for slug, size in methods)
     notes = f"""
 Fit + sample. Otherwise a window of 11 px, a 128x128 sample with all its {distinct(sample_of(128))}
-colours, and an output of this side: {sides}.
+colors, and an output of this side: {sides}.
 """
     return notes, ["varied", "to", *(slug for slug, _ in methods)], rows
 

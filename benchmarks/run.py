@@ -1,14 +1,14 @@
-"""Speed, memory, start-up, growth: run by hand or by CI, never a test.
+"""Speed, memory, start-up, growth: docs/measured/benchmarks.md; run by hand, never a test.
 
-    python benchmarks/run.py [all | TABLE ...] [--json FILE] [--update docs/benchmarks.md]
+    python benchmarks/run.py [all | TABLE ...] [--json FILE] [--update [PAGE]]
 
 The tables of the patch methods are in patch.py, those of the pixel methods in pixel.py, those of
 near-regular textures in near_regular.py, those of whole processes in process.py, those of measures
 and of quality against time in judging.py; --help names them. Prints Markdown. Every time is a
-median of several runs, and what is compared is run in turn, so that a busy machine disturbs all
-alike; look at the ratios first. --update puts the tables into a page between its <!-- NAME --> and
-<!-- end NAME --> lines and charts beside it, and names the machine. Pictures and scores of all
-methods are gallery.py's. Needs weftex[test].
+median of several runs, and what is compared is run in turn, so that other work on the machine
+disturbs all alike; look at the ratios first. --update writes the tables into the page, each with
+the machine it was measured on, and charts beside it; tables that were not made stay. Pictures and
+scores of all methods are gallery.py's. Needs weftex[test].
 """
 
 from __future__ import annotations
@@ -25,13 +25,31 @@ import near_regular
 import patch
 import pixel
 import process
-from shared import Table, in_child, machine, papers, put
+from shared import HERE, Table, in_child, machine, papers
+
+PAGE = HERE.parent / "docs" / "measured" / "benchmarks.md"
+_HEAD = """\
+# Benchmarks: tables
+
+`python benchmarks/run.py all --update` writes this page, and
+`python benchmarks/run.py TABLE --update` one table of it; edits are lost.
+[How to read them](../benchmarks.md).
+"""
 
 TABLES: dict[str, Callable[[], Table]] = {
     table.__name__: table
     for module in (patch, process, pixel, near_regular, judging)
     for table in module.TABLES
 }
+
+
+def update(page: Path, name: str, text: str) -> None:
+    """Write the section of one table; the others stay."""
+    old = page.read_text(encoding="utf-8") if page.exists() else ""
+    sections = dict(part.split("\n\n", 1) for part in old.split("\n## ")[1:])
+    sections[name] = f"{TABLES[name].__doc__}\n\n{text}"
+    whole = [f"## {one}\n\n{sections[one].rstrip()}\n" for one in TABLES if one in sections]
+    page.write_text("\n".join([_HEAD, *whole]), encoding="utf-8")
 
 
 def main() -> None:
@@ -45,14 +63,13 @@ def main() -> None:
         "tables", nargs="*", default=["all"], metavar="TABLE", help=f"all, {', '.join(TABLES)}"
     )
     parser.add_argument("--json", type=Path, metavar="FILE")
-    parser.add_argument("--update", type=Path, metavar="PAGE")
+    parser.add_argument("--update", type=Path, nargs="?", const=PAGE, metavar="PAGE")
     args = parser.parse_args()
     everything = "all" in args.tables
     names = list(TABLES) if everything else args.tables
     if unknown := [name for name in names if name not in TABLES]:
         parser.error(f"unknown table '{unknown[0]}'; known: {', '.join(TABLES)}, all")
     about = machine()
-    measured = f"Measured on: {about}.\n"
     print(f"{about}\n")
     found: dict[str, Any] = {"machine": about}
     for name in names:
@@ -61,12 +78,12 @@ def main() -> None:
         print(f"## {name}\n\n{text}", flush=True)
         found[name] = {"notes": table[0].strip(), "head": table[1], "rows": table[2]}
         if args.update:
-            put(args.update, name, text if everything else f"{text}\n{measured}")
+            text += f"\nMeasured on: {about}.\n"
             if name in judging.CHARTS:
-                chart = args.update.parent / "img" / f"{name}.svg"
+                chart = args.update.with_name(f"{name}.svg")
                 chart.write_text(judging.CHARTS[name](table[2]), encoding="utf-8")
-    if args.update and everything:
-        put(args.update, "machine", measured)
+                text += f"\n![{TABLES[name].__doc__}]({chart.name})\n"
+            update(args.update, name, text)
     if args.json:
         args.json.write_text(json.dumps(found, indent=1), encoding="utf-8")
 

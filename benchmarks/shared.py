@@ -1,4 +1,4 @@
-"""What all tables need: samples, timing in turn, processes of their own, pages, the machine."""
+"""What all tables need: samples, timing in turn, processes of their own, the machine."""
 
 from __future__ import annotations
 
@@ -142,16 +142,6 @@ def peak_memory() -> int:
 
 def ms(seconds: float) -> str:
     return f"{seconds * 1e3:.3g} ms" if seconds < 1 else f"{seconds:.2f} s"
-
-
-def put(page: Path, name: str, text: str) -> bool:
-    """Replace what lies between a table's two marks; say whether the page has them."""
-    first, last = f"<!-- {name} -->\n", f"<!-- end {name} -->"
-    whole = page.read_text(encoding="utf-8")
-    head, mark, rest = whole.partition(first)
-    if mark:
-        page.write_text(f"{head}{mark}{text}{last}{rest.partition(last)[2]}", encoding="utf-8")
-    return bool(mark)
 
 
 def rows_of(head: Sequence[str], rows: Sequence[Sequence[str]]) -> str:

@@ -1,4 +1,4 @@
-"""Which files of weftex a result hangs on: a name for them that changes when one of them does."""
+"""The files of weftex that a result depends on, and a name that changes when one of them does."""
 
 from __future__ import annotations
 
@@ -11,12 +11,12 @@ from pathlib import Path
 import weftex
 
 HOME = Path(weftex.__file__).parent
-_BY_NAME = {"METHODS", "make_method"}  # who asks for methods by name may get any
+_BY_NAME = {"METHODS", "make_method"}  # a module that imports one of these may call any method
 
 
 @cache
 def code_hash(*modules: str) -> str:
-    """A name for what modules of weftex are made of, with all that they import.
+    """A name for the code of some modules of weftex and of all that they import.
 
     Examples
     --------
@@ -34,23 +34,30 @@ def code_hash(*modules: str) -> str:
 def files_of(*modules: str) -> list[Path]:
     """The files of these modules and of those that they import, in order."""
     found: set[Path] = set()
-    todo = [HOME.joinpath(*module.split(".")[1:]).with_suffix(".py") for module in modules]
+    todo = [file for module in modules for file in _files(module)]
     while todo:
         file = todo.pop()
-        if file not in found and file.exists():
+        if file not in found:
             found.add(file)
             todo += _imported(file)
     beside = {file.with_suffix(".pxd") for file in found}
     return sorted(found | {file for file in beside if file.exists()})
 
 
+def _files(module: str) -> list[Path]:
+    """The file of a module or of a package of weftex, if the name is one's."""
+    place = HOME.joinpath(*module.split(".")[1:])
+    return [file for file in (place.with_suffix(".py"), place / "__init__.py") if file.exists()]
+
+
 @cache
 def _imported(file: Path) -> tuple[Path, ...]:
-    """Files of what it imports from weftex, or might."""
-    return tuple(_candidates(ast.parse(file.read_text(encoding="utf-8"))))
+    """Files of the modules of weftex that a file imports, or calls by name."""
+    tree = ast.parse(file.read_text(encoding="utf-8"))
+    return tuple(found for name in _names(tree) for found in _files(name))
 
 
-def _candidates(tree: ast.Module) -> Iterator[Path]:
+def _names(tree: ast.Module) -> Iterator[str]:
     for node in ast.walk(tree):
         names = []
         if isinstance(node, ast.Import):
@@ -58,9 +65,9 @@ def _candidates(tree: ast.Module) -> Iterator[Path]:
         elif isinstance(node, ast.ImportFrom) and node.module:
             own = {alias.name for alias in node.names}
             names = [node.module, *(f"{node.module}.{name}" for name in own)]
-            if node.module == "weftex.method" and own & _BY_NAME:
-                yield from (HOME / "methods").glob("*.py")
+            if node.module in ("weftex.methods", "weftex.registry") and own & _BY_NAME:
+                yield from (f"weftex.methods.{one.stem}" for one in (HOME / "methods").iterdir())
         for name in names:
-            parts = name.removeprefix("cython.cimports.").split(".")
-            if parts[0] == "weftex" and len(parts) > 1:
-                yield HOME.joinpath(*parts[1:]).with_suffix(".py")
+            name = name.removeprefix("cython.cimports.")
+            if name.startswith("weftex."):
+                yield name

@@ -1,0 +1,114 @@
+"""The first picture of every page of docs: the input and output of the page's first commands.
+
+    python benchmarks/pictures.py                  # every page that shows img/PAGE.webp first
+    python benchmarks/pictures.py quilting fuse    # some of them
+
+The weftex commands of a page's first block of shell are run in an empty folder. Their samples,
+masks and guides, their outputs and, of --debug, the false colors of places are laid side by side,
+each once; of a page written in HTML the pictures in it are. Needs weftex[test].
+"""
+
+from __future__ import annotations
+
+import argparse
+import base64
+import io
+import re
+import shlex
+import subprocess
+import sys
+import tempfile
+from collections.abc import Iterator
+from pathlib import Path
+
+from PIL import Image
+from shared import HERE
+
+import weftex
+
+DOCS = HERE.parent / "docs"
+_ACROSS = 1100  # pixels of a row, in which the next picture finds no place
+_SHOWN = 860  # pixels of a page's column
+_GAP = 6
+_QUALITY = 70
+
+
+def commands(page: str) -> list[list[str]]:
+    """Words of the weftex commands of the first block of shell."""
+    block = re.search(r"^```sh\n(.*?)^```", page, re.M | re.S)
+    lines = block[1].splitlines() if block else []
+    split = (shlex.split(line, comments=True) for line in lines)
+    return [words[1:] for words in split if words[:1] == ["weftex"]]
+
+
+def files_of(words: list[str], folder: Path) -> Iterator[str]:
+    """What a command takes and makes, in order."""
+    yield from (word for word in words if word.startswith("sample:"))
+    for option in ("-o", "--overlay"):
+        if option in words:
+            yield str(folder / words[words.index(option) + 1])
+    if "--debug" in words:
+        yield str(folder / words[words.index("--debug") + 1] / "coordinates.png")
+
+
+def pictures_of(file: str) -> Iterator[Image.Image]:
+    """The picture in a file; every picture of a page."""
+    if file.endswith(".html"):
+        for data in re.findall(
+            r'src="data:image/png;base64,([^"]+)"', Path(file).read_text("utf-8")
+        ):
+            yield Image.open(io.BytesIO(base64.b64decode(data))).convert("RGB")
+    elif file.endswith((".png", ".jpg", ".webp")):
+        yield Image.open(file).convert("RGB")
+    elif file.startswith("sample:"):
+        yield Image.fromarray(weftex.load_exemplar(file).pixels.squeeze()).convert("RGB")
+
+
+def side_by_side(pictures: list[Image.Image]) -> Image.Image:
+    """Rows of pictures on white, as wide as a page."""
+    places, x, y, high = [], 0, 0, 0
+    for picture in pictures:
+        if x and x + picture.width > _ACROSS:
+            x, y, high = 0, y + high + _GAP, 0
+        places.append((x, y))
+        x, high = x + picture.width + _GAP, max(high, picture.height)
+    wide = max(x + p.width for (x, _), p in zip(places, pictures, strict=True))
+    whole = Image.new("RGB", (wide, y + high), "white")
+    for place, picture in zip(places, pictures, strict=True):
+        whole.paste(picture, place)
+    whole.thumbnail((_SHOWN, whole.height), Image.Resampling.LANCZOS)
+    return whole
+
+
+def shows_own(page: Path) -> bool:
+    """Whether a page's first picture is the one that is named after it."""
+    first = re.search(r"!\[[^]]*\]\((\S+)\)", page.read_text("utf-8"))
+    return bool(first) and first[1] == f"img/{page.stem}.webp"
+
+
+def draw(name: str) -> Path:
+    """Run a page's first commands and write its picture."""
+    shown: dict[bytes, Image.Image] = {}
+    with tempfile.TemporaryDirectory() as folder:
+        for words in commands((DOCS / f"{name}.md").read_text("utf-8")):
+            subprocess.run([sys.executable, "-m", "weftex", *words], cwd=folder, check=True)
+            for file in files_of(words, Path(folder)):
+                shown |= {picture.tobytes(): picture for picture in pictures_of(file)}
+    path = DOCS / "img" / f"{name}.webp"
+    side_by_side(list(shown.values())).save(path, quality=_QUALITY, method=6)
+    return path
+
+
+def main() -> None:
+    known = [page.stem for page in sorted(DOCS.glob("*.md")) if shows_own(page)]
+    parser = argparse.ArgumentParser(
+        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
+    parser.add_argument("pages", nargs="*", metavar="PAGE", help=", ".join(known))
+    for name in parser.parse_args().pages or known:
+        path = draw(name)
+        print(f"{path}: {path.stat().st_size} bytes", flush=True)
+
+
+if __name__ == "__main__":
+    main()
