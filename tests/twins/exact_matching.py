@@ -6,7 +6,7 @@ import numpy as np
 
 from twins.pyramids import pyramid
 from twins.randomness import pick, random_bits
-from twins.windows import beside, inwards, known_window, usable, window_centres
+from twins.windows import beside, inwards, known_window, steps_away, usable, window_centres
 
 #: The direct neighbours of figure 2, and the next pixel for the end of a row that goes around.
 DIRECT = [(0, -1), (-1, -1), (-1, 0), (-1, 1), (0, 1)]
@@ -151,7 +151,7 @@ class ExactSheet:
 
 def exact_pixels(sheet, sample, order, seed, stage, method, guide=None):
     """Choose the pixels of `order`, one after the other (section 4.2)."""
-    height, width = sheet.shape
+    width = sheet.shape[1]
     last = {}
     for y, x in np.ndindex(sheet.shape):
         if sheet.source[y][x]:
@@ -176,16 +176,14 @@ def exact_pixels(sheet, sample, order, seed, stage, method, guide=None):
             half = (sample.guide_half,) * 4
             wide = known_window(np.ones(sheet.shape, bool), y, x, sheet.wrap, half)
 
+        seen = steps_away(sheet.levels, y, x, steps)
+        shown = None if guide is None else steps_away(guide[0], y, x, wide)
+
         def distance(place):
-            total = 0
-            for dy, dx in steps:
-                seen = sheet.levels[(y + dy) % height, (x + dx) % width]
-                total += int(((seen - sample.at(place, (dy, dx))) ** 2).sum())
-            for dy, dx in wide:
-                seen = guide[0][(y + dy) % height, (x + dx) % width]
-                v, u = (place[0] + dy) % sample.shape[0], (place[1] + dx) % sample.shape[1]
-                total += int(((seen.astype(int) - sample.guide[v, u]) ** 2).sum())
-            return total
+            total = ((seen - steps_away(sample.pixels, *place, steps)) ** 2).sum()
+            if guide is not None:
+                total += ((shown - steps_away(sample.guide, *place, wide)) ** 2).sum()
+            return int(total)
 
         around = list(neighbors(y, x))
         first = [goes_on for _, _, goes_on in around]

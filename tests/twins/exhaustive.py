@@ -25,14 +25,15 @@ def bell_weights(width):
 def weighted_distances(levels, y, x, known, exemplar, centres, weights):
     """Sum of w d**2 over the known steps, to the window around each of the sample's centres."""
     pixels, middle = exemplar.matching().astype(int), len(weights) // 2
-    totals = np.zeros(len(centres), int)
-    centres = np.array(centres)
-    for dy, dx in known:
+    around = np.pad(pixels, ((middle, middle), (middle, middle), (0, 0)), mode="wrap")
+    height, width = exemplar.shape
+    totals = np.zeros(exemplar.shape, int)
+    for dy, dx in known:  # around all pixels of the sample at once
         here = levels[(y + dy) % len(levels), (x + dx) % levels.shape[1]].astype(int)
-        rows, columns = (centres[:, 0] + dy) % len(pixels), (centres[:, 1] + dx) % pixels.shape[1]
-        difference = pixels[rows, columns] - here
-        totals += weights[dy + middle][dx + middle] * (difference**2).sum(axis=1)
-    return [int(total) for total in totals]
+        top, left = dy + middle, dx + middle
+        apart = around[top : top + height, left : left + width] - here
+        totals += weights[top][left] * np.einsum("yxk,yxk->yx", apart, apart)
+    return [int(totals[centre]) for centre in centres]
 
 
 def choice_of_all(search, exemplar, levels, done, wrap, place, bits, tolerance, candidates=None):

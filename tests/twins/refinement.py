@@ -13,7 +13,14 @@ from twins.pyramids import coarser, coarser_mask, pyramid, stacked
 from twins.randomness import random_bits
 from twins.seed_points import seed_points
 from twins.similar import registered_similar
-from twins.windows import known_window, nearest_centre, usable, window_at, window_centres
+from twins.windows import (
+    known_window,
+    nearest_centre,
+    steps_away,
+    usable,
+    window_at,
+    window_centres,
+)
 
 
 class RefinedLevel:
@@ -237,12 +244,6 @@ def seam_belts(source, reach, wrap, exemplar):
     return belts
 
 
-def _steps_away(picture, y, x, steps):
-    """The pixels of a canvas at some steps from one, around its borders."""
-    dy, dx = np.array(steps, int).reshape(-1, 2).T
-    return picture[(y + dy) % len(picture), (x + dx) % picture.shape[1]].astype(int)
-
-
 def _known_distance(level, here, known, place):
     """Sum of squared differences over the known pixels of a window, which are `here`."""
     return int(((level.pixels[level.around(place, known)] - here) ** 2).sum())
@@ -303,7 +304,7 @@ def _coherent_sweep(
         near = len(places)
         places += [other for p in places for other in level.similar[p]]
         known = known_window(done, y, x, canvas.wrap, [level.reach] * 4)
-        here, best = _steps_away(picture, y, x, known), None
+        here, best = steps_away(picture, y, x, known), None
         for k, place in enumerate([*places, *tried]):
             cell = level.cell(place)
             capacity = max(1, room[cell])
@@ -316,7 +317,7 @@ def _coherent_sweep(
                 shown, theirs, heavy = level.guide
                 every = known_window(np.ones_like(done), y, x, canvas.wrap, [level.reach] * 4)
                 every += [(0, 0)]
-                away = theirs[level.around(place, every)] - _steps_away(shown, y, x, every)
+                away = theirs[level.around(place, every)] - steps_away(shown, y, x, every)
                 cost += heavy * int((away**2).sum())
             if best is None or cost < best[0]:
                 best = cost, place
@@ -351,6 +352,6 @@ def _component_sweep(
             query = component_coordinates(here, known, components, reach)
             unlike = ((np.array(level.features) - query) ** 2).sum(axis=1).tolist()
             places = sorted(places, key=lambda n: unlike[n])[: method.candidates]
-        here = _steps_away(picture, y, x, known)
+        here = steps_away(picture, y, x, known)
         best = min((_known_distance(level, here, known, level.centres[n]), n) for n in places)
         _settle(level, picture, done, source, y, x, level.centres[best[1]])

@@ -82,6 +82,12 @@ def window_at(pixels, y, x, reach):
     return rectangle(pixels, (y - reach, x - reach), [2 * reach + 1] * 2).astype(int)
 
 
+def steps_away(picture, y, x, steps):
+    """The pixels at some steps from one, around all borders."""
+    dy, dx = np.array(steps, int).reshape(-1, 2).T
+    return picture[(y + dy) % len(picture), (x + dx) % picture.shape[1]].astype(int)
+
+
 def nearest_centre(centres, y, x):
     """The centre nearest to (y, x) along the nearest row that has any; the first of equals."""
     row = min(sorted({v for v, _ in centres}), key=lambda v: abs(v - y))
