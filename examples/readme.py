@@ -21,9 +21,9 @@ def beside(name: str) -> np.ndarray:
 
 
 parser = argparse.ArgumentParser(description=__doc__)
-parser.add_argument("-o", "--output", default=".", help="folder to write readme.jpg to")
+parser.add_argument("-o", "--output", default=".", help="folder to write readme.webp to")
 folder = parser.parse_args().output
 rows = [np.concatenate([beside(name) for name in row], axis=1) for row in ROWS]
 gap = np.full((8, rows[0].shape[1], 3), 255, np.uint8)
 picture = np.concatenate([part for row in rows for part in (row, gap)][:-1], axis=0)
-weftex.write_image(os.path.join(folder, "readme.jpg"), picture)
+weftex.write_image(os.path.join(folder, "readme.webp"), picture)

@@ -1,4 +1,4 @@
-"""The command that makes docs/quality.md, on a tiny part; the surfaces and charts of benchmarks."""
+"""The command that makes docs/measured/quality.md, on a tiny part; surfaces and charts."""
 
 import csv
 import dataclasses
@@ -24,12 +24,12 @@ import sources  # noqa: E402
 
 METHODS = ["auto", "quilting"]
 WORDS = ["--surfaces", "grass_gray", "--methods", *METHODS, "--size", "64"]
-MARKS = re.compile(r"(<!-- (\w+) -->\n).*?(<!-- end \2 -->)", re.S)
 
 
-def between(page, name):
+def section(page, title):
+    """What stands below a heading, up to the next of its kind."""
     text = page.read_text("utf-8")
-    return text.split(f"<!-- {name} -->\n")[1].split(f"<!-- end {name} -->")[0]
+    return text.split(f"\n## {title}\n")[1].split("\n## ")[0]
 
 
 @pytest.fixture(scope="module")
@@ -44,26 +44,29 @@ def run(folder, *more):
     gallery.main([*WORDS, "--keep", f"{folder}/keep", "--docs", f"{folder}/docs", *more])
 
 
-def test_what_is_written_by_hand_stays(made):
+def test_pages_are_written_whole(made):
+    """The pages of the repository have the same headings, and name the command."""
     for name in gallery_page.PAGES:
-        old, new = ((where / name).read_text("utf-8") for where in (ROOT / "docs", made / "docs"))
-        assert MARKS.sub(r"\1\3", old) == MARKS.sub(r"\1\3", new)
-        assert old != new
+        old, new = ((where / name).read_text("utf-8") for where in (gallery.PAGES, made / "docs"))
+        heads = [re.findall("^#+ .*", text, re.M) for text in (old, new)]
+        assert set(heads[1]) <= set(heads[0]) and old != new
+        assert "python benchmarks/gallery.py" in new
+    assert {p.name for p in (made / "docs").iterdir()} == set(gallery_page.PAGES)
 
 
 def test_every_picture_and_figure_is_there(made):
-    pictures = between(made / "docs" / "quality.md", "pictures")
-    shown = re.findall(r"\]\(img/quality/(\S+)\)", pictures)
-    assert sorted(shown) == sorted(p.name for p in (made / "docs/img/quality").iterdir())
+    pictures = (made / "keep" / "index.html").read_text("utf-8")
+    shown = re.findall(r'src="pictures/(\S+)"', pictures)
+    assert sorted(shown) == sorted(p.name for p in (made / "keep/pictures").iterdir())
     assert len(shown) == 2
-    with Image.open(made / "docs/img/quality/grass_gray.webp") as sheet:
+    with Image.open(made / "keep/pictures/grass_gray.webp") as sheet:
         assert sheet.size == (256 + 6 + 64, 256 + 6 + 32)
-    scores = between(made / "docs" / "quality.md", "scores")
-    figures = between(made / "docs" / "quality-figures.md", "figures")
-    assert "### grass_gray\n" in pictures and "## grass_gray\n" in figures
-    assert "[grass_gray](#grass_gray)" in scores
+    scores = section(made / "docs" / "quality.md", "Scores")
+    figures = section(made / "docs" / "quality-figures.md", "grass_gray")
+    assert '<h2 id="grass_gray">' in pictures
+    assert "[grass_gray](quality-figures.md#grass_gray)" in scores
     for method in METHODS:
-        assert figures.count(f"| [{method}]({method}.md) |") == 1
+        assert figures.count(f"| [{method}](../{method}.md) |") == 1
 
 
 def test_pictures_and_figures_are_what_the_library_makes(made):
@@ -72,7 +75,7 @@ def test_pictures_and_figures_are_what_the_library_makes(made):
     kept = read_image(made / "keep/quilting/grass_gray.png").pixels
     assert np.array_equal(kept, again.image)
     value = weftex.assess(exemplar, again).score
-    row = next(r for r in between(made / "docs/quality.md", "scores").split("\n") if "grass" in r)
+    row = next(r for r in section(made / "docs/quality.md", "Scores").split("\n") if "grass" in r)
     assert row.split(" | ")[-1].strip("*| ") == f"{value:.2f}"
 
 
@@ -109,17 +112,20 @@ def test_what_may_have_changed_is_made_again(made, monkeypatch):
 
 def test_what_a_method_hangs_on():
     names = {
-        slug: {str(p.relative_to(sources.HOME)) for p in sources.files_of(f"weftex.methods.{slug}")}
-        for slug in ("quilting", "near_regular", "auto")
+        slug: {
+            p.relative_to(sources.HOME).as_posix()
+            for p in sources.files_of(gallery.method_class(slug).__module__)
+        }
+        for slug in ("quilting", "near-regular", "auto")
     }
-    assert {"methods/quilting.py", "methods/_patch_kernels.py", "search/_kernels.py",
-            "random.py"} <= names["quilting"]  # fmt: skip
-    declared = sources.HOME / "search" / "_kernels.pxd"  # wheels have none
-    assert ("search/_kernels.pxd" in names["quilting"]) == declared.exists()
-    for name in ("methods/near_regular.py", "quality/assess.py", "cli.py", "tasks/synthesize.py"):
+    own = {"methods/quilting.py", "methods/patches/patch_kernels.py", "random.py"}
+    assert own <= names["quilting"]
+    kernels = sources.HOME / "search" / "zone_kernels.pxd"  # wheels have none
+    assert ("search/zone_kernels.pxd" in names["quilting"]) == kernels.exists()
+    for name in ("methods/near_regular/__init__.py", "quality/assess.py", "cli/__init__.py"):
         assert name not in names["quilting"]
-    assert "analysis/lattice.py" in names["near_regular"]
-    assert names["quilting"] | names["near_regular"] < names["auto"]
+    assert "analysis/lattice.py" in names["near-regular"]
+    assert names["quilting"] | names["near-regular"] < names["auto"]
 
 
 def test_a_part_is_no_page_of_the_repository(capsys):
@@ -139,7 +145,7 @@ def test_scores_are_shown_for_the_same_picture_only(made, tmp_path, monkeypatch)
     )
     monkeypatch.setattr(gallery_page, "JUDGED", judged)
     run(made)
-    lines = between(made / "docs" / "quality.md", "judged").splitlines()
+    lines = section(made / "docs" / "quality.md", "An independent measure").splitlines()[3:]
     assert lines[0].startswith("1 of 2 judged pictures")
     assert lines[4] == "| mean (good, of) | 1.25 (0, 1) |  | 0.37 (1, 1) |"
     assert lines[5] == "| grass_gray | 1.25 | picture changed | **0.37** |"
@@ -167,21 +173,22 @@ def test_surfaces_are_listed_and_free():
     assert sum(p.stat().st_size for p in folder.iterdir()) < 3_000_000
 
 
-def test_the_gallery_is_small():
-    pictures = list((ROOT / "docs" / "img" / "quality").iterdir())
-    assert len(pictures) == 48 and sum(p.stat().st_size for p in pictures) < 10_000_000
+def test_pictures_of_the_repository_are_small():
+    kinds = {".png", ".jpg", ".webp", ".svg"}
+    rooms = ("docs", "examples", "benchmarks", "src")
+    pictures = [p for room in rooms for p in (ROOT / room).rglob("*") if p.suffix in kinds]
+    assert len(pictures) > 60 and sum(p.stat().st_size for p in pictures) < 6_000_000
 
 
-@pytest.mark.parametrize("method", ["patch-sampling", "quilting"])
-def test_pages_show_their_own_method(method):
-    """Pages of methods borrow pictures of what auto has made; there it must have taken them."""
-    shown = re.findall(
-        r"\(img/quality/(\w+)\.webp\)", (ROOT / "docs" / f"{method}.md").read_text("utf-8")
-    )
-    assert shown
-    for surface in shown:
-        row = re.search(rf"^\| \[{surface}\].*", between(ROOT / "docs/quality.md", "scores"), re.M)
-        assert row[0].split(" | ")[2].endswith(f" {method}")
+def test_every_picture_of_docs_is_shown():
+    pages = [ROOT / "README.md", *(ROOT / "docs").rglob("*.md")]
+    shown = {
+        (page.parent / name).resolve()
+        for page in pages
+        for name in re.findall(r"!\[[^]]*\]\(([^)]+)\)", page.read_text("utf-8"))
+    }
+    kept = {p for p in (ROOT / "docs").rglob("*") if p.suffix in (".webp", ".jpg", ".png", ".svg")}
+    assert {p.resolve() for p in kept} == shown
 
 
 def test_judged_scores_are_of_known_pictures():

@@ -11,8 +11,10 @@ from pathlib import Path
 
 import pytest
 
+from weftex.quality.figures import FIGURES
+
 ROOT = Path(__file__).parent.parent
-PAGES = sorted(p for p in [ROOT / "README.md", *ROOT.glob("docs/*.md")] if p.exists())
+PAGES = sorted(p for p in [ROOT / "README.md", *ROOT.glob("docs/**/*.md")] if p.exists())
 EXAMPLES = sorted(p for p in ROOT.glob("examples/*.py") if not p.name.startswith(("paper_", "_")))
 PAPERS = sorted(ROOT.glob("examples/paper_*.py"))
 WEFTEX = Path(sysconfig.get_path("scripts"), "weftex")
@@ -91,6 +93,27 @@ def test_links_of_pages(page):
     targets = re.findall(r"\]\(([^)#\s]+)[^)]*\)", text)
     files = [page.parent / target for target in targets if "://" not in target]
     assert [str(file) for file in files if not file.exists()] == []
+
+
+@pytest.mark.parametrize("page", PAGES, ids=lambda page: page.name)
+def test_links_lead_to_headings(page):
+    """The part of a link after # is a heading of the page it leads to."""
+    for target, part in re.findall(r"\]\(([^)#\s]*)#([^)\s]+)\)", page.read_text("utf-8")):
+        if "://" not in target:
+            text = (page.parent / target if target else page).read_text("utf-8")
+            heads = re.findall(
+                r"^#+ (.*)", re.sub(r"^```.*?^```$", "", text, flags=re.M | re.S), re.M
+            )
+            names = [re.sub(r"[^\w\- ]", "", head.lower()).replace(" ", "-") for head in heads]
+            assert part in names, f"{target}#{part}"
+
+
+def test_the_page_of_measures_lists_every_figure_as_it_is():
+    page = ROOT.joinpath("docs", "measures.md").read_text("utf-8")
+    for figure in FIGURES.values():
+        limit = figure.within() or "describes only"
+        row = f"| {figure.title} | {figure.unit} | {limit} | {figure.meaning} | {figure.blind} |"
+        assert row in page
 
 
 def test_the_readme_has_the_two_commands():

@@ -24,7 +24,7 @@ from weftex.errors import InvalidInputError
 from weftex.exemplar import Exemplar
 
 HERE = Path(__file__).parent
-SAMPLES = HERE.parent / "examples" / "samples"
+SAMPLES = HERE.parents[1] / "examples" / "samples"
 TRUTH = json.loads((HERE / "lattices.json").read_text())
 TRUTH.pop("about")
 

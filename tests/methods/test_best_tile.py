@@ -133,7 +133,9 @@ def test_borders_are_as_wide_as_there_is_room_for():
     model = model_of(noise((40, 50)), lattice=(20, 0, 0, 30), border_width=100)
     assert 0 < model.method.border_width < 11
     assert model.sample(20).provenance["border_width"] == model.method.border_width
-    narrow = model_of(noise((40, 50)), lattice=(20, 0, 0, 30), border_width=model.method.border_width)
+    narrow = model_of(
+        noise((40, 50)), lattice=(20, 0, 0, 30), border_width=model.method.border_width
+    )
     assert np.array_equal(narrow.anchors, model.anchors)
     bare = model_of(noise((40, 50)), lattice=(49, 0, 0, 20))
     assert bare.sample(20).provenance["border_width"] == bare.settings.border_width
