@@ -80,7 +80,7 @@ def sample(name: str, side: int = 192) -> np.ndarray:
 
 
 def formats() -> dict[str, weftex.Exemplar]:
-    """A small sample in every dtype, with and without colour, alpha, maps and a mask."""
+    """A small sample in every dtype, with and without color, alpha, maps and a mask."""
     pebbles = sample("pebbles", 66)[:60]
     if pebbles.ndim == 2:
         pebbles = np.repeat(pebbles[..., None], 3, axis=2)

@@ -98,13 +98,13 @@ def one_search(levels: np.ndarray, width: int, causal: bool) -> float:
     done = np.ones((4 * half + 3, 4 * half + 3 + _STRIP), np.uint8)
     canvas = np.resize(levels, (*done.shape, levels.shape[2]))
     query = np.zeros(width * width * levels.shape[2], np.uint8)
-    out = np.zeros(windows.centres.size, np.int64)
+    out = np.zeros(windows.centers.size, np.int64)
     times = []
     for x in range(2 * half + 1, 2 * half + 1 + _STRIP):
         start = perf_counter()
         y = 2 * half + 1
         count = kernels.runs_of(done, y, x, (False, False), reach, runs, causal)
-        kernels.distances(canvas, y, x, windows.pixels, windows.centres, runs, count, query, out)
+        kernels.distances(canvas, y, x, windows.pixels, windows.centers, runs, count, query, out)
         times.append(perf_counter() - start)
     return statistics.median(times)
 

@@ -19,4 +19,4 @@ result = model.sample((384, 512), seed=7)
 
 weftex.write_image(folder / "ashikhmin.png", result.image)
 weftex.write_image(folder / "ashikhmin_sources.png", result.draw("sources"))
-print(f"{folder / 'ashikhmin.png'}: made; its sources in false colours are beside it")
+print(f"{folder / 'ashikhmin.png'}: made; its sources in false colors are beside it")

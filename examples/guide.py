@@ -23,11 +23,11 @@ shape = np.exp(-((x + 0.12) ** 2 + (y + 0.12) ** 2) / 0.03)
 shape += 0.5 * (np.hypot(x - 0.2, y - 0.2) < 0.18) + 0.25 * x
 shape = (shape - shape.min()) / (shape.max() - shape.min())
 
-# A guide is compared with the sample, so it gets the sample's colours, from the darkest to the
+# A guide is compared with the sample, so it gets the sample's colors, from the darkest to the
 # brightest.
-colours = sample.pixels.reshape(-1, 3)
-colours = colours[np.argsort(colours.sum(axis=1))]
-bands = [band.mean(axis=0) for band in np.array_split(colours, 64)]
+colors = sample.pixels.reshape(-1, 3)
+colors = colors[np.argsort(colors.sum(axis=1))]
+bands = [band.mean(axis=0) for band in np.array_split(colors, 64)]
 guide = np.rint(np.array(bands)[np.rint(shape * 63).astype(int)]).astype(np.uint8)
 weftex.write_image(folder / "guide.png", guide)
 

@@ -21,7 +21,7 @@ import weftex
 
 
 def rings(side: int, seed: int) -> np.ndarray:
-    """Dark rings on grey, a few pixels out of their grid."""
+    """Dark rings on gray, a few pixels out of their grid."""
     rng = np.random.default_rng(seed)
     y, x = np.indices((side, side))
     picture = np.full((side, side), 200.0)

@@ -31,7 +31,7 @@ def crop(name: str, side: int) -> np.ndarray:
 
 
 def reduced(pixels: np.ndarray, colors: int) -> np.ndarray:
-    """The picture in at most so many colours."""
+    """The picture in at most so many colors."""
     quantized = Image.fromarray(pixels).quantize(colors, dither=Image.Dither.NONE)
     return np.asarray(quantized.convert("RGB"))
 
@@ -60,13 +60,13 @@ def brute_force(pixels: np.ndarray, width: int, count: int) -> float:
     runs = np.zeros((width * (half + 2), 3), np.int32)
     done = np.ones((2 * half + 1, 2 * half + 17), np.uint8)
     canvas = np.resize(pixels, (*done.shape, 3))
-    query, out = np.zeros(width * width * 3, np.uint8), np.zeros(windows.centres.size, np.int64)
+    query, out = np.zeros(width * width * 3, np.uint8), np.zeros(windows.centers.size, np.int64)
     reach = (half, 0, half, half)
     times = []
     for x in range(half, half + 16):
         start = perf_counter()
         n = kernels.runs_of(done, half, x, (False, False), reach, runs, True)
-        kernels.distances(canvas, half, x, windows.pixels, windows.centres, runs, n, query, out)
+        kernels.distances(canvas, half, x, windows.pixels, windows.centers, runs, n, query, out)
         times.append(perf_counter() - start)
     return float(np.median(times)) * count
 
@@ -75,7 +75,7 @@ def table1() -> Table:
     """Table 1: what 400x400 pixels cost, stage by stage, beside brute force."""
     notes = """
 Table 1: 400x400 pixels from samples of the paper's sizes and windows, in seconds; as in the paper a
-colour has to match exactly and a source may be taken again at once. Medians of 3 runs on one
+color has to match exactly and a source may be taken again at once. Medians of 3 runs on one
 thread. Brute force compares every pixel with every whole window to its end; its time is
 extrapolated from 16 pixels. The paper's seconds are of an AMD64 4000+ (2.4 GHz).
 """
@@ -96,7 +96,7 @@ extrapolated from 16 pixels. The paper's seconds are of an AMD64 4000+ (2.4 GHz)
         cells = [label, size, colors, width, f"{tested:.2f}", *(f"{s:.2f}" for s in stages)]
         ratio = f"{brute / total:.0f} x"
         rows.append([*map(str, cells), f"{total:.2f}", f"{brute:.0f}", ratio, f"{paper:.2f}"])
-    head = ["", "source", "colours", "window", "tested a pixel", "analysis", "initialization"]
+    head = ["", "source", "colors", "window", "tested a pixel", "analysis", "initialization"]
     head += ["synthesis", "total", "brute force", "speed-up", "paper's total"]
     return notes, head, rows
 
@@ -129,13 +129,13 @@ def fig7(folder: Path, suffix: str) -> None:
 
 
 def noisy(pixels: np.ndarray) -> np.ndarray:
-    """With grain as of a camera: hardly a colour occurs twice."""
+    """With grain as of a camera: hardly a color occurs twice."""
     grain = np.random.default_rng(0).integers(-8, 9, pixels.shape)
     return np.clip(pixels.astype(int) + grain, 0, 255).astype(np.uint8)
 
 
 def fig8(folder: Path, suffix: str) -> None:
-    """Exact matches alone are too few where hardly a colour occurs twice; a tolerance mends it."""
+    """Exact matches alone are too few where hardly a color occurs twice; a tolerance mends it."""
     rows = []
     cases = (
         (noisy(shrunk(load("bricks"), 2)[:112, :112]), 25),
@@ -182,7 +182,7 @@ windows whose root mean square difference is at most the given share of the rang
         "checkerboard, window 15": (board, 15),
         "weave, window 15": (crop("weave", 100), 15),
         "tiles, window 33": (crop("tiles", 100), 33),
-        "bricks in 234 colours, window 33": (samples()["h"][0], 33),
+        "bricks in 234 colors, window 33": (samples()["h"][0], 33),
     }
     for label, (pixels, width) in some(cases.items()):
         for limit in (0, 0.02, 0.05):
@@ -199,7 +199,7 @@ windows whose root mean square difference is at most the given share of the rang
 
 
 def fig10(folder: Path, suffix: str) -> None:
-    """Where pixels come from, below the band of the initialisation in black."""
+    """Where pixels come from, below the band of the initialization in black."""
     rows = []
     cases = (("pebbles", 31), ("leaves", 31), ("weave", 31), ("bricks", 61))
     for name, width in some(cases, least=2):

@@ -58,7 +58,7 @@ def rows(path: Path, labels: str, lines: list[list[np.ndarray]]) -> None:
 
 
 def fig410(folder: Path, suffix: str) -> None:
-    """Borders by correlation, and by differences of colours."""
+    """Borders by correlation, and by differences of colors."""
     samples = [small(name) for name in some(REGULAR)]
     lines = [[s, paper(s, match="gncc"), paper(s, match="difference")] for s in samples]
     rows(folder / f"fig410{suffix}", "sample, gncc, difference", lines)

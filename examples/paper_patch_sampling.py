@@ -203,15 +203,15 @@ class Outlines:
     """
 
     def __init__(self, pixels: np.ndarray, limit: float | None = None) -> None:
-        grey = pixels.reshape(*pixels.shape[:2], -1).mean(axis=2)
+        gray = pixels.reshape(*pixels.shape[:2], -1).mean(axis=2)
         for _ in range(2):  # grain is no outline
-            grey = np.pad(grey, 1, mode="edge")
-            grey = (grey[:-2] + 2 * grey[1:-1] + grey[2:]) / 4
-            grey = (grey[:, :-2] + 2 * grey[:, 1:-1] + grey[:, 2:]) / 4
-        self.dy, self.dx = np.gradient(grey)
+            gray = np.pad(gray, 1, mode="edge")
+            gray = (gray[:-2] + 2 * gray[1:-1] + gray[2:]) / 4
+            gray = (gray[:, :-2] + 2 * gray[:, 1:-1] + gray[:, 2:]) / 4
+        self.dy, self.dx = np.gradient(gray)
         self.limit = np.quantile(np.hypot(self.dy, self.dx), 0.9) if limit is None else limit
         strength = np.abs(self.dy)
-        self.peak = np.zeros(grey.shape, bool)
+        self.peak = np.zeros(gray.shape, bool)
         self.peak[1:-1] = (strength[1:-1] >= strength[:-2]) & (strength[1:-1] > strength[2:])
         self.clear = self.peak & (strength >= np.abs(self.dx)) & (strength > self.limit)
 

@@ -36,7 +36,7 @@ def curve(
     lines: Sequence[tuple[str, Sequence[float]]], size: tuple[int, int], top: float | None = None
 ) -> np.ndarray:
     """Draw curves from 0 to `top`, or to their own largest values, with those as labels."""
-    colours = ("black", "firebrick", "royalblue")
+    colors = ("black", "firebrick", "royalblue")
     width, height = size
     picture = Image.new("RGB", size, "white")
     pen = ImageDraw.Draw(picture)
@@ -48,8 +48,8 @@ def curve(
             (10 + k * across, height - 10 - v / (top or most or 1) * (height - 30))
             for k, v in enumerate(values)
         ]
-        pen.line(points, colours[number], 2)
-        pen.text((60, 12 + 14 * number), f"{label}, at most {most:.3g}", colours[number])
+        pen.line(points, colors[number], 2)
+        pen.text((60, 12 + 14 * number), f"{label}, at most {most:.3g}", colors[number])
     return np.asarray(picture)
 
 
@@ -73,7 +73,7 @@ def fig4(folder: Path, suffix: str) -> None:
 
 
 def fig5(folder: Path, suffix: str) -> None:
-    """Seed points: their colours as squares, and what the first iteration makes of them."""
+    """Seed points: their colors as squares, and what the first iteration makes of them."""
     rows = []
     for name in some(("pebbles", "weave")):
         sample = load(name, 192)
@@ -81,8 +81,8 @@ def fig5(folder: Path, suffix: str) -> None:
         scale = max(1, round(dominant_scale(exemplar).scale))
         plain = windows_of(exemplar, (0, 0, 0, 0))
         places, *_ = plant_seeds(plain, (192, 192), (False, False), scale, 5, seed=1)
-        colours = sample.reshape(-1, *sample.shape[2:])[places]
-        seeds = colours.repeat(scale, 0).repeat(scale, 1)[:192, :192]
+        colors = sample.reshape(-1, *sample.shape[2:])[places]
+        seeds = colors.repeat(scale, 0).repeat(scale, 1)[:192, :192]
         made = make(sample, 192, **PAPER, iterations=1).image
         rows.append([("sample", sample), (f"seeds, {scale} px", seeds), ("one iteration", made)])
     sheet(folder / f"fig5_refinement{suffix}", rows)
@@ -191,7 +191,7 @@ def evenness(folder: Path, suffix: str) -> None:
 
 
 def coherence(folder: Path, suffix: str) -> None:
-    """How much nearer what goes on from no neighbour must be, and the sources."""
+    """How much nearer what goes on from no neighbor must be, and the sources."""
     rows = []
     for name in some(("pebbles", "stone_wall")):
         sample = load(name, 192)

@@ -20,8 +20,8 @@ wall = weftex.synthesize("sample:bricks", (480, 640), seed=7)
 weftex.write_image(folder / "synthesize.png", wall.image)
 
 # ... or an array of any channel count, 8 or 16 bit or float; the result has the same kind.
-grey = weftex.read_image("sample:grass").pixels.astype(np.float32) / 255
-lawn = weftex.synthesize(grey, (300, 400), method="quilting", seed=7)
+gray = weftex.read_image("sample:grass").pixels.astype(np.float32) / 255
+lawn = weftex.synthesize(gray, (300, 400), method="quilting", seed=7)
 print(lawn.image.dtype, lawn.image.shape)
 
 # The same seed gives the same bytes, whatever the number of threads.

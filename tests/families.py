@@ -249,11 +249,11 @@ def with_guides(exemplar: Any, size: tuple[int, int], rng: Any) -> Any:
     """The sample with a guide of its own, labels or a picture, and a canvas's guide for it."""
     count, shape = int(rng.choice([1, 2, 3, 255])), ((), (1,), (2,))[rng.integers(3)]
     own = rng.integers(0, count, (*exemplar.shape, *shape)).astype(np.uint8)
-    colours = np.unique(own.reshape(-1, *shape), axis=0)
-    if len(colours) > 32:  # a picture
+    colors = np.unique(own.reshape(-1, *shape), axis=0)
+    if len(colors) > 32:  # a picture
         return exemplar.with_guide(own), noise((*size, *shape))
     dtype = (np.uint8, np.int64)[rng.integers(2)]
-    guide = colours[rng.integers(0, len(colours), size)]
+    guide = colors[rng.integers(0, len(colors), size)]
     return exemplar.with_guide(own.astype(dtype)), guide.astype(dtype)
 
 

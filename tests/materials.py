@@ -6,7 +6,7 @@ import numpy as np
 
 
 def wall(height, width, tile=(12, 16), offset=8, seed=1, spread=40):
-    """Bricks in running bond: mortar, and bricks of their own colours."""
+    """Bricks in running bond: mortar, and bricks of their own colors."""
     rng = np.random.default_rng(seed)
     pixels = np.empty((height, width, 3), np.uint8)
     tones = rng.integers(90, 90 + spread, (height // tile[0] + 2, width // tile[1] + 3, 3))
@@ -32,9 +32,9 @@ def made_up(rng, shape, kind, channels):
 def states(rng, exemplar, windows, shape, wrap):
     """A canvas half known: pieces of the sample where it says so, noise elsewhere."""
     pixels = windows.pixels.reshape(-1, windows.pixels.shape[2])
-    source = rng.choice(windows.centres, shape).astype(np.int32)
+    source = rng.choice(windows.centers, shape).astype(np.int32)
     for _ in range(3):  # coherent pieces
-        place = windows.centres[rng.integers(windows.centres.size)]
+        place = windows.centers[rng.integers(windows.centers.size)]
         y, x = rng.integers(shape[0]), rng.integers(shape[1])
         piece = source[y : y + 6, x : x + 6]
         across = windows.pixels.shape[1]

@@ -17,7 +17,7 @@ from weftex.io import pictures as io
 ImageCms = pytest.importorskip("PIL.ImageCms")
 
 RGB_PROFILE = ImageCms.ImageCmsProfile(ImageCms.createProfile("sRGB")).tobytes()
-GREY_PROFILE = RGB_PROFILE[:16] + b"GRAY" + RGB_PROFILE[20:]
+GRAY_PROFILE = RGB_PROFILE[:16] + b"GRAY" + RGB_PROFILE[20:]
 
 #: Random pixels; in files floating-point ones also lie below 0 and above 1.
 noise = functools.partial(families.noise, wide=True)

@@ -98,7 +98,7 @@ SAMPLE = np.random.default_rng(0).integers(0, 256, (24, 24, 3), np.uint8)
         np.zeros((20, 20, 3), bool),
         np.zeros((20, 20, 3), int).tolist(),
     ],
-    ids=["uint16", "float", "alpha", "grey", "bool", "list"],
+    ids=["uint16", "float", "alpha", "gray", "bool", "list"],
 )
 def test_known_pixels_must_be_of_the_samples_kind(known):
     hole = np.zeros((20, 20), bool)
@@ -155,13 +155,13 @@ def test_labels_may_be_whole_numbers_of_any_type():
 
 
 def test_a_guide_is_of_the_kind_of_the_samples():
-    """Labels by their colours, at any depth; pictures by dtype too."""
+    """Labels by their colors, at any depth; pictures by dtype too."""
     labels = np.indices((8, 8))[0] // 4
     exemplar = weftex.Exemplar(np.zeros((8, 8, 3), np.uint8), guide=labels)
     for dtype in (np.uint8, np.uint16, np.int64, bool):
         Canvas(8, 8, guide=labels.astype(dtype)).check_guide(exemplar)
     for guide, message in (
-        (labels + 1, "guide has the colour 2, which the guide of sample lacks; .* has 0, 1"),
+        (labels + 1, "guide has the color 2, which the guide of sample lacks; .* has 0, 1"),
         (np.stack([labels] * 3, axis=2), r"guide is labels \(3,\), the guide of sample is"),
     ):
         with pytest.raises(InvalidInputError, match=message):

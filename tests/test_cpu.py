@@ -24,7 +24,7 @@ hole = (y - 22) ** 2 + (x - 25) ** 2 < 200
 known = pebbles[:50, 5:60].copy()
 known[hole] = 0
 alpha = np.concatenate([pebbles, pebbles[..., :1]], axis=2)
-samples = {"bytes": pebbles, "grey": pebbles[..., 0].copy(), "alpha": alpha,
+samples = {"bytes": pebbles, "gray": pebbles[..., 0].copy(), "alpha": alpha,
            "deep": pebbles.astype(np.uint16) * 257, "real": (pebbles / 255).astype(np.float32)}
 canvases = {"plain": weftex.Canvas(70, 76), "tileable": weftex.Canvas(70, 76, (True, True)),
             "hole": weftex.Canvas(50, 55, known=known, hole=hole)}

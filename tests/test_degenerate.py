@@ -133,9 +133,9 @@ def test_absurd_parameters_are_refused_before_work_starts(method, tileable, para
 
 
 @every("method", family="patch")
-@pytest.mark.parametrize("colours", [1, 2])
-def test_two_colours(method, colours):
-    exemplar = weftex.Exemplar(((noise((30, 30)) % colours) * 255).astype(np.uint8))
+@pytest.mark.parametrize("colors", [1, 2])
+def test_two_colors(method, colors):
+    exemplar = weftex.Exemplar(((noise((30, 30)) % colors) * 255).astype(np.uint8))
     for search in SEARCHES:
         assert attempt(method, exemplar, weftex.Canvas(40, 40), patch_size=8, search=search)
 
@@ -214,9 +214,9 @@ def test_many_channels_in_every_way(method, way, channels):
 
 
 @every("method", "way")
-@pytest.mark.parametrize("colours", [1, 2])
-def test_two_colours_in_every_way(method, way, colours):
-    exemplar = weftex.Exemplar(((noise((30, 30)) % colours) * 255).astype(np.uint8))
+@pytest.mark.parametrize("colors", [1, 2])
+def test_two_colors_in_every_way(method, way, colors):
+    exemplar = weftex.Exemplar(((noise((30, 30)) % colors) * 255).astype(np.uint8))
     result = method_of(method, way).fit(exemplar).sample(40, seed=3)
     check(result, exemplar, (40, 40))
 

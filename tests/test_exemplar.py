@@ -8,7 +8,7 @@ from hypothesis import strategies as st
 from weftex import Exemplar
 from weftex.errors import InvalidInputError
 
-GREY = np.arange(64, dtype=np.uint8).reshape(8, 8)
+GRAY = np.arange(64, dtype=np.uint8).reshape(8, 8)
 
 
 @pytest.mark.parametrize("dtype", [np.uint8, np.uint16, np.float32, np.float64])
@@ -63,15 +63,15 @@ def test_bad_pixels_are_refused(pixels, says):
 
 def test_bad_companions_are_refused():
     with pytest.raises(InvalidInputError, match="mask is 4x8"):
-        Exemplar(GREY, mask=np.ones((8, 4), bool))
+        Exemplar(GRAY, mask=np.ones((8, 4), bool))
     with pytest.raises(InvalidInputError, match="no usable pixel"):
-        Exemplar(GREY, mask=np.zeros((8, 8), bool))
+        Exemplar(GRAY, mask=np.zeros((8, 8), bool))
     with pytest.raises(InvalidInputError, match="map 'normal' is 8x4"):
-        Exemplar(GREY, maps={"normal": np.zeros((4, 8, 3), np.uint8)})
+        Exemplar(GRAY, maps={"normal": np.zeros((4, 8, 3), np.uint8)})
     with pytest.raises(InvalidInputError, match="height contains NaN"):
-        Exemplar(GREY, maps={"height": np.full((8, 8), np.nan)})
+        Exemplar(GRAY, maps={"height": np.full((8, 8), np.nan)})
     with pytest.raises(InvalidInputError, match="one channel"):
-        Exemplar(GREY, alpha=True)
+        Exemplar(GRAY, alpha=True)
 
 
 def test_messages_use_the_name():
@@ -148,7 +148,7 @@ def test_faint_pictures_are_stretched(rng, kind, dtype):
     assert np.array_equal(result.image, deep[source[..., 0], source[..., 1]])
 
 
-def test_the_colour_of_clear_pixels_does_not_count(rng):
+def test_the_color_of_clear_pixels_does_not_count(rng):
     pixels = wide(rng, 4)
     pixels[3:6, :, 3] = 0
     other = pixels.copy()

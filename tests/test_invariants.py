@@ -112,7 +112,7 @@ def test_known_pixels_are_untouched(method, kind, way, dtype, channels):
 def border_against_inside(picture, axis):
     """Mean difference across the border, in spreads of the mean differences inside.
 
-    Two neighbouring lines of a smooth material differ little; the last line and the first one
+    Two neighboring lines of a smooth material differ little; the last line and the first one
     differ like any two, unless the picture wraps.
     """
     picture = np.moveaxis(picture.astype(float), axis, 0)
@@ -154,7 +154,7 @@ def test_a_wrapped_canvas_has_no_seam_at_its_border(method, real, name):
 @pytest.mark.parametrize("size", [(21, 21), (31, 45), (17, 60), (25, 33), (20, 20), (24, 41)])
 @pytest.mark.parametrize("boundary_width", [2, 5, 8])
 def test_small_wrapped_canvases_have_no_seam_inside_either(method, size, boundary_width):
-    """On a smooth periodic sample every neighbour pair is near, in the middle and at the border."""
+    """On a smooth periodic sample every neighbor pair is near, in the middle and at the border."""
     y, x = np.indices((64, 64)) * (2 * np.pi / 16)
     smooth = np.rint(127 + 60 * np.sin(x) + 60 * np.sin(y)).astype(np.uint8)
     steepest = np.abs(np.diff(smooth.astype(int), axis=1)).max()
@@ -171,7 +171,7 @@ def test_small_wrapped_canvases_have_no_seam_inside_either(method, size, boundar
 
 
 def _unseen_borders(result):
-    """Neighbouring pixels whose patches meet outside the zone that the later one was matched in."""
+    """Neighboring pixels whose patches meet outside the zone that the later one was matched in."""
     height, length = result.shape
     owner = np.full((height, length, 4), -1, np.int32)
     share = np.zeros((height, length, 4), np.float32)

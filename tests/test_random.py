@@ -90,7 +90,7 @@ def test_no_two_small_questions_collide():
 
 
 def test_bits_are_even_and_independent():
-    """Every bit is set half of the time and no two bits or neighbours go together (6 sigma)."""
+    """Every bit is set half of the time and no two bits or neighbors go together (6 sigma)."""
     y, x = np.indices((128, 128))
     words = draw(11, "patch", y, x)
     bits = np.unpackbits(words.view(np.uint8).reshape(128, 128, 8), axis=-1).astype(float)

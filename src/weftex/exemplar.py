@@ -14,7 +14,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
 _DTYPES = ("uint8", "uint16", "float32", "float64")
-_LABELS = 32  # a sample's guide with at most so many colours is a map of labels
+_LABELS = 32  # a sample's guide with at most so many colors is a map of labels
 
 
 class Exemplar:
@@ -31,14 +31,14 @@ class Exemplar:
         True where a pixel may be used; everywhere by default.
     guide : array (H, W) or (H, W, C), optional
         What stands for the sample in a canvas's guide: a map of labels, which is what at most 32
-        colours or whole numbers are, or any picture. Without it guides are compared with the
+        colors or whole numbers are, or any picture. Without it guides are compared with the
         sample's own pixels.
     tileable : bool, optional
         The sample repeats without a seam, so windows may run over its borders.
     alpha : bool, optional
         The last channel is straight alpha; by default it is for 2 and 4 channels.
     icc : bytes, optional
-        Colour profile, carried along to files.
+        Color profile, carried along to files.
     name : str, optional
         What to call it in messages.
 
@@ -78,7 +78,7 @@ class Exemplar:
         self.channels: int = 1 if self.pixels.ndim == 2 else self.pixels.shape[2]
         self.alpha: bool = self.channels in (2, 4) if alpha is None else bool(alpha)
         if self.alpha and self.channels < 2:
-            raise InvalidInputError(f"{name} has one channel, so it cannot be colour with alpha")
+            raise InvalidInputError(f"{name} has one channel, so it cannot be color with alpha")
         self.maps = {key: check_pixels(value, key) for key, value in (maps or {}).items()}
         for key, value in self.maps.items():
             if value.shape[:2] != self.shape:
@@ -146,7 +146,7 @@ class Exemplar:
 
         Brightness ratios survive (a tolerance relative to the canvas means the same at any bit
         depth) unless the values lie in a narrow band, which is then stretched. Alpha is multiplied
-        in and kept beside the colours, so that the colour of clear pixels does not count.
+        in and kept beside the colors, so that the color of clear pixels does not count.
         """
         pixels = pixels.reshape(*pixels.shape[:2], -1)
         if self.alpha:
@@ -165,7 +165,7 @@ class Exemplar:
 
     @cached_property
     def labels(self) -> NDArray[Any] | None:
-        """The colours (n, C) of a guide that is a map of labels; None for any other picture."""
+        """The colors (n, C) of a guide that is a map of labels; None for any other picture."""
         if self.guide is None:
             return None
         found = np.unique(self.guide.reshape(self.shape[0] * self.shape[1], -1), axis=0)
@@ -189,9 +189,9 @@ class Exemplar:
         same = np.stack([(flat == label).all(axis=1) for label in self.labels], axis=1)
         unknown = np.flatnonzero(~same.any(axis=1))
         if len(unknown):
-            there = ", ".join(map(_colour, self.labels[:6])) + ", ..." * (len(self.labels) > 6)
+            there = ", ".join(map(_color, self.labels[:6])) + ", ..." * (len(self.labels) > 6)
             raise InvalidInputError(
-                f"the guide has the colour {_colour(flat[unknown[0]])}, which the guide of "
+                f"the guide has the color {_color(flat[unknown[0]])}, which the guide of "
                 f"{self.name} lacks; that is a map of labels and has {there}"
             )
         same = same[:, -1:] if len(self.labels) <= 2 else same
@@ -233,7 +233,7 @@ def _size(pixels: NDArray[Any]) -> str:
     return f"{pixels.shape[1]}x{pixels.shape[0]}"
 
 
-def _colour(values: NDArray[Any]) -> str:
+def _color(values: NDArray[Any]) -> str:
     text = ", ".join(f"{v:g}" for v in values)
     return f"({text})" if len(values) > 1 else text
 
@@ -264,7 +264,7 @@ def _to_bytes(pixels: NDArray[Any], scale: tuple[float, float]) -> NDArray[np.fl
 
 def _edges(levels: NDArray[np.uint8], weight: float) -> NDArray[np.uint8]:
     """Gradient magnitude of the brightness: it is what an interrupted outline differs in."""
-    grey = levels.mean(axis=2)
-    dy, dx = (np.gradient(grey, axis=a) if grey.shape[a] > 1 else 0 * grey for a in (0, 1))
+    gray = levels.mean(axis=2)
+    dy, dx = (np.gradient(gray, axis=a) if gray.shape[a] > 1 else 0 * gray for a in (0, 1))
     edges: NDArray[np.uint8] = np.rint(np.minimum(weight * np.hypot(dy, dx), 255)).astype(np.uint8)
     return edges[..., None]

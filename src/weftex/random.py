@@ -1,7 +1,7 @@
 """Randomness that is the same on every machine, in any order and on any number of threads.
 
 Every random number is a hash of (seed, purpose, place) and not the next number of a stream, so it
-does not matter who asks first. The mixing function is SplitMix64's finaliser (Steele, Lea and
+does not matter who asks first. The mixing function is SplitMix64's finalizer (Steele, Lea and
 Flood, 2014). NumPy's own generators may change their streams between versions; this must not.
 """
 

@@ -1,4 +1,4 @@
-"""Normalised cross-correlation is its definition, at every shift and for every size."""
+"""Normalized cross-correlation is its definition, at every shift and for every size."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from twins.lattice import normalised_correlation
+from twins.lattice import normalized_correlation
 from weftex.analysis.correlation import correlate
 from weftex.errors import InvalidInputError
 
@@ -23,7 +23,7 @@ def test_it_is_its_definition(first, second, channels, masked, rng):
     g = rng.integers(0, 256, (*second, *channels), np.uint8)
     f_mask, g_mask = (rng.random(size) < 0.7 if masked else None for size in (first, second))
     found = correlate(f, g, first_mask=f_mask, second_mask=g_mask)
-    expected = normalised_correlation(f, g, f_mask, g_mask)
+    expected = normalized_correlation(f, g, f_mask, g_mask)
     np.testing.assert_allclose(found, expected, atol=1e-9)
 
 
@@ -34,7 +34,7 @@ def test_a_picture_with_itself(shape, masked, rng):
     mask = rng.random(shape[:2]) < 0.7 if masked else None
     found = correlate(f, first_mask=mask)
     np.testing.assert_allclose(found, correlate(f, f, first_mask=mask, second_mask=mask))
-    np.testing.assert_allclose(found, normalised_correlation(f, None, mask), atol=1e-9)
+    np.testing.assert_allclose(found, normalized_correlation(f, None, mask), atol=1e-9)
     np.testing.assert_allclose(found, found[::-1, ::-1], atol=1e-9)
     if min(shape[:2]) > 1:
         assert found[shape[0] - 1, shape[1] - 1] == pytest.approx(1)
@@ -48,7 +48,7 @@ def test_any_sizes_and_few_levels(data):
     seed, levels = data.draw(st.integers(0, 2**32)), data.draw(st.integers(1, 3))
     rng = np.random.default_rng(seed)
     f, g = (rng.integers(0, levels, (*size, 2)) * 100 for size in sizes)
-    np.testing.assert_allclose(correlate(f, g), normalised_correlation(f, g), atol=1e-9)
+    np.testing.assert_allclose(correlate(f, g), normalized_correlation(f, g), atol=1e-9)
 
 
 def test_a_constant_channel_does_not_count(rng):
@@ -77,10 +77,10 @@ def test_borders_are_sound():
     f[0, :4] = f[-1, -4:] = [0, 3, 1, 2]
     found = correlate(f)
     assert abs(found).max() <= 1
-    np.testing.assert_allclose(found, normalised_correlation(f), atol=1e-4)
+    np.testing.assert_allclose(found, normalized_correlation(f), atol=1e-4)
     few = np.zeros((40, 40), np.uint8)
     few[0, :4] = few[-1, -4:] = [0, 3, 1, 2]
-    np.testing.assert_allclose(correlate(few), normalised_correlation(few), atol=1e-9)
+    np.testing.assert_allclose(correlate(few), normalized_correlation(few), atol=1e-9)
 
 
 @pytest.mark.parametrize(

@@ -51,7 +51,7 @@ def smooth(values, radius):
 
 
 def draw(vectors, rng, kind="pattern", *, noise=0.0, color=0.0, bend=0.0, light=0.0, checks=0.0):
-    """A lattice of 160 x 160 pixels; noise and colour of elements beside a contrast of about 1."""
+    """A lattice of 160 x 160 pixels; noise and color of elements beside a contrast of about 1."""
     size = 320  # four places a pixel
     y, x = np.mgrid[:size, :size] / 2
     if bend:
@@ -89,10 +89,10 @@ def draw(vectors, rng, kind="pattern", *, noise=0.0, color=0.0, bend=0.0, light=
         ("joints", {"color": 0.5, "light": 3.0}),
         ("pattern", {"noise": 0.5, "color": 0.5, "bend": 0.5}),
     ],
-    ids=["pattern", "joints", "noise", "colours", "all"],
+    ids=["pattern", "joints", "noise", "colors", "all"],
 )
 def test_drawn_lattices(shape, kind, flaws, rng):
-    """Up to noise as strong as the pattern, and colours of elements half as strong."""
+    """Up to noise as strong as the pattern, and colors of elements half as strong."""
     if shape == "small":
         kind = "pattern"  # no room for joints
     found = find_lattice(Exemplar(draw(SHAPES[shape], rng, kind, **flaws)))
@@ -121,8 +121,8 @@ def test_noise_has_no_lattice(radius, rng):
         assert find_lattice(Exemplar((128 + 40 * clouds / clouds.std()).clip(0, 255))) is None
 
 
-def test_elements_of_any_colour_and_colours_that_alternate(rng):
-    """Figure 5.1 (a) to (d): the joints count there, the colours here."""
+def test_elements_of_any_color_and_colors_that_alternate(rng):
+    """Figure 5.1 (a) to (d): the joints count there, the colors here."""
     tile = ((24, 0), (0, 20))
     two = Lattice(((24, 20), (24, -20)))
     for _ in range(3):

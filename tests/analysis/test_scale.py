@@ -45,7 +45,7 @@ def dots(height, width, period):
     return np.where(y**2 + x**2 < (0.3 * period) ** 2, 1.0, -1.0)
 
 
-def coloured_noise(side, seed, exponent):
+def colored_noise(side, seed, exponent):
     """Noise whose amplitude falls with that power of the frequency: pictures have about 1."""
     noise = np.fft.fft2(np.random.default_rng(seed).standard_normal((side, side)))
     f = np.hypot(np.fft.fftfreq(side)[:, None], np.fft.fftfreq(side))
@@ -55,7 +55,7 @@ def coloured_noise(side, seed, exponent):
 
 
 def ring_power_by_definition(pixels):
-    """P(r): fade the borders, transform place by place, gather the rings with their neighbours."""
+    """P(r): fade the borders, transform place by place, gather the rings with their neighbors."""
     flat = relief(Exemplar(pixels))
     channels, height, width = flat.levels.shape
     side = max(height, width)
@@ -124,13 +124,13 @@ def test_slow_lighting_does_not_count(direction):
 
 @pytest.mark.parametrize("exponent", [0, 0.5, 1, 1.5])
 def test_noise_has_no_peak(exponent):
-    scales = [found(coloured_noise(128, seed, exponent)) for seed in range(20)]
+    scales = [found(colored_noise(128, seed, exponent)) for seed in range(20)]
     assert np.mean([s.confidence > 0 for s in scales]) <= 0.1
     assert max(s.confidence for s in scales) < 0.2
 
 
 def test_half_the_power_lies_in_coarser_structure_without_a_peak():
-    scale = found(coloured_noise(128, 3, 1))
+    scale = found(colored_noise(128, 3, 1))
     assert scale.confidence == 0
     coarser = scale.frequencies < 1 / scale.scale
     assert scale.power[coarser].sum() / scale.power.sum() == pytest.approx(0.5, abs=0.02)
@@ -180,7 +180,7 @@ def test_half_of_a_sample_and_other_kinds_of_pixels():
     assert found(large).scale == pytest.approx(160, rel=0.02)
 
 
-def test_colours_of_one_brightness_count():
+def test_colors_of_one_brightness_count():
     wave = np.rint(60 * grating(96, 96, 12)).astype(int)
     pixels = np.stack([128 + wave, 128 - wave, np.full_like(wave, 128)], axis=2)
     assert found(pixels.astype(np.uint8)).scale == pytest.approx(12, rel=0.05)
@@ -235,7 +235,7 @@ def test_few_usable_pixels():
     mask[20, 30] = True
     assert found(np.zeros((50, 50), np.uint8), mask=mask).scale == 1
     mask[::7, ::9] = True
-    assert found(coloured_noise(50, 1, 1), mask=mask).scale >= 1
+    assert found(colored_noise(50, 1, 1), mask=mask).scale >= 1
 
 
 def test_the_curve():

@@ -113,7 +113,7 @@ def cuts(size, count=60):
 
 @pytest.mark.parametrize(
     "name",
-    ["a.png", "a16.png", "a.jpg", "prog.jpg", "grey.jpg", "a.tif", "af.tif", "raw.tif", "lzw.tif",
+    ["a.png", "a16.png", "a.jpg", "prog.jpg", "gray.jpg", "a.tif", "af.tif", "raw.tif", "lzw.tif",
      "a.webp", "lossy.webp", "a.bmp", "a.exr", "half.exr", "a.jxl", "a.hdr"],
 )  # fmt: skip
 def test_every_truncation_is_an_error(tmp_path, name, capfd):
@@ -126,7 +126,7 @@ def test_every_truncation_is_an_error(tmp_path, name, capfd):
     elif name in ("half.exr", "a.hdr"):
         kind = "openexr" if "exr" in name else "hdr"
         oiio_write(path, kind, (pixels / 255).astype("float32"))
-    elif name == "grey.jpg":
+    elif name == "gray.jpg":
         io.write_image(path, pixels[..., 0])
     else:
         wide = {"a16.png": "uint16", "af.tif": "float32", "a.exr": "float32"}.get(name, "uint8")
@@ -268,7 +268,7 @@ def test_other_integers_are_refused(tmp_path, dtype):
 
 def test_cmyk_and_lab_are_refused(tmp_path):
     Image.fromarray(noise((8, 8, 4)), "CMYK").save(tmp_path / "a.jpg")
-    fails(tmp_path / "a.jpg", "CMYK colours; convert it to RGB")
+    fails(tmp_path / "a.jpg", "CMYK colors; convert it to RGB")
     tifffile.imwrite(tmp_path / "a.tif", noise((8, 8, 4)), photometric="separated")
     fails(tmp_path / "a.tif", "CMYK")
     tifffile.imwrite(tmp_path / "l.tif", noise((8, 8, 3)), photometric="cielab")

@@ -45,16 +45,16 @@ def test_mask_from_alpha(tmp_path):
     path = tmp_path / "a.png"
     alpha = np.array([[0, 100, 200, 255]], "uint8")
     black, white = np.zeros_like(alpha), np.full_like(alpha, 255)
-    for colour in (black, white):
-        io.write_image(path, np.stack([colour] * 3 + [alpha], 2), alpha=True)
+    for color in (black, white):
+        io.write_image(path, np.stack([color] * 3 + [alpha], 2), alpha=True)
         assert io.read_mask(path).tolist() == [[False, False, True, True]]
     io.write_image(path, np.stack([alpha[:, ::-1], alpha], 2), alpha=True)  # both vary
     assert io.read_mask(path).tolist() == [[True, True, False, False]]
     io.write_image(path, np.stack([alpha, white], 2), alpha=True)
     assert io.read_mask(path).tolist() == [[False, False, True, True]]
-    for colour in (black, white):  # nothing varies
-        io.write_image(path, np.stack([colour, white], 2), alpha=True)
-        assert io.read_mask(path).tolist() == (colour > 0).tolist()
+    for color in (black, white):  # nothing varies
+        io.write_image(path, np.stack([color, white], 2), alpha=True)
+        assert io.read_mask(path).tolist() == (color > 0).tolist()
 
 
 def test_mask_from_one_bit(tmp_path):

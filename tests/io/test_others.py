@@ -35,14 +35,14 @@ def test_png_from_pillow(tmp_path, mode):
 
 @pytest.mark.parametrize("bits", [1, 2, 4])
 def test_png_of_few_bits_spans_the_range(tmp_path, bits):
-    grey = np.tile(np.arange(2**bits, dtype="uint8"), (3, 4))[:, :8]
-    rows = np.unpackbits(grey[..., None], axis=2)[..., 8 - bits :].reshape(3, -1)
+    gray = np.tile(np.arange(2**bits, dtype="uint8"), (3, 4))[:, :8]
+    rows = np.unpackbits(gray[..., None], axis=2)[..., 8 - bits :].reshape(3, -1)
     lines = b"".join(b"\0" + np.packbits(row).tobytes() for row in rows)
     body = chunk(b"IHDR", struct.pack(">IIBBBBB", 8, 3, bits, 0, 0, 0, 0))
     body += chunk(b"IDAT", zlib.compress(lines)) + chunk(b"IEND", b"")
     (tmp_path / "a.png").write_bytes(PNG + body)
     np.testing.assert_array_equal(
-        io.read_image(tmp_path / "a.png").pixels, grey * (255 // (2**bits - 1))
+        io.read_image(tmp_path / "a.png").pixels, gray * (255 // (2**bits - 1))
     )
 
 
@@ -280,8 +280,8 @@ def test_sixteen_bit_png_by_hand(tmp_path):
     pixels = noise((9, 7, 3), "uint16")
     io.write_image(tmp_path / "a.png", pixels)
     chunks = png_chunks((tmp_path / "a.png").read_bytes())
-    width, height, bits, colour = struct.unpack(">IIBB", chunks[b"IHDR"][:10])
-    assert (width, height, bits, colour) == (7, 9, 16, 2)
+    width, height, bits, color = struct.unpack(">IIBB", chunks[b"IHDR"][:10])
+    assert (width, height, bits, color) == (7, 9, 16, 2)
     np.testing.assert_array_equal(
         unfilter(zlib.decompress(chunks[b"IDAT"]), 9, 42, 6).view(">u2").reshape(9, 7, 3), pixels
     )

@@ -7,7 +7,7 @@ import zlib
 import numpy as np
 import pytest
 
-from picture_files import GREY_PROFILE, RGB_PROFILE, chunk, noise, smooth
+from picture_files import GRAY_PROFILE, RGB_PROFILE, chunk, noise, smooth
 from weftex.io import pictures as io
 
 Image = pytest.importorskip("PIL.Image")
@@ -22,12 +22,12 @@ def test_profile_is_carried(tmp_path, suffix):
         assert peer.info["icc_profile"] == RGB_PROFILE
 
 
-def test_profile_with_alpha_16_bits_and_grey(tmp_path):
+def test_profile_with_alpha_16_bits_and_gray(tmp_path):
     io.write_image(tmp_path / "a.png", noise((8, 8, 4), "uint16"), alpha=True, icc=RGB_PROFILE)
     assert io.read_image(tmp_path / "a.png").icc == RGB_PROFILE
     for suffix in (".png", ".tif", ".jpg"):
-        io.write_image(tmp_path / f"g{suffix}", noise((8, 8)), icc=GREY_PROFILE)
-        assert io.read_image(tmp_path / f"g{suffix}").icc == GREY_PROFILE
+        io.write_image(tmp_path / f"g{suffix}", noise((8, 8)), icc=GRAY_PROFILE)
+        assert io.read_image(tmp_path / f"g{suffix}").icc == GRAY_PROFILE
 
 
 @pytest.mark.parametrize("suffix", [".bmp", ".exr"])
@@ -40,7 +40,7 @@ def test_profile_is_left_out_where_there_is_no_place(tmp_path, suffix):
 BROKEN_TAGS = RGB_PROFILE[:128] + b"\xff" * (len(RGB_PROFILE) - 128)
 
 
-@pytest.mark.parametrize("icc", [b"", b"junk" * 50, RGB_PROFILE[:-4], GREY_PROFILE, BROKEN_TAGS])
+@pytest.mark.parametrize("icc", [b"", b"junk" * 50, RGB_PROFILE[:-4], GRAY_PROFILE, BROKEN_TAGS])
 @pytest.mark.parametrize("suffix", [".png", ".jpg", ".tif", ".webp"])
 def test_a_wrong_profile_does_not_cost_the_picture(tmp_path, suffix, icc):
     pixels = smooth(16, 16)

@@ -42,7 +42,7 @@ def test_round_trip_is_exact(tmp_path, suffix, dtype, channels, alpha, size):
     assert files_in(tmp_path) == [path.name]
 
 
-def test_webp_widens_grey(tmp_path):
+def test_webp_widens_gray(tmp_path):
     pixels = noise((9, 8, 2)) | 1
     for alpha, index in ((False, [0, 0, 0]), (True, [0, 0, 0, 1])):
         io.write_image(tmp_path / "a.webp", pixels if alpha else pixels[..., 0], alpha=alpha)
@@ -51,7 +51,7 @@ def test_webp_widens_grey(tmp_path):
         np.testing.assert_array_equal(back.pixels, pixels[..., index])
 
 
-def test_webp_keeps_straight_alpha_except_colour_under_zero(tmp_path):
+def test_webp_keeps_straight_alpha_except_color_under_zero(tmp_path):
     pixels = noise((20, 20, 4))
     pixels[:3, :3, 3] = 0
     io.write_image(tmp_path / "a.webp", pixels, alpha=True)
@@ -72,7 +72,7 @@ def test_jpeg_is_close(tmp_path, channels):
         assert np.abs(back.astype(int) - pixels).max() <= 6
     with Image.open(tmp_path / "a.jpg") as peer:
         np.testing.assert_allclose(np.asarray(peer).astype(int), pixels, atol=6)
-        assert channels == 1 or peer.layer[0][1:3] == (1, 1)  # no colour subsampling
+        assert channels == 1 or peer.layer[0][1:3] == (1, 1)  # no color subsampling
 
 
 @settings(max_examples=25, deadline=None)

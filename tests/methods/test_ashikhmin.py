@@ -103,7 +103,7 @@ def test_coherent_places_are_each_there_once(data):
     tileable, half = draw(st.booleans()), draw(st.integers(0, 2))
     exemplar = weftex.Exemplar(few_colors(rng, (7, 8), 3), tileable=tileable)
     windows = windows_of(exemplar, (half,) * 4)
-    centers = set(reference.window_centres(np.ones((7, 8), bool), [half] * 4, tileable))
+    centers = set(reference.window_centers(np.ones((7, 8), bool), [half] * 4, tileable))
     source = rng.integers(-1, 56, (6, 6)).astype(np.int32)  # anywhere, usable or not
     y, x = draw(st.integers(0, 5)), draw(st.integers(0, 5))
     steps = reference.known_window(rng.random((6, 6)) < 0.7, y, x, (True, True), [half] * 4)

@@ -29,7 +29,7 @@ def check_twin(method, exemplar, canvas, seed, threads=1):
 
 @given(st.data())
 def test_it_is_the_slow_twin(data):
-    """Small samples of few colours, which match in many places, on every kind of canvas."""
+    """Small samples of few colors, which match in many places, on every kind of canvas."""
     draw = data.draw
     rng = np.random.default_rng(draw(st.integers(0, 10**6)))
     height, width = draw(st.integers(5, 9)), draw(st.integers(5, 9))

@@ -405,7 +405,7 @@ def test_warped_gaps_are_like_the_twin():
 
 
 def test_warps_bring_joints_together():
-    """What differs where a gap meets its neighbours gets less."""
+    """What differs where a gap meets its neighbors gets less."""
     pixels = bent(96, 96)
 
     def error(warp):
@@ -526,7 +526,7 @@ def test_lattice_mode_keeps_the_rules():
 
 
 def boards(height, width, tone=40):
-    """Boards that lie, each with grain and a colour of its own."""
+    """Boards that lie, each with grain and a color of its own."""
     rng = np.random.default_rng(4)
     tones = rng.integers(90, 90 + tone, (height // 16 + 1, 3))[np.arange(height) // 16]
     pixels = tones[:, None] + rng.integers(0, 9, (height, width, 1))
@@ -555,7 +555,7 @@ def test_boards_go_on(stands):
     assert np.array_equal(far[20:, 9:], model.window(2**40, 9 - 2**40, 30, 51, seed=1).image)
 
 
-def test_rows_of_mixed_colours_are_free():
+def test_rows_of_mixed_colors_are_free():
     """What differs along a row may come from any row."""
     rng = np.random.default_rng(0)
     pixels = boards(128, 128, tone=2).astype(int)

@@ -521,7 +521,7 @@ def test_wavefronts_cover_the_grid_once(rows, columns, length):
 @pytest.mark.parametrize("length", [1, 2, 16])
 @pytest.mark.parametrize("rows, columns", [(20, 40), (40, 3), (35, 17), (70, 20)])
 def test_wavefronts_keep_the_documented_order(rows, columns, length):
-    """Left, upper left, upper and upper right neighbours are in earlier groups or pieces."""
+    """Left, upper left, upper and upper right neighbors are in earlier groups or pieces."""
     when, piece = {}, {}
     for n, group in enumerate(wavefronts(rows, columns, length)):
         for row, first, last in group:

@@ -29,9 +29,9 @@ def test_it_is_the_slow_twin(rng, blend, repeat_distance, wrap):
 
 
 @given(st.floats(0, 2), st.integers(0, 2**40), st.integers(0, 99))
-def test_every_choice_is_within_the_tolerance_of_the_best(tolerance, seed, colour):
+def test_every_choice_is_within_the_tolerance_of_the_best(tolerance, seed, color):
     """The rule of Efros and Freeman: (1 + tolerance) times the best distance, none beyond."""
-    sample = np.random.default_rng(colour).integers(0, 64, (16, 16, 3)).astype(np.uint8)
+    sample = np.random.default_rng(color).integers(0, 64, (16, 16, 3)).astype(np.uint8)
     method = weftex.Quilting(
         patch_size=6, boundary_width=2, tolerance=tolerance, repeat_distance=0, blend="none",
         search="exhaustive",

@@ -41,12 +41,12 @@ def test_it_is_the_slow_twin(data):
     draw = data.draw
     rng = np.random.default_rng(draw(st.integers(0, 10**6)))
     shape = draw(st.integers(5, 9)), draw(st.integers(5, 9))
-    channels, colours = draw(st.integers(1, 3)), draw(st.sampled_from([1, 2, 5, 200]))
+    channels, colors = draw(st.integers(1, 3)), draw(st.sampled_from([1, 2, 5, 200]))
     mask = None
     if draw(st.booleans()):
         mask = np.ones(shape, bool)
         mask[0, rng.integers(shape[1])] = False
-    pixels = rng.integers(0, colours, (*shape, channels)) * (255 // max(colours - 1, 1))
+    pixels = rng.integers(0, colors, (*shape, channels)) * (255 // max(colors - 1, 1))
     pixels = pixels.astype(np.uint8)
     exemplar = weftex.Exemplar(pixels, mask=mask, tileable=draw(st.booleans()), alpha=False)
     size = draw(st.integers(1, 9)), draw(st.integers(1, 9))
@@ -66,8 +66,8 @@ def test_it_is_the_slow_twin(data):
             exemplar, more["guide"] = with_guides(exemplar, size, rng)
         parameters["guide_weight"] = draw(st.sampled_from([0.01, 0.3, 3.0]))
     if draw(st.booleans()) and "guide" not in more:
-        # Distances by few colours are equal so often that any shortlist is as good.
-        parameters |= {"search": "pca", "candidates": 3 if colours == 200 else 100}
+        # Distances by few colors are equal so often that any shortlist is as good.
+        parameters |= {"search": "pca", "candidates": 3 if colors == 200 else 100}
     else:
         parameters |= {"similar": draw(st.integers(0, 2)), "evenness": draw(st.just(2.0))}
     if parameters["init"] != "seeds" and "guide" not in more and draw(st.booleans()):
@@ -329,7 +329,7 @@ def test_a_hole_of_a_texture_that_repeats_is_filled_with_it():
 
 
 def test_the_papers_search_makes_the_canvas_a_torus():
-    """From the second iteration neighbourhoods go around the borders (section 3)."""
+    """From the second iteration neighborhoods go around the borders (section 3)."""
     tile = noise((8, 8), seed=4)
     exemplar = weftex.Exemplar(np.tile(tile, (5, 5)))
     image = weftex.Refinement(search="pca", window_width=9).fit(exemplar).sample(32, seed=2).image

@@ -22,8 +22,8 @@ from weftex.search.windows import windows_of
     st.booleans(),
     st.integers(0, 2**64 - 1),
 )
-def test_it_is_the_slow_twin(sample, shape, wrap, spacing, matches, colours, masked, seed):
-    pixels = (noise((*sample, 2)) % colours).astype(np.uint8)
+def test_it_is_the_slow_twin(sample, shape, wrap, spacing, matches, colors, masked, seed):
+    pixels = (noise((*sample, 2)) % colors).astype(np.uint8)
     mask = np.ones(sample, bool)
     if masked and sample[1] > 2:
         mask[0, :2] = False
@@ -36,8 +36,8 @@ def test_it_is_the_slow_twin(sample, shape, wrap, spacing, matches, colours, mas
         assert divmod(int(places[i, j]), sample[1]) == expected[y[i], x[j]]
 
 
-def test_neighbouring_points_are_a_scale_apart_where_all_colours_differ():
-    """With k = 1 and no two colours alike, tiles lie beside each other as in the sample."""
+def test_neighboring_points_are_a_scale_apart_where_all_colors_differ():
+    """With k = 1 and no two colors alike, tiles lie beside each other as in the sample."""
     pixels = np.arange(240, dtype=np.uint8).reshape(12, 20)[..., None]
     plain = windows_of(Exemplar(pixels, alpha=False), (0, 0, 0, 0), pixels)
     for seed in range(5):

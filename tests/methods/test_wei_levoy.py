@@ -159,7 +159,7 @@ def test_a_sample_that_tiles_comes_back():
 
 
 def border_difference(image, axis):
-    """Mean difference across the border over that between neighbouring lines inside."""
+    """Mean difference across the border over that between neighboring lines inside."""
     lines = np.moveaxis(image.astype(float), axis, 0)
     steps = np.abs(np.roll(lines, -1, axis=0) - lines).reshape(len(lines), -1).mean(axis=1)
     return steps[-1] / steps[:-1].mean()
@@ -270,7 +270,7 @@ def test_layers_go_inwards():
     assert sorted(everything.tolist()) == list(range(9))
 
 
-def test_few_colours_stay_fast():
+def test_few_colors_stay_fast():
     """Equal windows are one leaf with one row, or each pixel would look at thousands."""
     pixels = np.zeros((64, 64), np.uint8)
     pixels[10, 10] = 255

@@ -23,7 +23,7 @@ from weftex.quality.seams import Seams, seam_map, seams
 from weftex.quality.view import views
 from weftex.quality.wrap import wrap_seam
 from weftex.quality.yardstick import real_crops
-from weftex.raster.boxes import centred_sums
+from weftex.raster.boxes import centered_sums
 
 SAMPLES = Path(__file__).parents[2] / "examples" / "samples"
 SURFACES = ["cobbles", "gingham", "shingles", "boards"]
@@ -113,14 +113,14 @@ def test_order_is_seen_where_there_is_some():
     assert measured("cobbles", "real").lattice is None
 
 
-def test_colours(rng):
+def test_colors(rng):
     first, second = surface("cobbles")
     real = measured("cobbles", "real")
     other = assess(first, np.minimum(second, 235) + np.uint8(20))
     assert other.color > 2 * real.color and 15 < other.color_levels < 25
     assert "color" in other.flags and "other colors" in other.verdict()
-    grey = assess(first[..., 0], second[..., 0])
-    assert grey.color is not None and grey.score < 3
+    gray = assess(first[..., 0], second[..., 0])
+    assert gray.color is not None and gray.score < 3
 
 
 def test_made_by_weft_is_good_and_says_where_from():
@@ -289,9 +289,9 @@ def test_depths_are_alike():
 )
 @pytest.mark.parametrize("plain", [False, True])
 def test_small_and_flat_pictures_give_none_and_no_warning(own, made, plain, rng):
-    colours = 1 if plain else 256
-    sample = rng.integers(0, colours, (*own, 3), np.uint8)
-    result = rng.integers(0, colours, (*made, 3), np.uint8)
+    colors = 1 if plain else 256
+    sample = rng.integers(0, colors, (*own, 3), np.uint8)
+    result = rng.integers(0, colors, (*made, 3), np.uint8)
     source = rng.integers(0, own, (*made, 2))
     with warnings.catch_warnings():
         warnings.simplefilter("error")
@@ -372,4 +372,4 @@ def test_box_sums_by_definition(rng):
             ]
             for y in range(7)
         ]
-        np.testing.assert_allclose(centred_sums(values, radius), expected)
+        np.testing.assert_allclose(centered_sums(values, radius), expected)

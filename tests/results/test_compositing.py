@@ -127,8 +127,8 @@ def test_constant_in_constant_out_whatever_the_weights(rng, dtype, alpha):
 
 
 @pytest.mark.parametrize("dtype", DTYPES)
-def test_clear_pixels_bleed_no_colour(dtype):
-    """Straight alpha: a clear pixel changes the alpha of what it is mixed with, not its colour."""
+def test_clear_pixels_bleed_no_color(dtype):
+    """Straight alpha: a clear pixel changes the alpha of what it is mixed with, not its color."""
     full = 1 if np.dtype(dtype).kind == "f" else np.iinfo(dtype).max
     red = np.array([full, 0, 0, full], dtype)
     clear_green = np.array([0, full, 0, 0], dtype)

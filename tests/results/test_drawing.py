@@ -16,13 +16,13 @@ def result_of(sample, source, canvas=None):
     return PixelSynthesis(canvas, source, sample_shape=sample.shape, exemplar=sample)
 
 
-def test_what_is_copied_as_a_whole_is_certain_and_has_one_colour():
+def test_what_is_copied_as_a_whole_is_certain_and_has_one_color():
     sample = weftex.Exemplar(noise((30, 31, 3)))
     y, x = np.indices((20, 20))
     copied = result_of(sample, ((y + 4) * 31 + x + 7).astype(np.int32))
     assert (copied.uncertainty() == 0).all() and (copied.draw("uncertainty") == 0).all()
     assert len(np.unique(copied.draw("patches").reshape(-1, 3), axis=0)) == 1
-    # Two halves: two colours, and only what sees the other half is uncertain.
+    # Two halves: two colors, and only what sees the other half is uncertain.
     source = np.where(x < 10, (y + 4) * 31 + x + 7, (y + 1) * 31 + x + 2).astype(np.int32)
     halves = result_of(sample, source)
     pieces = halves.draw("patches")

@@ -128,9 +128,9 @@ def test_drawings():
     assert whole.draw("error").max() == 0
 
 
-def test_error_is_what_the_neighbours_did_not_expect():
-    grey = np.random.default_rng(4).integers(0, 256, (9, 11)).astype(np.uint8)
-    for result in (make(sample=grey), make(sample=grey, hole=False, size=(1, 5))):
+def test_error_is_what_the_neighbors_did_not_expect():
+    gray = np.random.default_rng(4).integers(0, 256, (9, 11)).astype(np.uint8)
+    for result in (make(sample=gray), make(sample=gray, hole=False, size=(1, 5))):
         error = result.draw("error")[..., 0]
         for y, x in np.ndindex(result.shape):
             wanted = [0]
@@ -138,7 +138,7 @@ def test_error_is_what_the_neighbours_did_not_expect():
                 if y >= dy and x >= dx:
                     v, u = result.source[y - dy, x - dx] + (dy, dx)
                     if v < 9 and u < 11:
-                        wanted.append(abs(int(grey[v, u]) - int(result.image[y, x])))
+                        wanted.append(abs(int(gray[v, u]) - int(result.image[y, x])))
             assert error[y, x] == max(wanted)
 
 

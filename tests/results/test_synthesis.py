@@ -367,7 +367,7 @@ def test_drawings(blend):
     assert np.array_equal(sources[..., 1], np.rint(y * (255 / 29)))
     red = (result.draw("seams") == (255, 0, 0)).all(axis=2)
     assert 0 < red.sum() < red.size
-    # No seam inside a patch: every second neighbour pair that goes on is not red.
+    # No seam inside a patch: every second neighbor pair that goes on is not red.
     step = np.diff(result.source, axis=1)
     goes_on = (step == (0, 1)).all(axis=2)
     goes_down = (np.diff(result.source, axis=0) == (1, 0)).all(axis=2)
@@ -394,8 +394,8 @@ def test_drawing_a_filled_photo():
 
 
 def test_unknown_drawings_are_refused():
-    with pytest.raises(InvalidInputError, match="cannot draw 'colours'"):
-        make().draw("colours")
+    with pytest.raises(InvalidInputError, match="cannot draw 'colors'"):
+        make().draw("colors")
 
 
 def test_results_can_be_pickled():

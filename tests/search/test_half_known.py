@@ -109,7 +109,7 @@ def test_every_window_is_in_one_leaf(width, reach):
     pixels = made_up(np.random.default_rng(width), (9, width + 7), "few", 2)
     search = search_of(weftex.Exemplar(pixels), reach)
     found = sorted(place for places, _ in leaves_of(search) for place in places)
-    assert found == search.sample.windows.centres.tolist()
+    assert found == search.sample.windows.centers.tolist()
     assert (search.leaves.sizes == 64).sum() >= len(search.leaves.sizes) - 1
 
 

@@ -16,7 +16,7 @@ def distances(points, query):
 
 
 @given(st.integers(0, 10**6), st.integers(1, 300), st.integers(1, 12), st.integers(1, 50))
-def test_neighbours_are_within_the_allowed_error(seed, count, dimensions, wanted):
+def test_neighbors_are_within_the_allowed_error(seed, count, dimensions, wanted):
     rng = np.random.default_rng(seed)
     points = rng.integers(-50, 50, (count, dimensions)).astype(np.int16)
     places = rng.permutation(1000)[:count].astype(np.int32)

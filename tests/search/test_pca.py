@@ -93,8 +93,8 @@ def test_queries_far_outside_do_not_overflow(seed, size):
 @given(st.integers(0, 10**6), st.integers(1, 40), st.integers(2, 120))
 def test_enough_components_are_kept(seed, size, count):
     windows = made_up(seed, size, count)
-    centred = windows.astype(float) - windows.mean(axis=1, keepdims=True)
-    power = np.linalg.svd(centred, compute_uv=False) ** 2
+    centered = windows.astype(float) - windows.mean(axis=1, keepdims=True)
+    power = np.linalg.svd(centered, compute_uv=False) ** 2
     share = np.cumsum(power) / max(power.sum(), 1e-300)
     for variance in (0.5, 0.97):
         keep = len(fit_pca(windows, variance).basis)
@@ -106,8 +106,8 @@ def test_enough_components_are_kept(seed, size, count):
 @pytest.mark.parametrize("seed", range(20))
 def test_all_of_the_variance_is_all_components(seed):
     windows = made_up(seed, 12, 100)
-    centred = windows.astype(float) - windows.mean(axis=1, keepdims=True)
-    rank = np.linalg.matrix_rank(centred)
+    centered = windows.astype(float) - windows.mean(axis=1, keepdims=True)
+    rank = np.linalg.matrix_rank(centered)
     assert len(fit_pca(windows, 1.0).basis) >= rank
 
 
@@ -147,7 +147,7 @@ def test_shortlist_holds_the_best_window(name, rng):
     """Recall at m = 40: the window that exhaustive search finds is nearly always on the list.
 
     The canvas zone is a window's own zone with another patch's noise added, as feathered
-    neighbours look; at 0.97 of the variance the paper saw no difference in its pictures.
+    neighbors look; at 0.97 of the variance the paper saw no difference in its pictures.
     """
     exemplar, structure, windows = windows_of(name)
     pca = fit_pca(windows, 0.97)

@@ -15,14 +15,14 @@ from weftex.search.windows import windows_of
 
 
 def by_place(windows, found):
-    """What was found for each centre, in pixels of the sample."""
+    """What was found for each center, in pixels of the sample."""
     width, (top, left) = windows.pixels.shape[1], windows.period[:2]
 
     def place(flat):
         y, x = divmod(int(flat), width)
         return y - int(top), x - int(left)
 
-    return {place(c): [place(p) for p in found[c] if p >= 0] for c in windows.centres}
+    return {place(c): [place(p) for p in found[c] if p >= 0] for c in windows.centers}
 
 
 @given(
@@ -32,12 +32,12 @@ def by_place(windows, found):
     st.booleans(),
     st.integers(0, 99),
 )
-def test_the_coarsest_level_is_the_slow_twin(shape, colours, count, tileable, seed):
-    pixels = (noise((*shape, 2), seed=seed) % colours).astype(np.uint8)
+def test_the_coarsest_level_is_the_slow_twin(shape, colors, count, tileable, seed):
+    pixels = (noise((*shape, 2), seed=seed) % colors).astype(np.uint8)
     exemplar = Exemplar(pixels, tileable=tileable, alpha=False)
     windows = windows_of(exemplar, (1, 1, 1, 1))
-    centres = reference.window_centres(np.ones(shape, bool), [1] * 4, tileable)
-    expected = reference.similar_places(pixels, centres, 1, count, lambda _: centres)
+    centers = reference.window_centers(np.ones(shape, bool), [1] * 4, tileable)
+    expected = reference.similar_places(pixels, centers, 1, count, lambda _: centers)
     found = similar_places(windows, 1, count)
     assert found.shape == (windows.usable.size, count) and found.dtype == np.int32
     assert by_place(windows, found) == expected
@@ -57,7 +57,7 @@ def test_the_next_level_looks_around_the_children(shape, tileable):
         found = similar_places(windows, 2, 2, coarser)
         expected = reference.registered_similar(pyramid[k:], masks[k:], tileable, 2, 2)
         places = by_place(windows, found)
-        assert places == {centre: expected[centre] for centre in places}
+        assert places == {center: expected[center] for center in places}
         coarser = windows, found
     assert any(places.values())
 
@@ -76,8 +76,8 @@ def test_where_no_window_is_the_nearest_stands_for_it():
     mask[4, 5] = False
     for tileable in (False, True):
         windows = windows_of(Exemplar(noise((9, 10)), mask=mask, tileable=tileable), (1, 1, 1, 1))
-        centres = list(zip(*np.nonzero(windows.usable), strict=True))
+        centers = list(zip(*np.nonzero(windows.usable), strict=True))
         result = nearest_center(windows.usable)
         for y, x in np.ndindex(result.shape):
-            expected = reference.nearest_centre(centres, y, x)
+            expected = reference.nearest_center(centers, y, x)
             assert divmod(int(result[y, x]), result.shape[1]) == expected

@@ -31,12 +31,12 @@ def test_places_of_a_level_are_places_of_the_sample(shape, tileable):
         at = layout.index.reshape(shape)
         assert np.array_equal(layout.places.ravel()[at].ravel(), np.arange(at.size))
         inside = usable.ravel()[at] > 0
-        assert {tuple(k) for k in np.argwhere(inside).tolist()} == level.centre_set
-        for place in level.centres:
+        assert {tuple(k) for k in np.argwhere(inside).tolist()} == level.center_set
+        for place in level.centers:
             y, x = divmod(int(at[place]), laid.shape[1])
             for dy, dx in np.ndindex(3, 3):
                 expected = level.pixels[level.at(place, dy - 1, dx - 1)]
                 assert np.array_equal(laid[y + dy - 1, x + dx - 1], expected)
         beyond = np.setdiff1d(np.flatnonzero(usable), at)
         # A step off a border of a sample that tiles finds its other side.
-        assert level.centres and bool(beyond.size) == tileable
+        assert level.centers and bool(beyond.size) == tileable

@@ -115,7 +115,7 @@ def test_sizes():
 
 
 def test_equal_vectors_are_one_leaf():
-    """Otherwise a sample of one colour would be searched through for every pixel."""
+    """Otherwise a sample of one color would be searched through for every pixel."""
     tree = build_tsvq(np.full((50_000, 8), 9, np.uint8), np.arange(50_000, dtype=np.int32), 64)
     assert tree.nodes.tolist() == [[-1, 0, 1]]
     assert tree.places[0] == 0

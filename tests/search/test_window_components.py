@@ -15,7 +15,7 @@ from weftex.search.windows import windows_of
 
 
 def all_windows(windows, reach):
-    places = [divmod(int(c), windows.pixels.shape[1]) for c in windows.centres]
+    places = [divmod(int(c), windows.pixels.shape[1]) for c in windows.centers]
     around = np.arange(-reach, reach + 1)
     return np.stack([windows.pixels[np.ix_(y + around, x + around)] for y, x in places])
 
@@ -27,7 +27,7 @@ def test_coordinates_are_products_with_the_components(tileable, channels):
     windows = windows_of(Exemplar(pixels, tileable=tileable), (4,) * 4)
     found = window_components(windows, 4, 0.9)
     basis = found.basis.reshape(9, -1, 9, channels).astype(np.int64)
-    assert not basis[4, :, 4].any()  # a pixel is not part of its own neighbourhood
+    assert not basis[4, :, 4].any()  # a pixel is not part of its own neighborhood
     raw = np.einsum("nyxk,ydxk->dn", all_windows(windows, 4).astype(np.int64), basis)
     expected = (raw - found.offset[:, None] + (2**found.shift >> 1)) >> found.shift
     assert np.array_equal(found.features, expected)

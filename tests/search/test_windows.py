@@ -23,21 +23,21 @@ def test_usable_is_where_the_whole_window_is(height, width, reach, tileable, see
     mask[0, 0] = True
     pixels = rng.integers(0, 256, (height, width, 2)).astype(np.uint8)
     exemplar = weftex.Exemplar(pixels, mask=mask, tileable=tileable, alpha=False)
-    expected = reference.window_centres(mask, reach, tileable)
+    expected = reference.window_centers(mask, reach, tileable)
     if not expected:
         with pytest.raises(weftex.InvalidInputError, match="window_width"):
             windows_of(exemplar, reach)
         return
     windows = windows_of(exemplar, reach)
-    own = windows.to_sample(windows.centres)
+    own = windows.to_sample(windows.centers)
     assert [divmod(int(k), width) for k in own] == expected
-    assert np.array_equal(windows.from_sample(own), windows.centres)
+    assert np.array_equal(windows.from_sample(own), windows.centers)
     flat = windows.pixels.reshape(-1, 2)
-    assert np.array_equal(flat[windows.centres], pixels.reshape(-1, 2)[own])
+    assert np.array_equal(flat[windows.centers], pixels.reshape(-1, 2)[own])
     assert windows.to_sample(np.array([-1], np.int32)) == [-1]
     assert windows.from_sample(np.array([-1], np.int32)) == [-1]
     # Every window can be read without leaving the array.
-    y, x = np.divmod(windows.centres, windows.pixels.shape[1])
+    y, x = np.divmod(windows.centers, windows.pixels.shape[1])
     up, down, left, right = reach
     assert (y >= up).all() and (x >= left).all()
     assert (y + down < windows.pixels.shape[0]).all()
@@ -114,6 +114,6 @@ def test_a_place_is_usable_where_a_window_may_be_centered(y, x, tileable, seed):
     if tileable:
         own = (own[0] % 6, own[1] % 7)
     expected = -1
-    if own in reference.window_centres(mask, (1, 1, 1, 1), tileable):
+    if own in reference.window_centers(mask, (1, 1, 1, 1), tileable):
         expected = (own[0] + top) * windows.pixels.shape[1] + own[1] + left
     assert got == expected

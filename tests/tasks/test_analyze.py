@@ -69,7 +69,7 @@ def test_tiles_says_along_which_axis():
 
 @pytest.mark.parametrize("dtype", [np.uint8, np.uint16, np.float32, np.float64])
 @pytest.mark.parametrize("channels", [(), (1,), (3,), (4,), (9,)])
-def test_colours_are_counted(dtype, channels, rng):
+def test_colors_are_counted(dtype, channels, rng):
     few = rng.integers(0, 3, (20, 30, *channels)).astype(dtype)
     expected = len({tuple(np.ravel(pixel)) for row in few for pixel in row})
     assert analyze(few).colors == expected

@@ -33,7 +33,7 @@ RULE = [
     (with_(scale=40.0), Canvas(1024, 1024), "graphcut", "irregular"),
     (with_(scale=40.0), Canvas(1024, 1025), "quilting", "1.05 megapixels would take graphcut too"),
     (with_(scale=40.0), Canvas(8192, 8192), "quilting", "67.1 megapixels .* graphcut 11 minutes"),
-    (with_(colors=2), Canvas(512, 512), "quilting", r"few colours \(2\)"),
+    (with_(colors=2), Canvas(512, 512), "quilting", r"few colors \(2\)"),
     (with_(lattice=ROWS), Canvas(512, 512), "quilting", "rows, distance 46.0 px"),
     (with_(lattice=TILES), Canvas(9999, 9999), "near-regular", "lattice 31.1 x 102.2 px.* 0.87"),
     (
@@ -44,7 +44,7 @@ RULE = [
     ),
     (with_(lattice=TILES), Canvas(150, 150, (True, True)), "quilting", "150x150 would strain by"),
     (with_(lattice=TILES, shape=(100, 120)), Canvas(150, 150), "graphcut", "irregular"),
-    (with_(shape=(300, 31)), Canvas(512, 512), "graphcut", "too small to be analysed, 31x300"),
+    (with_(shape=(300, 31)), Canvas(512, 512), "graphcut", "too small to be analyzed, 31x300"),
     (with_(shape=(300, 31)), Canvas(2048, 2048), "quilting", "too small"),
     (with_(shape=(1, 2)), Canvas(2048, 2048), "graphcut", "too small"),
 ]
@@ -204,7 +204,7 @@ def test_parameters_belong_to_a_method():
     assert weftex.Auto().settle(weftex.Exemplar(noise((9, 9)))) == weftex.Auto()
 
 
-def test_few_colours_are_counted():
+def test_few_colors_are_counted():
     drawing = (np.indices((200, 200)).sum(0) // 3 % 2 * 255).astype(np.uint8)
     assert auto._colors(weftex.Exemplar(drawing)) == 2
     assert auto._colors(weftex.Exemplar(noise((60, 60, 3)))) == 1200

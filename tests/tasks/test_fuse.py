@@ -135,8 +135,8 @@ def test_what_does_not_fit_is_refused():
     refused("1 sample to fuse", [A], HALVES)
     refused("is uint16 with 3 channels", [A, B.astype(np.uint16)], HALVES)
     refused("is uint8 with 1 channels", [A, B[..., 0]], HALVES)
-    refused("no pixel of the colour 1", [A, B], HALVES * 0)
-    refused("2 colours .* for 3 samples", [A, B, C], np.uint8([(0, 0, 9), (9, 0, 0)])[HALVES])
+    refused("no pixel of the color 1", [A, B], HALVES * 0)
+    refused("2 colors .* for 3 samples", [A, B, C], np.uint8([(0, 0, 9), (9, 0, 0)])[HALVES])
     refused("the map is 80x70, the size 50x60", [A, B], HALVES, (60, 50))
     refused("takes two samples", [A, B, C], "gradient", 50)
     refused("takes two samples and the size", [A, B], "gradient")
@@ -144,7 +144,7 @@ def test_what_does_not_fit_is_refused():
     thin[:, 40:43] = 1
     refused("nowhere wider than its belts", [A, B], thin, window_width=21)
     refused("two numbers of samples", [A, B], HALVES, mixed={2: (0, 2)})
-    refused("colours of the samples beside", [A, B], HALVES + 5, mixed={2: (0, 1)})
+    refused("colors of the samples beside", [A, B], HALVES + 5, mixed={2: (0, 1)})
     refused("shape", [A, B], np.zeros((3, 3, 3, 3), np.uint8))
     for method in ("quilting", "patch-sampling", "near-regular"):
         refused(

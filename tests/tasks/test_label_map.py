@@ -16,39 +16,39 @@ def painted(*rows):
     return np.array(rows, np.uint8)
 
 
-def test_colours_are_numbered_as_they_appear():
+def test_colors_are_numbered_as_they_appear():
     labels, colors = labels_of(painted([BLUE, BLUE, RED], [GREEN, RED, BLUE]), 3)
     assert labels.tolist() == [[0, 0, 1], [2, 1, 0]]
     assert colors == [BLUE, RED, GREEN]
 
 
-def test_colours_that_are_given_keep_their_order_and_take_what_is_near():
+def test_colors_that_are_given_keep_their_order_and_take_what_is_near():
     smooth = painted([RED, (200, 0, 50), (10, 0, 250), BLUE])
     labels, _ = labels_of(smooth, 2, [BLUE, RED])
     assert labels.tolist() == [[1, 1, 0, 0]]
 
 
 @pytest.mark.parametrize("dtype", [np.uint8, np.uint16, np.float32])
-def test_grey_maps_of_any_depth(dtype):
+def test_gray_maps_of_any_depth(dtype):
     labels, _ = labels_of(np.array([[0, 1], [1, 0]], dtype), 2)
     assert labels.tolist() == [[0, 1], [1, 0]]
 
 
-def test_colours_and_samples_must_fit():
+def test_colors_and_samples_must_fit():
     picture = painted([RED, BLUE, GREEN])
-    with pytest.raises(InvalidInputError, match=r"3 colours \(\(255, 0, 0\), .* for 2 samples"):
+    with pytest.raises(InvalidInputError, match=r"3 colors \(\(255, 0, 0\), .* for 2 samples"):
         labels_of(picture, 2)
-    with pytest.raises(InvalidInputError, match="3 colours .* for 4 samples"):
+    with pytest.raises(InvalidInputError, match="3 colors .* for 4 samples"):
         labels_of(picture, 4)
-    with pytest.raises(InvalidInputError, match=r"no pixel of the colour \(9, 9, 9\)"):
+    with pytest.raises(InvalidInputError, match=r"no pixel of the color \(9, 9, 9\)"):
         labels_of(picture, 2, [RED, (9, 9, 9)])
-    with pytest.raises(InvalidInputError, match="1 colours for 2 samples"):
+    with pytest.raises(InvalidInputError, match="1 colors for 2 samples"):
         labels_of(picture, 2, [RED])
     for colors in ([1, 2], [RED, (1, 2)]):
         with pytest.raises(InvalidInputError, match="3 numbers"):
             labels_of(picture, 2, colors)
     noise = np.arange(100, dtype=np.uint8).reshape(10, 10)
-    with pytest.raises(InvalidInputError, match=r"100 colours \(0, 1, 2, 3, 4, 5, \.\.\.\)"):
+    with pytest.raises(InvalidInputError, match=r"100 colors \(0, 1, 2, 3, 4, 5, \.\.\.\)"):
         labels_of(noise, 2)
 
 

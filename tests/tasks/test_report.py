@@ -120,13 +120,13 @@ def test_tileable_may_be_said(files, capsys):
         (lambda s, m, z, t: [s, m, "--source", m, "--json"], "is not a saved weftex result"),
         (lambda s, m, z, t: [s, s, "--source", z, "--json"], "the source makes 128x106 from 96x96"),
         (lambda s, m, z, t: [m, m, "--source", z, "--json"], "sample are 128x106 and 128x106"),
-        (lambda s, m, z, t: [s, t / "grey.png", "--json"], "uint8 with 1 channels"),
+        (lambda s, m, z, t: [s, t / "gray.png", "--json"], "uint8 with 1 channels"),
         (lambda s, m, z, t: [s, t / "deep.png", "--json"], "the result is uint16"),
         (lambda s, m, z, t: [s, m, "--jso"], "did you mean '--json'"),
     ],
 )
 def test_what_cannot_be_reported_is_one_line(change, message, files, tmp_path, capsys):
-    write_image(tmp_path / "grey.png", np.zeros((40, 40), np.uint8))
+    write_image(tmp_path / "gray.png", np.zeros((40, 40), np.uint8))
     write_image(tmp_path / "deep.png", np.zeros((40, 40, 3), np.uint16))
     before = sorted(tmp_path.iterdir())
     assert run(*change(*files, tmp_path)) == 2

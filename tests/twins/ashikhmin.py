@@ -9,11 +9,11 @@ import numpy as np
 from twins.guides import guides
 from twins.randomness import pick, random_bits
 from twins.seams import path_around
-from twins.windows import inwards, known_window, usable, window_centres
+from twins.windows import inwards, known_window, usable, window_centers
 
 
-def coherent_places(source, y, x, steps, exemplar, centres):
-    """Where the sources of the neighbours go on, the last neighbour first; None out of place."""
+def coherent_places(source, y, x, steps, exemplar, centers):
+    """Where the sources of the neighbors go on, the last neighbor first; None out of place."""
     places = []
     for dy, dx in reversed(steps):
         v, u = source[(y + dy) % len(source)][(x + dx) % len(source[0])] or (None, None)
@@ -22,7 +22,7 @@ def coherent_places(source, y, x, steps, exemplar, centres):
         place = v - dy, u - dx
         if exemplar.tileable:
             place = place[0] % exemplar.shape[0], place[1] % exemplar.shape[1]
-        place = place if place in centres else None
+        place = place if place in centers else None
         if place not in places:
             places.append(place)
     return places
@@ -37,8 +37,8 @@ def ashikhmin(method, exemplar, canvas, seed):
     half = method.window_width // 2
     reach = [half] * 4
     mask = usable(exemplar)
-    centres = window_centres(mask, reach, exemplar.tileable)
-    allowed = set(centres)
+    centers = window_centers(mask, reach, exemplar.tileable)
+    allowed = set(centers)
     levels = np.zeros((height, width, pixels.shape[2]), int)
     done = np.zeros(canvas.shape, bool)
     source = [[None] * width for _ in range(height)]
@@ -47,7 +47,7 @@ def ashikhmin(method, exemplar, canvas, seed):
     jumps = method.jumps if method.jumps is not None else int(guide is not None)
 
     def random_place(*words):
-        return centres[pick(random_bits(seed, *words), len(centres))]
+        return centers[pick(random_bits(seed, *words), len(centers))]
 
     def lay(y, x, place):
         source[y][x], levels[y, x] = place, pixels[place]

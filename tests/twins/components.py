@@ -11,7 +11,7 @@ def feature_distances(features, query):
 
 
 def ridge_coordinates(known, basis, values, mean, ridge):
-    """Coordinates z that minimise the sum of w (x - mean - basis z)**2 and of ridge z**2."""
+    """Coordinates z that minimize the sum of w (x - mean - basis z)**2 and of ridge z**2."""
     gram = (basis * known[:, None]).T @ basis + np.diag(ridge)
     return np.linalg.solve(gram, (basis * known[:, None]).T @ (values - mean))
 

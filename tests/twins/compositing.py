@@ -17,14 +17,14 @@ def blend_pixel(old, new, weight, alpha=False):
         return new.copy()
     result = old.copy()
     whole = old.dtype.kind == "u"
-    colours = len(old) - 1 if alpha else len(old)
+    colors = len(old) - 1 if alpha else len(old)
     if whole:
         o, n = [int(k) for k in old], [int(k) for k in new]
         for k in range(len(old)):
             result[k] = (o[k] * (256 - weight) + n[k] * weight + 128) // 256
         if alpha:
             a, b = (256 - weight) * o[-1], weight * n[-1]
-            for k in range(colours):
+            for k in range(colors):
                 result[k] = (2 * (a * o[k] + b * n[k]) + a + b) // (2 * (a + b)) if a + b else n[k]
         return result
     for k in range(len(old)):
@@ -32,7 +32,7 @@ def blend_pixel(old, new, weight, alpha=False):
     if alpha:
         a, b = (256 - weight) * float(old[-1]), weight * float(new[-1])
         share = b / (a + b) if a + b else 1.0
-        for k in range(colours):
+        for k in range(colors):
             result[k] = float(old[k]) + float(new[k] - old[k]) * share
     return result
 

@@ -8,7 +8,7 @@ import numpy as np
 
 from twins.exhaustive import bell_weights, weighted_distances
 from twins.randomness import pick, random_bits
-from twins.windows import beside, known_window, usable, window_centres
+from twins.windows import beside, known_window, usable, window_centers
 
 
 def efros_leung(method, exemplar, canvas, seed):
@@ -21,7 +21,7 @@ def efros_leung(method, exemplar, canvas, seed):
     done, source = np.zeros(canvas.shape, bool), np.full((*canvas.shape, 2), -1)
     reach = [method.window_width // 2] * 4
     mask = usable(exemplar)
-    centres = window_centres(mask, reach, exemplar.tileable)
+    centers = window_centers(mask, reach, exemplar.tileable)
     weights = bell_weights(method.window_width)
 
     def lay(y, x, v, u):
@@ -32,21 +32,21 @@ def efros_leung(method, exemplar, canvas, seed):
         levels[~canvas.hole] = exemplar.as_matching(canvas.known)[~canvas.hole]
         done[~canvas.hole] = True
     else:
-        v, u = centres[pick(random_bits(seed, "efros-leung seed"), len(centres))]
+        v, u = centers[pick(random_bits(seed, "efros-leung seed"), len(centers))]
         side = [min(method.seed_size, n) for n in canvas.shape]
         top, left = ((n - s) // 2 for n, s in zip(canvas.shape, side, strict=True))
         for i, j in np.ndindex(*side):
             half = method.seed_size // 2
             lay(top + i, left + j, v + i - half, u + j - half)
 
-    def has_filled_neighbour(y, x):
+    def has_filled_neighbor(y, x):
         steps = itertools.product((-1, 0, 1), repeat=2)
         near = [beside((y, x), step, canvas.shape, wrap) for step in steps]
         return any(at is not None and done[at] for at in near)
 
     threshold = method.threshold
     while not done.all():
-        layer = [p for p in np.ndindex(*canvas.shape) if not done[p] and has_filled_neighbour(*p)]
+        layer = [p for p in np.ndindex(*canvas.shape) if not done[p] and has_filled_neighbor(*p)]
         layer.sort(
             key=lambda p: (
                 -len(known_window(done, *p, wrap, reach)),
@@ -56,13 +56,13 @@ def efros_leung(method, exemplar, canvas, seed):
         progress = False
         for y, x in layer:
             known = known_window(done, y, x, wrap, reach)
-            distances = weighted_distances(levels, y, x, known, exemplar, centres, weights)
+            distances = weighted_distances(levels, y, x, known, exemplar, centers, weights)
             limit = min(distances) * (1 + method.tolerance)
             similar = [i for i, d in enumerate(distances) if d <= limit]
             drawn = similar[pick(random_bits(seed, "efros-leung", y, x), len(similar))]
             total = sum(weights[dy + reach[0]][dx + reach[0]] for dy, dx in known)
             if distances[drawn] / (255**2 * pixels.shape[2] * max(total, 1)) <= threshold:
-                lay(y, x, *centres[drawn])
+                lay(y, x, *centers[drawn])
                 progress = True
         if not progress:
             threshold *= 1.1

@@ -6,9 +6,9 @@ import numpy as np
 
 from twins.pyramids import pyramid
 from twins.randomness import pick, random_bits
-from twins.windows import beside, inwards, known_window, steps_away, usable, window_centres
+from twins.windows import beside, inwards, known_window, steps_away, usable, window_centers
 
-#: The direct neighbours of figure 2, and the next pixel for the end of a row that goes around.
+#: The direct neighbors of figure 2, and the next pixel for the end of a row that goes around.
 DIRECT = [(0, -1), (-1, -1), (-1, 0), (-1, 1), (0, 1)]
 
 
@@ -17,7 +17,7 @@ ALL_AROUND = [*DIRECT, (1, 1), (1, 0), (1, -1)]
 
 
 class ExactSample:
-    """One level of a sample: its windows, and for each neighbour's colour the groups of places."""
+    """One level of a sample: its windows, and for each neighbor's color the groups of places."""
 
     def __init__(self, pixels, mask, tiles, method, causal, guide=None):
         self.pixels, self.tiles, self.causal, self.guide = pixels.astype(int), tiles, causal, guide
@@ -26,8 +26,8 @@ class ExactSample:
         self.half = half = half if causal else min(half, 7)
         self.guide_half = min(half, 4) if guide is not None else 0
         self.reach = (half, self.guide_half if causal else half, half, half)
-        self.centres = window_centres(mask, self.reach, tiles)
-        self.whole = set(self.centres)
+        self.centers = window_centers(mask, self.reach, tiles)
+        self.whole = set(self.centers)
         self.counted = sorted(
             {
                 self._color(v + dy, u + dx)
@@ -46,7 +46,7 @@ class ExactSample:
         self.groups = self._groups(method.grouping)
 
     def _color(self, v, u):
-        """The colour there; a sample that tiles goes on as far as a window may."""
+        """The color there; a sample that tiles goes on as far as a window may."""
         up, down, left, right = self.reach if self.tiles else (0, 0, 0, 0)
         height, width = self.shape
         if not (-up <= v < height + down and -left <= u < width + right):
@@ -54,10 +54,10 @@ class ExactSample:
         return tuple(self.pixels[v % height, u % width].tolist())
 
     def _listed(self):
-        """Centres with room: another one half a window below, unless there is none such."""
+        """Centers with room: another one half a window below, unless there is none such."""
         if not self.causal or self.tiles:
-            return self.centres
-        return [(v, u) for v, u in self.centres if (v + self.half, u) in self.whole] or self.centres
+            return self.centers
+        return [(v, u) for v, u in self.centers if (v + self.half, u) in self.whole] or self.centers
 
     def _groups(self, grouping):
         steps = [
@@ -99,13 +99,13 @@ class ExactSample:
         return (place[0] + up) * (self.shape[1] + left + right) + place[1] + left
 
     def settle(self, place):
-        """A place in the sample that a whole window is centred on, or None."""
+        """A place in the sample that a whole window is centered on, or None."""
         if self.tiles:
             place = place[0] % self.shape[0], place[1] % self.shape[1]
         return place if place in self.whole else None
 
     def near(self, color):
-        """The counted colours within the tolerance of the counted colour nearest to this one."""
+        """The counted colors within the tolerance of the counted color nearest to this one."""
 
         def squared(a, b):
             return sum((i - j) ** 2 for i, j in zip(a, b, strict=True))
@@ -224,7 +224,7 @@ def exact_pixels(sheet, sample, order, seed, stage, method, guide=None):
                 four = {goes_on for _, _, goes_on in list(neighbors(y, x))[:4]}
                 place = four.pop() if len(four) == 1 else None
         place = place or choose(y, x, bits, method.repeat_distance) or choose(y, x, bits, 0)
-        place = place or sample.centres[pick(bits, len(sample.centres))]
+        place = place or sample.centers[pick(bits, len(sample.centers))]
         sheet.put(y, x, place, sample)
         last[place] = (y, x)
 
@@ -288,7 +288,7 @@ def exact_matching(method, exemplar, canvas, seed):
         else:
             for y, x in np.ndindex(half, width):
                 bits = random_bits(seed, "exact band", y, x)
-                band[y][x] = sample.centres[bits % len(sample.centres)]
+                band[y][x] = sample.centers[bits % len(sample.centers)]
             top = 2 * half
         sheet = ExactSheet((top + height, width), samples[0].shape[2], (False, canvas.wrap[1]))
         for y, x in np.ndindex(half, width):
@@ -313,10 +313,10 @@ def exact_band(sample, width, seed, method):
     """The structured band of section 4.3, from a sample whose axes are exchanged."""
     half = sample.half
     sheet = ExactSheet((width, half), sample.pixels.shape[2], (False, False))
-    centre = sample.centres[random_bits(seed, "exact block", 0) % len(sample.centres)]
+    center = sample.centers[random_bits(seed, "exact block", 0) % len(sample.centers)]
     block = min(half, width)
     for y, x in np.ndindex(block, half):
-        v, u = (centre[0] - half + y) % sample.shape[0], (centre[1] - half + x) % sample.shape[1]
+        v, u = (center[0] - half + y) % sample.shape[0], (center[1] - half + x) % sample.shape[1]
         sheet.put(y, x, (v, u), sample)
     order = [(y, x) for y in range(block, width) for x in range(half)]
     exact_pixels(sheet, sample, order, seed, "exact structure", method)

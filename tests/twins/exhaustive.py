@@ -22,8 +22,8 @@ def bell_weights(width):
     ]
 
 
-def weighted_distances(levels, y, x, known, exemplar, centres, weights):
-    """Sum of w d**2 over the known steps, to the window around each of the sample's centres."""
+def weighted_distances(levels, y, x, known, exemplar, centers, weights):
+    """Sum of w d**2 over the known steps, to the window around each of the sample's centers."""
     pixels, middle = exemplar.matching().astype(int), len(weights) // 2
     around = np.pad(pixels, ((middle, middle), (middle, middle), (0, 0)), mode="wrap")
     height, width = exemplar.shape
@@ -33,7 +33,7 @@ def weighted_distances(levels, y, x, known, exemplar, centres, weights):
         top, left = dy + middle, dx + middle
         apart = around[top : top + height, left : left + width] - here
         totals += weights[top][left] * np.einsum("yxk,yxk->yx", apart, apart)
-    return [int(totals[centre]) for centre in centres]
+    return [int(totals[center]) for center in centers]
 
 
 def choice_of_all(search, exemplar, levels, done, wrap, place, bits, tolerance, candidates=None):
@@ -41,10 +41,10 @@ def choice_of_all(search, exemplar, levels, done, wrap, place, bits, tolerance, 
     width, weights = search.sample.width, search.sample.weights.tolist()
     y, x = divmod(int(place), done.shape[1])
     known = known_window(done, y, x, wrap, [width // 2] * 4)
-    places = search.sample.windows.centres.tolist() if candidates is None else sorted(candidates)
+    places = search.sample.windows.centers.tolist() if candidates is None else sorted(candidates)
     flat = search.sample.windows.to_sample(np.array(places, np.int32))
-    centres = [divmod(int(p), exemplar.shape[1]) for p in flat]
-    distances = weighted_distances(levels, y, x, known, exemplar, centres, weights)
+    centers = [divmod(int(p), exemplar.shape[1]) for p in flat]
+    distances = weighted_distances(levels, y, x, known, exemplar, centers, weights)
     limit = min(distances) * (1 + tolerance)
     similar = [n for n, d in enumerate(distances) if d <= limit]
     drawn = similar[pick(bits, len(similar))]

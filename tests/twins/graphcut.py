@@ -131,7 +131,7 @@ class GraphCutTwin:
         return side, value + constant
 
     def beside(self, box, p, step):
-        """Whether the neighbour belongs to the box beside it, not around the canvas."""
+        """Whether the neighbor belongs to the box beside it, not around the canvas."""
         at = box.index(p)
         row, column = divmod(at, self.columns)
         row, column = row + step[0], column + step[1]

@@ -13,7 +13,7 @@ def guides(exemplar, canvas):
         levels = exemplar.as_matching(canvas.guide).astype(int)
         return levels, exemplar.matching()[..., : levels.shape[2]].astype(int)
     given, own = (p.reshape(*p.shape[:2], -1).astype(float) for p in (canvas.guide, exemplar.guide))
-    labels = sorted({tuple(colour) for colour in own.reshape(-1, own.shape[2])})
+    labels = sorted({tuple(color) for color in own.reshape(-1, own.shape[2])})
     if len(labels) > 32:
         assert canvas.guide.dtype == np.uint8  # all that the tests compare
         return given.astype(int), own.astype(int)

@@ -7,7 +7,7 @@ import itertools
 import numpy as np
 
 
-def normalised_correlation(f, g=None, f_mask=None, g_mask=None):
+def normalized_correlation(f, g=None, f_mask=None, g_mask=None):
     """Equations 3.2 and 3.10 shift by shift; [y + h - 1, x + w - 1] moves g by (x, y)."""
     f = np.asarray(f, np.float64)
     f = f.reshape(*f.shape[:2], -1)

@@ -34,7 +34,7 @@ def cut_by_exhaustion(arcs, source, sink):
 
 
 def least_labelling(unary, arc):
-    """Labels 0 and 1 that minimise sum of unary[i] x_i + sum of arc[i, j] x_i (1 - x_j).
+    """Labels 0 and 1 that minimize sum of unary[i] x_i + sum of arc[i, j] x_i (1 - x_j).
 
     Of all that do, the one with the fewest 1; from SciPy's maximum flow.
     """

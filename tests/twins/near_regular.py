@@ -96,11 +96,11 @@ class NearRegularTwin:
         return self.places[i, j]
 
     @staticmethod
-    def colour(i, j):
+    def color(i, j):
         return (i + j) // 2 % 2 * 2 + (i - j) // 2 % 2
 
     def comes_before(self, a, b, i, j):
-        return self.colour(a, b) < self.colour(i, j)
+        return self.color(a, b) < self.color(i, j)
 
     def drawn(self, i, j):
         near = [(-1, -1), (-1, 1), (1, -1), (1, 1), (-2, 0), (2, 0), (0, -2), (0, 2)]
@@ -115,7 +115,7 @@ class NearRegularTwin:
         return best
 
     def border(self, i, j):
-        """The border around a gap (Fig. 4.9): (v, u) in its window and the colour there."""
+        """The border around a gap (Fig. 4.9): (v, u) in its window and the color there."""
         side, m = self.size + 2 * self.m, self.m
         found = {}
         for v in range(side):
@@ -131,8 +131,8 @@ class NearRegularTwin:
         if self.method.match == "gncc":
             return int((1 - self.correlation(border, place)) * 2**40)
         return sum(
-            (self.pixels[place[0] + v][place[1] + u][k] - colour[k]) ** 2
-            for (v, u), colour in border.items()
+            (self.pixels[place[0] + v][place[1] + u][k] - color[k]) ** 2
+            for (v, u), color in border.items()
             for k in self.channels
         )
 
@@ -140,7 +140,7 @@ class NearRegularTwin:
         """Equation (3.13) over the border."""
         above, below = 0, 0.0
         for k in self.channels:
-            g = [colour[k] for colour in border.values()]
+            g = [color[k] for color in border.values()]
             f = [self.pixels[place[0] + v][place[1] + u][k] for v, u in border]
             n = len(f)
             above += n * sum(a * b for a, b in zip(f, g, strict=True)) - sum(f) * sum(g)
@@ -169,15 +169,15 @@ class NearRegularTwin:
 
     def difference(self, a, b, y, x):
         """Squared difference of what blocks a and b have at a pixel, by how much it shows there."""
-        colours, shows = [], 0
+        colors, shows = [], 0
         for i, j in (a, b):
             v, u = y - i * self.size + self.m, x - j * self.size + self.m
-            colours.append(self.colour_of(i, j, v, u))
+            colors.append(self.color_of(i, j, v, u))
             top, left = self.place(i, j)
             shows += self.visibility[top + v][left + u]
-        return shows * sum((colours[0][k] - colours[1][k]) ** 2 for k in self.channels)
+        return shows * sum((colors[0][k] - colors[1][k]) ** 2 for k in self.channels)
 
-    def colour_of(self, i, j, v, u):
+    def color_of(self, i, j, v, u):
         """What block (i, j) has at a pixel of its window."""
         y, x = self.place(i, j)
         return self.pixels[y + v][x + u]

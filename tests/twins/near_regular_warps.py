@@ -136,10 +136,10 @@ class WarpedTwin(NearRegularTwin):
             result.append(min(max(16 * k + math.floor(shift + HALF), 0), 16 * (side - 1)))
         return result
 
-    def colour_of(self, i, j, v, u):
+    def color_of(self, i, j, v, u):
         """Between pixels by the cubic of Catmull and Rom, and never past the nearest four."""
         if (i + j) % 2 == 0:
-            return super().colour_of(i, j, v, u)
+            return super().color_of(i, j, v, u)
         if (i, j, v, u) not in self.warped:
             side = self.size + 2 * self.m
             ways = []
@@ -153,17 +153,17 @@ class WarpedTwin(NearRegularTwin):
                 )
                 at = [min(max(place // 16 + k, 0), side - 1) for k in (-1, 0, 1, 2)]
                 ways.append(list(zip(at, cubic, range(4), strict=True)))
-            colour = []
+            color = []
             for c in self.channels:
                 total, near = 0, []
                 for y, p, m in ways[0]:
                     for x, q, n in ways[1]:
-                        level = super().colour_of(i, j, y, x)[c]
+                        level = super().color_of(i, j, y, x)[c]
                         total += p * q * level
                         if p * q and m in (1, 2) and n in (1, 2):
                             near.append(level)
-                colour.append(min(max(math.floor(total + HALF), min(near)), max(near)))
-            self.warped[i, j, v, u] = colour
+                color.append(min(max(math.floor(total + HALF), min(near)), max(near)))
+            self.warped[i, j, v, u] = color
         return self.warped[i, j, v, u]
 
     def image(self, top, left, height, width):
@@ -173,5 +173,5 @@ class WarpedTwin(NearRegularTwin):
             for u in range(width):
                 i, j = owner[v, u].tolist()
                 at = top + v - i * self.size + self.m, left + u - j * self.size + self.m
-                result[v, u] = self.colour_of(i, j, *at)
+                result[v, u] = self.color_of(i, j, *at)
         return result

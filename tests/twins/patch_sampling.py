@@ -35,7 +35,7 @@ def psi_b(distances, d_max):
 
 
 def similarity_weights(distances, d_max):
-    """The normalised similarity factors alpha_i of section 2.1."""
+    """The normalized similarity factors alpha_i of section 2.1."""
     alpha = np.array([1 - d / d_max for d in distances])
     return alpha / alpha.sum()
 
@@ -146,7 +146,7 @@ def sample_exhaustive(exemplar, method, canvas, seed, *, corners=None, finish=Tr
     size, width = method.patch_size, method.boundary_width
     pixelwise = size == 1
     window = [2 * width + 1] * 2 if pixelwise else [min(size, n) for n in canvas.shape]
-    centre = (width, width)
+    center = (width, width)
     if not pixelwise:
         width = zone_width(method, canvas)
     sample = exemplar.matching(method.edge_weight).astype(int)
@@ -205,7 +205,7 @@ def sample_exhaustive(exemplar, method, canvas, seed, *, corners=None, finish=Tr
         )
         if pixelwise:
             weights[:] = 0
-            weights[centre] = 256
+            weights[center] = 256
         final = weights
         if method.blend == "cut" and not pixelwise:
             paths = cut_sides(buffer[here], stack[chosen], weights, zone, width, holes)

@@ -15,11 +15,11 @@ from twins.seed_points import seed_points
 from twins.similar import registered_similar
 from twins.windows import (
     known_window,
-    nearest_centre,
+    nearest_center,
     steps_away,
     usable,
     window_at,
-    window_centres,
+    window_centers,
 )
 
 
@@ -31,12 +31,12 @@ class RefinedLevel:
         self.shape, self.number, self.reach, self.side = mask.shape, number, reach, side
         self.whole, self.similar, self.guide, self.windows = whole, {}, None, {}
         steps = list(itertools.product(range(-reach, reach + 1), repeat=2))
-        self.centres = [
+        self.centers = [
             (y, x)
             for y, x in np.ndindex(mask.shape)
             if all(at is not None and mask[at] for at in (self.at((y, x), *s) for s in steps))
         ]
-        self.centre_set = set(self.centres)
+        self.center_set = set(self.centers)
 
     def at(self, place, dy, dx):
         """The pixel beside a place, 2**number pixels for a step; mirrored beyond a border."""
@@ -67,7 +67,7 @@ class RefinedLevel:
             for k, d, n in zip(place, (dy, dx), self.shape, strict=True)
         )
         place = self.at(place, dy, dx) if inside else None
-        return place if place in self.centre_set else None
+        return place if place in self.center_set else None
 
     def cell(self, place):
         """The square of the sample that a place lies in."""
@@ -105,7 +105,7 @@ def refinement(method, exemplar, canvas, seed, start=None, components=None):
     pictures = [exemplar.matching()]
     for _ in range(depth - 1):
         mask = coarser_mask(masks[-1], tiles)
-        if not window_centres(mask, [reach] * 4, exemplar.tileable):
+        if not window_centers(mask, [reach] * 4, exemplar.tileable):
             break  # the mask leaves nothing
         masks.append(mask)
         pictures.append(coarser(pictures[-1], tiles))
@@ -124,7 +124,7 @@ def refinement(method, exemplar, canvas, seed, start=None, components=None):
         similar = registered_similar(pictures, masks, exemplar.tileable, reach, method.similar)
         for level in levels:
             level.similar = {
-                place: [p for p in places if p in level.centre_set]
+                place: [p for p in places if p in level.center_set]
                 for place, places in similar.items()
             }
     picture = np.zeros((*canvas.shape, exemplar.matching().shape[2]), np.uint8)
@@ -162,7 +162,7 @@ def refinement(method, exemplar, canvas, seed, start=None, components=None):
                 spacing, method.matches, seed, plain,
             )  # fmt: skip
             for (y, x), (v, u) in points.items():
-                source[y][x] = nearest_centre(level.centres, v * step, u * step)
+                source[y][x] = nearest_center(level.centers, v * step, u * step)
         for y, x in np.ndindex(known.shape):
             if coarsest and not seeds:
                 v, u = (int(k) for k in start[y * step, x * step])
@@ -181,7 +181,7 @@ def refinement(method, exemplar, canvas, seed, start=None, components=None):
                     v, u = y * step + canvas.known_from[0], x * step + canvas.known_from[1]
                     source[y][x] = v, u
             if source[y][x] is not None and (not seeds or known[y, x]):
-                source[y][x] = nearest_centre(level.centres, *source[y][x])
+                source[y][x] = nearest_center(level.centers, *source[y][x])
         done = np.array([[s is not None for s in row] for row in source]) | known
         for y, x in np.argwhere(done & ~known):
             picture[y, x] = level.pixels[source[y][x]]
@@ -254,16 +254,16 @@ def _settle(level, picture, done, source, y, x, place):
 
 
 def _asked(level, unknown):
-    """In 1/256, how often each centre is to be used, for what the guide shows there."""
+    """In 1/256, how often each center is to be used, for what the guide shows there."""
     shown, own, _ = level.guide
     there, wanted = {}, {}
-    for at in level.centres:
+    for at in level.centers:
         kind = tuple(own[at] // 64)
         there[kind] = there.get(kind, 0) + 1
     for at in zip(*np.nonzero(unknown), strict=True):
         kind = tuple(shown[at] // 64)
         wanted[kind] = wanted.get(kind, 0) + 1
-    kinds = {at: tuple(own[at] // 64) for at in level.centres}
+    kinds = {at: tuple(own[at] // 64) for at in level.centers}
     least = max(256 // 4**level.number, 1)
     return {at: max(least, 256 * wanted.get(k, 0) // there[k]) for at, k in kinds.items()}
 
@@ -274,10 +274,10 @@ def _coherent_sweep(
 ):  # fmt: skip
     weight = round(1024 * method.evenness / 2**above)
     wanted = int(unknown.sum())
-    count = len(level.centres)
+    count = len(level.centers)
     room = {}
     asked = _asked(level, unknown) if level.guide else {}
-    for place in level.centres:
+    for place in level.centers:
         room[level.cell(place)] = room.get(level.cell(place), 0) + asked.get(place, 1)
     if level.guide:
         room = {cell: 2 * n // 256 for cell, n in room.items()}
@@ -290,13 +290,13 @@ def _coherent_sweep(
         count = max(2**23 // wanted, 64)
         first = line[0][0] * picture.shape[1] + line[0][1]
         tried = [
-            level.centres[random_bits(seed, "tried place", first, k) % len(level.centres)]
-            for k in range(count if count < len(level.centres) else 0)
-        ] or level.centres
+            level.centers[random_bits(seed, "tried place", first, k) % len(level.centers)]
+            for k in range(count if count < len(level.centers) else 0)
+        ] or level.centers
     for y, x in line:
         own = source[y][x]
         beside = known_window(done, y, x, canvas.wrap, [min(1, level.reach)] * 4)
-        places = [own] if own in level.centre_set else []
+        places = [own] if own in level.center_set else []
         for dy, dx in reversed(beside):
             other = source[(y + dy) % len(source)][(x + dx) % len(source[0])]
             place = None if other is None else level.beside(other, -dy, -dx)
@@ -342,16 +342,16 @@ def _component_sweep(
     if not hasattr(level, "features"):
         level.features = [
             component_coordinates(window_at(level.pixels, *at, reach), every, components, reach)
-            for at in level.centres
+            for at in level.centers
         ]
     for y, x in line:
         known = known_window(done, y, x, wrap, [reach] * 4)
-        places, channels = range(len(level.centres)), level.pixels.shape[2]
+        places, channels = range(len(level.centers)), level.pixels.shape[2]
         if len(known) * channels >= size * channels // 8:
             here = window_at(picture, y, x, reach)
             query = component_coordinates(here, known, components, reach)
             unlike = ((np.array(level.features) - query) ** 2).sum(axis=1).tolist()
             places = sorted(places, key=lambda n: unlike[n])[: method.candidates]
         here = steps_away(picture, y, x, known)
-        best = min((_known_distance(level, here, known, level.centres[n]), n) for n in places)
-        _settle(level, picture, done, source, y, x, level.centres[best[1]])
+        best = min((_known_distance(level, here, known, level.centers[n]), n) for n in places)
+        _settle(level, picture, done, source, y, x, level.centers[best[1]])

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import numpy as np
 
-from twins.windows import nearest_centre, window_at, window_centres
+from twins.windows import nearest_center, window_at, window_centers
 
 
-def similar_places(pixels, centres, reach, count, candidates):
-    """For each centre the places most like it; `candidates` says which are compared with it.
+def similar_places(pixels, centers, reach, count, candidates):
+    """For each center the places most like it; `candidates` says which are compared with it.
 
     Nothing within two pixels of it; of places so near to each other the best.
     """
@@ -17,10 +17,10 @@ def similar_places(pixels, centres, reach, count, candidates):
         return max(abs(one[0] - other[0]), abs(one[1] - other[1])) <= 2
 
     result = {}
-    for centre in centres:
-        here, found = window_at(pixels, *centre, reach), []
-        for place in candidates(centre) if count else []:
-            if near(place, centre):
+    for center in centers:
+        here, found = window_at(pixels, *center, reach), []
+        for place in candidates(center) if count else []:
+            if near(place, center):
                 continue
             entry = int(((window_at(pixels, *place, reach) - here) ** 2).sum()), place
             rivals = [k for k, (_, other) in enumerate(found) if near(place, other)]
@@ -31,7 +31,7 @@ def similar_places(pixels, centres, reach, count, candidates):
                     continue
                 del found[rivals[0]]
             found = sorted([*found, entry], key=lambda e: e[0])[:count]
-        result[centre] = [place for _, place in found]
+        result[center] = [place for _, place in found]
     return result
 
 
@@ -39,26 +39,26 @@ def registered_similar(pictures, masks, tileable, reach, count):
     """The places like each: exactly on the coarsest level, then around parents' similar places."""
     parents, parents_similar = None, None
     for pixels, mask in list(zip(pictures, masks, strict=True))[::-1]:
-        centres = window_centres(mask, [reach] * 4, tileable)
-        centre_set = set(centres)
-        step = -(-(len(centres) ** 2) // 2**24)
+        centers = window_centers(mask, [reach] * 4, tileable)
+        center_set = set(centers)
+        step = -(-(len(centers) ** 2) // 2**24)
 
-        def candidates(centre, every=centres[::step], among=centre_set, older=parents,
+        def candidates(center, every=centers[::step], among=center_set, older=parents,
                        older_similar=parents_similar):  # fmt: skip
             if older is None:
                 return every
-            y, x = centre
+            y, x = center
             around = [
                 (2 * v + y % 2 + dy, 2 * u + x % 2 + dx)
-                for v, u in older_similar[nearest_centre(older, y // 2, x // 2)]
+                for v, u in older_similar[nearest_center(older, y // 2, x // 2)]
                 for dy in (-1, 0, 1)
                 for dx in (-1, 0, 1)
             ]
             return [place for place in around if place in among]
 
-        parents_similar = similar_places(pixels, centres, reach, count, candidates)
-        parents = centres
+        parents_similar = similar_places(pixels, centers, reach, count, candidates)
+        parents = centers
     return {
-        (y, x): parents_similar[nearest_centre(parents, y, x)]
+        (y, x): parents_similar[nearest_center(parents, y, x)]
         for y, x in np.ndindex(masks[0].shape)
     }

@@ -6,7 +6,7 @@ import itertools
 
 import numpy as np
 
-#: Steps to the neighbours of a pixel: right, down, left and up.
+#: Steps to the neighbors of a pixel: right, down, left and up.
 ARCS = ((0, 1), (1, 0), (0, -1), (-1, 0))
 
 
@@ -44,11 +44,11 @@ def inwards(known, wrap):
     return layers
 
 
-def window_centres(mask, reach, tileable):
+def window_centers(mask, reach, tileable):
     """Pixels of a sample around which a whole window is usable, in scan order."""
     up, down, left, right = reach
     height, width = mask.shape
-    centres = []
+    centers = []
     for y, x in np.ndindex(height, width):
         window = list(
             itertools.product(range(y - up, y + down + 1), range(x - left, x + right + 1))
@@ -56,8 +56,8 @@ def window_centres(mask, reach, tileable):
         if tileable:
             window = [(v % height, u % width) for v, u in window]
         if all(0 <= v < height and 0 <= u < width and mask[v, u] for v, u in window):
-            centres.append((y, x))
-    return centres
+            centers.append((y, x))
+    return centers
 
 
 def known_window(done, y, x, wrap, reach):
@@ -88,7 +88,7 @@ def steps_away(picture, y, x, steps):
     return picture[(y + dy) % len(picture), (x + dx) % picture.shape[1]].astype(int)
 
 
-def nearest_centre(centres, y, x):
-    """The centre nearest to (y, x) along the nearest row that has any; the first of equals."""
-    row = min(sorted({v for v, _ in centres}), key=lambda v: abs(v - y))
-    return row, min(sorted(u for v, u in centres if v == row), key=lambda u: abs(u - x))
+def nearest_center(centers, y, x):
+    """The center nearest to (y, x) along the nearest row that has any; the first of equals."""
+    row = min(sorted({v for v, _ in centers}), key=lambda v: abs(v - y))
+    return row, min(sorted(u for v, u in centers if v == row), key=lambda u: abs(u - x))

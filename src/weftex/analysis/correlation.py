@@ -1,8 +1,8 @@
-"""Generalised normalised cross-correlation (GNCC) of two pictures.
+"""Generalised normalized cross-correlation (GNCC) of two pictures.
 
-Sections 3.1 and 3.2 of the paper on near-regular textures: the normalised correlation of what
+Sections 3.1 and 3.2 of the paper on near-regular textures: the normalized correlation of what
 overlaps, for every shift at which anything overlaps. The correlation itself is a product of
-spectra, the sums that normalise it come from running sums (with masks, from spectra too).
+spectra, the sums that normalize it come from running sums (with masks, from spectra too).
 """
 
 from __future__ import annotations
@@ -31,7 +31,7 @@ def correlate(
     first_mask: NDArray[np.bool_] | None = None,
     second_mask: NDArray[np.bool_] | None = None,
 ) -> Floats:
-    """Correlate two pictures of any sizes at every shift, normalised over what overlaps.
+    """Correlate two pictures of any sizes at every shift, normalized over what overlaps.
 
     Eqs. 3.2 and 3.10 of the paper: each channel's correlation coefficient counts as much as it
     varies in both overlaps, so a constant channel does not count at all.

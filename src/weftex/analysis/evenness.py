@@ -38,7 +38,7 @@ class Evenness:
     light : float
         Share of the variance that slow lighting has, a quadratic surface; up to 0.2 by chance.
     light_range : float
-        By how many grey levels of 255 that surface differs from its darkest to its lightest place.
+        By how many gray levels of 255 that surface differs from its darkest to its lightest place.
     large_forms : float
         Share of the rest of the variance that forms larger than an eighth of the sample have; up
         to 0.3 in a sample that shows many things.
@@ -77,7 +77,7 @@ def evenness(exemplar: Exemplar) -> Evenness:
     """
     flat = relief(exemplar)
     levels = flat.levels.mean(axis=0)
-    surface = _grey(exemplar, levels.shape, flat.step) * flat.usable - levels
+    surface = _gray(exemplar, levels.shape, flat.step) * flat.usable - levels
     inside = flat.usable > 0
     rest, slow = float((levels[inside] ** 2).mean()), float(surface[inside].var())
     return Evenness(
@@ -92,7 +92,7 @@ def _share(part: float, whole: float) -> float:
     return round(min(1.0, part / whole), 2) if whole > 1e-6 else 0.0
 
 
-def _grey(exemplar: Exemplar, shape: tuple[int, ...], step: int) -> Floats:
+def _gray(exemplar: Exemplar, shape: tuple[int, ...], step: int) -> Floats:
     """The mean channel of the box that the relief shows, at its resolution."""
     levels = exemplar.matching().mean(axis=2)
     if exemplar.mask is not None:

@@ -58,13 +58,13 @@ class Field:
     def __init__(self, correlation: Floats, peaks: Peaks) -> None:
         self.correlation, self.peaks = correlation, peaks
         self.height, self.width = (side // 2 + 1 for side in correlation.shape)
-        # Multiples lie between pixels, and material is not exact: the highest neighbour counts,
+        # Multiples lie between pixels, and material is not exact: the highest neighbor counts,
         # between the multiples too.
         self.tables = np.stack([correlation, _around(correlation)])
 
     def values(self, x: Floats, y: Floats, pairs: Floats) -> Floats:
         """Of the correlation around shifts (n, m), which belong to n pairs."""
-        # Between multiples that are only a few pixels apart, neighbours would be multiples.
+        # Between multiples that are only a few pixels apart, neighbors would be multiples.
         coarse = (_shortest(pairs) >= _CLOSE).astype(np.int64)
         found: Floats = self.tables[coarse, *self._at(x, y)]
         return found
@@ -131,7 +131,7 @@ def stand_out(
 ) -> tuple[float, float, int]:
     """How much higher the multiples of a larger tile are than the other multiples of a smaller.
 
-    Tells alternating colours, where they are, from elements of any colour, where they are not.
+    Tells alternating colors, where they are, from elements of any color, where they are not.
 
     Parameters
     ----------
@@ -270,7 +270,7 @@ def _between(field: Field, pairs: Floats, reach: int) -> Floats:
 
 
 def _around(table: Floats) -> Floats:
-    """The highest of each place and its eight neighbours."""
+    """The highest of each place and its eight neighbors."""
     framed = np.pad(table, 1, mode="edge")
     tall = np.maximum(np.maximum(framed[:-2], framed[1:-1]), framed[2:])
     around: Floats = np.maximum(np.maximum(tall[:, :-2], tall[:, 1:-1]), tall[:, 2:])

@@ -53,10 +53,10 @@ def draw_lattice(exemplar: Exemplar, lattice: Lattice | None) -> NDArray[np.uint
     if lattice is None:
         return picture
     height, width = exemplar.shape
-    grey = levels.mean(axis=2)
+    gray = levels.mean(axis=2)
     change = sum(
-        abs(np.gradient(grey, axis=axis)) if side > 1 else 0 * grey
-        for axis, side in enumerate(grey.shape)
+        abs(np.gradient(gray, axis=axis)) if side > 1 else 0 * gray
+        for axis, side in enumerate(gray.shape)
     )
     y, x = np.mgrid[:height, :width].astype(np.float64)
     lines = np.zeros((height, width), bool)

@@ -3,7 +3,7 @@
 Section 3.3 of the paper on near-regular textures, steps 2 to 6. Pairs of up to some hundred peaks
 are rated by their nearest multiples; the best of them are fitted below a pixel and rated by all.
 Then the smaller tiles that the best one could be made of are looked at, because of many larger
-ones some is better by chance; and two or three times the tile, because colours may alternate.
+ones some is better by chance; and two or three times the tile, because colors may alternate.
 """
 
 from __future__ import annotations
@@ -137,7 +137,7 @@ def _fitted(field: Field, vectors: Floats) -> Floats:
 
 
 def _multiply(field: Field, vectors: Floats) -> Floats:
-    """Two or three times the tile, where its own multiples stand out: colours alternate."""
+    """Two or three times the tile, where its own multiples stand out: colors alternate."""
     reach = reach_of(field, vectors, _REACH)
     for index in (2, 3):
         for across in (1, index):

@@ -38,7 +38,7 @@ class Peaks:
 
 
 def find_peaks(correlation: NDArray[np.float64]) -> Peaks:
-    """Find the maxima among the eight neighbours, above 0.
+    """Find the maxima among the eight neighbors, above 0.
 
     Parameters
     ----------
@@ -53,10 +53,10 @@ def find_peaks(correlation: NDArray[np.float64]) -> Peaks:
     >>> find_peaks(correlate(wave)).shifts[:3].tolist()
     [[10, 0], [20, 0], [30, 0]]
     """
-    middle, centre = (side // 2 for side in correlation.shape)
-    margin = min(_LARGEST_DOMINANCE, centre)  # of the left half, which squares reach into
+    middle, center = (side // 2 for side in correlation.shape)
+    margin = min(_LARGEST_DOMINANCE, center)  # of the left half, which squares reach into
     # Rounded, so that what is equal but for rounding is so on every machine.
-    part = np.rint(correlation[:, centre - margin :] * 1e9) / 1e9
+    part = np.rint(correlation[:, center - margin :] * 1e9) / 1e9
     around, radius = _wider(part, 1, first=True), 1
     high = (part > 0) & (part >= around)
     high[:, :margin] = False
@@ -89,7 +89,7 @@ def fit_vectors(
     """Fit one or two vectors to the peaks at all multiples that agree with them, below a pixel.
 
     From the nearest multiples outwards, twice as far each time, a parabola through each peak and
-    its neighbours says where it is; least squares over all multiples say what the vectors are.
+    its neighbors says where it is; least squares over all multiples say what the vectors are.
 
     Parameters
     ----------

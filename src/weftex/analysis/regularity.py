@@ -44,7 +44,7 @@ def regularity(exemplar: Exemplar) -> float:
     1.0
     """
     correlation = autocorrelation(exemplar)
-    middle, centre = correlation.shape[0] // 2, correlation.shape[1] // 2
+    middle, center = correlation.shape[0] // 2, correlation.shape[1] // 2
     half = correlation[middle:]  # the other one is its mirror image
     around = np.pad(correlation, 1, constant_values=-np.inf)[middle:]
     peak = np.ones(half.shape, bool)
@@ -57,9 +57,9 @@ def regularity(exemplar: Exemplar) -> float:
         reached = float(half[y[k], x[k]])
         if reached <= best:
             break  # no other shift can come back any higher
-        steps = np.linspace(0, 1, 1 + max(int(y[k]), abs(int(x[k]) - centre)))
+        steps = np.linspace(0, 1, 1 + max(int(y[k]), abs(int(x[k]) - center)))
         way = half[
-            np.rint(steps * y[k]).astype(int), centre + np.rint(steps * (x[k] - centre)).astype(int)
+            np.rint(steps * y[k]).astype(int), center + np.rint(steps * (x[k] - center)).astype(int)
         ]
         best = max(best, reached - max(0.0, float(way.min())))
     return round(min(best, 1.0), 2)

@@ -61,9 +61,9 @@ def _with_edges(levels: Floats) -> Floats:
     """Mean level, and beside it the steps down and to the right, with as much energy in all."""
     steps = [np.sqrt((np.gradient(levels, axis=axis) ** 2).sum(axis=0)) for axis in (1, 2)]
     edges = np.stack(steps)
-    grey = levels.mean(axis=0, keepdims=True)
+    gray = levels.mean(axis=0, keepdims=True)
     share = levels.var(axis=(1, 2)).mean() / max(edges.var(axis=(1, 2)).sum(), 1e-12)
-    found: Floats = np.moveaxis(np.concatenate([grey, edges * share**0.5]), 0, 2)
+    found: Floats = np.moveaxis(np.concatenate([gray, edges * share**0.5]), 0, 2)
     return found
 
 
@@ -93,14 +93,14 @@ def _highest(correlation: Floats, angles: Floats, reach: int) -> tuple[float, fl
 
 def _profiles(correlation: Floats, angles: Floats, reach: int) -> Floats:
     """Mean correlation along lines of each angle, at distances 0 to reach - 1 from no shift."""
-    middle, centre = (side // 2 for side in correlation.shape)
+    middle, center = (side // 2 for side in correlation.shape)
     along, across = np.linspace(-0.5, 0.5, _SAMPLES)[:, None], np.arange(reach)
     result = np.empty((len(angles), reach))
     for k, (c, s) in enumerate(zip(np.cos(angles), np.sin(angles), strict=True)):
         # As far as half of the sample overlaps in this direction.
-        far = min((centre + 1) / max(abs(c), 1e-9), (middle + 1) / max(abs(s), 1e-9))
+        far = min((center + 1) / max(abs(c), 1e-9), (middle + 1) / max(abs(s), 1e-9))
         x, y = along * far * c - across * s, along * far * s + across * c
         rows = np.clip(np.rint(y).astype(int) + middle, 0, correlation.shape[0] - 1)
-        columns = np.clip(np.rint(x).astype(int) + centre, 0, correlation.shape[1] - 1)
+        columns = np.clip(np.rint(x).astype(int) + center, 0, correlation.shape[1] - 1)
         result[k] = correlation[rows, columns].mean(axis=0)
     return result

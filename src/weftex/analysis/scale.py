@@ -8,7 +8,7 @@ have no structure:
 
 * Slow lighting is taken off and the borders are faded out; what repeats less than 2.5 times is not
   looked at, since nothing tells it from lighting.
-* Faded borders spread each wave over its neighbours, so rings are averaged over a distance of 1.
+* Faded borders spread each wave over its neighbors, so rings are averaged over a distance of 1.
 * A peak counts only if it stands out of the spectrum around it by more than chance. Without one
   the scale is that of half the power: as much lies in coarser structure as in finer.
 """

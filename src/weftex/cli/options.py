@@ -180,12 +180,12 @@ def parse_names(text: str) -> list[str]:
 
 
 def parse_colors(text: str) -> list[tuple[int, ...]]:
-    """Colours from '#rrggbb,#rrggbb,...' or grey levels '0,255,...', for maps of 8 bits."""
+    """Colors from '#rrggbb,#rrggbb,...' or gray levels '0,255,...', for maps of 8 bits."""
     return [_color(word.strip()) for word in text.split(",")]
 
 
 def parse_mixed(text: str) -> dict[tuple[int, ...], tuple[int, int]]:
-    """Colours of mixed regions from '#rrggbb=1+2,...'; samples count from 1."""
+    """Colors of mixed regions from '#rrggbb=1+2,...'; samples count from 1."""
     mixed = {}
     for word in text.split(","):
         color, _, pair = word.partition("=")
@@ -193,7 +193,7 @@ def parse_mixed(text: str) -> dict[tuple[int, ...], tuple[int, int]]:
             first, second = (int(number) - 1 for number in pair.split("+"))
         except ValueError:
             raise InvalidInputError(
-                f"--mixed has '{word.strip()}'; it must be a colour and two samples, #rrggbb=1+2"
+                f"--mixed has '{word.strip()}'; it must be a color and two samples, #rrggbb=1+2"
             ) from None
         mixed[_color(color.strip())] = first, second
     return mixed
@@ -205,4 +205,4 @@ def _color(word: str) -> tuple[int, ...]:
             return tuple(bytes.fromhex(word[1:]))
         return (int(word),)
     except ValueError:
-        raise InvalidInputError(f"'{word}' is no colour; it must be #rrggbb or a level") from None
+        raise InvalidInputError(f"'{word}' is no color; it must be #rrggbb or a level") from None

@@ -1,1 +1,1 @@
-"""Files of pictures: formats, depth, colour profiles, sets of maps."""
+"""Files of pictures: formats, depth, color profiles, sets of maps."""

@@ -40,15 +40,15 @@ class Format:
     name: str
     types: tuple[str, ...]
     side: int
-    colours: tuple[int, ...] = (1, 3)  # empty: any number
+    colors: tuple[int, ...] = (1, 3)  # empty: any number
     alpha: bool = True
-    widen: tuple[int, ...] = ()  # channel counts whose grey is stored as RGB
+    widen: tuple[int, ...] = ()  # channel counts whose gray is stored as RGB
     options: tuple[tuple[str, int | str], ...] = ()
 
-    def holds(self, dtype: str, colours: int, alpha: bool) -> bool:
+    def holds(self, dtype: str, colors: int, alpha: bool) -> bool:
         """Whether pixels of this kind can be written."""
-        counts = self.colours or (colours,)
-        return dtype in self.types and colours in counts and alpha <= self.alpha
+        counts = self.colors or (colors,)
+        return dtype in self.types and colors in counts and alpha <= self.alpha
 
 
 # TIFF and EXR record the present unless told another date, and no two runs would give equal bytes.
@@ -56,7 +56,7 @@ DATE = ("DateTime", "1980:01:01 00:00:00")
 PLAIN = ("oiio:ColorSpace", "unknown")
 # One PNG filter takes two thirds of the time of libpng's choice among five, and the files are as
 # small. WebP at its own effort takes 30 times as long for 1 % less. A TIFF predictor for floats is
-# more than many readers know. An unknown colour space keeps sRGB tags off maps and wide gamuts.
+# more than many readers know. An unknown color space keeps sRGB tags off maps and wide gamuts.
 FORMATS = {
     ".png": Format("png", ("uint8", "uint16"), 1_000_000,
                     options=(("png:compressionLevel", 3), ("png:filter", 128), PLAIN)),
@@ -140,7 +140,7 @@ def check_spec(spec: Any, given: str, max_pixels: int | None) -> None:
         raise file_error(given, f"{size} are more than max_pixels = {max_pixels}")
     for space in map(spec.get_string_attribute, ("tiff:ColorSpace", "jpeg:ColorSpace")):
         if space in ("CMYK", "YCCK", "CIELAB", "ICCLAB", "ITULAB"):
-            raise file_error(given, f"holds {space} colours; convert it to RGB first")
+            raise file_error(given, f"holds {space} colors; convert it to RGB first")
     if spec.deep or spec.depth > 1:
         raise file_error(given, "is a deep or volume picture; weftex reads flat ones")
     if str(spec.format) not in READ_AS:
@@ -157,19 +157,19 @@ def straight(pixels: NDArray[Any], spec: Any, kind: str) -> tuple[NDArray[Any], 
         pixels, place = pixels[..., :3], -1
     if place < 0 or pixels.shape[2] == 1:
         return (pixels[..., 0] if pixels.shape[2] == 1 else pixels), False
-    colour, cover = np.delete(pixels, place, axis=2), pixels[..., place : place + 1]
+    color, cover = np.delete(pixels, place, axis=2), pixels[..., place : place + 1]
     if kind in ("tiff", "openexr") and not spec.get_int_attribute("oiio:UnassociatedAlpha"):
         if pixels.dtype.kind == "f":
             with np.errstate(all="ignore"):
-                np.divide(colour, cover, out=colour, where=cover > 0)
+                np.divide(color, cover, out=color, where=cover > 0)
         else:
             top, part = (
                 np.uint32(np.iinfo(pixels.dtype).max),
                 np.maximum(cover, 1).astype("u4"),
             )
-            whole = np.minimum((colour.astype("u4") * top + part // 2) // part, top)
-            colour = np.where(cover > 0, whole, colour).astype(pixels.dtype)
-    return np.concatenate([colour, cover], axis=2), True
+            whole = np.minimum((color.astype("u4") * top + part // 2) // part, top)
+            color = np.where(cover > 0, whole, color).astype(pixels.dtype)
+    return np.concatenate([color, cover], axis=2), True
 
 
 def upright(pixels: NDArray[Any], orientation: int) -> NDArray[Any]:
@@ -191,17 +191,17 @@ def varies(pixels: NDArray[Any]) -> bool:
 def check_fit(given: str, form: Format, pixels: NDArray[Any], alpha: bool) -> None:
     """Refuse what is no picture, or what the format cannot hold."""
     shape, suffix = pixels.shape, suffix_of(given)
-    colours = (shape[2] if len(shape) == 3 else 1) - alpha
+    colors = (shape[2] if len(shape) == 3 else 1) - alpha
     dtype = "float32" if pixels.dtype.kind == "f" else pixels.dtype.name
     if len(shape) not in (2, 3) or 0 in shape:
         problem = f"pixels of shape {shape} are no picture; use (H, W) or (H, W, C), not empty"
-    elif colours < 1:
-        problem = "alpha needs at least one channel of colour beside it"
+    elif colors < 1:
+        problem = "alpha needs at least one channel of color beside it"
     elif dtype not in ("uint8", "uint16", "float32"):
         problem = f"{dtype} pixels are not written; use uint8, uint16 or float32"
-    elif not form.holds(dtype, colours, alpha):
-        able = [key for key in sorted(FORMATS) if FORMATS[key].holds(dtype, colours, alpha)]
-        what = f"{dtype} pixels of {colours} channel{'s'[: colours > 1]}{' and alpha' * alpha}"
+    elif not form.holds(dtype, colors, alpha):
+        able = [key for key in sorted(FORMATS) if FORMATS[key].holds(dtype, colors, alpha)]
+        what = f"{dtype} pixels of {colors} channel{'s'[: colors > 1]}{' and alpha' * alpha}"
         problem = f"'{suffix}' cannot hold {what}; use {', '.join(able)}"
     elif max(shape[:2]) > form.side:
         problem = f"'{suffix}' holds at most {form.side} pixels a side, not {max(shape[:2])}"
@@ -210,9 +210,9 @@ def check_fit(given: str, form: Format, pixels: NDArray[Any], alpha: bool) -> No
     raise InvalidInputError(f"{given}: {problem}")
 
 
-def fits(icc: bytes | None, colours: int) -> bool:
+def fits(icc: bytes | None, colors: int) -> bool:
     """Return whether this is a whole profile for so many channels."""
-    space = {1: b"GRAY", 3: b"RGB "}.get(colours)
+    space = {1: b"GRAY", 3: b"RGB "}.get(colors)
     whole = icc is not None and len(icc) > 128 and int.from_bytes(icc[:4], "big") == len(icc)
     return icc is not None and whole and icc[36:40] == b"acsp" and icc[16:20] == space
 
@@ -230,11 +230,11 @@ def encode(path: str, form: Format, pixels: NDArray[Any], alpha: bool, icc: byte
     oiio = image_library()
     height, width, channels = pixels.shape
     spec = oiio.ImageSpec(width, height, channels, READ_AS.get(pixels.dtype.name, "float"))
-    colours = channels - alpha
-    names = ["Y"] if colours == 1 else ["R", "G", "B"] if colours >= 3 else []
-    names += [f"channel{k:04}" for k in range(len(names), colours)]
+    colors = channels - alpha
+    names = ["Y"] if colors == 1 else ["R", "G", "B"] if colors >= 3 else []
+    names += [f"channel{k:04}" for k in range(len(names), colors)]
     spec.channelnames = (*names, *["A"] * alpha)
-    spec.alpha_channel = colours if alpha else -1
+    spec.alpha_channel = colors if alpha else -1
     for key, value in (("oiio:UnassociatedAlpha", 1), *form.options):
         spec[key] = value
     if icc is not None:
@@ -267,7 +267,7 @@ def show(path: str) -> str:
 
 
 def png(pixels: NDArray[np.uint8]) -> bytes:
-    """Return a grey or RGB picture as a PNG file in memory, to be put into a page."""
+    """Return a gray or RGB picture as a PNG file in memory, to be put into a page."""
     import struct
     import zlib
 

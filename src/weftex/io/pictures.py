@@ -1,16 +1,16 @@
 """Pictures in and out: the only place that touches files.
 
-Pixels keep the type they are stored in: uint8, uint16 or float32. Alpha is always straight, colours
+Pixels keep the type they are stored in: uint8, uint16 or float32. Alpha is always straight, colors
 are never converted, and what a format cannot hold is refused instead of squeezed in.
 
 ======  =====================  =========================================
 suffix  pixel types written    channels
 ======  =====================  =========================================
-.png    uint8, uint16          grey or RGB, with alpha or without
-.jpg    uint8, at quality 95   grey or RGB
+.png    uint8, uint16          gray or RGB, with alpha or without
+.jpg    uint8, at quality 95   gray or RGB
 .tif    uint8, uint16, float   any number, with alpha or without
-.webp   uint8, lossless        RGB, RGBA; grey is stored as RGB
-.bmp    uint8                  grey or RGB
+.webp   uint8, lossless        RGB, RGBA; gray is stored as RGB
+.bmp    uint8                  gray or RGB
 .exr    float                  any number, with alpha or without
 ======  =====================  =========================================
 
@@ -71,7 +71,7 @@ class Picture:
     alpha : bool
         Whether the last channel is alpha, straight (unassociated).
     icc : bytes or None
-        The colour profile of the file.
+        The color profile of the file.
     path : str
         The path that it was read from, as given.
     """
@@ -149,7 +149,7 @@ def write_image(
     """Write a picture; the file appears whole or not at all.
 
     float16 and float64 are written as float32. Nothing else is converted: see the table of this
-    module. An EXR gets its alpha premultiplied, as that format asks, and so loses colour under zero
+    module. An EXR gets its alpha premultiplied, as that format asks, and so loses color under zero
     alpha; so does a WebP. Symbolic links are written through, permissions kept.
 
     Parameters
@@ -161,8 +161,8 @@ def write_image(
     alpha : bool
         Whether the last channel is straight alpha.
     icc : bytes or None
-        A colour profile. It is left out where the format holds none (BMP, EXR), and where it is
-        broken or made for another number of channels, such as an RGB profile for a grey picture.
+        A color profile. It is left out where the format holds none (BMP, EXR), and where it is
+        broken or made for another number of channels, such as an RGB profile for a gray picture.
 
     Raises
     ------
@@ -246,15 +246,15 @@ def check_output(
 def read_mask(path: StrPath, *, max_pixels: int | None = MAX_PIXELS) -> NDArray[np.bool_]:
     """Read a picture as an ``(H, W)`` mask.
 
-    A pixel is True where any colour channel reaches half of the range: 128, 32768 or 0.5. Alpha is
-    ignored, unless the colour is the same everywhere and alpha is not: then alpha is the mask. The
+    A pixel is True where any color channel reaches half of the range: 128, 32768 or 0.5. Alpha is
+    ignored, unless the color is the same everywhere and alpha is not: then alpha is the mask. The
     parameters are those of `read_image`.
     """
     picture = read_image(path, max_pixels=max_pixels)
     pixels = np.atleast_3d(picture.pixels)
     if picture.alpha:
-        colour, cover = pixels[..., :-1], pixels[..., -1:]
-        pixels = cover if varies(cover) and not varies(colour) else colour
+        color, cover = pixels[..., :-1], pixels[..., -1:]
+        pixels = cover if varies(cover) and not varies(color) else color
     half = 0.5 if pixels.dtype.kind == "f" else np.iinfo(pixels.dtype).max // 2 + 1
     return np.asarray((pixels >= half).any(axis=2))
 

@@ -149,13 +149,13 @@ def _section(found: Comparison, entry: Entry) -> list[str]:
         return [head, f"<p>It cannot do this: {escape(entry.note)}.</p>"]
     note = f" {entry.note}." if entry.note else ""
     told = f"{entry.assessment.verdict()} {entry.seconds:.2f} s.{note}"
-    colours = "false colours by place in the sample: more red to the right, more green downwards"
+    colors = "false colors by place in the sample: more red to the right, more green downwards"
     return [
         head,
         f"<p>{escape(told)}</p>",
         '<div class="pictures">',
         show(as_shown(found.exemplar, entry.result.image), entry.method, "the result"),
-        show(entry.result.draw(), "Source", colours),
+        show(entry.result.draw(), "Source", colors),
         "</div>",
         "<details><summary>Parameters</summary>",
         parameters(entry.result.provenance),

@@ -28,7 +28,7 @@ _CAPTIONS = {
     ),
     "source": (
         "Source",
-        "False colours by place in the sample: more red to the right, more green downwards.",
+        "False colors by place in the sample: more red to the right, more green downwards.",
     ),
     "use": (
         "Use of the sample",

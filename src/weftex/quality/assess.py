@@ -178,7 +178,7 @@ def assess(
         result = result.image if result.exemplar is not None else result.render(exemplar)
     wrap = tileable if isinstance(tileable, tuple) else (bool(tileable),) * 2
     own, whole = views(exemplar, result)
-    made = whole.centre(LARGEST_MEASURED)
+    made = whole.center(LARGEST_MEASURED)
     model, used = Seams(own), None
     if source is not None:
         source = check_source(source, own.shape, whole.shape)

@@ -1,4 +1,4 @@
-"""Colour: whether colours occur as often as in the sample."""
+"""Color: whether colors occur as often as in the sample."""
 
 from __future__ import annotations
 
@@ -19,13 +19,13 @@ _FLOOR = 1.0  # levels
 
 
 def color_distance(sample: View, result: View) -> tuple[float | None, float | None]:
-    """Compare the distributions of single pixels' colours.
+    """Compare the distributions of single pixels' colors.
 
     *Definition.* The Wasserstein distance between both pictures' values, in the mean over each
     channel and 12 random mixtures of them; over the same between the sample's halves.
 
     *Unit.* Levels of 255, and 1 is as near as the sample's halves are, or one level if these are
-    nearer. *Good.* Low. *Blind to* where the colours are.
+    nearer. *Good.* Low. *Blind to* where the colors are.
 
     Returns
     -------
@@ -44,6 +44,7 @@ def _apart(first: View, second: View) -> float | None:
 
 
 def _quantiles(view: View) -> NDArray[np.float64]:
+    # The spelling of a purpose is part of the bits that are drawn for it.
     places = some(np.flatnonzero(view.usable), _PIXELS, "colours")
     channels = view.levels.shape[2]
     pixels = view.levels.reshape(-1, channels)[places].astype(np.float32)

@@ -36,8 +36,8 @@ class Copying:
     distinct : float
         Different source pixels, over pixels, within half the sample's side.
     joints : float or None
-        How much colours differ from what either neighbour's piece goes on with, over how much
-        neighbours in the sample differ; None if there are hardly any joints.
+        How much colors differ from what either neighbor's piece goes on with, over how much
+        neighbors in the sample differ; None if there are hardly any joints.
     """
 
     copied: float
@@ -56,10 +56,10 @@ def copying(sample: View, result: View, source: NDArray[Any]) -> Copying | None:
     16x16 grid over the sample was used, over the number of cells with usable pixels. `distinct`
     is taken in squares of half the sample's side. At `joints`, where two pieces meet, each of both
     pixels is compared with what the other's piece would have there in the sample; the root mean
-    square of the lesser difference, over that between neighbours in the sample.
+    square of the lesser difference, over that between neighbors in the sample.
 
     *Unit.* Shares, pixels, and steps of the sample. *Good.* `largest` low, `evenness` and
-    `distinct` high, `joints` low: at 1 a joint is as large a step as any between two neighbours.
+    `distinct` high, `joints` low: at 1 a joint is as large a step as any between two neighbors.
     `copied` and `piece` say what a method does, not how well. *Blind to* everything else: sources
     that are laid evenly and at random join badly, and small pieces of a smooth sample are no fault.
 

@@ -9,7 +9,7 @@ import numpy as np
 
 from weftex.quality.spectrum import mean_power
 from weftex.quality.view import View
-from weftex.raster.boxes import centred_sums
+from weftex.raster.boxes import centered_sums
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -157,8 +157,8 @@ def repetition_map(
         height, width = white.shape[0] - dy, white.shape[1] - abs(dx)
         first = white[:height, max(0, -dx) : max(0, -dx) + width]
         second = white[dy:, max(0, dx) : max(0, dx) + width]
-        above = centred_sums(first * second, _CELL)
-        below = np.sqrt(centred_sums(first**2, _CELL) * centred_sums(second**2, _CELL)) + 1e-9
+        above = centered_sums(first * second, _CELL)
+        below = np.sqrt(centered_sums(first**2, _CELL) * centered_sums(second**2, _CELL)) + 1e-9
         alike = np.clip(above / below, 0, 1) ** 2
         for y, x in ((0, max(0, -dx)), (dy, max(0, dx))):
             box = inside[y : y + height, x : x + width]
@@ -171,7 +171,7 @@ def repetition_map(
 
 def _both(sample: View, result: View) -> tuple[Floats, Floats] | None:
     """The middle of the result with a flat spectrum, and what comes back in it."""
-    part = result.centre(_LARGEST_PICTURE)
+    part = result.center(_LARGEST_PICTURE)
     if min(*sample.shape, *part.shape) < _NARROWEST:
         return None
     width = min(_WIDTH, 2 ** int(np.log2(min(sample.shape) // 2)))

@@ -1,4 +1,4 @@
-"""Seams: steps between neighbouring lines that what is around them does not explain."""
+"""Seams: steps between neighboring lines that what is around them does not explain."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, TypeVar
 import numpy as np
 
 from weftex.quality.view import View, some
-from weftex.raster.boxes import centred_sums
+from weftex.raster.boxes import centered_sums
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -36,7 +36,7 @@ class Seams:
     """
 
     def __init__(self, sample: View) -> None:
-        self._models = [_fit(sample.grey.T, sample.usable.T), _fit(sample.grey, sample.usable)]
+        self._models = [_fit(sample.gray.T, sample.usable.T), _fit(sample.gray, sample.usable)]
         self.able = all(model is not None for model in self._models)
         if self.able:
             values = [self._along(sample, axis) for axis in (0, 1)]
@@ -56,8 +56,8 @@ class Seams:
         """For each line between pixels along an axis, how surprising the step across it is."""
         model = self._models[axis]
         assert model is not None
-        grey = view.grey if axis else view.grey.T
-        surprise = _pooled(_surprise(grey, model))
+        gray = view.gray if axis else view.gray.T
+        surprise = _pooled(_surprise(gray, model))
         return surprise if axis else surprise.T
 
     def excess(self, result: View, axis: int) -> tuple[Floats, float]:
@@ -75,7 +75,7 @@ class Seams:
 
     def border(self, result: View, axis: int) -> float:
         """The share of the border along an axis that is a seam; see `weftex.quality.wrap`."""
-        usual = np.quantile(self._along(result.centre(_LONGEST_BORDER), axis), _USUAL)
+        usual = np.quantile(self._along(result.center(_LONGEST_BORDER), axis), _USUAL)
         across = np.take(result.levels, np.arange(-_BORDER, _BORDER), axis)
         beside = View(across, np.ones(across.shape[:2], bool), result.axis, result.side)
         found = self._along(beside, axis)
@@ -125,8 +125,8 @@ def seam_map(model: Seams, result: View) -> Floats | None:
     return found
 
 
-def _steps(grey: Floats) -> Floats:
-    return grey[:, 1:] - grey[:, :-1]
+def _steps(gray: Floats) -> Floats:
+    return gray[:, 1:] - gray[:, :-1]
 
 
 def _beside() -> list[tuple[int, int]]:
@@ -141,12 +141,12 @@ def _inner(steps: NDArray[Kind], dy: int = 0, dx: int = 0) -> NDArray[Kind]:
     return steps[rows, _REACH + dx : width - _REACH + dx]
 
 
-def _fit(grey: Floats, usable: NDArray[np.bool_]) -> Model | None:
+def _fit(gray: Floats, usable: NDArray[np.bool_]) -> Model | None:
     """Weights of the steps beside, and the squares that are left at each activity."""
-    height, width = grey.shape
+    height, width = gray.shape
     if height <= 2 * _ROWS + _ALONG or width <= 2 * _REACH + 2 * _ALONG:
         return None
-    steps, whole = _steps(grey), usable[:, 1:] & usable[:, :-1]
+    steps, whole = _steps(gray), usable[:, 1:] & usable[:, :-1]
     place = _inner(whole).copy()
     for dy, dx in _beside():
         place &= _inner(whole, dy, dx)
@@ -168,10 +168,10 @@ def _fit(grey: Floats, usable: NDArray[np.bool_]) -> Model | None:
     return weights, knots, np.maximum.accumulate(usual)
 
 
-def _surprise(grey: Floats, model: Model) -> Floats:
+def _surprise(gray: Floats, model: Model) -> Floats:
     """Of each step, what is left of it over what usually is."""
     weights, knots, usual = model
-    steps = _steps(grey)
+    steps = _steps(gray)
     left, activity = _inner(steps).copy(), np.zeros_like(_inner(steps))
     for weight, at in zip(weights, _beside(), strict=True):
         beside = _inner(steps, *at)
@@ -183,7 +183,7 @@ def _surprise(grey: Floats, model: Model) -> Floats:
 
 def _pooled(surprise: Floats) -> Floats:
     """Means along the lines."""
-    sums = centred_sums(surprise, _ALONG, (0,))[_ALONG:-_ALONG]
+    sums = centered_sums(surprise, _ALONG, (0,))[_ALONG:-_ALONG]
     return (sums / (2 * _ALONG + 1)).astype(np.float32)
 
 
@@ -195,7 +195,7 @@ def _whole(usable: NDArray[np.bool_], axis: int) -> NDArray[np.bool_]:
     for dy, dx in _beside():
         place &= _inner(whole, dy, dx)
     full = 2 * _ALONG + 1
-    inside = centred_sums(place, _ALONG, (0,))[_ALONG:-_ALONG] > full - 0.5
+    inside = centered_sums(place, _ALONG, (0,))[_ALONG:-_ALONG] > full - 0.5
     return inside if axis else inside.T
 
 

@@ -56,7 +56,7 @@ def _detail(view: View) -> tuple[Floats, NDArray[np.bool_]] | None:
     """Squares of the detail, and where it is made of usable pixels; without the outermost ones."""
     if min(view.shape) < 3:
         return None
-    smooth, usable = view.grey.astype(np.float64), view.usable
+    smooth, usable = view.gray.astype(np.float64), view.usable
     for axis in (0, 1):
         before, middle, after = (
             tuple(
@@ -68,7 +68,7 @@ def _detail(view: View) -> tuple[Floats, NDArray[np.bool_]] | None:
         usable = usable[before] & usable[middle] & usable[after]
     if not usable.any():
         return None
-    return (view.grey[1:-1, 1:-1] - smooth) ** 2, usable
+    return (view.gray[1:-1, 1:-1] - smooth) ** 2, usable
 
 
 def _cells(squares: Floats) -> Floats:

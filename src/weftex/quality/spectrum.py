@@ -60,7 +60,7 @@ def mean_power(view: View, width: int) -> Floats | None:
     if not len(corners):
         return None
     y, x = np.divmod(some(corners, _WINDOWS, "spectrum"), view.shape[1])
-    windows = np.lib.stride_tricks.sliding_window_view(view.grey, (width, width))[y, x]
+    windows = np.lib.stride_tricks.sliding_window_view(view.gray, (width, width))[y, x]
     bell = np.sin(np.pi * (np.arange(width) + 0.5) / width) ** 2
     bell = np.outer(bell, bell)
     around = windows - windows.mean(axis=(1, 2), keepdims=True, dtype=np.float64)
@@ -99,7 +99,7 @@ def _bands(view: View, width: int) -> Floats | None:
 def autocorrelation_distance(sample: View, result: View) -> float | None:
     """Compare how alike the picture is to itself at short shifts.
 
-    *Definition.* The root mean square difference of the normalised correlations with themselves
+    *Definition.* The root mean square difference of the normalized correlations with themselves
     (slow lighting taken off) at shifts of up to a quarter of the sample's side, 64 pixels at most;
     over the same between the sample's halves.
 

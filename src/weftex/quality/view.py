@@ -12,7 +12,7 @@ from weftex.analysis.correlation import correlate
 from weftex.errors import InvalidInputError
 from weftex.exemplar import Exemplar, check_pixels
 from weftex.random import draw
-from weftex.raster.boxes import centred_sums
+from weftex.raster.boxes import centered_sums
 from weftex.raster.pyramids import gaussian_pyramid, mask_pyramid
 from weftex.search.windows import whole_windows
 
@@ -40,7 +40,7 @@ class View:
     usable : bool array (H, W)
         Where the sample may be used; everywhere in a result.
     axis : int64 array (K,)
-        The colour direction in which the sample varies most, in whole numbers.
+        The color direction in which the sample varies most, in whole numbers.
     side : int
         The sample's shorter side, which says what slow lighting is.
     """
@@ -61,7 +61,7 @@ class View:
         return not bool(self.usable.all())
 
     @cached_property
-    def grey(self) -> NDArray[np.float32]:
+    def gray(self) -> NDArray[np.float32]:
         """Brightness along the axis, in levels; (H, W)."""
         # Sums of whole numbers that float32 holds exactly, so the same in any order.
         along: NDArray[np.float32] = self.levels.astype(np.float32) @ self.axis.astype(np.float32)
@@ -69,19 +69,19 @@ class View:
 
     @cached_property
     def flat(self) -> NDArray[np.float32]:
-        """`grey` less slow lighting: the mean around each pixel; 0 where it may not be used."""
+        """`gray` less slow lighting: the mean around each pixel; 0 where it may not be used."""
         radius = max(1, self.side // (2 * _SMOOTH))
         share = self.usable.astype(np.float64)
-        total = centred_sums(self.grey * share, radius)
+        total = centered_sums(self.gray * share, radius)
         level = np.where(
-            self.usable, self.grey - total / np.maximum(centred_sums(share, radius), 1), 0
+            self.usable, self.gray - total / np.maximum(centered_sums(share, radius), 1), 0
         )
         return level.astype(np.float32)
 
     @cached_property
     def correlation(self) -> Floats:
-        """`flat` correlated with itself, no shift in the middle; of a large picture, its centre."""
-        part = self.centre(_LARGEST_TRANSFORM)
+        """`flat` correlated with itself, no shift in the middle; of a large picture, its center."""
+        part = self.center(_LARGEST_TRANSFORM)
         return correlate(part.flat, first_mask=part.usable if part.masked else None)
 
     def part(self, top: int, left: int, height: int, width: int) -> View:
@@ -89,7 +89,7 @@ class View:
         box = slice(top, top + height), slice(left, left + width)
         return View(self.levels[box], self.usable[box], self.axis, self.side)
 
-    def centre(self, widest: int) -> View:
+    def center(self, widest: int) -> View:
         """The middle of a picture with longer sides than this."""
         if max(self.shape) <= widest:
             return self
@@ -156,7 +156,7 @@ def views(sample: Exemplar, result: NDArray[Any]) -> tuple[View, View]:
 
 
 def _axis(pixels: NDArray[np.uint8]) -> NDArray[np.int64]:
-    """The first principal component of the colours, in whole numbers up to 127."""
+    """The first principal component of the colors, in whole numbers up to 127."""
     spread = np.atleast_2d(np.cov(pixels.T.astype(np.float64), ddof=0))
     weights, vectors = np.linalg.eigh(spread)
     if not weights[-1] > 0:

@@ -39,7 +39,7 @@ def box_sums(values: NDArray[Any], height: int, width: int) -> NDArray[np.int64]
     return result
 
 
-def centred_sums(values: NDArray[Any], radius: int, axes: tuple[int, ...] = (0, 1)) -> Floats:
+def centered_sums(values: NDArray[Any], radius: int, axes: tuple[int, ...] = (0, 1)) -> Floats:
     """Sums over squares of 2 * radius + 1 pixels a side, of what of them is in the picture.
 
     Parameters
@@ -56,7 +56,7 @@ def centred_sums(values: NDArray[Any], radius: int, axes: tuple[int, ...] = (0, 
 
     Examples
     --------
-    >>> centred_sums(np.ones((3, 4)), 1)[1].tolist()
+    >>> centered_sums(np.ones((3, 4)), 1)[1].tolist()
     [6.0, 9.0, 9.0, 6.0]
     """
     result = np.asarray(values, np.float64)

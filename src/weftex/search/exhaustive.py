@@ -40,7 +40,7 @@ class ExhaustiveSearch:
     def __init__(self, windows: Windows, weights: NDArray[np.int16]) -> None:
         self.sample = weighted_windows(windows, weights)
         width, channels = self.sample.width, self.sample.channels
-        self.starts = _block_starts(windows.centres)
+        self.starts = _block_starts(windows.centers)
         self.allowed = np.pad(windows.usable.ravel(), (0, BLOCK))
         lead = width // 2 * (windows.pixels.shape[1] + 1)
         planes = np.ascontiguousarray(windows.pixels.reshape(-1, channels).T)
@@ -61,7 +61,7 @@ class ExhaustiveSearch:
         """See `WindowSearch.on`."""
         sample, query = self.sample.bundle(), self.sample.query()
         picture = Picture(pixels, done, source, wrap)
-        found = found_windows(self.sample.windows.centres.size)
+        found = found_windows(self.sample.windows.centers.size)
         lower = np.empty((len(self.starts), BLOCK), np.uint16)
         least = np.empty(len(self.starts), np.uint16)
         blocks = kernels.Blocks(self.planes, self.starts, self.allowed, self.order, lower, least)
@@ -80,10 +80,10 @@ def whole_groups(terms: int) -> int:
     return -(-terms // 4) * 4
 
 
-def _block_starts(centres: NDArray[np.int32]) -> NDArray[np.int32]:
+def _block_starts(centers: NDArray[np.int32]) -> NDArray[np.int32]:
     """Starts of the fewest stretches of 64 flat indices that hold all centers."""
     starts, at = [], 0
-    while at < len(centres):
-        starts.append(centres[at])
-        at = int(np.searchsorted(centres, centres[at] + BLOCK))
+    while at < len(centers):
+        starts.append(centers[at])
+        at = int(np.searchsorted(centers, centers[at] + BLOCK))
     return np.array(starts, np.int32)

@@ -131,9 +131,9 @@ class HalfKnownSearch:
         self, windows: Windows, weights: NDArray[np.int16], candidates: int, variance: float
     ) -> None:
         self.sample = weighted_windows(windows, weights)
-        self.candidates = min(candidates, windows.centres.size)
+        self.candidates = min(candidates, windows.centers.size)
         self.components, features = _fit(self.sample, variance)
-        self.leaves = _leaves(features, windows.centres)
+        self.leaves = _leaves(features, windows.centers)
 
     def on(
         self,
@@ -162,8 +162,8 @@ def _fit(sample: WeightedWindows, variance: float) -> tuple[Components, NDArray[
     middle = len(sample.weights) ** 2 // 2 * sample.channels
     heavy[middle : middle + sample.channels] = 0  # a pixel to be made is never known
     with one_blas_thread():
-        some = np.linspace(0, windows.centres.size - 1, _LEARNED_WINDOWS).astype(np.intp)
-        learned = _window_bytes(sample, windows.centres[some])
+        some = np.linspace(0, windows.centers.size - 1, _LEARNED_WINDOWS).astype(np.intp)
+        learned = _window_bytes(sample, windows.centers[some])
         mean = learned.sum(axis=0, dtype=np.int64) / len(learned)
         filters, scale = _filters((learned - mean) * np.sqrt(heavy), np.sqrt(heavy), variance)
         features, lowest, unit = _features(sample, filters)
@@ -190,10 +190,10 @@ def _features(
     sample: WeightedWindows, filters: NDArray[np.float64]
 ) -> tuple[NDArray[np.uint8], NDArray[np.int64], int]:
     """All windows' coordinates as bytes: (product - lowest) // unit."""
-    centres = sample.windows.centres
-    raw = np.empty((len(filters), centres.size), np.int64)
+    centers = sample.windows.centers
+    raw = np.empty((len(filters), centers.size), np.int64)
     for start in range(0, raw.shape[1], _CHUNK):
-        part = _window_bytes(sample, centres[start : start + _CHUNK]).astype(np.float32)
+        part = _window_bytes(sample, centers[start : start + _CHUNK]).astype(np.float32)
         raw[:, start : start + len(part)] = filters.astype(np.float32) @ part.T
     lowest = raw.min(axis=1)
     raw -= lowest[:, None]
@@ -220,7 +220,7 @@ def _products(basis: NDArray[np.float64], sample: WeightedWindows) -> NDArray[np
     return products
 
 
-def _leaves(features: NDArray[np.uint8], centres: NDArray[np.int32]) -> Leaves:
+def _leaves(features: NDArray[np.uint8], centers: NDArray[np.int32]) -> Leaves:
     """Halve the windows along the component that they vary most in, until 64 are left."""
     keep, count = features.shape
     parts, leaves = [np.arange(count)], []
@@ -240,7 +240,7 @@ def _leaves(features: NDArray[np.uint8], centres: NDArray[np.int32]) -> Leaves:
     places = np.zeros(rows, np.int32)
     for n, leaf in enumerate(leaves):
         at = slice(n * BLOCK, n * BLOCK + len(leaf))
-        places[at], planes[:keep, at] = centres[leaf], features[:, leaf]
+        places[at], planes[:keep, at] = centers[leaf], features[:, leaf]
         middles[:keep, n] = features[:, leaf].sum(axis=1, dtype=np.int64) // len(leaf)
     return Leaves(places, np.array([len(leaf) for leaf in leaves], np.int32), planes, middles)
 

@@ -79,8 +79,8 @@ def interior_windows(
 
     Returns
     -------
-    list of (windows, centres, offsets)
-        The parent's, if there is one, and the pixel's own; centres are indices into the windows.
+    list of (windows, centers, offsets)
+        The parent's, if there is one, and the pixel's own; centers are indices into the windows.
 
     Raises
     ------
@@ -91,15 +91,15 @@ def interior_windows(
     own = windows_of(sample, (reach, 0 if causal else reach, reach, reach))
     offsets = window_offsets(width, causal)
     if parent is None:
-        return [(own, own.centres, offsets)]
+        return [(own, own.centers, offsets)]
     reach = parent_width // 2
     above = windows_of(parent, (reach, reach, reach, reach))
-    y, x = np.divmod(own.to_sample(own.centres), sample.shape[1])
+    y, x = np.divmod(own.to_sample(own.centers), sample.shape[1])
     at = above.from_sample((y // 2 * parent.shape[1] + x // 2).astype(np.int32))
     whole = above.usable.reshape(-1)[at] > 0
     if not whole.any():
         raise InvalidInputError(f"no window of {sample.name} is whole at two levels")
-    return [(above, at[whole], parent_offsets(parent_width)), (own, own.centres[whole], offsets)]
+    return [(above, at[whole], parent_offsets(parent_width)), (own, own.centers[whole], offsets)]
 
 
 def window_vectors(
@@ -120,14 +120,14 @@ def window_vectors(
 
 
 def _bytes_at(
-    windows: Windows, centres: NDArray[np.int32], offsets: NDArray[np.int32]
+    windows: Windows, centers: NDArray[np.int32], offsets: NDArray[np.int32]
 ) -> NDArray[np.uint8]:
     pixels = windows.pixels.reshape(-1, windows.pixels.shape[2])
     away = offsets[:, 0] * windows.pixels.shape[1] + offsets[:, 1]
-    result = np.empty((len(centres), len(away) * pixels.shape[1]), np.uint8)
-    for start in range(0, len(centres), _CHUNK):
+    result = np.empty((len(centers), len(away) * pixels.shape[1]), np.uint8)
+    for start in range(0, len(centers), _CHUNK):
         part = slice(start, start + _CHUNK)
-        result[part] = pixels[centres[part, None] + away].reshape(-1, result.shape[1])
+        result[part] = pixels[centers[part, None] + away].reshape(-1, result.shape[1])
     return result
 
 

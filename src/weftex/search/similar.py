@@ -48,7 +48,7 @@ def similar_places(
         Flat indices into `windows.pixels`, nearest first, -1 where there are fewer. A pixel that
         no window is centered on has those of the nearest pixel that has one.
     """
-    centers = windows.centres
+    centers = windows.centers
     if not count:
         return np.zeros((windows.usable.size, 0), np.int32)
     if coarser is None:
@@ -92,7 +92,7 @@ def _children(windows: Windows, coarser: Windows, similar: NDArray[np.int32]) ->
     height, width = windows.pixels.shape[:2]
     top, left = (int(n) for n in windows.period[:2])
     coarse_top, coarse_left = (int(n) for n in coarser.period[:2])
-    y, x = np.divmod(windows.centres, width)
+    y, x = np.divmod(windows.centers, width)
     y, x = y - top, x - left
     parent = (y // 2 + coarse_top) * coarser.pixels.shape[1] + x // 2 + coarse_left
     result = np.empty((len(y), 9 * similar.shape[1]), np.int32)

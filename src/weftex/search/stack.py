@@ -66,7 +66,7 @@ class Layout:
         return result
 
     def usable(self, masks: list[NDArray[np.bool_]]) -> NDArray[np.uint8]:
-        """1 where a window may be centred, given the phases of the mask."""
+        """1 where a window may be centered, given the phases of the mask."""
         m = self.margin
         mode: Any = "wrap" if self.tileable else "symmetric"
         whole = [whole_windows(np.pad(k, m, mode=mode), (self.reach,) * 4) for k in masks]

@@ -41,7 +41,7 @@ class WindowComponents:
     shift : int
         Right shift, with rounding, that brings coordinates to their range.
     features : int16 array (D, n)
-        Of the windows around `Windows.centres`.
+        Of the windows around `Windows.centers`.
     variance : float
         Share of the variance of the windows learned from that the components keep.
     """
@@ -68,7 +68,7 @@ def window_components(windows: Windows, reach: int, variance: float) -> WindowCo
         Share of the variance to keep, with at most 48 components.
     """
     width, channels = 2 * reach + 1, windows.pixels.shape[2]
-    centers = windows.centres
+    centers = windows.centers
     chosen = centers[
         np.linspace(0, len(centers) - 1, min(len(centers), _LEARNED_WINDOWS)).astype(np.int64)
     ]

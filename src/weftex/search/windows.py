@@ -43,7 +43,7 @@ class Windows:
     shape: tuple[int, int]
 
     @cached_property
-    def centres(self) -> NDArray[np.int32]:
+    def centers(self) -> NDArray[np.int32]:
         """Flat indices into `pixels` where a window may be centered, in scan order."""
         return np.flatnonzero(self.usable).astype(np.int32)
 
@@ -88,7 +88,7 @@ def windows_of(
     --------
     >>> import numpy as np
     >>> from weftex.exemplar import Exemplar
-    >>> windows_of(Exemplar(np.zeros((9, 8), np.uint8)), (2, 2, 2, 2)).centres.size
+    >>> windows_of(Exemplar(np.zeros((9, 8), np.uint8)), (2, 2, 2, 2)).centers.size
     20
     """
     pixels = exemplar.matching() if pixels is None else pixels

@@ -63,7 +63,7 @@ class Analysis:
     maps : tuple of str
         Names of the aligned maps.
     colors : int
-        Different colours among the usable pixels.
+        Different colors among the usable pixels.
     scale, confidence : float
         See `weftex.analysis.scale.DominantScale`.
     spectrum : tuple of Band
@@ -121,7 +121,7 @@ class Analysis:
         rows = [
             (self.name, kind + (" with alpha" if self.alpha else "")),
             *([("maps", ", ".join(self.maps))] if self.maps else []),
-            ("colours", str(self.colors)),
+            ("colors", str(self.colors)),
             ("scale", f"{self.scale:g} px, {certainty}"),
             ("regularity", f"{self.regularity:g}"),
             ("lattice", _words(self.lattice)),

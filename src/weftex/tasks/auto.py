@@ -30,11 +30,11 @@ if TYPE_CHECKING:
     from weftex.results.synthesis import Synthesis
 
 _LOOK = 320  # pixels a side; of larger samples a smaller copy and a part are looked at
-_SMALLEST_ANALYZED = 32  # pixels a side of a sample that has something to be analysed
+_SMALLEST_ANALYZED = 32  # pixels a side of a sample that has something to be analyzed
 _LATTICE = 0.6  # confidence from which blocks are laid by the lattice
 _TILES = 4  # that a sample must show, so that a block has more than one place to come from
 _FINE = 1 / 16  # scale over the sample's side: a patch of a quarter of it is four pieces wide
-_FEW_COLORS = 32  # drawings, labels: no mixtures of colours
+_FEW_COLORS = 32  # drawings, labels: no mixtures of colors
 #: Pixels of the output from which `graphcut`, at about 10 s a megapixel, takes too long.
 PATIENCE = 2**20
 _STRAIN = 0.05  # of a lattice that goes around a tileable output
@@ -60,7 +60,7 @@ class Findings:
     scale : float
         See `weftex.analysis.scale.DominantScale`, in pixels of the sample.
     colors : int
-        Different colours; many of more than some thousand.
+        Different colors; many of more than some thousand.
     evenness : Evenness
         See `weftex.analysis.evenness`.
     """
@@ -91,7 +91,7 @@ class Auto(Method):
     supports: ClassVar[frozenset[str]] = frozenset({"wrap", "known", "guide"})
 
     def fit(self, exemplar: Exemplar) -> AutoModel:
-        """Return a model that chooses when it knows what to make; the sample is analysed once."""
+        """Return a model that chooses when it knows what to make; the sample is analyzed once."""
         return AutoModel(self, exemplar)
 
 
@@ -188,7 +188,7 @@ def choose(findings: Findings, canvas: Canvas) -> Choice:
     warnings = tuple(_warnings(findings))
     parameters: dict[str, Any] = {}
     if shorter < _SMALLEST_ANALYZED:
-        slug, said = "graphcut", f"too small to be analysed, {_size(findings.shape)}"
+        slug, said = "graphcut", f"too small to be analyzed, {_size(findings.shape)}"
     elif lattice is not None and _is_near_regular(lattice, findings.shape):
         slug, said = "near-regular", f"near-regular, {_words(lattice)}"
         vectors = tuple(part for vector in lattice.vectors for part in vector)
@@ -203,7 +203,7 @@ def choose(findings: Findings, canvas: Canvas) -> Choice:
     elif findings.scale <= _FINE * shorter:
         slug, said = "patch-sampling", f"fine structure, {findings.scale:.3g} px of {shorter}"
         if findings.colors <= _FEW_COLORS:
-            slug, said = "quilting", f"{said}, few colours ({findings.colors}), not to be mixed"
+            slug, said = "quilting", f"{said}, few colors ({findings.colors}), not to be mixed"
     else:
         slug, said = "graphcut", f"irregular structure of {findings.scale:.3g} px"
     if slug == "graphcut" and area > PATIENCE and shorter >= 3:
@@ -215,7 +215,7 @@ def choose(findings: Findings, canvas: Canvas) -> Choice:
 
 
 def look(exemplar: Exemplar) -> Findings:
-    """Analyse a sample for `choose`, in about 0.2 s however large it is.
+    """Analyze a sample for `choose`, in about 0.2 s however large it is.
 
     A sample of more than 320 pixels a side is averaged down; where that shows no lattice, a part
     of it is looked at as it is, because fine lattices are lost in averages.
@@ -330,7 +330,7 @@ def _part(exemplar: Exemplar) -> Exemplar:
 
 
 def _colors(exemplar: Exemplar) -> int:
-    """Different colours in every third row, which is enough to tell few from many."""
+    """Different colors in every third row, which is enough to tell few from many."""
     levels = exemplar.matching()[::3]
     levels = levels.reshape(-1, levels.shape[-1])
     names = np.zeros(len(levels), np.uint64)

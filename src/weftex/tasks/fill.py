@@ -33,8 +33,8 @@ DEFAULT = "patch-sampling"
 
 #: Usable pixels around the holes that patches are taken from. More make it slower, and what is
 #: further away looks less like the place.
-NEIGHBOURHOOD = 2**20
-_CELL = 16  # pixels a side; the neighbourhood grows by whole cells
+NEIGHBORHOOD = 2**20
+_CELL = 16  # pixels a side; the neighborhood grows by whole cells
 
 #: Around a hole at least so many pixels are looked at, or those that the method asks for.
 _LEAST_REACH = 256
@@ -54,7 +54,7 @@ def fill(
 ) -> Synthesis:
     """Fill the holes of a photo; every other pixel stays exactly as it is.
 
-    Patches come from the million pixels nearest to the holes (`NEIGHBOURHOOD`), or from `sample`.
+    Patches come from the million pixels nearest to the holes (`NEIGHBORHOOD`), or from `sample`.
     A photo with aligned maps is matched on all of them, and all of them are filled alike: see
     `Synthesis.maps`.
 
@@ -216,7 +216,7 @@ class _Region:
         if usable is not None:
             while not near.all():
                 wider = grown(near, max(1, steps // 8), wrap)
-                if supply[wider].sum() > NEIGHBOURHOOD:
+                if supply[wider].sum() > NEIGHBORHOOD:
                     break
                 near = wider
         near = near.repeat(_CELL, 0).repeat(_CELL, 1)[: hole.shape[0], : hole.shape[1]]

@@ -61,15 +61,15 @@ def fuse(
     samples : sequence of path, array, PIL image or Exemplar
         Two or more, of one dtype and number of channels.
     label_map : path, array, PIL image or "gradient"
-        A picture with one colour for each sample; an integer array (H, W) of labels from 0; or
+        A picture with one color for each sample; an integer array (H, W) of labels from 0; or
         "gradient", which goes over from the first of two samples at the top to the second.
     size : int or (int, int), optional
         Height and width of the output: those of the map by default, and needed with "gradient".
-    colors : sequence of colours, optional
-        The map's colour for each sample; by default in order of appearance, from the upper left
+    colors : sequence of colors, optional
+        The map's color for each sample; by default in order of appearance, from the upper left
         corner row by row.
-    mixed : mapping of colour to (int, int), optional
-        Further colours, or labels, whose regions are made of two samples merged: their numbers.
+    mixed : mapping of color to (int, int), optional
+        Further colors, or labels, whose regions are made of two samples merged: their numbers.
     method : str or Method
         A name in `weftex.METHODS`, or a method with its parameters, that copies single pixels and
         fills holes. Belts get its larger `window_width`, where it has one.
@@ -92,7 +92,7 @@ def fuse(
     Raises
     ------
     InvalidInputError
-        If samples differ in kind, a colour has no sample or a sample no colour, the map is of
+        If samples differ in kind, a color has no sample or a sample no color, the map is of
         another size, or a region is nowhere wider than its belts.
     UnsupportedError
         If the method blends, or does not fill holes.
@@ -310,7 +310,7 @@ def _labels(
     if isinstance(label_map, str) and label_map == "gradient":
         if count != 2 or wanted is None or colors is not None or mixed:
             raise InvalidInputError(
-                "the map 'gradient' takes two samples and the size of the output, and no colours"
+                "the map 'gradient' takes two samples and the size of the output, and no colors"
             )
         labels = circle_map(wanted, (scales[0] // 2, scales[1] // 2), seed)
         return np.where(labels == 2, _MIXED + 1, labels).astype(np.int32)
@@ -326,7 +326,7 @@ def _labels(
     if colors is None and picture.ndim == 2 and np.isin(picture, known).all():
         colors = range(count)
     if colors is None and mixed:
-        raise InvalidInputError("give the colours of the samples beside those of mixed regions")
+        raise InvalidInputError("give the colors of the samples beside those of mixed regions")
     if colors is not None:
         colors = [*colors, *mixed]
     labels, _ = labels_of(picture, count + len(mixed), colors)
@@ -336,6 +336,6 @@ def _labels(
     if wanted is not None and labels.shape != wanted:
         raise InvalidInputError(
             f"the map is {labels.shape[1]}x{labels.shape[0]}, the size {wanted[1]}x{wanted[0]}; "
-            "leave size out, or scale the map (nearest neighbour)"
+            "leave size out, or scale the map (nearest neighbor)"
         )
     return labels

@@ -15,35 +15,35 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
 _SIGMA = 80.0  # pixels: how fast the second sample takes over in a circle map
-_SHOWN = 6  # colours that a message lists
+_SHOWN = 6  # colors that a message lists
 
 
 def labels_of(
     picture: NDArray[Any], count: int, colors: Sequence[Any] | None = None
 ) -> tuple[NDArray[np.int32], list[Any]]:
-    """Number the colours of a painted map.
+    """Number the colors of a painted map.
 
     Parameters
     ----------
     picture : array (H, W) or (H, W, C)
         Of any dtype; alpha must be constant.
     count : int
-        How many colours there must be.
-    colors : sequence of colours, optional
-        The colour of each label, as numbers or tuples of numbers of the picture's dtype; then
-        other colours count as the nearest of these, so that painted edges may be smooth. By
-        default the colours are numbered as they appear, from the upper left corner row by row.
+        How many colors there must be.
+    colors : sequence of colors, optional
+        The color of each label, as numbers or tuples of numbers of the picture's dtype; then
+        other colors count as the nearest of these, so that painted edges may be smooth. By
+        default the colors are numbered as they appear, from the upper left corner row by row.
 
     Returns
     -------
     labels : int32 array (H, W)
     colors : list
-        The colour of each label.
+        The color of each label.
 
     Raises
     ------
     InvalidInputError
-        If the map has more or fewer colours, or one of `colors` is not in it.
+        If the map has more or fewer colors, or one of `colors` is not in it.
     """
     if picture.ndim not in (2, 3) or picture.size == 0:
         raise InvalidInputError(f"the map has shape {picture.shape}; it must be (H, W[, C])")
@@ -55,8 +55,8 @@ def labels_of(
             shown = ", ".join(_text(c) for c in found[order][:_SHOWN])
             more = ", ..." if len(found) > _SHOWN else ""
             raise InvalidInputError(
-                f"the map has {len(found)} colours ({shown}{more}) for {count} samples; there must "
-                "be one for each sample, or say which colours to take"
+                f"the map has {len(found)} colors ({shown}{more}) for {count} samples; there must "
+                "be one for each sample, or say which colors to take"
             )
         rank = np.empty(count, np.int32)
         rank[order] = np.arange(count, dtype=np.int32)
@@ -64,19 +64,19 @@ def labels_of(
     else:
         if len(colors) != count:
             raise InvalidInputError(
-                f"{len(colors)} colours for {count} samples or mixed regions; give one each"
+                f"{len(colors)} colors for {count} samples or mixed regions; give one each"
             )
         try:
             wanted = np.array([np.ravel(c) for c in colors])
         except ValueError:
             wanted = np.zeros((0, 0))
         if wanted.shape != (count, flat.shape[1]):
-            raise InvalidInputError(f"each colour must have {flat.shape[1]} numbers, as in the map")
+            raise InvalidInputError(f"each color must have {flat.shape[1]} numbers, as in the map")
         distance = np.stack([((flat - c.astype(np.float64)) ** 2).sum(axis=1) for c in wanted])
         labels = distance.argmin(axis=0).astype(np.int32)
         for k in range(count):
             if not (distance[k] == 0).any():
-                raise InvalidInputError(f"the map has no pixel of the colour {_text(wanted[k])}")
+                raise InvalidInputError(f"the map has no pixel of the color {_text(wanted[k])}")
     return labels.reshape(picture.shape[:2]), [tuple(c.tolist()) for c in wanted]
 
 
@@ -85,7 +85,7 @@ def circle_map(size: tuple[int, int], radii: tuple[int, int], seed: int) -> NDAr
 
     Circles are placed at random until everything is covered. At a distance of x pixels from the
     top row a circle is of the first sample with probability exp(-x^2 / 2 sigma^2), sigma being
-    80; where it meets the other sample's colour, that becomes a region of both mixed.
+    80; where it meets the other sample's color, that becomes a region of both mixed.
 
     Parameters
     ----------

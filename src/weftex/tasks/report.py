@@ -155,10 +155,10 @@ def _maps(
     if source is not None:
         known = source[..., 0] >= 0
         scale = 255 / np.maximum(np.array(exemplar.shape) - 1, 1)
-        colour = np.full((*made.shape, 3), 96, np.uint8)
-        colour[..., 1::-1] = np.rint(np.maximum(source, 0) * scale)
-        colour[~known] = 0
-        maps["source"] = colour
+        color = np.full((*made.shape, 3), 96, np.uint8)
+        color[..., 1::-1] = np.rint(np.maximum(source, 0) * scale)
+        color[~known] = 0
+        maps["source"] = color
         count = np.zeros(exemplar.shape)
         np.add.at(count, (source[known][:, 0], source[known][:, 1]), 1)
         usual = max(float(count.mean()), 1e-9)
@@ -170,12 +170,12 @@ def _maps(
 
 
 def _marked(
-    picture: Bytes, strength: NDArray[Any], colour: tuple[int, int, int], keep: float = 0.6
+    picture: Bytes, strength: NDArray[Any], color: tuple[int, int, int], keep: float = 0.6
 ) -> Bytes:
-    """The picture in grey, or as it is, with a colour over it where the strength is."""
+    """The picture in gray, or as it is, with a color over it where the strength is."""
     base = picture.astype(np.float64)
     if keep < 1:
         base = np.repeat(255 - (255 - base.mean(axis=2, keepdims=True)) * keep, 3, axis=2)
     share = 0.85 * strength[..., None]
-    marked: Bytes = np.rint(base * (1 - share) + np.array(colour) * share).astype(np.uint8)
+    marked: Bytes = np.rint(base * (1 - share) + np.array(color) * share).astype(np.uint8)
     return marked

@@ -29,7 +29,7 @@ if TYPE_CHECKING:
     Sample = str | os.PathLike[str] | NDArray[Any] | Exemplar | Any
 
 #: Stems that mean the picture that a set of maps is matched on, most telling first.
-COLOUR_NAMES = ("albedo", "basecolor", "base_color", "diffuse", "color", "colour", "col", "diff")
+COLOR_NAMES = ("albedo", "basecolor", "base_color", "diffuse", "color", "colour", "col", "diff")
 
 
 def synthesize(
@@ -190,12 +190,12 @@ def exemplar_of_maps(pictures: Mapping[str, Picture], **options: Any) -> Exempla
     Parameters
     ----------
     pictures : mapping of str to Picture
-        By name; the most telling name (see `COLOUR_NAMES`) becomes the pixels.
+        By name; the most telling name (see `COLOR_NAMES`) becomes the pixels.
     **options
         For `Exemplar`.
     """
     names = sorted(pictures)
-    name = ([n for word in COLOUR_NAMES for n in names if word in n.lower()] or names)[0]
+    name = ([n for word in COLOR_NAMES for n in names if word in n.lower()] or names)[0]
     maps = {key: picture.pixels for key, picture in pictures.items() if key != name}
     main = pictures[name]
     about: dict[str, Any] = {"alpha": main.alpha, "icc": main.icc, "name": name, "maps": maps}

@@ -13,7 +13,7 @@ if TYPE_CHECKING:
     from weftex.cli.terminal import Bar, Outputs
 
 _ABOUT = """\
-Make a picture of several materials that merge where a map says. The map has one colour for each
+Make a picture of several materials that merge where a map says. The map has one color for each
 sample: those of --colors, or in the order in which they appear, from the upper left corner row by
 row. The map 'gradient' goes over from the first of two samples to the second, from top to bottom.\
 """
@@ -32,9 +32,9 @@ def run(argv: list[str]) -> None:
     parser = Parser("fuse", _ABOUT, _EXAMPLES)
     parser.add_argument("samples", metavar="SAMPLE", nargs="+", help="pictures, or sample:NAME")
     parser.add_argument("--map", metavar="M", required=True, help="picture, or 'gradient'")
-    text = "the map's colour for each sample, as #rrggbb or a grey level"
+    text = "the map's color for each sample, as #rrggbb or a gray level"
     parser.add_argument("--colors", metavar="C,C,...", help=text)
-    text = "further colours, of regions where two samples are mixed, as #rrggbb=1+2"
+    text = "further colors, of regions where two samples are mixed, as #rrggbb=1+2"
     parser.add_argument("--mixed", metavar="C=A+B,...", help=text)
     parser.add_argument("--size", metavar="WxH|N", help="in pixels; default: the map's")
     args, method, parameters = parse_task(parser, argv, "refinement")

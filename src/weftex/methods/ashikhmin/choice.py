@@ -112,7 +112,7 @@ def random_places(
     windows: Windows, seed: int, purpose: str, *place: NDArray[np.integer] | int
 ) -> NDArray[np.int32]:
     """Draw centers of windows evenly, one for each place; see `weftex.random.draw`."""
-    centers = windows.centres
+    centers = windows.centers
     share = (draw(seed, purpose, *place) >> np.uint64(32)) * np.uint64(len(centers))
     places: NDArray[np.int32] = centers[share >> np.uint64(32)]
     return places

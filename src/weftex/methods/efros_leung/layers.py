@@ -42,9 +42,9 @@ def seed_piece(
     places, source : int32 arrays
         Flat indices into the canvas, and into the windows' pixels.
     """
-    centres = windows.centres
+    centers = windows.centers
     bits = draw(seed, "efros-leung seed")
-    center = centres[(int(bits) >> 32) * len(centres) >> 32]
+    center = centers[(int(bits) >> 32) * len(centers) >> 32]
     height, width = (min(side, n) for n in shape)
     away = np.arange(side) - side // 2
     piece = center + away[:height, None] * windows.pixels.shape[1] + away[:width]

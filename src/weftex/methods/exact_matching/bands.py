@@ -24,7 +24,7 @@ def random_band(lists: ColorLists, width: int, seed: int) -> NDArray[np.int32]:
 
     Returns flat indices into the sample, (reach, width).
     """
-    centers = lists.windows.to_sample(lists.windows.centres)
+    centers = lists.windows.to_sample(lists.windows.centers)
     bits = draw(seed, "exact band", *np.indices((lists.reach, width)))
     band: NDArray[np.int32] = centers[bits % np.uint64(len(centers))]
     return band
@@ -59,7 +59,7 @@ def structured_band(
     windows, high = turned.windows, turned.reach
     sheet = Sheet((width, high), windows.pixels.shape[2], (False, False))
     bits = draw(growth.seed, "exact block", 0)
-    corner = windows.centres[bits % np.uint64(len(windows.centres))]
+    corner = windows.centers[bits % np.uint64(len(windows.centers))]
     y, x = np.indices((min(high, width), high)) - high  # inside the window of that center
     block = corner + y * windows.pixels.shape[1] + x
     sheet.put(turned, windows.to_sample(block.astype(np.int32)))

@@ -14,7 +14,7 @@ class Sample:
 
     def __init__(self, windows, coarse, index, radius, offsets, starts, groups, places):
         self.pixels, self.usable, self.period = windows.pixels, windows.usable, windows.period
-        self.centers, self.coarse = windows.centres, coarse
+        self.centers, self.coarse = windows.centers, coarse
         self.tree, self.number, self.radius = index.tree(), index.number, radius
         self.offsets, self.starts, self.groups, self.places = offsets, starts, groups, places
 

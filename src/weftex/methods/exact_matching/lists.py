@@ -207,7 +207,7 @@ def _grouped(
 
 def _window_sums(windows: Windows, runs: NDArray[np.int32]) -> NDArray[np.int64]:
     """The sum of the bytes of each whole window."""
-    pixels, centers = windows.pixels, windows.centres
+    pixels, centers = windows.pixels, windows.centers
     along = np.zeros((pixels.shape[0], pixels.shape[1] + 1), np.int64)
     along[:, 1:] = pixels.sum(axis=2, dtype=np.int64).cumsum(axis=1)
     y, x = np.divmod(centers, pixels.shape[1])

@@ -29,7 +29,7 @@ class NearRegular(Method):
 
     The output is divided into blocks. Every second one shows a piece of the sample that lies a
     multiple of the translation vectors away, drawn at random; the gaps between take the piece that
-    fits their four neighbours best. So the regular structure goes on however far, and what is
+    fits their four neighbors best. So the regular structure goes on however far, and what is
     irregular stays irregular.
 
     Examples
@@ -113,7 +113,7 @@ class NearRegular(Method):
     )
     warp: int = parameter(
         0,
-        "how far parts of a gap's piece are moved and resampled to meet its neighbours; 0 copies",
+        "how far parts of a gap's piece are moved and resampled to meet its neighbors; 0 copies",
         low=0,
         high=8,
         unit="px",

@@ -76,7 +76,7 @@ def fill_gaps(
     bundle, grid = kernel_sample(sample), layout.grid(place)
     search = kernel_search(settings, sample.features)
     progress = Progress(callback, len(cells), "gaps", lambda: layout.preview(sample, place))
-    centers = sample.windows.centres
+    centers = sample.windows.centers
 
     def fill(job: tuple[Border, NDArray[np.int32]]) -> int:
         border, gaps = job
@@ -125,7 +125,7 @@ def kernel_sample(sample: BlockSample) -> block_kernels.Sample:
     """The sample as kernels take it."""
     windows = sample.windows
     return block_kernels.Sample(
-        sample.pixels, sample.turned, windows.usable, windows.period, windows.centres
+        sample.pixels, sample.turned, windows.usable, windows.period, windows.centers
     )
 
 

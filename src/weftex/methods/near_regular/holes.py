@@ -203,7 +203,7 @@ def _fit(
         i, j = cell.tolist()
         border, known = _border(settings, sample, layout, hole, i, j)
         if settings.unconstrained and len(border.runs) == 0:
-            centers = sample.windows.centres
+            centers = sample.windows.centers
             place[i, j] = centers[int(layout.bits[i, j] % np.uint64(len(centers)))]
             return
         gap = kernel_gap(settings, NO_FEATURES, border, known)

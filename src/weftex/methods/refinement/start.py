@@ -116,7 +116,7 @@ def plant_seeds(
     bits = draw(seed, "seed point", *np.indices((len(y), len(x))))
     tiles = _unit_tiles(pyramid, spacing)
     if not len(tiles):
-        return pyramid.centres[bits % np.uint64(len(pyramid.centres))], y, x
+        return pyramid.centers[bits % np.uint64(len(pyramid.centers))], y, x
     flat = pyramid.pixels.reshape(-1, pyramid.pixels.shape[2])
     colors = flat[tiles].astype(np.int64)
     # Beyond the end of an axis lies one more row of points, or the first one again.
@@ -157,7 +157,7 @@ def _unit_tiles(pyramid: Windows, spacing: int) -> NDArray[np.int32]:
     """Corners (n, 4) of the sample's unit tiles: upper left and right, lower left and right."""
     width = pyramid.usable.shape[1]
     usable = np.pad(pyramid.usable, (0, spacing))
-    y, x = np.divmod(pyramid.centres, width)
+    y, x = np.divmod(pyramid.centers, width)
     on_grid = ((y - y.min()) % spacing == 0) & ((x - x.min()) % spacing == 0)
     y, x = y[on_grid], x[on_grid]
     whole = usable[y + spacing, x] & usable[y, x + spacing] & usable[y + spacing, x + spacing]
