@@ -275,7 +275,7 @@ def test_few_colors_stay_fast():
     pixels = np.zeros((64, 64), np.uint8)
     pixels[10, 10] = 255
     model = weftex.WeiLevoy(levels=1, window_width=5, search="full").fit(weftex.Exemplar(pixels))
-    assert len(model.trees.of(0, causal=True).nodes) == 1
+    assert len(model.prepared.trees.of(0, causal=True).nodes) == 1
     constant = weftex.WeiLevoy(levels=2).fit(weftex.Exemplar(np.zeros((64, 64), np.uint8)))
     assert all(
         constant.trees.of(level, causal=True).nodes.tolist() == [[-1, 0, 1]] for level in (0, 1)
@@ -287,5 +287,5 @@ def test_the_tree_is_over_the_windows_of_its_level():
     model = weftex.WeiLevoy(levels=2, window_width=5).fit(exemplar)
     samples = pyramid_windows.sample_pyramid(exemplar, 2)
     expected = build_tsvq(*pyramid_windows.window_vectors(*samples, 5, 3, causal=True))
-    assert np.array_equal(model.trees.of(0, causal=True).rows, expected.rows)
-    assert np.array_equal(model.trees.of(0, causal=True).nodes, expected.nodes)
+    assert np.array_equal(model.prepared.trees.of(0, causal=True).rows, expected.rows)
+    assert np.array_equal(model.prepared.trees.of(0, causal=True).nodes, expected.nodes)

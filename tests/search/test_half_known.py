@@ -167,8 +167,8 @@ def test_most_of_the_best_windows_are_found(name):
     model = weftex.EfrosLeung(window_width=11).fit(exemplar)
     search = search_of(exemplar, 5, 32)
     result = model.sample(48, seed=1)
-    source = model.windows.from_sample(result.index)
-    levels = model.windows.pixels.reshape(-1, exemplar.channels)[source]
+    source = model.prepared.windows.from_sample(result.index)
+    levels = model.prepared.windows.pixels.reshape(-1, exemplar.channels)[source]
     done = np.ones((48, 48), np.uint8)
     done[:, 24:] = 0
     places = (np.arange(4, 44) * 48 + 24).astype(np.int32)

@@ -11,8 +11,7 @@ from weftex.method import parameter
 from weftex.methods.ashikhmin.choice import Choice, random_places
 from weftex.methods.ashikhmin.model import Prepared, prepare
 from weftex.methods.ashikhmin.settings import settle
-from weftex.methods.pixels.growth import PixelModel
-from weftex.methods.pixels.windowed import WindowedMethod
+from weftex.methods.pixels.growth import PixelModel, WindowedMethod
 from weftex.raster.masks import peeled
 
 if TYPE_CHECKING:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass, replace
 from typing import TYPE_CHECKING, ClassVar
 
 import numpy as np
@@ -14,8 +14,9 @@ from weftex.methods.efros_leung.layers import (
     shared,
     unfilled_with_filled_neighbors,
 )
-from weftex.methods.efros_leung.model import EfrosLeungModel
-from weftex.methods.pixels.windowed import WindowedMethod
+from weftex.methods.efros_leung.model import Prepared, prepare
+from weftex.methods.efros_leung.settings import settle
+from weftex.methods.pixels.growth import PixelModel, WindowedMethod
 
 if TYPE_CHECKING:
     from weftex.exemplar import Exemplar
@@ -87,20 +88,24 @@ class EfrosLeung(WindowedMethod):
         needs=("search", ("pca",)),
     )
 
-    def fit(self, exemplar: Exemplar) -> EfrosLeungModel:
+    def fit(self, exemplar: Exemplar) -> PixelModel:
         """Prepare a sample."""
-        return EfrosLeungModel(self, exemplar, grow_in_layers)
+        settings = settle(self, exemplar)
+        settled = replace(self, **asdict(settings))
+        return PixelModel(settled, exemplar, prepare(settings, exemplar), grow_in_layers)
 
 
-def grow_in_layers(model: EfrosLeungModel, growth: Growth) -> None:
+def grow_in_layers(prepared: Prepared, growth: Growth) -> None:
     """Grow the texture around a seed, or around the known pixels, in layers (section III.A)."""
-    settings, wrap = model.settings, growth.canvas.wrap
-    sample = model.windows.pixels.reshape(-1, model.windows.pixels.shape[2])
+    settings, wrap = prepared.settings, growth.canvas.wrap
+    sample = prepared.windows.pixels.reshape(-1, prepared.windows.pixels.shape[2])
     source, done = growth.source.reshape(-1), growth.done.reshape(-1)
-    pixels = growth.levels.reshape(done.size, -1)
+    pixels = growth.pixels.reshape(done.size, -1)
     # "... grown in layers taken randomly from the sample image": a random piece of it is the seed.
     if not done.any():
-        at, piece = seed_piece(model.windows, settings.seed_size, growth.canvas.shape, growth.seed)
+        at, piece = seed_piece(
+            prepared.windows, settings.seed_size, growth.canvas.shape, growth.seed
+        )
         source[at], pixels[at], done[at] = piece, sample[piece], 1
     progress = growth.progress(int((done == 0).sum()), "pixels")
     threshold = settings.threshold
@@ -108,9 +113,9 @@ def grow_in_layers(model: EfrosLeungModel, growth: Growth) -> None:
     # The context is the "already synthesized pixels in a square window"; similarity is the
     # "Gaussian weighted sum of differences": "find the best match [...] and take all samples
     # within some distance from that match", one of which is drawn.
-    canvas = growth.levels, growth.done, growth.source, wrap
+    canvas = growth.pixels, growth.done, growth.source, wrap
     with shared(
-        [model.search.on(*canvas, settings.tolerance) for _ in range(growth.threads)]
+        [prepared.search.on(*canvas, settings.tolerance) for _ in range(growth.threads)]
     ) as draw_match:
         while (layer := unfilled_with_filled_neighbors(growth.done, wrap)).size:
             lowest = np.inf

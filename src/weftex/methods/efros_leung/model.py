@@ -2,26 +2,25 @@
 
 from __future__ import annotations
 
-import dataclasses
-from collections.abc import Callable
-from typing import TYPE_CHECKING, Any
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
-from weftex.methods.efros_leung.settings import Settings, settle, square_windows
-from weftex.methods.pixels.growth import PixelModel
+from weftex.methods.efros_leung.settings import Settings, square_windows
 from weftex.search.exhaustive import ExhaustiveSearch
 from weftex.search.half_known import HalfKnownSearch
 from weftex.search.weighted_windows import gaussian_weights
 
 if TYPE_CHECKING:
     from weftex.exemplar import Exemplar
-    from weftex.methods.pixels.growth import Growth
     from weftex.search.weighted_windows import WindowSearch
+    from weftex.search.windows import Windows
 
 _SIGMAS = 6.4  # standard deviations of the Gaussian in a window's width
 
 
-class EfrosLeungModel(PixelModel):
-    """A sample prepared for non-parametric sampling; `sample` makes outputs from it.
+@dataclass(frozen=True, eq=False)
+class Prepared:
+    """A sample prepared for non-parametric sampling.
 
     Attributes
     ----------
@@ -34,24 +33,17 @@ class EfrosLeungModel(PixelModel):
     """
 
     settings: Settings
+    windows: Windows
+    search: WindowSearch
 
-    def __init__(
-        self,
-        method: Any,
-        exemplar: Exemplar,
-        algorithm: Callable[[EfrosLeungModel, Growth], None],
-    ) -> None:
-        self.settings = settings = settle(method, exemplar)
-        super().__init__(dataclasses.replace(method, **dataclasses.asdict(settings)), exemplar)
-        self.windows = square_windows(exemplar, settings.window_width)
-        weights = gaussian_weights(settings.window_width, settings.window_width / _SIGMAS)
-        self.search: WindowSearch = (
-            ExhaustiveSearch(self.windows, weights)
-            if settings.search == "full"
-            else HalfKnownSearch(self.windows, weights, settings.candidates, settings.variance)
-        )
-        self._algorithm = algorithm
 
-    def grow(self, growth: Growth) -> None:
-        """Make every pixel that is not known."""
-        self._algorithm(self, growth)
+def prepare(settings: Settings, exemplar: Exemplar) -> Prepared:
+    """Find the sample's windows, and build the structure that is searched."""
+    windows = square_windows(exemplar, settings.window_width)
+    weights = gaussian_weights(settings.window_width, settings.window_width / _SIGMAS)
+    search: WindowSearch = (
+        ExhaustiveSearch(windows, weights)
+        if settings.search == "full"
+        else HalfKnownSearch(windows, weights, settings.candidates, settings.variance)
+    )
+    return Prepared(settings, windows, search)

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 from weftex.errors import InvalidInputError
-from weftex.methods.pixels.growth import settle_window
+from weftex.methods.pixels.growth import settled_width
 from weftex.search.windows import windows_of
 
 if TYPE_CHECKING:
@@ -39,7 +39,7 @@ def settle(method: Any, exemplar: Exemplar) -> Settings:
     InvalidInputError
         If the sample has no room for a window of the given width, or the seed is wider than it.
     """
-    width: int = settle_window(method, exemplar, _PROPOSED_WIDTH).window_width
+    width: int = settled_width(method.window_width, exemplar, _PROPOSED_WIDTH)
     # Narrower where the usable pixels have no room for the proposed width.
     while method.window_width is None and width > 1 and not _has_windows(exemplar, width):
         width -= 2

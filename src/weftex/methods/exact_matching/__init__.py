@@ -12,8 +12,7 @@ from weftex.methods.exact_matching.bands import FinishedLevel, random_band, stru
 from weftex.methods.exact_matching.matching import Matching, Parents, Sheet, Statistics
 from weftex.methods.exact_matching.model import Prepared, prepare
 from weftex.methods.exact_matching.settings import Settings, settle
-from weftex.methods.pixels.growth import PixelModel
-from weftex.methods.pixels.windowed import WindowedMethod
+from weftex.methods.pixels.growth import PixelModel, WindowedMethod
 
 if TYPE_CHECKING:
     from weftex.exemplar import Exemplar

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import dataclasses
 from collections.abc import Callable
-from typing import TYPE_CHECKING, Any, Protocol, TypeVar
+from typing import TYPE_CHECKING, Any, Protocol, Self, TypeVar
 
 import numpy as np
 
@@ -80,15 +80,6 @@ class Growth:
             place = (y * exemplar.shape[1] + x).astype(np.int32)
             self.source[~self.hole] = windows.from_sample(place[~self.hole])
 
-    @property
-    def levels(self) -> NDArray[np.uint8]:
-        """An older name of `pixels`."""
-        return self.pixels
-
-    @levels.setter
-    def levels(self, pixels: NDArray[np.uint8]) -> None:
-        self.pixels = pixels
-
     def progress(self, total: int, stage: str) -> Progress:
         """Report on `total` steps of one stage; the preview is the picture so far."""
         return Progress(self._callback, total, stage, self._preview)
@@ -126,24 +117,16 @@ class PixelModel(Model):
         `source` of every pixel that is not known. It is not called if all are.
     """
 
-    windows: Windows
-    prepared: Any
-
     def __init__(
         self,
         method: Method,
         exemplar: Exemplar,
-        prepared: _P | None = None,
-        grow: Callable[[_P, Growth], None] | None = None,
+        prepared: _P,
+        grow: Callable[[_P, Growth], None],
     ) -> None:
         self.method, self.exemplar = method, exemplar
-        if prepared is not None and grow is not None:  # else a subclass does both by itself
-            self.windows, self.prepared = prepared.windows, prepared
-            self._algorithm: Callable[[Any, Growth], None] = grow
-
-    def grow(self, growth: Growth) -> None:
-        """Make every pixel that is not known."""
-        self._algorithm(self.prepared, growth)
+        self.prepared: Any = prepared
+        self._grow: Callable[[Any, Growth], None] = grow
 
     def sample(
         self,
@@ -177,13 +160,11 @@ class PixelModel(Model):
         self.method.require(canvas)
         canvas.check_known(self.exemplar)
         canvas.check_guide(self.exemplar)
-        number = seed_number(seed)
-        growth = Growth(
-            canvas, self.exemplar, self.windows, number, thread_count(threads), progress
-        )
+        number, windows = seed_number(seed), self.prepared.windows
+        growth = Growth(canvas, self.exemplar, windows, number, thread_count(threads), progress)
         if not growth.done.all():
-            self.grow(growth)
-        index = self.windows.to_sample(growth.source)
+            self._grow(self.prepared, growth)
+        index = windows.to_sample(growth.source)
         if canvas.hole is not None:
             index = np.where(canvas.hole, index, np.int32(-1))
         return PixelSynthesis(
@@ -194,6 +175,28 @@ class PixelModel(Model):
             known_from=canvas.known_from,
             provenance=self.method.describe() | {"seed": number} | growth.about,
         )
+
+
+class WindowedMethod(Method):
+    """Base of methods whose field `window_width` may be left open."""
+
+    if TYPE_CHECKING:  # the subclasses declare it, each with its own help
+        window_width: int | None
+
+    def window_for(self, proposed: int) -> int:
+        """See `Method.window_for`."""
+        return self.window_width or proposed
+
+    def for_belt(self, width: int) -> Self:
+        """See `Method.for_belt`."""
+        width = self.window_for(width)
+        return dataclasses.replace(self, window_width=width)  # type: ignore[call-arg]
+
+    def window_of(self, exemplar: Exemplar) -> int:
+        """See `Method.window_of`."""
+        settled = self.settle(exemplar)
+        assert isinstance(settled, WindowedMethod)
+        return settled.window_for(0)
 
 
 def settled_width(
@@ -236,9 +239,3 @@ def settled_width(
             f"{exemplar.shape[0]}, which has room for {largest}"
         )
     return given or max(1, min(proposed - 1 + proposed % 2, largest))
-
-
-def settle_window(method: Any, exemplar: Exemplar, proposed: int, *, causal: bool = False) -> Any:
-    """Return the method with its `window_width` settled by `settled_width`."""
-    width = settled_width(method.window_width, exemplar, proposed, causal=causal)
-    return dataclasses.replace(method, window_width=width)

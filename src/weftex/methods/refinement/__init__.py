@@ -7,8 +7,7 @@ from typing import TYPE_CHECKING, ClassVar, Self
 
 from weftex.errors import InvalidInputError
 from weftex.method import parameter
-from weftex.methods.pixels.growth import PixelModel
-from weftex.methods.pixels.windowed import WindowedMethod
+from weftex.methods.pixels.growth import PixelModel, WindowedMethod
 from weftex.methods.refinement.guides import guides_of
 from weftex.methods.refinement.model import Prepared, prepare
 from weftex.methods.refinement.output import (

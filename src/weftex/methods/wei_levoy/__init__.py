@@ -2,15 +2,14 @@
 
 from __future__ import annotations
 
-import dataclasses
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass, replace
 from typing import TYPE_CHECKING, ClassVar
 
 from weftex.errors import InvalidInputError
 from weftex.method import parameter
-from weftex.methods.pixels.windowed import WindowedMethod
+from weftex.methods.pixels.growth import PixelModel, WindowedMethod
 from weftex.methods.wei_levoy.levels import noise, output_pyramid, parents_or_noise
-from weftex.methods.wei_levoy.model import WeiLevoyModel
+from weftex.methods.wei_levoy.model import Prepared, prepare
 from weftex.methods.wei_levoy.passes import hole_passes, scan_passes
 from weftex.methods.wei_levoy.search import replace_by_nearest
 from weftex.methods.wei_levoy.settings import PROPOSED_WIDTH, settle
@@ -109,28 +108,30 @@ class WeiLevoy(WindowedMethod):
                 f"which is {self.window_width}"
             )
 
-    def fit(self, exemplar: Exemplar) -> WeiLevoyModel:
+    def fit(self, exemplar: Exemplar) -> PixelModel:
         """Build the pyramid and, for each level, the tree."""
-        return WeiLevoyModel(self, exemplar, synthesize)
+        settings = settle(self, exemplar)
+        settled = replace(self, **asdict(settings))
+        return PixelModel(settled, exemplar, prepare(settings, exemplar), synthesize)
 
     def settle(self, exemplar: Exemplar) -> WeiLevoy:
         """See `Method.settle`; the trees are what takes long."""
-        return dataclasses.replace(self, **dataclasses.asdict(settle(self, exemplar)))
+        return replace(self, **asdict(settle(self, exemplar)))
 
 
-def synthesize(model: WeiLevoyModel, growth: Growth) -> None:
+def synthesize(prepared: Prepared, growth: Growth) -> None:
     """Make the levels of the output, the coarsest first (sections III.B.1 and III.B.2)."""
-    settings, samples, seed = model.settings, model.samples, growth.seed
+    settings, samples, seed = prepared.settings, prepared.samples, growth.seed
     filling = growth.hole is not None
     # "For the random image, the edges are treated toroidally"; those around a hole are not.
     wrap = growth.canvas.wrap if filling else (True, True)
     # Steps 1 and 2 of III.B.1: white noise that has the histogram of the sample.
     unknown = growth.done == 0
     growth.source[unknown] = noise(samples[0], seed, 0, unknown.shape)[unknown]
-    sample = samples[0].pixels.reshape(-1, growth.levels.shape[2])
-    growth.levels[unknown] = sample[growth.source[unknown]]
+    sample = samples[0].pixels.reshape(-1, growth.pixels.shape[2])
+    growth.pixels[unknown] = sample[growth.source[unknown]]
     # Step 2 of III.B.2: the Gaussian pyramid of the noise; the sample's is in the model.
-    pyramid = output_pyramid(growth.levels, growth.source, growth.done, samples, wrap)
+    pyramid = output_pyramid(growth.pixels, growth.source, growth.done, samples, wrap)
     # Step 3 goes over a level in raster scan order; over a hole inwards, as on a spiral.
     passes = [
         hole_passes(level.unknown, growth.canvas.wrap, seed, settings)
@@ -149,4 +150,4 @@ def synthesize(model: WeiLevoyModel, growth: Growth) -> None:
             # ... "replace each pixel in the random image [...] with a pixel from the input image
             # that best matches it": by the SSD of its S x S window, causal in raster scan, and of
             # the N x N window around its parent. The tree makes the search fast.
-            replace_by_nearest(level, step, model.trees, settings, wrap, progress)
+            replace_by_nearest(level, step, prepared.trees, settings, wrap, progress)

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 from weftex.errors import InvalidInputError
-from weftex.methods.pixels.growth import settle_window
+from weftex.methods.pixels.growth import settled_width
 from weftex.search.pyramid_windows import interior_windows, sample_pyramid
 
 if TYPE_CHECKING:
@@ -48,7 +48,7 @@ def settle(method: Any, exemplar: Exemplar) -> Settings:
     InvalidInputError
         If the sample has no room for the given levels and windows, or N is not below S.
     """
-    width: int = settle_window(method, exemplar, PROPOSED_WIDTH).window_width
+    width: int = settled_width(method.window_width, exemplar, PROPOSED_WIDTH)
     samples = sample_pyramid(exemplar, method.levels or _PROPOSED_LEVELS)
     while True:
         parent_width = max(1, width - 2) if method.parent_width is None else method.parent_width
