@@ -21,5 +21,5 @@ weftex.write_image(folder / "refinement.png", result.image)
 weftex.write_image(folder / "refinement_sources.png", result.draw("sources"))
 curve = result.provenance["convergence"]
 print(f"{folder / 'refinement.png'}: windows of {model.method.window_width} px")
-print(f"{len(curve)} iterations on {len(model.levels)} levels; the last changed "
+print(f"{len(curve)} iterations on {result.provenance['levels']} levels; the last changed "
       f"{curve[-1]['changed']:.1%} of the pixels")  # fmt: skip

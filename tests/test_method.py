@@ -199,6 +199,9 @@ class Humble(Method):
     paper = "none"
     size: int = parameter(3, "of something", low=1)
 
+    def fit(self, exemplar):
+        raise AssertionError("nobody fits it")
+
 
 def test_unsupported_canvases_are_refused_with_those_that_can():
     known, hole = np.zeros((4, 4), np.uint8), np.ones((4, 4), bool)
@@ -219,8 +222,11 @@ def test_unsupported_canvases_are_refused_with_those_that_can():
 
 
 def test_fit_must_be_defined():
-    with pytest.raises(TypeError, match="Humble does not define fit"):
-        Humble().fit(weftex.Exemplar(np.zeros((4, 4), np.uint8)))
+    class Unfinished(Method):
+        slug = "unfinished"
+
+    with pytest.raises(TypeError, match="abstract.*fit"):
+        Unfinished()
 
 
 def test_errors_are_what_python_programs_expect():

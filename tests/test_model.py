@@ -1,5 +1,7 @@
 """What every model declares: outputs, and windows of an endless plane."""
 
+import dataclasses
+
 import numpy as np
 import pytest
 
@@ -23,14 +25,27 @@ def test_a_model_makes_windows_or_refuses_in_one_line(slug):
     assert "near-regular" in text and "\n" not in text
 
 
+#: Parameters that are None in a settled method, as they have no effect there: one of two that
+#: exclude each other, or one that hangs on the canvas.
+WITHOUT_EFFECT = {
+    "ashikhmin": {"jumps"},
+    "exact-matching": {"tolerance", "nearest_colors"},
+    "refinement": {"joints"},
+    "near-regular": {"blend_width"},
+}
+
+
 @pytest.mark.parametrize("slug", METHODS)
-def test_the_method_of_a_model_leaves_nothing_open(slug):
-    """Every parameter is settled: in the model, and in what a result says of itself."""
+def test_a_result_says_all_that_was_settled(slug):
     model = method_of(slug).fit(weftex.Exemplar(noise((30, 31, 3))))
-    result = model.sample((24, 25), seed=3)
-    said = {name: result.provenance[name] for name in model.method.describe()}
-    assert said == model.method.describe()
+    said = model.sample((24, 25), seed=3).provenance
     assert [name for name, value in said.items() if value is None] == []
+    settled = dataclasses.asdict(model.method)
+    open_still = {name for name, value in settled.items() if value is None}
+    assert open_still <= WITHOUT_EFFECT.get(slug, set())
+    assert {name: said[name] for name in settled if settled[name] is not None} == {
+        name: value for name, value in settled.items() if value is not None
+    }
 
 
 def test_an_origin_is_saved_with_the_result(tmp_path):

@@ -275,8 +275,12 @@ class Method(ABC):
             )
 
     def describe(self) -> dict[str, Any]:
-        """Return slug and parameters as plain values, for files and messages."""
-        return {"method": self.slug, **dataclasses.asdict(self)}
+        """Return slug and parameters as plain values, for files and messages.
+
+        In a settled method only what has no effect is None, and that is left out.
+        """
+        values = dataclasses.asdict(self)
+        return {"method": self.slug} | {k: v for k, v in values.items() if v is not None}
 
 
 def _check(field: dataclasses.Field[Any], value: Any) -> None:

@@ -278,7 +278,8 @@ def test_few_colors_stay_fast():
     assert len(model.prepared.trees.of(0, causal=True).nodes) == 1
     constant = weftex.WeiLevoy(levels=2).fit(weftex.Exemplar(np.zeros((64, 64), np.uint8)))
     assert all(
-        constant.trees.of(level, causal=True).nodes.tolist() == [[-1, 0, 1]] for level in (0, 1)
+        constant.prepared.trees.of(level, causal=True).nodes.tolist() == [[-1, 0, 1]]
+        for level in (0, 1)
     )
 
 

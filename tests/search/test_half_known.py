@@ -173,7 +173,7 @@ def test_most_of_the_best_windows_are_found(name):
     done[:, 24:] = 0
     places = (np.arange(4, 44) * 48 + 24).astype(np.int32)
     bits = np.zeros(len(places), np.uint64)
-    exact = ExhaustiveSearch(model.windows, model.search.sample.weights)
+    exact = ExhaustiveSearch(model.prepared.windows, model.prepared.search.sample.weights)
     near, best = (
         s.on(levels, done, source, (False, False), 0.0)(places, bits)[1] for s in (search, exact)
     )

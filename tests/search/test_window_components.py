@@ -62,8 +62,8 @@ def test_a_known_part_gives_the_slow_twins_coordinates(seed, share):
     known = [(int(y) - 2, int(x) - 2) for y, x in np.argwhere(there)]
     runs = np.array([(*at, 1) for at in known] or [(0, 0, 0)], np.int32)
     query = np.concatenate([window[y + 2, x + 2] for y, x in known] or [np.zeros(1, np.uint8)])
-    result = kernels.coordinates_of_runs(found, runs[: len(known)], query)
-    assert result.tolist() == reference.component_coordinates(window, known, found, 2)
+    result = kernels.coordinates_of_runs(found.for_kernels(), runs[: len(known)], query)
+    assert list(result) == reference.component_coordinates(window, known, found, 2)
 
 
 def test_whole_windows_have_their_own_coordinates():

@@ -11,7 +11,6 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from weftex.errors import FileError
-from weftex.io.pictures import atomic
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping
@@ -66,6 +65,8 @@ def write_result(
     hole: NDArray[np.bool_] | None,
 ) -> None:
     """Write a result to a compressed `.npz` file; nothing is left behind if that fails."""
+    from weftex.io.pictures import atomic  # a run on arrays needs no files
+
     about = np.array(json.dumps({"format": _FORMAT, **asdict(facts)}))
     bits = {} if hole is None else {"hole": np.packbits(hole, axis=1)}
     with atomic(path) as temporary, open(temporary, "wb") as file:

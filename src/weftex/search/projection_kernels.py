@@ -2,21 +2,19 @@
 """Kernel that projects a window of the canvas on components; compiled by Cython, see setup.py."""
 
 import cython
-import numpy as np
 
 
 class Components:
     """A `WindowComponents` for kernels, and room for what `run_coordinates` computes.
 
-    Declared in the .pxd; `coordinates` is where `run_coordinates` leaves its result.
+    Declared in the .pxd; `coordinates` is where `run_coordinates` leaves its result. The arrays of
+    the room have the length of a row of the basis (`difference`), else one number a component.
     """
 
-    def __init__(self, found):
+    def __init__(self, found, difference, totals, coordinates):
         self.mean, self.basis, self.mean_product = found.mean, found.basis, found.mean_product
         self.offset, self.shift, self.features = found.offset, found.shift, found.features
-        self.difference = np.zeros(found.basis.shape[2], np.int16)
-        self.totals = np.zeros(found.basis.shape[1], np.int64)
-        self.coordinates = np.zeros(found.basis.shape[1], np.int16)
+        self.difference, self.totals, self.coordinates = difference, totals, coordinates
 
 
 def run_coordinates(components, runs, count, query):
@@ -66,8 +64,7 @@ def run_coordinates(components, runs, count, query):
         )
 
 
-def coordinates_of_runs(found, runs, query):
-    """`run_coordinates`, of a `WindowComponents`; int16 array (D,)."""
-    components: Components = Components(found)
+def coordinates_of_runs(components: Components, runs, query):
+    """`run_coordinates` from Python; the coordinates, as the components have them."""
     run_coordinates(components, runs, len(runs), query)
-    return np.asarray(components.coordinates)
+    return components.coordinates

@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from weftex.search import projection_kernels
 from weftex.search.pca import coordinates_of, main_components, one_blas_thread
 
 if TYPE_CHECKING:
@@ -53,6 +54,12 @@ class WindowComponents:
     shift: int
     features: NDArray[np.int16]
     variance: float
+
+    def for_kernels(self) -> projection_kernels.Components:
+        """Bundle these with the room that a kernel needs; one bundle a thread."""
+        _, count, length = self.basis.shape
+        room = np.zeros(length, np.int16), np.zeros(count, np.int64), np.zeros(count, np.int16)
+        return projection_kernels.Components(self, *room)
 
 
 def window_components(windows: Windows, reach: int, variance: float) -> WindowComponents:

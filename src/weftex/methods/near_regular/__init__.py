@@ -185,7 +185,9 @@ class NearRegularModel(LatticeModel):
     ) -> PatchSynthesis:
         """Make an output by section 4.2, with the improvements that chapter 6 proposes."""
         settings, sample = self.settings, self.blocks
-        told = self.method.describe() | {"blend_width": settings.blend_width}
+        told = self.method.describe()
+        if settings.blend == "feather":
+            told["blend_width"] = settings.blend_width
         with thread_map(thread_count(threads)) as each:
             # 4.2: split the output into square blocks; f[x] = f[x + a v1 + b v2] (eq. 4.3) says
             # which patches of the sample are similar to each.

@@ -2,7 +2,6 @@
 """The kernels of iterative refinement; compiled by Cython, see setup.py."""
 
 import cython
-import numpy as np
 from cython.cimports.weftex.search.coherence_kernels import coherent_places
 from cython.cimports.weftex.search.projection_kernels import Components, run_coordinates
 from cython.cimports.weftex.search.window_kernels import gather_runs, known_runs, run_distance
@@ -37,10 +36,10 @@ class Sample:
     period: cython.const[cython.int][::1]
     reach: cython.Py_ssize_t
 
-    def __init__(self, level):
+    def __init__(self, level, period):
         self.pixels, self.usable, self.inside = level.pixels, level.usable, level.inside
         self.centers, self.reach = level.centers, level.reach
-        self.period = np.zeros(4, np.int32)  # pixels beyond a border that tiles are laid out
+        self.period = period
 
 
 @cython.cclass
@@ -79,10 +78,9 @@ class GuidePair:
     query: cython.uchar[::1]
     run_count: cython.Py_ssize_t
 
-    def __init__(self, guide, reach):
+    def __init__(self, guide, everywhere, runs, query):
         self.output, self.sample, self.weight = guide.output, guide.sample, guide.weight
-        self.everywhere = np.ones(guide.output.shape[:2], np.uint8)
-        self.runs, self.query = room_for_window(reach, guide.output.shape[2])
+        self.everywhere, self.runs, self.query = everywhere, runs, query
 
 
 @cython.cclass
@@ -95,16 +93,8 @@ class Scratch:
     keys: cython.longlong[::1]
     coherent: cython.Py_ssize_t
 
-    def __init__(self, reach, channels, candidates):
-        self.runs, self.query = room_for_window(reach, channels)
-        self.places = np.zeros(candidates, np.int32)
-        self.keys = np.zeros(candidates, np.int64)
-
-
-def room_for_window(reach, channels):
-    """Arrays for the runs and the bytes of a window, and of the eight neighbors."""
-    width = max(2 * reach + 1, 3)
-    return np.zeros((width * (width + 1), 3), np.int32), np.zeros(width**2 * channels, np.uint8)
+    def __init__(self, runs, query, places, keys):
+        self.runs, self.query, self.places, self.keys = runs, query, places, keys
 
 
 @cython.cfunc

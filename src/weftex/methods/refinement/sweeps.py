@@ -10,7 +10,6 @@ from weftex.methods.refinement import sweep_kernels as kernels
 from weftex.methods.refinement.levels import CoherentLevel, ComponentLevel
 from weftex.methods.refinement.settings import ONE
 from weftex.random import draw
-from weftex.search.projection_kernels import Components
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -21,6 +20,7 @@ if TYPE_CHECKING:
     from weftex.methods.refinement.settings import Settings
     from weftex.progress import Progress
 
+_NO_PERIOD = np.zeros(4, np.int32)  # pixels beyond a border that tiles are laid out
 _TRIED_IN_ALL = 2**23  # comparisons of the first sweep with places of the whole sample
 _TRIED_AT_LEAST = 64  # of these, at each pixel
 _EVENNESS = 4 * ONE  # weight on the coarsest level
@@ -96,11 +96,15 @@ class CoherentSweep:
         channels, candidates = output.pixels.shape[2], 10 * (1 + level.similar.shape[1])
         self._bundles = (
             kernels.Output(output.pixels, output.done, output.source, output.wrap),
-            kernels.Sample(level),
+            kernels.Sample(level, _NO_PERIOD),
             kernels.Similar(level.similar, settings.margin),
             _usage(level, output, guide, round(_EVENNESS * settings.evenness / 2**coarser)),
-            kernels.GuidePair(guide, level.reach),
-            kernels.Scratch(level.reach, channels, candidates),
+            kernels.GuidePair(
+                guide,
+                np.ones(guide.output.shape[:2], np.uint8),
+                *_room_for_window(level.reach, guide.output.shape[2]),
+            ),
+            _scratch(level.reach, channels, candidates),
         )
 
     def lines(self, iteration: int) -> list[NDArray[np.int32]]:
@@ -143,9 +147,9 @@ class ComponentSweep:
         ]
         channels, candidates = output.pixels.shape[2], min(settings.candidates, len(level.centers))
         self._bundles = (
-            kernels.Sample(level),
-            Components(level.components),
-            kernels.Scratch(level.reach, channels, candidates),
+            kernels.Sample(level, _NO_PERIOD),
+            level.components.for_kernels(),
+            _scratch(level.reach, channels, candidates),
         )
         self._least_known = max(2 * level.reach + 1, 3) ** 2 * channels // _UNKNOWN_SHARE
 
@@ -207,6 +211,18 @@ class Convergence:
             }
         )
         return iteration + 1 >= self._at_least and total / output.count < self._threshold
+
+
+def _room_for_window(reach: int, channels: int) -> tuple[NDArray[np.int32], NDArray[np.uint8]]:
+    """Arrays for the runs and the bytes of a window, and of the eight neighbors."""
+    width = max(2 * reach + 1, 3)
+    return np.zeros((width * (width + 1), 3), np.int32), np.zeros(width**2 * channels, np.uint8)
+
+
+def _scratch(reach: int, channels: int, candidates: int) -> kernels.Scratch:
+    """Room for the window of a pixel, and for its candidates."""
+    room = np.zeros(candidates, np.int32), np.zeros(candidates, np.int64)
+    return kernels.Scratch(*_room_for_window(reach, channels), *room)
 
 
 def _usage(level: CoherentLevel, output: Output, guide: Guide, weight: int) -> kernels.Usage:
