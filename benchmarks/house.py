@@ -1,0 +1,58 @@
+"""The house in figures: arrows between modules, and how much there is to read for each method.
+
+    python benchmarks/house.py
+
+For each method: the files and lines that its package and its family hold, of these kernels and
+declarations; and the same for everything that it imports, the common spine of the house included.
+"""
+
+from __future__ import annotations
+
+import sys
+from pathlib import Path
+
+sys.path.append(str(Path(__file__).resolve().parent.parent / "tests"))
+import weftex
+from test_dependencies import FILES, LEVEL, ROOT, arrows, circles, graph, is_kernel, room
+
+
+def closure(module: str) -> set[str]:
+    """A module and all that it leads to."""
+    found: set[str] = set()
+    waiting = [module]
+    while waiting:
+        name = waiting.pop()
+        if name and name not in found:
+            found.add(name)
+            waiting += graph()[name]
+    return found
+
+
+def lines_of(modules: set[str]) -> int:
+    """Lines of modules with their declarations."""
+    files = [ROOT / FILES[module] for module in modules]
+    files += [file.with_suffix(".pxd") for file in files if file.with_suffix(".pxd").exists()]
+    return sum(len(file.read_text("utf-8").splitlines()) for file in files)
+
+
+def main() -> None:
+    upward = [pair for pair in arrows() if LEVEL[room(pair[0])] < LEVEL.get(room(pair[1]), 99)]
+    rooms = {module.split(".")[1] for module in graph() if module.startswith("methods.")}
+    print(
+        f"{len(graph())} modules, {len(list(arrows()))} arrows, {len(circles())} circles, "
+        f"{len(upward)} upward arrows, {len(rooms)} rooms in methods/\n"
+    )
+    print(
+        "| method | files | lines | of these kernels | all files | all lines | of these kernels |"
+    )
+    print("|---|---|---|---|---|---|---|")
+    for slug in weftex.METHODS:
+        everything = closure(f"methods.{slug.replace('-', '_')}")
+        cells: list[int] = []
+        for part in ({m for m in everything if room(m) == "methods"}, everything):
+            cells += [len(part), lines_of(part), lines_of(set(filter(is_kernel, part)))]
+        print(f"| {slug} | " + " | ".join(map(str, cells)) + " |")
+
+
+if __name__ == "__main__":
+    main()
