@@ -107,10 +107,12 @@ def sample_by_patches(output: Output, method: PatchSampling) -> None:
     def paste(run: Run) -> None:
         # E_out, the boundary zone of the patches already pasted: Fig. 3 (b) to (d), Fig. 5 for
         # tileable output, any shape at a hole. Of the sample's patches a kd-tree, the quadtree
-        # pyramid or principal components find candidates for it (section 3).
+        # pyramid or principal components find candidates for it (section 3:
+        # `search.zone_search`, `zone_kernels.nearest_by_blocks` and `nearest_by_features`).
         candidates = output.structure(run)
         # Step 1 where nothing is pasted yet, else steps 2 to 4: draw B_k from Psi_B, paste it.
-        # Step 6, feathering, follows each patch, or the last where blend is feather-at-end.
+        # Step 6, feathering (weights: `boundary_zone`; `paste_kernels.blend`), follows each patch,
+        # or the last where blend is feather-at-end.
         output.choose_and_paste(run, candidates, psi_b)
 
     # Step 5: until I_out is covered, in the order of Fig. 3 (a); holes in spiral order

@@ -220,7 +220,7 @@ def search_full(
             limit = limit_of(best, choices.tolerance) if best >= 0 else -1
             scale = pick_terms(sample, blocks, query, limit, terms)
             nearest = first_bounds(blocks, terms, step)
-            # So does the window with the least bound.
+            # The distance of the window with the least bound limits it further.
             for j in range(BLOCK_WINDOWS):
                 if blocks.lower[nearest, j] == blocks.least[nearest]:
                     place = blocks.starts[nearest] + j

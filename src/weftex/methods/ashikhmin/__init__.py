@@ -92,7 +92,8 @@ def grow(prepared: Prepared, growth: Growth) -> None:
     start_from_noise(prepared, growth)
     # First pass, in scan order. Each pixel has as candidates its neighbors' sources, shifted by the
     # step from the neighbor to it, and random places for those outside the sample. It is copied
-    # from the one whose L-shaped window is most like its own: see `growth_kernels.choose`.
+    # from the one whose L-shaped window is most like its own, and the guide's like the output's:
+    # see `growth_kernels.choose` and `guide_distance` there.
     for i, line in enumerate(lines):
         if i < settings.half:
             # Around the border, as the paper's windows go, to the random pixels of the last rows.

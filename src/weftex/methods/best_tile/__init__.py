@@ -81,7 +81,7 @@ class BestTileModel(LatticeModel):
         Row and column of the best tile's corner in the sample, and of the next best ones that show
         the same part of the tile.
     rows : int array (m, 3)
-        The rows of a tile with half its borders, see `runs_of`.
+        The rows of a tile with half its borders, see `parallelogram.runs_of`.
 
     Raises
     ------

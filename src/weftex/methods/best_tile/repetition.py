@@ -37,7 +37,7 @@ def repeated(
     anchors : int64 array (n, 2)
         First corners of the tiles in the sample; each copy is of one that is drawn.
     rows : int64 array (m, 3)
-        Of a tile, see `runs_of`.
+        Of a tile, see `parallelogram.runs_of`.
     lattice : CanvasLattice
         The vectors, stretched to go around the canvas.
     origin : (int, int)
@@ -56,7 +56,8 @@ def repeated(
         shown[index < 0] = 0
         return shown
 
-    # A float holds 2**40 to 2**-13 pixel, and what goes around a canvas counts from its corner.
+    # Coordinates up to 2**40 are exact to 2**-13 pixel in a float. On a canvas that wraps they
+    # count from its corner.
     corner = np.asarray(origin) - anchors[0]
     progress = Progress(callback, canvas.height, "rows", preview)
     repeats = [np.rint(n @ lattice.inverse).astype(np.int64) for n in np.diag(canvas.shape)]
@@ -73,7 +74,8 @@ def repeated(
         if len(anchors) > 1:
             which = draw(seed, "tile", *_first(number, repeats, canvas.wrap))
             place = anchors[(which % np.uint64(len(anchors))).astype(np.int64)]
-        # Where it is stretched, or vectors are no integers, what would lie past the tile.
+        # Vectors with fractions, or a lattice stretched to go around the canvas, lead a little past
+        # the tile: there the tile's border is repeated.
         row = np.clip(v - rows[0, 0], 0, len(rows) - 1).astype(np.int64)
         u = np.clip(u, rows[row, 1], rows[row, 2] - 1).astype(np.int64)
         y, x = rows[row, 0] + place[..., 0], u + place[..., 1]

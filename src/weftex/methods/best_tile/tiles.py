@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 
 
 def tile_rows(vectors: tuple[float, ...], border: int) -> NDArray[np.int64]:
-    """The rows of a tile with half its borders, see `runs_of`."""
+    """The rows of a tile with half its borders, see `parallelogram.runs_of`."""
     x1, y1, x2, y2 = vectors
     return runs_of(np.array([y1, x1]), np.array([y2, x2]), border // 2)
 

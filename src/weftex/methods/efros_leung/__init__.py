@@ -112,7 +112,8 @@ def grow_in_layers(prepared: Prepared, growth: Growth) -> None:
     waves = Waves(growth.canvas.shape, wrap, settings.window_width, growth.seed)
     # The context is the "already synthesized pixels in a square window"; similarity is the
     # "Gaussian weighted sum of differences": "find the best match [...] and take all samples
-    # within some distance from that match", one of which is drawn.
+    # within some distance from that match", one of which is drawn: `search_full` in
+    # `exhaustive_kernels`, or `search_half_known`, with `weighted_kernels.choose_one`.
     canvas = growth.pixels, growth.done, growth.source, wrap
     with shared(
         [prepared.search.on(*canvas, settings.tolerance) for _ in range(growth.threads)]

@@ -315,8 +315,8 @@ def compare_group(
 ) -> cython.void:
     """Compare one entry of a list.
 
-    Of equal ones the one of the smallest key is best, which is a random one, but a coherent place
-    stays. A random member of its group stands for an entry.
+    Among windows at the same distance a coherent place wins; among the others the smallest key
+    does, and keys are random. An entry that stands for a group is compared by a random member.
     """
     cython.declare(first=cython.Py_ssize_t, member=cython.Py_ssize_t, distance=cython.longlong)
     first = sample.groups[group]

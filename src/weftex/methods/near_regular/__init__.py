@@ -195,10 +195,12 @@ class NearRegularModel(LatticeModel):
             if canvas.known is not None and canvas.hole is not None:  # ours, by the same steps
                 known = canvas.known, canvas.hole
                 return fill_hole(settings, sample, layout, *known, told, each, progress)
-            # 4.2.1: every second block shows a similar patch, drawn at random (Fig. 4.7).
+            # 4.2.1: every second block shows a similar patch, drawn at random (Fig. 4.7):
+            # `block_kernels.draw_blocks`.
             place = draw_constrained_blocks(sample, layout)
             # 4.2.2: each gap shows the patch that best matches the wedge-shaped borders of its
-            # neighbors (Fig. 4.8 and 4.9, eq. 4.4), within a tolerance around similar ones.
+            # neighbors (Fig. 4.8 and 4.9, eq. 4.4), within a tolerance around similar ones:
+            # `gap_kernels.fill_gaps`.
             place = fill_gaps(settings, sample, layout, place, each, progress)
             # 6: each gap may be deformed to meet its neighbors.
             warps = warp_gaps(settings, sample, layout, place, each) if settings.warp else None

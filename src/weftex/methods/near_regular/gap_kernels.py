@@ -319,8 +319,8 @@ def fill_gaps(
     """Choose the piece of each gap of `cells` by its four neighbors' borders (section 4.2.2).
 
     The best of the similar places are listed, and then the best window within the tolerance around
-    them is taken. Without `steps` the list is that of the nearest features, and without those of
-    all places.
+    them is taken. Where `steps` is empty (the unconstrained mode), the windows with the nearest
+    features are listed; where the search has no features either, all places are.
     """
     cython.declare(c=cython.Py_ssize_t, i=cython.Py_ssize_t, j=cython.Py_ssize_t)
     cython.declare(count=cython.Py_ssize_t, best=cython.int)

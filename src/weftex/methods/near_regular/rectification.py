@@ -14,7 +14,7 @@ if TYPE_CHECKING:
 
 _ROUNDS = 2  # the mean tile gets sharper by the first
 _GRID = 4  # px between the places where the shift is found
-_GAIN = (3, 4)  # what is left of the difference, at most, where a part is moved
+_GAIN = (3, 4)  # a part is moved only if that leaves at most 3/4 of its difference
 _NEAREST, _FARTHEST = 4, 12  # px around such a place that are compared
 
 

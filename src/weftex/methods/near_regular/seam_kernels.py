@@ -234,7 +234,8 @@ def least_path(
     Line i of the band belongs to one side up to path[i] and to the other from there on. Both
     pixels beside every piece of the boundary count, also where it runs across from line to line,
     and for each place on a line what is `beyond`, if anything.
-    It stays within one step a line of both its ends, so that no two paths of a corner cross.
+    The path moves at most one place a line, and every place on it can reach both ends in that way,
+    so that no two paths of a corner cross.
     """
     cython.declare(i=cython.Py_ssize_t, k=cython.Py_ssize_t, low=cython.Py_ssize_t)
     cython.declare(high=cython.Py_ssize_t, left=cython.longlong)

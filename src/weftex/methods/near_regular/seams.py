@@ -187,9 +187,10 @@ def blend_linearly(settings: Settings, layout: Layout) -> Joints:
 
 
 class _Profile(NamedTuple):
-    """Which share of each line of a window is the block's, along one axis; equal kinds are equal.
+    """The share that a block has of each line of its window, along one axis.
 
-    An odd block is of the second kind of its row or column.
+    Two profiles of the same `kind` have the same shares. An odd block is of the second kind of its
+    row or column.
     """
 
     kind: tuple[int, ...]
@@ -222,8 +223,8 @@ def _profiles(settings: Settings, layout: Layout, axis: Axis) -> list[_Profile]:
 def _weights(row: _Profile, column: _Profile) -> NDArray[np.uint16]:
     """Weights in 1/256 that lay four kinds of blocks, one after the other, as eqs. 4.6 to 4.8 say.
 
-    Of the four blocks at a corner each is of another kind. One is laid with its share of what it
-    and those before it have.
+    Every corner of a block meets one block of each kind. A block's weight is its share over the sum
+    of its own share and the shares of the blocks laid before it.
     """
     shares = {}
     for odd_y in (False, True):

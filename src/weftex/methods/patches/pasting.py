@@ -118,7 +118,7 @@ class Output:
         scratch = self._scratch.get(get_ident())
         if scratch is None:
             scratch = self._scratch[get_ident()] = scratch_for(self.analysis, self.frame)
-        # A tree is asked from here, so for one patch at a time.
+        # A kd-tree is searched from Python, for one patch at a time; kernels do a whole run.
         step = run.last - run.first if structure.tree is None else 1
         for first in range(run.first, run.last, step):
             y, x = self.placements[first, :2].tolist()

@@ -125,7 +125,7 @@ def limit_of(energy: cython.longlong, best: cython.longlong, rule: Rule) -> cyth
 @cython.nogil
 @cython.exceptval(check=False)
 def in_set(key: cython.longlong, limit: cython.double, rule: Rule) -> cython.bint:
-    """Whether a candidate is in Psi_B, eq. (1); the best one is within its own tolerance."""
+    """Whether a candidate is in Psi_B, eq. (1); of the best, itself included, or of d_max."""
     return key < limit or (rule.of_best and key <= limit)
 
 
