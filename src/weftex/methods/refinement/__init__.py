@@ -191,8 +191,8 @@ def texture_synthesis(prepared: Prepared, growth: Growth) -> None:
         else:  # step 3: PlantSeed, Fig. 5
             source = seed_sources(settings, level, output, guide, growth.seed)
         output.begin(level, source)
-        # Search Tree Construction, section 3: `sweep_kernels.refine_by_components` is the paper's, by
-        # principal components; `refine_coherently` is ours, among coherent and similar places.
+        # Search Tree Construction (section 3): `sweep_kernels.refine_by_components` is the paper's,
+        # by principal components; `refine_coherently` is ours, among coherent and similar places.
         sweep = sweep_of(settings, level, output, guide, growth.seed, cyclic)
         for iteration in range(settings.iterations[number]):  # step 5: while (ContinueFlag)
             convergence.remember(output)
