@@ -11,15 +11,7 @@ import numpy as np
 from weftex.canvas import Canvas
 from weftex.errors import InvalidInputError
 from weftex.exemplar import Exemplar, check_pixels
-from weftex.results.drawing import (
-    DRAWINGS,
-    as_gray_picture,
-    draw_pieces,
-    draw_seams,
-    draw_sources,
-    gray_of,
-    uncertainty_of,
-)
+from weftex.results import drawing
 from weftex.results.files import DamageError, Facts, one_line_errors, read_result, write_result
 
 if TYPE_CHECKING:
@@ -326,24 +318,24 @@ class Synthesis(ABC):
         -------
         uint8 array (H, W, 3)
         """
-        if what not in DRAWINGS:
-            raise InvalidInputError(f"cannot draw {what!r}; known: {', '.join(DRAWINGS)}")
+        if what not in drawing.DRAWINGS:
+            raise InvalidInputError(f"cannot draw {what!r}; known: {', '.join(drawing.DRAWINGS)}")
         if what == "error":
-            return as_gray_picture(self._error())
+            return drawing.as_gray_picture(self._error())
         if what == "uncertainty":
-            return as_gray_picture(255 * np.sqrt(np.clip(self.uncertainty(), 0, 1)))
+            return drawing.as_gray_picture(255 * np.sqrt(np.clip(self.uncertainty(), 0, 1)))
         if what == "sources":
-            return draw_sources(self.source, self.sample_shape)
+            return drawing.draw_sources(self.source, self.sample_shape)
         if what == "seams":
-            return draw_seams(gray_of(self.image), self.source, self.sample_shape)
-        return draw_pieces(self._source_of, self.shape, self.sample_shape)
+            return drawing.draw_seams(drawing.gray_of(self.image), self.source, self.sample_shape)
+        return drawing.draw_pieces(self._source_of, self.shape, self.sample_shape)
 
     def uncertainty(self) -> NDArray[np.float64]:
         """How badly each pixel's surroundings match its source's: 0 inside a copied piece.
 
         See `weftex.results.drawing.uncertainty_of`.
         """
-        return uncertainty_of(self.image, self._source_of, self.sample, self.canvas.wrap)
+        return drawing.uncertainty_of(self.image, self._source_of, self.sample, self.canvas.wrap)
 
     def _source_of(self, rows: slice) -> NDArray[np.int64]:
         """Row and column in the sample of the pixels of some rows."""
