@@ -63,25 +63,7 @@ class PatchModel(Model):
         threads: int | None = None,
         progress: ProgressCallback | None = None,
     ) -> PatchSynthesis:
-        """Make an output.
-
-        Parameters
-        ----------
-        size : Canvas, int or (int, int)
-            What to make: height and width, or a Canvas.
-        seed : int, numpy Generator or None
-            The same seed gives the same bytes, at any number of threads.
-        tileable : bool or {"x", "y"}
-            Axes that are to repeat without a seam.
-        threads : int, optional
-            At most so many; by default as many as there are processors.
-        progress : callable, optional
-            See `weftex.progress.ProgressCallback`.
-
-        Returns
-        -------
-        PatchSynthesis
-        """
+        """See `Model.sample`."""
         canvas = as_canvas(size, tileable)
         self.method.require(canvas)
         number, count = seed_number(seed), thread_count(threads)
