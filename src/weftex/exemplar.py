@@ -171,6 +171,19 @@ class Exemplar:
         found = np.unique(self.guide.reshape(self.shape[0] * self.shape[1], -1), axis=0)
         return found if len(found) <= _LABELS else None
 
+    def as_known(self, known: NDArray[Any]) -> NDArray[np.uint8]:
+        """Return a canvas's known pixels as `as_matching` does.
+
+        Raises
+        ------
+        InvalidInputError
+            If the sample is matched on maps too, which a canvas has not.
+        """
+        found = self.as_matching(known)
+        if found.shape[2] != self.matching().shape[2]:
+            raise InvalidInputError("a canvas's known pixels have no maps; use weftex.fill")
+        return found
+
     def as_guide(self, pixels: NDArray[Any]) -> NDArray[np.uint8]:
         """Map a guide to bytes, so that it can be compared with the sample's own.
 

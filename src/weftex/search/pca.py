@@ -18,7 +18,7 @@ import numpy as np
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-_MOST_COMPONENTS = 48  # keeps a sum of squares in the kernel under 2**31
+MOST_COMPONENTS = 48  # keeps a sum of squares in the kernel under 2**31
 _MOST_LEARNED = 4096  # windows that the components are learned from
 _LONGEST_VECTOR = 2047  # of coordinates
 
@@ -64,7 +64,7 @@ def one_blas_thread() -> AbstractContextManager[Any]:
     return limit
 
 
-def fit_pca(windows: NDArray[np.uint8], variance: float, most: int = _MOST_COMPONENTS) -> ZonePCA:
+def fit_pca(windows: NDArray[np.uint8], variance: float, most: int = MOST_COMPONENTS) -> ZonePCA:
     """Find the components of the columns of `windows`, and all columns' coordinates.
 
     Parameters

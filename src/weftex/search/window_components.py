@@ -13,14 +13,13 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from weftex.search import projection_kernels
-from weftex.search.pca import coordinates_of, main_components, one_blas_thread
+from weftex.search.pca import MOST_COMPONENTS, coordinates_of, main_components, one_blas_thread
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from weftex.search.windows import Windows
 
-_MOST_COMPONENTS = 48  # keeps a sum of squares in the kernel under 2**31
 _LEARNED_WINDOWS = 512  # windows that the components are learned from
 _COMPONENT_LENGTH = 2000
 
@@ -118,7 +117,7 @@ def _components(learn: NDArray[np.float64], variance: float) -> tuple[NDArray[np
     lengths = np.sqrt((kept**2).sum(axis=0))
     kept = kept / np.maximum(lengths, 1e-3)  # what a constant sample varies by is rounding
     kept[:, lengths < 1e-3] = 0
-    components = main_components(power, kept, variance, _MOST_COMPONENTS)
+    components = main_components(power, kept, variance, MOST_COMPONENTS)
     share = power[::-1][: len(components)].clip(0).sum() / max(float(power.clip(0).sum()), 1e-9)
     return components, round(float(share), 2)
 

@@ -6,14 +6,11 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from weftex.errors import InvalidInputError
 from weftex.methods.lattices.canvas_lattice import CanvasLattice
 from weftex.search.translation import Spectra, fast_size, window_mismatch
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
-
-    from weftex.exemplar import Exemplar
 
 
 class MeanTile:
@@ -87,11 +84,3 @@ class MeanTile:
             number.append((part * self._bins[k]).astype(np.int64) % self._bins[k])
         result: NDArray[np.int64] = number[0] * self._bins[1] + number[1]
         return result
-
-
-def known_pixels(known: NDArray[Any], exemplar: Exemplar) -> NDArray[np.uint8]:
-    """A canvas's known pixels as they are matched, (H, W, K)."""
-    known = exemplar.as_matching(known)
-    if known.shape[2] != exemplar.matching().shape[2]:
-        raise InvalidInputError("a canvas's known pixels have no maps; use weftex.fill")
-    return known

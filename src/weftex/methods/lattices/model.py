@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 from weftex.canvas import Canvas, as_canvas
 from weftex.method import Method, Model
-from weftex.methods.lattices.mean_tile import MeanTile, known_pixels
+from weftex.methods.lattices.mean_tile import MeanTile
 from weftex.random import seed_number
 
 if TYPE_CHECKING:
@@ -98,5 +98,5 @@ def origin_of(canvas: Canvas, exemplar: Exemplar, vectors: tuple[float, ...]) ->
         return canvas.known_from
     if canvas.known is None or canvas.hole is None or canvas.hole.all():
         return canvas.origin
-    known = known_pixels(canvas.known, exemplar)
+    known = exemplar.as_known(canvas.known)
     return MeanTile(exemplar.matching(), vectors, exemplar.mask).offset(known, ~canvas.hole)

@@ -9,7 +9,6 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from weftex.errors import InvalidInputError
-from weftex.methods.lattices.mean_tile import known_pixels
 from weftex.methods.near_regular import gap_kernels
 from weftex.methods.near_regular.blocks import (
     draw_constrained_blocks,
@@ -122,7 +121,7 @@ def _hole(
     state = np.where(missing, _HOLE, _OFF).astype(np.uint8)
     state[grown(missing, 1, wrap) & ~missing] = _BESIDE
     laid = _seen(layout, missing)
-    pixels = np.ascontiguousarray(known_pixels(known, sample.exemplar))
+    pixels = np.ascontiguousarray(sample.exemplar.as_known(known))
     bound = laid & ~layout.gap & _seen(layout, near)
     return Hole(missing, near, Around(pixels, state), laid, bound)
 

@@ -9,7 +9,6 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from weftex.methods.lattices.canvas_lattice import CanvasLattice
-from weftex.methods.lattices.mean_tile import known_pixels
 from weftex.methods.near_regular import block_kernels as kernels
 from weftex.methods.near_regular.rows import rows_shown
 from weftex.random import draw
@@ -169,7 +168,7 @@ class Layout:
             part[:] = sample.pixels[y : y + part.shape[0], x : x + part.shape[1], : canvas.shape[2]]
         if self.canvas.known is not None and self.canvas.hole is not None:
             there = ~self.canvas.hole
-            known = known_pixels(self.canvas.known, sample.exemplar)
+            known = sample.exemplar.as_known(self.canvas.known)
             canvas[there] = known[there][:, : canvas.shape[2]]
         return canvas
 

@@ -70,9 +70,7 @@ class Growth:
         if canvas.known is None or canvas.hole is None or canvas.hole.all():
             return
         self.hole = canvas.hole
-        known = exemplar.as_matching(canvas.known)
-        if known.shape[2] != self.pixels.shape[2]:
-            raise InvalidInputError("a canvas's known pixels have no maps; use weftex.fill")
+        known = exemplar.as_known(canvas.known)
         self.pixels[~self.hole] = known[~self.hole]
         self.done[~self.hole] = 1
         if canvas.known_from is not None:
