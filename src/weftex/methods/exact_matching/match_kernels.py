@@ -9,6 +9,7 @@ import cython
 from cython.cimports.weftex.methods.exact_matching.list_kernels import Recent, Sample, near_lists
 from cython.cimports.weftex.search.window_kernels import (
     causal_runs,
+    copy_pixel,
     gather_runs,
     known_runs,
     run_distance,
@@ -130,7 +131,7 @@ def match_pixels(
                 find_best(sample, picture, rule, search)
             if search.chosen < 0:  # no list has anything: any window
                 search.chosen = sample.centers[portion(search.bits, sample.centers.shape[0])]
-            copy_pixel(sample, picture, search)
+            copy_chosen(sample, picture, search)
     return search.compared
 
 
@@ -384,15 +385,11 @@ def portion(bits: cython.ulonglong, count: cython.Py_ssize_t) -> cython.Py_ssize
 @cython.cfunc
 @cython.nogil
 @cython.exceptval(check=False)
-def copy_pixel(sample: Sample, picture: Picture, search: Search) -> cython.void:
+def copy_chosen(sample: Sample, picture: Picture, search: Search) -> cython.void:
     """Copy the center of the chosen window."""
-    cython.declare(k=cython.Py_ssize_t, y=cython.Py_ssize_t, x=cython.Py_ssize_t)
-    y, x = search.chosen // sample.pixels.shape[1], search.chosen % sample.pixels.shape[1]
-    picture.source[search.y, search.x] = cython.cast(cython.int, search.chosen)
-    picture.color[search.y, search.x] = sample.number[y, x]
-    picture.done[search.y, search.x] = 1
-    search.last[search.chosen] = cython.cast(
-        cython.int, search.y * picture.source.shape[1] + search.x
-    )
-    for k in range(sample.pixels.shape[2]):
-        picture.pixels[search.y, search.x, k] = sample.pixels[y, x, k]
+    cython.declare(y=cython.Py_ssize_t, x=cython.Py_ssize_t, columns=cython.Py_ssize_t)
+    y, x, columns = search.y, search.x, sample.pixels.shape[1]
+    copy_pixel(sample.pixels, search.chosen, picture.pixels, picture.source, y, x)
+    picture.color[y, x] = sample.number[search.chosen // columns, search.chosen % columns]
+    picture.done[y, x] = 1
+    search.last[search.chosen] = cython.cast(cython.int, y * picture.source.shape[1] + x)
