@@ -81,8 +81,9 @@ class ExactMatching(WindowedMethod):
     )
     candidates: int = parameter(
         250,
-        "of longer lists about so many windows are compared, drawn anew for each pixel",
-        low=1,
+        "windows compared where more are listed, about, drawn anew for each pixel; 0 is all of "
+        "them, as in the paper",
+        low=0,
         high=2**31 - 1,
     )
     grouping: float = parameter(

@@ -199,12 +199,13 @@ class Matching:
             lists.causal and settings.copying == "blocks", settings.candidates,
         )  # fmt: skip
         self._last = np.empty(lists.windows.usable.size, np.int32)
+        of_neighbors = np.empty(_MOST_NEIGHBORS, np.int32)
         self._search = kernels.Search(
             self._last,
             np.zeros(lists.windows.usable.size, np.int32),
             lists.recent(),
             [_window_room(reach, channels) for reach in (lists.reach, lists.coarse_reach)],
-            (np.empty(_MOST_NEIGHBORS, np.int32), np.empty(_MOST_NEIGHBORS + 1, np.intp)),
+            (of_neighbors, np.empty(_MOST_NEIGHBORS + 1, np.intp), of_neighbors.copy()),
         )
         self._begin_pass()
 
