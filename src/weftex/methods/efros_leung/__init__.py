@@ -15,7 +15,7 @@ from weftex.methods.efros_leung.layers import (
     unfilled_with_filled_neighbors,
 )
 from weftex.methods.efros_leung.model import Prepared, prepare
-from weftex.methods.efros_leung.settings import settle
+from weftex.methods.efros_leung.settings import check_seed_size, settle
 from weftex.methods.pixels.growth import PixelModel, WindowedMethod
 
 if TYPE_CHECKING:
@@ -31,6 +31,11 @@ class EfrosLeung(WindowedMethod):
 
     The picture grows in layers from a seed, or into a hole from its border. A pixel is drawn from
     those of the sample whose window matches what is known around it nearly as well as the best.
+
+    Raises
+    ------
+    InvalidInputError
+        If `seed_size` is above `window_width`.
 
     Examples
     --------
@@ -52,6 +57,7 @@ class EfrosLeung(WindowedMethod):
         None,
         "side of the window that pixels are chosen by; wider is less random, odd",
         low=1,
+        parity="odd",
         unit="px",
         default_text="15, or less where the sample has no room for it",
     )
@@ -87,6 +93,10 @@ class EfrosLeung(WindowedMethod):
         high=1.0,
         needs=("search", ("pca",)),
     )
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        check_seed_size(self.seed_size, self.window_width)
 
     def fit(self, exemplar: Exemplar) -> PixelModel:
         """Prepare a sample."""

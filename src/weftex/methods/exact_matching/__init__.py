@@ -57,6 +57,7 @@ class ExactMatching(WindowedMethod):
         None,
         "side of the window around a pixel, odd; at least the size of what is to stay whole",
         low=1,
+        parity="odd",
         high=1001,
         unit="px",
         default_text="17 with levels, else from the sample's scale",

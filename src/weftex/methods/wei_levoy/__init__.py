@@ -59,6 +59,7 @@ class WeiLevoy(WindowedMethod):
         None,
         "side S of the window at a pixel's own level, odd",
         low=1,
+        parity="odd",
         unit="px",
         default_text=f"{PROPOSED_WIDTH}, or what fits the sample",
     )
@@ -66,6 +67,7 @@ class WeiLevoy(WindowedMethod):
         None,
         "side N of the window at the parent's level, odd and below S, or 0 for none",
         low=0,
+        parity="odd",
         unit="px",
         default_text="2 less than window_width, or 0 for one level",
     )
@@ -98,8 +100,6 @@ class WeiLevoy(WindowedMethod):
         width = self.parent_width
         if not width:
             return
-        if width % 2 == 0:
-            raise InvalidInputError(f"parent_width is {width}; it must be odd")
         if self.levels == 1:
             raise InvalidInputError("parent_width has no effect unless levels is 2 or more")
         if self.window_width and width >= self.window_width:
