@@ -82,8 +82,7 @@ class ExactMatching(WindowedMethod):
     )
     candidates: int = parameter(
         250,
-        "windows compared where more are listed, about, drawn anew for each pixel; 0 is all of "
-        "them, as in the paper",
+        "of longer lists about so many windows are compared, drawn for each pixel; 0 is all",
         low=0,
         high=2**31 - 1,
     )
