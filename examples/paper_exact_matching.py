@@ -236,25 +236,19 @@ def fig10(folder: Path, suffix: str) -> None:
     sheet(folder / f"fig10_exact_matching{suffix}", pairs)
 
 
-def compared(
-    folder: Path,
-    suffix: str,
-    name: str,
-    samples: Sequence[str],
-    rivals: dict[str, Any],
-    window: int,
+def beside(
+    path: Path, cases: Sequence[tuple[np.ndarray, int]], rivals: dict[str, weftex.Method]
 ) -> None:
-    """A sheet of what several methods make of some samples."""
+    """Draw what several methods make of some samples; each comes with a window."""
     rows = []
-    for sample in some(samples):
-        pixels = crop(sample, 128)
+    for pixels, width in some(cases):
         row = [("sample", pixels)]
-        exact = weftex.ExactMatching(window_width=window, **PAPER)
+        exact = weftex.ExactMatching(window_width=width, **PAPER)
         for label, method in (rivals | {"exact-matching": exact}).items():
-            made = method.fit(weftex.Exemplar(pixels)).sample(sized(200), seed=1).image
+            made = method.fit(weftex.Exemplar(pixels)).sample(sized(220), seed=1).image
             row.append((label, made))
         rows.append(row)
-    sheet(folder / f"{name}_exact_matching{suffix}", rows)
+    sheet(path, rows)
 
 
 def fig11(folder: Path, suffix: str) -> None:
@@ -264,8 +258,9 @@ def fig11(folder: Path, suffix: str) -> None:
         "wei-levoy, tree": weftex.WeiLevoy(leaves=1, start="noise"),
         "ashikhmin": weftex.Ashikhmin(passes=1),
     }
-    names = ("pebbles", "leaves", "weave", "bricks")
-    compared(folder, suffix, "fig11", names, rivals, 31)
+    cases = [(crop(name, 128), 31) for name in ("pebbles", "leaves", "weave")]
+    cases.append((shrunk(load("bricks"), 2)[:128, :128], 31))
+    beside(folder / f"fig11_exact_matching{suffix}", cases, rivals)
 
 
 def fig12(folder: Path, suffix: str) -> None:
@@ -275,7 +270,8 @@ def fig12(folder: Path, suffix: str) -> None:
         "graphcut": weftex.GraphCut(),
         "near-regular": weftex.NearRegular(preset="paper"),
     }
-    compared(folder, suffix, "fig12", ("bricks", "tiles"), rivals, 61)
+    cases = [(crop("bricks", 192), 61), (crop("tiles", 192), 61)]
+    beside(folder / f"fig12_exact_matching{suffix}", cases, rivals)
 
 
 def fig13(folder: Path, suffix: str) -> None:
