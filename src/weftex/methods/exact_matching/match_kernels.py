@@ -263,22 +263,12 @@ def compare_listed(sample: Sample, picture: Picture, rule: Rule, search: Search)
     are compared. The sum of the lists' lengths counts a window once for each list that it is in; so
     what the first share meets says how large the union is, and the second one is made of that.
     """
-    cython.declare(d=cython.Py_ssize_t, j=cython.Py_ssize_t, slot=cython.Py_ssize_t)
-    cython.declare(listed=cython.longlong, met=cython.longlong)
-    listed = 0
-    for d in range(sample.offsets.shape[0]):
-        search.slots[d] = -1
-        if search.color[d] < 0:
-            continue
-        slot = near_lists(sample, search.recent, search.color[d], search.stamp)
-        search.slots[d] = cython.cast(cython.int, slot)
-        for j in range(search.recent.kept[slot, 1]):
-            listed += sample.starts[d, search.recent.intervals[slot, 2 * j + 1]]
-            listed -= sample.starts[d, search.recent.intervals[slot, 2 * j]]
+    cython.declare(listed=cython.longlong, share=cython.longlong, met=cython.longlong)
+    listed = near_lists(sample, search.recent, search.color, search.stamp, search.slots)
     if rule.most == 0 or listed <= rule.most:
         compare_share(sample, picture, search, ALL_KEYS)
         return
-    share: cython.longlong = ALL_KEYS * rule.most // listed
+    share = ALL_KEYS * rule.most // listed
     met = compare_share(sample, picture, search, share)
     if 0 < met < rule.most:
         compare_share(sample, picture, search, share * rule.most // met)
