@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
 
+from weftex.analysis.canvas_lattice import CanvasLattice
 from weftex.analysis.evenness import Evenness, evenness
 from weftex.analysis.lattice import Lattice, find_lattice
 from weftex.analysis.scale import dominant_scale
@@ -286,8 +287,6 @@ def _size(shape: tuple[int, int]) -> str:
 def _strain(vectors: tuple[float, ...], canvas: Canvas) -> float:
     if not any(canvas.wrap):
         return 0.0
-    from weftex.methods.lattices.canvas_lattice import CanvasLattice
-
     return CanvasLattice(vectors, canvas).strain
 
 

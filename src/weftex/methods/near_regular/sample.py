@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 
 from weftex.exemplar import Exemplar
-from weftex.methods.lattices.canvas_lattice import CanvasLattice
+from weftex.analysis.canvas_lattice import CanvasLattice
 from weftex.methods.lattices.mean_tile import MeanTile
 from weftex.methods.near_regular.rectification import rectified
 from weftex.methods.near_regular.rows import axis_of_rows, pitch_of_rows

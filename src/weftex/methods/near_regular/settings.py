@@ -7,14 +7,10 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from weftex.analysis.canvas_lattice import CanvasLattice
 from weftex.canvas import Canvas
 from weftex.errors import InvalidInputError
-from weftex.methods.lattices.canvas_lattice import (
-    ANYWHERE,
-    CanvasLattice,
-    check_lattice,
-    found_vectors,
-)
+from weftex.methods.lattices.vectors import ANYWHERE, check_lattice, found_vectors
 from weftex.search.windows import windows_of
 
 if TYPE_CHECKING:
@@ -263,9 +259,5 @@ def _has_room(exemplar: Exemplar, side: int, vectors: tuple[float, ...] = ()) ->
     lattice = CanvasLattice(vectors)
     y, x = np.nonzero(windows.usable)
     cells = [max(1, round(float(np.hypot(*v)) / _CELL)) for v in lattice.sample]
-    number = []
-    for k in (0, 1):
-        along = y * lattice.inverse[0, k] + x * lattice.inverse[1, k]
-        number.append(((along - np.floor(along)) * cells[k]).astype(np.int64) % cells[k])
-    found = np.unique(number[0] * cells[1] + number[1])
+    found = np.unique(lattice.cell(y, x, cells))
     return len(found) == cells[0] * cells[1]

@@ -2,24 +2,19 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from weftex.analysis.lattice import Lattice, find_lattice
 from weftex.errors import InvalidInputError
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from weftex.canvas import Canvas
-    from weftex.exemplar import Exemplar
 
 _UNIT = 1 << 16  # positions are in 1/65536 pixel
-_SMALLEST_SAMPLE = 32  # side below which noise may look like a lattice by chance
 _SIZES_TRIED = 64  # pixels on both sides of a size among which a better one is looked for
-#: The unconstrained mode's vectors: any place is similar to any other (section 5.2).
-ANYWHERE = (1.0, 0.0, 0.0, 1.0)
 
 
 class CanvasLattice:
@@ -72,6 +67,21 @@ class CanvasLattice:
         det = a * d - b * c
         self.inverse = np.array([[d, -b], [-c, a]]) / det
 
+    def multiples(self, y: Any, x: Any) -> tuple[Any, Any]:
+        """Which multiples of the canvas's vectors lead to places, with fractions."""
+        (a, b), (c, d) = self.inverse
+        return y * a + x * c, y * b + x * d
+
+    def cell(self, y: Any, x: Any, counts: list[int]) -> NDArray[np.int64]:
+        """Which cell of the tile pixels lie in, if its sides are cut into so many parts."""
+        number = []
+        for along, count in zip(self.multiples(y, x), counts, strict=True):
+            # A little on, so that multiples of whole vectors do not fall between two cells.
+            part = along - np.floor(along) + 2.0**-20
+            number.append((part * count).astype(np.int64) % count)
+        result: NDArray[np.int64] = number[0] * counts[1] + number[1]
+        return result
+
     def phase(self, y: NDArray[np.integer], x: NDArray[np.integer]) -> NDArray[np.int64]:
         """Where in the sample's first tile places of the canvas lie (eq. 3.29).
 
@@ -85,10 +95,7 @@ class CanvasLattice:
         int64 array (..., 2)
             In 1/65536 pixel of the sample's plane.
         """
-        parts = []
-        for k in (0, 1):
-            along = y * self.inverse[0, k] + x * self.inverse[1, k]
-            parts.append(along - np.floor(along))
+        parts = [along - np.floor(along) for along in self.multiples(y, x)]
         place = [parts[0] * self.sample[0, k] + parts[1] * self.sample[1, k] for k in (0, 1)]
         result: NDArray[np.int64] = np.rint(np.stack(place, axis=-1) * _UNIT).astype(np.int64)
         return result
@@ -111,34 +118,6 @@ class CanvasLattice:
         near = (found + tile.max(axis=0) > -1) & (found + tile.min(axis=0) < (height, width))
         result: NDArray[np.int64] = np.rint(found[near.all(axis=1)] * _UNIT).astype(np.int64)
         return result
-
-
-def check_lattice(vectors: tuple[float, ...], exemplar: Exemplar) -> None:
-    """Raise `InvalidInputError` unless two tiles of these vectors lie in the sample."""
-    x1, y1, x2, y2 = vectors
-    lattice = Lattice(((x1, y1), (x2, y2))).reduced()
-    height, width = exemplar.shape
-    size = f"{exemplar.name} is {width}x{height}"
-    for x, y in lattice.vectors:
-        if abs(x) >= width or abs(y) >= height:
-            raise InvalidInputError(
-                f"lattice has the vector [{x:g}, {y:g}], but {size}; it must be smaller"
-            )
-    if 2 * lattice.area > height * width:
-        raise InvalidInputError(
-            f"the lattice's tile has {lattice.area:.0f} pixels and {size}, "
-            "which is less than two tiles; give a larger sample"
-        )
-
-
-def found_vectors(exemplar: Exemplar) -> tuple[float, ...]:
-    """The lattice of a sample as x1, y1, x2, y2; x1, y1 where it repeats one way only; or ()."""
-    if min(exemplar.shape) < _SMALLEST_SAMPLE:
-        return ()
-    lattice = find_lattice(exemplar)
-    if lattice is None:
-        return ()
-    return tuple(part for vector in lattice.reduced().vectors for part in vector)
 
 
 def _stretched(
