@@ -12,9 +12,9 @@ from weftex.random import draw
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
+    from weftex.analysis.canvas_lattice import CanvasLattice
     from weftex.canvas import Canvas
     from weftex.exemplar import Exemplar
-    from weftex.analysis.canvas_lattice import CanvasLattice
     from weftex.progress import ProgressCallback
 
 _BAND = 16  # rows that are made at a time

@@ -7,8 +7,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from weftex.analysis.canvas_lattice import check_lattice, found_vectors
 from weftex.methods.best_tile.tiles import has_room, tile_errors, tile_rows
-from weftex.methods.lattices.vectors import check_lattice, found_vectors
 
 if TYPE_CHECKING:
     from weftex.exemplar import Exemplar

@@ -6,8 +6,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from weftex.methods.best_tile.parallelogram import integrated, runs_of
 from weftex.analysis.canvas_lattice import CanvasLattice
+from weftex.methods.best_tile.parallelogram import integrated, runs_of
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray

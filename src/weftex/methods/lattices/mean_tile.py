@@ -41,7 +41,8 @@ class MeanTile:
     ) -> None:
         self._lattice = CanvasLattice(vectors)
         self._bins = [max(1, round(float(np.hypot(*v)))) for v in self._lattice.sample]
-        cell = self._lattice.cell(*np.indices(pixels.shape[:2]), self._bins).ravel()
+        y, x = np.indices(pixels.shape[:2])
+        cell = self._lattice.cell(y, x, self._bins).ravel()
         colors = pixels.reshape(-1, pixels.shape[2])
         if mask is not None:
             cell, colors = cell[mask.ravel()], colors[mask.ravel()]

@@ -60,8 +60,9 @@ class LatticeModel(Model):
         threads: int | None = None,
         progress: ProgressCallback | None = None,
     ) -> Synthesis:
-        """See `Model.sample`. Where the canvas wraps, the lattice is stretched until whole tiles fit.
+        """See `Model.sample`.
 
+        Where the canvas wraps, the lattice is stretched until whole tiles fit;
         `provenance["strain"]` says how much. A hole goes on with the lattice of its surroundings.
 
         Raises

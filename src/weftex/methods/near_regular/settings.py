@@ -7,10 +7,14 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from weftex.analysis.canvas_lattice import CanvasLattice
+from weftex.analysis.canvas_lattice import (
+    ANYWHERE,
+    CanvasLattice,
+    check_lattice,
+    found_vectors,
+)
 from weftex.canvas import Canvas
 from weftex.errors import InvalidInputError
-from weftex.methods.lattices.vectors import ANYWHERE, check_lattice, found_vectors
 from weftex.search.windows import windows_of
 
 if TYPE_CHECKING:
