@@ -185,17 +185,19 @@ def look_around(grid: Grid, i: cython.Py_ssize_t, j: cython.Py_ssize_t, gap: Gap
 def compose_border(sample: Sample, gap: Gap) -> cython.void:
     """Copy each wedge of a gap's border from the neighbor that it belongs to (Fig. 4.9)."""
     cython.declare(v=cython.Py_ssize_t, u=cython.Py_ssize_t, k=cython.Py_ssize_t)
-    cython.declare(p=cython.Py_ssize_t, q=cython.Py_ssize_t, wedge=cython.int)
-    width: cython.Py_ssize_t = sample.usable.shape[1]
+    cython.declare(p=cython.Py_ssize_t, wedge=cython.int)
+    cython.declare(here=cython.p_uchar, there=cython.p_const_uchar)
+    channels: cython.Py_ssize_t = sample.pixels.shape[2]
     for v in range(gap.wedges.shape[0]):
         for u in range(gap.wedges.shape[1]):
             wedge = gap.wedges[v, u]
             if wedge == 0 or wedge == KNOWN:
                 continue
-            p = gap.other[wedge] // width + gap.dy[wedge] + v
-            q = gap.other[wedge] % width + gap.dx[wedge] + u
-            for k in range(sample.pixels.shape[2]):
-                gap.border[v, u, k] = sample.pixels[p, q, k]
+            p = gap.other[wedge] + (gap.dy[wedge] + v) * sample.pixels.shape[1]
+            here = cython.address(gap.border[v, u, 0])
+            there = cython.address(sample.pixels[0, 0, 0]) + (p + gap.dx[wedge] + u) * channels
+            for k in range(channels):
+                here[k] = there[k]
     gather(gap.border, 0, 0, gap.runs, gap.query)
 
 
@@ -285,13 +287,16 @@ def best_within_tolerance(
     width: cython.Py_ssize_t = sample.usable.shape[1]
     best: cython.int = -1
     least: cython.longlong = NEVER
+    if count > 0:  # most others are soon given up past the best one listed
+        best = gap.places[0]
+        least = mismatch(sample, rule, gap, best, -1)
     for t in range(count):
         for y in range(-rule.tolerance, rule.tolerance + 1):
             for x in range(-rule.tolerance, rule.tolerance + 1):
                 here = place_at(sample, gap.places[t] // width + y, gap.places[t] % width + x)
                 if here < 0:
                     continue
-                key = mismatch(sample, rule, gap, here, least if least < NEVER else -1)
+                key = mismatch(sample, rule, gap, here, least)
                 if key < least or (key == least and here < best):
                     least = key
                     best = here

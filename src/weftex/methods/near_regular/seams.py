@@ -10,6 +10,7 @@ import numpy as np
 from weftex.methods.near_regular import seam_kernels as kernels
 from weftex.results.patches import PatchSynthesis, RectifiedSynthesis
 from weftex.results.warped import WarpedSynthesis
+from weftex.seams.boundary_kernels import Band
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -90,12 +91,14 @@ def _paths(
         corners=np.zeros((rows + 1, columns + 1, 2), np.int32),
         upright=upright,
         lying=lying,
+        left=layout.columns.shown.start,
+        right=layout.columns.shown.stop,
     )
     grid, around = layout.grid(place), kernels.Hole(hole.known, hole.state)
     still = kernels.Shown(sample.pixels, sample.visibility, place)
 
-    def scratch() -> kernels.Scratch:
-        return kernels.Scratch(
+    def band() -> Band:
+        return Band(
             np.empty((side, 2 * reach), np.int64),
             np.empty((side if len(hole.state) else 0, 2 * reach + 1), np.int64),
             np.empty((side, 2 * reach + 1), np.int64),
@@ -104,10 +107,10 @@ def _paths(
         )
 
     def meet(i: int) -> None:
-        kernels.meet(still, grid, around, seams, scratch(), i, i + 1)
+        kernels.meet(still, grid, around, seams, band(), i, i + 1)
 
     def cut(lines: range) -> None:
-        looked, own = still, scratch()
+        looked, own = still, band()
         if warps:
             beside = {k % rows for k in range(lines.start - 1, lines.stop)}
             looked = kernels.Shown(*warps.shown(sample, layout, place, sorted(beside)))
