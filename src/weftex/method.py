@@ -185,11 +185,17 @@ class Method(ABC):
                 _check(field, value)
             needs = field.metadata["needs"]
             if needs and getattr(self, field.name) != field.default:
-                if getattr(self, needs[0]) not in needs[1]:
+                found = self.meant(needs[0])
+                if found not in needs[1]:
                     allowed = " or ".join(f"'{v}'" for v in needs[1])
+                    here = "" if found == getattr(self, needs[0]) else f"; here it is '{found}'"
                     raise InvalidInputError(
-                        f"{field.name} has no effect unless {needs[0]} is {allowed}"
+                        f"{field.name} has no effect unless {needs[0]} is {allowed}{here}"
                     )
+
+    def meant(self, name: str) -> Any:
+        """Return the value of a parameter; where that leaves it to another one, what follows."""
+        return getattr(self, name)
 
     @abstractmethod
     def fit(self, exemplar: Exemplar) -> Model:

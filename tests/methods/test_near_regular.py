@@ -174,25 +174,95 @@ def test_the_papers_preset():
     assert (m.tolerance, m.rectify, m.variety, m.candidates) == (3, 0, 0.0, 512)
 
 
-def test_the_settled_method_says_what_is_done():
-    """Also where a parameter has no effect; nothing but the blending of cut blocks is left open."""
-    pixels, lattice = wall(96, 96), (16, 0, 8, 12)
+LATTICE = (16, 0, 8, 12)
+
+
+def samples():
+    """What rectifying is not for, by the word that says so."""
+    pixels = wall(96, 96)
     mask = np.ones((96, 96), bool)
     mask[40:44, 40:44] = False
-    for exemplar, parameters, rectify in (
-        (weftex.Exemplar(pixels), {"lattice": lattice}, 1),
-        (weftex.Exemplar(pixels, mask=mask), {"lattice": lattice, "rectify": 2}, 0),
-        (weftex.Exemplar(pixels, tileable=True), {"lattice": lattice, "rectify": 2}, 0),
-        (weftex.Exemplar(pixels), {"lattice": (1, 0, 0, 1), "rectify": 2}, 0),
-    ):
-        model = weftex.NearRegular(**parameters, block_size=17).fit(exemplar)
-        told = model.sample(20, seed=1).provenance
-        assert told["rectify"] == model.method.rectify == rectify
-        assert told["blend"] == "cut" and "blend_width" not in told
-        assert None not in told.values()
-        assert weftex.NearRegular(**parameters, block_size=17).settle(exemplar) == model.method
-    model = model_of(pixels, lattice=lattice, blend="feather", border_width=6, blend_width=20)
-    assert model.method.blend_width == 6  # it cannot be wider than what blocks share
+    return {
+        "a mask": (weftex.Exemplar(pixels, mask=mask), LATTICE),
+        "tiles": (weftex.Exemplar(pixels, tileable=True), LATTICE),
+        "without a lattice": (weftex.Exemplar(pixels), (1, 0, 0, 1)),
+        "": (weftex.Exemplar(pixels), LATTICE),
+    }
+
+
+@pytest.mark.parametrize("case", samples())
+def test_the_settled_method_says_what_is_done(case):
+    """Also where a parameter has no effect; nothing but the blending of cut blocks is left open."""
+    exemplar, lattice = samples()[case]
+    method = weftex.NearRegular(lattice=lattice, block_size=17)
+    model = method.fit(exemplar)
+    told = model.sample(20, seed=1).provenance
+    assert told["rectify"] == model.method.rectify == (0 if case else 1)
+    assert told["blend"] == "cut" and "blend_width" not in told
+    assert None not in told.values()
+    assert method.settle(exemplar) == model.method == model.method.settle(exemplar)
+
+
+@pytest.mark.parametrize("case", samples())
+def test_a_sample_that_is_not_rectified_is_not_asked_to_be(case):
+    exemplar, lattice = samples()[case]
+    method = weftex.NearRegular(lattice=lattice, block_size=17, rectify=2)
+    if not case:
+        assert method.fit(exemplar).blocks.lookup is not None
+        return
+    with pytest.raises(weftex.InvalidInputError, match=f"rectify is 2; it has no effect .*{case}"):
+        method.fit(exemplar)
+
+
+def test_holes_refuse_rectification():
+    hole = np.zeros((96, 96), bool)
+    hole[40:50, 40:50] = True
+    with pytest.raises(weftex.InvalidInputError, match="rectify is 3; it has no effect .* a hole"):
+        weftex.fill(wall(96, 96), hole, method="near-regular", lattice=LATTICE, rectify=3)
+
+
+def test_blends_are_as_wide_as_asked_or_refused():
+    """With the paper's preset too, which feathers; they cannot be wider than what blocks share."""
+    pixels = wall(128, 128)
+    images = []
+    for width in (None, 0, 4, 10):
+        model = model_of(pixels, lattice=LATTICE, preset="paper", blend_width=width)
+        assert model.method.blend_width == (4 if width is None else width)
+        images.append(model.sample(150, seed=1).image)
+    assert np.array_equal(images[0], images[2])
+    assert all((images[1] != other).any() for other in images[2:])
+    assert (images[2] != images[3]).any()
+    for border, width in ((None, 12), (6, 20), (0, 1)):
+        with pytest.raises(weftex.InvalidInputError, match=f"blend_width is {width}; it must be"):
+            model_of(
+                pixels, lattice=LATTICE, preset="paper", border_width=border, blend_width=width
+            )
+
+
+@pytest.mark.parametrize(
+    "parameters, message",
+    [
+        ({"blend_width": 4}, "blend_width has no effect unless blend is 'feather'; here .*'cut'"),
+        (
+            {"preset": "paper", "seam_cost": "difference"},
+            "seam_cost has no effect unless blend is 'auto' or 'cut'; here it is 'feather'",
+        ),
+        ({"blend": "none", "seam_cost": "difference"}, "seam_cost has no effect unless"),
+        ({"border_width": 0, "seam_cost": "difference"}, "seam_cost has no effect without borders"),
+        ({"border_width": 0, "match": "gncc"}, "match has no effect without borders"),
+        ({"border_width": 0, "warp": 1}, "warp is 1; it needs a border_width"),
+    ],
+)
+def test_what_has_no_effect_is_refused(parameters, message):
+    with pytest.raises(weftex.InvalidInputError, match=message):
+        model_of(wall(60, 60), lattice=LATTICE, block_size=20, **parameters)
+
+
+def test_narrow_borders_of_small_canvases_are_told():
+    model = model_of(wall(96, 96), lattice=(16, 0, 0, 12), block_size=30, border_width=20)
+    assert model.sample((48, 48), seed=1).provenance.get("border_narrowed_to") is None
+    told = model.sample((24, 32), seed=1, tileable=True).provenance
+    assert told["border_narrowed_to"] == 10  # blocks of 12 go around
 
 
 def test_blending_is_linear():

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, ClassVar
+from typing import TYPE_CHECKING, Any, ClassVar
 
 from weftex.method import Method, parameter
 from weftex.methods.lattices.model import LatticeModel
@@ -17,7 +17,7 @@ from weftex.methods.near_regular.seams import (
     keep_known,
     lay_blocks,
 )
-from weftex.methods.near_regular.settings import settle
+from weftex.methods.near_regular.settings import blend_of, settle
 from weftex.methods.near_regular.warps import warp_gaps
 from weftex.threads import thread_count, thread_map
 
@@ -94,7 +94,7 @@ class NearRegular(Method):
     )
     blend_width: int | None = parameter(
         None,
-        "width of the feathered area between blocks",
+        "width of the feathered area between blocks, at most that of the borders",
         low=0,
         unit="px",
         default_text="4, and 7/10 of a block where blocks would show",
@@ -114,7 +114,8 @@ class NearRegular(Method):
         low=0,
         high=64,
         unit="px",
-        default_text="3, a tenth of the shorter vector at most; 0 in the paper",
+        default_text="3, a tenth of the shorter vector at most; 0 in the paper, without a lattice, "
+        "with a mask or hole, and where the sample tiles",
     )
     warp: int = parameter(
         0,
@@ -142,6 +143,10 @@ class NearRegular(Method):
         high=1000.0,
         default_text="1; 0 in the paper",
     )
+
+    def meant(self, name: str) -> Any:
+        """What `blend` is, if that is left to the preset."""
+        return blend_of(self) if name == "blend" else super().meant(name)
 
     def fit(self, exemplar: Exemplar) -> NearRegularModel:
         """Find the lattice, if none is given, and settle the sizes."""

@@ -292,6 +292,8 @@ def lay_blocks(
         about["origin"] = list(layout.origin)
     if any(layout.canvas.wrap):
         about["strain"] = round(layout.lattice.strain, 6)
+    if layout.reach < margin:  # blocks of a small canvas that goes around
+        about["border_narrowed_to"] = 2 * layout.reach
     told: dict[str, Any] = {
         "sample_shape": sample.exemplar.shape,
         "exemplar": sample.exemplar,
