@@ -180,7 +180,9 @@ class Method(ABC):
         for field in dataclasses.fields(self):
             value = getattr(self, field.name)
             if field.metadata["count"] and value is not None:
-                object.__setattr__(self, field.name, _numbers(field, value))
+                object.__setattr__(
+                    self, field.name, numbers_of(field.name, value, field.metadata["count"])
+                )
             else:
                 _check(field, value)
             needs = field.metadata["needs"]
@@ -308,15 +310,20 @@ def _check(field: dataclasses.Field[Any], value: Any) -> None:
         raise InvalidInputError(f"{name} is {value}; it must be {bounds(field)}")
 
 
-def _numbers(field: dataclasses.Field[Any], value: Any) -> tuple[float, ...]:
-    """The numbers of a field that has several, from a sequence or a text with commas."""
-    count = field.metadata["count"]
+def numbers_of(name: str, value: Any, count: int) -> tuple[float, ...]:
+    """So many numbers, from a sequence or a text with commas.
+
+    Raises
+    ------
+    InvalidInputError
+        That names the value, if it is not that.
+    """
     try:
         found = tuple(float(v) for v in (value.split(",") if isinstance(value, str) else value))
     except (TypeError, ValueError):
         found = ()
     if len(found) != count or not all(map(math.isfinite, found)):
-        raise InvalidInputError(f"{field.name} is {value!r}; it must be {count} numbers")
+        raise InvalidInputError(f"{name} is {value!r}; it must be {count} numbers")
     return found
 
 

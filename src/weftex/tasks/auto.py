@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING, Any, ClassVar
 import numpy as np
 
 from weftex.analysis.canvas_lattice import CanvasLattice
+from weftex.analysis.courses import courses
 from weftex.analysis.evenness import Evenness, evenness
 from weftex.analysis.lattice import Lattice, find_lattice
 from weftex.analysis.scale import dominant_scale
@@ -275,9 +276,8 @@ def _warnings(findings: Findings) -> list[str]:
 
 
 def _words(lattice: Lattice) -> str:
-    lengths = " x ".join(f"{math.hypot(*vector):.1f}" for vector in lattice.vectors)
     kind = "lattice" if len(lattice.vectors) == 2 else "distance"
-    return f"{kind} {lengths} px, confidence {lattice.confidence:g}"
+    return f"{kind} {courses(lattice)}, confidence {lattice.confidence:g}"
 
 
 def _size(shape: tuple[int, int]) -> str:
