@@ -207,16 +207,24 @@ class Method(ABC):
         for field in dataclasses.fields(self):
             value = getattr(self, field.name)
             if field.metadata["count"] and value is not None:
-                object.__setattr__(self, field.name, _numbers(field, value))
+                object.__setattr__(
+                    self, field.name, numbers_of(field.name, value, field.metadata["count"])
+                )
             else:
                 _check(field, value)
             needs = field.metadata["needs"]
             if needs and getattr(self, field.name) != field.default:
-                if getattr(self, needs[0]) not in needs[1]:
+                found = self.meant(needs[0])
+                if found not in needs[1]:
                     allowed = " or ".join(f"'{v}'" for v in needs[1])
+                    here = "" if found == getattr(self, needs[0]) else f"; here it is '{found}'"
                     raise InvalidInputError(
-                        f"{field.name} has no effect unless {needs[0]} is {allowed}"
+                        f"{field.name} has no effect unless {needs[0]} is {allowed}{here}"
                     )
+
+    def meant(self, name: str) -> Any:
+        """Return the value of a parameter; where that leaves it to another one, what follows."""
+        return getattr(self, name)
 
     @abstractmethod
     def fit(self, exemplar: Exemplar) -> Model:
@@ -331,15 +339,20 @@ def _check(field: dataclasses.Field[Any], value: Any) -> None:
         raise InvalidInputError(f"{name} is {value}; it must be {meta['parity']}")
 
 
-def _numbers(field: dataclasses.Field[Any], value: Any) -> tuple[float, ...]:
-    """The numbers of a field that has several, from a sequence or a text with commas."""
-    count = field.metadata["count"]
+def numbers_of(name: str, value: Any, count: int) -> tuple[float, ...]:
+    """So many numbers, from a sequence or a text with commas.
+
+    Raises
+    ------
+    InvalidInputError
+        That names the value, if it is not that.
+    """
     try:
         found = tuple(float(v) for v in (value.split(",") if isinstance(value, str) else value))
     except (TypeError, ValueError):
         found = ()
     if len(found) != count or not all(map(math.isfinite, found)):
-        raise InvalidInputError(f"{field.name} is {value!r}; it must be {count} numbers")
+        raise InvalidInputError(f"{name} is {value!r}; it must be {count} numbers")
     return found
 
 
