@@ -108,39 +108,17 @@ class PatchMethod(Method):
 
 @dataclass(frozen=True)
 class PatchSettings:
-    """Every value that laying patches depends on, settled for one sample.
+    """Every value that laying patches depends on, settled for one sample."""
 
-    Attributes
-    ----------
-    patch_size : int
-        Side w_B of the patches.
-    boundary_width : int
-        Width w_E of the boundary zone.
-    search : str
-        One of `SEARCHES`.
-    candidates : int
-        m of section 3.2.
-    variance : float
-        That the principal components keep.
-    edge_weight : float
-        Weight of outlines in distances.
-    repeat_distance : float
-        By how many patches the sources of patches near each other are kept apart; 0 does not.
-    blend : str
-        How patches are joined: feather, feather-at-end, cut or none.
-    anything : bool
-        Every window matches, so that nothing is searched (chaos mosaic).
-    """
-
-    patch_size: int
-    boundary_width: int
-    search: str
-    candidates: int
-    variance: float
-    edge_weight: float
-    repeat_distance: float
-    blend: str
-    anything: bool
+    patch_size: int  # side w_B of the patches
+    boundary_width: int  # width w_E of the boundary zone
+    search: str  # one of SEARCHES
+    candidates: int  # m of section 3.2
+    variance: float  # that the principal components keep
+    edge_weight: float  # of outlines in distances
+    repeat_distance: float  # how many patches the sources of near patches lie apart, at least
+    blend: str  # how patches are joined: feather, feather-at-end, cut or none
+    anything: bool  # every window matches, so that nothing is searched (chaos mosaic)
 
     @property
     def pixelwise(self) -> bool:
@@ -213,28 +191,15 @@ def settle(
 class Frame:
     """How windows of the sample lie on a canvas.
 
-    Attributes
-    ----------
-    canvas : Canvas
-        What to make.
-    settings : PatchSettings
-        Of the method.
-    window : (int, int)
-        Rows and columns of the windows that are compared; those of patches are no larger than the
-        canvas.
-    boundary_width : int
-        Width w_E of the boundary zone. In a wrapped row the last patch has a zone at either end,
-        and room must be left between them.
-    margin : (int, int)
-        Rows and columns by which the window of a single pixel hangs over the border, where the
-        canvas does not wrap.
+    In a wrapped row the last patch has a zone at either end, and room must be left between them, so
+    that the boundary may be narrower than in the settings.
     """
 
     canvas: Canvas
     settings: PatchSettings
-    window: tuple[int, int]
-    boundary_width: int
-    margin: tuple[int, int]
+    window: tuple[int, int]  # rows and columns that are compared; no more than the canvas has
+    boundary_width: int  # width w_E of the boundary zone on this canvas
+    margin: tuple[int, int]  # by which a single pixel's window hangs over a border without wrap
 
     @property
     def shape(self) -> tuple[int, int]:
