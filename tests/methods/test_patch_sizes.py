@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 import weftex
-from families import every
+from families import every, noise
 
 
 def test_patch_size_follows_the_randomness_parameter():
@@ -13,8 +13,55 @@ def test_patch_size_follows_the_randomness_parameter():
     for share in (0.25, 0.5, 1.0):
         method = weftex.PatchSampling(randomness=share).fit(exemplar).method
         assert method.patch_size == round(60 * share)
-    method = weftex.PatchSampling(randomness=0.3, patch_size=20).fit(exemplar).method
-    assert method.patch_size == 20
+
+
+@every("method", family="patch")
+def test_what_has_no_effect_is_refused(method):
+    kind, exemplar = weftex.METHODS[method], weftex.Exemplar(np.zeros((60, 100), np.uint8))
+    with pytest.raises(weftex.InvalidInputError, match="randomness has no effect beside patch_s"):
+        kind(randomness=0.3, patch_size=20)
+    for one in ({"blend": "feather-at-end"}, {"repeat_distance": 1.5}):
+        for small in ({"patch_size": 1}, {"randomness": 0.001}):
+            with pytest.raises(weftex.InvalidInputError, match="no effect on patches of one pixel"):
+                kind(**one, **small).fit(exemplar)
+    for done in ({}, {"blend": "none"}, {"repeat_distance": 0.0}):
+        assert kind(patch_size=1, **done).fit(exemplar).method.patch_size == 1
+
+
+@pytest.mark.parametrize("kind, share", [(weftex.PatchSampling, 0.3), (weftex.GraphCut, 0.45)])
+def test_patches_of_large_samples_follow_the_scale_of_their_things(kind, share):
+    """A large sample of small things has patches of few things; one of large things, as ever."""
+    y, x = np.indices((600, 700))
+
+    def size(period, side=600):
+        levels = 100 * (x % period < period // 2) + 100 * (y % period < period // 2)
+        exemplar = weftex.Exemplar(levels[:side].astype(np.uint8))
+        model = kind().fit(exemplar)
+        assert model.sample((40, 40), seed=1).provenance["patch_size"] == model.method.patch_size
+        return model.method.patch_size
+
+    assert size(12) == round(share * 384)
+    assert share * 22 * 20 < size(24) < share * 26 * 20
+    assert size(60) == round(share * 600)
+    assert size(12, side=384) == round(share * 384)
+
+
+@pytest.mark.parametrize("kind", [{"epsilon": 1.0}, {"epsilon": 5.0}, {"epsilon": 1e6}])
+def test_a_wide_tolerance_draws_from_all_that_match(rng, kind):
+    """Psi_B has nearly all windows then, not the 40 nearest alone."""
+    sample = noise((60, 60), rng=rng)
+    model = weftex.PatchSampling(patch_size=16, boundary_width=4, **kind).fit(
+        weftex.Exemplar(sample)
+    )
+    windows = np.lib.stride_tricks.sliding_window_view(sample.astype(int), (16, 4))[:, :45]
+    ranks = []
+    for seed in range(20):
+        made = model.sample((16, 28), seed=seed)
+        (y, x), (v, u) = made.placements[:, 2:4].tolist()
+        known = sample[y : y + 16, x + 12 : x + 16].astype(int)
+        distances = ((windows - known) ** 2).sum(axis=(2, 3))
+        ranks.append((distances < distances[v, u]).mean())
+    assert 0.3 < np.median(ranks) < 0.7
 
 
 @every("method", family="patch")
@@ -48,7 +95,7 @@ def test_samples_that_tile_must_hold_a_window_too():
 
 def test_the_boundary_is_at_most_half_of_the_patch():
     exemplar = weftex.Exemplar(np.zeros((60, 100), np.uint8))
-    method = weftex.PatchSampling(patch_size=21, boundary_width=10)
+    method = weftex.PatchSampling(patch_size=21, boundary_width=10, candidates=50)
     assert method.fit(exemplar).method == method
     with pytest.raises(weftex.InvalidInputError, match="boundary_width is 11; .* 10"):
         weftex.PatchSampling(patch_size=21, boundary_width=11).fit(exemplar)

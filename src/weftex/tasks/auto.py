@@ -14,6 +14,7 @@ import numpy as np
 
 from weftex.analysis.evenness import Evenness, evenness
 from weftex.analysis.lattice import Lattice, find_lattice
+from weftex.analysis.relief import smaller_copy
 from weftex.analysis.scale import dominant_scale
 from weftex.canvas import Canvas, as_canvas
 from weftex.choice import Choice
@@ -23,8 +24,6 @@ from weftex.method import Method, Model
 from weftex.methods import make_method
 
 if TYPE_CHECKING:
-    from numpy.typing import NDArray
-
     from weftex.progress import ProgressCallback
     from weftex.random import Seed
     from weftex.results.synthesis import Synthesis
@@ -225,7 +224,7 @@ def look(exemplar: Exemplar) -> Findings:
     exemplar : Exemplar
         The sample.
     """
-    small, step = _copy(exemplar)
+    small, step = smaller_copy(exemplar, _LOOK)
     if min(small.shape) < _SMALLEST_ANALYZED:
         return Findings(exemplar.shape, None, True, 1.0, _colors(small), Evenness(0, 0, 0, (1, 1)))
     lattice, exact = find_lattice(small), step == 1
@@ -289,29 +288,6 @@ def _strain(vectors: tuple[float, ...], canvas: Canvas) -> float:
     from weftex.methods.lattices.canvas_lattice import CanvasLattice
 
     return CanvasLattice(vectors, canvas).strain
-
-
-def _copy(exemplar: Exemplar) -> tuple[Exemplar, int]:
-    """The sample, or a smaller copy of what distances are taken on; and how many times smaller."""
-    step = -(-max(exemplar.shape) // _LOOK)
-    if step == 1:
-        return exemplar, 1
-    levels = exemplar.matching()
-    rows, columns = (max(side // step, 1) for side in exemplar.shape)
-    high, wide = (min(step, side) for side in exemplar.shape)
-
-    def means(values: NDArray[Any]) -> NDArray[np.float64]:
-        cut = values[: rows * high, : columns * wide].astype(np.float64)
-        found: NDArray[np.float64] = cut.reshape(rows, high, columns, wide, -1).mean(axis=(1, 3))
-        return found
-
-    mask = None
-    if exemplar.mask is not None:
-        mask = means(exemplar.mask)[..., 0] > 0.5
-        if not mask.any():
-            mask = means(exemplar.mask)[..., 0] > 0
-    pixels = np.rint(means(levels)).astype(np.uint8)
-    return Exemplar(pixels, mask=mask, alpha=False, name=exemplar.name), step
 
 
 def _part(exemplar: Exemplar) -> Exemplar:
