@@ -81,6 +81,8 @@ def parse_task(
     name = chooser.parse_known_args(argv)[0].method or ""
     from weftex.tasks.method_names import AUTO, method_class
 
+    by_default = name in (AUTO, default) and not any(word.startswith("--method") for word in argv)
+    by_default |= name == AUTO
     name = default if name == AUTO else name
     method = method_class(name)
     if name == AUTO:
@@ -101,7 +103,7 @@ def parse_task(
     if name == AUTO:
         group.description = "none; with --method NAME --help stand those of another method"
     args = parser.parse(argv)
-    args.method = name
+    args.method, args.by_default = name, by_default
     check_numbers(args)
     given = {
         name.removeprefix("parameter_"): value

@@ -120,7 +120,7 @@ class AutoModel(Model):
         if canvas.guide is not None:
             return Choice("refinement", {}, "a guide to follow: refinement")
         if canvas.known is not None:
-            return Choice("patch-sampling", {}, "a hole to fill: patch-sampling")
+            return choose_for_hole(self.exemplar, canvas)
         return choose(self.findings, canvas)
 
     def chosen(self, size: Canvas | int | tuple[int, int]) -> tuple[Choice, Model]:
@@ -211,6 +211,31 @@ def choose(findings: Findings, canvas: Canvas) -> Choice:
         said += f"; {megapixels} {f'{minutes:.0f} minutes' if minutes >= 1.5 else 'too long'}"
         slug = "quilting"
     return Choice(slug, parameters, f"{said}: {slug}", warnings)
+
+
+def choose_for_hole(exemplar: Exemplar, canvas: Canvas) -> Choice:
+    """The rule for holes: joints of a sure lattice go on, anything else is laid in patches.
+
+    Parameters
+    ----------
+    exemplar : Exemplar
+        Its mask leaves the hole out.
+    canvas : Canvas
+        With known pixels.
+    """
+    said, lattice = "a hole to fill", None
+    if min(exemplar.shape) >= _SMALLEST_ANALYZED and canvas.known_from is not None:
+        small, step = smaller_copy(exemplar, _LOOK)
+        if min(small.shape) >= _SMALLEST_ANALYZED:
+            lattice = find_lattice(small)
+    if lattice is None or not _is_near_regular(lattice, small.shape):
+        return Choice("patch-sampling", {}, f"{said}: patch-sampling")
+    found = Lattice(tuple((x * step, y * step) for x, y in lattice.vectors), lattice.confidence)
+    vectors = tuple(part for vector in found.vectors for part in vector)
+    if _strain(vectors, canvas) > _STRAIN:
+        return Choice("patch-sampling", {}, f"{said}, {_words(found)}: patch-sampling")
+    parameters = {"lattice": vectors} if step == 1 else {}
+    return Choice("near-regular", parameters, f"{said}, {_words(found)}: near-regular")
 
 
 def look(exemplar: Exemplar) -> Findings:
