@@ -50,6 +50,12 @@ def add_huge(parser: Parser) -> None:
     parser.add_argument("--allow-huge", action="store_true", help=text)
 
 
+def add_tileable_sample(parser: Parser) -> None:
+    """Add the option of every command that can use the sample's borders."""
+    text = "the sample itself repeats without a seam, so that patches may run over its borders"
+    parser.add_argument("--tileable-sample", action="store_true", help=f"{text}; see 'analyze'")
+
+
 def add_limits(parser: Parser) -> None:
     """Add the options of every command that makes pictures."""
     add_huge(parser)

@@ -6,8 +6,9 @@ from time import perf_counter
 from typing import TYPE_CHECKING
 
 from weftex.cli.files import load, open_sample, report, settings, write
-from weftex.cli.options import Parser, parse_task
+from weftex.cli.options import Parser, add_tileable_sample, parse_task
 from weftex.cli.terminal import finish
+from weftex.errors import InvalidInputError
 
 if TYPE_CHECKING:
     from weftex.cli.terminal import Bar, Outputs
@@ -35,7 +36,12 @@ def run(argv: list[str]) -> None:
     parser.add_argument("--sample", metavar="S", help="learn from this picture, not from the photo")
     text = "so many pixels around the holes may change, to hide the seam; default: 0"
     parser.add_argument("--overlap", type=int, default=0, metavar="PX", help=text)
+    add_tileable_sample(parser)
     args, method, parameters = parse_task(parser, argv, "patch-sampling")
+    if args.tileable_sample and args.sample is None:
+        raise InvalidInputError(
+            "--tileable-sample has no effect without --sample; --tileable says it of the photo"
+        )
     method(**parameters)  # finds wrong values before anything is read
 
     def work(bar: Bar, outputs: Outputs) -> str:
@@ -45,7 +51,9 @@ def run(argv: list[str]) -> None:
 
         photo, pictures, targets = open_sample(args.photo, args, outputs)
         mask = read_mask(args.mask, max_pixels=None if args.allow_huge else MAX_PIXELS)
-        sample = None if args.sample is None else load(args.sample, args)[0]
+        sample = None
+        if args.sample is not None:
+            sample = load(args.sample, args, tileable=args.tileable_sample)[0]
         how = {"method": AUTO if args.by_default else args.method, "overlap": args.overlap}
         result = fill(photo, mask, sample=sample, **how, **settings(args, bar), **parameters)
         write(result, photo, pictures, targets, args, outputs)
