@@ -14,6 +14,8 @@ from weftex.methods.patches.pasting import Output
 from weftex.methods.patches.scan_order import Run
 from weftex.methods.patches.settings import PatchMethod, settle
 
+_PAPERS_TOLERANCE = 0.1  # section 2.1
+
 
 @dataclass(frozen=True)
 class Quilting(PatchMethod):
@@ -55,6 +57,11 @@ class Quilting(PatchMethod):
         "joining patches: cut along least error, feathered after each or at the end, or pasted",
         choices=("cut", "feather", "feather-at-end", "none"),
     )
+
+    @property
+    def looseness(self) -> float:
+        """See `PatchMethod.looseness`."""
+        return (1 + self.tolerance) / (1 + _PAPERS_TOLERANCE)
 
     def fit(self, exemplar: Exemplar) -> PatchModel:
         """Settle the sizes of block and overlap, and analyze the sample."""
