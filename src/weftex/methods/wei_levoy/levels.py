@@ -108,9 +108,10 @@ def parents_or_noise(level: Level, seed: int) -> NDArray[np.int32]:
     if level.coarser is None:
         return noise(level.sample, seed, level.number, level.source.shape)
     height, width = level.sample.shape
-    y, x = np.indices(level.source.shape)
     coarser = level.coarser
-    y, x = children(coarser.source[y // 2, x // 2], coarser.sample.shape[1], y, x)
+    rows, columns = np.arange(level.source.shape[0])[:, None], np.arange(level.source.shape[1])
+    parents = coarser.source[rows // 2, columns // 2]
+    y, x = children(parents, coarser.sample.shape[1], rows, columns)
     places = np.minimum(y, height - 1) * width + np.minimum(x, width - 1)
     source: NDArray[np.int32] = places.astype(np.int32)
     return source
