@@ -45,6 +45,7 @@ def parameter(
     needs: tuple[str, Sequence[str]] | None = None,
     needs_canvas: str = "",
     count: int = 0,
+    parity: str = "",
 ) -> Any:
     """Declare a field of a method.
 
@@ -69,6 +70,8 @@ def parameter(
         Likewise for a kind of canvas, see `CANVAS_KINDS`.
     count : int
         The value is so many numbers; a text with commas between them is taken too.
+    parity : str
+        "odd" or "even"; 0, where `low` allows it, is both.
     """
     return dataclasses.field(
         default=default,
@@ -82,6 +85,7 @@ def parameter(
             "needs": needs,
             "needs_canvas": needs_canvas,
             "count": count,
+            "parity": parity,
         },
     )
 
@@ -168,13 +172,36 @@ class Method(ABC):
     Raises
     ------
     InvalidInputError
-        If a value is of the wrong type, out of its bounds, or without effect.
+        If a parameter is unknown, or a value of the wrong type, out of its bounds, or without
+        effect.
     """
 
     slug: ClassVar[str]
     title: ClassVar[str]
     paper: ClassVar[str]
     supports: ClassVar[frozenset[str]] = frozenset()
+
+    def __new__(cls, *values: Any, **named: Any) -> Self:
+        """Refuse what is no parameter; `__init__` would raise a TypeError.
+
+        Examples
+        --------
+        >>> import weftex
+        >>> weftex.EfrosLeung(window=5)
+        Traceback (most recent call last):
+        ...
+        weftex.errors.InvalidInputError: efros-leung has no parameter 'window'; did you mean \
+'window_width'?
+        """
+        known = [field.name for field in dataclasses.fields(cls)]
+        for name in named:
+            if name not in known:
+                raise InvalidInputError(
+                    f"{cls.slug} has no parameter '{name}'{did_you_mean(name, known)}"
+                )
+        if len(values) > len(known):
+            raise InvalidInputError(f"{cls.slug} has {len(known)} parameters, not {len(values)}")
+        return super().__new__(cls)
 
     def __post_init__(self) -> None:
         for field in dataclasses.fields(self):
@@ -308,6 +335,8 @@ def _check(field: dataclasses.Field[Any], value: Any) -> None:
     low, high = meta["low"], meta["high"]
     if (low is not None and value < low) or (high is not None and value > high):
         raise InvalidInputError(f"{name} is {value}; it must be {bounds(field)}")
+    if meta["parity"] and value and value % 2 != (meta["parity"] == "odd"):
+        raise InvalidInputError(f"{name} is {value}; it must be {meta['parity']}")
 
 
 def numbers_of(name: str, value: Any, count: int) -> tuple[float, ...]:

@@ -152,6 +152,8 @@ class Analysis:
         )
         words = {(True, True): "yes", (True, False): "downwards only"}
         words |= {(False, True): "to the right only", (False, False): "no"}
+        if any(self.tiles):
+            across += "; if it was made to, use --tileable-sample" if all(self.tiles) else ""
         certainty = f"confidence {self.confidence:g}" if self.confidence else "no clear peak"
         kind = f"{self.width}x{self.height}, {self.channels} x {self.dtype}"
         rows = [

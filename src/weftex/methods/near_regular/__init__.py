@@ -78,6 +78,7 @@ class NearRegular(Method):
         None,
         "width of the borders that must match, half of it on either side; even",
         low=0,
+        parity="even",
         unit="px",
         default_text="two thirds of the block; 10 in the paper",
     )

@@ -205,8 +205,6 @@ def _block(
     """The side of blocks and the width of borders, checked."""
     paper, shorter = method.preset == "paper", min(exemplar.shape)
     size, border = method.block_size, method.border_width
-    if border is not None and border % 2:
-        raise InvalidInputError(f"border_width is {border}; it must be even")
     if size is None:
         size = max(1, int(_PAPERS_BLOCK * shorter))
         if not paper:
