@@ -248,6 +248,30 @@ def test_patches_shrink_where_holes_leave_little():
     assert (result.image[~hole] == photo[~hole]).all()
 
 
+Y, X = np.indices((128, 128))
+#: Holes that leave little of a small photo.
+LITTLE_LEFT = {
+    "ellipse": ((Y - 64) / 26) ** 2 + ((X - 64) / 34) ** 2 <= 1,
+    "frame": box((40, 40), (4, 4, 36, 36)),
+    "corner": box((128, 128), (20, 18, 128, 126)),
+    "diagonal": np.eye(9, 30, dtype=bool),
+    "line": np.indices((20, 20)).sum(axis=0) != 5,
+    "corners": np.array([[True, False, False], [False, False, True]]),
+}
+
+
+@pytest.mark.parametrize("name", LITTLE_LEFT)
+@pytest.mark.parametrize("method", ["efros-leung", "wei-levoy", "ashikhmin", "exact-matching"])
+def test_windows_shrink_to_what_holes_leave(method, name):
+    """Of the proposed windows and levels, on a photo of bricks at half its size."""
+    hole = LITTLE_LEFT[name]
+    bricks = weftex.load_exemplar("sample:bricks").pixels
+    photo = np.ascontiguousarray(bricks[: 2 * len(hole) : 2, : 2 * hole.shape[1] : 2])
+    result = weftex.fill(photo, hole, method=method, seed=1)
+    assert np.array_equal(result.image[~hole], photo[~hole])
+    assert not hole[tuple(result.source[hole].T)].any()
+
+
 def test_single_pixels():
     photo, hole = noise((40, 50, 3)), box((40, 50), (10, 10, 16, 20))
     result = weftex.fill(photo, hole, seed=1, patch_size=1)

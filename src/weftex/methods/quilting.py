@@ -48,7 +48,9 @@ class Quilting(PatchMethod):
         default_text="a sixth of the patch, 4 or more",
     )
     tolerance: float = parameter(
-        0.1, "candidates may be this much worse than the best, relatively", low=0.0
+        0.1,
+        "errors of candidates, roots of squared ones, may be up to 1 + this times the best's",
+        low=0.0,
     )
     blend: str = parameter(
         "cut",

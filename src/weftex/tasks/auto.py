@@ -12,6 +12,8 @@ from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
 
+from weftex.analysis.canvas_lattice import CanvasLattice
+from weftex.analysis.courses import courses
 from weftex.analysis.evenness import Evenness, evenness
 from weftex.analysis.lattice import Lattice, find_lattice
 from weftex.analysis.relief import smaller_copy
@@ -298,9 +300,8 @@ def _warnings(findings: Findings) -> list[str]:
 
 
 def _words(lattice: Lattice) -> str:
-    lengths = " x ".join(f"{math.hypot(*vector):.1f}" for vector in lattice.vectors)
     kind = "lattice" if len(lattice.vectors) == 2 else "distance"
-    return f"{kind} {lengths} px, confidence {lattice.confidence:g}"
+    return f"{kind} {courses(lattice)}, confidence {lattice.confidence:g}"
 
 
 def _size(shape: tuple[int, int]) -> str:
@@ -310,8 +311,6 @@ def _size(shape: tuple[int, int]) -> str:
 def _strain(vectors: tuple[float, ...], canvas: Canvas) -> float:
     if not any(canvas.wrap):
         return 0.0
-    from weftex.methods.lattices.canvas_lattice import CanvasLattice
-
     return CanvasLattice(vectors, canvas).strain
 
 
