@@ -8,7 +8,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import weftex
-from families import canvas_of
+from families import canvas_of, noise
 from twins import graphcut as reference
 from weftex.methods.graphcut import GraphCut
 from weftex.methods.graphcut import seams as graphcut_seams
@@ -321,7 +321,7 @@ def test_variety_keeps_repeats_apart():
     "wrong, message",
     [
         ({"patch_size": 31}, "patch_size is 31; .* room for 30"),
-        ({"patch_size": 10, "boundary_width": 6}, "boundary_width is 6; .* 5"),
+        ({"patch_size": 10, "boundary_width": 5}, "boundary_width is 5; .* 4"),
         ({"placement": "entire", "patch_size": 5}, "patch_size has no effect"),
         ({"placement": "random", "tolerance": 0.5}, "tolerance has no effect"),
         ({"placement": "entire", "variety": 2.0}, "variety has no effect"),
@@ -360,3 +360,22 @@ def test_the_patches_that_were_laid_are_on_record(placement):
     assert about["patch_shape"] == expected
     if placement == "subpatch":
         assert (about["patch_size"], about["boundary_width"]) == (18, 6)
+
+
+@pytest.mark.parametrize("shape", [(1, 40), (2, 40), (40, 3)])
+def test_thin_samples_take_thin_patches(shape):
+    """Squares of one pixel took a cut for every pixel of the canvas."""
+    exemplar = weftex.Exemplar(noise((*shape, 3)))
+    made = weftex.GraphCut().fit(exemplar).sample((30, 40), seed=1).provenance
+    assert max(made["patch_shape"]) == 18 and "patch_size" not in made
+    again = weftex.GraphCut(boundary_width=made["boundary_width"]).fit(exemplar)
+    assert again.sample((30, 40), seed=1).provenance["patch_shape"] == made["patch_shape"]
+
+
+def test_refinements_end_when_nothing_is_mended():
+    exemplar = weftex.Exemplar(noise((24, 24)))
+    pictures = [
+        weftex.GraphCut(patch_size=9, refinements=many).fit(exemplar).sample((30, 40), seed=1).image
+        for many in (500.0, 1000.0)
+    ]
+    assert np.array_equal(*pictures)

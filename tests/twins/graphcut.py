@@ -187,8 +187,8 @@ class GraphCutTwin:
 
     def patches(self, pixel, mend):
         """Candidates of sub-patch matching: (box, patch) of pixels."""
-        side, boundary = self.method.patch_size, self.method.boundary_width
-        size, corner = self.size(side, side), []
+        boundary = self.method.boundary_width
+        size, corner = self.size(*self.patch_shape()), []
         for at, n, length, wraps in zip(
             pixel, size, self.canvas.shape, self.canvas.wrap, strict=True
         ):
@@ -299,6 +299,15 @@ class GraphCutTwin:
             result.append((box, self.rectangle(source, lengths, self.exemplar.shape), lengths))
         return result
 
+    def patch_shape(self):
+        """Squares; of a thin sample 0.45 of either side; or the entire sample."""
+        side = self.method.patch_size
+        if side:
+            return side, side
+        if self.method.placement == "subpatch":
+            return tuple(max(1, round(0.45 * n)) for n in self.exemplar.shape)
+        return self.exemplar.shape
+
     def size(self, height, width):
         """Of patches: around a wrapped axis they leave a third of the canvas."""
         return [
@@ -320,8 +329,7 @@ class GraphCutTwin:
         best = None
         kind = self.patches if self.method.placement == "subpatch" else self.samples
         for box, patch, *lengths in kind(pixel, mend):
-            side = self.method.patch_size
-            self.columns = (lengths[0] if lengths else self.size(side, side))[1]
+            self.columns = (lengths[0] if lengths else self.size(*self.patch_shape()))[1]
             taken, cost = self.cut(box, patch)
             if best is None or cost < best[0]:
                 best = cost, box, patch, taken
@@ -351,8 +359,7 @@ class GraphCutTwin:
                 for i in range(shape[0])
             ]
         )  # fmt: skip
-        side = self.method.patch_size
-        size = self.size(*((side, side) if side else self.exemplar.shape))
+        size = self.size(*self.patch_shape())
         spans = [min(max(1, n // 16), k) for n, k in zip(size, shape, strict=True)]
         best = None
         for corner in np.ndindex(shape):

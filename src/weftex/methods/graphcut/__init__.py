@@ -21,6 +21,8 @@ if TYPE_CHECKING:
     from weftex.exemplar import Exemplar
     from weftex.methods.pixels.growth import Growth
 
+_IDLE = 4  # refinements that mend nothing, for each patch that covered the canvas, end it
+
 
 @dataclass(frozen=True)
 class GraphCut(Method):
@@ -114,8 +116,9 @@ class GraphCut(Method):
         settings = settle(exemplar, **asdict(self))
         method = self
         if self.placement == "subpatch":  # the others lay the entire sample
-            size, boundary = settings.patch_shape[0], settings.boundary_width
-            method = replace(self, patch_size=size, boundary_width=boundary)
+            rows, columns = settings.patch_shape
+            size = rows if rows == columns else None  # patches of a thin sample are no squares
+            method = replace(self, patch_size=size, boundary_width=settings.boundary_width)
         return PixelModel(method, exemplar, settings, synthesize)
 
 
@@ -152,7 +155,8 @@ def synthesize(settings: Settings, growth: Growth) -> None:
         progress = growth.progress(count, "repairs")
         for number in range(laid, laid + count):
             worst = seams.worst()
-            if worst is None:
+            # Not in the paper: what many patches did not mend cannot be mended.
+            if worst is None or seams.idle > _IDLE * laid:
                 progress.advance(progress.total - progress.done)
                 break
             cut = lay(worst, number, centered=True)

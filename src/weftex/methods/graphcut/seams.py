@@ -35,6 +35,7 @@ class CanvasSeams:
         self.cost = np.zeros(canvas.height * canvas.width, np.int32)
         self.cells = np.zeros([-(-n // _CELL) for n in canvas.shape], np.int64)
         self.tried = np.zeros_like(self.cells)
+        self.idle = 0  # patches since one made the seams cheaper
         self.spans = [
             min(max(1, size // (2 * _CELL)), n)
             for size, n in zip(patch_size, self.cells.shape, strict=True)
@@ -44,7 +45,9 @@ class CanvasSeams:
 
     def price_around(self, place: Place) -> None:
         """Price the seams that a patch in this box may have changed."""
+        before = int(self.cells.sum())
         self.price(place.top - 1, place.left - 1, place.height + 1, place.width + 1)
+        self.idle = 0 if int(self.cells.sum()) < before else self.idle + 1
 
     def price(self, top: int, left: int, height: int, width: int) -> None:
         """Price the seams in a box, and sum them up by cells."""

@@ -18,6 +18,7 @@ if TYPE_CHECKING:
     from weftex.search.windows import Windows
 
 _PATCH_SHARE = 0.45  # side of a patch, of the sample's shorter side
+_THIN = 4  # pixels a side; a sample has thin patches rather than smaller squares
 
 
 @dataclass(frozen=True)
@@ -27,8 +28,10 @@ class Settings:
     exemplar: Exemplar
     windows: Windows  # the sample's single pixels
     placement: str  # "subpatch", "entire" or "random"
-    patch_shape: tuple[int, int]  # height and width in pixels: a square, or the entire sample
-    boundary_width: int  # reach of a square over the pixels before it; 0 for the entire sample
+    patch_shape: tuple[
+        int, int
+    ]  # height and width in pixels, see _patch_shape; or the entire sample
+    boundary_width: int  # reach of a patch over the pixels before it; 0 for the entire sample
     spread: float  # k * sigma**2 in the chances of a place; sigma**2 is the sample's variance
     candidates: int  # places that are cut, to keep the one with the cheapest seam
     by_gradients: bool  # the cost of a seam is divided by the gradients across it
@@ -58,13 +61,14 @@ def settle(
     windows = windows_of(exemplar, (0, 0, 0, 0))
     shape, boundary = exemplar.shape, 0
     if placement == "subpatch":
-        side = _patch_size(exemplar, patch_size)
+        shape = _patch_shape(exemplar, patch_size)
+        side = max(shape)
         boundary = side // 3 if boundary_width is None else boundary_width
-        if boundary > side // 2:
+        if boundary > (side - 1) // 2:
             raise InvalidInputError(
-                f"boundary_width is {boundary}; it must be at most half of the patch, {side // 2}"
+                f"boundary_width is {boundary}; it must be less than half of the patch, at most "
+                f"{(side - 1) // 2}"
             )
-        shape = (side, side)
     return Settings(
         exemplar,
         windows,
@@ -79,6 +83,19 @@ def settle(
     )
 
 
+def _patch_shape(exemplar: Exemplar, given: int | None) -> tuple[int, int]:
+    """A square; of a thin sample, which has squares of a few pixels only, a share of either side.
+
+    Squares of one pixel would take as many cuts as the canvas has pixels.
+    """
+    side = _patch_size(exemplar, given)
+    if given is None and side < _THIN:
+        rows, columns = (max(1, round(_PATCH_SHARE * n)) for n in exemplar.shape)
+        if _has_room(exemplar, rows, columns):
+            return rows, columns
+    return side, side
+
+
 def _patch_size(exemplar: Exemplar, given: int | None) -> int:
     """Return the given side, or the default one, made smaller until it fits."""
     height, width = exemplar.shape
@@ -88,7 +105,7 @@ def _patch_size(exemplar: Exemplar, given: int | None) -> int:
             f"{min(height, width)}"
         )
     side = given or patch_size_of(exemplar, _PATCH_SHARE)
-    while not _has_room(exemplar, side):
+    while not _has_room(exemplar, side, side):
         if given is not None:
             raise InvalidInputError(
                 f"patch_size is {given}; no patch that large lies on usable pixels of "
@@ -98,9 +115,9 @@ def _patch_size(exemplar: Exemplar, given: int | None) -> int:
     return side
 
 
-def _has_room(exemplar: Exemplar, side: int) -> bool:
+def _has_room(exemplar: Exemplar, rows: int, columns: int) -> bool:
     try:
-        windows_of(exemplar, (0, side - 1, 0, side - 1))
+        windows_of(exemplar, (0, rows - 1, 0, columns - 1))
     except InvalidInputError:
         return False
     return True
