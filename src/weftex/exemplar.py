@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
@@ -14,6 +15,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
 _DTYPES = ("uint8", "uint16", "float32", "float64")
+_ORDINARY = 100  # powers of two: float32, too, subtracts and divides such numbers
 _LABELS = 32  # a sample's guide with at most so many colors is a map of labels
 
 
@@ -260,7 +262,8 @@ def _scale(pixels: NDArray[Any]) -> tuple[float, float]:
         full = 65535.0
     else:
         # A few specular pixels of an HDR picture must not turn the rest black.
-        low, high = (float(q) for q in np.quantile(pixels, (0.001, 0.999)))
+        numbers, exponent = tamed(pixels)
+        low, high = (math.ldexp(float(q), exponent) for q in np.quantile(numbers, (0.001, 0.999)))
         full = 1.0
     if low >= 0 and high <= full and high - low >= full / 8:
         return 0.0, full  # the same bytes as the 8-bit version of the picture
@@ -271,8 +274,24 @@ def _scale(pixels: NDArray[Any]) -> tuple[float, float]:
 
 def _to_bytes(pixels: NDArray[Any], scale: tuple[float, float]) -> NDArray[np.float64]:
     low, high = scale
-    pixels = pixels.reshape(*pixels.shape[:2], -1).astype(np.float64)
+    pixels = np.clip(pixels.reshape(*pixels.shape[:2], -1).astype(np.float64), low, high)
+    exponent = _exponent(max(abs(low), abs(high)))
+    if exponent:
+        pixels = np.ldexp(pixels, -exponent)
+        low, high = math.ldexp(low, -exponent), math.ldexp(high, -exponent)
     return np.clip((pixels - low) * (255 / (high - low)), 0, 255)
+
+
+def tamed(pixels: NDArray[Any]) -> tuple[NDArray[Any], int]:
+    """Divide numbers so large or small that arithmetic fails by a power of two, and return it."""
+    exponent = _exponent(float(np.abs(pixels).max()))
+    return (np.ldexp(pixels.astype(np.float64), -exponent) if exponent else pixels), exponent
+
+
+def _exponent(largest: float) -> int:
+    """0 for ordinary numbers, whose differences and quotients are numbers too."""
+    exponent = math.frexp(largest)[1]
+    return 0 if abs(exponent) < _ORDINARY or largest == math.inf else exponent
 
 
 def _edges(levels: NDArray[np.uint8], weight: float) -> NDArray[np.uint8]:

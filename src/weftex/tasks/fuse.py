@@ -202,12 +202,16 @@ class _Fusion:
     def _window(self, *numbers: int) -> int:
         return self.method.window_for(max(self.scales[k] for k in numbers))
 
+    def _belt_width(self, *numbers: int) -> int:
+        """A quarter of the window, on each side; a window that fits no sample is refused later."""
+        return max(1, min(self._window(*numbers) // 4, sum(self.canvas.shape)))
+
     def _belts(self, labels: NDArray[np.int32]) -> tuple[NDArray[np.int32], NDArray[np.int32]]:
         """Labels without belts, and the pair that each pixel of a belt belongs to; else -1."""
         count = len(self.exemplars)
         pairs = np.where(labels >= _MIXED, labels, -1)
         regions = np.where(labels >= _MIXED, -1, labels)
-        reach = max(1, self._window(*range(count)) // 4)
+        reach = self._belt_width(*range(count))
         away = np.stack(
             [squared_distance_to(labels == k, reach, self.canvas.wrap) for k in range(count)]
         )
@@ -215,7 +219,7 @@ class _Fusion:
             others = away.copy()
             others[k] = (reach + 1) ** 2
             nearest = others.argmin(axis=0)
-            widths = np.array([max(1, self._window(k, n) // 4) for n in range(count)])
+            widths = np.array([self._belt_width(k, n) for n in range(count)])
             belt = (labels == k) & (others.min(axis=0) <= widths[nearest] ** 2)
             if belt.any() and np.array_equal(belt, labels == k):
                 raise InvalidInputError(

@@ -49,6 +49,10 @@ def settle(method: Any, exemplar: Exemplar) -> Settings:
         If the sample has no room for the given levels and windows, or N is not below S.
     """
     width: int = settled_width(method.window_width, exemplar, PROPOSED_WIDTH)
+    if method.parent_width is not None and method.parent_width >= max(width, 2):
+        raise InvalidInputError(
+            f"parent_width is {method.parent_width}; it must be below window_width, which is {width}"
+        )
     samples = sample_pyramid(exemplar, method.levels or _PROPOSED_LEVELS)
     while True:
         parent_width = max(1, width - 2) if method.parent_width is None else method.parent_width
