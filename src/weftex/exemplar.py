@@ -15,6 +15,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
 _DTYPES = ("uint8", "uint16", "float32", "float64")
+_MOST_CHANNELS = 32  # of a picture of four rows or fewer
 _ORDINARY = 100  # powers of two: float32, too, subtracts and divides such numbers
 _LABELS = 32  # a sample's guide with at most so many colors is a map of labels
 
@@ -38,7 +39,8 @@ class Exemplar:
     tileable : bool, optional
         The sample repeats without a seam, so windows may run over its borders.
     alpha : bool, optional
-        The last channel is straight alpha; by default it is for 2 and 4 channels.
+        The last channel is straight alpha; by default it is for 2 and 4 channels. Given, it also
+        says that the channels are last indeed where a shape looks like (channels, height, width).
     icc : bytes, optional
         Color profile, carried along to files.
     name : str, optional
@@ -75,12 +77,16 @@ class Exemplar:
         name: str = "sample",
     ) -> None:
         self.name, self.tileable, self.icc = name, bool(tileable), icc
+        if alpha is None:
+            _check_layout(pixels, name)
         self.pixels = check_pixels(pixels, name)
         self.shape: tuple[int, int] = self.pixels.shape[:2]
         self.channels: int = 1 if self.pixels.ndim == 2 else self.pixels.shape[2]
         self.alpha: bool = self.channels in (2, 4) if alpha is None else bool(alpha)
         if self.alpha and self.channels < 2:
             raise InvalidInputError(f"{name} has one channel, so it cannot be color with alpha")
+        for key, value in (maps or {}).items():
+            _check_layout(value, f"map '{key}'")
         self.maps = {key: check_pixels(value, key) for key, value in (maps or {}).items()}
         for key, value in self.maps.items():
             if value.shape[:2] != self.shape:
@@ -211,6 +217,21 @@ class Exemplar:
             )
         same = same[:, -1:] if len(self.labels) <= 2 else same
         return np.ascontiguousarray(255 * same.reshape(*pixels.shape[:2], -1), np.uint8)
+
+
+def _check_layout(pixels: NDArray[Any], name: str) -> None:
+    """Refuse (channels, height, width), which is how other programs stack them.
+
+    A picture of four rows or fewer may well have three or five channels, but hardly more than
+    `_MOST_CHANNELS`; as a picture of so few columns a stack would be no sample.
+    """
+    shape = np.shape(pixels)
+    if len(shape) == 3 and 0 < shape[0] <= 4 and shape[2] > _MOST_CHANNELS:
+        raise InvalidInputError(
+            f"{name} has the shape {shape}, which is taken for (channels, height, width); use "
+            "np.moveaxis(pixels, 0, -1), or give alpha=False if it has "
+            f"{shape[2]} channels indeed"
+        )
 
 
 def check_guide(pixels: NDArray[Any], name: str) -> NDArray[Any]:

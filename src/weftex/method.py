@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any, ClassVar, Self
 
 from weftex.canvas import Canvas
 from weftex.errors import InvalidInputError, UnsupportedError, did_you_mean
+from weftex.loading import load_exemplar
 from weftex.registry import supporting
 
 if TYPE_CHECKING:
@@ -18,6 +19,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from weftex.exemplar import Exemplar
+    from weftex.loading import Sample
     from weftex.progress import ProgressCallback
     from weftex.results.synthesis import Synthesis
 
@@ -191,9 +193,26 @@ class Method(ABC):
                         f"{field.name} has no effect unless {needs[0]} is {allowed}"
                     )
 
+    def fit(self, sample: Sample) -> Model:
+        """Analyze a sample; the result makes any number of outputs from it.
+
+        Parameters
+        ----------
+        sample : path, array, PIL image or Exemplar
+            The material; see `weftex.load_exemplar`.
+
+        Raises
+        ------
+        FileError
+            If the sample cannot be read.
+        InvalidInputError
+            If its pixels cannot be used, or a parameter does not go with it.
+        """
+        return self.fit_exemplar(load_exemplar(sample))
+
     @abstractmethod
-    def fit(self, exemplar: Exemplar) -> Model:
-        """Analyze a sample; the result makes any number of outputs from it."""
+    def fit_exemplar(self, exemplar: Exemplar) -> Model:
+        """What a method defines: `fit`, once the sample is an `Exemplar`."""
 
     def settle(self, exemplar: Exemplar) -> Method:
         """Return this method with what it takes from the sample by itself filled in.
@@ -201,7 +220,7 @@ class Method(ABC):
         It is the `method` of the model that `fit` returns; where that takes long, a method finds
         it without.
         """
-        return self.fit(exemplar).method
+        return self.fit_exemplar(exemplar).method
 
     def for_part(self, whole: Exemplar) -> Self:
         """Return this method for a part of an exemplar: shares of the whole become pixels."""

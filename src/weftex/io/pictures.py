@@ -21,7 +21,7 @@ path ``sample:NAME`` names a picture, or a folder of maps, that ships with wefte
 from __future__ import annotations
 
 import os
-from collections.abc import Collection, Iterator
+from collections.abc import Collection, Iterator, Mapping
 from contextlib import contextmanager, suppress
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
@@ -244,43 +244,62 @@ def check_output(
 
 
 def read_mask(path: StrPath, *, max_pixels: int | None = MAX_PIXELS) -> NDArray[np.bool_]:
-    """Read a picture as an ``(H, W)`` mask.
+    """Read a picture as an ``(H, W)`` mask; see `mask_of`, and for the parameters `read_image`."""
+    picture = read_image(path, max_pixels=max_pixels)
+    return mask_of(picture.pixels, picture.alpha)
+
+
+def mask_of(pixels: NDArray[Any], alpha: bool) -> NDArray[np.bool_]:
+    """Take a picture for an ``(H, W)`` mask.
 
     A pixel is True where any color channel reaches half of the range: 128, 32768 or 0.5. Alpha is
-    ignored, unless the color is the same everywhere and alpha is not: then alpha is the mask. The
-    parameters are those of `read_image`.
+    ignored, unless the color is the same everywhere and alpha is not: then alpha is the mask.
     """
-    picture = read_image(path, max_pixels=max_pixels)
-    pixels = np.atleast_3d(picture.pixels)
-    if picture.alpha:
+    pixels = np.atleast_3d(pixels)
+    if alpha:
         color, cover = pixels[..., :-1], pixels[..., -1:]
         pixels = cover if varies(cover) and not varies(color) else color
     half = 0.5 if pixels.dtype.kind == "f" else np.iinfo(pixels.dtype).max // 2 + 1
     return np.asarray((pixels >= half).any(axis=2))
 
 
-def read_maps(folder: StrPath, *, max_pixels: int | None = MAX_PIXELS) -> dict[str, Picture]:
+def read_maps(
+    folder: StrPath,
+    *,
+    files: Mapping[str, str] | None = None,
+    max_pixels: int | None = MAX_PIXELS,
+) -> dict[str, Picture]:
     """Read all pictures of a folder, or of ``sample:NAME``: the maps of one material.
 
     They are sorted by their names without suffix. Hidden files, folders and files of other suffixes
-    are passed over. Sizes are not compared; `max_pixels` holds for each (see `read_image`).
+    are passed over. Sizes are not compared; `max_pixels` holds for each (see `read_image`). With
+    `files` only these files of the folder are read, and get the names that they have there.
     """
+    if files is None:
+        paths = map_files(folder)
+    else:
+        paths = {what: os.path.join(_locate(folder)[0], file) for what, file in files.items()}
+    return {what: read_image(paths[what], max_pixels=max_pixels) for what in sorted(paths)}
+
+
+def map_files(folder: StrPath) -> dict[str, str]:
+    """Return the paths of the pictures that `read_maps` reads, by their names without suffix."""
     name, given = _locate(folder)
     try:
-        files = sorted(os.listdir(name))
+        found = sorted(os.listdir(name))
     except (OSError, ValueError) as error:
         raise file_error(given, "cannot read the folder", error) from None
-    maps: dict[str, Picture] = {}
-    for file in files:
+    paths: dict[str, str] = {}
+    for file in found:
         stem, full = os.path.splitext(file)[0], os.path.join(name, file)
         if file.startswith(".") or suffix_of(file) not in READABLE or os.path.isdir(full):
             continue
-        if stem in maps:
+        if stem in paths:
             raise file_error(given, f"has two pictures named '{show(stem)}'; keep one")
-        maps[stem] = read_image(full, max_pixels=max_pixels)
-    if not maps:
+        paths[stem] = full
+    if not paths:
         raise file_error(given, f"has no pictures ({', '.join(READABLE)})")
-    return dict(sorted(maps.items()))
+    return paths
 
 
 @contextmanager

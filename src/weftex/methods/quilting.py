@@ -54,7 +54,7 @@ class Quilting(PatchMethod):
         choices=("cut", "feather", "feather-at-end", "none"),
     )
 
-    def fit(self, exemplar: Exemplar) -> PatchModel:
+    def fit_exemplar(self, exemplar: Exemplar) -> PatchModel:
         """Settle the sizes of block and overlap, and analyze the sample."""
         settings = settle(
             self,

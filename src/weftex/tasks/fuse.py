@@ -11,6 +11,7 @@ from weftex.analysis.scale import dominant_scale
 from weftex.canvas import Canvas, as_canvas
 from weftex.errors import InvalidInputError
 from weftex.exemplar import Exemplar
+from weftex.loading import load_exemplar
 from weftex.method import Method
 from weftex.random import draw, seed_number
 from weftex.raster.masks import squared_distance_to
@@ -18,16 +19,15 @@ from weftex.results.pixels import PixelSynthesis
 from weftex.seams.merge import island
 from weftex.tasks.label_map import circle_map, labels_of
 from weftex.tasks.method_names import is_auto, make_method
-from weftex.tasks.synthesize import load_exemplar
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
 
     from numpy.typing import NDArray
 
+    from weftex.loading import Sample
     from weftex.progress import ProgressCallback
     from weftex.random import Seed
-    from weftex.tasks.synthesize import Sample
 
 #: The method for fusion; what "auto" stands for here.
 DEFAULT = "refinement"

@@ -10,6 +10,7 @@ import numpy as np
 from weftex.analysis.lattice import find_lattice
 from weftex.errors import InvalidInputError
 from weftex.exemplar import Exemplar, check_pixels
+from weftex.loading import load_exemplar
 from weftex.pages.html import as_shown
 from weftex.pages.report import Report
 from weftex.quality.assess import LARGEST_MEASURED, assess, made_from
@@ -19,12 +20,11 @@ from weftex.quality.seams import Seams, seam_map
 from weftex.quality.view import middle, views
 from weftex.quality.yardstick import real_crops
 from weftex.results.synthesis import Synthesis
-from weftex.tasks.synthesize import load_exemplar
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-    from weftex.tasks.synthesize import Sample
+    from weftex.loading import Sample
 
     Bytes = NDArray[np.uint8]
 

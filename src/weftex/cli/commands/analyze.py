@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from weftex.cli.files import load
-from weftex.cli.options import Parser, add_huge
+from weftex.cli.options import Parser, add_huge, add_maps
 
 _EXAMPLES = """\
 examples:
@@ -17,6 +17,7 @@ def run(argv: list[str]) -> None:
     """Run the command; `argv` is what follows its name."""
     parser = Parser("analyze", "Say what a sample is like, and what windows follow.", _EXAMPLES)
     parser.add_argument("sample", metavar="SAMPLE", help="picture, folder of maps, or sample:NAME")
+    add_maps(parser)
     parser.add_argument("--json", action="store_true", help="print JSON")
     text = "write the sample with its lattice drawn over it"
     parser.add_argument("--overlay", metavar="FILE", help=text)
@@ -27,7 +28,7 @@ def run(argv: list[str]) -> None:
 
     if args.overlay is not None:
         check_output(args.overlay)
-    exemplar = load(args.sample, args)[0]
+    exemplar = load(args.sample, args, args.maps)[0]
     found = analyze(exemplar)
     if args.overlay is not None:
         from weftex.analysis.overlay import draw_lattice

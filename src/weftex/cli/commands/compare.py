@@ -6,7 +6,7 @@ from time import perf_counter
 from typing import TYPE_CHECKING
 
 from weftex.cli.files import load, settings
-from weftex.cli.options import Parser, add_limits, check_numbers, parse_names, parse_size
+from weftex.cli.options import Parser, add_limits, add_maps, check_numbers, parse_names, parse_size
 from weftex.cli.terminal import finish
 from weftex.errors import InvalidInputError
 
@@ -31,6 +31,7 @@ def run(argv: list[str]) -> None:
     parser = Parser("compare", _ABOUT, _EXAMPLES)
     add = parser.add_argument
     add("sample", metavar="SAMPLE", help="picture, folder of maps, or sample:NAME")
+    add_maps(parser)
     add("-o", "--output", metavar="OUT.html", help="the page to write")
     add("--methods", metavar="A,B,...", help="these only; see 'weftex methods'")
     add("--size", metavar="WxH|N", help="in pixels; default: twice the sample's, at most 512")
@@ -53,7 +54,7 @@ def run(argv: list[str]) -> None:
 
         if args.output is not None:
             check_output(args.output, suffixes=(".html",))
-        exemplar = load(args.sample, args)[0]
+        exemplar = load(args.sample, args, args.maps)[0]
         found = compare(exemplar, size, methods=names, **settings(args, bar))
         if args.output is not None:
             found.save(outputs.add(args.output))

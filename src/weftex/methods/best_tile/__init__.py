@@ -58,7 +58,7 @@ class BestTile(Method):
         1, "repeat so many of the best tiles, in any order; 1 is the paper's way", low=1, high=1000
     )
 
-    def fit(self, exemplar: Exemplar) -> BestTileModel:
+    def fit_exemplar(self, exemplar: Exemplar) -> BestTileModel:
         """Find the lattice, if none is given, and the best tile."""
         return BestTileModel(self, exemplar)
 

@@ -88,7 +88,7 @@ class EfrosLeung(WindowedMethod):
         needs=("search", ("pca",)),
     )
 
-    def fit(self, exemplar: Exemplar) -> PixelModel:
+    def fit_exemplar(self, exemplar: Exemplar) -> PixelModel:
         """Prepare a sample."""
         settings = settle(self, exemplar)
         settled = replace(self, **asdict(settings))

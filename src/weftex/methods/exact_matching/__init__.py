@@ -11,7 +11,7 @@ from weftex.method import parameter
 from weftex.methods.exact_matching.bands import FinishedLevel, random_band, structured_band
 from weftex.methods.exact_matching.matching import Matching, Parents, Sheet, Statistics
 from weftex.methods.exact_matching.model import Prepared, prepare
-from weftex.methods.exact_matching.settings import Settings, settle
+from weftex.methods.exact_matching.settings import Settings, settle, window_width
 from weftex.methods.pixels.growth import PixelModel, WindowedMethod
 
 if TYPE_CHECKING:
@@ -112,11 +112,15 @@ class ExactMatching(WindowedMethod):
         if self.tolerance is not None and self.nearest_colors is not None:
             raise InvalidInputError("tolerance and nearest_colors are two ways; give one of them")
 
-    def fit(self, exemplar: Exemplar) -> ExactMatchingModel:
+    def fit_exemplar(self, exemplar: Exemplar) -> ExactMatchingModel:
         """Propose what was left open; make the lists of colors (section 4.1)."""
         settings = settle(self, exemplar)
         prepared = prepare(settings, exemplar)
         return ExactMatchingModel(self._settled(settings), exemplar, prepared, grow)
+
+    def window_of(self, exemplar: Exemplar) -> int:
+        """See `Method.window_of`."""
+        return window_width(self, exemplar)
 
     def settle(self, exemplar: Exemplar) -> ExactMatching:
         """See `Method.settle`; scale, regularity and colors are looked at, no list is made."""

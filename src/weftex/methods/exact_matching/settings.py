@@ -57,15 +57,8 @@ def settle(method: Any, exemplar: Exemplar) -> Settings:
     InvalidInputError
         If `window_width` is even or the sample has no room for it.
     """
-    width, levels = method.window_width, method.levels
-    if levels is None:
-        several = width is None and min(exemplar.shape) >= _SIDE_FOR_LEVELS
-        levels = _LEVELS if several else 1
-    proposed = _WIDTH_WITH_LEVELS if levels > 1 else _SMALLEST_WITH_ROOM
-    if levels == 1 and width is None:
-        proposed = max(_SMALLEST_PROPOSED, dominant_scale(exemplar).window_width)
-        proposed = min(proposed, max(min(exemplar.shape) // 3, _SMALLEST_WITH_ROOM))
-    width = settled_width(width, exemplar, proposed)
+    levels = level_count(method, exemplar)
+    width = window_width(method, exemplar)
     init, repeat_distance = method.init, method.repeat_distance
     if init == "auto":
         init = "structured" if regularity(exemplar) >= _NEAR_REGULAR else "random"
@@ -87,6 +80,22 @@ def settle(method: Any, exemplar: Exemplar) -> Settings:
         hole_levels=method.levels or 1,
         passes=method.passes,
     )
+
+
+def level_count(method: Any, exemplar: Exemplar) -> int:
+    """Return the number of levels: the one given, or several for a large sample."""
+    several = method.window_width is None and min(exemplar.shape) >= _SIDE_FOR_LEVELS
+    return method.levels or (_LEVELS if several else 1)
+
+
+def window_width(method: Any, exemplar: Exemplar) -> int:
+    """Return the width of the windows: the one given, or by the scale of the sample."""
+    levels, width = level_count(method, exemplar), method.window_width
+    proposed = _WIDTH_WITH_LEVELS if levels > 1 else _SMALLEST_WITH_ROOM
+    if levels == 1 and width is None:
+        proposed = max(_SMALLEST_PROPOSED, dominant_scale(exemplar).window_width)
+        proposed = min(proposed, max(min(exemplar.shape) // 3, _SMALLEST_WITH_ROOM))
+    return settled_width(width, exemplar, proposed)
 
 
 def _proposed_tolerance(exemplar: Exemplar) -> float:

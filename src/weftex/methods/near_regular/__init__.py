@@ -138,7 +138,7 @@ class NearRegular(Method):
         default_text="1; 0 in the paper",
     )
 
-    def fit(self, exemplar: Exemplar) -> NearRegularModel:
+    def fit_exemplar(self, exemplar: Exemplar) -> NearRegularModel:
         """Find the lattice, if none is given, and settle the sizes."""
         return NearRegularModel(self, exemplar)
 
