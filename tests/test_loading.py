@@ -1,4 +1,4 @@
-"""Whatever shows a material: folders of maps, and of what is none; what every method's fit takes."""
+"""Whatever shows a material: folders of maps, folders of none, and what `fit` takes."""
 
 from __future__ import annotations
 
@@ -113,8 +113,9 @@ def test_channels_first_are_refused(shape):
     assert weftex.Exemplar(np.moveaxis(noise(shape), 0, -1)).shape == shape[1:]
 
 
-@pytest.mark.parametrize(
-    "shape", [(3, 64, 3), (4, 40, 4), (1, 1, 3), (3, 3, 3), (3, 40), (4, 9, 32)]
-)
+LOW = [(3, 64, 3), (4, 40, 4), (1, 1, 3), (3, 3, 3), (3, 40), (4, 9, 32)]
+
+
+@pytest.mark.parametrize("shape", LOW)
 def test_low_pictures_are_pictures(shape):
     assert weftex.Exemplar(noise(shape)).shape == shape[:2]

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from weftex.errors import InvalidInputError
+from weftex.errors import InvalidInputError, shown
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -85,6 +85,8 @@ class Exemplar:
         self.alpha: bool = self.channels in (2, 4) if alpha is None else bool(alpha)
         if self.alpha and self.channels < 2:
             raise InvalidInputError(f"{name} has one channel, so it cannot be color with alpha")
+        if maps is not None and not isinstance(maps, Mapping):
+            raise InvalidInputError(f"maps is {shown(maps)}; it must be arrays by their names")
         for key, value in (maps or {}).items():
             _check_layout(value, f"map '{key}'")
         self.maps = {key: check_pixels(value, key) for key, value in (maps or {}).items()}
@@ -94,7 +96,7 @@ class Exemplar:
                     f"map '{key}' is {_size(value)}, {name} is {_size(self.pixels)}; "
                     "aligned maps must have one size"
                 )
-        self.mask = None if mask is None else np.asarray(mask, bool)
+        self.mask = None if mask is None else as_mask(mask, "mask")
         if self.mask is not None and self.mask.shape != self.shape:
             raise InvalidInputError(
                 f"mask is {_size(self.mask)}, {name} is {_size(self.pixels)}; they must be equal"
@@ -225,7 +227,7 @@ def _check_layout(pixels: NDArray[Any], name: str) -> None:
     A picture of four rows or fewer may well have three or five channels, but hardly more than
     `_MOST_CHANNELS`; as a picture of so few columns a stack would be no sample.
     """
-    shape = np.shape(pixels)
+    shape = as_array(pixels, name).shape
     if len(shape) == 3 and 0 < shape[0] <= 4 and shape[2] > _MOST_CHANNELS:
         raise InvalidInputError(
             f"{name} has the shape {shape}, which is taken for (channels, height, width); use "
@@ -234,9 +236,33 @@ def _check_layout(pixels: NDArray[Any], name: str) -> None:
         )
 
 
+def as_array(values: Any, name: str) -> NDArray[Any]:
+    """`np.asarray`, with an error of ours for what is no array at all."""
+    try:
+        return np.asarray(values)
+    except (TypeError, ValueError, OverflowError):
+        raise InvalidInputError(f"{name} is {shown(values)}; it must be an array") from None
+
+
+def as_mask(values: Any, name: str) -> NDArray[np.bool_]:
+    """Return a contiguous mask (H, W), of booleans or numbers.
+
+    Raises
+    ------
+    InvalidInputError
+        For other types and shapes.
+    """
+    mask = as_array(values, name)
+    if mask.dtype.kind not in "biuf":
+        raise InvalidInputError(f"{name} has dtype {mask.dtype}; it must be boolean")
+    if mask.ndim != 2:
+        raise InvalidInputError(f"{name} has shape {mask.shape}; it must be (H, W)")
+    return np.ascontiguousarray(mask, bool)
+
+
 def check_guide(pixels: NDArray[Any], name: str) -> NDArray[Any]:
     """`check_pixels`, but for labels in whole numbers of any type too."""
-    pixels = np.asarray(pixels)
+    pixels = as_array(pixels, name)
     if pixels.dtype.kind in "biu" and pixels.dtype.name not in _DTYPES and pixels.size:
         if pixels.min() < 0 or pixels.max() > 65535:
             raise InvalidInputError(
@@ -249,7 +275,7 @@ def check_guide(pixels: NDArray[Any], name: str) -> NDArray[Any]:
 
 def check_pixels(pixels: NDArray[Any], name: str) -> NDArray[Any]:
     """Return `pixels` contiguous, or raise `InvalidInputError` saying what is wrong with them."""
-    pixels = np.asarray(pixels)
+    pixels = as_array(pixels, name)
     if pixels.dtype.name not in _DTYPES:
         if pixels.dtype == bool:
             raise InvalidInputError(f"{name} is boolean; multiply by 255 and make it uint8")

@@ -3,16 +3,17 @@
 from __future__ import annotations
 
 import os
+from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from weftex.errors import InvalidInputError
-from weftex.exemplar import Exemplar
+from weftex.errors import InvalidInputError, shown
+from weftex.exemplar import Exemplar, as_array
 from weftex.io.map_names import COLOR, roles_of
 
 if TYPE_CHECKING:
-    from collections.abc import Collection, Mapping
+    from collections.abc import Collection
 
     from numpy.typing import NDArray
 
@@ -51,6 +52,8 @@ def load_exemplar(
     >>> sorted(load_exemplar("sample:stone_wall").maps)
     ['ao', 'height', 'normal', 'roughness']
     """
+    if files is not None and not isinstance(files, Mapping):
+        raise InvalidInputError(f"files is {shown(files)}; it must be files by what they are")
     if files is not None and not isinstance(sample, (str, os.PathLike)):
         raise InvalidInputError("files has no effect unless the sample is a folder of maps")
     if isinstance(sample, Exemplar):
@@ -70,11 +73,7 @@ def load_exemplar(
         if pixels.dtype.kind == "i":  # Pillow's modes I and I;16
             pixels = pixels.astype(np.uint16)
         return Exemplar(pixels, **about | options)
-    try:
-        pixels = np.asarray(image)
-    except ValueError as error:
-        raise InvalidInputError(f"the sample is not a picture: {error}") from None
-    return Exemplar(pixels, **options)
+    return Exemplar(as_array(image, "the sample"), **options)
 
 
 def read_sample(

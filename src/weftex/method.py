@@ -10,7 +10,7 @@ from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any, ClassVar, Self
 
 from weftex.canvas import Canvas
-from weftex.errors import InvalidInputError, UnsupportedError, did_you_mean
+from weftex.errors import InvalidInputError, UnsupportedError, did_you_mean, shown
 from weftex.loading import load_exemplar
 from weftex.registry import supporting
 
@@ -307,18 +307,18 @@ def _check(field: dataclasses.Field[Any], value: Any) -> None:
     if value is None and field.default is None:
         return
     if meta["choices"]:
-        if value not in meta["choices"]:
-            known = meta["choices"]
-            raise InvalidInputError(f"{name} is {value!r}{did_you_mean(str(value), known)}")
+        known = meta["choices"]
+        if not isinstance(value, str) or value not in known:
+            raise InvalidInputError(f"{name} is {shown(value)}{did_you_mean(str(value), known)}")
         return
     whole = "int" in str(field.type)
     kind = numbers.Integral if whole else numbers.Real
-    if not isinstance(value, kind) or isinstance(value, bool) or math.isnan(value):
+    if not isinstance(value, kind) or isinstance(value, bool) or value != value:
         wanted = "an integer" if whole else "a number"
-        raise InvalidInputError(f"{name} is {value!r}; it must be {wanted}")
+        raise InvalidInputError(f"{name} is {shown(value)}; it must be {wanted}")
     low, high = meta["low"], meta["high"]
     if (low is not None and value < low) or (high is not None and value > high):
-        raise InvalidInputError(f"{name} is {value}; it must be {bounds(field)}")
+        raise InvalidInputError(f"{name} is {shown(value)}; it must be {bounds(field)}")
 
 
 def _numbers(field: dataclasses.Field[Any], value: Any) -> tuple[float, ...]:
@@ -326,10 +326,10 @@ def _numbers(field: dataclasses.Field[Any], value: Any) -> tuple[float, ...]:
     count = field.metadata["count"]
     try:
         found = tuple(float(v) for v in (value.split(",") if isinstance(value, str) else value))
-    except (TypeError, ValueError):
+    except (TypeError, ValueError, OverflowError):
         found = ()
     if len(found) != count or not all(map(math.isfinite, found)):
-        raise InvalidInputError(f"{field.name} is {value!r}; it must be {count} numbers")
+        raise InvalidInputError(f"{field.name} is {shown(value)}; it must be {count} numbers")
     return found
 
 

@@ -9,11 +9,11 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from typing import Any
 
-from weftex.errors import InvalidInputError
+from weftex.errors import InvalidInputError, shown
 
 
 def thread_count(threads: int | None) -> int:
-    """Return how many threads to use: at most `threads`, by default one a processor that it may use.
+    """Return how many threads to use: at most `threads`, by default one a usable processor.
 
     Raises
     ------
@@ -22,7 +22,7 @@ def thread_count(threads: int | None) -> int:
     """
     whole = isinstance(threads, numbers.Integral) and not isinstance(threads, bool)
     if threads is not None and not (whole and threads >= 1):
-        raise InvalidInputError(f"threads is {threads!r}; it must be an integer of 1 or more")
+        raise InvalidInputError(f"threads is {shown(threads)}; it must be an integer of 1 or more")
     threads = None if threads is None else int(threads)
     return threads or _processors()
 

@@ -6,7 +6,7 @@ from time import perf_counter
 from typing import TYPE_CHECKING, Any
 
 from weftex.canvas import as_canvas
-from weftex.errors import InvalidInputError, UnsupportedError
+from weftex.errors import InvalidInputError, UnsupportedError, shown
 from weftex.loading import load_exemplar
 from weftex.methods import METHODS
 from weftex.pages.compare import Comparison, Entry
@@ -78,6 +78,8 @@ def compare(
     >>> [entry.method for entry in found.entries], found.choice.method
     (['quilting', 'best-tile'], 'near-regular')
     """
+    if methods is not None and not isinstance(methods, (list, tuple)):
+        raise InvalidInputError(f"methods is {shown(methods)}; it must be a list of names")
     names = list(METHODS) if methods is None else list(methods)
     for name in names:
         method_class(name)  # raises for an unknown one

@@ -9,7 +9,7 @@ import numpy as np
 
 from weftex.canvas import Canvas, as_canvas
 from weftex.errors import InvalidInputError
-from weftex.exemplar import Exemplar
+from weftex.exemplar import Exemplar, as_array
 from weftex.loading import load_exemplar
 from weftex.random import seed_number
 from weftex.raster.masks import grown
@@ -283,13 +283,13 @@ def hole_of(mask: Mask | Picture | None, photo: Exemplar) -> NDArray[np.bool_]:
 
         mask = read_image(mask)
     image: Any = mask
-    if hasattr(mask, "getbands"):  # a PIL image
-        alpha = "A" in mask.getbands() or "transparency" in mask.info
-        image = load_exemplar(mask.convert("RGBA" if alpha else "L"))
+    if hasattr(image, "getbands"):  # of PIL
+        alpha = "A" in image.getbands() or "transparency" in image.info
+        image = load_exemplar(image.convert("RGBA" if alpha else "L"))
     if hasattr(image, "pixels"):
         hole = _hole_in(image.pixels, image.alpha, photo)
     else:
-        hole = np.asarray(mask)
+        hole = as_array(mask, "mask")
     if hole.dtype != bool or hole.ndim != 2:
         raise InvalidInputError(
             f"mask is {hole.dtype} with {hole.ndim} dimensions; it must be boolean with 2, "

@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import itertools
+from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from weftex.analysis.scale import dominant_scale
 from weftex.canvas import Canvas, as_canvas
-from weftex.errors import InvalidInputError
+from weftex.errors import InvalidInputError, shown
 from weftex.exemplar import Exemplar
 from weftex.loading import load_exemplar
 from weftex.method import Method
@@ -21,7 +22,7 @@ from weftex.tasks.label_map import circle_map, labels_of
 from weftex.tasks.method_names import is_auto, make_method
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping, Sequence
+    from collections.abc import Sequence
 
     from numpy.typing import NDArray
 
@@ -107,6 +108,14 @@ def fuse(
     number = seed_number(seed)
     method = DEFAULT if is_auto(method) else method
     chosen = make_method(method, parameters)
+    if not isinstance(samples, (list, tuple)):
+        raise InvalidInputError(f"samples is {shown(samples)}; it must be a list of samples")
+    if colors is not None and not isinstance(colors, (list, tuple, range)):
+        raise InvalidInputError(f"colors is {shown(colors)}; it must be a list of colors")
+    if mixed is not None and not isinstance(mixed, Mapping):
+        raise InvalidInputError(
+            f"mixed is {shown(mixed)}; it must be pairs of samples by their colors"
+        )
     exemplars = [load_exemplar(sample) for sample in samples]
     _check_kinds(exemplars)
     whole = combined(exemplars)
@@ -319,9 +328,10 @@ def _labels(
         labels = circle_map(wanted, (scales[0] // 2, scales[1] // 2), seed)
         return np.where(labels == 2, _MIXED + 1, labels).astype(np.int32)
     for key, pair in mixed.items():
+        pair = pair if isinstance(pair, (list, tuple)) else ()
         if len(set(pair)) != 2 or not set(pair) <= set(range(count)):
             raise InvalidInputError(
-                f"mixed[{key!r}] is {pair}; it must be two numbers of samples, 0 to {count - 1}"
+                f"mixed[{shown(key)}] is {shown(pair)}; it must be two numbers of samples, 0 to {count - 1}"
             )
     picture = label_map
     if not (isinstance(label_map, np.ndarray) and label_map.dtype.kind in "iu"):

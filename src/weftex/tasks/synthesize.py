@@ -97,8 +97,8 @@ def synthesize(
         if canvas.guide is not None:
             raise InvalidInputError("the canvas has a guide; give none beside it")
         canvas = dataclasses.replace(canvas, guide=_guide(guide))
-    tried = [(chosen, 0)]
-    if best_of != 1:
+    tried, once = [(chosen, 0)], type(best_of) is int and best_of == 1
+    if not once:
         from weftex.tasks.best_of import tries
 
         tried = tries(chosen, best_of)
@@ -110,7 +110,7 @@ def synthesize(
             raise InvalidInputError("sample_guide has no effect without a guide")
         exemplar = exemplar.with_guide(_guide(sample_guide))
     how: dict[str, Any] = {"seed": seed, "threads": threads, "progress": progress}
-    if best_of != 1:
+    if not once:
         from weftex.tasks.best_of import best_of as keep_best
 
         return keep_best(tried, exemplar, canvas, **how)
