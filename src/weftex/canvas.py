@@ -75,8 +75,8 @@ class Canvas:
             object.__setattr__(self, name, int(value))
         if self.height * self.width > MAX_PIXELS:
             raise InvalidInputError(
-                f"{shown(self.width)}x{shown(self.height)} is more than {MAX_PIXELS} pixels at once; "
-                "make a tileable piece and repeat it, or several pieces"
+                f"{shown(self.width)}x{shown(self.height)} is more than {MAX_PIXELS} pixels at "
+                "once; make a tileable piece and repeat it, or several pieces"
             )
         wrap = self.wrap
         if not (isinstance(wrap, tuple) and len(wrap) == 2 and {*map(type, wrap)} == {bool}):
@@ -224,7 +224,8 @@ def as_canvas(size: Canvas | int | tuple[int, int], tileable: bool | str = False
     if isinstance(size, numbers.Integral) and not isinstance(size, bool):
         size = (int(size), int(size))
     try:
-        height, width = size if isinstance(size, (list, tuple, np.ndarray)) else ()
+        pair: Any = size if isinstance(size, (list, tuple, np.ndarray)) else ()
+        height, width = pair
     except (TypeError, ValueError):
         raise InvalidInputError(f"size is {shown(size)}; it must be (height, width)") from None
     return Canvas(height, width, wraps[tileable])

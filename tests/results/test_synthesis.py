@@ -379,10 +379,12 @@ def test_a_bomb_is_refused_from_its_header(tmp_path):
     path = tmp_path / "result.npz"
     make().save(path)
     header = {"descr": "<i4", "fortran_order": False, "shape": (2**31, 1)}
-    with zipfile.ZipFile(path, "a", zipfile.ZIP_DEFLATED) as file:
-        with file.open("bomb.npy", "w", force_zip64=True) as member:
-            np.lib.format.write_array_header_1_0(member, header)
-            member.write(bytes(2**20))
+    with (
+        zipfile.ZipFile(path, "a", zipfile.ZIP_DEFLATED) as file,
+        file.open("bomb.npy", "w", force_zip64=True) as member,
+    ):
+        np.lib.format.write_array_header_1_0(member, header)
+        member.write(bytes(2**20))
     tracemalloc.start()
     with pytest.raises(FileError, match="its arrays are larger than its sizes need"):
         weftex.Synthesis.load(path)

@@ -331,7 +331,8 @@ def _labels(
         pair = pair if isinstance(pair, (list, tuple)) else ()
         if len(set(pair)) != 2 or not set(pair) <= set(range(count)):
             raise InvalidInputError(
-                f"mixed[{shown(key)}] is {shown(pair)}; it must be two numbers of samples, 0 to {count - 1}"
+                f"mixed[{shown(key)}] is {shown(pair)}; it must be two numbers of samples, "
+                f"0 to {count - 1}"
             )
     picture = label_map
     if not (isinstance(label_map, np.ndarray) and label_map.dtype.kind in "iu"):
