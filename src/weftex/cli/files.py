@@ -16,7 +16,11 @@ if TYPE_CHECKING:
 
 
 def load(
-    path: str, args: argparse.Namespace, maps: dict[str, str] | None = None
+    path: str,
+    args: argparse.Namespace,
+    maps: dict[str, str] | None = None,
+    *,
+    tileable: bool = False,
 ) -> tuple[Exemplar, dict[str, Picture]]:
     """Read a picture, or a folder of maps, and what each one was stored as."""
     from weftex.io.pictures import MAX_PIXELS
@@ -24,7 +28,7 @@ def load(
 
     limit = None if args.allow_huge else MAX_PIXELS
     pictures = read_sample(path, maps, max_pixels=limit)
-    return exemplar_of_maps(pictures, path, maps), pictures
+    return exemplar_of_maps(pictures, path, maps, tileable=tileable), pictures
 
 
 def told(pictures: dict[str, Picture], path: str, maps: dict[str, str] | None) -> str:
@@ -43,7 +47,7 @@ def told(pictures: dict[str, Picture], path: str, maps: dict[str, str] | None) -
 
 
 def open_sample(
-    path: str, args: argparse.Namespace, outputs: Outputs
+    path: str, args: argparse.Namespace, outputs: Outputs, *, tileable: bool = False
 ) -> tuple[Exemplar, dict[str, Picture], dict[str, str]]:
     """Read the sample, and say where each of its pictures goes; all is checked before any work."""
     from weftex.io.pictures import check_output, is_folder
@@ -55,7 +59,7 @@ def open_sample(
         outputs.make_folder(args.output)
     else:
         check_output(args.output)
-    exemplar, pictures = load(path, args, args.maps)
+    exemplar, pictures = load(path, args, args.maps, tileable=tileable)
     targets = {}
     for name, picture in pictures.items():
         file = os.path.basename(picture.path)

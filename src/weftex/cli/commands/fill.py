@@ -6,15 +6,17 @@ from time import perf_counter
 from typing import TYPE_CHECKING
 
 from weftex.cli.files import load, open_sample, report, settings, told, write
-from weftex.cli.options import Parser, add_maps, parse_task
+from weftex.cli.options import Parser, add_maps, add_tileable_sample, parse_task
 from weftex.cli.terminal import finish
+from weftex.errors import InvalidInputError
 
 if TYPE_CHECKING:
     from weftex.cli.terminal import Bar, Outputs
 
 _ABOUT = """\
-Fill holes of a photo; all other pixels stay as they are. Patch size, boundary width and epsilon are
-chosen for holes where they are not given.\
+Fill holes of a photo; all other pixels stay as they are, but for those of --overlap. Without a
+method and parameters, near-regular fills where the photo surely has a lattice. Patch size, boundary
+width and epsilon are chosen for holes where they are not given.\
 """
 
 _EXAMPLES = """\
@@ -35,22 +37,31 @@ def run(argv: list[str]) -> None:
     text = "picture, white where to fill; default: where the photo is clear, by its alpha"
     parser.add_argument("--mask", metavar="M", help=text)
     parser.add_argument("--sample", metavar="S", help="learn from this picture, not from the photo")
+    text = "so many pixels around the holes may change, to hide the seam; default: 0"
+    parser.add_argument("--overlap", type=int, default=0, metavar="PX", help=text)
+    add_tileable_sample(parser)
     args, method, parameters = parse_task(parser, argv, "patch-sampling")
+    if args.tileable_sample and args.sample is None:
+        raise InvalidInputError(
+            "--tileable-sample has no effect without --sample; --tileable says it of the photo"
+        )
     method(**parameters)  # finds wrong values before anything is read
 
     def work(bar: Bar, outputs: Outputs) -> str:
         from weftex.io.pictures import MAX_PIXELS, read_image
         from weftex.tasks.fill import fill, hole_of
+        from weftex.tasks.method_names import AUTO
 
         photo, pictures, targets = open_sample(args.photo, args, outputs)
         mask = None
         if args.mask is not None:
             mask = read_image(args.mask, max_pixels=None if args.allow_huge else MAX_PIXELS)
         hole = hole_of(mask, photo)
-        sample = None if args.sample is None else load(args.sample, args)[0]
-        result = fill(
-            photo, hole, sample=sample, method=args.method, **settings(args, bar), **parameters
-        )
+        sample = None
+        if args.sample is not None:
+            sample = load(args.sample, args, tileable=args.tileable_sample)[0]
+        how = {"method": AUTO if args.by_default else args.method, "overlap": args.overlap}
+        result = fill(photo, hole, sample=sample, **how, **settings(args, bar), **parameters)
         write(result, photo, pictures, targets, args, outputs)
         if not hole.any():
             return f"the mask covers nothing; {args.output} is the photo unchanged"
