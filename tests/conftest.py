@@ -18,9 +18,10 @@ sys.path.insert(0, str(Path(__file__).parent))
 hypothesis.settings.register_profile(
     "weftex",
     deadline=None,
-    derandomize=True,
+    derandomize="WEFTEX_CASES" not in os.environ,
     database=None,
     max_examples=25,
+    phases=[phase for phase in hypothesis.Phase if phase.name != "explain"],  # that takes minutes
     suppress_health_check=[hypothesis.HealthCheck.too_slow],
 )
 hypothesis.settings.load_profile("weftex")

@@ -29,6 +29,7 @@ LEVELS = [
     ["search", "seams"],
     ["results"],
     ["canvas"],
+    ["loading"],
     ["exemplar"],
     ["io"],
     ["raster"],

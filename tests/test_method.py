@@ -221,7 +221,7 @@ class Humble(Method):
     paper = "none"
     size: int = parameter(3, "of something", low=1)
 
-    def fit(self, exemplar):
+    def fit_exemplar(self, exemplar):
         raise AssertionError("nobody fits it")
 
 

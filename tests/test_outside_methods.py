@@ -33,7 +33,7 @@ class Shifted(Method):
 
     shift: int = parameter(3, "how much further", low=0, high=9, unit="pixels")
 
-    def fit(self, exemplar):
+    def fit_exemplar(self, exemplar):
         return ShiftedModel(self, exemplar)
 
 

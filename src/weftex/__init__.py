@@ -23,6 +23,7 @@ if TYPE_CHECKING:
     )
     from weftex.exemplar import Exemplar
     from weftex.io.pictures import read_image, write_image
+    from weftex.loading import load_exemplar
     from weftex.method import Method
     from weftex.methods import METHODS
     from weftex.methods.ashikhmin import Ashikhmin
@@ -44,7 +45,7 @@ if TYPE_CHECKING:
     from weftex.tasks.fill import fill
     from weftex.tasks.fuse import fuse
     from weftex.tasks.report import report
-    from weftex.tasks.synthesize import load_exemplar, synthesize
+    from weftex.tasks.synthesize import synthesize
 
 __version__ = "0.1.0"
 
@@ -62,6 +63,7 @@ _PUBLIC = {
     ],
     "exemplar": ["Exemplar"],
     "io.pictures": ["read_image", "write_image"],
+    "loading": ["load_exemplar"],
     "method": ["Method"],
     "methods": ["METHODS"],
     "methods.ashikhmin": ["Ashikhmin"],
@@ -83,7 +85,7 @@ _PUBLIC = {
     "tasks.fuse": ["fuse"],
     "pages.report": ["Report"],
     "tasks.report": ["report"],
-    "tasks.synthesize": ["load_exemplar", "synthesize"],
+    "tasks.synthesize": ["synthesize"],
 }
 _HOME = {name: module for module, names in _PUBLIC.items() for name in names}
 

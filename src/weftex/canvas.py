@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import numbers
+import operator
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from weftex.errors import InvalidInputError
-from weftex.exemplar import Exemplar, check_guide, check_pixels
+from weftex.errors import InvalidInputError, shown
+from weftex.exemplar import Exemplar, as_mask, check_guide, check_pixels
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -68,25 +69,27 @@ class Canvas:
         for name in ("height", "width"):
             value = getattr(self, name)
             if not isinstance(value, numbers.Integral) or isinstance(value, bool) or value < 1:
-                raise InvalidInputError(f"{name} is {value!r}; it must be an integer of 1 or more")
+                raise InvalidInputError(
+                    f"{name} is {shown(value)}; it must be an integer of 1 or more"
+                )
             object.__setattr__(self, name, int(value))
         if self.height * self.width > MAX_PIXELS:
             raise InvalidInputError(
-                f"{self.width}x{self.height} is more than {MAX_PIXELS} pixels at once; "
-                "make a tileable piece and repeat it, or several pieces"
+                f"{shown(self.width)}x{shown(self.height)} is more than {MAX_PIXELS} pixels at "
+                "once; make a tileable piece and repeat it, or several pieces"
             )
         wrap = self.wrap
         if not (isinstance(wrap, tuple) and len(wrap) == 2 and {*map(type, wrap)} == {bool}):
             raise InvalidInputError(
-                f"wrap is {wrap!r}; it must be two booleans (vertical, horizontal)"
+                f"wrap is {shown(wrap)}; it must be two booleans (vertical, horizontal)"
             )
         self._check_origin()
+        if self.known_from is not None:
+            object.__setattr__(self, "known_from", _place(self.known_from))
         if self.hole is None and self.known is not None:
             raise InvalidInputError("known pixels need a hole, which says where there are none")
         if self.hole is not None:
-            object.__setattr__(self, "hole", np.ascontiguousarray(self.hole, bool))
-            if self.hole.ndim != 2:
-                raise InvalidInputError(f"hole has shape {self.hole.shape}; it must be (H, W)")
+            object.__setattr__(self, "hole", as_mask(self.hole, "hole"))
             if self.known is not None:
                 object.__setattr__(self, "known", check_pixels(self.known, "known"))
         if self.guide is not None:
@@ -100,16 +103,14 @@ class Canvas:
                 )
 
     def _check_origin(self) -> None:
-        if self.origin == (0, 0):
-            return
         if not isinstance(self.origin, tuple) or len(self.origin) != 2:
-            raise InvalidInputError(f"origin is {self.origin!r}; it must be (top, left)")
+            raise InvalidInputError(f"origin is {shown(self.origin)}; it must be (top, left)")
         for name, at in zip(("top", "left"), self.origin, strict=True):
             if type(at) is not int or not -FAR <= at <= FAR:
                 raise InvalidInputError(
-                    f"{name} is {at!r}; it must be an integer from -2**40 to 2**40"
+                    f"{name} is {shown(at)}; it must be an integer from -2**40 to 2**40"
                 )
-        if any(self.wrap) or self.hole is not None:
+        if self.origin != (0, 0) and (any(self.wrap) or self.hole is not None):
             raise InvalidInputError(
                 "a window of an endless plane neither wraps nor has known pixels; leave origin out"
             )
@@ -119,15 +120,34 @@ class Canvas:
         """Height and width."""
         return self.height, self.width
 
+    def check_window(self, window: tuple[int, int, int, int] | None) -> tuple[int, int, int, int]:
+        """Return (top, left, height, width) if that lies inside; None is the whole canvas."""
+        if window is None:
+            return (0, 0, *self.shape)
+        try:
+            top, left, height, width = (operator.index(part) for part in window)
+        except (TypeError, ValueError):
+            raise InvalidInputError(
+                f"window is {shown(window)}; it must be (top, left, height, width)"
+            ) from None
+        if min(top, left) < 0 or min(height, width) < 1:
+            raise InvalidInputError(f"window is {shown(window)}; it must be inside the output")
+        if top + height > self.height or left + width > self.width:
+            raise InvalidInputError(
+                f"window {shown(window)} leaves the output, which is {self.height} high "
+                f"and {self.width} wide"
+            )
+        return top, left, height, width
+
     def check_known(self, exemplar: Exemplar) -> None:
         """Raise `InvalidInputError` unless the known pixels are of the sample's kind and place."""
         if self.known is not None:
             _check_kind("known pixels are", self.known, exemplar)
         if self.known_from is not None:
-            ends = np.add(self.known_from, self.shape)
-            if min(self.known_from) < 0 or (ends > exemplar.shape).any():
+            ends = [at + side for at, side in zip(self.known_from, self.shape, strict=True)]
+            if min(self.known_from) < 0 or any(map(operator.gt, ends, exemplar.shape)):
                 raise InvalidInputError(
-                    f"known_from is {self.known_from}; the canvas must lie in the sample"
+                    f"known_from is {shown(self.known_from)}; the canvas must lie in the sample"
                 )
 
     def check_guide(self, exemplar: Exemplar) -> None:
@@ -148,6 +168,17 @@ class Canvas:
                 f"{wanted_shape}; dtype and channels must be equal"
             )
         exemplar.as_guide(self.guide)
+
+
+def _place(value: Any) -> tuple[int, int]:
+    """A row and a column."""
+    try:
+        y, x = (operator.index(part) for part in value)
+        return y, x
+    except (TypeError, ValueError):
+        raise InvalidInputError(
+            f"known_from is {shown(value)}; it must be (row, column) in the sample"
+        ) from None
 
 
 def _check_kind(what: str, pixels: NDArray[Any], exemplar: Exemplar) -> None:
@@ -183,7 +214,9 @@ def as_canvas(size: Canvas | int | tuple[int, int], tileable: bool | str = False
     """
     wraps = {False: (False, False), True: (True, True), "x": (False, True), "y": (True, False)}
     if not isinstance(tileable, (bool, str)) or tileable not in wraps:
-        raise InvalidInputError(f"tileable is {tileable!r}; it must be True, False, 'x' or 'y'")
+        raise InvalidInputError(
+            f"tileable is {shown(tileable)}; it must be True, False, 'x' or 'y'"
+        )
     if isinstance(size, Canvas):
         if tileable:
             raise InvalidInputError("give wrap to the Canvas instead of tileable beside it")
@@ -191,7 +224,8 @@ def as_canvas(size: Canvas | int | tuple[int, int], tileable: bool | str = False
     if isinstance(size, numbers.Integral) and not isinstance(size, bool):
         size = (int(size), int(size))
     try:
-        height, width = size  # type: ignore[misc]
+        pair: Any = size if isinstance(size, (list, tuple, np.ndarray)) else ()
+        height, width = pair
     except (TypeError, ValueError):
-        raise InvalidInputError(f"size is {size!r}; it must be (height, width)") from None
+        raise InvalidInputError(f"size is {shown(size)}; it must be (height, width)") from None
     return Canvas(height, width, wraps[tileable])

@@ -8,6 +8,8 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 
+_LONGEST = 80  # characters of a value in a message
+
 
 class WeftexError(Exception):
     """Base class of everything that weftex raises on purpose."""
@@ -27,6 +29,21 @@ class FileError(WeftexError, OSError):
 
 class CancelledError(WeftexError):
     """The progress callback asked to stop."""
+
+
+def shown(value: object) -> str:
+    """Return a value as it is written in Python, on one line and not too long.
+
+    Examples
+    --------
+    >>> shown([1, 2]), len(shown(10**400))
+    ('[1, 2]', 80)
+    """
+    try:
+        text = " ".join(repr(value).split())
+    except Exception:  # anybody's own, or an integer of more digits than Python prints
+        text = f"a {type(value).__name__}"
+    return text if len(text) <= _LONGEST else text[: _LONGEST - 3] + "..."
 
 
 def did_you_mean(name: str, known: Iterable[str]) -> str:

@@ -2,18 +2,21 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from weftex.errors import InvalidInputError
+from weftex.errors import InvalidInputError, shown
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
 _DTYPES = ("uint8", "uint16", "float32", "float64")
+_MOST_CHANNELS = 32  # of a picture of four rows or fewer
+_ORDINARY = 100  # powers of two: float32, too, subtracts and divides such numbers
 _LABELS = 32  # a sample's guide with at most so many colors is a map of labels
 
 
@@ -36,7 +39,8 @@ class Exemplar:
     tileable : bool, optional
         The sample repeats without a seam, so windows may run over its borders.
     alpha : bool, optional
-        The last channel is straight alpha; by default it is for 2 and 4 channels.
+        The last channel is straight alpha; by default it is for 2 and 4 channels. Given, it also
+        says that the channels are last indeed where a shape looks like (channels, height, width).
     icc : bytes, optional
         Color profile, carried along to files.
     name : str, optional
@@ -73,12 +77,18 @@ class Exemplar:
         name: str = "sample",
     ) -> None:
         self.name, self.tileable, self.icc = name, bool(tileable), icc
+        if alpha is None:
+            _check_layout(pixels, name)
         self.pixels = check_pixels(pixels, name)
         self.shape: tuple[int, int] = self.pixels.shape[:2]
         self.channels: int = 1 if self.pixels.ndim == 2 else self.pixels.shape[2]
         self.alpha: bool = self.channels in (2, 4) if alpha is None else bool(alpha)
         if self.alpha and self.channels < 2:
             raise InvalidInputError(f"{name} has one channel, so it cannot be color with alpha")
+        if maps is not None and not isinstance(maps, Mapping):
+            raise InvalidInputError(f"maps is {shown(maps)}; it must be arrays by their names")
+        for key, value in (maps or {}).items():
+            _check_layout(value, f"map '{key}'")
         self.maps = {key: check_pixels(value, key) for key, value in (maps or {}).items()}
         for key, value in self.maps.items():
             if value.shape[:2] != self.shape:
@@ -86,7 +96,7 @@ class Exemplar:
                     f"map '{key}' is {_size(value)}, {name} is {_size(self.pixels)}; "
                     "aligned maps must have one size"
                 )
-        self.mask = None if mask is None else np.asarray(mask, bool)
+        self.mask = None if mask is None else as_mask(mask, "mask")
         if self.mask is not None and self.mask.shape != self.shape:
             raise InvalidInputError(
                 f"mask is {_size(self.mask)}, {name} is {_size(self.pixels)}; they must be equal"
@@ -211,9 +221,48 @@ class Exemplar:
         return np.ascontiguousarray(255 * same.reshape(*pixels.shape[:2], -1), np.uint8)
 
 
+def _check_layout(pixels: NDArray[Any], name: str) -> None:
+    """Refuse (channels, height, width), which is how other programs stack them.
+
+    A picture of four rows or fewer may well have three or five channels, but hardly more than
+    `_MOST_CHANNELS`; as a picture of so few columns a stack would be no sample.
+    """
+    shape = as_array(pixels, name).shape
+    if len(shape) == 3 and 0 < shape[0] <= 4 and shape[2] > _MOST_CHANNELS:
+        raise InvalidInputError(
+            f"{name} has the shape {shape}, which is taken for (channels, height, width); use "
+            "np.moveaxis(pixels, 0, -1), or give alpha=False if it has "
+            f"{shape[2]} channels indeed"
+        )
+
+
+def as_array(values: Any, name: str) -> NDArray[Any]:
+    """`np.asarray`, with an error of ours for what is no array at all."""
+    try:
+        return np.asarray(values)
+    except (TypeError, ValueError, OverflowError):
+        raise InvalidInputError(f"{name} is {shown(values)}; it must be an array") from None
+
+
+def as_mask(values: Any, name: str) -> NDArray[np.bool_]:
+    """Return a contiguous mask (H, W), of booleans or numbers.
+
+    Raises
+    ------
+    InvalidInputError
+        For other types and shapes.
+    """
+    mask = as_array(values, name)
+    if mask.dtype.kind not in "biuf":
+        raise InvalidInputError(f"{name} has dtype {mask.dtype}; it must be boolean")
+    if mask.ndim != 2:
+        raise InvalidInputError(f"{name} has shape {mask.shape}; it must be (H, W)")
+    return np.ascontiguousarray(mask, bool)
+
+
 def check_guide(pixels: NDArray[Any], name: str) -> NDArray[Any]:
     """`check_pixels`, but for labels in whole numbers of any type too."""
-    pixels = np.asarray(pixels)
+    pixels = as_array(pixels, name)
     if pixels.dtype.kind in "biu" and pixels.dtype.name not in _DTYPES and pixels.size:
         if pixels.min() < 0 or pixels.max() > 65535:
             raise InvalidInputError(
@@ -226,7 +275,7 @@ def check_guide(pixels: NDArray[Any], name: str) -> NDArray[Any]:
 
 def check_pixels(pixels: NDArray[Any], name: str) -> NDArray[Any]:
     """Return `pixels` contiguous, or raise `InvalidInputError` saying what is wrong with them."""
-    pixels = np.asarray(pixels)
+    pixels = as_array(pixels, name)
     if pixels.dtype.name not in _DTYPES:
         if pixels.dtype == bool:
             raise InvalidInputError(f"{name} is boolean; multiply by 255 and make it uint8")
@@ -260,7 +309,8 @@ def _scale(pixels: NDArray[Any]) -> tuple[float, float]:
         full = 65535.0
     else:
         # A few specular pixels of an HDR picture must not turn the rest black.
-        low, high = (float(q) for q in np.quantile(pixels, (0.001, 0.999)))
+        numbers, exponent = tamed(pixels)
+        low, high = (math.ldexp(float(q), exponent) for q in np.quantile(numbers, (0.001, 0.999)))
         full = 1.0
     if low >= 0 and high <= full and high - low >= full / 8:
         return 0.0, full  # the same bytes as the 8-bit version of the picture
@@ -271,8 +321,24 @@ def _scale(pixels: NDArray[Any]) -> tuple[float, float]:
 
 def _to_bytes(pixels: NDArray[Any], scale: tuple[float, float]) -> NDArray[np.float64]:
     low, high = scale
-    pixels = pixels.reshape(*pixels.shape[:2], -1).astype(np.float64)
+    pixels = np.clip(pixels.reshape(*pixels.shape[:2], -1).astype(np.float64), low, high)
+    exponent = _exponent(max(abs(low), abs(high)))
+    if exponent:
+        pixels = np.ldexp(pixels, -exponent)
+        low, high = math.ldexp(low, -exponent), math.ldexp(high, -exponent)
     return np.clip((pixels - low) * (255 / (high - low)), 0, 255)
+
+
+def tamed(pixels: NDArray[Any]) -> tuple[NDArray[Any], int]:
+    """Divide numbers so large or small that arithmetic fails by a power of two, and return it."""
+    exponent = _exponent(float(np.abs(pixels).max()))
+    return (np.ldexp(pixels.astype(np.float64), -exponent) if exponent else pixels), exponent
+
+
+def _exponent(largest: float) -> int:
+    """0 for ordinary numbers, whose differences and quotients are numbers too."""
+    exponent = math.frexp(largest)[1]
+    return 0 if abs(exponent) < _ORDINARY or largest == math.inf else exponent
 
 
 def _edges(levels: NDArray[np.uint8], weight: float) -> NDArray[np.uint8]:

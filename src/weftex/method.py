@@ -10,7 +10,8 @@ from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any, ClassVar, Self
 
 from weftex.canvas import Canvas
-from weftex.errors import InvalidInputError, UnsupportedError, did_you_mean
+from weftex.errors import InvalidInputError, UnsupportedError, did_you_mean, shown
+from weftex.loading import load_exemplar
 from weftex.registry import supporting
 
 if TYPE_CHECKING:
@@ -18,6 +19,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from weftex.exemplar import Exemplar
+    from weftex.loading import Sample
     from weftex.progress import ProgressCallback
     from weftex.results.synthesis import Synthesis
 
@@ -222,13 +224,30 @@ class Method(ABC):
                         f"{field.name} has no effect unless {needs[0]} is {allowed}{here}"
                     )
 
+    def fit(self, sample: Sample) -> Model:
+        """Analyze a sample; the result makes any number of outputs from it.
+
+        Parameters
+        ----------
+        sample : path, array, PIL image or Exemplar
+            The material; see `weftex.load_exemplar`.
+
+        Raises
+        ------
+        FileError
+            If the sample cannot be read.
+        InvalidInputError
+            If its pixels cannot be used, or a parameter does not go with it.
+        """
+        return self.fit_exemplar(load_exemplar(sample))
+
     def meant(self, name: str) -> Any:
         """Return the value of a parameter; where that leaves it to another one, what follows."""
         return getattr(self, name)
 
     @abstractmethod
-    def fit(self, exemplar: Exemplar) -> Model:
-        """Analyze a sample; the result makes any number of outputs from it."""
+    def fit_exemplar(self, exemplar: Exemplar) -> Model:
+        """What a method defines: `fit`, once the sample is an `Exemplar`."""
 
     def settle(self, exemplar: Exemplar) -> Method:
         """Return this method with what it takes from the sample by itself filled in.
@@ -236,7 +255,7 @@ class Method(ABC):
         It is the `method` of the model that `fit` returns; where that takes long, a method finds
         it without.
         """
-        return self.fit(exemplar).method
+        return self.fit_exemplar(exemplar).method
 
     def for_part(self, whole: Exemplar) -> Self:
         """Return this method for a part of an exemplar: shares of the whole become pixels."""
@@ -323,20 +342,20 @@ def _check(field: dataclasses.Field[Any], value: Any) -> None:
     if value is None and field.default is None:
         return
     if meta["choices"]:
-        if value not in meta["choices"]:
-            known = meta["choices"]
-            raise InvalidInputError(f"{name} is {value!r}{did_you_mean(str(value), known)}")
+        known = meta["choices"]
+        if not isinstance(value, str) or value not in known:
+            raise InvalidInputError(f"{name} is {shown(value)}{did_you_mean(str(value), known)}")
         return
     whole = "int" in str(field.type)
     kind = numbers.Integral if whole else numbers.Real
-    if not isinstance(value, kind) or isinstance(value, bool) or math.isnan(value):
+    if not isinstance(value, kind) or isinstance(value, bool) or value != value:
         wanted = "an integer" if whole else "a number"
-        raise InvalidInputError(f"{name} is {value!r}; it must be {wanted}")
+        raise InvalidInputError(f"{name} is {shown(value)}; it must be {wanted}")
     low, high = meta["low"], meta["high"]
     if (low is not None and value < low) or (high is not None and value > high):
-        raise InvalidInputError(f"{name} is {value}; it must be {bounds(field)}")
+        raise InvalidInputError(f"{name} is {shown(value)}; it must be {bounds(field)}")
     if meta["parity"] and value and value % 2 != (meta["parity"] == "odd"):
-        raise InvalidInputError(f"{name} is {value}; it must be {meta['parity']}")
+        raise InvalidInputError(f"{name} is {shown(value)}; it must be {meta['parity']}")
 
 
 def numbers_of(name: str, value: Any, count: int) -> tuple[float, ...]:
@@ -349,10 +368,10 @@ def numbers_of(name: str, value: Any, count: int) -> tuple[float, ...]:
     """
     try:
         found = tuple(float(v) for v in (value.split(",") if isinstance(value, str) else value))
-    except (TypeError, ValueError):
+    except (TypeError, ValueError, OverflowError):
         found = ()
     if len(found) != count or not all(map(math.isfinite, found)):
-        raise InvalidInputError(f"{name} is {value!r}; it must be {count} numbers")
+        raise InvalidInputError(f"{name} is {shown(value)}; it must be {count} numbers")
     return found
 
 

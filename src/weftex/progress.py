@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import Any
 
-from weftex.errors import CancelledError
+from weftex.errors import CancelledError, InvalidInputError, shown
 
 #: Called as ``callback(done, total, stage, preview)``; ``preview()`` renders the picture so far.
 #: Returning False cancels, anything else goes on.
@@ -41,6 +41,8 @@ class Progress:
         stage: str,
         preview: Callable[[], Any],
     ) -> None:
+        if callback is not None and not callable(callback):
+            raise InvalidInputError(f"progress is {shown(callback)}; it must be callable")
         self.callback, self.total, self.stage, self.preview = callback, total, stage, preview
         self.done = 0
 

@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from weftex.errors import InvalidInputError
+from weftex.errors import InvalidInputError, shown
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -47,7 +47,7 @@ def seed_number(seed: Seed) -> int:
         return int.from_bytes(os.urandom(8), "little")
     if isinstance(seed, numbers.Integral) and not isinstance(seed, bool):
         if not 0 <= int(seed) < 2**64:
-            raise InvalidInputError(f"seed is {seed}; it must be from 0 to 2**64 - 1")
+            raise InvalidInputError(f"seed is {shown(seed)}; it must be from 0 to 2**64 - 1")
         return int(seed)
     if hasattr(seed, "integers"):
         return int(seed.integers(0, 2**64, dtype=np.uint64))

@@ -11,7 +11,7 @@ from functools import cached_property
 from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
-from weftex.errors import InvalidInputError, did_you_mean
+from weftex.errors import InvalidInputError, did_you_mean, shown
 
 if TYPE_CHECKING:
     from importlib.metadata import EntryPoint
@@ -38,13 +38,15 @@ class Registry(Mapping[str, type[Any]]):
         return {point.name: point for point in found if point.name not in self._homes}
 
     def __getitem__(self, slug: str) -> type[Any]:
-        if slug in self._homes:
+        if isinstance(slug, str) and slug in self._homes:
             module, _, name = self._homes[slug].partition(":")
             ours: type[Any] = getattr(import_module(module), name)
             return ours
-        if slug in self._outside:
+        if isinstance(slug, str) and slug in self._outside:
             theirs: type[Any] = self._outside[slug].load()
             return theirs
+        if not isinstance(slug, str):
+            raise InvalidInputError(f"method is {shown(slug)}; it must be a name")
         raise InvalidInputError(f"unknown method '{slug}'{did_you_mean(slug, ['auto', *self])}")
 
     def get(self, slug: str, default: Any = None) -> Any:
@@ -52,7 +54,7 @@ class Registry(Mapping[str, type[Any]]):
         return self[slug] if slug in self else default  # noqa: SIM401
 
     def __contains__(self, slug: object) -> bool:
-        return slug in self._homes or slug in self._outside
+        return isinstance(slug, str) and (slug in self._homes or slug in self._outside)
 
     def __iter__(self) -> Iterator[str]:
         yield from self._homes

@@ -2,25 +2,38 @@
 
 from __future__ import annotations
 
+import numbers
 import os
+import sys
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from typing import Any
 
-from weftex.errors import InvalidInputError
+from weftex.errors import InvalidInputError, shown
 
 
 def thread_count(threads: int | None) -> int:
-    """Return how many threads to use: at most `threads`, by default one a processor.
+    """Return how many threads to use: at most `threads`, by default one a usable processor.
 
     Raises
     ------
     InvalidInputError
         If it is not an integer of 1 or more.
     """
-    if threads is not None and (type(threads) is not int or threads < 1):
-        raise InvalidInputError(f"threads is {threads!r}; it must be an integer of 1 or more")
-    return threads or os.cpu_count() or 1
+    whole = isinstance(threads, numbers.Integral) and not isinstance(threads, bool)
+    if threads is not None and not (whole and threads >= 1):
+        raise InvalidInputError(f"threads is {shown(threads)}; it must be an integer of 1 or more")
+    threads = None if threads is None else int(threads)
+    return threads or _processors()
+
+
+def _processors() -> int:
+    """Those that this process may run on, which a container or a queue may have made few."""
+    if sys.version_info >= (3, 13):
+        return os.process_cpu_count() or 1
+    if hasattr(os, "sched_getaffinity"):  # Linux
+        return len(os.sched_getaffinity(0))
+    return os.cpu_count() or 1
 
 
 @contextmanager

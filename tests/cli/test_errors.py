@@ -59,7 +59,8 @@ WRONG = [
     (["synth", "hollow.png", "-o", "old.png"], "damaged"),
     (["synth", "nan.tif", "-o", "x.tif"], "NaN or infinity"),
     (["synth", "void", "-o", "x"], "has no pictures"),
-    (["synth", "uneven", "-o", "x"], "one size"),
+    (["synth", "uneven", "-o", "x"], "names are of no map"),
+    (["synth", "uneven", "-o", "x", "--maps", "color=a.png,height=b.png"], "one size"),
     (["synth", "sample.png", "-o", "x.png", "--guide", "nowhere.png"], "nowhere.png"),
     (
         [*PATCHES, "--guide", "photo.png"],

@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 import numpy as np
+import pytest
 
 import weftex
-from commands import weft_run
+from commands import fails, weft_run
 from weftex.io.pictures import read_image, read_maps, write_image
 
 
@@ -37,3 +38,33 @@ def test_fill_nothing(here, capsys):
     assert weft_run("fill", "photo.png", "--mask", "nothing.png", "-o", "out.png") == 0
     assert "unchanged" in capsys.readouterr().err
     assert (read_image("out.png").pixels == read_image("photo.png").pixels).all()
+
+
+def test_a_hole_from_alpha(here, capsys):
+    photo = read_image("photo.png").pixels
+    erased = np.dstack([photo, np.full(photo.shape[:2], 255, np.uint8)])
+    erased[30:50, 40:60, 3] = 0
+    erased[29, 40:60, 3] = 130  # a soft edge is to be filled too
+    write_image("erased.png", erased, alpha=True)
+    assert weft_run("fill", "erased.png", "-o", "a.png", "--seed", 1) == 0
+    assert "filled 420 pixels of a.png" in capsys.readouterr().err
+    made = read_image("a.png").pixels
+    assert (made[..., 3] == 255).all()
+    hole = erased[..., 3] < 255
+    assert (made[~hole] == erased[~hole]).all()
+    assert weft_run("fill", "erased.png", "--mask", "erased.png", "-o", "b.png", "--seed", 1) == 0
+    assert (read_image("b.png").pixels == made).all()
+    # The photo itself with its hole cut out is a mask of the photo.
+    assert weft_run("fill", "photo.png", "--mask", "erased.png", "-o", "c.png", "--seed", 1) == 0
+    expected = weftex.fill("photo.png", hole, seed=1).image
+    assert (read_image("c.png").pixels == expected).all()
+    Image = pytest.importorskip("PIL.Image")
+    for mask in (Image.fromarray(erased), Image.fromarray(np.uint8(255 * hole))):
+        assert (weftex.fill("photo.png", mask, seed=1).image == expected).all()
+
+
+def test_nothing_is_clear(here, capsys):
+    assert "no clear pixels" in fails(capsys, here, "fill", "photo.png", "-o", "x.png")
+    opaque = np.full((40, 40, 4), 255, np.uint8)
+    with pytest.raises(weftex.InvalidInputError, match="give a mask"):
+        weftex.fill(opaque)

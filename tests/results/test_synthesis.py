@@ -11,6 +11,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 import weftex
+from families import noise
 from twins import compositing as reference
 from weftex.errors import FileError, InvalidInputError
 
@@ -300,6 +301,20 @@ DAMAGE = {
     "another format": {"format": lambda _: 99},
     "a size that is none": {"shape": lambda _: [0, -4]},
     "three sides": {"shape": lambda _: [1, 2, 3]},
+    "a side of half a pixel": {"shape": lambda _: [30.5, 34]},
+    "sides of truth": {"shape": lambda _: [True, True]},
+    "a negative sample": {"sample_shape": lambda _: [-30, -34]},
+    "three sides of the sample": {"sample_shape": lambda _: [30, 34, 3]},
+    "a sample that is a text": {"sample_shape": lambda _: "30x34"},
+    "a huge sample": {"sample_shape": lambda _: [2**20, 2**20]},
+    "a huge output": {"shape": lambda _: [2**20, 2**20]},
+    "places that are none": {"origin": lambda _: [0.5, None]},
+    "known from nowhere": {"known_from": lambda _: ["a", "b"]},
+    "wrap of numbers": {"wrap": lambda _: [0, 1]},
+    "no provenance": {"provenance": lambda _: [1]},
+    "arrays of the other byte order": {"placements": lambda a: a.astype(">i4")},
+    "objects": {"weights": lambda a: a.astype("datetime64[D]")},
+    "more than its sizes need": {"cuts": lambda a: np.zeros((2**16, 2**10), np.uint16)},
 }
 LOAD = """
 import sys, numpy as np, weftex
@@ -326,6 +341,55 @@ def test_damaged_files_are_refused(tmp_path, what):
     )
     assert done.returncode == 0, done.stderr[-300:] or f"died of signal {-done.returncode}"
     assert done.stdout.startswith("refused:")
+
+
+@pytest.mark.parametrize("order", ["F", "view"])
+def test_the_order_of_bytes_in_arrays_does_not_matter(tmp_path, order):
+    result = make()
+    path = tmp_path / "result.npz"
+    result.save(path)
+    with np.load(path) as file:
+        arrays = dict(file)
+    for name in ("placements", "weights", "cuts"):
+        arrays[name] = np.asfortranarray(arrays[name])
+        if order == "view":
+            arrays[name] = np.repeat(arrays[name], 2, axis=0)[::2]
+    np.savez(path, **arrays)
+    again = weftex.Synthesis.load(path, result.exemplar)
+    assert np.array_equal(again.image, result.image)
+
+
+def test_a_hole_of_another_type_is_refused(tmp_path):
+    hole = np.zeros((12, 13), bool)
+    hole[3:6, 4:9] = True
+    path = tmp_path / "result.npz"
+    weftex.fill(noise((12, 13, 3)), hole, seed=1).save(path)
+    for change in (lambda a: a.astype(np.int64), lambda a: a.astype(float), np.ravel):
+        weftex.fill(noise((12, 13, 3)), hole, seed=1).save(path)
+        damage(path, hole=change)
+        with pytest.raises(FileError, match="its hole does not fit"):
+            weftex.Synthesis.load(path)
+
+
+def test_a_bomb_is_refused_from_its_header(tmp_path):
+    """Few kilobytes that unpack to 8 GB, of which not one is unpacked."""
+    import tracemalloc
+    import zipfile
+
+    path = tmp_path / "result.npz"
+    make().save(path)
+    header = {"descr": "<i4", "fortran_order": False, "shape": (2**31, 1)}
+    with (
+        zipfile.ZipFile(path, "a", zipfile.ZIP_DEFLATED) as file,
+        file.open("bomb.npy", "w", force_zip64=True) as member,
+    ):
+        np.lib.format.write_array_header_1_0(member, header)
+        member.write(bytes(2**20))
+    tracemalloc.start()
+    with pytest.raises(FileError, match="its arrays are larger than its sizes need"):
+        weftex.Synthesis.load(path)
+    assert tracemalloc.get_traced_memory()[1] < 2**22
+    tracemalloc.stop()
 
 
 @pytest.mark.parametrize("size", [0, 1, 50, -1])

@@ -102,13 +102,37 @@ def test_everything_is_what_its_own_function_says():
 
 def test_windows_are_those_that_the_methods_take():
     exemplar = Exemplar(np.random.default_rng(0).integers(0, 256, (40, 40), np.uint8))
+    check_windows(exemplar)
+    mask = np.zeros((40, 40), bool)
+    mask[3:9, 5:30] = True  # no room for the windows that are proposed
+    check_windows(Exemplar(exemplar.pixels, mask=mask))
+
+
+def check_windows(exemplar):
     windows = analyze(exemplar).windows
     for slug, cls in weftex.METHODS.items():
         if "window_width" in cls.__dataclass_fields__:
-            settled = cls().fit(exemplar).method
+            try:
+                settled = cls().fit(exemplar).method
+            except weftex.InvalidInputError:  # what is proposed has no room
+                windows.pop(slug)
+                continue
             assert windows.pop(slug) == settled.window_width
             assert cls().settle(exemplar) == settled
     assert windows == {}
+
+
+def test_windows_are_found_without_a_fit(monkeypatch):
+    """Of a large photo a fit takes seconds, of every method."""
+
+    def fail(*_):
+        raise AssertionError("fitted")
+
+    exemplar = Exemplar(np.random.default_rng(0).integers(0, 256, (70, 70), np.uint8))
+    for slug in ("wei-levoy", "exact-matching", "refinement"):
+        monkeypatch.setattr(weftex.METHODS[slug], "fit_exemplar", fail)
+        monkeypatch.setattr(weftex.METHODS[slug], "settle", fail)
+    assert analyze(exemplar).windows.keys() >= {"wei-levoy", "exact-matching", "refinement"}
 
 
 @pytest.mark.parametrize("shape", [(1, 1), (1, 5), (6, 6), (40, 40, 3)])

@@ -141,3 +141,9 @@ def test_the_command(tmp_path, monkeypatch, capsys):
     ):
         assert main(wrong) == 2
         assert message in capsys.readouterr().err
+
+
+def test_the_choice_can_be_among_them():
+    found = compare("sample:weave", 64, methods=["auto", "quilting"], seed=1)
+    auto = next(entry for entry in found.entries if entry.method == "auto")
+    assert auto.result.provenance["method"] == found.choice.method

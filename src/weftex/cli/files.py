@@ -16,21 +16,34 @@ if TYPE_CHECKING:
 
 
 def load(
-    path: str, args: argparse.Namespace, *, tileable: bool = False
+    path: str,
+    args: argparse.Namespace,
+    maps: dict[str, str] | None = None,
+    *,
+    tileable: bool = False,
 ) -> tuple[Exemplar, dict[str, Picture]]:
-    """Read a picture, or a folder of maps, and what each one was stored as.
-
-    `tileable` says that it repeats without a seam.
-    """
-    from weftex.io.pictures import MAX_PIXELS, is_folder, read_image, read_maps
-    from weftex.tasks.synthesize import exemplar_of_maps
+    """Read a picture, or a folder of maps, and what each one was stored as."""
+    from weftex.io.pictures import MAX_PIXELS
+    from weftex.loading import exemplar_of_maps, read_sample
 
     limit = None if args.allow_huge else MAX_PIXELS
-    if is_folder(path):
-        pictures = read_maps(path, max_pixels=limit)
-    else:
-        pictures = {os.path.basename(path): read_image(path, max_pixels=limit)}
-    return exemplar_of_maps(pictures, tileable=tileable), pictures
+    pictures = read_sample(path, maps, max_pixels=limit)
+    return exemplar_of_maps(pictures, path, maps, tileable=tileable), pictures
+
+
+def told(pictures: dict[str, Picture], path: str, maps: dict[str, str] | None) -> str:
+    """A line for each map of a folder: what it was taken for."""
+    from weftex.loading import main_picture, roles
+
+    if len(pictures) == 1:
+        return ""
+    taken = roles(pictures, path, maps)
+    main = main_picture(taken)
+    lines = []
+    for name, role in taken.items():
+        use = ", the picture" if name == main else ""
+        lines.append(f"map: {os.path.basename(pictures[name].path)} is {role}{use}\n")
+    return "".join(lines)
 
 
 def open_sample(
@@ -46,7 +59,7 @@ def open_sample(
         outputs.make_folder(args.output)
     else:
         check_output(args.output)
-    exemplar, pictures = load(path, args, tileable=tileable)
+    exemplar, pictures = load(path, args, args.maps, tileable=tileable)
     targets = {}
     for name, picture in pictures.items():
         file = os.path.basename(picture.path)
@@ -95,10 +108,16 @@ def write_debug(result: Synthesis, folder: str, outputs: Outputs) -> None:
         write_image(outputs.add(os.path.join(folder, f"{name}.png")), result.draw(what))
 
 
-def report(args: argparse.Namespace, result: Synthesis, what: str, start: float) -> str:
-    """Say in a line what was made, how and how fast; if weftex chose, lines above say why."""
+def report(
+    args: argparse.Namespace,
+    result: Synthesis,
+    what: str,
+    start: float,
+    maps: str = "",
+) -> str:
+    """Say in a line what was made, how and how fast; lines above say of what, and why so."""
     used, took = result.provenance, perf_counter() - start
-    why = f"auto: {used['reason']}\n" if "reason" in used else ""
+    why = maps + (f"auto: {used['reason']}\n" if "reason" in used else "")
     why += "".join(f"note: {warning}\n" for warning in used.get("warnings", ()))
     why += f"best of: {used['best_of']['told']}\n" if "best_of" in used else ""
     hole = result.canvas.hole

@@ -187,6 +187,25 @@ def parse_names(text: str) -> list[str]:
     return [word.strip() for word in text.split(",")]
 
 
+def add_maps(parser: Parser) -> None:
+    """Add the option of every command whose sample may be a folder of maps."""
+    text = "files of the folder that are its maps, where their names do not say so"
+    parser.add_argument("--maps", metavar="NAME=FILE,...", type=parse_maps, help=text)
+
+
+def parse_maps(text: str) -> dict[str, str]:
+    """Maps by what they are, from 'color=a.png,normal=b.png'."""
+    maps: dict[str, str] = {}
+    for word in text.split(","):
+        name, _, file = (part.strip() for part in word.partition("="))
+        if not name or not file or name in maps:
+            raise argparse.ArgumentTypeError(
+                f"'{word.strip()}' must be a name and a file, color=FILE, each once"
+            )
+        maps[name] = file
+    return maps
+
+
 def parse_colors(text: str) -> list[tuple[int, ...]]:
     """Colors from '#rrggbb,#rrggbb,...' or gray levels '0,255,...', for maps of 8 bits."""
     return [_color(word.strip()) for word in text.split(",")]

@@ -37,6 +37,7 @@ class Bar:
     def __init__(self, quiet: bool) -> None:
         self._start, self._stop = perf_counter(), False
         self._bar: Any = None
+        self._stage: tuple[int, str] | None = None
         self._quiet = quiet or not sys.stderr.isatty()
 
     def __call__(self, done: int, total: int, stage: str, preview: Callable[[], Any]) -> bool:
@@ -45,10 +46,13 @@ class Bar:
             try:
                 from tqdm import tqdm
 
-                self._bar = tqdm(total=total, unit=f" {stage}", leave=False, file=sys.stderr)
+                self._bar = tqdm(leave=False, file=sys.stderr)
             except ImportError:
                 self._quiet = True
         if self._bar is not None:
+            if self._stage != (total, stage) or done < self._bar.n:  # another count begins
+                self._stage, self._bar.unit = (total, stage), f" {stage}"
+                self._bar.reset(total)
             self._bar.update(done - self._bar.n)
         return not self._stop
 

@@ -12,7 +12,7 @@ from typing import IO, TYPE_CHECKING, Any
 
 import numpy as np
 
-from weftex.errors import FileError, InvalidInputError
+from weftex.errors import FileError, InvalidInputError, shown
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -78,6 +78,14 @@ def image_library() -> Any:
     import OpenImageIO  # 20 ms, for those who read or write a picture
 
     return OpenImageIO
+
+
+def path_text(path: StrPath) -> str:
+    """Return a path as text, or raise `InvalidInputError` for what is none."""
+    try:
+        return os.fsdecode(path)
+    except (TypeError, ValueError):
+        raise InvalidInputError(f"path is {shown(path)}; it must be a text or a path") from None
 
 
 def suffix_of(path: str) -> str:
@@ -188,6 +196,14 @@ def varies(pixels: NDArray[Any]) -> bool:
     return bool((pixels != pixels[:1, :1]).any())
 
 
+def as_pixels(pixels: Any) -> NDArray[Any]:
+    """`np.asarray`, with an error of ours for what is no array at all."""
+    try:
+        return np.asarray(pixels)
+    except (TypeError, ValueError, OverflowError):
+        raise InvalidInputError(f"pixels is {shown(pixels)}; it must be an array") from None
+
+
 def check_fit(given: str, form: Format, pixels: NDArray[Any], alpha: bool) -> None:
     """Refuse what is no picture, or what the format cannot hold."""
     shape, suffix = pixels.shape, suffix_of(given)
@@ -258,7 +274,7 @@ def file_error(path: StrPath, what: str, why: object = "") -> FileError:
     if isinstance(why, OSError) and why.strerror:
         why = why.strerror
     lines = str(why).strip().splitlines()
-    return FileError(f"{show(os.fsdecode(path))}: {what}{': '.join(['', *lines[:1]])}")
+    return FileError(f"{show(path_text(path))}: {what}{': '.join(['', *lines[:1]])}")
 
 
 def show(path: str) -> str:

@@ -20,19 +20,21 @@ path ``sample:NAME`` names a picture, or a folder of maps, that ships with wefte
 
 from __future__ import annotations
 
+import numbers
 import os
-from collections.abc import Collection, Iterator
+from collections.abc import Collection, Iterator, Mapping
 from contextlib import contextmanager, suppress
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from weftex.errors import FileError, did_you_mean
+from weftex.errors import FileError, InvalidInputError, did_you_mean, shown
 from weftex.io.formats import (
     FORMATS,
     READ_AS,
     READABLE,
+    as_pixels,
     check_fit,
     check_spec,
     complaint,
@@ -41,6 +43,7 @@ from weftex.io.formats import (
     fits,
     image_library,
     kind_of,
+    path_text,
     reserve,
     show,
     straight,
@@ -102,12 +105,15 @@ def read_image(path: StrPath, *, max_pixels: int | None = MAX_PIXELS) -> Picture
     FileError
         If the file is missing, unreadable, damaged, cut short, too large or not a picture.
     """
+    whole = isinstance(max_pixels, numbers.Integral) and not isinstance(max_pixels, bool)
+    if max_pixels is not None and not (whole and max_pixels >= 1):
+        raise InvalidInputError(f"max_pixels is {shown(max_pixels)}; it must be 1 or more, or None")
     name, given = _locate(path)
     kind = kind_of(name, given)
     oiio = image_library()
     # Some readers decode while they open, so the library must know the limit before. Four floats
     # are 16 bytes; the floor is for pictures of few pixels and many channels.
-    limit = 0 if max_pixels is None else max(256, -(-max_pixels // 2**16))
+    limit = 0 if max_pixels is None else min(max(256, -(-max_pixels // 2**16)), 2**31 - 1)
     oiio.attribute("limits:imagesize_MB", limit)
     hint = oiio.ImageSpec()
     hint["oiio:UnassociatedAlpha"] = 1
@@ -171,8 +177,11 @@ def write_image(
     FileError
         If the file cannot be written; then what was there before is untouched.
     """
+    pixels = as_pixels(pixels)
     check_output(path, pixels, alpha=alpha)
-    form = FORMATS[suffix_of(os.fsdecode(path))]
+    if icc is not None and not isinstance(icc, bytes):
+        raise InvalidInputError(f"icc is {shown(icc)}; it must be bytes")
+    form = FORMATS[suffix_of(path_text(path))]
     native = np.float32 if pixels.dtype.kind == "f" else pixels.dtype.newbyteorder("=")
     with np.errstate(all="ignore"):  # infinities are as good as any other value
         pixels = np.ascontiguousarray(np.atleast_3d(pixels), native)
@@ -220,7 +229,7 @@ def check_output(
     FileError
         If the suffix is unknown, the folder missing or read-only, or the path a folder.
     """
-    given, known = os.fsdecode(path), FORMATS if suffixes is None else suffixes
+    given, known = path_text(path), FORMATS if suffixes is None else suffixes
     suffix, target = suffix_of(given), _target(given)
     folder = os.path.dirname(target)
     if given.startswith("sample:"):
@@ -244,43 +253,62 @@ def check_output(
 
 
 def read_mask(path: StrPath, *, max_pixels: int | None = MAX_PIXELS) -> NDArray[np.bool_]:
-    """Read a picture as an ``(H, W)`` mask.
+    """Read a picture as an ``(H, W)`` mask; see `mask_of`, and for the parameters `read_image`."""
+    picture = read_image(path, max_pixels=max_pixels)
+    return mask_of(picture.pixels, picture.alpha)
+
+
+def mask_of(pixels: NDArray[Any], alpha: bool) -> NDArray[np.bool_]:
+    """Take a picture for an ``(H, W)`` mask.
 
     A pixel is True where any color channel reaches half of the range: 128, 32768 or 0.5. Alpha is
-    ignored, unless the color is the same everywhere and alpha is not: then alpha is the mask. The
-    parameters are those of `read_image`.
+    ignored, unless the color is the same everywhere and alpha is not: then alpha is the mask.
     """
-    picture = read_image(path, max_pixels=max_pixels)
-    pixels = np.atleast_3d(picture.pixels)
-    if picture.alpha:
+    pixels = np.atleast_3d(pixels)
+    if alpha:
         color, cover = pixels[..., :-1], pixels[..., -1:]
         pixels = cover if varies(cover) and not varies(color) else color
     half = 0.5 if pixels.dtype.kind == "f" else np.iinfo(pixels.dtype).max // 2 + 1
     return np.asarray((pixels >= half).any(axis=2))
 
 
-def read_maps(folder: StrPath, *, max_pixels: int | None = MAX_PIXELS) -> dict[str, Picture]:
+def read_maps(
+    folder: StrPath,
+    *,
+    files: Mapping[str, str] | None = None,
+    max_pixels: int | None = MAX_PIXELS,
+) -> dict[str, Picture]:
     """Read all pictures of a folder, or of ``sample:NAME``: the maps of one material.
 
     They are sorted by their names without suffix. Hidden files, folders and files of other suffixes
-    are passed over. Sizes are not compared; `max_pixels` holds for each (see `read_image`).
+    are passed over. Sizes are not compared; `max_pixels` holds for each (see `read_image`). With
+    `files` only these files of the folder are read, and get the names that they have there.
     """
+    if files is None:
+        paths = map_files(folder)
+    else:
+        paths = {what: os.path.join(_locate(folder)[0], file) for what, file in files.items()}
+    return {what: read_image(paths[what], max_pixels=max_pixels) for what in sorted(paths)}
+
+
+def map_files(folder: StrPath) -> dict[str, str]:
+    """Return the paths of the pictures that `read_maps` reads, by their names without suffix."""
     name, given = _locate(folder)
     try:
-        files = sorted(os.listdir(name))
+        found = sorted(os.listdir(name))
     except (OSError, ValueError) as error:
         raise file_error(given, "cannot read the folder", error) from None
-    maps: dict[str, Picture] = {}
-    for file in files:
+    paths: dict[str, str] = {}
+    for file in found:
         stem, full = os.path.splitext(file)[0], os.path.join(name, file)
         if file.startswith(".") or suffix_of(file) not in READABLE or os.path.isdir(full):
             continue
-        if stem in maps:
+        if stem in paths:
             raise file_error(given, f"has two pictures named '{show(stem)}'; keep one")
-        maps[stem] = read_image(full, max_pixels=max_pixels)
-    if not maps:
+        paths[stem] = full
+    if not paths:
         raise file_error(given, f"has no pictures ({', '.join(READABLE)})")
-    return dict(sorted(maps.items()))
+    return paths
 
 
 @contextmanager
@@ -291,7 +319,7 @@ def atomic(path: StrPath) -> Iterator[str]:
     was. Symbolic links are written through; an existing file keeps its permissions, a new one gets
     the usual ones. An OSError in the block becomes a FileError.
     """
-    target = _target(os.fsdecode(path))
+    target = _target(path_text(path))
     # A name of its own, because the target's with a tail may be too long for the file system.
     name = f".weftex-{os.getpid()}-{os.urandom(4).hex()}{os.path.splitext(target)[1]}"
     temporary = os.path.join(os.path.dirname(target), name)
@@ -328,7 +356,7 @@ def sample_path(name: str) -> str:
 
 def is_folder(path: StrPath) -> bool:
     """Return whether the path is a folder, or names a sample that is a folder of maps."""
-    given = os.fsdecode(path)
+    given = path_text(path)
     known = not given.startswith("sample:") or given.removeprefix("sample:") in _samples()
     return known and os.path.isdir(_locate(given)[0])
 
@@ -342,7 +370,7 @@ def _samples() -> dict[str, str]:
 
 def _locate(path: StrPath) -> tuple[str, str]:
     """Return the path on disk, and the path as it was given."""
-    given = os.fsdecode(path)
+    given = path_text(path)
     return (sample_path(given) if given.startswith("sample:") else given), given
 
 

@@ -12,7 +12,7 @@ import dataclasses
 from collections.abc import Mapping
 from typing import Any
 
-from weftex.errors import InvalidInputError
+from weftex.errors import InvalidInputError, shown
 from weftex.method import Method
 from weftex.registry import METHODS
 
@@ -48,7 +48,7 @@ def make_method(method: str | Method, parameters: Mapping[str, Any]) -> Method:
         For an unknown method, parameter or value, with the nearest right name.
     """
     if not isinstance(method, (str, Method)):
-        raise InvalidInputError(f"method is {method!r}; it must be a name or a Method")
+        raise InvalidInputError(f"method is {shown(method)}; it must be a name or a Method")
     if isinstance(method, str):
         made: Method = METHODS[method](**parameters)
         return made

@@ -75,7 +75,7 @@ class PatchSampling(PatchMethod):
             return suited
         return replace(suited, epsilon=_HOLE_EPSILON)
 
-    def fit(self, exemplar: Exemplar) -> PatchModel:
+    def fit_exemplar(self, exemplar: Exemplar) -> PatchModel:
         """Settle w_B and w_E (section 2.4) and analyze the sample (section 3)."""
         settings = settle(
             self,

@@ -63,7 +63,7 @@ class Quilting(PatchMethod):
         """See `PatchMethod.looseness`."""
         return (1 + self.tolerance) / (1 + _PAPERS_TOLERANCE)
 
-    def fit(self, exemplar: Exemplar) -> PatchModel:
+    def fit_exemplar(self, exemplar: Exemplar) -> PatchModel:
         """Settle the sizes of block and overlap, and analyze the sample."""
         settings = settle(
             self,

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from weftex.errors import InvalidInputError
+from weftex.exemplar import as_array
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -103,7 +104,7 @@ def check_source(
     source: NDArray[Any], sample: tuple[int, int], result: tuple[int, int]
 ) -> NDArray[np.int32]:
     """Return the source in whole numbers, or raise `InvalidInputError`."""
-    given = np.asarray(source)
+    given = as_array(source, "the source")
     if given.shape != (*result, 2) or given.dtype.kind not in "iu":
         size = f"{given.shape[1]}x{given.shape[0]}" if given.ndim == 3 else str(given.shape)
         raise InvalidInputError(

@@ -6,6 +6,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from weftex.exemplar import tamed
+
 if TYPE_CHECKING:
     from collections.abc import Callable
 
@@ -117,10 +119,10 @@ def gray_of(pixels: NDArray[Any]) -> NDArray[np.uint8]:
     channels = pixels.reshape(*pixels.shape[:2], -1)
     if channels.shape[2] in (2, 4):
         channels = channels[..., :-1]
-    gray = channels.mean(axis=2)
+    gray = (channels if channels.dtype.kind == "u" else tamed(channels)[0]).mean(axis=2)
     if pixels.dtype != np.uint8:
         low, high = float(gray.min()), float(gray.max())
-        gray = (gray - low) * (255 / ((high - low) or 1))
+        gray = (gray - low) / ((high - low) or 1) * 255
     result: NDArray[np.uint8] = np.rint(gray).astype(np.uint8)
     return result
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import math
 import os
 from contextlib import contextmanager
 from dataclasses import asdict, dataclass
@@ -10,7 +11,9 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from weftex.canvas import MAX_PIXELS
 from weftex.errors import FileError
+from weftex.io.formats import path_text, show
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping
@@ -18,6 +21,8 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
 _FORMAT = 1
+_MOST_ABOUT = 2**24  # bytes: far more than any facts
+_MOST_BYTES = 64  # a pixel of output and sample: patches of one pixel take 32
 
 
 class DamageError(ValueError):
@@ -45,6 +50,17 @@ class Facts:
     provenance: dict[str, Any]
     origin: tuple[int, int] = (0, 0)  # not in files of the first version
 
+    def __post_init__(self) -> None:
+        for name in ("shape", "sample_shape"):
+            if not _whole(getattr(self, name)) or min(getattr(self, name)) < 1:
+                raise DamageError("its sizes are no sizes")
+        if math.prod(self.shape) > MAX_PIXELS or math.prod(self.sample_shape) > MAX_PIXELS:
+            raise DamageError("its sizes are larger than any picture of weftex")
+        if not _whole(self.origin) or not (self.known_from is None or _whole(self.known_from)):
+            raise DamageError("its places are no places")
+        if [*map(type, self.wrap)] != [bool, bool] or not isinstance(self.provenance, dict):
+            raise DamageError("its facts have other types")
+
     def check_hole(self, bits: NDArray[Any] | None) -> NDArray[np.bool_] | None:
         """Unpack the hole, after a look at whether it and the known pixels fit the shapes."""
         if self.known_from is not None:
@@ -53,7 +69,7 @@ class Facts:
                 raise DamageError("its known pixels lie outside the sample")
         if bits is None:
             return None
-        if bits.shape != (self.shape[0], -(-self.shape[1] // 8)):
+        if bits.dtype != np.uint8 or bits.shape != (self.shape[0], -(-self.shape[1] // 8)):
             raise DamageError("its hole does not fit its size")
         return np.unpackbits(bits, axis=1, count=self.shape[1]).astype(bool)
 
@@ -76,24 +92,48 @@ def write_result(
 def read_result(path: str | os.PathLike[str]) -> tuple[Facts, dict[str, NDArray[Any]]]:
     """Return the facts and the arrays that were written."""
     with open(path, "rb") as raw, np.load(raw, allow_pickle=False) as file:
-        arrays = {key: file[key] for key in file}
-    about = json.loads(str(arrays.pop("about")))
-    number = about.pop("format")
-    if number != _FORMAT:
-        raise DamageError(f"its format is {number}, not {_FORMAT}")
-    pairs = {k: tuple(v) for k, v in about.items() if isinstance(v, list)}
-    return Facts(**about | pairs), arrays
+        sizes = {key: _declared(file, key) for key in file}
+        if sizes["about"] > _MOST_ABOUT:
+            raise DamageError("its facts are too long")
+        about = json.loads(str(file["about"]))
+        number = about.pop("format")
+        if number != _FORMAT:
+            raise DamageError(f"its format is {number}, not {_FORMAT}")
+        pairs = {k: tuple(v) for k, v in about.items() if isinstance(v, list)}
+        facts = Facts(**about | pairs)
+        most = _MOST_BYTES * (math.prod(facts.shape) + math.prod(facts.sample_shape))
+        if sum(sizes.values()) > most + _MOST_ABOUT:
+            raise DamageError("its arrays are larger than its sizes need")
+        arrays = {key: np.ascontiguousarray(file[key]) for key in file if key != "about"}
+    return facts, arrays
+
+
+def _declared(file: Any, key: str) -> int:
+    """Bytes that an array takes by its header; a few kilobytes of zeros may unpack to many."""
+    with file.zip.open(f"{key}.npy") as member:
+        version = np.lib.format.read_magic(member)
+        read = np.lib.format.read_array_header_1_0
+        if version != (1, 0):
+            read = np.lib.format.read_array_header_2_0
+        shape, _, dtype = read(member)
+    return math.prod(shape) * max(int(dtype.itemsize), 1)
+
+
+def _whole(pair: Any) -> bool:
+    return isinstance(pair, tuple) and [*map(type, pair)] == [int, int]
 
 
 @contextmanager
 def one_line_errors(path: str | os.PathLike[str]) -> Iterator[None]:
     """Turn whatever goes wrong while a saved result is read into a `FileError`."""
-    name = os.fsdecode(path)
+    name = path_text(path)
     try:
         yield
     except FileNotFoundError:
-        raise FileError(f"{name} does not exist") from None
+        raise FileError(f"{show(name)} does not exist") from None
+    except MemoryError:
+        raise FileError(f"{show(name)} does not fit in memory") from None
     except DamageError as error:
-        raise FileError(f"{name} is damaged: {error}") from None
+        raise FileError(f"{show(name)} is damaged: {error}") from None
     except Exception:  # numpy and zipfile raise many kinds, with advice that does not fit here
-        raise FileError(f"{name} is not a saved weftex result") from None
+        raise FileError(f"{show(name)} is not a saved weftex result") from None

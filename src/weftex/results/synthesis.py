@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any, ClassVar
 import numpy as np
 
 from weftex.canvas import Canvas
-from weftex.errors import InvalidInputError
+from weftex.errors import InvalidInputError, shown
 from weftex.exemplar import Exemplar, check_pixels
 from weftex.results import drawing
 from weftex.results.files import DamageError, Facts, one_line_errors, read_result, write_result
@@ -181,7 +181,7 @@ class Synthesis(ABC):
         shares : float32 array (h, w, layers)
             Sum to 1, or are 0 for a known pixel that is not in the sample.
         """
-        window = self._check_window(window)
+        window = self.canvas.check_window(window)
         coordinates, share = self._layers(window)
         if self.canvas.hole is not None:  # patches may hang over it
             top, left, height, width = window
@@ -232,7 +232,7 @@ class Synthesis(ABC):
         (160, 192)
         """
         whole = window is None
-        top, left, height, width = self._check_window(window)
+        top, left, height, width = self.canvas.check_window(window)
         own = other is None or other is self.exemplar
         given = self.sample if other is None else other
         if isinstance(given, Exemplar):
@@ -249,7 +249,12 @@ class Synthesis(ABC):
                 f"map is {pixels.shape[1]}x{pixels.shape[0]}; it must be the sample's "
                 f"{self.sample_shape[1]}x{self.sample_shape[0]} or an integer multiple of it"
             )
-        out = np.empty((height * scale, width * scale, *pixels.shape[2:]), pixels.dtype)
+        try:
+            out = np.empty((height * scale, width * scale, *pixels.shape[2:]), pixels.dtype)
+        except MemoryError:
+            raise InvalidInputError(
+                f"{width * scale}x{height * scale} does not fit in memory; render windows of it"
+            ) from None
         if self.canvas.hole is not None:
             base = self._base(pixels, scale, own, background)
             rows = slice(top * scale, (top + height) * scale)
@@ -295,19 +300,6 @@ class Synthesis(ABC):
             )
         return background
 
-    def _check_window(self, window: Window | None) -> Window:
-        if window is None:
-            return (0, 0, *self.shape)
-        top, left, height, width = window
-        if min(top, left) < 0 or min(height, width) < 1:
-            raise InvalidInputError(f"window is {window}; it must be inside the output")
-        if top + height > self.shape[0] or left + width > self.shape[1]:
-            raise InvalidInputError(
-                f"window {window} leaves the output, which is {self.shape[0]} high "
-                f"and {self.shape[1]} wide"
-            )
-        return window
-
     def draw(self, what: str = "sources") -> NDArray[np.uint8]:
         """Draw the result itself.
 
@@ -324,8 +316,10 @@ class Synthesis(ABC):
         -------
         uint8 array (H, W, 3)
         """
-        if what not in drawing.DRAWINGS:
-            raise InvalidInputError(f"cannot draw {what!r}; known: {', '.join(drawing.DRAWINGS)}")
+        if not isinstance(what, str) or what not in drawing.DRAWINGS:
+            raise InvalidInputError(
+                f"cannot draw {shown(what)}; known: {', '.join(drawing.DRAWINGS)}"
+            )
         if what == "error":
             return drawing.as_gray_picture(self._error())
         if what == "uncertainty":

@@ -20,14 +20,14 @@ from weftex.analysis.scale import DominantScale, dominant_scale
 from weftex.analysis.tiling import SEAMLESS, border_steps
 from weftex.choice import Choice
 from weftex.errors import InvalidInputError
+from weftex.loading import load_exemplar
 from weftex.method import numbers_of
 from weftex.methods import METHODS
 from weftex.tasks.auto import Auto
-from weftex.tasks.synthesize import load_exemplar
 
 if TYPE_CHECKING:
     from weftex.exemplar import Exemplar
-    from weftex.tasks.synthesize import Sample
+    from weftex.loading import Sample
 
 _BANDS = 4  # of the spectrum, an octave
 _BAR = 40  # characters
@@ -240,7 +240,7 @@ def analyze(
     given = None if lattice is None else given_lattice(lattice, exemplar)
     found = dominant_scale(exemplar)
     down, right = border_steps(exemplar)
-    model = Auto().fit(exemplar)
+    model = Auto().fit_exemplar(exemplar)
     look = model.findings
     usual = (goodness, alpha, significant) == ("contrast", ALPHA, SIGNIFICANT)
     own = look.lattice if usual and look.exact else find_lattice(exemplar, **rule)
@@ -320,6 +320,11 @@ def _count_colors(exemplar: Exemplar) -> int:
     size = pixels.shape[1] * pixels.itemsize
     if size > 8:
         return len(np.unique(pixels, axis=0))
+    if size <= 3:  # room for a flag for each color
+        seen = np.zeros(1 << 8 * size, bool)
+        bytes_of = pixels.view(np.uint8).reshape(len(pixels), size)
+        seen[sum(bytes_of[:, k].astype(np.int32) << 8 * k for k in range(size))] = True
+        return int(seen.sum())
     whole = np.zeros((len(pixels), 8), np.uint8)  # numbers sort faster than rows
     whole[:, :size] = pixels.view(np.uint8).reshape(len(pixels), size)
     return len(np.unique(whole.view(np.uint64)))

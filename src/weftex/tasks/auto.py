@@ -91,7 +91,7 @@ class Auto(Method):
     paper: ClassVar[str] = "A choice among the other methods; docs/auto.md has the rule"
     supports: ClassVar[frozenset[str]] = frozenset({"wrap", "known", "guide"})
 
-    def fit(self, exemplar: Exemplar) -> AutoModel:
+    def fit_exemplar(self, exemplar: Exemplar) -> AutoModel:
         """Return a model that chooses when it knows what to make; the sample is analyzed once."""
         return AutoModel(self, exemplar)
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from weftex.errors import InvalidInputError
+from weftex.errors import InvalidInputError, shown
 from weftex.progress import Progress
 from weftex.quality.assess import assess
 from weftex.quality.view import middle
@@ -42,11 +42,13 @@ def tries(method: Method, count: int | Sequence[str | Method]) -> list[tuple[Met
     """
     if isinstance(count, int) and not isinstance(count, bool):
         if not 1 <= count <= _MOST_TRIES:
-            raise InvalidInputError(f"best_of is {count}; it must be from 1 to {_MOST_TRIES}")
+            raise InvalidInputError(
+                f"best_of is {shown(count)}; it must be from 1 to {_MOST_TRIES}"
+            )
         return [(method, k) for k in range(count)]
     if not isinstance(count, (list, tuple)) or not count:
         raise InvalidInputError(
-            f"best_of is {count!r}; it must be from 1 to {_MOST_TRIES}, or a list of methods"
+            f"best_of is {shown(count)}; it must be from 1 to {_MOST_TRIES}, or a list of methods"
         )
     if method.slug != AUTO:
         raise InvalidInputError(

@@ -6,22 +6,22 @@ from time import perf_counter
 from typing import TYPE_CHECKING, Any
 
 from weftex.canvas import as_canvas
-from weftex.errors import InvalidInputError, UnsupportedError
+from weftex.errors import InvalidInputError, UnsupportedError, shown
+from weftex.loading import load_exemplar
 from weftex.methods import METHODS
 from weftex.pages.compare import Comparison, Entry
 from weftex.progress import Progress
 from weftex.quality.assess import assess
 from weftex.random import seed_number
 from weftex.tasks.auto import Auto, AutoModel
-from weftex.tasks.method_names import make_method
-from weftex.tasks.synthesize import load_exemplar
+from weftex.tasks.method_names import make_method, method_class
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
+    from weftex.loading import Sample
     from weftex.progress import ProgressCallback
     from weftex.random import Seed
-    from weftex.tasks.synthesize import Sample
 
 _USUAL = 512  # pixels a side of the output, at most, where no size is given
 
@@ -56,7 +56,7 @@ def compare(
     size : int or (int, int), optional
         Height and width of the outputs; twice the sample by default, at most 512.
     methods : sequence of str, optional
-        Names in `weftex.METHODS`; all by default.
+        Names in `weftex.METHODS`, or "auto"; all methods by default.
     seed, tileable, threads
         As for `weftex.synthesize`.
     progress : callable, optional
@@ -78,9 +78,11 @@ def compare(
     >>> [entry.method for entry in found.entries], found.choice.method
     (['quilting', 'best-tile'], 'near-regular')
     """
+    if methods is not None and not isinstance(methods, (list, tuple)):
+        raise InvalidInputError(f"methods is {shown(methods)}; it must be a list of names")
     names = list(METHODS) if methods is None else list(methods)
     for name in names:
-        METHODS[name]  # raises for an unknown one
+        method_class(name)  # raises for an unknown one
     if not names or len(set(names)) < len(names):
         raise InvalidInputError(f"methods is {', '.join(names)!r}; name each once, at least one")
     exemplar = load_exemplar(sample)

@@ -11,23 +11,24 @@ import numpy as np
 
 from weftex.canvas import Canvas, as_canvas
 from weftex.errors import InvalidInputError
-from weftex.exemplar import Exemplar
+from weftex.exemplar import Exemplar, as_array
+from weftex.loading import load_exemplar
 from weftex.random import seed_number
 from weftex.raster.masks import grown
 from weftex.results.pixels import PixelSynthesis
 from weftex.seams.around import cut_around
 from weftex.tasks.method_names import AUTO, is_auto, make_method
-from weftex.tasks.synthesize import load_exemplar
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from weftex.choice import Choice
+    from weftex.io.pictures import Picture
+    from weftex.loading import Sample
     from weftex.method import Method
     from weftex.progress import ProgressCallback
     from weftex.random import Seed
     from weftex.results.synthesis import Synthesis
-    from weftex.tasks.synthesize import Sample
 
     #: A path, a PIL image or a bool array (H, W), True where the photo is to be filled.
     Mask = str | os.PathLike[str] | NDArray[np.bool_] | Any
@@ -46,7 +47,7 @@ _LEAST_REACH = 256
 
 def fill(
     photo: Sample,
-    mask: Mask,
+    mask: Mask | None = None,
     *,
     sample: Sample | None = None,
     method: str | Method = AUTO,
@@ -67,8 +68,9 @@ def fill(
     ----------
     photo : path, array, PIL image or Exemplar
         What has holes; what their pixels look like does not matter.
-    mask : path, PIL image or bool array (H, W)
-        True, in a picture white, where the photo is to be filled.
+    mask : path, PIL image or bool array (H, W), optional
+        True, in a picture white, where the photo is to be filled. By default, and where it is the
+        photo itself with its hole cut out, every pixel that its alpha says is not quite there.
     sample : path, array, PIL image or Exemplar, optional
         Take patches from this instead of the photo; of the photo's dtype and channels.
     method : str or Method
@@ -122,7 +124,7 @@ def fill(
         raise InvalidInputError(f"overlap is {overlap!r}; it must be a whole number, 0 or more")
     seed = seed_number(seed)
     whole = load_exemplar(photo)
-    masked = _load_hole(mask, whole)
+    masked = hole_of(mask, whole)
     wrap = as_canvas(whole.shape, tileable).wrap
     hole = grown(masked, int(overlap), wrap) if overlap else masked
     source = whole if sample is None else _load_sample(sample, whole)
@@ -312,13 +314,32 @@ def _span(taken: NDArray[np.bool_], wraps: bool) -> tuple[int, int]:
     return int(at[(widest + 1) % len(at)]), int(len(taken) - gaps[widest] + 1)
 
 
-def _load_hole(mask: Mask, photo: Exemplar) -> NDArray[np.bool_]:
-    if isinstance(mask, (str, os.PathLike)):
-        from weftex.io.pictures import read_mask
+def hole_of(mask: Mask | Picture | None, photo: Exemplar) -> NDArray[np.bool_]:
+    """Return where a photo is to be filled, bool (H, W); see `fill`.
 
-        mask = read_mask(mask)
+    Raises
+    ------
+    InvalidInputError
+        If the mask is of another size, or is left out and nothing of the photo is clear.
+    """
+    if mask is None:
+        if not photo.alpha or not (hole := _clear(photo.pixels)).any():
+            raise InvalidInputError(
+                f"{photo.name} has no clear pixels to fill; give a mask (--mask)"
+            )
+        return hole
+    if isinstance(mask, (str, os.PathLike)):
+        from weftex.io.pictures import read_image
+
+        mask = read_image(mask)
     image: Any = mask
-    hole = np.asarray(image.convert("L")) > 127 if hasattr(mask, "getbands") else np.asarray(mask)
+    if hasattr(image, "getbands"):  # of PIL
+        alpha = "A" in image.getbands() or "transparency" in image.info
+        image = load_exemplar(image.convert("RGBA" if alpha else "L"))
+    if hasattr(image, "pixels"):
+        hole = _hole_in(image.pixels, image.alpha, photo)
+    else:
+        hole = as_array(mask, "mask")
     if hole.dtype != bool or hole.ndim != 2:
         raise InvalidInputError(
             f"mask is {hole.dtype} with {hole.ndim} dimensions; it must be boolean with 2, "
@@ -330,6 +351,26 @@ def _load_hole(mask: Mask, photo: Exemplar) -> NDArray[np.bool_]:
             f"{photo.shape[1]}x{photo.shape[0]}; they must be equal"
         )
     return hole
+
+
+def _hole_in(pixels: NDArray[Any], alpha: bool, photo: Exemplar) -> NDArray[np.bool_]:
+    """What a picture masks: its white, or what is clear if it is the photo with a hole in it."""
+    from weftex.io.pictures import mask_of
+
+    if alpha and pixels.shape[:2] == photo.shape and pixels.dtype == photo.pixels.dtype:
+        clear = _clear(pixels)
+        own = photo.pixels.reshape(*photo.shape, -1)[..., : photo.channels - photo.alpha]
+        color = pixels[..., :-1]
+        if clear.any() and color.shape == own.shape and (color == own)[~clear].all():
+            return clear
+    return mask_of(pixels, alpha)
+
+
+def _clear(pixels: NDArray[Any]) -> NDArray[np.bool_]:
+    """Where alpha is less than full."""
+    full = 1 if pixels.dtype.kind == "f" else np.iinfo(pixels.dtype).max
+    clear: NDArray[np.bool_] = pixels[..., -1] < full
+    return clear
 
 
 def _load_sample(sample: Sample, photo: Exemplar) -> Exemplar:

@@ -3,14 +3,16 @@
 from __future__ import annotations
 
 import itertools
+from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from weftex.analysis.scale import dominant_scale
 from weftex.canvas import Canvas, as_canvas
-from weftex.errors import InvalidInputError
+from weftex.errors import InvalidInputError, shown
 from weftex.exemplar import Exemplar
+from weftex.loading import load_exemplar
 from weftex.method import Method
 from weftex.random import draw, seed_number
 from weftex.raster.masks import squared_distance_to
@@ -18,16 +20,15 @@ from weftex.results.pixels import PixelSynthesis
 from weftex.seams.merge import island
 from weftex.tasks.label_map import circle_map, labels_of
 from weftex.tasks.method_names import is_auto, make_method
-from weftex.tasks.synthesize import load_exemplar
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping, Sequence
+    from collections.abc import Sequence
 
     from numpy.typing import NDArray
 
+    from weftex.loading import Sample
     from weftex.progress import ProgressCallback
     from weftex.random import Seed
-    from weftex.tasks.synthesize import Sample
 
 #: The method for fusion; what "auto" stands for here.
 DEFAULT = "refinement"
@@ -107,6 +108,14 @@ def fuse(
     number = seed_number(seed)
     method = DEFAULT if is_auto(method) else method
     chosen = make_method(method, parameters)
+    if not isinstance(samples, (list, tuple)):
+        raise InvalidInputError(f"samples is {shown(samples)}; it must be a list of samples")
+    if colors is not None and not isinstance(colors, (list, tuple, range)):
+        raise InvalidInputError(f"colors is {shown(colors)}; it must be a list of colors")
+    if mixed is not None and not isinstance(mixed, Mapping):
+        raise InvalidInputError(
+            f"mixed is {shown(mixed)}; it must be pairs of samples by their colors"
+        )
     exemplars = [load_exemplar(sample) for sample in samples]
     _check_kinds(exemplars)
     whole = combined(exemplars)
@@ -202,12 +211,16 @@ class _Fusion:
     def _window(self, *numbers: int) -> int:
         return self.method.window_for(max(self.scales[k] for k in numbers))
 
+    def _belt_width(self, *numbers: int) -> int:
+        """A quarter of the window, on each side; a window that fits no sample is refused later."""
+        return max(1, min(self._window(*numbers) // 4, sum(self.canvas.shape)))
+
     def _belts(self, labels: NDArray[np.int32]) -> tuple[NDArray[np.int32], NDArray[np.int32]]:
         """Labels without belts, and the pair that each pixel of a belt belongs to; else -1."""
         count = len(self.exemplars)
         pairs = np.where(labels >= _MIXED, labels, -1)
         regions = np.where(labels >= _MIXED, -1, labels)
-        reach = max(1, self._window(*range(count)) // 4)
+        reach = self._belt_width(*range(count))
         away = np.stack(
             [squared_distance_to(labels == k, reach, self.canvas.wrap) for k in range(count)]
         )
@@ -215,7 +228,7 @@ class _Fusion:
             others = away.copy()
             others[k] = (reach + 1) ** 2
             nearest = others.argmin(axis=0)
-            widths = np.array([max(1, self._window(k, n) // 4) for n in range(count)])
+            widths = np.array([self._belt_width(k, n) for n in range(count)])
             belt = (labels == k) & (others.min(axis=0) <= widths[nearest] ** 2)
             if belt.any() and np.array_equal(belt, labels == k):
                 raise InvalidInputError(
@@ -315,9 +328,11 @@ def _labels(
         labels = circle_map(wanted, (scales[0] // 2, scales[1] // 2), seed)
         return np.where(labels == 2, _MIXED + 1, labels).astype(np.int32)
     for key, pair in mixed.items():
+        pair = pair if isinstance(pair, (list, tuple)) else ()
         if len(set(pair)) != 2 or not set(pair) <= set(range(count)):
             raise InvalidInputError(
-                f"mixed[{key!r}] is {pair}; it must be two numbers of samples, 0 to {count - 1}"
+                f"mixed[{shown(key)}] is {shown(pair)}; it must be two numbers of samples, "
+                f"0 to {count - 1}"
             )
     picture = label_map
     if not (isinstance(label_map, np.ndarray) and label_map.dtype.kind in "iu"):

@@ -68,7 +68,8 @@ def labels_of(
             )
         try:
             wanted = np.array([np.ravel(c) for c in colors])
-        except ValueError:
+            wanted = wanted if wanted.dtype.kind in "biuf" else np.zeros((0, 0))
+        except (TypeError, ValueError, OverflowError):
             wanted = np.zeros((0, 0))
         if wanted.shape != (count, flat.shape[1]):
             raise InvalidInputError(f"each color must have {flat.shape[1]} numbers, as in the map")

@@ -15,7 +15,8 @@ AUTO = "auto"
 
 def is_auto(method: str | Method) -> bool:
     """Whether "auto" is meant, by name or as an object."""
-    return getattr(method, "slug", method) == AUTO
+    name = getattr(method, "slug", method)
+    return isinstance(name, str) and name == AUTO
 
 
 def method_class(name: str) -> type[Method]:

@@ -8,8 +8,9 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from weftex.analysis.lattice import find_lattice
-from weftex.errors import InvalidInputError
+from weftex.errors import InvalidInputError, shown
 from weftex.exemplar import Exemplar, check_pixels
+from weftex.loading import load_exemplar
 from weftex.pages.html import as_shown
 from weftex.pages.report import Report
 from weftex.quality.assess import LARGEST_MEASURED, assess, made_from
@@ -19,12 +20,11 @@ from weftex.quality.seams import Seams, seam_map
 from weftex.quality.view import middle, views
 from weftex.quality.yardstick import real_crops
 from weftex.results.synthesis import Synthesis
-from weftex.tasks.synthesize import load_exemplar
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-    from weftex.tasks.synthesize import Sample
+    from weftex.loading import Sample
 
     Bytes = NDArray[np.uint8]
 
@@ -68,6 +68,11 @@ def report(
     >>> found.assessment.flags, sorted(found.maps), "<img" in found.html()
     ((), ['repetition', 'seams', 'source', 'use'], True)
     """
+    pair = isinstance(tileable, tuple) and [*map(type, tileable)] == [bool, bool]
+    if not (tileable is None or isinstance(tileable, bool) or pair):
+        raise InvalidInputError(
+            f"tileable is {shown(tileable)}; it must be True, False or two of them"
+        )
     exemplar = load_exemplar(sample)
     if isinstance(source, (str, os.PathLike)):
         source = Synthesis.load(source)

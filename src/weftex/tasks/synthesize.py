@@ -3,33 +3,26 @@
 from __future__ import annotations
 
 import dataclasses
-import os
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from weftex.canvas import as_canvas
 from weftex.errors import InvalidInputError
-from weftex.exemplar import Exemplar
+from weftex.loading import load_exemplar
 from weftex.method import Method
 from weftex.tasks.method_names import AUTO, make_method
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping, Sequence
+    from collections.abc import Sequence
 
     from numpy.typing import NDArray
 
     from weftex.canvas import Canvas
-    from weftex.io.pictures import Picture
+    from weftex.loading import Sample
     from weftex.progress import ProgressCallback
     from weftex.random import Seed
     from weftex.results.synthesis import Synthesis
-
-    #: A path, "sample:NAME", an array, a PIL image or an Exemplar.
-    Sample = str | os.PathLike[str] | NDArray[Any] | Exemplar | Any
-
-#: Stems that mean the picture that a set of maps is matched on, most telling first.
-COLOR_NAMES = ("albedo", "basecolor", "base_color", "diffuse", "color", "colour", "col", "diff")
 
 
 def synthesize(
@@ -104,8 +97,8 @@ def synthesize(
         if canvas.guide is not None:
             raise InvalidInputError("the canvas has a guide; give none beside it")
         canvas = dataclasses.replace(canvas, guide=_guide(guide))
-    tried = [(chosen, 0)]
-    if best_of != 1:
+    tried, once = [(chosen, 0)], type(best_of) is int and best_of == 1
+    if not once:
         from weftex.tasks.best_of import tries
 
         tried = tries(chosen, best_of)
@@ -117,7 +110,7 @@ def synthesize(
             raise InvalidInputError("sample_guide has no effect without a guide")
         exemplar = exemplar.with_guide(_guide(sample_guide))
     how: dict[str, Any] = {"seed": seed, "threads": threads, "progress": progress}
-    if best_of != 1:
+    if not once:
         from weftex.tasks.best_of import best_of as keep_best
 
         return keep_best(tried, exemplar, canvas, **how)
@@ -129,74 +122,3 @@ def _guide(picture: Sample) -> NDArray[Any]:
     if isinstance(picture, np.ndarray):
         return picture
     return load_exemplar(picture).pixels
-
-
-def load_exemplar(sample: Sample, **options: Any) -> Exemplar:
-    """Make an Exemplar of whatever shows a material.
-
-    Parameters
-    ----------
-    sample : path, array, PIL image or Exemplar
-        A folder of aligned maps is matched on the one named albedo, basecolor, diffuse or color,
-        else on the first; "sample:NAME" is one that ships with weftex.
-    **options
-        For `Exemplar` (mask, tileable, alpha, maps).
-
-    Raises
-    ------
-    FileError
-        If a file cannot be read.
-    InvalidInputError
-        If the pixels cannot be used.
-
-    Examples
-    --------
-    >>> sorted(load_exemplar("sample:stone_wall").maps)
-    ['ao', 'height', 'normal', 'roughness']
-    """
-    if isinstance(sample, Exemplar):
-        if options:
-            raise InvalidInputError(
-                f"the sample is an Exemplar; give {next(iter(options))} to that"
-            )
-        return sample
-    if isinstance(sample, (str, os.PathLike)):
-        from weftex.io.pictures import is_folder, read_image, read_maps
-
-        path = os.fspath(sample)
-        if is_folder(path):
-            return exemplar_of_maps(read_maps(path), **options)
-        picture = read_image(path)
-        return exemplar_of_maps({os.path.basename(path): picture}, **options)
-    image: Any = sample
-    if hasattr(image, "getbands"):  # a PIL image, without importing PIL
-        if image.mode in ("P", "1", "PA"):
-            image = image.convert("RGBA" if "transparency" in image.info else "RGB")
-        about: dict[str, Any] = {"alpha": image.mode in ("LA", "RGBA"), "name": "image"}
-        pixels = np.asarray(image)
-        if pixels.dtype.kind == "i":  # Pillow's modes I and I;16
-            pixels = pixels.astype(np.uint16)
-        return Exemplar(pixels, **about | options)
-    try:
-        pixels = np.asarray(image)
-    except ValueError as error:
-        raise InvalidInputError(f"the sample is not a picture: {error}") from None
-    return Exemplar(pixels, **options)
-
-
-def exemplar_of_maps(pictures: Mapping[str, Picture], **options: Any) -> Exemplar:
-    """Make an Exemplar of the aligned maps that `weftex.io.pictures.read_maps` found.
-
-    Parameters
-    ----------
-    pictures : mapping of str to Picture
-        By name; the most telling name (see `COLOR_NAMES`) becomes the pixels.
-    **options
-        For `Exemplar`.
-    """
-    names = sorted(pictures)
-    name = ([n for word in COLOR_NAMES for n in names if word in n.lower()] or names)[0]
-    maps = {key: picture.pixels for key, picture in pictures.items() if key != name}
-    main = pictures[name]
-    about: dict[str, Any] = {"alpha": main.alpha, "icc": main.icc, "name": name, "maps": maps}
-    return Exemplar(main.pixels, **about | options)

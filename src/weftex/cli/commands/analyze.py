@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from weftex.cli.files import load
-from weftex.cli.options import Parser, add_huge
+from weftex.cli.options import Parser, add_huge, add_maps
 from weftex.errors import InvalidInputError
 
 if TYPE_CHECKING:
@@ -30,6 +30,7 @@ def run(argv: list[str]) -> None:
     parser = Parser("analyze", "Say what a sample is like, and what windows follow.", _EXAMPLES)
     add = parser.add_argument
     add("sample", metavar="SAMPLE", help="picture, folder of maps, or sample:NAME")
+    add_maps(parser)
     add("--json", action="store_true", help="print JSON")
     add("--overlay", metavar="FILE", help="write the sample with its lattice drawn over it")
     add("--lattice", metavar="X1,Y1,X2,Y2", help="rate these vectors too, and draw them")
@@ -53,7 +54,7 @@ def run(argv: list[str]) -> None:
     for path in (args.overlay, args.correlation):
         if path is not None:
             check_output(path)
-    exemplar = load(args.sample, args)[0]
+    exemplar = load(args.sample, args, args.maps)[0]
     numbers = {name: getattr(args, name) for name in ("alpha", "significant")}
     found = analyze(
         exemplar,

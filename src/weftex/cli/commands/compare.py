@@ -9,6 +9,7 @@ from weftex.cli.files import load, settings
 from weftex.cli.options import (
     Parser,
     add_limits,
+    add_maps,
     add_tileable_sample,
     check_numbers,
     parse_names,
@@ -38,6 +39,7 @@ def run(argv: list[str]) -> None:
     parser = Parser("compare", _ABOUT, _EXAMPLES)
     add = parser.add_argument
     add("sample", metavar="SAMPLE", help="picture, folder of maps, or sample:NAME")
+    add_maps(parser)
     add("-o", "--output", metavar="OUT.html", help="the page to write")
     add("--methods", metavar="A,B,...", help="these only; see 'weftex methods'")
     add("--size", metavar="WxH|N", help="in pixels; default: twice the sample's, at most 512")
@@ -61,7 +63,7 @@ def run(argv: list[str]) -> None:
 
         if args.output is not None:
             check_output(args.output, suffixes=(".html",))
-        exemplar = load(args.sample, args, tileable=args.tileable_sample)[0]
+        exemplar = load(args.sample, args, args.maps, tileable=args.tileable_sample)[0]
         found = compare(exemplar, size, methods=names, **settings(args, bar))
         if args.output is not None:
             found.save(outputs.add(args.output))

@@ -5,8 +5,8 @@ from __future__ import annotations
 from time import perf_counter
 from typing import TYPE_CHECKING
 
-from weftex.cli.files import load, open_sample, report, settings, write
-from weftex.cli.options import Parser, add_tileable_sample, parse_task
+from weftex.cli.files import load, open_sample, report, settings, told, write
+from weftex.cli.options import Parser, add_maps, add_tileable_sample, parse_task
 from weftex.cli.terminal import finish
 from weftex.errors import InvalidInputError
 
@@ -22,6 +22,7 @@ width and epsilon are chosen for holes where they are not given.\
 _EXAMPLES = """\
 examples:
   weftex fill photo.png --mask hole.png -o whole.png
+  weftex fill erased.png -o whole.png                 what was erased, to full clearness
   weftex fill photo.png --mask hole.png -o whole.png --sample grass.png
   weftex fill stone_wall/ --mask hole.png -o whole/   a folder of aligned maps
 """
@@ -32,7 +33,9 @@ def run(argv: list[str]) -> None:
     start = perf_counter()
     parser = Parser("fill", _ABOUT, _EXAMPLES)
     parser.add_argument("photo", metavar="PHOTO", help="picture, folder of maps, or sample:NAME")
-    parser.add_argument("--mask", metavar="M", required=True, help="picture, white where to fill")
+    add_maps(parser)
+    text = "picture, white where to fill; default: where the photo is clear, by its alpha"
+    parser.add_argument("--mask", metavar="M", help=text)
     parser.add_argument("--sample", metavar="S", help="learn from this picture, not from the photo")
     text = "so many pixels around the holes may change, to hide the seam; default: 0"
     parser.add_argument("--overlap", type=int, default=0, metavar="PX", help=text)
@@ -45,20 +48,24 @@ def run(argv: list[str]) -> None:
     method(**parameters)  # finds wrong values before anything is read
 
     def work(bar: Bar, outputs: Outputs) -> str:
-        from weftex.io.pictures import MAX_PIXELS, read_mask
-        from weftex.tasks.fill import fill
+        from weftex.io.pictures import MAX_PIXELS, read_image
+        from weftex.tasks.fill import fill, hole_of
         from weftex.tasks.method_names import AUTO
 
         photo, pictures, targets = open_sample(args.photo, args, outputs)
-        mask = read_mask(args.mask, max_pixels=None if args.allow_huge else MAX_PIXELS)
+        mask = None
+        if args.mask is not None:
+            mask = read_image(args.mask, max_pixels=None if args.allow_huge else MAX_PIXELS)
+        hole = hole_of(mask, photo)
         sample = None
         if args.sample is not None:
             sample = load(args.sample, args, tileable=args.tileable_sample)[0]
         how = {"method": AUTO if args.by_default else args.method, "overlap": args.overlap}
-        result = fill(photo, mask, sample=sample, **how, **settings(args, bar), **parameters)
+        result = fill(photo, hole, sample=sample, **how, **settings(args, bar), **parameters)
         write(result, photo, pictures, targets, args, outputs)
-        if not mask.any():
+        if not hole.any():
             return f"the mask covers nothing; {args.output} is the photo unchanged"
-        return report(args, result, f"filled {int(mask.sum())} pixels of", start)
+        maps = told(pictures, args.photo, args.maps)
+        return report(args, result, f"filled {int(hole.sum())} pixels of", start, maps)
 
     finish(work, args.quiet)

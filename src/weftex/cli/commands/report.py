@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from weftex.cli.files import load
-from weftex.cli.options import Parser, add_huge
+from weftex.cli.options import Parser, add_huge, add_maps
 from weftex.errors import InvalidInputError
 
 _ABOUT = """\
@@ -24,6 +24,7 @@ def run(argv: list[str]) -> None:
     parser = Parser("report", _ABOUT, _EXAMPLES)
     add = parser.add_argument
     add("sample", metavar="SAMPLE", help="picture, folder of maps, or sample:NAME")
+    add_maps(parser)
     add("result", metavar="RESULT", help="what was made from it")
     text = "what --save-source saved: says what was copied from where, and the parameters"
     add("--source", metavar="F.npz", help=text)
@@ -40,7 +41,7 @@ def run(argv: list[str]) -> None:
 
     if args.output is not None:
         check_output(args.output, suffixes=(".html",))
-    sample, result = load(args.sample, args)[0], load(args.result, args)[0]
+    sample, result = load(args.sample, args, args.maps)[0], load(args.result, args)[0]
     wrap = None if args.tileable is None else ("y" in args.tileable, "x" in args.tileable)
     found = measure(sample, result, args.source, tileable=wrap)
     if args.output is not None:

@@ -5,8 +5,15 @@ from __future__ import annotations
 from time import perf_counter
 from typing import TYPE_CHECKING, Any
 
-from weftex.cli.files import load, open_sample, report, settings, write, write_debug
-from weftex.cli.options import Parser, add_tileable_sample, parse_best_of, parse_size, parse_task
+from weftex.cli.files import load, open_sample, report, settings, told, write, write_debug
+from weftex.cli.options import (
+    Parser,
+    add_maps,
+    add_tileable_sample,
+    parse_best_of,
+    parse_size,
+    parse_task,
+)
 from weftex.cli.terminal import finish
 
 if TYPE_CHECKING:
@@ -30,6 +37,7 @@ def run(argv: list[str]) -> None:
     start = perf_counter()
     parser = Parser("synth", "Make a picture of any size from a sample of a material.", _EXAMPLES)
     parser.add_argument("sample", metavar="SAMPLE", help="picture, folder of maps, or sample:NAME")
+    add_maps(parser)
     text = "in pixels; default: the guide's, or twice the sample's"
     parser.add_argument("--size", metavar="WxH|N", help=text)
     parser.add_argument("--guide", metavar="G", help="picture to follow, of the output's size")
@@ -68,6 +76,6 @@ def run(argv: list[str]) -> None:
         if args.debug is not None:
             write_debug(result, args.debug, outputs)
         what = f"made {result.shape[1]}x{result.shape[0]}"
-        return report(args, result, what, start)
+        return report(args, result, what, start, told(pictures, args.sample, args.maps))
 
     finish(work, args.quiet)

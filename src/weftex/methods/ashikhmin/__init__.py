@@ -71,7 +71,7 @@ class Ashikhmin(WindowedMethod):
         needs_canvas="guide",
     )
 
-    def fit(self, exemplar: Exemplar) -> PixelModel:
+    def fit_exemplar(self, exemplar: Exemplar) -> PixelModel:
         """See `Method.fit`."""
         settings = settle(self, exemplar)
         settled = replace(self, window_width=settings.window_width)

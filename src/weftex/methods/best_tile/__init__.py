@@ -66,7 +66,7 @@ class BestTile(Method):
         high=1000,
     )
 
-    def fit(self, exemplar: Exemplar) -> BestTileModel:
+    def fit_exemplar(self, exemplar: Exemplar) -> BestTileModel:
         """Find the lattice, if none is given, and the best tile."""
         return BestTileModel(self, exemplar)
 

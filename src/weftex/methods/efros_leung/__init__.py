@@ -102,7 +102,7 @@ class EfrosLeung(WindowedMethod):
         super().__post_init__()
         check_seed_size(self.seed_size, self.window_width)
 
-    def fit(self, exemplar: Exemplar) -> PixelModel:
+    def fit_exemplar(self, exemplar: Exemplar) -> PixelModel:
         """Prepare a sample."""
         settings = settle(self, exemplar)
         settled = replace(self, **asdict(settings))

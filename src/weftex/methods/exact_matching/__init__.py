@@ -118,7 +118,7 @@ class ExactMatching(WindowedMethod):
         if self.tolerance is not None and self.nearest_colors is not None:
             raise InvalidInputError("tolerance and nearest_colors are two ways; give one of them")
 
-    def fit(self, exemplar: Exemplar) -> PixelModel:
+    def fit_exemplar(self, exemplar: Exemplar) -> PixelModel:
         """Propose what was left open; make the lists of colors (section 4.1)."""
         settings = settle(self, exemplar)
         prepared = prepare(settings, exemplar)

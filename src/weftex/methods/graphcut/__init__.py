@@ -111,7 +111,7 @@ class GraphCut(Method):
             return self
         return replace(self, patch_size=patch_size_for(hole, usable, 2))
 
-    def fit(self, exemplar: Exemplar) -> PixelModel:
+    def fit_exemplar(self, exemplar: Exemplar) -> PixelModel:
         """Prepare a sample."""
         settings = settle(exemplar, **asdict(self))
         method = self

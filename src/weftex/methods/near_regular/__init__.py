@@ -149,7 +149,7 @@ class NearRegular(Method):
         """What `blend` is, if that is left to the preset."""
         return blend_of(self) if name == "blend" else super().meant(name)
 
-    def fit(self, exemplar: Exemplar) -> NearRegularModel:
+    def fit_exemplar(self, exemplar: Exemplar) -> NearRegularModel:
         """Find the lattice, if none is given, and settle the sizes."""
         return NearRegularModel(self, exemplar)
 

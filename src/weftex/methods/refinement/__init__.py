@@ -17,7 +17,7 @@ from weftex.methods.refinement.output import (
     sources_of_children,
     sources_shown,
 )
-from weftex.methods.refinement.settings import Starts, settings_of, settled_method
+from weftex.methods.refinement.settings import Starts, settings_of, settled_method, window_width
 from weftex.methods.refinement.start import keep_patches, result_of, seed_sources
 from weftex.methods.refinement.sweeps import Convergence, refine_texture, sweep_of
 
@@ -141,7 +141,7 @@ class Refinement(WindowedMethod):
         belted = super().for_belt(width)
         return replace(belted, init="seeds") if self.init == "auto" else belted
 
-    def fit(self, exemplar: Exemplar) -> PixelModel:
+    def fit_exemplar(self, exemplar: Exemplar) -> PixelModel:
         """Analyze a sample: its dominant scale, and how to find windows like one."""
         settled = self.settle(exemplar)  # step 1: WindowSize
         settings = settings_of(settled, exemplar, seeds_for_guides=self.init == "auto")
@@ -155,6 +155,10 @@ class Refinement(WindowedMethod):
             raise InvalidInputError("search is 'pca', which follows no guide; use 'coherent'")
         if canvas.guide is not None and self.joints is not None:
             raise InvalidInputError("joints keeps what follows no guide; leave it out")
+
+    def window_of(self, exemplar: Exemplar) -> int:
+        """See `Method.window_of`."""
+        return window_width(self, exemplar)
 
     def settle(self, exemplar: Exemplar) -> Refinement:
         """See `Method.settle`."""

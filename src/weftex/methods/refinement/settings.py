@@ -127,10 +127,7 @@ def settled_method(method: Any, exemplar: Exemplar) -> Any:
         If the sample is too small for the window, or for the method to start from.
     """
     pyramid = method.search == "coherent"
-    proposed = 1 if method.window_width else dominant_scale(exemplar).window_width
-    if pyramid:
-        proposed = max(_NARROWEST_PYRAMID, proposed)
-    width = settled_width(method.window_width, exemplar, proposed)
+    width = window_width(method, exemplar)
     init = method.init
     if init == "auto":
         init = "quilting" if pyramid or method.joints else "seeds"
@@ -142,6 +139,14 @@ def settled_method(method: Any, exemplar: Exemplar) -> Any:
                 raise
             init = "seeds"
     return dataclasses.replace(method, window_width=width, init=init)
+
+
+def window_width(method: Any, exemplar: Exemplar) -> int:
+    """Return the width of the windows: the one given, or by the scale of the sample."""
+    proposed = 1 if method.window_width else dominant_scale(exemplar).window_width
+    if method.search == "coherent":
+        proposed = max(_NARROWEST_PYRAMID, proposed)
+    return settled_width(method.window_width, exemplar, proposed)
 
 
 def settings_of(method: Any, exemplar: Exemplar, *, seeds_for_guides: bool) -> Settings:

@@ -12,7 +12,12 @@ from weftex.methods.wei_levoy.levels import noise, output_pyramid, parents_or_no
 from weftex.methods.wei_levoy.model import Prepared, prepare
 from weftex.methods.wei_levoy.passes import hole_passes, scan_passes
 from weftex.methods.wei_levoy.search import replace_by_nearest
-from weftex.methods.wei_levoy.settings import PROPOSED_WIDTH, TREES_WINDOWS, settle
+from weftex.methods.wei_levoy.settings import (
+    PROPOSED_WIDTH,
+    TREES_WINDOWS,
+    settle,
+    window_width,
+)
 
 if TYPE_CHECKING:
     from weftex.exemplar import Exemplar
@@ -114,11 +119,15 @@ class WeiLevoy(WindowedMethod):
                 f"which is {self.window_width}"
             )
 
-    def fit(self, exemplar: Exemplar) -> PixelModel:
+    def fit_exemplar(self, exemplar: Exemplar) -> PixelModel:
         """Build the pyramid and, for each level, the tree."""
         settings = settle(self, exemplar)
         settled = replace(self, **asdict(settings))
         return PixelModel(settled, exemplar, prepare(settings, exemplar), synthesize)
+
+    def window_of(self, exemplar: Exemplar) -> int:
+        """See `Method.window_of`."""
+        return window_width(self, exemplar)
 
     def settle(self, exemplar: Exemplar) -> WeiLevoy:
         """See `Method.settle`; the trees are what takes long."""

@@ -50,17 +50,12 @@ def settle(method: Any, exemplar: Exemplar) -> Settings:
     InvalidInputError
         If the sample has no room for the given levels and windows, or N is not below S.
     """
-    width: int = settled_width(method.window_width, exemplar, PROPOSED_WIDTH)
+    width = window_width(method, exemplar)
+    parent_width = max(1, width - 2) if method.parent_width is None else method.parent_width
+    if parent_width >= max(width, 2):
+        raise InvalidInputError(_too_wide(parent_width, width))
     samples = sample_pyramid(exemplar, method.levels or _PROPOSED_LEVELS)
-    while True:
-        parent_width = max(1, width - 2) if method.parent_width is None else method.parent_width
-        try:
-            levels = _levels_with_windows(samples, width, parent_width)
-            break
-        except InvalidInputError:
-            if method.window_width is not None or width == 1:
-                raise
-            width -= 2
+    levels = _levels_with_windows(samples, width, parent_width)
     if method.levels is None:
         # The coarsest level holds two windows side by side.
         small = [min(sample.shape) <= 2 * width for sample in samples[:levels]]
@@ -77,9 +72,7 @@ def settle(method: Any, exemplar: Exemplar) -> Settings:
             )
         parent_width = 0
     elif parent_width >= width:
-        raise InvalidInputError(
-            f"parent_width is {parent_width}; it must be below window_width, which is {width}"
-        )
+        raise InvalidInputError(_too_wide(parent_width, width))
     most = method.most_windows
     if most is None:
         most = 0 if method.search == "full" else TREES_WINDOWS
@@ -88,9 +81,25 @@ def settle(method: Any, exemplar: Exemplar) -> Settings:
     return Settings(**dataclasses.asdict(method) | found)
 
 
+def window_width(method: Any, exemplar: Exemplar) -> int:
+    """Return the width of the windows: the one given, or the widest proposed that has room."""
+    width: int = settled_width(method.window_width, exemplar, PROPOSED_WIDTH)
+    while True:
+        try:
+            interior_windows(exemplar, None, width, 0, causal=False)
+            return width
+        except InvalidInputError:
+            if method.window_width is not None or width == 1:
+                raise
+            width -= 2
+
+
+def _too_wide(parent_width: int, width: int) -> str:
+    return f"parent_width is {parent_width}; it must be below window_width, which is {width}"
+
+
 def _levels_with_windows(samples: list[Exemplar], width: int, parent_width: int) -> int:
     """Count the levels, from the finest on, where windows that look to all sides are whole."""
-    interior_windows(samples[0], None, width, 0, causal=False)
     count = 1
     while count < len(samples) and width > 1:
         try:

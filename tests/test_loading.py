@@ -1,0 +1,121 @@
+"""Whatever shows a material: folders of maps, folders of none, and what `fit` takes."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+import weftex
+from commands import fails, weft_run
+from families import METHODS, TRIALS, every, method_of, noise
+from weftex.io.pictures import read_maps, write_image
+
+
+@pytest.fixture
+def photos(tmp_path, monkeypatch):
+    """A folder of unrelated photos of one size."""
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "photos").mkdir()
+    for seed, name in enumerate(("bricks", "leaves", "wood")):
+        write_image(f"photos/{name}.png", noise((40, 40, 3), seed=seed))
+    return tmp_path
+
+
+@pytest.mark.parametrize("command", ["synth", "fill", "analyze", "compare", "report"])
+def test_unrelated_photos_are_no_material(photos, capsys, command):
+    write_image("mask.png", noise((40, 40)))
+    words = {
+        "synth": ["-o", "out"],
+        "fill": ["--mask", "mask.png", "-o", "out"],
+        "compare": ["-o", "out.html"],
+        "report": ["mask.png", "-o", "out.html"],
+    }.get(command, [])
+    assert "(bricks, leaves, wood)" in fails(capsys, photos, command, "photos", *words)
+    with pytest.raises(weftex.InvalidInputError, match="the maps of one material.*--maps"):
+        weftex.synthesize("photos", 50)
+
+
+def test_maps_can_be_named(photos, capsys):
+    words = ["synth", "photos", "-o", "out", "--size", 50, "--seed", 1]
+    assert weft_run(*words, "--maps", "color=wood.png,height=leaves.png") == 0
+    err = capsys.readouterr().err
+    assert "map: wood.png is color, the picture\n" in err
+    assert "map: leaves.png is height\n" in err
+    files = {"color": "wood.png", "height": "leaves.png"}
+    exemplar = weftex.load_exemplar("photos", files=files)
+    assert exemplar.name == "color" and list(exemplar.maps) == ["height"]
+    expected = weftex.synthesize(exemplar, 50, seed=1)
+    made = read_maps("out")
+    assert sorted(made) == ["leaves", "wood"]
+    assert np.array_equal(made["wood"].pixels, expected.image)
+    assert np.array_equal(made["leaves"].pixels, expected.maps["height"])
+
+
+def test_maps_that_cannot_be_named(photos, capsys):
+    words = ["synth", "photos", "-o", "out", "--maps"]
+    assert "--maps: 'wood.png' must be" in fails(capsys, photos, *words, "wood.png")
+    assert "each once" in fails(capsys, photos, *words, "color=a.png,color=b.png")
+    assert "no name of a file in photos" in fails(capsys, photos, *words, "color=../a.png")
+    assert "nothing.png" in fails(capsys, photos, *words, "color=nothing.png")
+    words = ["synth", "photos/wood.png", "-o", "out.png", "--maps", "color=wood.png"]
+    assert "is no folder" in fails(capsys, photos, *words)
+    for sample in (noise((9, 9)), weftex.Exemplar(noise((9, 9)))):
+        with pytest.raises(weftex.InvalidInputError, match="files has no effect"):
+            weftex.load_exemplar(sample, files={"color": "a.png"})
+
+
+def test_a_set_says_what_was_taken_for_what(tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "set").mkdir()
+    names = ("Rock_1K_Color", "Rock_1K_NormalGL", "Rock_1K_NormalDX", "Rock_1K_Displacement")
+    for seed, name in enumerate(names):
+        write_image(f"set/{name}.png", noise((40, 40, 3), seed=seed))
+    assert weft_run("synth", "set", "-o", "out", "--size", 50, "--seed", 1) == 0
+    told = [line for line in capsys.readouterr().err.splitlines() if "map: " in line]
+    assert told == [
+        "weftex: map: Rock_1K_Color.png is color, the picture",
+        "weftex: map: Rock_1K_Displacement.png is height",
+        "weftex: map: Rock_1K_NormalDX.png is normal (DirectX)",
+        "weftex: map: Rock_1K_NormalGL.png is normal (OpenGL)",
+    ]
+
+
+@every("method")
+def test_fit_takes_what_synthesize_takes(method, tmp_path):
+    pixels = noise((24, 26, 3))
+    write_image(tmp_path / "a.png", pixels)
+    expected = method_of(method).fit(weftex.Exemplar(pixels)).sample(24, seed=1).image
+    for sample in (pixels, str(tmp_path / "a.png"), tmp_path / "a.png"):
+        assert np.array_equal(method_of(method).fit(sample).sample(24, seed=1).image, expected)
+    for wrong in (None, 7, "nowhere.png", [[1, 2], [3]], {}, object()):
+        with pytest.raises(weftex.WeftexError):
+            method_of(method).fit(wrong)
+
+
+def test_fit_takes_shipped_samples():
+    assert {*METHODS} == {*TRIALS}
+    assert weftex.Quilting().fit("sample:bricks").exemplar.channels == 3
+    assert weftex.Auto().fit("sample:bricks").exemplar.channels == 3
+
+
+@pytest.mark.parametrize("shape", [(3, 64, 64), (1, 40, 50), (4, 3, 33), (2, 9, 100)])
+def test_channels_first_are_refused(shape):
+    for call in (
+        lambda p: weftex.synthesize(p, 64),
+        weftex.Exemplar,
+        weftex.Quilting().fit,
+        weftex.analyze,
+        lambda p: weftex.Exemplar(noise(shape[:2]), maps={"normal": p}),
+    ):
+        with pytest.raises(weftex.InvalidInputError, match=r"np\.moveaxis\(pixels, 0, -1\)"):
+            call(noise(shape))
+    assert weftex.Exemplar(noise(shape), alpha=False).channels == shape[2]
+    assert weftex.Exemplar(np.moveaxis(noise(shape), 0, -1)).shape == shape[1:]
+
+
+LOW = [(3, 64, 3), (4, 40, 4), (1, 1, 3), (3, 3, 3), (3, 40), (4, 9, 32)]
+
+
+@pytest.mark.parametrize("shape", LOW)
+def test_low_pictures_are_pictures(shape):
+    assert weftex.Exemplar(noise(shape)).shape == shape[:2]
