@@ -17,7 +17,9 @@ from pathlib import Path
 import numpy as np
 
 import weftex
+from weftex.analysis.scale import dominant_scale
 from weftex.raster.masks import squared_distance_to
+from weftex.tasks.fusion import BELT
 
 PAIRS = (
     ("pebbles", "leaves"),
@@ -96,3 +98,37 @@ def step(image: np.ndarray, made: np.ndarray) -> float:
 def materials(result: weftex.Synthesis, heights: list[int]) -> np.ndarray:
     """The number of the sample that each pixel is from."""
     return np.searchsorted(np.cumsum(heights), result.source[..., 0], side="right")
+
+
+def row(pair: tuple[str, str], kind: str, size: tuple[int, int], **how: object) -> tuple:
+    """The picture of two packaged samples and a map, and its three figures."""
+    samples = [weftex.load_exemplar(f"sample:{name}") for name in pair]
+    labels = label_map(kind, size)
+    result = weftex.fuse(samples, labels, seed=1, **how)
+    made = materials(result, [sample.shape[0] for sample in samples])
+    reach = round(BELT * max(dominant_scale(sample).window_width for sample in samples))
+    figures = at_edges(made, labels, reach), on_one_line(made, labels), step(result.image, made)
+    return result.image, figures
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(
+        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
+    parser.add_argument("--pictures", type=Path, metavar="FOLDER")
+    parser.add_argument("--boundary", default="cut", metavar="HOW", help="as of weftex fuse")
+    parser.add_argument("--size", type=int, nargs=2, default=(200, 240), metavar=("H", "W"))
+    args = parser.parse_args()
+    if args.pictures:
+        args.pictures.mkdir(parents=True, exist_ok=True)
+    print("| materials | map | edge | line | step |\n|---|---|---|---|---|")
+    for pair in PAIRS:
+        for kind in MAPS:
+            image, (edge, line, ratio) = row(pair, kind, tuple(args.size), boundary=args.boundary)
+            print(f"| {', '.join(pair)} | {kind} | {edge:.0%} | {line:.0%} | {ratio:.2f} |")
+            if args.pictures:
+                weftex.write_image(args.pictures / f"{'_'.join(pair)}_{kind}.png", image)
+
+
+if __name__ == "__main__":
+    main()

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -29,8 +29,9 @@ def cheapest_boundary(
 
     A minimum cut. What it costs that one neighbor is of the first picture and the other of the
     second is the square of the step that is then seen between them: squared, because a way round
-    past small steps is to be cheaper than a short one past large ones. A step costs up to a third
-    of itself where a picture has an edge of its own: the boundary follows the outlines of things.
+    past small steps is to be cheaper than a short one past large ones. A step counts as
+    little as half where a picture has an edge of its own: the boundary follows the outlines of
+    things.
 
     Parameters
     ----------
@@ -58,24 +59,29 @@ def cheapest_boundary(
     """
     if free is None:
         free = np.ones(leaning.shape, bool)
-    given = (first, second, leaning, free)
     if not any(wrap):
-        return _cut(*given)
+        return _cut(first, second, leaning, free)
     # Cut where the picture's border is its middle, hold what lies at the border, and cut again.
     middle = [n // 2 * wraps for n, wraps in zip(leaning.shape, wrap, strict=True)]
-    moved = (np.roll(each, middle, (0, 1)) for each in given)
-    side = np.roll(_cut(*moved), [-m for m in middle], (0, 1))
-    held = np.where(side, HELD, -HELD).astype(np.int32)
+
+    def moved(each: NDArray[Any]) -> NDArray[Any]:
+        return np.roll(each, middle, (0, 1))
+
+    def repeated(each: NDArray[Any]) -> NDArray[Any]:
+        around = [(0, int(wraps)) for wraps in wrap]
+        return np.pad(each, around + [(0, 0)] * (each.ndim - 2), mode="wrap")
+
+    side = np.roll(
+        _cut(moved(first), moved(second), moved(leaning), moved(free)),
+        [-m for m in middle],
+        (0, 1),
+    )
     at_border = np.zeros(leaning.shape, bool)
     at_border[0] = wrap[0]
     at_border[:, 0] |= wrap[1]
-    leaning = np.where(at_border, held, leaning)
-    around = [(0, int(wraps)) for wraps in wrap]
-    again = (
-        np.pad(each, around + [(0, 0)] * (each.ndim - 2), mode="wrap")
-        for each in (first, second, leaning, free)
-    )
-    return _cut(*again)[: side.shape[0], : side.shape[1]]
+    held = np.where(at_border, np.where(side, HELD, -HELD), leaning).astype(np.int32)
+    again = _cut(repeated(first), repeated(second), repeated(held), repeated(free))
+    return again[: side.shape[0], : side.shape[1]]
 
 
 def _cut(
@@ -110,8 +116,8 @@ def _costs(
             both[(*place, direction)] = taking_part
     count = max(1, int(both.sum()))
     strong = 2 * (int(edges[both].sum()) // count) + 1
-    # The full step without an edge, a third of it at a strong one, in 1/256.
-    seen = steps * (3 * strong - 2 * np.minimum(edges, strong)) * 256 // (3 * strong)
+    # The full step without an edge, half of it at a strong one, in 1/256.
+    seen = steps * (2 * strong - np.minimum(edges, strong)) * 128 // strong
     squares = (seen // 16) ** 2
     mean = int(squares[both].sum()) // count + 1
     costs = np.minimum(squares * UNIT // mean, _DEAREST) + 1
@@ -119,4 +125,5 @@ def _costs(
 
 
 def _step(a: NDArray[np.int32], b: NDArray[np.int32]) -> NDArray[np.int64]:
-    return np.abs(a - b).sum(axis=2, dtype=np.int64)
+    result: NDArray[np.int64] = np.abs(a - b).sum(axis=2, dtype=np.int64)
+    return result

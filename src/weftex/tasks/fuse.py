@@ -117,7 +117,9 @@ def fuse(
     method = DEFAULT if is_auto(method) else method
     chosen = make_method(method, parameters)
     if boundary not in BOUNDARIES:
-        raise InvalidInputError(f"boundary is {boundary!r}{did_you_mean(str(boundary), BOUNDARIES)}")
+        raise InvalidInputError(
+            f"boundary is {boundary!r}{did_you_mean(str(boundary), BOUNDARIES)}"
+        )
     whole_number = isinstance(belt_width, numbers.Integral) and not isinstance(belt_width, bool)
     if belt_width is not None and (not whole_number or belt_width < 2):
         raise InvalidInputError(f"belt_width is {belt_width!r}; it must be an integer of 2 or more")

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import math
 import numbers
 from collections.abc import Sequence
@@ -84,7 +85,7 @@ class Gradient:
             values = _several("radii", self.radii)
             for value in values:
                 _number("radii", value, 0, 1)
-            if any(a >= b for a, b in zip(values[:-1], values[1:], strict=True)):
+            if any(a >= b for a, b in itertools.pairwise(values)):
                 raise InvalidInputError(f"radii is {self.radii!r}; they must rise")
         if self.width is not None:
             _number("width", self.width, 0, 1, above=True)

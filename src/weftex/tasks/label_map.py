@@ -86,12 +86,18 @@ def map_picture(label_map: Any) -> NDArray[Any]:
     Raises
     ------
     InvalidInputError
-        If it is no picture, or has NaN.
+        If it is no picture, or has NaN or a label below 0.
     """
     if isinstance(label_map, np.ndarray):
         if label_map.dtype == bool:
             return label_map.astype(np.uint8)
-        return label_map if label_map.dtype.kind in "iu" else check_pixels(label_map, "the map")
+        if label_map.dtype.kind not in "iu":
+            return check_pixels(label_map, "the map")
+        if label_map.size and label_map.min() < 0:
+            raise InvalidInputError(
+                f"the map has the label {label_map.min()}; labels are from 0 on"
+            )
+        return label_map
     if label_map is None:
         raise InvalidInputError("the map is None; give a picture, labels or 'gradient'")
     return load_exemplar(label_map).pixels
