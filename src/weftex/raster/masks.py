@@ -98,7 +98,8 @@ def squared_distance_to(
         for step in range(1, steps + 1):
             np.minimum(best[step:], square[:-step] + step**2, out=best[step:])
             np.minimum(best[:-step], square[step:] + step**2, out=best[:-step])
-    return np.minimum(best, far).astype(np.int64)
+    squares: NDArray[np.int64] = np.minimum(best, far).astype(np.int64)
+    return squares
 
 
 def _distance_along(mask: NDArray[np.bool_], most: int, wraps: bool) -> NDArray[np.int64]:

@@ -14,7 +14,7 @@ if TYPE_CHECKING:
 
 _TRIES = 64  # places of the other sample that are compared for an island
 _CUT = 4  # the best of them, of which the one with the least boundary is taken
-_SPACING = 6.0  # between islands, in scales
+_SPACING = 4.5  # between islands, in scales
 _CORE = 1.0  # mean radius of what is always inside, in scales
 _RIM = 2.2  # and of what may be
 
