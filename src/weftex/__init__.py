@@ -44,6 +44,7 @@ if TYPE_CHECKING:
     from weftex.tasks.compare import compare
     from weftex.tasks.fill import fill
     from weftex.tasks.fuse import fuse
+    from weftex.tasks.gradient import Gradient
     from weftex.tasks.report import report
     from weftex.tasks.synthesize import synthesize
 
@@ -83,6 +84,7 @@ _PUBLIC = {
     "tasks.compare": ["compare"],
     "tasks.fill": ["fill"],
     "tasks.fuse": ["fuse"],
+    "tasks.gradient": ["Gradient"],
     "pages.report": ["Report"],
     "tasks.report": ["report"],
     "tasks.synthesize": ["synthesize"],

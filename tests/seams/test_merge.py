@@ -1,48 +1,87 @@
-"""Two samples merged along a minimum cut."""
+"""Two samples merged: islands of one in the other."""
 
 import numpy as np
 import pytest
-from scipy import sparse
-from scipy.sparse.csgraph import maximum_flow
 
-from weftex.seams.merge import _CORE, _RIM, island
-
-
-def cut_value(side, differ):
-    value = 0
-    for axis in (0, 1):
-        a, b = (np.moveaxis(side, axis, 0)[s] for s in (slice(None, -1), slice(1, None)))
-        d = np.moveaxis(differ, axis, 0)
-        value += ((d[:-1] + d[1:] + 1) * (a != b)).sum()
-    return int(value)
+import weftex
+from weftex.seams.merge import islands
 
 
-@pytest.mark.parametrize("shape", [(9, 12), (20, 15), (1, 9), (2, 2), (1, 1)])
-@pytest.mark.parametrize("seed", range(3))
-def test_the_seam_is_a_minimum_cut(shape, seed):
-    rng = np.random.default_rng(seed)
-    a, b = rng.integers(0, 256, (2, *shape, 3)).astype(np.uint8)
-    side = island(a, b)
-    height, width = shape
-    y, x = (np.abs(np.arange(n) - (n - 1) / 2) / n for n in shape)
-    far = np.maximum(y[:, None], x)
-    core = (far <= _CORE) | (far == far.min())
-    rim = (far >= 0.5 - _RIM) & ~core
-    assert side[core].all() and not side[rim].any()
-    differ = np.abs(a.astype(int) - b).sum(axis=2)
-    # The same graph for scipy: pixels, then the island and the sea.
-    number = np.arange(height * width).reshape(shape)
-    rows, columns, capacity = [], [], []
-    for axis in (0, 1):
-        n, d = np.moveaxis(number, axis, 0), np.moveaxis(differ, axis, 0)
-        rows += [*n[:-1].ravel(), *n[1:].ravel()]
-        columns += [*n[1:].ravel(), *n[:-1].ravel()]
-        capacity += [*(d[:-1] + d[1:] + 1).ravel()] * 2
-    for terminal, inside in ((height * width, core), (height * width + 1, rim)):
-        at = number[inside].tolist()
-        rows += [terminal] * len(at) if terminal == height * width else at
-        columns += at if terminal == height * width else [terminal] * len(at)
-        capacity += [2**28] * len(at)
-    size = height * width + 2
-    graph = sparse.csr_matrix((capacity, (rows, columns)), (size, size), dtype=np.int32)
-    assert cut_value(side, differ) == maximum_flow(graph, size - 2, size - 1).flow_value
+def parts(mask):
+    """Each connected part of a mask, by flooding."""
+    left, found = mask.copy(), []
+    while left.any():
+        part = np.zeros_like(mask)
+        part[tuple(np.argwhere(left)[0])] = True
+        while True:
+            wide = part.copy()
+            for axis in (0, 1):
+                for step in (1, -1):
+                    wide |= np.roll(part, step, axis)
+            wide &= left
+            if (wide == part).all():
+                break
+            part = wide
+        found.append(part)
+        left &= ~part
+    return found
+
+
+@pytest.fixture(scope="module")
+def merged():
+    sea, land = (weftex.load_exemplar(f"sample:{name}").pixels for name in ("leaves", "pebbles"))
+    usable = np.ones(land.shape[:2], bool)
+    return islands(sea, land, usable, 15, seed=3), land.shape
+
+
+def test_islands_are_several_each_of_its_own_shape_and_place(merged):
+    found, land = merged
+    whole = [p for p in parts(found >= 0) if p.sum() > 40]
+    assert len(whole) >= 4
+    shapes, offsets = set(), set()
+    for part in whole:
+        y, x = np.nonzero(part)
+        shapes.add(part[y.min() : y.max() + 1, x.min() : x.max() + 1].tobytes())
+        v, u = np.divmod(found[part], land[1])
+        # One piece of the other sample, laid as a whole.
+        assert len(np.unique(v - y)) == 1 and len(np.unique(u - x)) == 1
+        offsets.add((int(v[0] - y[0]), int(u[0] - x[0])))
+    assert len(shapes) == len(whole) and len(offsets) == len(whole)
+    assert (0, 0) not in offsets
+
+
+def test_no_island_hugs_a_square(merged):
+    """Neither do its sides follow the axes, nor does it fill the box around it."""
+    for part in parts(merged[0] >= 0):
+        if part.sum() < 200:
+            continue
+        y, x = np.nonzero(part)
+        box = (y.max() - y.min() + 1) * (x.max() - x.min() + 1)
+        assert part.sum() / box < 0.85
+        firsts = [int(np.flatnonzero(line)[0]) for line in part[y.min() : y.max() + 1]]
+        longest = max(np.diff(np.flatnonzero(np.diff(firsts, prepend=-1, append=-1))), default=0)
+        assert longest <= 12
+
+
+def test_only_usable_pixels_are_shown(rng):
+    sea, land = rng.integers(0, 256, (2, 60, 64, 3)).astype(np.uint8)
+    usable = np.zeros((60, 64), bool)
+    usable[:, 20:] = True
+    found = islands(sea, land, usable, 5, seed=1)
+    assert (found >= 0).any()
+    assert usable.ravel()[found[found >= 0]].all()
+
+
+@pytest.mark.parametrize("shape", [(1, 1), (1, 30), (4, 3), (9, 9), (40, 7)])
+@pytest.mark.parametrize("other", [(1, 1), (12, 12)])
+def test_small_samples(shape, other):
+    sea, land = np.zeros((*shape, 3), np.uint8), np.full((*other, 3), 9, np.uint8)
+    found = islands(sea, land, np.ones(other, bool), 7, seed=2)
+    assert found.shape == shape and found.max() < land[..., 0].size
+
+
+def test_the_same_seed_the_same_islands(rng):
+    sea, land = rng.integers(0, 256, (2, 50, 50, 3)).astype(np.uint8)
+    usable = np.ones((50, 50), bool)
+    made = [islands(sea, land, usable, 4, seed=s) for s in (1, 1, 2)]
+    assert np.array_equal(made[0], made[1]) and not np.array_equal(made[0], made[2])

@@ -44,12 +44,40 @@ def test_regions_are_of_their_samples(tileable):
     assert len(np.unique(made)) == 3
 
 
-def test_the_boundary_is_merged_and_not_straight():
-    result = weftex.fuse([A, B], HALVES, seed=1, iterations=4, window_width=21)
+@pytest.mark.parametrize("boundary", ["cut", "merged"])
+def test_the_boundary_is_merged_and_not_straight(boundary):
+    result = weftex.fuse(
+        [A, B], HALVES, seed=1, boundary=boundary, iterations=4, window_width=21, belt_width=20
+    )
     made = which(result, 2)
     first = (made == 0).sum(axis=1)
-    assert first.min() > 30 and first.max() < 50
-    assert len(np.unique(first)) > 1
+    reach = 10 + 5 * (boundary == "merged")  # the paper's belt lies along the cut
+    assert first.min() > 40 - reach and first.max() < 40 + reach
+    assert len(np.unique(first)) > 4
+
+
+def test_thin_regions_stay():
+    labels = HALVES * 0
+    labels[:, 40:43] = 1
+    labels[30, :20] = 1
+    made = which(weftex.fuse([A, B], labels, seed=1, window_width=21), 2)
+    assert (made[:, 41] == 1).all() and (made[30, :20] == 1).all()
+    assert 0.02 < made.mean() < 0.25
+
+
+def test_gray_beside_color():
+    result = weftex.fuse([A, B[..., 0]], HALVES, seed=1, **FAST)
+    assert result.image.shape == (*SIZE, 3)
+    made = which(result, 2)
+    assert (np.ptp(result.image[made == 1], axis=1) == 0).all()
+    swapped = weftex.fuse([B[..., 0], A], 1 - HALVES, seed=1, **FAST)
+    assert swapped.image.shape == (*SIZE, 3)
+
+
+def test_merged_boundaries_are_another_result_of_both():
+    made = [weftex.fuse([A, B], HALVES, seed=1, boundary=b, **FAST) for b in ("cut", "merged")]
+    assert not np.array_equal(made[0].index, made[1].index)
+    assert [m.provenance["boundary"] for m in made] == ["cut", "merged"]
 
 
 def test_the_same_seed_the_same_bytes():
@@ -70,7 +98,8 @@ def test_with_other_pixel_methods(method):
 def test_mixed_regions_are_of_both():
     labels = HALVES.copy()
     labels[:, 30:50] = 7
-    made = which(weftex.fuse([A, B], labels, mixed={7: (1, 0)}, seed=3, **FAST), 2)
+    result = weftex.fuse([A, B], labels, mixed={7: (1, 0)}, seed=3, belt_width=4, **FAST)
+    made = which(result, 2)
     assert (made[:, :28] == 0).all() and (made[:, 52:] == 1).all()
     assert 0.1 < made[:, 30:50].mean() < 0.9
 
@@ -83,7 +112,8 @@ def test_everything_may_be_mixed():
 
 
 def test_the_gradient_goes_over():
-    result = weftex.fuse([A, B], "gradient", (260, 60), seed=1, **FAST)
+    gradient = weftex.Gradient(radii=[0.385], width=0.77)  # sigma is 80
+    result = weftex.fuse([A, B], gradient, (260, 60), seed=1, **FAST)
     made = which(result, 2)
     assert made[:10].mean() < 0.35 and made[-40:].mean() > 0.9
 
@@ -133,16 +163,29 @@ def test_what_does_not_fit_is_refused():
             weftex.fuse(*args, **more)
 
     refused("1 sample to fuse", [A], HALVES)
-    refused("is uint16 with 3 channels", [A, B.astype(np.uint16)], HALVES)
-    refused("is uint8 with 1 channels", [A, B[..., 0]], HALVES)
+    other = r"sample 2 \(array 2\) is uint16 with 3 channels, sample 1 \(array 1\) is uint8 with 3"
+    refused(other, [A, B.astype(np.uint16)], HALVES)
+    refused("is uint8 with 2 channels", [A, weftex.Exemplar(B[..., :2], alpha=False)], HALVES)
+    refused("with 3 channels and alpha", [A, np.dstack([B, B[..., 0]])], HALVES)
+    refused("sample 2 is None", [A, None], HALVES)
+    for single in (A, "sample:pebbles", None):
+        refused("give a list of two or more samples", single, HALVES)
+    refused("the map is None", [A, B], None)
+    refused("the map contains NaN", [A, B], np.where(HALVES, np.nan, 0.0))
+    refused("the map has 3 colors", [A, B], THREE)
+    refused("the map has the label -1", [A, B], HALVES * 3 - 1)
+    refused("boundary is 'soft'.*merged", [A, B], HALVES, boundary="soft")
+    for wide in (0, 1, -4, 3.5, True):
+        refused(f"belt_width is {wide}", [A, B], HALVES, belt_width=wide)
+    refused("belt_width is 81; it must be at most 80", [A, B], HALVES, belt_width=81)
     refused("no pixel of the color 1", [A, B], HALVES * 0)
     refused("2 colors .* for 3 samples", [A, B, C], np.uint8([(0, 0, 9), (9, 0, 0)])[HALVES])
     refused("the map is 80x70, the size 50x60", [A, B], HALVES, (60, 50))
-    refused("takes two samples", [A, B, C], "gradient", 50)
-    refused("takes two samples and the size", [A, B], "gradient")
-    thin = HALVES * 0
-    thin[:, 40:43] = 1
-    refused("nowhere wider than its belts", [A, B], thin, window_width=21)
+    refused("needs the size", [A, B], "gradient")
+    refused("a gradient has no colors", [A, B], "gradient", 50, colors=[0, 1])
+    refused("1 radii for 3 samples", [A, B, C], weftex.Gradient(radii=[0.5]), 50)
+    refused("mixed is 3", [A, B], HALVES, mixed=3)
+    refused("two numbers of samples", [A, B], HALVES, mixed={2: 1})
     refused("two numbers of samples", [A, B], HALVES, mixed={2: (0, 2)})
     refused("colors of the samples beside", [A, B], HALVES + 5, mixed={2: (0, 1)})
     refused("shape", [A, B], np.zeros((3, 3, 3, 3), np.uint8))
@@ -188,12 +231,32 @@ def test_the_command(tmp_path, capsys):
     assert both.any() and not both.all()
     assert main([*command, "--map", "gradient", "--size", "60x80"]) == 0
     assert read_image(out).pixels.shape == (80, 60, 3)
+    rings = ["--map", "gradient", "--size", "80x70", "--center", "0.25,0.5", "--radii", "0.4"]
+    rings += ["--width", "0.2", "--circles", "0.05", "--belt-width", "8", "--boundary", "merged"]
+    assert main([*command, *rings]) == 0
+    gradient = weftex.Gradient(center=(0.5, 0.25), radii=[0.4], width=0.2, circles=0.05)
+    expected = weftex.fuse(
+        [A, B], gradient, (70, 80), seed=1, belt_width=8, boundary="merged", **FAST
+    )
+    assert np.array_equal(read_image(out).pixels, expected.image)
     capsys.readouterr()
     for wrong in (
         ["--colors", "red,blue"],
         ["--colors", "1"],
         ["--mixed", "3"],
         ["--mixed", "#00ff00=1+x"],
+        ["--width", "0.5"],
+        ["--direction", "90"],
+        ["--boundary", "soft"],
+        ["--belt-width", "1"],
     ):
         assert main([*command, "--map", path["map.png"], *wrong]) == 2
+        assert "error: " in capsys.readouterr().err
+    for wrong in (
+        ["--center", "a,b"],
+        ["--width", "0"],
+        ["--radii", "0.2,0.4"],
+        ["--circles", "2"],
+    ):
+        assert main([*command, "--map", "gradient", "--size", "50", *wrong]) == 2
         assert "error: " in capsys.readouterr().err

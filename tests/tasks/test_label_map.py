@@ -1,4 +1,4 @@
-"""Which sample goes where: painted maps, circle maps, distances for belts."""
+"""Which sample goes where: painted maps, distances for belts."""
 
 import numpy as np
 import pytest
@@ -7,7 +7,7 @@ from hypothesis import strategies as st
 
 from weftex.errors import InvalidInputError
 from weftex.raster.masks import squared_distance_to
-from weftex.tasks.label_map import circle_map, labels_of
+from weftex.tasks.label_map import labels_of, map_picture
 
 RED, BLUE, GREEN = (255, 0, 0), (0, 0, 255), (0, 255, 0)
 
@@ -47,9 +47,25 @@ def test_colors_and_samples_must_fit():
     for colors in ([1, 2], [RED, (1, 2)]):
         with pytest.raises(InvalidInputError, match="3 numbers"):
             labels_of(picture, 2, colors)
+    with pytest.raises(InvalidInputError, match=r"colors=\[\.\.\.\], or --colors"):
+        labels_of(picture, 2)
     noise = np.arange(100, dtype=np.uint8).reshape(10, 10)
     with pytest.raises(InvalidInputError, match=r"100 colors \(0, 1, 2, 3, 4, 5, \.\.\.\)"):
         labels_of(noise, 2)
+
+
+def test_pictures_of_maps():
+    assert map_picture(np.array([[True, False]])).tolist() == [[1, 0]]
+    assert map_picture(np.array([[1, 70000]], np.int64)).tolist() == [[1, 70000]]
+    for wrong in (
+        np.array([[1, -5]]),
+        np.array([[0.0, np.nan]]),
+        np.array([["a"]]),
+        np.zeros((0, 4)),
+        None,
+    ):
+        with pytest.raises(InvalidInputError, match="the map"):
+            map_picture(wrong)
 
 
 @given(st.integers(1, 12), st.integers(1, 12), st.integers(0, 6), st.booleans(), st.booleans(),
@@ -68,22 +84,3 @@ def test_distances_are_those_to_the_nearest(height, width, most, wrap_y, wrap_x,
             if max(dy, dx) <= most:
                 best = min(best, dy**2 + dx**2)
         assert got[y, x] == best
-
-
-def test_a_circle_map_goes_over_from_top_to_bottom():
-    labels = circle_map((400, 300), (15, 11), seed=3)
-    assert set(np.unique(labels)) == {0, 1, 2}
-    first = (labels == 0).mean(axis=1)
-    assert first[:20].mean() > 0.8 and first[-100:].mean() < 0.02
-    assert np.array_equal(labels, circle_map((400, 300), (15, 11), seed=3))
-    assert not np.array_equal(labels, circle_map((400, 300), (15, 11), seed=4))
-    # Mixed regions lie between the two, not at the ends.
-    mixed = (labels == 2).mean(axis=1)
-    assert mixed[40:160].mean() > 2 * mixed[-60:].mean()
-
-
-@pytest.mark.parametrize("size", [(1, 1), (1, 50), (50, 1), (3, 4)])
-@pytest.mark.parametrize("radii", [(1, 1), (40, 2)])
-def test_small_circle_maps_are_covered(size, radii):
-    labels = circle_map(size, radii, seed=1)
-    assert labels.shape == size and (labels >= 0).all()

@@ -211,6 +211,16 @@ def parse_colors(text: str) -> list[tuple[int, ...]]:
     return [_color(word.strip()) for word in text.split(",")]
 
 
+def parse_shares(option: str, text: str) -> tuple[float, ...]:
+    """Numbers with commas between them."""
+    try:
+        return tuple(float(word) for word in text.split(","))
+    except ValueError:
+        raise InvalidInputError(
+            f"{option} is '{text}'; it must be numbers with commas between them"
+        ) from None
+
+
 def parse_mixed(text: str) -> dict[tuple[int, ...], tuple[int, int]]:
     """Colors of mixed regions from '#rrggbb=1+2,...'; samples count from 1."""
     mixed = {}

@@ -84,19 +84,35 @@ def squared_distance_to(
     [[0, 1, 4, 9]]
     """
     far = (most + 1) ** 2
-    result = np.where(mask, 0, far).astype(np.int64)
-    for axis in (1, 0):  # squares add up, so one axis can be done after the other
-        line = np.moveaxis(result, axis, 0)
-        best = line.copy()
-        for step in range(1, min(most, len(line) - 1) + 1):
-            if wrap[axis]:
-                for shifted in (np.roll(line, step, axis=0), np.roll(line, -step, axis=0)):
-                    np.minimum(best, shifted + step**2, out=best)
-            else:
-                np.minimum(best[step:], line[:-step] + step**2, out=best[step:])
-                np.minimum(best[:-step], line[step:] + step**2, out=best[:-step])
-        result = np.moveaxis(best, 0, axis)
-    return np.minimum(result, far)
+    kind = np.int32 if far < 2**30 else np.int64  # a sum of two squares must fit
+    square = np.minimum(_distance_along(mask, most, wrap[1]).astype(kind) ** 2, far)
+    # Squares add up, so one axis can be done after the other.
+    steps = min(most, len(square) - 1)
+    best = square.copy()
+    if wrap[0]:
+        square = np.pad(square, [(steps, steps), (0, 0)], mode="wrap")
+        for step in range(1, steps + 1):
+            for at in (steps - step, steps + step):
+                np.minimum(best, square[at : at + len(best)] + step**2, out=best)
+    else:
+        for step in range(1, steps + 1):
+            np.minimum(best[step:], square[:-step] + step**2, out=best[step:])
+            np.minimum(best[:-step], square[step:] + step**2, out=best[:-step])
+    squares: NDArray[np.int64] = np.minimum(best, far).astype(np.int64)
+    return squares
+
+
+def _distance_along(mask: NDArray[np.bool_], most: int, wraps: bool) -> NDArray[np.int64]:
+    """Distance to the nearest True pixel of the same row; `most + 1` if none is that near."""
+    around = min(most, mask.shape[1]) if wraps else 0
+    mask = np.pad(mask, [(0, 0), (around, around)], mode="wrap")
+    at = np.arange(mask.shape[1])
+    nowhere = len(at) + most + 1
+    before = np.maximum.accumulate(np.where(mask, at, -nowhere), axis=1)
+    after = np.minimum.accumulate(np.where(mask, at, nowhere + len(at))[:, ::-1], axis=1)[:, ::-1]
+    nearest = np.minimum(np.minimum(at - before, after - at), most + 1)
+    result: NDArray[np.int64] = nearest[:, around : mask.shape[1] - around]
+    return result
 
 
 def steps_to(mask: NDArray[np.bool_], most: int) -> NDArray[np.int32]:

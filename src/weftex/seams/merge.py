@@ -1,4 +1,4 @@
-"""Merging two samples into one along a minimum cut (section 4 of the paper on texture fusion)."""
+"""Merging two samples into one: islands of one in the other (the paper on fusion, section 4)."""
 
 from __future__ import annotations
 
@@ -6,50 +6,150 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from weftex.seams.maxflow import LARGEST_CAPACITY, minimum_cut
+from weftex.random import draw
+from weftex.seams.boundary import HELD, cheapest_boundary
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-# As shares of the pictures' sides:
-_CORE = 0.22  # half the side of the middle that is always inside
-_RIM = 0.08  # width of the rim that is always outside
+_TRIES = 64  # places of the other sample that are compared for an island
+_CUT = 4  # the best of them, of which the one with the least boundary is taken
+_SPACING = 4.5  # between islands, in scales
+_CORE = 1.0  # mean radius of what is always inside, in scales
+_RIM = 2.2  # and of what may be
 
 
-def island(outside: NDArray[np.uint8], inside: NDArray[np.uint8]) -> NDArray[np.bool_]:
-    """Cut an island of one picture out, to lie in the other where the two differ least.
+def islands(
+    sea: NDArray[np.uint8],
+    land: NDArray[np.uint8],
+    usable: NDArray[np.bool_],
+    scale: int,
+    seed: int,
+) -> NDArray[np.int32]:
+    """Lay islands of one sample into another, each cut out where the two differ least.
 
-    A closed seam shows the two materials meeting in every direction.
+    Closed boundaries show the two materials meeting in every direction. Each island has an outline
+    of its own: a core of irregular shape is inside, a belt around it is free. What it shows of the
+    other sample is searched: of many places, drawn at random, the one that meets the sea best.
 
     Parameters
     ----------
-    outside, inside : uint8 array (H, W, K)
-        Two pictures of the same size.
+    sea : uint8 array (H, W, K)
+        The sample around the islands.
+    land : uint8 array (H', W', K)
+        The sample of the islands.
+    usable : bool array (H', W')
+        What may be shown of it.
+    scale : int
+        Size of the things in the samples, in pixels.
+    seed : int
+        From `weftex.random.seed_number`.
 
     Returns
     -------
-    bool array (H, W)
-        True on the island.
+    int32 array (H, W)
+        Flat index into `land`; -1 in the sea.
 
     Examples
     --------
-    >>> import numpy as np
-    >>> flat = np.zeros((40, 50, 1), np.uint8)
-    >>> side = island(flat, flat + 9)
-    >>> bool(side[20, 25]), bool(side[0].any())
+    >>> flat = np.zeros((60, 70, 1), np.uint8)
+    >>> found = islands(flat, flat + 9, np.ones((60, 70), bool), scale=5, seed=1)
+    >>> bool((found >= 0).any()), bool((found[0] >= 0).any())
     (True, False)
     """
-    height, width = outside.shape[:2]
-    differ = np.abs(outside.astype(np.int32) - inside).sum(axis=2)
-    arcs = np.zeros((height, width, 4), np.int32)
-    arcs[:, :-1, 0] = differ[:, :-1] + differ[:, 1:] + 1
-    arcs[:-1, :, 1] = differ[:-1] + differ[1:] + 1
-    arcs[:, 1:, 2] = arcs[:, :-1, 0]
-    arcs[1:, :, 3] = arcs[:-1, :, 1]
-    y, x = (np.abs(np.arange(n) - (n - 1) / 2) / n for n in (height, width))
-    far = np.maximum(y[:, None], x)
-    # At least one pixel is inside, and the border is outside, whatever the size.
-    core = (far <= _CORE) | (far == far.min())
-    source = np.where(core, LARGEST_CAPACITY, 0).astype(np.int32)
-    sink = np.where((far >= 0.5 - _RIM) & ~core, LARGEST_CAPACITY, 0).astype(np.int32)
-    return minimum_cut(arcs, source, sink)[0]
+    height, width = sea.shape[:2]
+    shown = np.full((height, width), -1, np.int32)
+    # Half of the smaller sample at most: the boundary needs sea on all sides.
+    scale = max(1, min(scale, int(min(height, width, *usable.shape) / (4 * _RIM))))
+    apart = round(_SPACING * scale)
+    rows, columns = max(1, height // apart), max(1, width // apart)
+    for i, j in np.ndindex(rows, columns):
+        number = i * columns + j
+        core, limit = _shape(scale, seed, number)
+        size = core.shape
+        corner = [
+            k * n // count + _below(max(0, n // count - s) + 1, seed, number, axis)
+            for axis, (k, n, count, s) in enumerate(
+                zip((i, j), (height, width), (rows, columns), size, strict=True)
+            )
+        ]
+        corner = [
+            min(c, max(0, n - s)) for c, n, s in zip(corner, (height, width), size, strict=True)
+        ]
+        area = tuple(slice(c, c + s) for c, s in zip(corner, size, strict=True))
+        around = sea[area]
+        if around.shape[:2] != size:
+            continue
+        found = _fitting(around, land, usable, core, limit, (seed, number))
+        if found is not None:
+            inside, place = found
+            y, x = np.indices(size)
+            source = (y + place[0]) * land.shape[1] + x + place[1]
+            shown[area] = np.where(inside, source, shown[area])
+    return shown
+
+
+def _shape(scale: int, seed: int, number: int) -> tuple[NDArray[np.bool_], NDArray[np.bool_]]:
+    """Return the core of an island, and how far it may reach: rings of corners of their own."""
+    reach = int(np.ceil(_RIM * scale)) + 1
+    y, x = np.indices((2 * reach + 1, 2 * reach + 1)) - reach
+    corners = 7
+    # From 0.55 to 1.45 of the mean radius, straight from corner to corner around the center.
+    bits = draw(seed, "island corner", number, np.arange(corners)) >> np.uint64(54)
+    stretch = 0.55 + 0.9 * bits.astype(np.float64) / 1024
+    angle = (np.arctan2(y, x) / (2 * np.pi) % 1.0) * corners
+    at = angle.astype(np.intp) % corners
+    part = angle - np.floor(angle)
+    radius = stretch[at] * (1 - part) + stretch[(at + 1) % corners] * part
+    away = np.sqrt(y**2 + x**2)
+    core = away <= _CORE * scale * radius
+    core[reach, reach] = True
+    limit = (away <= np.minimum(_RIM, 1.5 * _CORE * radius + 0.5) * scale) | core
+    border = np.maximum(np.abs(y), np.abs(x)) == reach
+    return core & ~border, limit & ~border
+
+
+def _fitting(
+    around: NDArray[np.uint8],
+    land: NDArray[np.uint8],
+    usable: NDArray[np.bool_],
+    core: NDArray[np.bool_],
+    limit: NDArray[np.bool_],
+    draws: tuple[int, int],
+) -> tuple[NDArray[np.bool_], tuple[int, int]] | None:
+    """Return an island and the corner of what it shows of the land; None if nothing fits."""
+    (seed, number), size = draws, core.shape
+    room = [n - s + 1 for n, s in zip(usable.shape, size, strict=True)]
+    if min(room) < 1:
+        return None
+    belt = limit & ~core
+    tried = []
+    for k in range(_TRIES):
+        y, x = (_below(n, seed, number, 2 + 2 * k + axis) for axis, n in enumerate(room))
+        area = slice(y, y + size[0]), slice(x, x + size[1])
+        if usable[area].all():
+            differ = np.abs(around[belt].astype(np.int64) - land[area][belt]).sum()
+            tried.append((int(differ), k, (y, x)))
+    best: tuple[int, NDArray[np.bool_], tuple[int, int]] | None = None
+    leaning = np.where(core, HELD, np.where(limit, 0, -HELD)).astype(np.int32)
+    for _, _, (y, x) in sorted(tried)[:_CUT]:
+        shown = land[y : y + size[0], x : x + size[1]]
+        inside = cheapest_boundary(around, shown, leaning)
+        seen = _mean_step(np.where(inside[..., None], shown, around), inside)
+        if best is None or seen < best[0]:
+            best = seen, inside, (y, x)
+    return None if best is None else best[1:]
+
+
+def _mean_step(picture: NDArray[np.uint8], inside: NDArray[np.bool_]) -> int:
+    """The mean step across the boundary, in 1/256."""
+    total, count = 0, 0
+    for axis in (0, 1):
+        crossed = np.diff(inside, axis=axis)
+        steps = np.abs(np.diff(picture.astype(np.int64), axis=axis)).sum(axis=2)
+        total, count = total + int(steps[crossed].sum()), count + int(crossed.sum())
+    return 256 * total // max(1, count)
+
+
+def _below(count: int, seed: int, *place: int) -> int:
+    return int(draw(seed, "island", *place) % np.uint64(count))

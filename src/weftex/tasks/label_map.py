@@ -7,14 +7,14 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from weftex.errors import InvalidInputError
-from weftex.random import draw
+from weftex.exemplar import check_pixels
+from weftex.tasks.synthesize import load_exemplar
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
     from numpy.typing import NDArray
 
-_SIGMA = 80.0  # pixels: how fast the second sample takes over in a circle map
 _SHOWN = 6  # colors that a message lists
 
 
@@ -56,7 +56,7 @@ def labels_of(
             more = ", ..." if len(found) > _SHOWN else ""
             raise InvalidInputError(
                 f"the map has {len(found)} colors ({shown}{more}) for {count} samples; there must "
-                "be one for each sample, or say which colors to take"
+                "be one for each sample, or say which to take: colors=[...], or --colors"
             )
         rank = np.empty(count, np.int32)
         rank[order] = np.arange(count, dtype=np.int32)
@@ -81,58 +81,27 @@ def labels_of(
     return labels.reshape(picture.shape[:2]), [tuple(c.tolist()) for c in wanted]
 
 
-def circle_map(size: tuple[int, int], radii: tuple[int, int], seed: int) -> NDArray[np.int32]:
-    """Make a map that goes over from the first sample to the second, from top to bottom.
+def map_picture(label_map: Any) -> NDArray[Any]:
+    """Return the picture of a map, or its labels: whole numbers of any type as they are.
 
-    Circles are placed at random until everything is covered. At a distance of x pixels from the
-    top row a circle is of the first sample with probability exp(-x^2 / 2 sigma^2), sigma being
-    80; where it meets the other sample's color, that becomes a region of both mixed.
-
-    Parameters
-    ----------
-    size : (int, int)
-        Height and width.
-    radii : (int, int)
-        Of the circles: the dominant scales of the two samples, in pixels.
-    seed : int
-        From `weftex.random.seed_number`.
-
-    Returns
-    -------
-    int32 array (H, W)
-        0 and 1 for the samples, 2 where they are mixed.
-
-    Examples
-    --------
-    >>> circle_map((200, 60), (9, 7), seed=1)[[0, -1]].max(axis=1).tolist()
-    [0, 1]
+    Raises
+    ------
+    InvalidInputError
+        If it is no picture, or has NaN or a label below 0.
     """
-    height, width = size
-    labels = np.full(size, -1, np.int32)
-    left, number = height * width, 0
-    while left:
-        # The last gaps are aimed at, or they would take for ever.
-        bits = draw(seed, "circle", number, np.arange(3))
-        if number % 2:
-            open_pixels = np.flatnonzero(labels < 0)
-            y, x = divmod(int(open_pixels[int(bits[0] % np.uint64(len(open_pixels)))]), width)
-        else:
-            y, x = int(bits[0] % np.uint64(height)), int(bits[1] % np.uint64(width))
-        first = int(bits[2] >> np.uint64(11)) / 2**53 < np.exp(-(y**2) / (2 * _SIGMA**2))
-        label, radius = (0, radii[0]) if first else (1, radii[1])
-        rows = slice(max(0, y - radius), y + radius + 1)
-        columns = slice(max(0, x - radius), x + radius + 1)
-        v, u = np.ogrid[
-            rows.start : min(rows.stop, height), columns.start : min(columns.stop, width)
-        ]
-        inside = (v - y) ** 2 + (u - x) ** 2 <= radius**2
-        part = labels[rows, columns]
-        left -= int((inside & (part < 0)).sum())
-        met = inside & (part == 1 - label)
-        part[inside & (part < 0)] = label
-        part[met] = 2
-        number += 1
-    return labels
+    if isinstance(label_map, np.ndarray):
+        if label_map.dtype == bool:
+            return label_map.astype(np.uint8)
+        if label_map.dtype.kind not in "iu":
+            return check_pixels(label_map, "the map")
+        if label_map.size and label_map.min() < 0:
+            raise InvalidInputError(
+                f"the map has the label {label_map.min()}; labels are from 0 on"
+            )
+        return label_map
+    if label_map is None:
+        raise InvalidInputError("the map is None; give a picture, labels or 'gradient'")
+    return load_exemplar(label_map).pixels
 
 
 def _text(color: NDArray[Any]) -> str:

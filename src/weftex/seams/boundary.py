@@ -1,0 +1,129 @@
+"""The boundary between two pictures of different materials that shows least."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from weftex.seams.maxflow import LARGEST_CAPACITY, minimum_cut
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+#: What the mean step costs; the unit of `leaning`.
+UNIT = 1024
+#: So much leaning decides a pixel.
+HELD = LARGEST_CAPACITY
+_DEAREST = 64 * UNIT  # of a step; four of them and a leaning must not overflow
+
+
+def cheapest_boundary(
+    first: NDArray[np.uint8],
+    second: NDArray[np.uint8],
+    leaning: NDArray[np.int32],
+    free: NDArray[np.bool_] | None = None,
+    wrap: tuple[bool, bool] = (False, False),
+) -> NDArray[np.bool_]:
+    """Choose one of two pictures for each pixel, so that the steps from one to the other are small.
+
+    A minimum cut. What it costs that one neighbor is of the first picture and the other of the
+    second is the square of the step that is then seen between them: squared, because a way round
+    past small steps is to be cheaper than a short one past large ones. A step counts as
+    little as half where a picture has an edge of its own: the boundary follows the outlines of
+    things.
+
+    Parameters
+    ----------
+    first, second : uint8 array (H, W, K)
+        Two pictures of one place.
+    leaning : int32 array (H, W)
+        How much each pixel is for the second picture, or, if negative, for the first, in
+        `1 / UNIT` of a mean step; plus or minus `HELD` decides it.
+    free : bool array (H, W), optional
+        The pixels that take part; all by default. No step from one that does not counts.
+    wrap : (bool, bool)
+        Whether the pictures go around from bottom to top and from right to left.
+
+    Returns
+    -------
+    bool array (H, W)
+        True where the second picture is taken.
+
+    Examples
+    --------
+    >>> dark = np.uint8([[[10], [10], [90], [10]]])
+    >>> light = np.uint8([[[80], [80], [80], [80]]])
+    >>> cheapest_boundary(dark, light, np.int32([[-HELD, 0, 0, HELD]]))[0].tolist()
+    [False, False, False, True]
+    """
+    if free is None:
+        free = np.ones(leaning.shape, bool)
+    if not any(wrap):
+        return _cut(first, second, leaning, free)
+    # Cut where the picture's border is its middle, hold what lies at the border, and cut again.
+    middle = [n // 2 * wraps for n, wraps in zip(leaning.shape, wrap, strict=True)]
+
+    def moved(each: NDArray[Any]) -> NDArray[Any]:
+        return np.roll(each, middle, (0, 1))
+
+    def repeated(each: NDArray[Any]) -> NDArray[Any]:
+        around = [(0, int(wraps)) for wraps in wrap]
+        return np.pad(each, around + [(0, 0)] * (each.ndim - 2), mode="wrap")
+
+    side = np.roll(
+        _cut(moved(first), moved(second), moved(leaning), moved(free)),
+        [-m for m in middle],
+        (0, 1),
+    )
+    at_border = np.zeros(leaning.shape, bool)
+    at_border[0] = wrap[0]
+    at_border[:, 0] |= wrap[1]
+    held = np.where(at_border, np.where(side, HELD, -HELD), leaning).astype(np.int32)
+    again = _cut(repeated(first), repeated(second), repeated(held), repeated(free))
+    return again[: side.shape[0], : side.shape[1]]
+
+
+def _cut(
+    first: NDArray[np.uint8],
+    second: NDArray[np.uint8],
+    leaning: NDArray[np.int32],
+    free: NDArray[np.bool_],
+) -> NDArray[np.bool_]:
+    arcs = _costs(first.astype(np.int32), second.astype(np.int32), free)
+    return minimum_cut(arcs, np.maximum(leaning, 0), np.maximum(-leaning, 0))[0]
+
+
+def _costs(
+    first: NDArray[np.int32], second: NDArray[np.int32], free: NDArray[np.bool_]
+) -> NDArray[np.int32]:
+    """Costs of the arcs to the right, lower, left and upper neighbor; integers, so exact."""
+    height, width = free.shape
+    steps = np.zeros((height, width, 4), np.int64)
+    edges = np.zeros((height, width, 4), np.int64)
+    both = np.zeros((height, width, 4), bool)
+    for axis, ahead in ((1, 0), (0, 1)):
+        here, there = (
+            tuple(s if axis == a else slice(None) for a in (0, 1))
+            for s in (slice(None, -1), slice(1, None))
+        )
+        steps[(*here, ahead)] = _step(second[here], first[there])
+        steps[(*there, ahead + 2)] = _step(first[here], second[there])
+        edge = _step(first[here], first[there]) + _step(second[here], second[there])
+        taking_part = free[here] & free[there]
+        for place, direction in ((here, ahead), (there, ahead + 2)):
+            edges[(*place, direction)] = edge
+            both[(*place, direction)] = taking_part
+    count = max(1, int(both.sum()))
+    strong = 2 * (int(edges[both].sum()) // count) + 1
+    # The full step without an edge, half of it at a strong one, in 1/256.
+    seen = steps * (2 * strong - np.minimum(edges, strong)) * 128 // strong
+    squares = (seen // 16) ** 2
+    mean = int(squares[both].sum()) // count + 1
+    costs = np.minimum(squares * UNIT // mean, _DEAREST) + 1
+    return np.where(both, costs, 0).astype(np.int32)
+
+
+def _step(a: NDArray[np.int32], b: NDArray[np.int32]) -> NDArray[np.int64]:
+    result: NDArray[np.int64] = np.abs(a - b).sum(axis=2, dtype=np.int64)
+    return result

@@ -1,0 +1,122 @@
+"""Belts along the boundaries of a label map, in which materials may meet."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from weftex.random import draw
+from weftex.raster.masks import squared_distance_to
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from numpy.typing import NDArray
+
+_DEPTH = 1.5  # a belt reaches into a region of so many times its own depth; others get less
+
+
+class Meetings:
+    """Where regions of a map are near each other, and how far their belts reach.
+
+    Parameters
+    ----------
+    labels : int32 array (H, W)
+    present : sequence of int
+        The labels in the map.
+    reaches : int array (n, n)
+        Half the width of the belt between each two of all labels, in pixels.
+    wrap : (bool, bool)
+        Whether the map goes around.
+    """
+
+    def __init__(
+        self,
+        labels: NDArray[np.int32],
+        present: Sequence[int],
+        reaches: NDArray[np.int64],
+        wrap: tuple[bool, bool],
+    ) -> None:
+        self.labels, self.reaches = labels, reaches
+        self.farthest = int(reaches[np.ix_(present, present)].max()) if len(present) > 1 else 0
+        far = int(np.ceil(_DEPTH * self.farthest))
+        away = {k: squared_distance_to(labels == k, far, wrap) for k in present}
+        self._away = {k: np.sqrt(squares) for k, squares in away.items()}
+        # To the nearest other region: the second of all, for the own one is at 0.
+        depth = np.sqrt(np.sort(np.stack([*away.values()]), axis=0)[min(1, len(present) - 1)])
+        self._room = self._rooms(depth, wrap)
+
+    def _rooms(self, depth: NDArray[np.float64], wrap: tuple[bool, bool]) -> NDArray[np.float64]:
+        """How far a belt may reach into each place of a region, so that some of it is left."""
+        room = np.zeros(depth.shape)
+        reach = float(self.farthest)
+        while True:
+            deep = np.zeros(depth.shape, bool)
+            for k in self._away:
+                own = self.labels == k
+                inside = own & (depth >= np.ceil(_DEPTH * reach))
+                steps = int(np.ceil(_DEPTH * reach))
+                deep |= own & (squared_distance_to(inside, steps, wrap) <= steps**2)
+            room = np.where((room == 0) & deep, reach, room)
+            if reach < 1 or (room > 0).all():
+                return np.maximum(room, 0.5)
+            reach /= 2
+
+    def have_met(self, a: int, b: int) -> bool:
+        """Whether two regions touch, corners included."""
+        return bool((self._away[a] + self._away[b] < 2).any())
+
+    def span(self, a: int, b: int) -> tuple[NDArray[np.intp], NDArray[np.intp]]:
+        """Rows and columns of the belt between two regions, one pixel more on each side."""
+        near = np.maximum(self._away[a], self._away[b]) <= self.reaches[a, b] + 1
+        lines = []
+        for axis in (0, 1):
+            taken = np.flatnonzero(near.any(axis=1 - axis))
+            lines.append(np.arange(taken[0], taken[-1] + 1))
+        return lines[0], lines[1]
+
+    def place(
+        self, a: int, b: int, rows: NDArray[np.intp], columns: NDArray[np.intp]
+    ) -> tuple[NDArray[np.float64], int]:
+        """Where pixels lie in the belt: -1 at its edge in the first region, 1 in the second.
+
+        Also half the width of the belt in pixels.
+        """
+        area, reach = np.ix_(rows, columns), int(self.reaches[a, b])
+        apart = self._away[a][area] - self._away[b][area]
+        room = np.minimum(self._room[area], reach)
+        return apart / room, reach
+
+
+def wander(
+    shape: tuple[int, ...], cell: int, wrap: tuple[bool, ...], seed: int
+) -> NDArray[np.float64]:
+    """Smooth noise from -1 to 1, with hills of about `cell` pixels and of half as many.
+
+    Examples
+    --------
+    >>> hills = wander((40, 50), 10, (False, True), seed=1)
+    >>> hills.shape, bool(abs(hills).max() <= 1)
+    ((40, 50), True)
+    """
+    result = np.zeros(shape)
+    for octave, weight in enumerate((2 / 3, 1 / 3)):
+        size = max(2, cell >> octave)
+        whole, part = [], []
+        for n, wraps in zip(shape, wrap, strict=True):
+            count = max(1, round(n / size))
+            at = np.arange(n) * (count / n if wraps else 1 / size)
+            low = at.astype(np.int64)
+            whole.append([low % count, (low + 1) % count] if wraps else [low, low + 1])
+            smooth = at - low
+            part.append(smooth * smooth * (3 - 2 * smooth))
+        total = np.zeros(shape)
+        for i, j in np.ndindex(2, 2):
+            bits = draw(seed, "hill", octave, whole[0][i][:, None], whole[1][j][None])
+            height = (bits >> np.uint64(40)).astype(np.float64) / 2**23 - 1
+            v = part[0] if i else 1 - part[0]
+            u = part[1] if j else 1 - part[1]
+            total += height * v[:, None] * u
+        result += weight * total
+    return result

@@ -1,0 +1,214 @@
+"""Regions of materials and the boundaries between them (the paper on fusion, section 4)."""
+
+from __future__ import annotations
+
+import itertools
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from weftex.canvas import Canvas
+from weftex.exemplar import Exemplar
+from weftex.random import draw
+from weftex.raster.masks import grown
+from weftex.results.pixels import PixelSynthesis
+from weftex.seams.boundary import HELD, UNIT, cheapest_boundary
+from weftex.seams.merge import islands
+from weftex.tasks.belts import Meetings, wander
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from numpy.typing import NDArray
+
+    from weftex.method import Method
+
+    #: A sample, or two that are mixed, by their numbers.
+    Material = tuple[int, ...]
+
+#: Half the width of a belt, in windows of the coarser of its materials.
+BELT = 0.75
+_PULL = 0.6  # how strongly a boundary is held off the edges of its belt, beside steps
+_WANDER = 2.0  # how far it is led astray, in half widths of its belt
+_OPEN = 0.05  # the pull at an edge is 1 / _OPEN times that in the middle
+
+
+@dataclass(frozen=True)
+class Fusion:
+    """What one fusion is made of.
+
+    Attributes
+    ----------
+    whole : Exemplar
+        The samples one under the other, see `weftex.tasks.fuse.combined`.
+    exemplars : sequence of Exemplar
+    scales : sequence of int
+        The window that follows from each one's dominant scale, in pixels.
+    method : Method
+    canvas : Canvas
+    seed : int
+        From `weftex.random.seed_number`.
+    reach : int, optional
+        Half the width of all belts in pixels; by default by the materials' scales.
+    merged : bool
+        Whether boundaries are made from merged samples at last.
+    options : dict
+        `threads` and `progress`.
+    """
+
+    whole: Exemplar
+    exemplars: Sequence[Exemplar]
+    scales: Sequence[int]
+    method: Method
+    canvas: Canvas
+    seed: int
+    reach: int | None
+    merged: bool
+    options: dict[str, Any]
+
+    def run(self, labels: NDArray[np.int32], materials: Sequence[Material]) -> NDArray[np.int32]:
+        """Return what lies where in the stacked samples.
+
+        Parameters
+        ----------
+        labels : int32 array (H, W)
+            Numbers of materials.
+        materials : sequence of Material
+        """
+        present = np.unique(labels).tolist()
+        meeting = Meetings(labels, present, self._reaches(materials), self.canvas.wrap)
+        layers = {k: self._layer(materials[k], labels == k, meeting.farthest) for k in present}
+        for a, b in itertools.combinations(present, 2):
+            if meeting.have_met(a, b):
+                labels = self._settle(a, b, labels, layers, meeting)
+        index = np.empty(labels.shape, np.int32)
+        for k in present:
+            index[labels == k] = layers[k][labels == k]
+        return self._fill_belts(index, labels, materials) if self.merged else index
+
+    def window(self, *numbers: int) -> int:
+        """Width of the window for the coarsest of these samples."""
+        return self.method.window_for(max(self.scales[k] for k in numbers))
+
+    def _reaches(self, materials: Sequence[Material]) -> NDArray[np.int64]:
+        """Half the widths of the belts between materials."""
+        if self.reach is not None:
+            return np.full((len(materials),) * 2, self.reach)
+        # A window wider than the canvas reaches all over it; that it fits no sample is said later.
+        most = sum(self.canvas.shape)
+        own = [min(self.window(*material), most) for material in materials]
+        return np.array([[max(1, round(BELT * max(a, b))) for a in own] for b in own])
+
+    def _layer(
+        self, material: Material, region: NDArray[np.bool_], reach: int
+    ) -> NDArray[np.int32]:
+        """Make a material all over its region and the belts around it; -1 elsewhere."""
+        canvas, corner = self.canvas, (0, 0)
+        if not any(canvas.wrap):
+            spans = []
+            for axis, side in enumerate(canvas.shape):
+                taken = np.flatnonzero(region.any(axis=1 - axis))
+                spans.append((max(0, int(taken[0]) - reach), min(side, int(taken[-1]) + reach + 1)))
+            corner = spans[0][0], spans[1][0]
+            canvas = Canvas(spans[0][1] - spans[0][0], spans[1][1] - spans[1][0])
+        if len(material) == 1:
+            exemplar, places = self.exemplars[material[0]], self._places(material[0])
+        else:
+            exemplar, places = self._merged_sample(*material)
+        made = self._sample(exemplar, canvas, self._number(material))
+        layer = np.full(self.canvas.shape, -1, np.int32)
+        area = tuple(slice(c, c + n) for c, n in zip(corner, canvas.shape, strict=True))
+        layer[area] = places.ravel()[made.index]
+        return layer
+
+    def _settle(
+        self,
+        a: int,
+        b: int,
+        labels: NDArray[np.int32],
+        layers: dict[int, NDArray[np.int32]],
+        meeting: Meetings,
+    ) -> NDArray[np.int32]:
+        """Lay the boundary between two materials where it shows least, within their belt."""
+        rows, columns = meeting.span(a, b)
+        area = np.ix_(rows, columns)
+        wraps, shape = self.canvas.wrap, labels.shape
+        wrap = wraps[0] and len(rows) == shape[0], wraps[1] and len(columns) == shape[1]
+        own = labels[area]
+        free = ((own == a) | (own == b)) & (layers[a][area] >= 0) & (layers[b][area] >= 0)
+        place, reach = meeting.place(a, b, rows, columns)
+        astray = wander(own.shape, reach, wrap, int(draw(self.seed, "boundary", a, b)))
+        apart = 1 - np.minimum(np.abs(place), 1)
+        side = place + _WANDER * apart * astray
+        pull = _PULL * UNIT / (reach * (apart + _OPEN)) * side
+        leaning = np.where(np.abs(place) < 1, np.rint(pull), np.sign(place) * HELD).astype(np.int32)
+        flat = self.whole.matching().reshape(-1, self.whole.matching().shape[2])
+        shown = [flat[np.maximum(layers[k][area], 0)] for k in (a, b)]
+        taken = cheapest_boundary(shown[0], shown[1], leaning, free, wrap)
+        result = labels.copy()
+        result[area] = np.where(free, np.where(taken, b, a), own)
+        return result
+
+    def _fill_belts(
+        self,
+        index: NDArray[np.int32],
+        labels: NDArray[np.int32],
+        materials: Sequence[Material],
+    ) -> NDArray[np.int32]:
+        """Make belts along the boundaries from merged samples, with the window of the larger."""
+        flat = self.whole.pixels.reshape(-1, *self.whole.pixels.shape[2:])
+        for a, b in itertools.combinations(np.unique(labels).tolist(), 2):
+            pair = sorted({*materials[a], *materials[b]})[:2]
+            wide = self.window(*pair)
+            # "one half of the width of the larger window"
+            near = [grown(labels == k, max(1, wide // 4), self.canvas.wrap) for k in (a, b)]
+            belt = near[0] & near[1] & ((labels == a) | (labels == b))
+            if not belt.any() or belt.all():
+                continue
+            exemplar, places = self._merged_sample(*pair)
+            canvas = Canvas(*self.canvas.shape, self.canvas.wrap, known=flat[index], hole=belt)
+            made = self._sample(exemplar, canvas, self._number((a, b)), self.method.for_belt(wide))
+            index = np.where(belt, places.ravel()[made.index], index)
+        return index
+
+    def _places(self, number: int) -> NDArray[np.int32]:
+        """Where the pixels of a sample are among all."""
+        top = sum(e.shape[0] for e in self.exemplars[:number])
+        height, width = self.exemplars[number].shape
+        rows = (np.arange(height)[:, None] + top) * self.whole.shape[1]
+        return (rows + np.arange(width)).astype(np.int32)
+
+    def _merged_sample(self, a: int, b: int) -> tuple[Exemplar, NDArray[np.int32]]:
+        """Each sample with islands of the other, one above the other, and where its pixels are."""
+        bytes_of = self.whole.matching().reshape(-1, self.whole.matching().shape[2])
+        usable = np.ones(self.whole.shape, bool) if self.whole.mask is None else self.whole.mask
+        own = [self._places(k) for k in (a, b)]
+        scale = max(1, max(self.scales[k] for k in (a, b)) // 2)
+        parts = []
+        for n in (0, 1):
+            sea, land = own[n], own[1 - n]
+            seed = int(draw(self.seed, "islands", self._number((a, b)), n))
+            found = islands(bytes_of[sea], bytes_of[land], usable.ravel()[land], scale, seed)
+            parts.append(np.where(found >= 0, land.ravel()[found], sea))
+        # No window may look over the edge from one into the other, or beside the narrower.
+        size = sum(p.shape[0] for p in parts) + 1, max(p.shape[1] for p in parts)
+        places, mask = np.zeros(size, np.int32), np.zeros(size, bool)
+        for top, part in zip((0, parts[0].shape[0] + 1), parts, strict=True):
+            area = np.s_[top : top + part.shape[0], : part.shape[1]]
+            places[area], mask[area] = part, usable.ravel()[part]
+        pixels = self.whole.pixels.reshape(-1, *self.whole.pixels.shape[2:])[places]
+        name = f"{self.exemplars[a].name} and {self.exemplars[b].name}"
+        return Exemplar(pixels, mask=mask, alpha=self.whole.alpha, name=name), places
+
+    def _number(self, material: Material) -> int:
+        """A number of its own for each material, for draws."""
+        return material[0] if len(material) == 1 else (1 << 16) + material[0] * 4096 + material[1]
+
+    def _sample(
+        self, exemplar: Exemplar, canvas: Canvas, number: int, method: Method | None = None
+    ) -> PixelSynthesis:
+        seed = int(draw(self.seed, "region", number))
+        made = (method or self.method).fit(exemplar).sample(canvas, seed=seed, **self.options)
+        assert isinstance(made, PixelSynthesis)
+        return made

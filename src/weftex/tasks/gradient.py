@@ -1,0 +1,214 @@
+"""Maps that go over from one sample to the next: circles at random (the paper's Fig. 11)."""
+
+from __future__ import annotations
+
+import itertools
+import math
+import numbers
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from weftex.errors import InvalidInputError
+from weftex.random import draw
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+# The paper's sigma is 80 on a picture of 200 pixels, whose transition takes all of it.
+_SIGMAS = 2.5
+
+
+@dataclass(frozen=True)
+class Gradient:
+    """A map that goes over from the first sample to the last, along a line or around a center.
+
+    Everything is in shares of the canvas. The way through it begins at 0 where the first sample
+    is and ends at 1: from corner to corner along `direction`, or from `center` to the farthest
+    corner.
+
+    Parameters
+    ----------
+    direction : float, optional
+        In degrees, where the last sample lies: 0 to the right, 90 (the default) at the bottom.
+    center : (float, float), optional
+        Row and column, 0 to 1: the first sample lies there, the others in rings around it.
+    radii : sequence of float, optional
+        Where each sample's half of the way to the next is over, rising: one fewer than samples.
+        By default they are even.
+    width : float, optional
+        How much of the way one transition takes, above 0 and at most 1. By default the transitions
+        take all of the way together, as in the paper.
+    circles : float or sequence of float, optional
+        Radius of the circles, or of each sample's, as a share of the canvas's shorter side. By
+        default the dominant scale of the sample, as in the paper.
+
+    Raises
+    ------
+    InvalidInputError
+        If a value is out of range, or both `direction` and `center` are given.
+
+    Examples
+    --------
+    >>> labels, _ = Gradient(direction=0, width=0.3).label_map((60, 200), [9, 7], seed=1)
+    >>> labels[:, 0].max().item(), labels[:, -1].min().item()
+    (0, 1)
+    >>> rings, pairs = Gradient(center=(0.5, 0.5), width=0.1).label_map((90, 90), [4, 4, 4], 1)
+    >>> rings[45, 45].item(), rings[0, 0].item(), pairs
+    (0, 2, [(0, 1), (1, 2)])
+    """
+
+    direction: float | None = None
+    center: tuple[float, float] | None = None
+    radii: Sequence[float] | None = None
+    width: float | None = None
+    circles: float | Sequence[float] | None = None
+
+    def __post_init__(self) -> None:
+        if self.direction is not None and self.center is not None:
+            raise InvalidInputError(
+                "a gradient has a direction or a center, not both; leave one out"
+            )
+        if self.direction is not None:
+            _number("direction", self.direction, -360, 360)
+        if self.center is not None:
+            values = _several("center", self.center)
+            if len(values) != 2:
+                raise InvalidInputError(
+                    f"center is {self.center!r}; it must be two numbers, row and column"
+                )
+            for value in values:
+                _number("center", value, 0, 1)
+        if self.radii is not None:
+            values = _several("radii", self.radii)
+            for value in values:
+                _number("radii", value, 0, 1)
+            if any(a >= b for a, b in itertools.pairwise(values)):
+                raise InvalidInputError(f"radii is {self.radii!r}; they must rise")
+        if self.width is not None:
+            _number("width", self.width, 0, 1, above=True)
+        if self.circles is not None:
+            single = isinstance(self.circles, numbers.Real)
+            for value in [self.circles] if single else _several("circles", self.circles):
+                _number("circles", value, 0, 1, above=True)
+
+    def label_map(
+        self, size: tuple[int, int], scales: Sequence[int], seed: int
+    ) -> tuple[NDArray[np.int32], list[tuple[int, int]]]:
+        """Place circles at random until everything is covered.
+
+        At x beyond the start of a transition a circle is of a sample before it with probability
+        exp(-x^2 / 2 sigma^2), sigma being the width / 2.5. Where it meets another sample's circle,
+        that becomes a region of both mixed.
+
+        Parameters
+        ----------
+        size : (int, int)
+            Height and width.
+        scales : sequence of int
+            Radius of each sample's circles in pixels, unless `circles` says.
+        seed : int
+            From `weftex.random.seed_number`.
+
+        Returns
+        -------
+        labels : int32 array (H, W)
+            0 to n - 1 for the samples, from n on for mixed regions.
+        pairs : list of (int, int)
+            The samples that are mixed in each of these.
+
+        Raises
+        ------
+        InvalidInputError
+            If the number of radii or circles does not fit that of samples.
+        """
+        count, (height, width) = len(scales), size
+        sizes = self._circles(size, scales)
+        starts, sigma = self._transitions(count)
+        pairs = [(a, b) for a in range(count) for b in range(a + 1, count)]
+        mixed = np.full((count, count), -1, np.int32)
+        for n, (a, b) in enumerate(pairs):
+            mixed[a, b] = mixed[b, a] = count + n
+        labels = np.full(size, -1, np.int32)
+        left, number = height * width, 0
+        while left:
+            # The last gaps are aimed at, or they would take for ever.
+            bits = draw(seed, "circle", number, np.arange(3))
+            if number % 2:
+                gaps = np.flatnonzero(labels < 0)
+                y, x = divmod(int(gaps[int(bits[0] % np.uint64(len(gaps)))]), width)
+            else:
+                y, x = int(bits[0] % np.uint64(height)), int(bits[1] % np.uint64(width))
+            chance = int(bits[2] >> np.uint64(11)) / 2**53
+            way = self._way(y, x, size)
+            beyond = [max(0.0, way - start) for start in starts]
+            label = sum(chance >= math.exp(-(b**2) / (2 * sigma**2)) for b in beyond)
+            radius = sizes[label]
+            rows = slice(max(0, y - radius), y + radius + 1)
+            columns = slice(max(0, x - radius), x + radius + 1)
+            v, u = np.ogrid[
+                rows.start : min(rows.stop, height), columns.start : min(columns.stop, width)
+            ]
+            inside = (v - y) ** 2 + (u - x) ** 2 <= radius**2
+            part = labels[rows, columns]
+            left -= int((inside & (part < 0)).sum())
+            met = inside & (part >= 0) & (part < count) & (part != label)
+            part[inside & (part < 0)] = label
+            part[met] = mixed[label, part[met]]
+            number += 1
+        used = [n for n in range(len(pairs)) if (labels == count + n).any()]
+        for new, old in enumerate(used):
+            labels[labels == count + old] = count + new
+        return labels, [pairs[n] for n in used]
+
+    def _circles(self, size: tuple[int, int], scales: Sequence[int]) -> list[int]:
+        """Radius of each sample's circles in pixels."""
+        if self.circles is None:
+            return [max(1, scale) for scale in scales]
+        single = isinstance(self.circles, numbers.Real)
+        shares = [self.circles] * len(scales) if single else _several("circles", self.circles)
+        if len(shares) != len(scales):
+            raise InvalidInputError(
+                f"{len(shares)} circles for {len(scales)} samples; give one number, or one each"
+            )
+        return [max(1, round(float(share) * min(size))) for share in shares]  # type: ignore[arg-type]
+
+    def _transitions(self, count: int) -> tuple[list[float], float]:
+        """Where each transition begins on the way, and its sigma."""
+        wide = self.width if self.width is not None else 1 / max(1, count - 1)
+        middles: Sequence[float] = [(k + 0.5) / (count - 1) for k in range(count - 1)]
+        if self.radii is not None:
+            if len(self.radii) != count - 1:
+                raise InvalidInputError(
+                    f"{len(self.radii)} radii for {count} samples; give {count - 1}"
+                )
+            middles = self.radii
+        return [middle - wide / 2 for middle in middles], wide / _SIGMAS
+
+    def _way(self, y: int, x: int, size: tuple[int, int]) -> float:
+        """How far a pixel is on the way, 0 to 1."""
+        v, u = y + 0.5, x + 0.5
+        height, width = size
+        if self.center is not None:
+            at = self.center[0] * height, self.center[1] * width
+            farthest = math.hypot(max(at[0], height - at[0]), max(at[1], width - at[1]))
+            return math.hypot(v - at[0], u - at[1]) / farthest
+        angle = math.radians(90.0 if self.direction is None else self.direction)
+        down, right = round(math.sin(angle), 12), round(math.cos(angle), 12)
+        length = abs(down) * height + abs(right) * width
+        return ((v - height / 2) * down + (u - width / 2) * right) / length + 0.5
+
+
+def _several(name: str, values: Any) -> list[Any]:
+    if isinstance(values, str) or not hasattr(values, "__len__"):
+        raise InvalidInputError(f"{name} is {values!r}; it must be numbers")
+    return list(values)
+
+
+def _number(name: str, value: Any, low: float, high: float, *, above: bool = False) -> None:
+    number = isinstance(value, numbers.Real) and not isinstance(value, bool)
+    if not number or not low <= value <= high or (above and value == low):
+        reach = f"above {low:g} and at most {high:g}" if above else f"from {low:g} to {high:g}"
+        raise InvalidInputError(f"{name} is {value!r}; it must be {reach}")

@@ -1,0 +1,111 @@
+"""Boundaries that nobody could draw with a ruler: benchmarks/fusion.py, on small pictures."""
+
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import weftex
+from weftex.tasks.belts import Meetings, wander
+
+sys.path.insert(0, str(Path(__file__).parents[2] / "benchmarks"))
+import fusion
+
+SMALL = (110, 130)
+
+
+@pytest.mark.pictures
+@pytest.mark.parametrize(
+    ("pair", "kind"),
+    [
+        *((pair, "straight") for pair in fusion.PAIRS),
+        *((fusion.PAIRS[0], k) for k in fusion.MAPS[1:]),
+    ],
+)
+def test_boundaries_follow_no_line_and_step_little(pair, kind):
+    _, (edge, line, step) = fusion.row(pair, kind, SMALL)
+    assert edge <= 0.1
+    assert line <= 0.5
+    assert step <= 2
+
+
+def test_the_figures_of_a_ruler():
+    """A boundary along a belt's edge is found out, and so is one along any parallel."""
+    labels = fusion.label_map("straight", (40, 60))
+    x = np.arange(60) * np.ones((40, 1), int)
+    along = (x >= 38).astype(int)
+    assert fusion.at_edges(along, labels, reach=8) == 1
+    assert fusion.at_edges(along, labels, reach=15) == 0
+    assert fusion.on_one_line(along, labels) == 1
+    wild = (x >= 30 + 14 * np.sin(np.arange(40) / 3)[:, None]).astype(int)
+    assert fusion.on_one_line(wild, labels) < 0.4
+    image = (100 * along + 5 * (x % 2)).astype(np.uint8)
+    assert fusion.step(image, along) == pytest.approx(95 / 2.5, rel=0.2)
+
+
+def test_mixed_regions_have_belts_too():
+    """Their borders are not those of the map, and step no more than twice the mean."""
+    samples = [weftex.load_exemplar(f"sample:{name}") for name in ("pebbles", "leaves")]
+    labels = np.zeros((120, 180), int)
+    labels[:, 60:120], labels[:, 120:] = 2, 1
+    result = weftex.fuse(samples, labels, mixed={2: (0, 1)}, seed=1)
+    pixels = result.image.astype(int)
+    steps = np.abs(np.diff(pixels, axis=1)).mean(axis=(0, 2))
+    for border in (60, 120):
+        assert steps[border - 1] < 2 * steps.mean()
+    # The sources break at the map's border no more often than elsewhere.
+    broken = (np.diff(result.source, axis=1) != [0, 1]).any(axis=2).mean(axis=0)
+    for border in (60, 120):
+        assert broken[border - 1] < 0.5
+
+
+def halves(axis, tileable):
+    """Pebbles and leaves in halves along an axis; the sample that each pixel is from."""
+    samples = [weftex.load_exemplar(f"sample:{name}") for name in ("pebbles", "leaves")]
+    labels = (np.indices((90, 100))[axis] >= 45).astype(int)
+    result = weftex.fuse(samples, labels, seed=1, tileable=tileable, window_width=15)
+    return fusion.materials(result, [s.shape[0] for s in samples])
+
+
+@pytest.mark.parametrize(("axis", "along"), [(0, "x"), (1, "y")])
+def test_boundaries_go_on_around_the_border(axis, along):
+    """Where one leaves the picture at one side it comes in at the other."""
+    for tileable in (along, True):
+        ends = np.moveaxis(halves(axis, tileable), axis, 0)[:, [0, -1]]
+        assert (ends[:, 0] != ends[:, 1]).sum() <= 4
+    assert 0 < halves(axis, False).mean() < 1
+
+
+@pytest.mark.parametrize(("axis", "across"), [(0, "y"), (1, "x")])
+def test_the_border_itself_is_no_boundary(axis, across):
+    """A map whose ends differ has a boundary there, which wanders as all others do."""
+    made = np.moveaxis(halves(axis, across), axis, 0)
+    assert (made[0] != made[-1]).mean() < 0.4
+    apart = np.moveaxis(halves(axis, False), axis, 0)
+    assert (apart[0] == 0).all() and (apart[-1] == 1).all()
+
+
+def test_belts_leave_something_of_every_region():
+    labels = np.zeros((60, 80), np.int32)
+    labels[:, 40:] = 1
+    labels[20, 10] = 2
+    labels[30:33, 50:53] = 3
+    reaches = np.full((4, 4), 20)
+    meeting = Meetings(labels, [0, 1, 2, 3], reaches, (False, False))
+    rows, columns = np.arange(60), np.arange(80)
+    assert meeting.place(0, 2, rows, columns)[0][20, 10] >= 1
+    assert meeting.place(1, 3, rows, columns)[0][31, 51] >= 1
+    place, reach = meeting.place(0, 1, rows, columns)
+    assert reach == 20 and (place[50, :20] <= -1).all() and (place[50, 60:] >= 1).all()
+    assert abs(place[50, 40]) < 0.1
+    assert meeting.have_met(0, 1) and meeting.have_met(0, 2) and not meeting.have_met(2, 3)
+
+
+def test_hills_go_around():
+    hills = wander((60, 80), 13, (True, True), seed=1)
+    assert abs(hills).max() <= 1 and hills.std() > 0.1
+    for axis in (0, 1):
+        inner = np.abs(np.diff(hills, axis=axis)).max()
+        around = np.abs(np.take(hills, 0, axis) - np.take(hills, -1, axis)).max()
+        assert around <= 1.5 * inner

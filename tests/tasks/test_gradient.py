@@ -1,0 +1,102 @@
+"""Maps that go over from one sample to the next."""
+
+import numpy as np
+import pytest
+
+from weftex.errors import InvalidInputError
+from weftex.tasks.gradient import Gradient
+
+
+def test_the_papers_map():
+    """Fig. 11: sigma of 80 on 200 pixels, circles of 15 and 11."""
+    labels, pairs = Gradient().label_map((200, 200), (15, 11), seed=3)
+    assert set(np.unique(labels)) == {0, 1, 2} and pairs == [(0, 1)]
+    first = (labels == 0).mean(axis=1)
+    assert first[:10].mean() > 0.8 and first[-30:].mean() < 0.25
+    again, _ = Gradient().label_map((200, 200), (15, 11), seed=3)
+    other, _ = Gradient().label_map((200, 200), (15, 11), seed=4)
+    assert np.array_equal(labels, again) and not np.array_equal(labels, other)
+
+
+def test_a_circle_map_goes_over_from_top_to_bottom():
+    labels, _ = Gradient(width=0.5, radii=[0.25]).label_map((400, 300), (15, 11), seed=3)
+    first = (labels == 0).mean(axis=1)
+    assert first[:20].mean() > 0.8 and first[-100:].mean() < 0.02
+    # Mixed regions lie between the two, not at the ends.
+    mixed = (labels == 2).mean(axis=1)
+    assert mixed[40:160].mean() > 2 * mixed[-60:].mean()
+
+
+@pytest.mark.parametrize("side", [100, 300])
+def test_it_is_in_shares_of_the_canvas(side):
+    labels, _ = Gradient(width=0.4, circles=0.04).label_map((side, side), (15, 11), seed=1)
+    first = (labels == 0).mean(axis=1)
+    at = [first[int(a * side) : int(b * side)].mean() for a, b in ((0, 0.25), (0.8, 1))]
+    assert at[0] > 0.95 and at[1] < 0.1
+
+
+@pytest.mark.parametrize(
+    ("direction", "near", "far"),
+    [
+        (0, np.s_[:, :9], np.s_[:, -9:]),
+        (90, np.s_[:9], np.s_[-9:]),
+        (180, np.s_[:, -9:], np.s_[:, :9]),
+        (-90, np.s_[-9:], np.s_[:9]),
+        (45, np.s_[:15, :15], np.s_[-15:, -15:]),
+    ],
+)
+def test_directions(direction, near, far):
+    gradient = Gradient(direction=direction, width=0.2)
+    labels, _ = gradient.label_map((90, 120), (4, 4), seed=1)
+    assert (labels[near] == 0).all() and (labels[far] == 1).all()
+
+
+def test_any_number_of_samples_in_rings():
+    gradient = Gradient(center=(0.5, 0.25), radii=(0.2, 0.5, 0.8), width=0.1, circles=0.03)
+    labels, pairs = gradient.label_map((200, 300), (9,) * 4, seed=1)
+    y, x = np.indices((200, 300)) + 0.5
+    way = np.hypot(y - 100, x - 75) / np.hypot(100, 225)
+    for k, (low, high) in enumerate(((0, 0.12), (0.3, 0.42), (0.6, 0.72), (0.9, 1))):
+        assert (labels[(way > low) & (way < high)] == k).mean() > 0.95
+    assert pairs == [(0, 1), (1, 2), (2, 3)]
+    assert set(np.unique(labels)) == set(range(7))
+
+
+@pytest.mark.parametrize("size", [(1, 1), (1, 50), (50, 1), (3, 4)])
+@pytest.mark.parametrize("radii", [(1, 1), (40, 2), (0, 0, 0)])
+def test_small_maps_are_covered(size, radii):
+    labels, pairs = Gradient().label_map(size, radii, seed=1)
+    assert labels.shape == size and (labels >= 0).all()
+    assert labels.max() < len(radii) + len(pairs)
+
+
+@pytest.mark.parametrize(
+    ("given", "match"),
+    [
+        ({"direction": 0, "center": (0.5, 0.5)}, "not both"),
+        ({"direction": 900}, "direction is 900"),
+        ({"direction": "down"}, "direction is 'down'"),
+        ({"center": 0.5}, "center is 0.5"),
+        ({"center": (0.5,)}, "two numbers"),
+        ({"center": (0.5, 1.5)}, "center is 1.5; it must be from 0 to 1"),
+        ({"center": (0.5, float("nan"))}, "center is nan"),
+        ({"radii": (0.5, 0.2)}, "must rise"),
+        ({"radii": (0.5, 1.2)}, "radii is 1.2"),
+        ({"width": 0}, "width is 0; it must be above 0 and at most 1"),
+        ({"width": 1.5}, "width is 1.5"),
+        ({"width": True}, "width is True"),
+        ({"circles": 0}, "circles is 0"),
+        ({"circles": (0.1, 2)}, "circles is 2"),
+        ({"circles": "small"}, "circles is 'small'"),
+    ],
+)
+def test_bad_values_are_named(given, match):
+    with pytest.raises(InvalidInputError, match=match):
+        Gradient(**given)
+
+
+def test_numbers_must_fit_the_samples():
+    with pytest.raises(InvalidInputError, match="1 radii for 3 samples; give 2"):
+        Gradient(radii=[0.5]).label_map((20, 20), (3, 3, 3), seed=1)
+    with pytest.raises(InvalidInputError, match="2 circles for 3 samples"):
+        Gradient(circles=[0.5, 0.1]).label_map((20, 20), (3, 3, 3), seed=1)
