@@ -55,12 +55,12 @@ class Refinement(WindowedMethod):
         "side of the square window, odd; one wider than 7 pixels is seen in a pyramid",
         low=1,
         unit="px",
-        default_text="twice the sample's dominant scale, 29 or more unless search is 'pca'",
+        default_text="twice the sample's dominant scale, 29 or more unless search is 'nearest'",
     )
     search: str = parameter(
         "coherent",
-        "from coarse to fine along the neighbors' sources, or by principal components of windows",
-        choices=("coherent", "pca"),
+        "from coarse to fine along the neighbors' sources, or the nearest of all windows",
+        choices=("coherent", "nearest"),
     )
     iterations: int = parameter(
         10, "at most so many; twice that on the coarsest level, half on others", low=1, high=1000
@@ -70,7 +70,7 @@ class Refinement(WindowedMethod):
     )
     init: str = parameter(
         "auto",
-        "start from seed points or a method's result; auto: quilting; with a guide or 'pca' seeds",
+        "start from seed points or a method's result; auto: quilting; with a guide or 'nearest' seeds",
         choices=Starts("auto", "seeds"),
     )
     joints: int | None = parameter(
@@ -119,21 +119,6 @@ class Refinement(WindowedMethod):
         high=100.0,
         needs_canvas="guide",
     )
-    variance: float = parameter(
-        0.97,
-        "share of the variance to keep, with at most 48 components",
-        low=0.01,
-        high=1.0,
-        needs=("search", ("pca",)),
-    )
-    candidates: int = parameter(
-        20,
-        "windows nearest by their components, of which the nearest by all pixels is taken",
-        low=1,
-        high=10000,
-        needs=("search", ("pca",)),
-    )
-
     def for_belt(self, width: int) -> Self:
         """See `Method.for_belt`: seeds lie all over a belt (section 4)."""
         # Patches of another start end along the belt.
@@ -150,8 +135,8 @@ class Refinement(WindowedMethod):
     def require(self, canvas: Canvas) -> None:
         """See `Method.require`."""
         super().require(canvas)
-        if canvas.guide is not None and self.search == "pca":
-            raise InvalidInputError("search is 'pca', which follows no guide; use 'coherent'")
+        if canvas.guide is not None and self.search == "nearest":
+            raise InvalidInputError("search is 'nearest', which follows no guide; use 'coherent'")
         if canvas.guide is not None and self.joints is not None:
             raise InvalidInputError("joints keeps what follows no guide; leave it out")
 
@@ -165,7 +150,7 @@ def texture_synthesis(prepared: Prepared, growth: Growth) -> None:
     """Make an output: steps 3 to 10 of TextureSynthesis (section 3), from coarse to fine.
 
     The paper refines seed points, at one resolution. Here the result of another method may be
-    refined too, and all but the paper's own search ("pca") go through coarse levels first.
+    refined too, and all but the paper's own search ("nearest") go through coarse levels first.
     """
     settings, levels, windows = prepared.settings, prepared.levels, prepared.windows
     start = prepared.start_for(growth.canvas.guide is not None)
@@ -191,8 +176,8 @@ def texture_synthesis(prepared: Prepared, growth: Growth) -> None:
         else:  # step 3: PlantSeed, Fig. 5
             source = seed_sources(settings, level, output, guide, growth.seed)
         output.begin(level, source)
-        # Search Tree Construction (section 3): `sweep_kernels.refine_by_components` is the paper's,
-        # by principal components; `refine_coherently` is ours, among coherent and similar places.
+        # Search Tree Construction (section 3): `sweep_kernels.refine_to_nearest` is the paper's,
+        # among all windows; `refine_coherently` is ours, among coherent and similar places.
         sweep = sweep_of(settings, level, output, guide, growth.seed, cyclic)
         for iteration in range(settings.iterations[number]):  # step 5: while (ContinueFlag)
             convergence.remember(output)

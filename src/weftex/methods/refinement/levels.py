@@ -10,16 +10,16 @@ import numpy as np
 
 from weftex.exemplar import Exemplar
 from weftex.raster.pyramids import gaussian_stack, mask_stack
+from weftex.search.nearest import nearest_search
 from weftex.search.similar import nearest_center, similar_places
 from weftex.search.stack import Layout
-from weftex.search.window_components import window_components
 from weftex.search.windows import windows_of
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from weftex.methods.refinement.settings import Settings
-    from weftex.search.window_components import WindowComponents
+    from weftex.search.nearest import NearestSearch
     from weftex.search.windows import Windows
 
 _FINE_REACH = 1  # pixels from the middle of a window to its side, on the finest of several levels
@@ -99,32 +99,32 @@ class CoherentLevel(Level):
 
 
 @dataclass(frozen=True, eq=False)
-class ComponentLevel(Level):
-    """The only level of the search by principal components (section 3, Search Tree Construction).
+class NearestLevel(Level):
+    """The only level of the paper's search (section 3, Search Tree Construction).
 
     Attributes
     ----------
-    components : WindowComponents
-        Coordinates of all windows.
+    search : NearestSearch
+        Among windows as large as they are.
     """
 
-    components: WindowComponents
+    search: NearestSearch
 
 
 def sample_levels(exemplar: Exemplar, settings: Settings) -> list[Level]:
     """Return the levels of a sample that are refined on, from the finest to the coarsest."""
-    if settings.search == "pca":
-        return [_component_level(exemplar, settings)]
+    if settings.search == "nearest":
+        return [_nearest_level(exemplar, settings)]
     return [*_pyramid_levels(exemplar, settings)]
 
 
-def _component_level(exemplar: Exemplar, settings: Settings) -> ComponentLevel:
+def _nearest_level(exemplar: Exemplar, settings: Settings) -> NearestLevel:
     """One resolution, and windows as large as they are."""
     windows = windows_of(exemplar, (settings.reach,) * 4)
     every = np.arange(windows.usable.size, dtype=np.int32)
     places = windows.to_sample(every).reshape(windows.usable.shape)
     index = windows.from_sample(every[: exemplar.shape[0] * exemplar.shape[1]])
-    return ComponentLevel(
+    return NearestLevel(
         pyramid=windows_of(exemplar, (0,) * 4),
         tileable=exemplar.tileable,
         pixels=windows.pixels,
@@ -133,7 +133,7 @@ def _component_level(exemplar: Exemplar, settings: Settings) -> ComponentLevel:
         inside=index[places.ravel()],
         nearest=_nearest(windows.usable, index, exemplar.shape),
         reach=settings.reach,
-        components=window_components(windows, settings.reach, settings.variance),
+        search=nearest_search(windows, settings.reach),
     )
 
 

@@ -27,7 +27,7 @@ class Prepared:
     windows : Windows
         The sample with windows of one pixel.
     levels : list of Level
-        From the finest to the coarsest; one where search is "pca", or only belts are refined.
+        From the finest to the coarsest; one where search is "nearest", or only belts are refined.
     start : Model or None
         Makes the pictures to refine; None plants seed points.
     """

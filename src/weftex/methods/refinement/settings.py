@@ -57,14 +57,14 @@ class Settings:
 
     Attributes
     ----------
-    search : {"coherent", "pca"}
-        Along the neighbors' sources in a pyramid, or by principal components at one resolution.
+    search : {"coherent", "nearest"}
+        Along the neighbors' sources in a pyramid, or of all windows at one resolution.
     window_width : int
         In pixels of the sample, odd.
     reach : int
         In pixels of a level, from the middle of a window to its side.
     levels : int
-        Resolutions that the windows are looked at; 1 where search is "pca".
+        Resolutions that the windows are looked at; 1 where search is "nearest".
     iterations : tuple of int
         For each level that is refined, the finest first: at most so many.
     threshold : float
@@ -88,10 +88,6 @@ class Settings:
         Weight of using all parts of the sample.
     guide_weight : float
         Weight of the guide's differences, the picture's being 1.
-    variance : float
-        The share that the components keep.
-    candidates : int
-        Windows nearest by their components.
     """
 
     search: str
@@ -109,8 +105,6 @@ class Settings:
     margin: int
     evenness: float
     guide_weight: float
-    variance: float
-    candidates: int
 
     @property
     def scale(self) -> int:
@@ -170,8 +164,6 @@ def settings_of(method: Any, exemplar: Exemplar, *, seeds_for_guides: bool) -> S
         margin=round(ONE * method.coherence),
         evenness=method.evenness,
         guide_weight=method.guide_weight,
-        variance=method.variance,
-        candidates=method.candidates,
     )
 
 
