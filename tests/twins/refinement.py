@@ -19,6 +19,7 @@ from twins.windows import (
     usable,
     window_centers,
 )
+from weftex.analysis.scale import dominant_scale
 
 
 class RefinedLevel:
@@ -152,7 +153,8 @@ def refinement(method, exemplar, canvas, seed, start=None):
         source = [[None] * known.shape[1] for _ in range(known.shape[0])]
         seeds = coarsest and start is None
         if seeds:
-            spacing = max(1, round(max(1, width // 2) / (step * method.seed_density)))
+            scale = method.seed_scale or dominant_scale(exemplar).scale
+            spacing = max(1, round(scale / method.seed_density / step))
             plain = level.guide and (level.guide[0], level.guide[1][::step, ::step], weight)
             points = seed_points(
                 level.pixels[::step, ::step], level.mask[::step, ::step], known.shape, canvas.wrap,

@@ -9,11 +9,8 @@ Examples
 from __future__ import annotations
 
 import dataclasses
-from collections.abc import Mapping
-from typing import Any
 
-from weftex.errors import InvalidInputError, did_you_mean
-from weftex.method import Method
+from weftex.method import make_method
 from weftex.registry import METHODS
 
 __all__ = ["METHODS", "make_method", "owners"]
@@ -37,26 +34,3 @@ METHODS.declare(
 def owners(parameter: str) -> list[str]:
     """The methods that have a parameter of this name."""
     return [s for s in METHODS if parameter in (f.name for f in dataclasses.fields(METHODS[s]))]
-
-
-def make_method(method: str | Method, parameters: Mapping[str, Any]) -> Method:
-    """Return the method of that slug with these parameters.
-
-    Raises
-    ------
-    InvalidInputError
-        For an unknown method, parameter or value, with the nearest right name.
-    """
-    if not isinstance(method, (str, Method)):
-        raise InvalidInputError(f"method is {method!r}; it must be a name or a Method")
-    cls = METHODS[method] if isinstance(method, str) else type(method)
-    known = [field.name for field in dataclasses.fields(cls)]
-    for name in parameters:
-        if name not in known:
-            raise InvalidInputError(
-                f"{cls.slug} has no parameter '{name}'{did_you_mean(name, known)}"
-            )
-    made: Method = (
-        cls(**parameters) if isinstance(method, str) else dataclasses.replace(method, **parameters)
-    )
-    return made

@@ -54,9 +54,7 @@ def leading(
 @cython.cfunc
 @cython.nogil
 @cython.exceptval(check=False)
-def bound_all(
-    bound: Bound, query: cython.const[cython.uchar][::1]
-) -> cython.void:
+def bound_all(bound: Bound, query: cython.const[cython.uchar][::1]) -> cython.void:
     """Find how far all windows are from one in coordinates, of which the first bytes are known."""
     cython.declare(i=cython.Py_ssize_t)
     for i in range(bound.query.shape[0]):

@@ -1,4 +1,4 @@
-"""The sample of iterative refinement at its resolutions."""
+"""The sample as iterative refinement prepares it: at its resolutions (section 3, steps 1, 2)."""
 
 from __future__ import annotations
 
@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from weftex.exemplar import Exemplar
+from weftex.method import method_of
 from weftex.raster.pyramids import gaussian_stack, mask_stack
 from weftex.search.nearest import nearest_search
 from weftex.search.similar import nearest_center, similar_places
@@ -18,6 +19,7 @@ from weftex.search.windows import windows_of
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
+    from weftex.method import Model
     from weftex.methods.refinement.settings import Settings
     from weftex.search.nearest import NearestSearch
     from weftex.search.windows import Windows
@@ -111,6 +113,38 @@ class NearestLevel(Level):
     search: NearestSearch
 
 
+@dataclass(frozen=True, eq=False)
+class Prepared:
+    """A sample prepared for iterative refinement.
+
+    Attributes
+    ----------
+    settings : Settings
+    windows : Windows
+        The sample with windows of one pixel.
+    levels : list of Level
+        From the finest to the coarsest; one where search is "nearest", or only belts are refined.
+    start : Model or None
+        Makes the pictures to refine; None plants seed points.
+    """
+
+    settings: Settings
+    windows: Windows
+    levels: list[Level]
+    start: Model | None
+
+    def start_for(self, guided: bool) -> Model | None:
+        """The model to start from on a canvas with or without a guide; None plants seed points."""
+        return None if guided and self.settings.seeds_for_guides else self.start
+
+
+def prepare(exemplar: Exemplar, settings: Settings) -> Prepared:
+    """Build the levels of a sample, and the model of the method to start from."""
+    start = None if settings.init == "seeds" else method_of(settings.init).fit(exemplar)
+    levels = sample_levels(exemplar, settings)
+    return Prepared(settings, windows_of(exemplar, (0,) * 4), levels, start)
+
+
 def sample_levels(exemplar: Exemplar, settings: Settings) -> list[Level]:
     """Return the levels of a sample that are refined on, from the finest to the coarsest."""
     if settings.search == "nearest":
@@ -155,7 +189,7 @@ def _pyramid_levels(exemplar: Exemplar, settings: Settings) -> list[CoherentLeve
         coarser = windows, like
     like = windows.to_sample(like[windows.from_sample(every)])
     levels = []
-    for number in range(len(settings.iterations)):
+    for number in range(len(settings.rounds)):
         # Coarser levels have settled what goes where. Now the picture has to go on across seams,
         # and wide windows would draw these straight instead. A belt is refined on one level only.
         fine = number == 0 and settings.levels > 1 and not settings.belt

@@ -14,9 +14,8 @@ from weftex.random import draw
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-    from weftex.methods.refinement.guides import Guide
     from weftex.methods.refinement.levels import Level
-    from weftex.methods.refinement.output import Output
+    from weftex.methods.refinement.output import Guide, Output
     from weftex.methods.refinement.settings import Settings
     from weftex.progress import Progress
 
@@ -86,7 +85,7 @@ class CoherentSweep:
     ) -> None:
         self._rows, self._output_shape = rows_of(output.wanted), output.known.shape
         self._seed, self._cyclic, self._centers = seed, cyclic, level.centers
-        coarser = len(settings.iterations) - 1 - output.number
+        coarser = len(settings.rounds) - 1 - output.number
         # Places from all over the sample tear apart a start that is whole. But the surroundings of
         # a hole must decide, and a guide.
         free = (cyclic and not settings.belt) or guide.weight > 0
