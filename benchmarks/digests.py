@@ -56,7 +56,7 @@ MORE: dict[str, dict[str, tuple[str, dict[str, Any]]]] = {
     },
     "refinement": {
         "joints": ("bricks", {"joints": 12}),
-        "paper": ("pebbles", {"search": "pca", "init": "seeds"}),
+        "paper": ("pebbles", {"search": "nearest", "init": "seeds"}),
         "from graphcut": ("leaves", {"init": "graphcut"}),
         "from quilting": ("grass", {"init": "quilting"}),
     },

@@ -2,10 +2,11 @@
 
 python examples/paper_refinement.py EXPERIMENT -o FOLDER [--small]
 
-Experiments that draw a picture: fig4 fig5 fig7 fig8 fig9 fig12 fig13 density evenness coherence
-init; that print a table and write it as Markdown: table1 (takes a minute); `all` runs every one.
-Figures are those of the paper on iterative texture refinement and texture fusion; density is of
-its section 6. Needs Pillow beside weftex: pip install 'weftex[test]'.
+Experiments that draw a picture: fig4 fig5 fig7 fig8 recipe fig9 fig12 fig13 density evenness
+coherence init; that print a table and write it as Markdown: table1 (takes minutes); `all` runs
+every one. Figures are those of the paper on iterative texture refinement and texture fusion;
+density is of its section 6, recipe shows its steps one at a time. Needs Pillow beside weftex:
+pip install 'weftex[test]'.
 """
 
 from __future__ import annotations
@@ -25,7 +26,7 @@ from weftex.methods.refinement.start import plant_seeds
 from weftex.search.windows import windows_of
 
 #: What the paper does and weftex does not by default.
-PAPER: dict[str, Any] = {"search": "pca", "init": "seeds"}
+PAPER: dict[str, Any] = {"search": "nearest", "init": "seeds"}
 
 
 def make(pixels: np.ndarray, size: int = 200, **parameters: Any) -> weftex.Synthesis:
@@ -92,7 +93,7 @@ def fig7(folder: Path, suffix: str) -> None:
     """Convergence: mean squared error and pixels changed, iteration by iteration."""
     rows = []
     cases: list[tuple[str, int, dict[str, Any]]]
-    cases = [("pca", 20, PAPER), ("coherent", 10, {"init": "seeds"})]
+    cases = [("nearest", 20, PAPER), ("coherent", 10, {"init": "seeds"})]
     for label, iterations, how in cases:
         iterations = len(some(range(iterations), least=3))
         result = make(load("pebbles", sized(128)), 128, iterations=iterations, threshold=0.0, **how)
@@ -122,6 +123,23 @@ def fig8(folder: Path, suffix: str) -> None:
             row.append((f"iteration {iterations}", made.image))
         rows.append(row)
     sheet(folder / f"fig8_refinement{suffix}", rows)
+
+
+def recipe(folder: Path, suffix: str) -> None:
+    """The paper's recipe, and one step of it at a time replaced by another."""
+    cases: list[tuple[str, dict[str, Any]]] = [
+        ("the paper's recipe", PAPER),
+        ("one iteration", {**PAPER, "iterations": 1}),
+        ("started from quilting", {**PAPER, "init": "quilting"}),
+        ("coherent search", {**PAPER, "search": "coherent"}),
+        ("both: the default", {}),
+    ]
+    rows = []
+    for name in some(("pebbles", "weave", "grass")):
+        sample = load(name, sized(128))
+        made = [(label, make(sample, 128, **how).image) for label, how in cases]
+        rows.append([("sample", sample), *made])
+    sheet(folder / f"recipe_refinement{suffix}", rows)
 
 
 def fig9(folder: Path, suffix: str) -> None:
@@ -159,10 +177,11 @@ def fig13(folder: Path, suffix: str) -> None:
     for name in some(("leaves", "tiles")):
         sample = load(name, 192)
         row = [("sample", sample)]
-        for method in ("quilting", "graphcut"):
-            made = weftex.synthesize(sample, sized(224), method=method, seed=1).image
-            row.append((method, made))
-            row.append(("its joints refined", make(sample, 224, init=method, joints=24).image))
+        starts = weftex.Quilting(), weftex.GraphCut(), weftex.GraphCut(placement="entire")
+        for start, label in zip(starts, ("quilting", "graphcut", "entire samples"), strict=True):
+            made = weftex.synthesize(sample, sized(224), method=start, seed=1).image
+            row.append((label, made))
+            row.append(("its joints refined", make(sample, 224, init=start, joints=24).image))
         rows.append(row)
     sheet(folder / f"fig13_refinement{suffix}", rows)
 
@@ -233,7 +252,7 @@ are of the last iteration.
         for label, how in (
             ("default", {}),
             ('init="seeds"', {"init": "seeds"}),
-            ('search="pca"', {**PAPER, "threshold": 0.0}),
+            ('search="nearest"', {**PAPER, "threshold": 0.0}),
         ):
             start = process_time()
             model = weftex.Refinement(**how).fit(exemplar)
@@ -249,7 +268,7 @@ are of the last iteration.
     return notes, [*head, "paper: PCA + tree + synthesis"], rows
 
 
-FIGURES = (fig4, fig5, fig7, fig8, fig9, fig12, fig13, density, evenness, coherence, init)
+FIGURES = (fig4, fig5, fig7, fig8, recipe, fig9, fig12, fig13, density, evenness, coherence, init)
 TABLES = (table1,)
 
 if __name__ == "__main__":

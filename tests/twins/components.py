@@ -30,22 +30,3 @@ def near_leaves(query, leaves, weight, visited, wanted):
     order = sorted(range(len(leaves)), key=lambda n: (distance(middles[n]), n))[:visited]
     windows = [(distance(c), p) for n in order for p, c in zip(*leaves[n], strict=True)]
     return [place for _, place in sorted(windows)[:wanted]]
-
-
-def component_coordinates(window, known, components, reach):
-    """Coordinates of a window, (width, width, K), of which the known steps count."""
-    mean = components.mean.astype(int)
-    channels, width = len(mean), 2 * reach + 1
-    basis = components.basis.astype(int).reshape(width, -1, width, channels)
-    result = []
-    for d in range(basis.shape[1]):
-        total = 0
-        for dy, dx in known:
-            row = basis[reach + dy, d, reach + dx]
-            total += int((row * (window[reach + dy, reach + dx] - mean)).sum())
-        scale = (width * width - 1) * channels * 256 // (len(known) * channels) if known else 0
-        level = int((basis[:, d] * mean).sum())
-        value = ((total * scale + 128) >> 8) + level - int(components.offset[d])
-        value = (value + (2**components.shift >> 1)) >> components.shift
-        result.append(min(max(value, -4095), 4095))
-    return result

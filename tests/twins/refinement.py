@@ -7,7 +7,6 @@ import math
 
 import numpy as np
 
-from twins.components import component_coordinates
 from twins.guides import guides
 from twins.pyramids import coarser, coarser_mask, pyramid, stacked
 from twins.randomness import random_bits
@@ -18,9 +17,9 @@ from twins.windows import (
     nearest_center,
     steps_away,
     usable,
-    window_at,
     window_centers,
 )
+from weftex.analysis.scale import dominant_scale
 
 
 class RefinedLevel:
@@ -87,11 +86,10 @@ def turned_lines(unknown, turn, cyclic, to_and_fro):
     return [line[::-1] for line in lines[::-1]] if backwards else lines
 
 
-def refinement(method, exemplar, canvas, seed, start=None, components=None):
+def refinement(method, exemplar, canvas, seed, start=None):
     """Refine a canvas from coarse to fine; (H, W, 2) sources, -1 for known pixels.
 
-    `method` is settled; `start` the sources of the other method's result; `components` those of
-    the fast code, which its tests compare with their definition.
+    `method` is settled; `start` the sources of the other method's result.
     """
     width, coherent = method.window_width, method.search == "coherent"
     reach = min(3, width // 2) if coherent else width // 2
@@ -155,7 +153,8 @@ def refinement(method, exemplar, canvas, seed, start=None, components=None):
         source = [[None] * known.shape[1] for _ in range(known.shape[0])]
         seeds = coarsest and start is None
         if seeds:
-            spacing = max(1, round(max(1, width // 2) / (step * method.seed_density)))
+            scale = method.seed_scale or dominant_scale(exemplar).scale
+            spacing = max(1, round(scale / method.seed_density / step))
             plain = level.guide and (level.guide[0], level.guide[1][::step, ::step], weight)
             points = seed_points(
                 level.pixels[::step, ::step], level.mask[::step, ::step], known.shape, canvas.wrap,
@@ -188,7 +187,7 @@ def refinement(method, exemplar, canvas, seed, start=None, components=None):
         rounds = method.iterations * (2 if coherent else 1)
         rounds = rounds if coarsest else max(1, method.iterations // 2)
         cyclic = not hole.all()
-        sweep = _coherent_sweep if coherent else _component_sweep
+        sweep = _coherent_sweep if coherent else _nearest_sweep
         usage = {}
         for y, x in np.argwhere(done & ~known):
             usage[level.cell(source[y][x])] = usage.get(level.cell(source[y][x]), 0) + 1
@@ -201,7 +200,7 @@ def refinement(method, exemplar, canvas, seed, start=None, components=None):
             for line in turned_lines(~known, turn, cyclic, coherent):
                 sweep(
                     method, level, canvas, seed, picture, done, source, ~known, line, turn,
-                    cyclic, usage, above, components, settled,
+                    cyclic, usage, above, settled,
                 )  # fmt: skip
             if turn >= (3 if cyclic else 1):
                 ratios = []
@@ -270,7 +269,7 @@ def _asked(level, unknown):
 
 def _coherent_sweep(
     method, level, canvas, seed, picture, done, source, unknown, line, turn, cyclic, usage, above,
-    components, settled,
+    settled,
 ):  # fmt: skip
     weight = round(1024 * method.evenness / 2**above)
     wanted = int(unknown.sum())
@@ -329,29 +328,14 @@ def _coherent_sweep(
         _settle(level, picture, done, source, y, x, best[1])
 
 
-def _component_sweep(
+def _nearest_sweep(
     method, level, canvas, seed, picture, done, source, unknown, line, turn, cyclic, usage, above,
-    components, settled,
+    settled,
 ):  # fmt: skip
     reach = level.reach
     wrap = (True, True) if turn and not cyclic else canvas.wrap
-    size = max(2 * reach + 1, 3) ** 2
-    every = [
-        (dy, dx) for dy in range(-reach, reach + 1) for dx in range(-reach, reach + 1) if dy or dx
-    ]
-    if not hasattr(level, "features"):
-        level.features = [
-            component_coordinates(window_at(level.pixels, *at, reach), every, components, reach)
-            for at in level.centers
-        ]
     for y, x in line:
         known = known_window(done, y, x, wrap, [reach] * 4)
-        places, channels = range(len(level.centers)), level.pixels.shape[2]
-        if len(known) * channels >= size * channels // 8:
-            here = window_at(picture, y, x, reach)
-            query = component_coordinates(here, known, components, reach)
-            unlike = ((np.array(level.features) - query) ** 2).sum(axis=1).tolist()
-            places = sorted(places, key=lambda n: unlike[n])[: method.candidates]
         here = steps_away(picture, y, x, known)
-        best = min((_known_distance(level, here, known, level.centers[n]), n) for n in places)
-        _settle(level, picture, done, source, y, x, level.centers[best[1]])
+        best = min((_known_distance(level, here, known, place), place) for place in level.centers)
+        _settle(level, picture, done, source, y, x, best[1])

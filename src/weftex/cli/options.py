@@ -85,6 +85,7 @@ def parse_task(
     chooser = argparse.ArgumentParser(add_help=False, allow_abbrev=False, exit_on_error=False)
     chooser.add_argument("--method", default=default, nargs="?")
     name = chooser.parse_known_args(argv)[0].method or ""
+    from weftex.method import kind_of
     from weftex.tasks.method_names import AUTO, method_class
 
     by_default = name in (AUTO, default) and not any(word.startswith("--method") for word in argv)
@@ -95,9 +96,7 @@ def parse_task(
         _refuse_parameters(parser, argv)
     group = parser.add_argument_group(f"parameters of {name}")
     for field, values in parameters_of(method):
-        # A class where the method's module does not postpone its annotations, as ours do.
-        wanted = getattr(field.type, "__name__", str(field.type)).split(" ")[0]
-        kind: Any = {"int": int, "float": float}.get(wanted, str)
+        kind = kind_of(field)
         text = f"{field.metadata['help']}; {values}"
         group.add_argument(
             "--" + field.name.replace("_", "-"),

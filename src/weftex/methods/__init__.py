@@ -9,11 +9,8 @@ Examples
 from __future__ import annotations
 
 import dataclasses
-from collections.abc import Mapping
-from typing import Any
 
-from weftex.errors import InvalidInputError, shown
-from weftex.method import Method
+from weftex.method import make_method
 from weftex.registry import METHODS
 
 __all__ = ["METHODS", "make_method", "owners"]
@@ -37,19 +34,3 @@ METHODS.declare(
 def owners(parameter: str) -> list[str]:
     """The methods that have a parameter of this name."""
     return [s for s in METHODS if parameter in (f.name for f in dataclasses.fields(METHODS[s]))]
-
-
-def make_method(method: str | Method, parameters: Mapping[str, Any]) -> Method:
-    """Return the method of that slug with these parameters.
-
-    Raises
-    ------
-    InvalidInputError
-        For an unknown method, parameter or value, with the nearest right name.
-    """
-    if not isinstance(method, (str, Method)):
-        raise InvalidInputError(f"method is {shown(method)}; it must be a name or a Method")
-    if isinstance(method, str):
-        made: Method = METHODS[method](**parameters)
-        return made
-    return dataclasses.replace(method, **parameters)

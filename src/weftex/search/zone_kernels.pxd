@@ -25,6 +25,9 @@ cdef Py_ssize_t nearest_by_blocks(const unsigned char[:, :, :, :, ::1] nodes,
 cdef void project(const short[:, ::1] basis, const int[::1] offset, int shift,
                   const int[::1] means, short[::1] features) noexcept nogil
 
+cdef void distances_by_features(const short[:, ::1] features, const short[::1] query,
+                                int[::1] out) noexcept nogil
+
 cdef Py_ssize_t nearest_by_features(const short[:, ::1] features, const int[::1] at,
                                     const short[::1] query, Py_ssize_t wanted,
                                     long long[::1] keys, int[::1] places) noexcept nogil

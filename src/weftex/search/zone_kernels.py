@@ -221,37 +221,57 @@ def project(basis, offset, shift, means, features):
         features[d] = cython.cast(cython.short, min(max(total, -4095), 4095))
 
 
+@cython.cfunc
+@cython.nogil
+@cython.exceptval(check=False)
+def feature_distances(
+    features: cython.const[cython.short][:, ::1], query: cython.const[cython.short][::1],
+    start: cython.Py_ssize_t, n: cython.Py_ssize_t, total: cython.p_int,
+) -> cython.void:  # fmt: skip
+    """Squared distances of n windows' coordinates; one component is one row of `features`."""
+    cython.declare(d=cython.Py_ssize_t, j=cython.Py_ssize_t)
+    cython.declare(q=cython.short, next_q=cython.short, diff=cython.short, next_diff=cython.short)
+    cython.declare(row=cython.p_const_short, next_row=cython.p_const_short)
+    for j in range(n):
+        total[j] = 0
+    for d in range(0, features.shape[0] - 1, 2):  # two at a time halve the traffic of sums
+        row = cython.address(features[d, start])
+        next_row = cython.address(features[d + 1, start])
+        q = query[d]
+        next_q = query[d + 1]
+        for j in range(n):
+            diff = row[j] - q
+            next_diff = next_row[j] - next_q
+            total[j] += (
+                cython.cast(cython.int, diff) * diff
+                + cython.cast(cython.int, next_diff) * next_diff
+            )
+    if features.shape[0] % 2:
+        row = cython.address(features[features.shape[0] - 1, start])
+        q = query[features.shape[0] - 1]
+        for j in range(n):
+            diff = row[j] - q
+            total[j] += cython.cast(cython.int, diff) * diff
+
+
+def distances_by_features(features, query, out):
+    """Squared distances in principal components of all windows."""
+    cython.declare(start=cython.Py_ssize_t)
+    for start in range(0, out.shape[0], 1024):
+        feature_distances(
+            features, query, start, min(1024, out.shape[0] - start), cython.address(out[start])
+        )
+
+
 def nearest_by_features(features, at, query, wanted, keys, places):
     """Find the windows nearest in principal components; one component is one row of `features`."""
     total = cython.declare(cython.int[1024])
     count: cython.Py_ssize_t = 0
     worst: cython.longlong = 0
-    cython.declare(start=cython.Py_ssize_t, n=cython.Py_ssize_t, d=cython.Py_ssize_t)
-    cython.declare(j=cython.Py_ssize_t, q=cython.short, next_q=cython.short)
-    cython.declare(diff=cython.short, next_diff=cython.short)
-    cython.declare(row=cython.p_const_short, next_row=cython.p_const_short)
+    cython.declare(start=cython.Py_ssize_t, n=cython.Py_ssize_t, j=cython.Py_ssize_t)
     for start in range(0, at.shape[0], 1024):
         n = min(1024, at.shape[0] - start)
-        for j in range(n):
-            total[j] = 0
-        for d in range(0, features.shape[0] - 1, 2):  # two at a time halve the traffic of sums
-            row = cython.address(features[d, start])
-            next_row = cython.address(features[d + 1, start])
-            q = query[d]
-            next_q = query[d + 1]
-            for j in range(n):
-                diff = row[j] - q
-                next_diff = next_row[j] - next_q
-                total[j] += (
-                    cython.cast(cython.int, diff) * diff
-                    + cython.cast(cython.int, next_diff) * next_diff
-                )
-        if features.shape[0] % 2:
-            row = cython.address(features[features.shape[0] - 1, start])
-            q = query[features.shape[0] - 1]
-            for j in range(n):
-                diff = row[j] - q
-                total[j] += cython.cast(cython.int, diff) * diff
+        feature_distances(features, query, start, n, cython.address(total[0]))
         for j in range(n):
             if total[j] < worst or count < wanted:
                 count = offer(

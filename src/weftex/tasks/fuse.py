@@ -122,7 +122,9 @@ def fuse(
         )
     whole_number = isinstance(belt_width, numbers.Integral) and not isinstance(belt_width, bool)
     if belt_width is not None and (not whole_number or belt_width < 2):
-        raise InvalidInputError(f"belt_width is {shown(belt_width)}; it must be an integer of 2 or more")
+        raise InvalidInputError(
+            f"belt_width is {shown(belt_width)}; it must be an integer of 2 or more"
+        )
     exemplars = of_one_kind(_load(samples))
     scales = [dominant_scale(exemplar).window_width for exemplar in exemplars]
     labels, materials = _labels(label_map, size, scales, (colors, mixed), number)

@@ -6,18 +6,24 @@ from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, ClassVar, Self
 
 from weftex.errors import InvalidInputError
-from weftex.method import parameter
+from weftex.method import Method, parameter
 from weftex.methods.pixels.growth import PixelModel, WindowedMethod
-from weftex.methods.refinement.guides import guides_of
-from weftex.methods.refinement.model import Prepared, prepare
+from weftex.methods.refinement.levels import Prepared, prepare
 from weftex.methods.refinement.output import (
     finish,
+    guides_of,
     output_pyramid,
     show_coarse,
     sources_of_children,
     sources_shown,
 )
-from weftex.methods.refinement.settings import Starts, settings_of, settled_method, window_width
+from weftex.methods.refinement.settings import (
+    Starts,
+    settings_of,
+    settled_method,
+    start_text,
+    window_width,
+)
 from weftex.methods.refinement.start import keep_patches, result_of, seed_sources
 from weftex.methods.refinement.sweeps import Convergence, refine_texture, sweep_of
 
@@ -56,12 +62,12 @@ class Refinement(WindowedMethod):
         low=1,
         parity="odd",
         unit="px",
-        default_text="twice the sample's dominant scale, 29 or more unless search is 'pca'",
+        default_text="twice the sample's dominant scale, 29 or more unless search is 'nearest'",
     )
     search: str = parameter(
         "coherent",
-        "from coarse to fine along the neighbors' sources, or by principal components of windows",
-        choices=("coherent", "pca"),
+        "from coarse to fine along the neighbors' sources, or the nearest of all windows",
+        choices=("coherent", "nearest"),
     )
     iterations: int = parameter(
         10, "at most so many; twice that on the coarsest level, half on others", low=1, high=1000
@@ -69,9 +75,10 @@ class Refinement(WindowedMethod):
     threshold: float = parameter(
         0.01, "epsilon: stop when an iteration changes the picture by less (eq. 1)", low=0.0
     )
-    init: str = parameter(
+    init: str | Method = parameter(  # noqa: RUF009  (methods are frozen)
         "auto",
-        "start from seed points or a method's result; auto: quilting; with a guide or 'pca' seeds",
+        "seed points or a method to start from, as in 'graphcut placement=entire'; "
+        "auto: quilting, or seeds with a guide or 'nearest'",
         choices=Starts("auto", "seeds"),
     )
     joints: int | None = parameter(
@@ -82,9 +89,17 @@ class Refinement(WindowedMethod):
         default_text="everything is refined",
         needs=("init", Starts("auto")),
     )
+    seed_scale: float | None = parameter(
+        None,
+        "distance of the seed points at a density of 1",
+        low=1.0,
+        unit="px",
+        default_text="the sample's dominant scale",
+        needs=("init", ("seeds",)),
+    )
     seed_density: float = parameter(
         1.0,
-        "seed points for each dominant scale along an axis",
+        "seed points for each such distance along an axis",
         low=0.1,
         high=10.0,
         needs=("init", ("seeds",)),
@@ -120,26 +135,20 @@ class Refinement(WindowedMethod):
         high=100.0,
         needs_canvas="guide",
     )
-    variance: float = parameter(
-        0.97,
-        "share of the variance to keep, with at most 48 components",
-        low=0.01,
-        high=1.0,
-        needs=("search", ("pca",)),
-    )
-    candidates: int = parameter(
-        20,
-        "windows nearest by their components, of which the nearest by all pixels is taken",
-        low=1,
-        high=10000,
-        needs=("search", ("pca",)),
-    )
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "init", start_text(self.init))
+        super().__post_init__()
 
     def for_belt(self, width: int) -> Self:
         """See `Method.for_belt`: seeds lie all over a belt (section 4)."""
-        # Patches of another start end along the belt.
         belted = super().for_belt(width)
-        return replace(belted, init="seeds") if self.init == "auto" else belted
+        if self.init not in ("auto", "seeds"):
+            return replace(belted, joints=None)  # a belt is a joint, all of it
+        # Patches of another start end along the belt. The sample is merged of two, and has no
+        # scale of its own: seed points lie half a window apart, which is the larger one's.
+        scale = self.seed_scale or max(1, belted.window_for(width) // 2)
+        return replace(belted, init="seeds", joints=None, seed_scale=scale)
 
     def fit_exemplar(self, exemplar: Exemplar) -> PixelModel:
         """Analyze a sample: its dominant scale, and how to find windows like one."""
@@ -151,8 +160,8 @@ class Refinement(WindowedMethod):
     def require(self, canvas: Canvas) -> None:
         """See `Method.require`."""
         super().require(canvas)
-        if canvas.guide is not None and self.search == "pca":
-            raise InvalidInputError("search is 'pca', which follows no guide; use 'coherent'")
+        if canvas.guide is not None and self.search == "nearest":
+            raise InvalidInputError("search is 'nearest', which follows no guide; use 'coherent'")
         if canvas.guide is not None and self.joints is not None:
             raise InvalidInputError("joints keeps what follows no guide; leave it out")
 
@@ -170,7 +179,7 @@ def texture_synthesis(prepared: Prepared, growth: Growth) -> None:
     """Make an output: steps 3 to 10 of TextureSynthesis (section 3), from coarse to fine.
 
     The paper refines seed points, at one resolution. Here the result of another method may be
-    refined too, and all but the paper's own search ("pca") go through coarse levels first.
+    refined too, and all but the paper's own search ("nearest") go through coarse levels first.
     """
     settings, levels, windows = prepared.settings, prepared.levels, prepared.windows
     start = prepared.start_for(growth.canvas.guide is not None)
@@ -184,7 +193,7 @@ def texture_synthesis(prepared: Prepared, growth: Growth) -> None:
     outputs = output_pyramid(windows, levels, growth)
     guides = guides_of(settings, levels, growth)
     convergence = Convergence(settings.threshold, cyclic)
-    steps = [output.count * n for output, n in zip(outputs, settings.iterations, strict=True)]
+    steps = [output.count * n for output, n in zip(outputs, settings.rounds, strict=True)]
     progress = growth.progress(sum(steps), "pixels")
     coarsest = len(levels) - 1
     for number in range(coarsest, -1, -1):
@@ -196,15 +205,15 @@ def texture_synthesis(prepared: Prepared, growth: Growth) -> None:
         else:  # step 3: PlantSeed, Fig. 5
             source = seed_sources(settings, level, output, guide, growth.seed)
         output.begin(level, source)
-        # Search Tree Construction (section 3): `sweep_kernels.refine_by_components` is the paper's,
-        # by principal components; `refine_coherently` is ours, among coherent and similar places.
+        # Search Tree Construction (section 3): `sweep_kernels.refine_to_nearest` is the paper's,
+        # among all windows; `refine_coherently` is ours, among coherent and similar places.
         sweep = sweep_of(settings, level, output, guide, growth.seed, cyclic)
-        for iteration in range(settings.iterations[number]):  # step 5: while (ContinueFlag)
+        for iteration in range(settings.rounds[number]):  # step 5: while (ContinueFlag)
             convergence.remember(output)
             changed = refine_texture(sweep, iteration, progress)  # step 6: RefineTexture
             show_coarse(output, growth)
             if convergence.reached(output, iteration, changed):  # steps 7 and 8: eq. (1)
-                left = settings.iterations[number] - 1 - iteration
+                left = settings.rounds[number] - 1 - iteration
                 progress.advance(left * output.count)
                 break
     finish(outputs[0], levels[0], windows, growth)  # step 10

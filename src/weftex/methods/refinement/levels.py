@@ -1,4 +1,4 @@
-"""The sample of iterative refinement at its resolutions."""
+"""The sample as iterative refinement prepares it: at its resolutions (section 3, steps 1, 2)."""
 
 from __future__ import annotations
 
@@ -9,17 +9,19 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from weftex.exemplar import Exemplar
+from weftex.method import method_of
 from weftex.raster.pyramids import gaussian_stack, mask_stack
+from weftex.search.nearest import nearest_search
 from weftex.search.similar import nearest_center, similar_places
 from weftex.search.stack import Layout
-from weftex.search.window_components import window_components
 from weftex.search.windows import windows_of
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
+    from weftex.method import Model
     from weftex.methods.refinement.settings import Settings
-    from weftex.search.window_components import WindowComponents
+    from weftex.search.nearest import NearestSearch
     from weftex.search.windows import Windows
 
 _FINE_REACH = 1  # pixels from the middle of a window to its side, on the finest of several levels
@@ -99,32 +101,64 @@ class CoherentLevel(Level):
 
 
 @dataclass(frozen=True, eq=False)
-class ComponentLevel(Level):
-    """The only level of the search by principal components (section 3, Search Tree Construction).
+class NearestLevel(Level):
+    """The only level of the paper's search (section 3, Search Tree Construction).
 
     Attributes
     ----------
-    components : WindowComponents
-        Coordinates of all windows.
+    search : NearestSearch
+        Among windows as large as they are.
     """
 
-    components: WindowComponents
+    search: NearestSearch
+
+
+@dataclass(frozen=True, eq=False)
+class Prepared:
+    """A sample prepared for iterative refinement.
+
+    Attributes
+    ----------
+    settings : Settings
+    windows : Windows
+        The sample with windows of one pixel.
+    levels : list of Level
+        From the finest to the coarsest; one where search is "nearest", or only belts are refined.
+    start : Model or None
+        Makes the pictures to refine; None plants seed points.
+    """
+
+    settings: Settings
+    windows: Windows
+    levels: list[Level]
+    start: Model | None
+
+    def start_for(self, guided: bool) -> Model | None:
+        """The model to start from on a canvas with or without a guide; None plants seed points."""
+        return None if guided and self.settings.seeds_for_guides else self.start
+
+
+def prepare(exemplar: Exemplar, settings: Settings) -> Prepared:
+    """Build the levels of a sample, and the model of the method to start from."""
+    start = None if settings.init == "seeds" else method_of(settings.init).fit(exemplar)
+    levels = sample_levels(exemplar, settings)
+    return Prepared(settings, windows_of(exemplar, (0,) * 4), levels, start)
 
 
 def sample_levels(exemplar: Exemplar, settings: Settings) -> list[Level]:
     """Return the levels of a sample that are refined on, from the finest to the coarsest."""
-    if settings.search == "pca":
-        return [_component_level(exemplar, settings)]
+    if settings.search == "nearest":
+        return [_nearest_level(exemplar, settings)]
     return [*_pyramid_levels(exemplar, settings)]
 
 
-def _component_level(exemplar: Exemplar, settings: Settings) -> ComponentLevel:
+def _nearest_level(exemplar: Exemplar, settings: Settings) -> NearestLevel:
     """One resolution, and windows as large as they are."""
     windows = windows_of(exemplar, (settings.reach,) * 4)
     every = np.arange(windows.usable.size, dtype=np.int32)
     places = windows.to_sample(every).reshape(windows.usable.shape)
     index = windows.from_sample(every[: exemplar.shape[0] * exemplar.shape[1]])
-    return ComponentLevel(
+    return NearestLevel(
         pyramid=windows_of(exemplar, (0,) * 4),
         tileable=exemplar.tileable,
         pixels=windows.pixels,
@@ -133,7 +167,7 @@ def _component_level(exemplar: Exemplar, settings: Settings) -> ComponentLevel:
         inside=index[places.ravel()],
         nearest=_nearest(windows.usable, index, exemplar.shape),
         reach=settings.reach,
-        components=window_components(windows, settings.reach, settings.variance),
+        search=nearest_search(windows, settings.reach),
     )
 
 
@@ -155,7 +189,7 @@ def _pyramid_levels(exemplar: Exemplar, settings: Settings) -> list[CoherentLeve
         coarser = windows, like
     like = windows.to_sample(like[windows.from_sample(every)])
     levels = []
-    for number in range(len(settings.iterations)):
+    for number in range(len(settings.rounds)):
         # Coarser levels have settled what goes where. Now the picture has to go on across seams,
         # and wide windows would draw these straight instead. A belt is refined on one level only.
         fine = number == 0 and settings.levels > 1 and not settings.belt

@@ -11,6 +11,7 @@ import numpy as np
 
 from weftex.analysis.scale import dominant_scale
 from weftex.errors import InvalidInputError
+from weftex.method import Method, method_of, text_of
 from weftex.methods.pixels.growth import settled_width
 from weftex.raster.pyramids import mask_pyramid
 from weftex.registry import METHODS
@@ -26,7 +27,7 @@ _SMALLEST_LEVEL = 24  # pixels; a coarser sample has too few windows left
 
 
 class Starts(Sequence[str]):
-    """The values of `init`: its own names, then the slugs of all other methods.
+    """The values of `init`: its own names, then the slugs of all other methods, with parameters.
 
     The registry is asked each time, so that methods of other packages count whenever they are
     registered.
@@ -38,7 +39,8 @@ class Starts(Sequence[str]):
     def __contains__(self, name: object) -> bool:
         if name in self._own:
             return True
-        return isinstance(name, str) and name != "refinement" and name in METHODS
+        slug = name.split(" ")[0] if isinstance(name, str) else ""
+        return slug != "refinement" and slug in METHODS
 
     def __iter__(self) -> Iterator[str]:
         yield from self._own
@@ -51,26 +53,34 @@ class Starts(Sequence[str]):
         return tuple(iter(self))[index]
 
 
+def start_text(init: object) -> object:
+    """Write a method with its parameters as a text; leave all else as it is.
+
+    Raises
+    ------
+    InvalidInputError
+        If the text names an unknown method, parameter or value.
+    """
+    try:
+        if isinstance(init, str) and " " in init:
+            init = method_of(init)
+    except InvalidInputError as error:
+        raise InvalidInputError(f"init: {error}") from None
+    return text_of(init) if isinstance(init, Method) else init
+
+
 @dataclass(frozen=True)
 class Settings:
-    """The settings of refinement for one sample.
+    """Every parameter of `Refinement` that counts here, settled; each is described there.
 
     Attributes
     ----------
-    search : {"coherent", "pca"}
-        Along the neighbors' sources in a pyramid, or by principal components at one resolution.
-    window_width : int
-        In pixels of the sample, odd.
     reach : int
         In pixels of a level, from the middle of a window to its side.
     levels : int
-        Resolutions that the windows are looked at; 1 where search is "pca".
-    iterations : tuple of int
-        For each level that is refined, the finest first: at most so many.
-    threshold : float
-        epsilon of eq. (1).
-    init : str
-        "seeds", or the slug of the method whose result is refined.
+        Resolutions that the windows are looked at; 1 where search is "nearest".
+    rounds : tuple of int
+        For each level that is refined, the finest first: at most so many iterations.
     seeds_for_guides : bool
         Plant seeds all the same where the canvas has a guide.
     belt : int
@@ -78,39 +88,25 @@ class Settings:
         the picture.
     seed_spacing : float
         In pixels of the sample.
-    matches : int
-        k of section 3: a unit tile is drawn from so many.
-    similar : int
-        Places like each that are candidates too.
     margin : int
-        In 1/256, the factor of a distance to one of these.
-    evenness : float
-        Weight of using all parts of the sample.
-    guide_weight : float
-        Weight of the guide's differences, the picture's being 1.
-    variance : float
-        The share that the components keep.
-    candidates : int
-        Windows nearest by their components.
+        In 1/256, the factor of a distance to a place that is like a coherent one.
     """
 
     search: str
     window_width: int
-    reach: int
-    levels: int
-    iterations: tuple[int, ...]
     threshold: float
     init: str
+    matches: int
+    similar: int
+    evenness: float
+    guide_weight: float
+    reach: int
+    levels: int
+    rounds: tuple[int, ...]
     seeds_for_guides: bool
     belt: int
     seed_spacing: float
-    matches: int
-    similar: int
     margin: int
-    evenness: float
-    guide_weight: float
-    variance: float
-    candidates: int
 
     @property
     def scale(self) -> int:
@@ -119,7 +115,7 @@ class Settings:
 
 
 def settled_method(method: Any, exemplar: Exemplar) -> Any:
-    """Return the method with its `window_width` and `init` settled.
+    """Return the method with its `window_width`, `init` and `seed_scale` settled.
 
     Raises
     ------
@@ -127,18 +123,20 @@ def settled_method(method: Any, exemplar: Exemplar) -> Any:
         If the sample is too small for the window, or for the method to start from.
     """
     pyramid = method.search == "coherent"
-    width = window_width(method, exemplar)
     init = method.init
     if init == "auto":
         init = "quilting" if pyramid or method.joints else "seeds"
     if init != "seeds":
         try:
-            METHODS[init]().settle(exemplar)
-        except InvalidInputError:  # too small a sample
+            method_of(init).settle(exemplar)
+        except InvalidInputError as error:  # too small a sample
             if method.init != "auto" or method.joints:
-                raise
+                raise InvalidInputError(f"init: {error}") from None
             init = "seeds"
-    return dataclasses.replace(method, window_width=width, init=init)
+    width, scale = window_width(method, exemplar), method.seed_scale
+    if init == "seeds" and scale is None:
+        scale = dominant_scale(exemplar).scale
+    return dataclasses.replace(method, window_width=width, init=init, seed_scale=scale)
 
 
 def window_width(method: Any, exemplar: Exemplar) -> int:
@@ -159,24 +157,20 @@ def settings_of(method: Any, exemplar: Exemplar, *, seeds_for_guides: bool) -> S
         last = 2 * method.iterations  # structure is settled on the coarsest, where it costs least
     # A coarse level would move what lies between patches that stay where they are.
     finer = 0 if method.joints else levels - 1
+    scale = method.seed_scale
+    if scale is None:
+        scale = dominant_scale(exemplar).scale if seeds_for_guides else 1.0
+    names = {field.name for field in dataclasses.fields(Settings)}
+    given = {name: value for name, value in vars(method).items() if name in names}
     return Settings(
-        search=method.search,
-        window_width=width,
+        **given,
         reach=reach,
         levels=levels,
-        iterations=(*[max(1, method.iterations // 2)] * finer, last),
-        threshold=method.threshold,
-        init=method.init,
+        rounds=(*[max(1, method.iterations // 2)] * finer, last),
         seeds_for_guides=seeds_for_guides,
         belt=method.joints or 0,
-        seed_spacing=max(1, width // 2) / method.seed_density,
-        matches=method.matches,
-        similar=method.similar,
+        seed_spacing=scale / method.seed_density,
         margin=round(ONE * method.coherence),
-        evenness=method.evenness,
-        guide_weight=method.guide_weight,
-        variance=method.variance,
-        candidates=method.candidates,
     )
 
 

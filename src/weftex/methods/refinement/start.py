@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from weftex.methods.refinement.guides import NO_GUIDE
+from weftex.methods.refinement.output import NO_GUIDE
 from weftex.methods.refinement.settings import ONE
 from weftex.random import draw
 from weftex.seams.belts import seam_belts
@@ -17,9 +17,8 @@ if TYPE_CHECKING:
 
     from weftex.method import Model
     from weftex.methods.pixels.growth import Growth
-    from weftex.methods.refinement.guides import Guide
     from weftex.methods.refinement.levels import Level
-    from weftex.methods.refinement.output import Output
+    from weftex.methods.refinement.output import Guide, Output
     from weftex.methods.refinement.settings import Settings
     from weftex.search.windows import Windows
 

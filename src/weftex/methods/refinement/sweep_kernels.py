@@ -3,9 +3,9 @@
 
 import cython
 from cython.cimports.weftex.search.coherence_kernels import coherent_places
-from cython.cimports.weftex.search.projection_kernels import Components, run_coordinates
+from cython.cimports.weftex.search.nearest_kernels import Search, nearest_window
 from cython.cimports.weftex.search.window_kernels import gather_runs, known_runs, run_distance
-from cython.cimports.weftex.search.zone_kernels import nearest_by_features, squared
+from cython.cimports.weftex.search.zone_kernels import squared
 
 _MOST_EXCESS = cython.declare(cython.longlong, 16384)  # in 1/256
 
@@ -90,11 +90,9 @@ class Scratch:
     runs: cython.int[:, ::1]
     query: cython.uchar[::1]
     places: cython.int[::1]
-    keys: cython.longlong[::1]
-    coherent: cython.Py_ssize_t
 
-    def __init__(self, runs, query, places, keys):
-        self.runs, self.query, self.places, self.keys = runs, query, places, keys
+    def __init__(self, runs, query, places):
+        self.runs, self.query, self.places = runs, query, places
 
 
 @cython.cfunc
@@ -167,15 +165,11 @@ def guide_distance(
 @cython.cfunc
 @cython.nogil
 @cython.exceptval(check=False)
-def gather_candidates(
-    output: Output, sample: Sample, similar: Similar, scratch: Scratch, y: cython.Py_ssize_t,
-    x: cython.Py_ssize_t,
-) -> cython.Py_ssize_t:  # fmt: skip
-    """List the coherent places of a pixel, then those similar to them; return their number.
-
-    The first is the pixel's own place. -1 stands for one where no window may be centered.
-    """
-    cython.declare(i=cython.Py_ssize_t, k=cython.Py_ssize_t, count=cython.Py_ssize_t)
+def gather_coherent(
+    output: Output, sample: Sample, scratch: Scratch, y: cython.Py_ssize_t, x: cython.Py_ssize_t
+) -> cython.Py_ssize_t:
+    """List a pixel's own place, then the coherent ones; return their number, -1 for none usable."""
+    cython.declare(count=cython.Py_ssize_t)
     beside: cython.Py_ssize_t = 1 if sample.reach > 0 else 0  # see `coherent_places`
     columns: cython.Py_ssize_t = sample.pixels.shape[1]
     own: cython.Py_ssize_t = output.source[y, x]
@@ -186,16 +180,9 @@ def gather_candidates(
         output.done, y, x, output.wrap_y, output.wrap_x, beside, beside, beside, beside,
         scratch.runs,
     )  # fmt: skip
-    count = coherent_places(
+    return coherent_places(
         output.source, y, x, scratch.runs, count, sample.usable, sample.period, scratch.places, 1
     )
-    scratch.coherent = count
-    for i in range(scratch.coherent):
-        if scratch.places[i] >= 0:
-            for k in range(similar.places.shape[1]):
-                scratch.places[count] = similar.places[scratch.places[i], k]
-                count += 1
-    return count
 
 
 def refine_coherently(
@@ -214,6 +201,7 @@ def refine_coherently(
     cython.declare(v=cython.Py_ssize_t, u=cython.Py_ssize_t, i=cython.Py_ssize_t)
     cython.declare(count=cython.Py_ssize_t, runs=cython.Py_ssize_t, own=cython.Py_ssize_t)
     cython.declare(place=cython.Py_ssize_t, best=cython.Py_ssize_t, least=cython.longlong)
+    cython.declare(k=cython.Py_ssize_t, coherent=cython.Py_ssize_t)
     cython.declare(apart=cython.longlong, factor=cython.longlong, distance=cython.longlong)
     reach: cython.Py_ssize_t = sample.reach
     width: cython.Py_ssize_t = output.pixels.shape[1]
@@ -224,7 +212,13 @@ def refine_coherently(
             y = order[p] // width
             x = order[p] % width
             own = output.source[y, x]
-            count = gather_candidates(output, sample, similar, scratch, y, x)
+            coherent = gather_coherent(output, sample, scratch, y, x)
+            count = coherent
+            for i in range(coherent):
+                if scratch.places[i] >= 0:
+                    for k in range(similar.places.shape[1]):
+                        scratch.places[count] = similar.places[scratch.places[i], k]
+                        count += 1
             runs = known_runs(
                 output.done, y, x, output.wrap_y, output.wrap_x, reach, reach, reach, reach,
                 scratch.runs,
@@ -246,7 +240,7 @@ def refine_coherently(
                     if best >= 0 and apart >= least:
                         continue
                 factor = excess(usage, place)
-                if i >= scratch.coherent:
+                if i >= coherent:
                     factor = factor * similar.margin // 256
                 distance = run_distance(
                     sample.pixels, v, u, scratch.runs, runs, scratch.query,
@@ -265,49 +259,26 @@ def refine_coherently(
     return changed
 
 
-def refine_by_components(
-    output: Output, sample: Sample, components: Components, scratch: Scratch,
-    order: cython.const[cython.int][::1], least_known: cython.Py_ssize_t,
+def refine_to_nearest(
+    output: Output, sample: Sample, search: Search, scratch: Scratch,
+    order: cython.const[cython.int][::1],
 ):  # fmt: skip
-    """Give each pixel in `order` the nearest of the windows; return how many changed.
-
-    Only as many windows as `scratch.places` has room for, the nearest by their coordinates, are
-    compared; all of them where fewer than `least_known` bytes of the window are known.
-    """
+    """Give each pixel in `order` the nearest of all windows; return how many changed."""
     cython.declare(p=cython.Py_ssize_t, y=cython.Py_ssize_t, x=cython.Py_ssize_t)
-    cython.declare(i=cython.Py_ssize_t, runs=cython.Py_ssize_t, known=cython.Py_ssize_t)
-    cython.declare(count=cython.Py_ssize_t, place=cython.Py_ssize_t, best=cython.Py_ssize_t)
-    cython.declare(distance=cython.longlong, least=cython.longlong)
+    cython.declare(near=cython.Py_ssize_t, runs=cython.Py_ssize_t, place=cython.Py_ssize_t)
     reach: cython.Py_ssize_t = sample.reach
     width: cython.Py_ssize_t = output.pixels.shape[1]
-    columns: cython.Py_ssize_t = sample.pixels.shape[1]
     changed: cython.Py_ssize_t = 0
     with cython.nogil:
         for p in range(order.shape[0]):
             y = order[p] // width
             x = order[p] % width
+            near = gather_coherent(output, sample, scratch, y, x)
             runs = known_runs(
                 output.done, y, x, output.wrap_y, output.wrap_x, reach, reach, reach, reach,
                 scratch.runs,
             )  # fmt: skip
-            known = gather_runs(output.pixels, y, x, scratch.runs, runs, scratch.query)
-            count = 0
-            if known >= least_known:
-                run_coordinates(components, scratch.runs, runs, scratch.query)
-                count = nearest_by_features(
-                    components.features, sample.centers, components.coordinates,
-                    scratch.places.shape[0], scratch.keys, scratch.places,
-                )  # fmt: skip
-            best = -1
-            least = -1
-            for i in range(count if count else sample.centers.shape[0]):
-                place = scratch.places[i] if count else sample.centers[i]
-                distance = run_distance(
-                    sample.pixels, place // columns, place % columns, scratch.runs, runs,
-                    scratch.query, least,
-                )  # fmt: skip
-                if best < 0 or distance < least or (distance == least and place < best):
-                    least = distance
-                    best = place
-            changed += take(output, sample, y, x, best)
+            gather_runs(output.pixels, y, x, scratch.runs, runs, scratch.query)
+            place = nearest_window(search, scratch.runs, runs, scratch.query, scratch.places, near)
+            changed += take(output, sample, y, x, place)
     return changed

@@ -7,16 +7,15 @@ from typing import TYPE_CHECKING, Any, Protocol
 import numpy as np
 
 from weftex.methods.refinement import sweep_kernels as kernels
-from weftex.methods.refinement.levels import CoherentLevel, ComponentLevel
+from weftex.methods.refinement.levels import CoherentLevel, NearestLevel
 from weftex.methods.refinement.settings import ONE
 from weftex.random import draw
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-    from weftex.methods.refinement.guides import Guide
     from weftex.methods.refinement.levels import Level
-    from weftex.methods.refinement.output import Output
+    from weftex.methods.refinement.output import Guide, Output
     from weftex.methods.refinement.settings import Settings
     from weftex.progress import Progress
 
@@ -25,7 +24,7 @@ _TRIED_IN_ALL = 2**23  # comparisons of the first sweep with places of the whole
 _TRIED_AT_LEAST = 64  # of these, at each pixel
 _EVENNESS = 4 * ONE  # weight on the coarsest level
 _ROOM = 2  # a part of the sample may be used so many times as often as all others
-_UNKNOWN_SHARE = 8  # all windows are compared where less than one part in so many is known
+_BESIDE = 10  # a pixel's own place, where its eight neighbors' go on, and one for none
 
 
 class Sweep(Protocol):
@@ -53,8 +52,8 @@ def sweep_of(
     cyclic : bool
         A hole is filled, from all four sides.
     """
-    if isinstance(level, ComponentLevel):
-        return ComponentSweep(settings, level, output, cyclic)
+    if isinstance(level, NearestLevel):
+        return NearestSweep(level, output, cyclic)
     if isinstance(level, CoherentLevel):
         return CoherentSweep(settings, level, output, guide, seed, cyclic)
     raise TypeError(f"no sweep for {type(level).__name__}")
@@ -86,14 +85,14 @@ class CoherentSweep:
     ) -> None:
         self._rows, self._output_shape = rows_of(output.wanted), output.known.shape
         self._seed, self._cyclic, self._centers = seed, cyclic, level.centers
-        coarser = len(settings.iterations) - 1 - output.number
+        coarser = len(settings.rounds) - 1 - output.number
         # Places from all over the sample tear apart a start that is whole. But the surroundings of
         # a hole must decide, and a guide.
         free = (cyclic and not settings.belt) or guide.weight > 0
         whole = bool(output.done.all()) and (coarser > 0 or not free)
         tried = max(_TRIED_IN_ALL // output.count, _TRIED_AT_LEAST)
         self._tried_count = 0 if whole else min(tried, len(level.centers))
-        channels, candidates = output.pixels.shape[2], 10 * (1 + level.similar.shape[1])
+        channels, candidates = output.pixels.shape[2], _BESIDE * (1 + level.similar.shape[1])
         self._bundles = (
             kernels.Output(output.pixels, output.done, output.source, output.wrap),
             kernels.Sample(level, _NO_PERIOD),
@@ -129,15 +128,10 @@ class CoherentSweep:
         return tried
 
 
-class ComponentSweep:
-    """Gives a pixel the nearest of the windows that are nearest by their principal components.
+class NearestSweep:
+    """Gives a pixel the nearest of all windows (Search Tree Construction, section 3)."""
 
-    See `sweep_kernels.refine_by_components`.
-    """
-
-    def __init__(
-        self, settings: Settings, level: ComponentLevel, output: Output, cyclic: bool
-    ) -> None:
+    def __init__(self, level: NearestLevel, output: Output, cyclic: bool) -> None:
         self._rows, self._output_shape = rows_of(output.wanted), output.known.shape
         self._cyclic = cyclic
         # From the second iteration neighborhoods are full, around the borders (section 3).
@@ -145,13 +139,11 @@ class ComponentSweep:
             kernels.Output(output.pixels, output.done, output.source, wrap)
             for wrap in (output.wrap, output.wrap if cyclic else (True, True))
         ]
-        channels, candidates = output.pixels.shape[2], min(settings.candidates, len(level.centers))
         self._bundles = (
             kernels.Sample(level, _NO_PERIOD),
-            level.components.for_kernels(),
-            _scratch(level.reach, channels, candidates),
+            level.search.bundle(),
+            _scratch(level.reach, output.pixels.shape[2], _BESIDE),
         )
-        self._least_known = max(2 * level.reach + 1, 3) ** 2 * channels // _UNKNOWN_SHARE
 
     def lines(self, iteration: int) -> list[NDArray[np.int32]]:
         """In scan order, or a hole from all four sides (Fig. 12)."""
@@ -160,10 +152,9 @@ class ComponentSweep:
         )
 
     def refine(self, line: NDArray[np.int32], iteration: int) -> int:
-        """See `Sweep.refine`."""
+        """See `Sweep.refine`; what is unknown in the first iteration is masked out."""
         output = self._outputs[min(iteration, 1)]
-        changed = kernels.refine_by_components(output, *self._bundles, line, self._least_known)
-        return int(changed)
+        return int(kernels.refine_to_nearest(output, *self._bundles, line))
 
 
 class Convergence:
@@ -221,8 +212,7 @@ def _room_for_window(reach: int, channels: int) -> tuple[NDArray[np.int32], NDAr
 
 def _scratch(reach: int, channels: int, candidates: int) -> kernels.Scratch:
     """Room for the window of a pixel, and for its candidates."""
-    room = np.zeros(candidates, np.int32), np.zeros(candidates, np.int64)
-    return kernels.Scratch(*_room_for_window(reach, channels), *room)
+    return kernels.Scratch(*_room_for_window(reach, channels), np.zeros(candidates, np.int32))
 
 
 def _usage(level: CoherentLevel, output: Output, guide: Guide, weight: int) -> kernels.Usage:

@@ -1,0 +1,142 @@
+"""The nearest of all windows of a sample, found exactly; principal components leave most out.
+
+The search of the paper on iterative refinement (section 3, Search Tree Construction), which
+compares windows by their components alone. Here the distance in these, which is never more than
+the distance itself, says which windows are too far to be compared; so nothing is lost by leaving
+variance out. Whole windows have components, and so have their L-shaped upper halves, which are
+known in the first iteration. Where less is known, that is compared with all windows.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from weftex.search import nearest_kernels
+from weftex.search.pca import (
+    MOST_COMPONENTS,
+    ZonePCA,
+    coordinates_of,
+    main_components,
+    one_blas_thread,
+)
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    from weftex.search.windows import Windows
+
+_LEARNED_WINDOWS = 512  # windows that the components are learned from
+_COMPONENT_LENGTH = 2000
+
+
+@dataclass(frozen=True, eq=False)
+class LowerBound:
+    """A lower bound of the distances between windows, by a part of each.
+
+    Attributes
+    ----------
+    components : ZonePCA
+        Of the part's bytes, and all windows' coordinates.
+    length : float
+        Two windows of which the squared distance is d are at most ``length * sqrt(d)`` apart in
+        coordinates, but for the rounding of these.
+    """
+
+    components: ZonePCA
+    length: float
+
+
+@dataclass(frozen=True, eq=False)
+class NearestSearch:
+    """The windows of a sample, with lower bounds of their distances.
+
+    Attributes
+    ----------
+    windows : Windows
+        Those that reach `reach` pixels to each side.
+    reach : int
+        In pixels, from the middle of a window to its side.
+    whole, above : LowerBound
+        By all of a window but its middle pixel, and by what is before that in scan order.
+    """
+
+    windows: Windows
+    reach: int
+    whole: LowerBound
+    above: LowerBound
+
+    def bundle(self) -> Any:
+        """Return the kernels' view, with scratch; one bundle a thread."""
+        apart = np.zeros(len(self.windows.centers), np.int32)
+        bounds = (
+            nearest_kernels.Bound(bound, *self._room(bound.components.basis), apart)
+            for bound in (self.whole, self.above)
+        )
+        return nearest_kernels.Search(self.windows, self.reach, *bounds)
+
+    def _room(self, basis: NDArray[np.int16]) -> tuple[NDArray[np.int32], NDArray[np.int16]]:
+        return np.zeros(basis.shape[1], np.int32), np.zeros(len(basis), np.int16)
+
+
+def nearest_search(windows: Windows, reach: int) -> NearestSearch:
+    """Prepare a search among windows that reach `reach` pixels to each side."""
+    width, channels = 2 * reach + 1, windows.pixels.shape[2]
+    number = np.arange(width * width).reshape(width, width, 1).repeat(channels, axis=2)
+    middle = width * width // 2
+    bounds = (_lower_bound(windows, reach, part) for part in (number != middle, number < middle))
+    return NearestSearch(windows, reach, *bounds)
+
+
+def _lower_bound(windows: Windows, reach: int, part: NDArray[np.bool_]) -> LowerBound:
+    """Find the components of a part (width, width, K), and all windows' coordinates in them.
+
+    A coordinate of all windows at once is the correlation of the picture with a component, so it
+    comes from Fourier transforms; windows are too many and too large to be laid out.
+    """
+    with one_blas_thread():
+        vectors = _main_vectors(windows, reach, part)
+        filters = np.rint(_COMPONENT_LENGTH * vectors).reshape(-1, *part.shape)
+        basis = np.ascontiguousarray(filters[:, part], np.int16)
+        # Rounded components are not quite at right angles.
+        longest = float(np.linalg.eigvalsh(np.inner(basis, basis.astype(np.float64)))[-1])
+    corners = windows.centers - reach * windows.pixels.shape[1] - reach
+    offset, shift, features = coordinates_of(_correlations(windows.pixels, filters, corners))
+    length = 1.001 * max(longest, 0.0) ** 0.5 / 2**shift
+    return LowerBound(ZonePCA(basis, offset, shift, features), length)
+
+
+def _main_vectors(windows: Windows, reach: int, part: NDArray[np.bool_]) -> NDArray[np.float64]:
+    """Learn components from some of the windows, as rows of length 1 with 0 beside the part.
+
+    There are fewer windows than numbers in one, so the eigenvectors are those of their products.
+    """
+    centers = windows.centers
+    some = np.linspace(0, len(centers) - 1, min(len(centers), _LEARNED_WINDOWS)).astype(np.intp)
+    y, x = np.divmod(centers[some], windows.pixels.shape[1])
+    around = np.arange(-reach, reach + 1)
+    rows, columns = y[:, None, None] + around[:, None], x[:, None, None] + around
+    learned = (windows.pixels[rows, columns] * part).reshape(len(some), -1).astype(np.float64)
+    learned -= learned.mean(axis=0)
+    power, vectors = np.linalg.eigh(learned @ learned.T)
+    found = learned.T @ vectors
+    lengths = np.sqrt((found * found).sum(axis=0))
+    found /= np.maximum(lengths, 1e-3)
+    found[:, lengths < 1e-3] = 0  # a constant sample varies by rounding only
+    return main_components(power, found, 1.0, MOST_COMPONENTS)
+
+
+def _correlations(
+    pixels: NDArray[np.uint8], filters: NDArray[np.float64], corners: NDArray[np.int32]
+) -> NDArray[np.int32]:
+    """Product of each filter with the windows whose upper left corners these are."""
+    size = pixels.shape[:2]
+    picture = np.fft.rfft2(pixels.transpose(2, 0, 1))
+    raw = np.empty((len(filters), len(corners)), np.int32)
+    for d, component in enumerate(filters):
+        transform = np.fft.rfft2(component.transpose(2, 0, 1), size)
+        products = np.fft.irfft2((picture * transform.conj()).sum(axis=0), size)
+        raw[d] = np.rint(products.ravel()[corners])
+    return raw

@@ -1,0 +1,20 @@
+cdef class Bound:
+    cdef const short[:, ::1] basis
+    cdef const int[::1] offset
+    cdef int shift
+    cdef const short[:, ::1] features
+    cdef double length
+    cdef int[::1] query
+    cdef short[::1] coordinates
+    cdef int[::1] apart
+
+cdef class Search:
+    cdef const unsigned char[:, :, ::1] pixels
+    cdef const int[::1] centers
+    cdef Py_ssize_t reach
+    cdef Bound whole
+    cdef Bound above
+
+cdef Py_ssize_t nearest_window(Search search, const int[:, ::1] runs, Py_ssize_t count,
+                               const unsigned char[::1] query, const int[::1] near,
+                               Py_ssize_t near_count) noexcept nogil
