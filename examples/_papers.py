@@ -1,6 +1,6 @@
 """What the scripts `paper_*.py` share: samples, sheets of pictures, tables and the command line.
 
-Needs Pillow beside weftex: pip install 'weftex[test]'.
+Needs Pillow, and `pieces` SciPy, beside weftex: pip install 'weftex[test]'.
 """
 
 from __future__ import annotations
@@ -49,6 +49,26 @@ def shrunk(pixels: np.ndarray, factor: int) -> np.ndarray:
     height, width = (n // factor * factor for n in pixels.shape[:2])
     blocks = pixels[:height, :width].reshape(height // factor, factor, width // factor, factor, -1)
     return np.rint(blocks.mean(axis=(1, 3))).astype(np.uint8)
+
+
+def pieces(result: weftex.Synthesis) -> np.ndarray:
+    """Size of the piece copied as a whole that each pixel belongs to."""
+    from scipy.sparse import coo_array
+    from scipy.sparse.csgraph import connected_components
+
+    source = result.source.astype(np.int64)
+    height, width = source.shape[:2]
+    shift = source - np.indices((height, width)).transpose(1, 2, 0)
+    number = np.arange(height * width).reshape(height, width)
+    down = (shift[1:] == shift[:-1]).all(axis=2)
+    right = (shift[:, 1:] == shift[:, :-1]).all(axis=2)
+    ends = (
+        np.concatenate([number[:-1][down], number[:, :-1][right]]),
+        np.concatenate([number[1:][down], number[:, 1:][right]]),
+    )
+    links = coo_array((np.ones(len(ends[0]), bool), ends), shape=(number.size, number.size))
+    label = connected_components(links, directed=False)[1]
+    return np.bincount(label)[label].reshape(height, width)
 
 
 def sheet(path: Path, rows: Sequence[Sequence[tuple[str, np.ndarray]]], gap: int = 10) -> None:
