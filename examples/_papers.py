@@ -51,6 +51,14 @@ def shrunk(pixels: np.ndarray, factor: int) -> np.ndarray:
     return np.rint(blocks.mean(axis=(1, 3))).astype(np.uint8)
 
 
+def clouds(side: int) -> np.ndarray:
+    """A smooth texture of our own: noise whose power falls with its frequency."""
+    noise = np.fft.rfft2(np.random.default_rng(2).normal(size=(side, side)))
+    y, x = np.fft.fftfreq(side)[:, None], np.fft.rfftfreq(side)
+    smooth = np.fft.irfft2(noise / (0.02 + np.hypot(y, x)) ** 2, (side, side))
+    return np.rint(255 * (smooth - smooth.min()) / np.ptp(smooth)).astype(np.uint8)
+
+
 def pieces(result: weftex.Synthesis) -> np.ndarray:
     """Size of the piece copied as a whole that each pixel belongs to."""
     from scipy.sparse import coo_array

@@ -17,7 +17,7 @@ from typing import Any
 
 import numpy as np
 from _outlines import continuity, own_continuity
-from _papers import Table, load, pieces, run, sheet, shrunk, sized, some
+from _papers import Table, clouds, load, pieces, run, sheet, shrunk, sized, some
 from PIL import Image, ImageDraw, ImageFont
 
 import weftex
@@ -149,17 +149,9 @@ def fig13(folder: Path, suffix: str) -> None:
     sheet(folder / f"fig13{suffix}", [row])
 
 
-def clouds(side: int = 128) -> np.ndarray:
-    """A smooth texture of our own: noise whose power falls with its frequency."""
-    noise = np.fft.rfft2(np.random.default_rng(2).normal(size=(side, side)))
-    y, x = np.fft.fftfreq(side)[:, None], np.fft.rfftfreq(side)
-    smooth = np.fft.irfft2(noise / (0.02 + np.hypot(y, x)) ** 2, (side, side))
-    return np.rint(255 * (smooth - smooth.min()) / np.ptp(smooth)).astype(np.uint8)
-
-
 def fig14(folder: Path, suffix: str) -> None:
     """Natural textures and a smooth one, beside the methods of Wei and Levoy and of Ashikhmin."""
-    samples = [load("leaves", 128), load("pebbles", 128), clouds()]
+    samples = [load("leaves", 128), load("pebbles", 128), clouds(128)]
     ways = {
         "(b) patch-based sampling": PAPER,
         "(c) Wei and Levoy": {"method": "wei-levoy"},
