@@ -27,6 +27,12 @@ _MOST_SMALL_PIXELS = 64
 _small = False
 
 
+def make_small(small: bool = True) -> None:
+    """From now on as with --small, or not."""
+    global _small
+    _small = small
+
+
 def sized(side: int) -> int:
     """Side of a sample or of a picture to make; with --small no more than 64 pixels."""
     return min(side, _MOST_SMALL_PIXELS) if _small else side
@@ -130,8 +136,7 @@ def run(
         help="pictures of 64 pixels, of the first samples: shows that all runs, measures nothing",
     )
     args = parser.parse_args()
-    global _small
-    _small = args.small
+    make_small(args.small)
     args.output.mkdir(parents=True, exist_ok=True)
     for experiment in every if "all" in args.experiment else args.experiment:
         start = perf_counter()
