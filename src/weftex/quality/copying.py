@@ -184,7 +184,7 @@ def _joints(
     sample: View, result: View, source: NDArray[np.int32], known: NDArray[np.bool_]
 ) -> float | None:
     total, count, steps, pairs = 0.0, 0, 0.0, 0
-    own, made = sample.levels.astype(np.int32), result.levels.astype(np.int32)
+    own, made = sample.values.astype(np.int32), result.values.astype(np.int32)
     for axis in (0, 1):
         later = tuple(slice(axis == a, None) for a in (0, 1))
         earlier = tuple(slice(None, -1 if axis == a else None) for a in (0, 1))
@@ -205,5 +205,5 @@ def _joints(
         total, count = total + float(least.sum()), count + len(least)
     if count < _JOINTS or not pairs:
         return None
-    channels = sample.levels.shape[2]
+    channels = sample.values.shape[2]
     return float(np.sqrt((total / count + channels / 12) / (steps / pairs + channels / 12)))

@@ -204,8 +204,8 @@ def _whitened(view: View, width: int) -> Floats | None:
         (1 - dx) * full[top + 1, left] + dx * full[top + 1, left + 1]
     )
     fade = [np.minimum(1, (np.minimum(k, k[::-1]) + 1) / _RIM) for k in map(np.arange, view.shape)]
-    level = view.flat * np.outer(*fade)
-    white = np.fft.irfft2(np.fft.rfft2(level) / np.sqrt(smooth), view.shape)
+    faded = view.flat * np.outer(*fade)
+    white = np.fft.irfft2(np.fft.rfft2(faded) / np.sqrt(smooth), view.shape)
     white = np.where(view.usable, white, 0)
     white -= white[view.usable].mean() * view.usable
     spread = float(np.sqrt((white[view.usable] ** 2).mean()))

@@ -76,7 +76,7 @@ class Seams:
     def border(self, result: View, axis: int) -> float:
         """The share of the border along an axis that is a seam; see `weftex.quality.wrap`."""
         usual = np.quantile(self._along(result.center(_LONGEST_BORDER), axis), _USUAL)
-        across = np.take(result.levels, np.arange(-_BORDER, _BORDER), axis)
+        across = np.take(result.values, np.arange(-_BORDER, _BORDER), axis)
         beside = View(across, np.ones(across.shape[:2], bool), result.axis, result.side)
         found = self._along(beside, axis)
         return float((np.take(found, found.shape[axis] // 2, axis) > usual).mean())

@@ -15,7 +15,7 @@ if TYPE_CHECKING:
 
 _CELL = 8  # pixels
 _SOFTEST = 0.05  # of the sample
-_ROUNDING = 1 / 12  # of bytes, as a variance in levels
+_ROUNDING = 1 / 12  # the variance of an error of up to half
 
 
 def sharpness(sample: View, result: View) -> tuple[float | None, float | None]:

@@ -91,7 +91,7 @@ def _bands(view: View, width: int) -> Floats | None:
     band = ring * _ANGLES + sector
     count = np.bincount(band)
     total = np.bincount(band, power[inside])
-    # Rounding to bytes has a twelfth of a level's power at every period.
+    # Rounding to bytes has a power of 1/12 at every period.
     result: Floats = 10 * np.log10(total[count > 0] / count[count > 0] + 1 / 12)
     return result
 
