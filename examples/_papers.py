@@ -1,6 +1,6 @@
 """What the scripts `paper_*.py` share: samples, sheets of pictures, tables and the command line.
 
-Needs Pillow, and `pieces` SciPy, beside weftex: pip install 'weftex[test]'.
+Needs Pillow beside weftex: pip install 'weftex[test]'.
 """
 
 from __future__ import annotations
@@ -15,6 +15,7 @@ import numpy as np
 from PIL import Image, ImageDraw, ImageFont
 
 import weftex
+from weftex.quality.copying import pieces as numbered_pieces
 
 HERE = Path(__file__).parent
 Item = TypeVar("Item")
@@ -66,23 +67,11 @@ def clouds(side: int) -> np.ndarray:
 
 
 def pieces(result: weftex.Synthesis) -> np.ndarray:
-    """Size of the piece copied as a whole that each pixel belongs to."""
-    from scipy.sparse import coo_array
-    from scipy.sparse.csgraph import connected_components
-
-    source = result.source.astype(np.int64)
-    height, width = source.shape[:2]
-    shift = source - np.indices((height, width)).transpose(1, 2, 0)
-    number = np.arange(height * width).reshape(height, width)
-    down = (shift[1:] == shift[:-1]).all(axis=2)
-    right = (shift[:, 1:] == shift[:, :-1]).all(axis=2)
-    ends = (
-        np.concatenate([number[:-1][down], number[:, :-1][right]]),
-        np.concatenate([number[1:][down], number[:, 1:][right]]),
-    )
-    links = coo_array((np.ones(len(ends[0]), bool), ends), shape=(number.size, number.size))
-    label = connected_components(links, directed=False)[1]
-    return np.bincount(label)[label].reshape(height, width)
+    """Size of the piece copied as a whole that each pixel belongs to, as `weftex report` has it."""
+    source = result.source
+    known = source[..., 0] >= 0
+    number = numbered_pieces(source - np.indices(result.shape).transpose(1, 2, 0), known)
+    return np.bincount(number.ravel())[number]
 
 
 def sheet(path: Path, rows: Sequence[Sequence[tuple[str, np.ndarray]]], gap: int = 10) -> None:
