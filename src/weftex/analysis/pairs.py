@@ -21,16 +21,17 @@ if TYPE_CHECKING:
     Floats = NDArray[np.float64]
 
 _PEAKS = 40  # that pairs are made of, of each octave of lengths the highest
-_FEWEST = 3.0  # pixels of a vector; shorter ones are grain
-_DOMINANT = 0.25  # of the shorter vector, that the peaks of both must dominate
-_PAIRS = 24  # that are fitted and rated by all their multiples
-_REACH = 24  # multiples of each vector that are looked at
-_INDEX = 7  # tiles, that a larger one may consist of
-_LOWER = 0.1  # of its mean, that a larger tile's multiples may be above those of a smaller
-_UNSURE = (0.35, 4.0)  # the same, in so few standard errors
-_HIGHER = ((0.2, 5.0), (0.15, 20.0))  # it counts instead with such a gap and errors
-_OWN = 6  # and as many multiples
-_NEAR = 0.3  # of a pixel, that the others may be from a whole shift
+_FEWEST = 3.0  # pixels; a shorter vector is grain
+_DOMINANT = 0.25  # of the shorter vector: the region that both peaks must dominate
+_PAIRS = 24  # pairs that are fitted, and rated by all their multiples
+_REACH = 24  # multiples of each vector that are rated
+_INDEX = 7  # smaller tiles that a tile is divided into, at most
+# A gap is how much higher the larger tile's multiples are than the smaller tile's others, as a share.
+_LOWER = 0.1  # a gap below which the smaller tile is as good
+_UNSURE = (0.35, 4.0)  # a gap below which it is too, if it is of fewer standard errors
+_HIGHER = ((0.2, 5.0), (0.15, 20.0))  # gaps, and standard errors, above which the larger is better
+_OWN = 6  # multiples that the larger tile must have for that
+_NEAR = 0.3  # pixels from a whole shift within which the smaller tile's multiples are compared
 
 
 def best_pair(field: Field, goodness: str) -> tuple[Floats, float] | None:
@@ -63,7 +64,7 @@ def best_pair(field: Field, goodness: str) -> tuple[Floats, float] | None:
         tried.append(fitted)
         reach = reach_of(field, fitted, _REACH)
         rated = float(rate(field, fitted[None], reach, goodness, exact=True).goodness[0])
-        if rated > highest * (1 + 1e-9):  # of equal ones the first, whatever the rounding
+        if rated > highest * (1 + 1e-9):  # of pairs that differ by rounding alone, the first
             best, highest = fitted, rated
     if best is None:
         return None
@@ -89,11 +90,11 @@ def reduced(vectors: Floats) -> Floats:
 
 
 def _candidates(peaks: Peaks) -> Floats:
-    """Pairs of peaks that are reduced (step 4 of the paper), neither in a higher one's shadow."""
+    """Reduced pairs of peaks (step 4 of the paper) that both dominate a large enough region."""
     lengths = np.hypot(peaks.shifts[:, 0], peaks.shifts[:, 1])
     wide = (peaks.dominance >= 2) & (lengths >= _FEWEST)
     octave = np.log2(np.maximum(lengths, 1)).astype(int)
-    # Multiples outnumber the vectors themselves, so each octave of lengths has its own highest.
+    # Multiples outnumber the vectors, so the highest peaks of each octave of lengths are taken.
     chosen = np.concatenate(
         [np.flatnonzero(wide & (octave == k))[:_PEAKS] for k in range(octave.max(initial=0) + 1)]
     )
@@ -108,7 +109,7 @@ def _candidates(peaks: Peaks) -> Floats:
 
 
 def _divide(field: Field, vectors: Floats) -> Floats:
-    """The smallest tile that makes up this one and is as good at all its multiples."""
+    """Divide a tile into up to seven smaller ones that are as good at all their multiples."""
     own = contrast_of(field, vectors, reach_of(field, vectors, _REACH))
     for index in range(_INDEX, 1, -1):
         for across in (n for n in range(1, index + 1) if index % n == 0):
@@ -121,7 +122,7 @@ def _divide(field: Field, vectors: Floats) -> Floats:
                 whole = np.rint(vectors @ np.linalg.inv(basis))
                 reach = reach_of(field, basis, _REACH)
                 gap, errors, count = stand_out(field, basis, whole, reach)
-                # Multiples that fall between pixels are lower, the more the closer they are.
+                # The correlation is lower at multiples between pixels: more so for short vectors.
                 lower = _LOWER + 0.5 / float(np.hypot(*basis[0]))
                 alike = gap < lower or (gap < _UNSURE[0] and errors < _UNSURE[1])
                 if count and alike and contrast_of(field, basis, reach) > own / 2:
@@ -130,14 +131,14 @@ def _divide(field: Field, vectors: Floats) -> Floats:
 
 
 def _fitted(field: Field, vectors: Floats) -> Floats:
-    """The vectors below a pixel; as they are, where a fit to a small sample folds them together."""
+    """The vectors fitted below a pixel, unless the fit to a small sample halves the tile."""
     found = fit_vectors(field.correlation, vectors, _REACH)[0]
     areas = [abs(np.linalg.det(pair)) for pair in (found, vectors)]
     return found if areas[0] > areas[1] / 2 else vectors
 
 
 def _multiply(field: Field, vectors: Floats) -> Floats:
-    """Two or three times the tile, where its own multiples stand out: colors alternate."""
+    """Take two or three tiles as one where its multiples are higher, as where colors alternate."""
     reach = reach_of(field, vectors, _REACH)
     for index in (2, 3):
         for across in (1, index):
@@ -145,7 +146,9 @@ def _multiply(field: Field, vectors: Floats) -> Floats:
                 whole = np.array([[across, slant], [0.0, index // across]])
                 gap, errors, count = stand_out(field, vectors, whole, reach, _NEAR)
                 higher = any(gap > least and errors > sure for least, sure in _HIGHER)
-                if not count:  # all of them lie between pixels, which explains half of a gap
+                if (
+                    not count
+                ):  # the others all lie between pixels, which explains gaps of up to a half
                     gap, _, count = stand_out(field, vectors, whole, reach)
                     higher = gap > 0.5
                 if higher and count >= _OWN:
