@@ -26,7 +26,7 @@ _DOMINANT = 0.25  # of the shorter vector: the region that both peaks must domin
 _PAIRS = 24  # pairs that are fitted, and rated by all their multiples
 _REACH = 24  # multiples of each vector that are rated
 _INDEX = 7  # smaller tiles that a tile is divided into, at most
-# A gap is how much higher the larger tile's multiples are than the smaller tile's others, as a share.
+# A gap is the share by which a larger tile's multiples are above the smaller tile's others.
 _LOWER = 0.1  # a gap below which the smaller tile is as good
 _UNSURE = (0.35, 4.0)  # a gap below which it is too, if it is of fewer standard errors
 _HIGHER = ((0.2, 5.0), (0.15, 20.0))  # gaps, and standard errors, above which the larger is better
@@ -146,9 +146,7 @@ def _multiply(field: Field, vectors: Floats) -> Floats:
                 whole = np.array([[across, slant], [0.0, index // across]])
                 gap, errors, count = stand_out(field, vectors, whole, reach, _NEAR)
                 higher = any(gap > least and errors > sure for least, sure in _HIGHER)
-                if (
-                    not count
-                ):  # the others all lie between pixels, which explains gaps of up to a half
+                if not count:  # all others lie between pixels, which explains gaps up to 0.5
                     gap, _, count = stand_out(field, vectors, whole, reach)
                     higher = gap > 0.5
                 if higher and count >= _OWN:
