@@ -24,7 +24,7 @@ _PEAKS = 40  # that pairs are made of, of each octave of lengths the highest
 _FEWEST = 3.0  # pixels; a shorter vector is grain
 _DOMINANT = 0.25  # of the shorter vector: the region that both peaks must dominate
 _PAIRS = 24  # pairs that are fitted, and rated by all their multiples
-_REACH = 24  # multiples of each vector that are rated
+MOST_MULTIPLES = 24  # multiples of each vector that are rated
 _INDEX = 7  # smaller tiles that a tile is divided into, at most
 # A gap is the share by which a larger tile's multiples are above the smaller tile's others.
 _LOWER = 0.1  # a gap below which the smaller tile is as good
@@ -49,28 +49,34 @@ def best_pair(field: Field, goodness: str) -> tuple[Floats, float] | None:
     (float64 array (2, 2), float) or None
         Vectors as rows (x, y); None where no pair has two significant vectors.
     """
-    pairs = _candidates(field.peaks)
-    if not len(pairs):
-        return None
-    first = rate(field, pairs, 2, goodness).goodness
     best, highest = None, 0.0
-    tried: list[Floats] = []
-    for k in np.argsort(-first, kind="stable")[:_PAIRS]:
-        if first[k] <= 0:
-            break
-        fitted = _fitted(field, pairs[k])
-        if any(abs(fitted - other).max() < 0.5 for other in tried):
-            continue
-        tried.append(fitted)
-        reach = reach_of(field, fitted, _REACH)
-        rated = float(rate(field, fitted[None], reach, goodness, exact=True).goodness[0])
+    for vectors, rated in rated_pairs(field, goodness):
         if rated > highest * (1 + 1e-9):  # of pairs that differ by rounding alone, the first
-            best, highest = fitted, rated
+            best, highest = vectors, rated
     if best is None:
         return None
     if goodness == "contrast":
         best = _multiply(field, _divide(field, best))
-    return best, contrast_of(field, best, reach_of(field, best, _REACH))
+    return best, contrast_of(field, best, reach_of(field, best, MOST_MULTIPLES))
+
+
+def rated_pairs(field: Field, goodness: str) -> list[tuple[Floats, float]]:
+    """The pairs that could be a lattice, fitted, and the goodness of each (steps 2 to 5)."""
+    pairs = _candidates(field.peaks)
+    if not len(pairs):
+        return []
+    first = rate(field, pairs, 2, goodness).goodness
+    tried: list[tuple[Floats, float]] = []
+    for k in np.argsort(-first, kind="stable")[:_PAIRS]:
+        if first[k] <= 0:
+            break
+        fitted = _fitted(field, pairs[k])
+        if any(abs(fitted - other).max() < 0.5 for other, _ in tried):
+            continue
+        reach = reach_of(field, fitted, MOST_MULTIPLES)
+        rated = rate(field, fitted[None], reach, goodness, exact=True)
+        tried.append((fitted, float(rated.goodness[0])))
+    return tried
 
 
 def reduced(vectors: Floats) -> Floats:
@@ -90,11 +96,11 @@ def reduced(vectors: Floats) -> Floats:
 
 
 def _candidates(peaks: Peaks) -> Floats:
-    """Reduced pairs of peaks (step 4 of the paper) that both dominate a large enough region."""
+    """Pairs of peaks that are reduced (step 4 of the paper), neither in a higher one's shadow."""
     lengths = np.hypot(peaks.shifts[:, 0], peaks.shifts[:, 1])
     wide = (peaks.dominance >= 2) & (lengths >= _FEWEST)
     octave = np.log2(np.maximum(lengths, 1)).astype(int)
-    # Multiples outnumber the vectors, so the highest peaks of each octave of lengths are taken.
+    # Multiples outnumber the vectors themselves, so each octave of lengths has its own highest.
     chosen = np.concatenate(
         [np.flatnonzero(wide & (octave == k))[:_PEAKS] for k in range(octave.max(initial=0) + 1)]
     )
@@ -109,8 +115,8 @@ def _candidates(peaks: Peaks) -> Floats:
 
 
 def _divide(field: Field, vectors: Floats) -> Floats:
-    """Divide a tile into up to seven smaller ones that are as good at all their multiples."""
-    own = contrast_of(field, vectors, reach_of(field, vectors, _REACH))
+    """The smallest tile that makes up this one and is as good at all its multiples."""
+    own = contrast_of(field, vectors, reach_of(field, vectors, MOST_MULTIPLES))
     for index in range(_INDEX, 1, -1):
         for across in (n for n in range(1, index + 1) if index % n == 0):
             for slant in range(index // across):
@@ -120,9 +126,9 @@ def _divide(field: Field, vectors: Floats) -> Floats:
                 if np.hypot(*basis[0]) < _FEWEST:
                     continue
                 whole = np.rint(vectors @ np.linalg.inv(basis))
-                reach = reach_of(field, basis, _REACH)
+                reach = reach_of(field, basis, MOST_MULTIPLES)
                 gap, errors, count = stand_out(field, basis, whole, reach)
-                # The correlation is lower at multiples between pixels: more so for short vectors.
+                # Multiples that fall between pixels are lower, the more the closer they are.
                 lower = _LOWER + 0.5 / float(np.hypot(*basis[0]))
                 alike = gap < lower or (gap < _UNSURE[0] and errors < _UNSURE[1])
                 if count and alike and contrast_of(field, basis, reach) > own / 2:
@@ -131,22 +137,22 @@ def _divide(field: Field, vectors: Floats) -> Floats:
 
 
 def _fitted(field: Field, vectors: Floats) -> Floats:
-    """The vectors fitted below a pixel, unless the fit to a small sample halves the tile."""
-    found = fit_vectors(field.correlation, vectors, _REACH)[0]
+    """The vectors below a pixel; as they are, where a fit to a small sample folds them together."""
+    found = fit_vectors(field.correlation, vectors, MOST_MULTIPLES)[0]
     areas = [abs(np.linalg.det(pair)) for pair in (found, vectors)]
     return found if areas[0] > areas[1] / 2 else vectors
 
 
 def _multiply(field: Field, vectors: Floats) -> Floats:
-    """Take two or three tiles as one where its multiples are higher, as where colors alternate."""
-    reach = reach_of(field, vectors, _REACH)
+    """Two or three times the tile, where its own multiples stand out: colors alternate."""
+    reach = reach_of(field, vectors, MOST_MULTIPLES)
     for index in (2, 3):
         for across in (1, index):
             for slant in range(index // across):
                 whole = np.array([[across, slant], [0.0, index // across]])
                 gap, errors, count = stand_out(field, vectors, whole, reach, _NEAR)
                 higher = any(gap > least and errors > sure for least, sure in _HIGHER)
-                if not count:  # all others lie between pixels, which explains gaps up to 0.5
+                if not count:  # all of them lie between pixels, which explains half of a gap
                     gap, _, count = stand_out(field, vectors, whole, reach)
                     higher = gap > 0.5
                 if higher and count >= _OWN:
