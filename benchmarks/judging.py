@@ -13,7 +13,7 @@ from html import escape
 from time import perf_counter
 from typing import Any
 
-from shared import Table, medians, ms, sample_of
+from shared import Table, medians, ms, sample_of, sized, some
 
 import weftex
 from weftex.methods import METHODS
@@ -30,7 +30,10 @@ _FAST = 1.0  # seconds up to which more than one seed is tried
 def judging() -> Table:
     """How long it takes to measure, to choose and to compare."""
     small, large = sample_of(256, "bricks"), sample_of(256, "leaves")
-    made = {size: weftex.synthesize(small, size, method="quilting", seed=1) for size in (512, 2048)}
+    made = {
+        size: weftex.synthesize(small, sized(size), method="quilting", seed=1)
+        for size in (512, 2048)
+    }
     for result in made.values():
         _ = result.image, result.source
     samples = [sample_of(256, name) for name in (*NAMES, "pebbles", "weave", "tiles", "wood")]
@@ -42,13 +45,15 @@ def judging() -> Table:
             "large": lambda: weftex.assess(weftex.Exemplar(small), made[2048]),
             "report": lambda: weftex.report(small, made[512]).html(),
             "wide": lambda: look(weftex.Exemplar(wide)),
-            "three": lambda: weftex.synthesize(large, 256, method="quilting", seed=1, best_of=3),
+            "three": lambda: weftex.synthesize(
+                large, sized(256), method="quilting", seed=1, best_of=3
+            ),
         },
         3,
     )
     choosing = medians({k: lambda s=s: look(weftex.Exemplar(s)) for k, s in enumerate(samples)}, 5)
     start = perf_counter()
-    weftex.compare(sample_of(_SIDE, "pebbles"), _SIZE, seed=1)
+    weftex.compare(sample_of(_SIDE, "pebbles"), sized(_SIZE), seed=1)
     compared = perf_counter() - start
     named, loaded = processes()
     rows = [
@@ -81,7 +86,8 @@ def processes() -> tuple[dict[str, float], int]:
     with tempfile.TemporaryDirectory() as folder:
         sample = f"{folder}/sample.png"
         weftex.write_image(sample, sample_of(128, "leaves"))
-        words = ["synth", sample, "-o", f"{folder}/out.png", "--size", "200", "--seed", "7"]
+        words = ["synth", sample, "-o", f"{folder}/out.png", "--size", str(sized(200))]
+        words += ["--seed", "7"]
         words.append("--quiet")
         command = [sys.executable, "-m", "weftex", *words]
         works = {
@@ -151,7 +157,7 @@ def measured(setting: Setting, exemplar: weftex.Exemplar, size: int) -> tuple[fl
         model = make_method(setting.method, setting.parameters).fit(
             weftex.Exemplar(exemplar.pixels, name=exemplar.name)
         )
-        made = model.sample(size, seed=seed, threads=1)
+        made = model.sample(sized(size), seed=seed, threads=1)
         made.image  # rendering is part of the work  # noqa: B018
         seconds.append(perf_counter() - start)
         scores.append(weftex.assess(exemplar, made).score or 0.0)
@@ -164,9 +170,10 @@ def quality_against_time(
     settings: Sequence[Setting] = SETTINGS, side: int = _SIDE, size: int = _MADE
 ) -> Table:
     """Which method, and which of its settings, gives what for the same seconds."""
-    samples = [weftex.Exemplar(sample_of(side, name), name=name) for name in NAMES]
+    names = some(NAMES)
+    samples = [weftex.Exemplar(sample_of(side, name), name=name) for name in names]
     points = []
-    for setting in settings:
+    for setting in some(settings, least=2):
         found = [measured(setting, sample, size) for sample in samples]
         seconds, scores = zip(*found, strict=True)
         points.append((statistics.fmean(seconds), statistics.fmean(scores), setting, scores))
@@ -185,7 +192,7 @@ Fit and sample with one thread, {side} to {size}, means over four samples; score
 {len(_SEEDS)} seeds up to {_FAST:g} s, one seed above. Best: no faster setting has a better mean
 score.
 """
-    return notes, ["method", "seconds", "score", "best", *NAMES], rows
+    return notes, ["method", "seconds", "score", "best", *names], rows
 
 
 # ---------------------------------------------------------------------------------------- chart

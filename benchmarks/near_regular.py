@@ -6,7 +6,7 @@ import statistics
 from time import perf_counter
 
 import numpy as np
-from shared import Table, Work, child, medians, ms, sample_of
+from shared import Table, Work, child, medians, ms, sample_of, sized, some
 
 import weftex
 from weftex.analysis.correlation import correlate
@@ -33,7 +33,7 @@ def direct(pixels: np.ndarray) -> float:
     rng = np.random.default_rng(0)
     picture = pixels.astype(np.float64)
     times = []
-    for _ in range(_SHIFTS):
+    for _ in some(range(_SHIFTS)):
         y, x = int(rng.integers(1 - height, height)), int(rng.integers(1 - width, width))
         start = perf_counter()
         f = picture[max(y, 0) : height + min(y, 0), max(x, 0) : width + min(x, 0)]
@@ -51,7 +51,8 @@ def direct(pixels: np.ndarray) -> float:
 def windows(model: weftex.NearRegularModel) -> Work:
     """Windows of 256 pixels, far away and each at another place."""
     places = iter(range(10**9))
-    return lambda: model.window(_FAR + 999 * next(places), -_FAR, 256, 256, seed=7).image
+    side = sized(256)
+    return lambda: model.window(_FAR + 999 * next(places), -_FAR, side, side, seed=7).image
 
 
 def near_regular() -> Table:
@@ -67,10 +68,10 @@ def near_regular() -> Table:
             "lattice": lambda: find_lattice(weftex.Exemplar(small)),
             "large": lambda: find_lattice(weftex.Exemplar(large)),
             "correlation": lambda: correlate(small),
-            "blocks": lambda: blocks.sample(256, seed=next(seeds)).image,
+            "blocks": lambda: blocks.sample(sized(256), seed=next(seeds)).image,
             "window": windows(own),
-            "still": lambda: own.sample(_SIDE, seed=next(seeds)).image,
-            "warped": lambda: bent.sample(_SIDE, seed=next(seeds)).image,
+            "still": lambda: own.sample(sized(_SIDE), seed=next(seeds)).image,
+            "warped": lambda: bent.sample(sized(_SIDE), seed=next(seeds)).image,
         },
         15,
     )

@@ -18,6 +18,8 @@ from shared import (
     papers,
     sample_of,
     sampling,
+    sized,
+    some,
 )
 
 import weftex
@@ -58,7 +60,7 @@ def speed() -> Table:
             )
     for method in PATCH_METHODS:
         for threads in (1, 2):
-            runs = [child(method=method, size=8192, threads=threads) for _ in range(3)]
+            runs = [child(method=method, size=8192, threads=threads) for _ in some(range(3))]
             took_once = statistics.median(run["sample"] for run in runs)
             rows.append(
                 [
@@ -113,7 +115,7 @@ def growth() -> Table:
     )
     for what, values in series:
         works: dict[Any, Work] = {}
-        for value in values:
+        for value in some(values):
             side, size, patch, candidates = 192, 512, 40, 40
             if what == "sample side":
                 side, patch = value, min(patch, value // 2)
@@ -128,7 +130,7 @@ def growth() -> Table:
             works[value, "fit"] = fitting(pixels, **given)
             works[value, "sample"] = sampling(pixels, size, **given)
         took = medians(works, 5)
-        for value in values:
+        for value in some(values):
             rows.append([what, str(value), ms(took[value, "fit"]), ms(took[value, "sample"])])
     notes = "Otherwise 192 to 512, patches of 40 px, 40 candidates, the default search."
     return notes, ["varied", "to", "fit", "sample"], rows
@@ -145,14 +147,14 @@ def recall() -> Table:
     common = {"patch_size": 32, "boundary_width": 4, "repeat_distance": 0, "epsilon": 0}
     ratios: dict[int, list[float]] = {k: [] for k in range(len(searches))}
     times: dict[int, list[float]] = {k: [] for k in range(len(searches))}
-    for name in paper.SAMPLES:
+    for name in some(paper.SAMPLES):
         exemplar = weftex.Exemplar(papers.load(name, 128))
         truth = Truth(exemplar)
         works = {}
         for k, (search, given) in enumerate(searches):
             model = weftex.PatchSampling(search=search, **given, **common).fit(exemplar)
-            ratios[k] += truth.ratios(model.sample(200, seed=1))
-            works[k] = lambda model=model: model.sample(200, seed=1).image
+            ratios[k] += truth.ratios(model.sample(sized(200), seed=1))
+            works[k] = lambda model=model: model.sample(sized(200), seed=1).image
         for k, took in medians(works, 5).items():
             times[k].append(took)
     rows = []

@@ -9,7 +9,7 @@ from time import perf_counter
 from typing import Any
 
 import numpy as np
-from shared import Table, child, fitting, fuse_three, medians, ms, sample_of, sampling
+from shared import Table, child, fitting, fuse_three, medians, ms, sample_of, sampling, sized, some
 
 import weftex
 from weftex.search import window_kernels as kernels
@@ -154,9 +154,9 @@ def available(cases: tuple[Case, ...]) -> Iterator[Case]:
 def pixel(scale: float = 1.0) -> Table:
     """Fit and sample beside targets, the papers' figures and brute force."""
     rows = []
-    for case in available(CASES):
+    for case in some(available(CASES)):
         case = dataclasses.replace(
-            case, side=max(round(case.side * scale), 80), size=round(case.size * scale)
+            case, side=max(round(case.side * scale), 80), size=sized(round(case.size * scale))
         )
         pixels = sample_for(case)
         fit = fitting(pixels, case.method, **case.parameters)
@@ -218,7 +218,7 @@ def pixel_growth(scale: float = 1.0) -> Table:
     methods = [(slug, round(size * scale)) for slug, size in GROWING if slug in weftex.METHODS]
     rows = []
     for what, values in series:
-        for value in values:
+        for value in some(values):
             row = [what, str(value)]
             for slug, size in methods:
                 side, colors, width = 128, 0, 11

@@ -7,7 +7,7 @@ import subprocess
 import sys
 import tempfile
 
-from shared import PATCH_METHODS, Table, child, medians, ms, sample_of
+from shared import PATCH_METHODS, Table, child, medians, ms, sample_of, sized, some
 
 import weftex
 
@@ -18,7 +18,7 @@ def kernels() -> Table:
     for method in PATCH_METHODS:
         for side, size in ((200, 800), (256, 2048)):
             runs: dict[str, list[dict[str, float]]] = {"": [], "baseline": []}
-            for _ in range(5):
+            for _ in some(range(5)):
                 for kind, found in runs.items():
                     environment = {"WEFTEX_KERNELS": kind}
                     found.append(
@@ -49,7 +49,7 @@ def startup() -> Table:
                 label = f"weftex synth --method {method}, {side} to {size}"
                 commands[label] = [
                     *(python, "-m", "weftex", "synth", f"{folder}/{side}.png"),
-                    *("-o", f"{folder}/out.png", "--size", str(size), "--method", method),
+                    *("-o", f"{folder}/out.png", "--size", str(sized(size)), "--method", method),
                     *("--seed", "7", "--quiet"),
                 ]
         works = {
@@ -84,7 +84,7 @@ def memory() -> Table:
         ("refinement", 192, 512),
         ("graphcut", 192, 512),
     )
-    for method, side, size in (job for job in jobs if job[0] in weftex.METHODS):
+    for method, side, size in some(job for job in jobs if job[0] in weftex.METHODS):
         run = child(method=method, side=side, size=size)
         what = f"{side} to {size}" if size else f"fit {side}"
         picture = 3 * size * size / 2**20

@@ -1,14 +1,15 @@
 """Speed, memory, start-up, growth: docs/measured/benchmarks.md; run by hand, never a test.
 
-    python benchmarks/run.py [all | TABLE ...] [--json FILE] [--update [PAGE]]
+    python benchmarks/run.py [all | TABLE ...] [--json FILE] [--update [PAGE]] [--small]
 
 The tables of the patch methods are in patch.py, those of the pixel methods in pixel.py, those of
 near-regular textures in near_regular.py, those of whole processes in process.py, those of measures
 and of quality against time in judging.py; --help names them. Prints Markdown. Every time is a
 median of several runs, and what is compared is run in turn, so that other work on the machine
 disturbs all alike; look at the ratios first. --update writes the tables into the page, each with
-the machine it was measured on, and charts beside it; tables that were not made stay. Pictures and
-scores of all methods are gallery.py's. Needs weftex[test].
+the machine it was measured on, and charts beside it; tables that were not made stay. --small shows
+that all of it runs, and measures nothing. Pictures and scores of all methods are gallery.py's.
+Needs weftex[test].
 """
 
 from __future__ import annotations
@@ -16,7 +17,7 @@ from __future__ import annotations
 import argparse
 import json
 import sys
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -52,9 +53,10 @@ def update(page: Path, name: str, text: str) -> None:
     page.write_text("\n".join([_HEAD, *whole]), encoding="utf-8")
 
 
-def main() -> None:
-    if len(sys.argv) == 3 and sys.argv[1] == "--child":
-        print(json.dumps(in_child(**json.loads(sys.argv[2]))))
+def main(words: Sequence[str] | None = None) -> None:
+    words = sys.argv[1:] if words is None else words
+    if len(words) == 2 and words[0] == "--child":
+        print(json.dumps(in_child(**json.loads(words[1]))))
         return
     parser = argparse.ArgumentParser(
         description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
@@ -64,7 +66,11 @@ def main() -> None:
     )
     parser.add_argument("--json", type=Path, metavar="FILE")
     parser.add_argument("--update", type=Path, nargs="?", const=PAGE, metavar="PAGE")
-    args = parser.parse_args()
+    parser.add_argument("--small", action="store_true", help="of 64 pixels, once; not for the page")
+    args = parser.parse_args(words)
+    if args.small and args.update == PAGE:
+        parser.error("--small measures nothing; name another page to update")
+    papers.make_small(args.small)
     everything = "all" in args.tables
     names = list(TABLES) if everything else args.tables
     if unknown := [name for name in names if name not in TABLES]:

@@ -22,6 +22,7 @@ HERE = Path(__file__).resolve().parent
 sys.path.append(str(HERE.parent / "examples"))
 import _papers as papers  # noqa: E402
 import paper_patch_sampling as paper  # noqa: E402, F401
+from _papers import sized, some  # noqa: E402
 
 PATCH_METHODS = ("patch-sampling", "quilting")
 Work = Callable[[], Any]
@@ -45,8 +46,14 @@ def machine() -> str:
 
 
 def sample_of(side: int, name: str = "pebbles") -> np.ndarray:
-    """A crop of a packaged sample, or more of it made by weftex where it is too small."""
+    """A crop of a packaged sample, or more of it made by weftex where it is too small.
+
+    With --small, as much of it as ever, in fewer pixels.
+    """
     pixels = papers.load(name)
+    if sized(side) < side:
+        pixels = papers.shrunk(pixels, max(1, min(pixels.shape[:2]) // sized(side)))
+        side = min(side, *pixels.shape[:2])
     if side > min(pixels.shape[:2]):
         return weftex.synthesize(pixels, side, seed=0).image
     return np.ascontiguousarray(pixels[:side, :side])
@@ -55,7 +62,7 @@ def sample_of(side: int, name: str = "pebbles") -> np.ndarray:
 def medians(works: Mapping[Any, Work], repeats: int) -> dict[Any, float]:
     """Median seconds of each, all in turn; one round before is not counted."""
     times: dict[Any, list[float]] = {key: [] for key in works}
-    for turn in range(repeats + 1):
+    for turn in range(len(some(range(repeats + 1), least=2))):
         for key, work in works.items():
             start = perf_counter()
             work()
@@ -73,11 +80,12 @@ def sampling(pixels: np.ndarray, size: int, method: str = "patch-sampling", **gi
     threads = given.pop("threads", None)
     model = weftex.METHODS[method](**given).fit(weftex.Exemplar(pixels))
     seeds = iter(range(10**9))
-    return lambda: model.sample(size, seed=next(seeds), threads=threads).image
+    return lambda: model.sample(sized(size), seed=next(seeds), threads=threads).image
 
 
 def fuse_three(size: int, method: str) -> np.ndarray:
     """Three materials in bands that meet in waves."""
+    size = sized(size)
     y, x = np.indices((size, size))
     labels = (y + size / 20 * np.sin(12 * x / size)) * 3 // size
     samples = [sample_of(192, name) for name in ("pebbles", "bricks", "leaves")]
@@ -87,8 +95,9 @@ def fuse_three(size: int, method: str) -> np.ndarray:
 
 def child(environment: Mapping[str, str] | None = None, **job: Any) -> dict[str, float]:
     """Run `in_child` with these arguments in a process of its own."""
+    small = {"small": True} if len(some(range(2))) < 2 else {}
     done = subprocess.run(
-        [sys.executable, str(HERE / "run.py"), "--child", json.dumps(job)],
+        [sys.executable, str(HERE / "run.py"), "--child", json.dumps(job | small)],
         env={**os.environ, **(environment or {})},
         stdout=subprocess.PIPE,
         check=True,
@@ -105,15 +114,19 @@ def in_child(
     repeats: int = 1,
     name: str = "bricks",
     fuse: bool = False,
+    small: bool = False,
 ) -> dict[str, float]:
     """Fit, sample (or fuse) and measure the process's largest resident size."""
+    if small:
+        papers.make_small()
+    size = sized(size)
     if fuse:
         fuse_three(size, method)
         return {"peak": peak_memory() / 2**20}
     pixels = sample_of(side, name)
     before = peak_memory()
     fit, sample = [], []
-    for seed in range(repeats):
+    for seed in some(range(repeats)):
         start = perf_counter()
         model = weftex.METHODS[method]().fit(weftex.Exemplar(pixels))
         fit.append(perf_counter() - start)

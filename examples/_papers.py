@@ -15,6 +15,7 @@ import numpy as np
 from PIL import Image, ImageDraw, ImageFont
 
 import weftex
+from weftex.quality.copying import pieces as numbered_pieces
 
 HERE = Path(__file__).parent
 Item = TypeVar("Item")
@@ -25,6 +26,12 @@ Figure = Callable[[Path, str], None]
 
 _MOST_SMALL_PIXELS = 64
 _small = False
+
+
+def make_small(small: bool = True) -> None:
+    """From now on as with --small, or not."""
+    global _small
+    _small = small
 
 
 def sized(side: int) -> int:
@@ -49,6 +56,22 @@ def shrunk(pixels: np.ndarray, factor: int) -> np.ndarray:
     height, width = (n // factor * factor for n in pixels.shape[:2])
     blocks = pixels[:height, :width].reshape(height // factor, factor, width // factor, factor, -1)
     return np.rint(blocks.mean(axis=(1, 3))).astype(np.uint8)
+
+
+def clouds(side: int) -> np.ndarray:
+    """A smooth texture of our own: noise whose power falls with its frequency."""
+    noise = np.fft.rfft2(np.random.default_rng(2).normal(size=(side, side)))
+    y, x = np.fft.fftfreq(side)[:, None], np.fft.rfftfreq(side)
+    smooth = np.fft.irfft2(noise / (0.02 + np.hypot(y, x)) ** 2, (side, side))
+    return np.rint(255 * (smooth - smooth.min()) / np.ptp(smooth)).astype(np.uint8)
+
+
+def pieces(result: weftex.Synthesis) -> np.ndarray:
+    """Size of the piece copied as a whole that each pixel belongs to, as `weftex report` has it."""
+    source = result.source
+    known = source[..., 0] >= 0
+    number = numbered_pieces(source - np.indices(result.shape).transpose(1, 2, 0), known)
+    return np.bincount(number.ravel())[number]
 
 
 def sheet(path: Path, rows: Sequence[Sequence[tuple[str, np.ndarray]]], gap: int = 10) -> None:
@@ -102,8 +125,7 @@ def run(
         help="pictures of 64 pixels, of the first samples: shows that all runs, measures nothing",
     )
     args = parser.parse_args()
-    global _small
-    _small = args.small
+    make_small(args.small)
     args.output.mkdir(parents=True, exist_ok=True)
     for experiment in every if "all" in args.experiment else args.experiment:
         start = perf_counter()

@@ -5,7 +5,7 @@ python examples/paper_efros_leung.py FIGURE -o FOLDER [--small]
 Figures: fig1 fig2 fig3, which are those of the comparison of non-parametric sampling and TSVQ
 (section III.A), and surfaces; `all` makes every one. The method is that of A. A. Efros and
 T. K. Leung, Texture synthesis by non-parametric sampling, ICCV 1999.
-Needs Pillow and SciPy beside weftex: pip install 'weftex[test]'.
+Needs Pillow beside weftex: pip install 'weftex[test]'.
 """
 
 from __future__ import annotations
@@ -13,9 +13,7 @@ from __future__ import annotations
 from pathlib import Path
 
 import numpy as np
-from _papers import load, run, sheet, shrunk, sized, some
-from scipy.sparse import coo_array
-from scipy.sparse.csgraph import connected_components
+from _papers import load, pieces, run, sheet, shrunk, sized, some
 
 import weftex
 
@@ -67,23 +65,6 @@ def fig2(folder: Path, suffix: str) -> None:
         assert (filled[~hole] == photo[~hole]).all()
         rows.append([("texture", photo), ("hole", empty), (f"filled, width {width}", filled)])
     sheet(folder / f"fig2_efros_leung{suffix}", rows)
-
-
-def pieces(result: weftex.Synthesis) -> np.ndarray:
-    """Size of the piece copied as a whole that each pixel belongs to."""
-    source = result.source.astype(np.int64)
-    height, width = source.shape[:2]
-    shift = source - np.indices((height, width)).transpose(1, 2, 0)
-    number = np.arange(height * width).reshape(height, width)
-    down = (shift[1:] == shift[:-1]).all(axis=2)
-    right = (shift[:, 1:] == shift[:, :-1]).all(axis=2)
-    ends = (
-        np.concatenate([number[:-1][down], number[:, :-1][right]]),
-        np.concatenate([number[1:][down], number[:, 1:][right]]),
-    )
-    links = coo_array((np.ones(len(ends[0]), bool), ends), shape=(number.size, number.size))
-    label = connected_components(links, directed=False)[1]
-    return np.bincount(label)[label].reshape(height, width)
 
 
 def fig3(folder: Path, suffix: str) -> None:

@@ -2,21 +2,22 @@
 
 python examples/paper_patch_sampling.py EXPERIMENT -o FOLDER
 
-Experiments that draw a picture: fig4 fig6 fig7 fig8 fig15 fig16 fig17; that print a table and write
-it as Markdown: copying edges table1; `all` runs every one. L. Liang, C. Liu, Y.-Q. Xu, B. Guo and
-H.-Y. Shum, Real-time texture synthesis by patch-based sampling, ACM Transactions on Graphics, 2001.
-`--small` makes all of them small. Needs Pillow and SciPy beside weftex: pip install 'weftex[test]'.
+Experiments that draw a picture: fig1 fig4 fig6 fig7 fig8 fig10 fig11 fig12 fig13 fig14 fig15 fig16
+fig17; that print a table and write it as Markdown: copying edges table1; `all` runs every one.
+L. Liang, C. Liu, Y.-Q. Xu, B. Guo and H.-Y. Shum, Real-time texture synthesis by patch-based
+sampling, ACM Transactions on Graphics, 2001. `--small` makes all of them small.
+Needs Pillow and SciPy beside weftex: pip install 'weftex[test]'.
 """
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from pathlib import Path
 from time import perf_counter
 from typing import Any
 
 import numpy as np
-from _papers import Table, load, run, sheet, shrunk, sized, some
+from _outlines import continuity, own_continuity
+from _papers import Table, clouds, load, pieces, run, sheet, shrunk, sized, some
 from PIL import Image, ImageDraw, ImageFont
 
 import weftex
@@ -27,6 +28,7 @@ PAPER: dict[str, Any] = {
     "method": "patch-sampling",
     "repeat_distance": 0,
     "boundary_width": 4,
+    "epsilon": 0.2,
 }
 
 
@@ -36,6 +38,20 @@ def make(pixels: np.ndarray, size: int, **parameters: Any) -> np.ndarray:
 
 
 # ------------------------------------------------------------------------------------- pictures
+
+
+def fig1(folder: Path, suffix: str) -> None:
+    """An example: 192x192 to 256x256, and the seconds that it takes."""
+    row = []
+    for name in some(("leaves", "pebbles")):
+        exemplar = weftex.Exemplar(load(name, 192))
+        start = perf_counter()
+        model = weftex.PatchSampling().fit(exemplar)
+        middle = perf_counter()
+        picture = model.sample(sized(256), seed=1).image
+        took = f"{middle - start:.2f} + {perf_counter() - middle:.3f} s"
+        row += [("(a) sample", exemplar.pixels), (f"(b) {took}", picture)]
+    sheet(folder / f"fig1{suffix}", [row])
 
 
 def fig4(folder: Path, suffix: str) -> None:
@@ -83,10 +99,69 @@ def fig8(folder: Path, suffix: str) -> None:
         sample = load(name, 128)
         row = [("(a) sample", sample)]
         for epsilon in (0, 0.2, 1, float("inf")):
-            picture = make(sample, 200, epsilon=epsilon, search="exhaustive", **PAPER)
+            settings = PAPER | {"epsilon": epsilon, "search": "exhaustive"}
+            picture = make(sample, 200, **settings)
             row.append((f"epsilon {epsilon:g}", picture))
         rows.append(row)
     sheet(folder / f"fig8{suffix}", rows)
+
+
+def fig10(folder: Path, suffix: str) -> None:
+    """Results: 200x200 to 256x256, of every sample."""
+    pictures = []
+    for name in some(SAMPLES):
+        sample = load(name, 200)
+        pictures += [("sample", sample), (name, make(sample, 256, **PAPER))]
+    sheet(folder / f"fig10{suffix}", [pictures[k : k + 4] for k in range(0, len(pictures), 4)])
+
+
+def fig11(folder: Path, suffix: str) -> None:
+    """A large result: 200x200 to 800x800, by the paper's settings and by weftex's."""
+    sample = load("pebbles", 200)
+    paper, ours = make(sample, 800, **PAPER), make(sample, 800)
+    row = [("sample", sample), ("the paper's settings", paper), ("weftex's", ours)]
+    sheet(folder / f"fig11{suffix}", [row])
+
+
+def fig12(folder: Path, suffix: str) -> None:
+    """Where non-parametric sampling grows garbage, patches do not."""
+    rows = []
+    for name, width in some((("pebbles", 23), ("leaves", 15))):
+        sample = load(name, 96)
+        pixelwise = make(sample, 200, method="efros-leung", window_width=width)
+        row = [("(a) sample", sample), ("(b) Efros and Leung", pixelwise)]
+        rows.append([*row, ("(c) patch-based sampling", make(sample, 200, **PAPER))])
+    sheet(folder / f"fig12{suffix}", rows)
+
+
+def fig13(folder: Path, suffix: str) -> None:
+    """Verbatim copying: 132x110 to 216x216, with the largest share of the sample in one piece."""
+    sample = weftex.Exemplar(np.ascontiguousarray(load("leaves")[:110, :132]))
+    ways: list[tuple[str, dict[str, Any]]] = [
+        ("(b) Efros and Leung", {"method": "efros-leung", "window_width": 25}),
+        ("(c) patches of 32", PAPER | {"patch_size": 32}),
+        ("(d) patches of 40", PAPER | {"patch_size": 40}),
+    ]
+    row = [("(a) sample", sample.pixels)]
+    for label, settings in ways:
+        result = weftex.synthesize(sample, sized(216), seed=3, **settings)
+        row.append((f"{label}: {largest_copy(result):.0%}", result.image))
+    sheet(folder / f"fig13{suffix}", [row])
+
+
+def fig14(folder: Path, suffix: str) -> None:
+    """Natural textures and a smooth one, beside the methods of Wei and Levoy and of Ashikhmin."""
+    samples = [load("leaves", 128), load("pebbles", 128), clouds(128)]
+    ways = {
+        "(b) patch-based sampling": PAPER,
+        "(c) Wei and Levoy": {"method": "wei-levoy"},
+        "(d) Ashikhmin": {"method": "ashikhmin"},
+    }
+    rows = [
+        [("(a) sample", s), *((label, make(s, 200, **how)) for label, how in ways.items())]
+        for s in some(samples)
+    ]
+    sheet(folder / f"fig14{suffix}", rows)
 
 
 def fig15(folder: Path, suffix: str) -> None:
@@ -98,7 +173,7 @@ def fig15(folder: Path, suffix: str) -> None:
             [
                 ("(a) sample", sample),
                 ("(b) patch-based sampling", make(sample, 256, **PAPER)),
-                ("(c) patch pasting", make(sample, 256, epsilon=float("inf"), **PAPER)),
+                ("(c) patch pasting", make(sample, 256, **PAPER | {"epsilon": float("inf")})),
             ]
         )
     sheet(folder / f"fig15{suffix}", rows)
@@ -147,20 +222,7 @@ def fig17(folder: Path, suffix: str) -> None:
 
 def largest_copy(result: weftex.Synthesis) -> float:
     """Area of the largest connected region copied with one offset, over the sample's area."""
-    from scipy.sparse import coo_matrix
-    from scipy.sparse.csgraph import connected_components
-
-    height, width = result.shape
-    y, x = np.indices(result.shape)
-    source = result.source
-    offset = (source[..., 0] - y + height) * 100_000 + source[..., 1] - x + width
-    number = np.arange(offset.size).reshape(offset.shape)
-    right, down = offset[:, 1:] == offset[:, :-1], offset[1:] == offset[:-1]
-    a = np.concatenate([number[:, 1:][right], number[1:][down]])
-    b = np.concatenate([number[:, :-1][right], number[:-1][down]])
-    graph = coo_matrix((np.ones(len(a), bool), (a, b)), (offset.size, offset.size))
-    areas = np.bincount(connected_components(graph, directed=False)[1])
-    return float(areas.max() / (result.sample_shape[0] * result.sample_shape[1]))
+    return float(pieces(result).max() / (result.sample_shape[0] * result.sample_shape[1]))
 
 
 def copying() -> Table:
@@ -193,77 +255,6 @@ mean half of the sample. The paper names no share and found 93 % without.
         rows.append([label, *shares, f"{100 * np.median(at):.0f} %"])
     head = ["settings", *(f"none above {100 * k:.0f} %" for k in limits), "largest, median"]
     return notes, head, rows
-
-
-class Outlines:
-    """Where outlines run across the columns of a picture: local maxima of the vertical gradient.
-
-    They are clear where the gradient is larger than `limit`, by default the picture's own 90 %
-    quantile, and steeper than along the row.
-    """
-
-    def __init__(self, pixels: np.ndarray, limit: float | None = None) -> None:
-        gray = pixels.reshape(*pixels.shape[:2], -1).mean(axis=2)
-        for _ in range(2):  # grain is no outline
-            gray = np.pad(gray, 1, mode="edge")
-            gray = (gray[:-2] + 2 * gray[1:-1] + gray[2:]) / 4
-            gray = (gray[:, :-2] + 2 * gray[:, 1:-1] + gray[:, 2:]) / 4
-        self.dy, self.dx = np.gradient(gray)
-        self.limit = np.quantile(np.hypot(self.dy, self.dx), 0.9) if limit is None else limit
-        strength = np.abs(self.dy)
-        self.peak = np.zeros(gray.shape, bool)
-        self.peak[1:-1] = (strength[1:-1] >= strength[:-2]) & (strength[1:-1] > strength[2:])
-        self.clear = self.peak & (strength >= np.abs(self.dx)) & (strength > self.limit)
-
-    def go_on(self, column: int, rows: range, gap: int) -> np.ndarray:
-        """Count the clear outlines at a column, and those of them that arrive `gap` further.
-
-        One arrives if within two pixels of where its direction leads there is one of the same sign
-        and at least half the strength.
-        """
-        found = arrived = 0
-        for v in (np.flatnonzero(self.clear[rows.start : rows.stop, column]) + rows.start).tolist():
-            slope = self.dy[v, column]
-            to = round(v - gap * self.dx[v, column] / slope)
-            if to < 2 or to + 3 > len(self.dy):
-                continue
-            window = slice(to - 2, to + 3), column + gap
-            found += 1
-            arrived += bool((self.peak[window] & (self.dy[window] / slope > 0.5)).any())
-        return np.array([found, arrived])
-
-
-def turned(pixels: np.ndarray) -> np.ndarray:
-    return np.ascontiguousarray(pixels.swapaxes(0, 1))
-
-
-def continuity(result: weftex.Synthesis, zone: int, limits: Sequence[float]) -> tuple[float, float]:
-    """Share of the outlines at one side of the seams that arrive at the other; how many a pixel."""
-    total, length = np.zeros(2, int), 0
-    size = result.weights.shape[1]
-    for axis, pixels in ((1, result.image), (0, turned(result.image))):
-        outlines = Outlines(pixels, limits[axis])
-        for place in result.placements[:, :2].tolist():
-            along, across = place[1 - axis], place[axis]
-            if across > 0:
-                rows = range(along + zone, along + size - zone)
-                total += outlines.go_on(across - 3, rows, zone + 5)
-                length += len(rows)
-    return float(total[1] / max(total[0], 1)), float(total[0] / length)
-
-
-def own_continuity(sample: np.ndarray, zone: int) -> tuple[float, float, list[float]]:
-    """The same all over the sample, and what it calls clear along each axis."""
-    total, length = np.zeros(2, int), 0
-    limits = []
-    for pixels in (turned(sample), sample):
-        outlines = Outlines(pixels)
-        limits.append(float(outlines.limit))
-        rows = range(2, len(pixels) - 2)
-        for column in range(3, pixels.shape[1] - zone - 8, 3):
-            total += outlines.go_on(column, rows, zone + 5)
-            length += len(rows)
-    return float(total[1] / max(total[0], 1)), float(total[0] / length), limits
 
 
 def edges() -> Table:
@@ -357,7 +348,9 @@ and means of 500 trials. "x" is how many times shorter synthesis is than with th
     return notes, head, rows
 
 
-FIGURES = (fig4, fig6, fig7, fig8, fig15, fig16, fig17)
+FIGURES = (
+    fig1, fig4, fig6, fig7, fig8, fig10, fig11, fig12, fig13, fig14, fig15, fig16, fig17
+)  # fmt: skip
 TABLES = (copying, edges, table1)
 
 if __name__ == "__main__":

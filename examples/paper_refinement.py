@@ -2,11 +2,11 @@
 
 python examples/paper_refinement.py EXPERIMENT -o FOLDER [--small]
 
-Experiments that draw a picture: fig4 fig5 fig7 fig8 recipe fig9 fig12 fig13 density evenness
-coherence init; that print a table and write it as Markdown: table1 (takes minutes); `all` runs
-every one. Figures are those of the paper on iterative texture refinement and texture fusion;
-density is of its section 6, recipe shows its steps one at a time. Needs Pillow beside weftex:
-pip install 'weftex[test]'.
+Experiments that draw a picture: fig4 fig5 fig6 fig7 fig8 recipe fig9 fig10 fig11 fig12 fig13
+density evenness coherence init; that print a table and write it as Markdown: table1 (takes
+minutes); `all` runs every one. Figures are those of the paper on iterative texture refinement and
+texture fusion; density is of its section 6, recipe shows its steps one at a time. Needs Pillow
+beside weftex: pip install 'weftex[test]'.
 """
 
 from __future__ import annotations
@@ -17,7 +17,7 @@ from time import process_time
 from typing import Any
 
 import numpy as np
-from _papers import Table, load, run, sheet, sized, some
+from _papers import Table, clouds, load, run, sheet, sized, some
 from PIL import Image, ImageDraw
 
 import weftex
@@ -89,6 +89,25 @@ def fig5(folder: Path, suffix: str) -> None:
     sheet(folder / f"fig5_refinement{suffix}", rows)
 
 
+def painted(colors: np.ndarray, labels: np.ndarray) -> np.ndarray:
+    """A map in one color for each label."""
+    return np.asarray(colors, np.uint8)[labels]
+
+
+def fig6(folder: Path, suffix: str) -> None:
+    """Texture fusion: two samples, a map of two colors, and the output."""
+    rows = []
+    side = sized(256)
+    y, x = np.indices((side, side))
+    labels = ((y / side - 0.5) ** 2 + (x / side - 0.5) ** 2 < 0.09).astype(np.int32)
+    shown = painted(np.array([(160, 60, 50), (70, 90, 160)]), labels)
+    for pair in some((("leaves", "pebbles"), ("stone_wall", "leaves"))):
+        samples = [load(name, 192) for name in pair]
+        made = weftex.fuse(samples, labels, seed=1).image
+        rows.append([*(("sample", s) for s in samples), ("map", shown), ("output", made)])
+    sheet(folder / f"fig6_refinement{suffix}", rows)
+
+
 def fig7(folder: Path, suffix: str) -> None:
     """Convergence: mean squared error and pixels changed, iteration by iteration."""
     rows = []
@@ -151,6 +170,37 @@ def fig9(folder: Path, suffix: str) -> None:
         row = [("sample", sample), ("output", result.image), ("sources", result.draw("sources"))]
         rows.append(row)
     sheet(folder / f"fig9_refinement{suffix}", rows)
+
+
+def fig10(folder: Path, suffix: str) -> None:
+    """Beside the methods of Wei and Levoy and of Ashikhmin."""
+    rows = []
+    samples = [load("weave", 192), load("pebbles", 192), clouds(192), load("wood", 128)]
+    methods = ("wei-levoy", "ashikhmin", "refinement")
+    for sample in some(samples):
+        row = [("sample", sample)]
+        for method in methods:
+            made = weftex.synthesize(sample, sized(200), method=method, seed=1)
+            row.append((method, made.image))
+        rows.append(row)
+    sheet(folder / f"fig10_refinement{suffix}", rows)
+
+
+def fig11(folder: Path, suffix: str) -> None:
+    """Two materials by a map of circles, and three by a painted map."""
+    side = sized(400)
+    two = [load("pebbles"), load("leaves")]
+    slope = weftex.fuse(two, "gradient", size=side, seed=1).image
+    three = [*two, load("stone_wall")]
+    y, x = np.indices((side, side)) / side
+    labels = np.where(y > 0.7 + 0.06 * np.sin(8 * x), 2, (y + x > 0.8).astype(int))
+    colors = painted(np.array([(70, 90, 160), (160, 60, 50), (90, 120, 60)]), labels)
+    made = weftex.fuse(three, labels, seed=1).image
+    rows = [
+        [*(("sample", sample) for sample in two), ("circles", slope)],
+        [*(("sample", sample) for sample in three), ("map", colors), ("output", made)],
+    ]
+    sheet(folder / f"fig11_refinement{suffix}", rows)
 
 
 def fig12(folder: Path, suffix: str) -> None:
@@ -268,7 +318,10 @@ are of the last iteration.
     return notes, [*head, "paper: PCA + tree + synthesis"], rows
 
 
-FIGURES = (fig4, fig5, fig7, fig8, recipe, fig9, fig12, fig13, density, evenness, coherence, init)
+FIGURES = (
+    fig4, fig5, fig6, fig7, fig8, recipe, fig9, fig10, fig11, fig12, fig13,
+    density, evenness, coherence, init,
+)  # fmt: skip
 TABLES = (table1,)
 
 if __name__ == "__main__":

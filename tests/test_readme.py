@@ -1,6 +1,7 @@
 """What a reader of the README, of a page or of an example would paste does run."""
 
 import ast
+import dataclasses
 import re
 import runpy
 import shlex
@@ -11,12 +12,18 @@ from pathlib import Path
 
 import pytest
 
+from commands import weft_run
+from weftex.methods import METHODS
 from weftex.quality.figures import FIGURES
 
 ROOT = Path(__file__).parent.parent
 PAGES = sorted(p for p in [ROOT / "README.md", *ROOT.glob("docs/**/*.md")] if p.exists())
 EXAMPLES = sorted(p for p in ROOT.glob("examples/*.py") if not p.name.startswith(("paper_", "_")))
 PAPERS = sorted(ROOT.glob("examples/paper_*.py"))
+#: Parameters of all methods, as options.
+PARAMETERS = " ".join(
+    f"--{field.name.replace('_', '-')}" for m in METHODS.values() for field in dataclasses.fields(m)
+)
 WEFTEX = Path(sysconfig.get_path("scripts"), "weftex")
 
 
@@ -80,6 +87,48 @@ def test_experiments_of_papers(script, experiment, tmp_path, monkeypatch, capsys
     runpy.run_path(str(script), run_name="__main__")
     assert [path.suffix for path in tmp_path.iterdir()] in ([".png"], [".md"])
     assert capsys.readouterr().out.splitlines()[-1].startswith(f"{experiment}: ")
+
+
+def code_of(page):
+    """All that a page shows as code: lines of fenced blocks, and spans."""
+    text = page.read_text("utf-8")
+    fenced = r"^```\w*\n(.*?)^```$"
+    lines = [line for block in re.findall(fenced, text, re.M | re.S) for line in block.splitlines()]
+    return lines + re.findall(r"`([^`\n]+)`", re.sub(fenced, "", text, flags=re.M | re.S))
+
+
+@pytest.mark.parametrize("page", [*PAGES, ROOT / "CONTRIBUTING.md"], ids=lambda page: page.name)
+def test_named_scripts_are_run_by_a_test(page):
+    """Examples and experiments by those above; what is left by test_gallery and test_benchmarks."""
+    others = {f"benchmarks/{n}.py" for n in ("gallery", "run", "pictures", "house", "digests")}
+    for code in code_of(page):
+        named = re.match(r"(?:python )?((?:examples|benchmarks)/\w+\.py)\b(.*)", code.strip())
+        if not named:
+            assert not re.search(r"\b(examples|benchmarks)/\w+\.py", code), code
+            continue
+        script, words = ROOT / named[1], shlex.split(named[2], comments=True)
+        if script in PAPERS:
+            assert {w for w in words if w.islower() and w[0] != "-"} <= {
+                *experiments(script),
+                "all",
+            }
+        else:
+            assert script in EXAMPLES or named[1] in others, code
+
+
+@pytest.mark.parametrize("page", PAGES, ids=lambda page: page.name)
+def test_named_commands_are_there(page, capsys):
+    """In running text too: the command and its options are there; methods list parameters."""
+    spans = [span.split("#")[0].split() for span in code_of(page)]
+    for words in (words[1:] for words in spans if words[:1] == ["weftex"] and len(words) > 1):
+        if words[0] == "methods" and words[1:] and words[1].islower():
+            assert weft_run(*words[:2]) == 0
+        assert weft_run(words[0], "--help") == 0
+        allowed = capsys.readouterr().out
+        if words[0] in ("synth", "fill", "fuse"):
+            allowed += PARAMETERS
+        options = [word for word in words if re.fullmatch("--[a-z-]+", word)]
+        assert [option for option in options if option not in allowed] == []
 
 
 def test_papers_have_experiments():

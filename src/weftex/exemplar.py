@@ -143,10 +143,10 @@ class Exemplar:
             share = (len(self.maps) or 1) ** -0.5
             for value in self.maps.values():
                 channels = 1 if value.ndim == 2 else value.shape[2]
-                levels = _to_bytes(value, _scale(value)) * (
+                values = _to_bytes(value, _scale(value)) * (
                     share * (self.channels / channels) ** 0.5
                 )
-                own.append(np.rint(np.minimum(levels, 255)).astype(np.uint8))
+                own.append(np.rint(np.minimum(values, 255)).astype(np.uint8))
             whole = own[0] if len(own) == 1 else np.concatenate(own, axis=2)
             self._matching[edge_weight] = np.ascontiguousarray(whole)
         return self._matching[edge_weight]
@@ -162,9 +162,9 @@ class Exemplar:
         if self.alpha:
             top = {"u": 255 if pixels.dtype == np.uint8 else 65535, "f": 1}[pixels.dtype.kind]
             clear = np.clip(pixels[..., -1:] / top, 0, 1)
-            levels = _to_bytes(pixels[..., :-1], _scale(self.pixels[..., :-1])) * clear
-            levels = np.concatenate([levels, clear * 255], axis=2)
-            result = np.rint(levels).astype(np.uint8)
+            values = _to_bytes(pixels[..., :-1], _scale(self.pixels[..., :-1])) * clear
+            values = np.concatenate([values, clear * 255], axis=2)
+            result = np.rint(values).astype(np.uint8)
         elif pixels.dtype == np.uint8:
             result = pixels
         else:
@@ -341,9 +341,9 @@ def _exponent(largest: float) -> int:
     return 0 if abs(exponent) < _ORDINARY or largest == math.inf else exponent
 
 
-def _edges(levels: NDArray[np.uint8], weight: float) -> NDArray[np.uint8]:
+def _edges(values: NDArray[np.uint8], weight: float) -> NDArray[np.uint8]:
     """Gradient magnitude of the brightness: it is what an interrupted outline differs in."""
-    gray = levels.mean(axis=2)
+    gray = values.mean(axis=2)
     dy, dx = (np.gradient(gray, axis=a) if gray.shape[a] > 1 else 0 * gray for a in (0, 1))
     edges: NDArray[np.uint8] = np.rint(np.minimum(weight * np.hypot(dy, dx), 255)).astype(np.uint8)
     return edges[..., None]

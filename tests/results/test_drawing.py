@@ -5,6 +5,7 @@ import pytest
 
 import weftex
 from families import noise
+from laid import BLENDS, filled, make
 from weftex.canvas import Canvas
 from weftex.errors import InvalidInputError
 from weftex.results.pixels import PixelSynthesis
@@ -80,3 +81,46 @@ def test_it_needs_the_sample_and_a_known_name(tmp_path):
         made.draw("nothing")
     flat = weftex.synthesize(np.zeros((9, 9), np.uint8), 12, seed=1)
     assert not flat.draw("uncertainty").any()
+
+
+@pytest.mark.parametrize("blend", BLENDS)
+def test_drawings(blend):
+    result = make(blend)
+    for what in ("sources", "seams", "error"):
+        drawing = result.draw(what)
+        assert drawing.shape == (40, 45, 3) and drawing.dtype == np.uint8
+    sources = result.draw("sources")
+    y, x = np.moveaxis(result.source, -1, 0)
+    assert np.array_equal(sources[..., 0], np.rint(x * (255 / 33)))
+    assert np.array_equal(sources[..., 1], np.rint(y * (255 / 29)))
+    red = (result.draw("seams") == (255, 0, 0)).all(axis=2)
+    assert 0 < red.sum() < red.size
+    # No seam inside a patch: every second neighbor pair that goes on is not red.
+    step = np.diff(result.source, axis=1)
+    goes_on = (step == (0, 1)).all(axis=2)
+    goes_down = (np.diff(result.source, axis=0) == (1, 0)).all(axis=2)
+    assert not red[1:, 1:][goes_on[1:] & goes_down[:, 1:]].any()
+    assert red[:, 1:][~goes_on].all()
+
+
+def test_error_is_where_patches_overlap():
+    result = make("cut")
+    error = result.draw("error")[..., 0]
+    assert error.max() > 20
+    share = make("feather").layers()[1]
+    alone = share[..., 0] == 1
+    assert alone.any() and error[alone].max() == 0
+    flat = make(sample=np.full((30, 34), 9, np.uint8)).draw("error")
+    assert flat.max() == 0
+
+
+def test_drawing_a_filled_photo():
+    result = filled(known_from=None)
+    assert (result.draw("sources")[~result.canvas.hole] == 0).all()
+    for what in ("seams", "error"):
+        assert result.draw(what).shape == (*result.shape, 3)
+
+
+def test_unknown_drawings_are_refused():
+    with pytest.raises(InvalidInputError, match="cannot draw 'colors'"):
+        make().draw("colors")

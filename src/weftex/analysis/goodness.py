@@ -25,15 +25,15 @@ if TYPE_CHECKING:
 
 ALPHA = 1.12  # the paper's; above 1 it prefers smaller tiles
 MOST_ALPHA = 4.0  # by far the smallest tile wins
-SIGNIFICANT = 0.85  # of a tile, that an overlap must hold
+SIGNIFICANT = 0.85  # share of a tile that an overlap must hold (section 3.3.1)
 GOODNESS = ("contrast", "height", "dominance")
 
 # Half and a third of the way between multiples, in both directions: every lattice of two or three
 # times the tile has multiples of the right one at some of these, and so no contrast.
 _BETWEEN = [(0.5, 0.0), (0.0, 0.5), (0.5, 0.5)]
 _BETWEEN += [(1 / 3, 0.0), (0.0, 1 / 3), (1 / 3, 1 / 3), (1 / 3, 2 / 3)]
-_CLOSE = 10.0  # pixels
-_UNSURE = 0.25  # what chance does to the contrast of one multiple
+_CLOSE = 10.0  # pixels; shorter vectors are rated by single pixels
+_UNSURE = 0.25  # standard error of the contrast of one multiple, about
 
 
 @dataclass(frozen=True, eq=False)
@@ -81,19 +81,19 @@ class Field:
         self.correlation, self.peaks = correlation, peaks
         self.alpha, self.significant = alpha, significant
         self.height, self.width = (side // 2 + 1 for side in correlation.shape)
-        # Multiples lie between pixels, and material is not exact: the highest neighbor counts,
-        # between the multiples too.
+        # Multiples lie between pixels, and material is not exact: of a place and its neighbors
+        # the highest counts, also at the places between multiples.
         self.tables = np.stack([correlation, _around(correlation)])
 
     def values(self, x: Floats, y: Floats, pairs: Floats) -> Floats:
-        """Of the correlation around shifts (n, m), which belong to n pairs."""
-        # Between multiples that are only a few pixels apart, neighbors would be multiples.
+        """The correlation at shifts (n, m) of n pairs, or the highest around them."""
+        # A neighbor of a place between close multiples would itself be a multiple.
         coarse = (_shortest(pairs) >= _CLOSE).astype(np.int64)
         found: Floats = self.tables[coarse, *self._at(x, y)]
         return found
 
     def held(self, x: Floats, y: Floats, pairs: Floats) -> Floats:
-        """How far the peaks near shifts dominate, up to 1 for the shorter vector's length."""
+        """The region that the peak near a shift dominates, over the shorter vector; at most 1."""
         place = self.peaks.shifts[:, ::-1] + [self.height - 1, self.width - 1]
         table = np.zeros(self.correlation.shape)
         table[tuple(place.T)] = self.peaks.dominance
@@ -144,7 +144,7 @@ def rate(field: Field, pairs: Floats, reach: int, kind: str, *, exact: bool = Fa
 
 
 def contrast_of(field: Field, pair: Floats, reach: int) -> float:
-    """What the multiples have above the places between them, less what chance explains."""
+    """The correlation at multiples above that between them, less its standard error."""
     found = rate(field, pair[None], reach, "contrast")
     return float(found.value[0] - _UNSURE / max(found.count[0], 1) ** 0.5)
 
@@ -154,7 +154,7 @@ def stand_out(
 ) -> tuple[float, float, int]:
     """How much higher the multiples of a larger tile are than the other multiples of a smaller.
 
-    Tells alternating colors, where they are, from elements of any color, where they are not.
+    They are where colors alternate, and are not where elements have any colors.
 
     Parameters
     ----------
@@ -167,8 +167,8 @@ def stand_out(
     reach : int
         Multiples of up to this many times each vector of the smaller tile are looked at.
     near : float
-        Pixels that the others may be from a whole shift, in x and y: between pixels a hard edge
-        correlates less, and a vector of 22.5 pixels is there every second time.
+        Only others within so many pixels of a whole shift, in x and y, are compared: between
+        pixels a hard edge correlates less, as at every second multiple of 22.5 pixels.
 
     Returns
     -------
@@ -183,7 +183,7 @@ def stand_out(
     own = (abs(parts - np.rint(parts)) < 1e-6).all(axis=1)
     if own.all() or not own.any():
         return 0.0, 0.0, 0
-    # What lies far off is lower in any sample, so each of the others is compared with the larger
+    # Far correlations are lower in any sample, so each of the others is compared with the larger
     # tile's multiples that are at least as far.
     order = np.argsort(-far[own], kind="stable")
     further = np.cumsum(heights[own][order]) / np.arange(1, own.sum() + 1)
@@ -248,13 +248,13 @@ def _arcs(rows: int, moved: int, around: int, length: int) -> int:
 
 
 def reach_of(field: Field, vectors: Floats, most: int) -> int:
-    """Times of each vector, up to `most`, beyond which no multiple is a shift of the picture."""
+    """Times of each vector, at most `most`, that lead to a shift within the picture."""
     far = abs(np.linalg.inv(vectors)).T @ [field.width, field.height]
     return max(1, min(most, int(np.ceil(far.max()))))
 
 
 def _multiples(reach: int, phase: tuple[float, float]) -> Floats:
-    """Times of each vector: the right half without none, or all that are off by a phase."""
+    """Times of each vector: whole ones in the right half but (0, 0), or those off by a phase."""
     b, a = np.mgrid[-reach : reach + 1, -reach : reach + 1].reshape(2, -1)
     times = np.stack([a, b], axis=1).astype(np.float64)
     chosen: Floats = times + phase if any(phase) else times[(b > 0) | ((b == 0) & (a > 0))]

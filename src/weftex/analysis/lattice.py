@@ -1,4 +1,4 @@
-"""The lattice of a near-regular sample: how it lies upon itself when it is shifted."""
+"""The lattice of a near-regular sample: the shifts at which it matches itself."""
 
 from __future__ import annotations
 
@@ -25,8 +25,8 @@ if TYPE_CHECKING:
 
 Vector = tuple[float, float]
 
-_ROWS = 0.01  # contrast of rows that gives a confidence of a half
-_CONTRAST = 0.02  # the same of two vectors; less is no lattice
+_ROWS = 0.01  # contrast of rows that gives a confidence of 0.5
+_CONTRAST = 0.02  # contrast of two vectors that gives 0.5; less is no lattice
 
 
 @dataclass(frozen=True)
@@ -88,7 +88,7 @@ class Lattice:
         return Lattice((_rightward(first), _rightward(second)), self.confidence)
 
     def same_as(self, other: Lattice, tolerance: float = 0.015) -> bool:
-        """Whether both are one lattice, by whatever vectors (observation iv of the paper).
+        """Whether both pairs span one lattice (observation iv of the paper).
 
         Parameters
         ----------
@@ -120,7 +120,7 @@ class Lattice:
 
 
 def _rightward(vector: Vector) -> Vector:
-    """It or its opposite (observation iii), so that neither axis is where the sign turns."""
+    """The vector or its opposite (observation iii), by a sign that does not change near an axis."""
     x, y = vector
     return (x, y) if x + y / 8 > 0 else (-x, -y)
 

@@ -14,7 +14,7 @@ if TYPE_CHECKING:
 
     Floats = NDArray[np.float64]
 
-_BINS = 48  # places of a line that are tried
+_BINS = 48  # phases of a line that are tried
 
 
 def draw_lattice(exemplar: Exemplar, lattice: Lattice | None) -> NDArray[np.uint8]:

@@ -21,16 +21,17 @@ if TYPE_CHECKING:
     Floats = NDArray[np.float64]
 
 _PEAKS = 40  # that pairs are made of, of each octave of lengths the highest
-_FEWEST = 3.0  # pixels of a vector; shorter ones are grain
-_DOMINANT = 0.25  # of the shorter vector, that the peaks of both must dominate
-_PAIRS = 24  # that are fitted and rated by all their multiples
-MOST_MULTIPLES = 24  # multiples of each vector that are looked at
-_INDEX = 7  # tiles, that a larger one may consist of
-_LOWER = 0.1  # of its mean, that a larger tile's multiples may be above those of a smaller
-_UNSURE = (0.35, 4.0)  # the same, in so few standard errors
-_HIGHER = ((0.2, 5.0), (0.15, 20.0))  # it counts instead with such a gap and errors
-_OWN = 6  # and as many multiples
-_NEAR = 0.3  # of a pixel, that the others may be from a whole shift
+_FEWEST = 3.0  # pixels; a shorter vector is grain
+_DOMINANT = 0.25  # of the shorter vector: the region that both peaks must dominate
+_PAIRS = 24  # pairs that are fitted, and rated by all their multiples
+MOST_MULTIPLES = 24  # multiples of each vector that are rated
+_INDEX = 7  # smaller tiles that a tile is divided into, at most
+# A gap is the share by which a larger tile's multiples are above the smaller tile's others.
+_LOWER = 0.1  # a gap below which the smaller tile is as good
+_UNSURE = (0.35, 4.0)  # a gap below which it is too, if it is of fewer standard errors
+_HIGHER = ((0.2, 5.0), (0.15, 20.0))  # gaps, and standard errors, above which the larger is better
+_OWN = 6  # multiples that the larger tile must have for that
+_NEAR = 0.3  # pixels from a whole shift within which the smaller tile's multiples are compared
 
 
 def best_pair(field: Field, goodness: str) -> tuple[Floats, float] | None:
@@ -50,7 +51,7 @@ def best_pair(field: Field, goodness: str) -> tuple[Floats, float] | None:
     """
     best, highest = None, 0.0
     for vectors, rated in rated_pairs(field, goodness):
-        if rated > highest * (1 + 1e-9):  # of equal ones the first, whatever the rounding
+        if rated > highest * (1 + 1e-9):  # of pairs that differ by rounding alone, the first
             best, highest = vectors, rated
     if best is None:
         return None

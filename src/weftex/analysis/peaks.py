@@ -1,4 +1,4 @@
-"""Local maxima of an autocorrelation: where a picture lies well upon itself."""
+"""Local maxima of an autocorrelation: the shifts at which a picture matches itself."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ import numpy as np
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-_LARGEST_DOMINANCE = 64  # pixels of dominance; more is not told apart
+_LARGEST_DOMINANCE = 64  # pixels; larger regions count as this
 
 
 @dataclass(frozen=True, eq=False)
@@ -54,13 +54,13 @@ def find_peaks(correlation: NDArray[np.float64]) -> Peaks:
     [[10, 0], [20, 0], [30, 0]]
     """
     middle, center = (side // 2 for side in correlation.shape)
-    margin = min(_LARGEST_DOMINANCE, center)  # of the left half, which squares reach into
-    # Rounded, so that what is equal but for rounding is so on every machine.
+    margin = min(_LARGEST_DOMINANCE, center)  # columns of the left half, for squares around peaks
+    # Rounded, so that peaks that differ by rounding alone are equal on every machine.
     part = np.rint(correlation[:, center - margin :] * 1e9) / 1e9
     around, radius = _wider(part, 1, first=True), 1
     high = (part > 0) & (part >= around)
     high[:, :margin] = False
-    high[: middle + 1, margin] = False  # no shift, and the mirror images of those straight below
+    high[: middle + 1, margin] = False  # no shift at all, and mirror images of shifts straight down
     y, x = high.nonzero()
     heights = part[y, x]
     dominance = np.ones(len(y), np.int64)
@@ -73,7 +73,7 @@ def find_peaks(correlation: NDArray[np.float64]) -> Peaks:
 
 
 def _wider(values: NDArray[np.float64], by: int, first: bool = False) -> NDArray[np.float64]:
-    """Maxima over squares that reach `by` further, of values that are maxima as far as that."""
+    """Maxima over squares that reach `by` pixels further than those that `values` has."""
     for axis in (0, 1):
         place = np.arange(values.shape[axis])
         before = values.take(np.maximum(place - by, 0), axis)

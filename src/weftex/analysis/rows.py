@@ -20,12 +20,12 @@ if TYPE_CHECKING:
 
     Floats = NDArray[np.float64]
 
-_CLOSEST = 5.0  # pixels from row to row
-_STEP = 0.25  # of a pixel, between distances that are tried
-_RIDGES = 8  # that are looked at, as far as they lie within the sample
-_FEWEST = 3  # of them that a sample must show
-_UNSURE = 0.1  # what chance does to one ridge
-_SAMPLES = 31  # along a line
+_CLOSEST = 5.0  # pixels from row to row, at least
+_STEP = 0.25  # pixels between distances that are tried
+_RIDGES = 8  # rows whose ridges are rated, as far as the sample has them
+_FEWEST = 3  # ridges that a sample must have
+_UNSURE = 0.1  # standard error of one ridge, about
+_SAMPLES = 31  # places along a line whose correlations are averaged
 
 
 def find_rows(flat: Relief) -> tuple[Floats, float] | None:
@@ -97,7 +97,7 @@ def _profiles(correlation: Floats, angles: Floats, reach: int) -> Floats:
     along, across = np.linspace(-0.5, 0.5, _SAMPLES)[:, None], np.arange(reach)
     result = np.empty((len(angles), reach))
     for k, (c, s) in enumerate(zip(np.cos(angles), np.sin(angles), strict=True)):
-        # As far as half of the sample overlaps in this direction.
+        # As far along as shifts in this direction leave half of the sample to overlap.
         far = min((center + 1) / max(abs(c), 1e-9), (middle + 1) / max(abs(s), 1e-9))
         x, y = along * far * c - across * s, along * far * s + across * c
         rows = np.clip(np.rint(y).astype(int) + middle, 0, correlation.shape[0] - 1)

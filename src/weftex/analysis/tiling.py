@@ -1,4 +1,4 @@
-"""Whether a sample tiles: what a step across its border is like beside the steps inside."""
+"""Whether a sample tiles: the step across its border, over the steps inside."""
 
 from __future__ import annotations
 
@@ -6,9 +6,9 @@ import numpy as np
 
 from weftex.exemplar import Exemplar
 
-#: Border steps up to this many times those inside pass for none.
+#: A border step of up to so many times those inside is no seam.
 SEAMLESS = 1.5
-_STRIP = 256  # pixels across that are looked at together; large samples need little memory
+_STRIP = 256  # lines that are read at a time, for little memory
 
 
 def border_steps(exemplar: Exemplar) -> tuple[float, float]:

@@ -1,4 +1,4 @@
-"""The command line: which command, and how errors are told; what each does is in commands/."""
+"""The command line: finds the command and prints errors; `commands` has the commands."""
 
 from __future__ import annotations
 
@@ -57,7 +57,7 @@ def main(argv: list[str] | None = None) -> int:
         The exit code: 0, 2 after an error, 130 after Ctrl-C, 143 after SIGTERM.
     """
     if "numpy" not in sys.modules:
-        # The matrix products here are small; threads for them take longer to start than they save.
+        # Matrix products are small here: threads for them take longer to start than they save.
         os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
     try:
         arguments = sys.argv[1:] if argv is None else argv

@@ -1,4 +1,4 @@
-"""The pictures that a command reads and writes, and what it says of them."""
+"""The pictures that a command reads and writes, and the lines that it prints about them."""
 
 from __future__ import annotations
 
@@ -76,7 +76,7 @@ def write(
     args: argparse.Namespace,
     outputs: Outputs,
 ) -> None:
-    """Write the result, and each other map of the sample as it follows from it."""
+    """Write the result and, from the same coordinates, each other map of the sample."""
     from weftex.exemplar import Exemplar
     from weftex.io.pictures import write_image
 
@@ -115,7 +115,7 @@ def report(
     start: float,
     maps: str = "",
 ) -> str:
-    """Say in a line what was made, how and how fast; lines above say of what, and why so."""
+    """Print what was made, how and how fast, after the maps and the reasons if weftex chose."""
     used, took = result.provenance, perf_counter() - start
     why = maps + (f"auto: {used['reason']}\n" if "reason" in used else "")
     why += "".join(f"note: {warning}\n" for warning in used.get("warnings", ()))
@@ -141,7 +141,7 @@ def _looked_at(result: Synthesis) -> str:
 
 
 def settings(args: argparse.Namespace, bar: Bar) -> dict[str, Any]:
-    """What all tasks take; a seed that is drawn here is short enough to be typed again."""
+    """Arguments of all tasks; a seed that is drawn here is short enough to be typed again."""
     seed = int.from_bytes(os.urandom(4), "little") if args.seed is None else args.seed
     tileable = True if args.tileable == "xy" else args.tileable or False
     return {"seed": seed, "tileable": tileable, "threads": args.threads, "progress": bar}

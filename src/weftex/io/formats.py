@@ -140,7 +140,7 @@ def check_png(file: IO[bytes], given: str) -> None:
 
 
 def check_spec(spec: Any, given: str, max_pixels: int | None) -> None:
-    """Refuse what is too large or of no use, from the header alone."""
+    """Refuse a picture that is too large, or of a kind that weftex does not read, by its header."""
     # A reader takes memory for a whole tile, which a header may claim to be larger than the rest.
     area = max(spec.width * spec.height, spec.tile_width * spec.tile_height)
     if max_pixels is not None and area > max_pixels:
@@ -160,7 +160,7 @@ def check_spec(spec: Any, given: str, max_pixels: int | None) -> None:
 def straight(pixels: NDArray[Any], spec: Any, kind: str) -> tuple[NDArray[Any], bool]:
     """Return the pixels with straight alpha as the last channel, and whether there is any."""
     place = spec.alpha_channel
-    # Many programs leave the fourth byte of a bitmap's pixels at zero and mean nothing by it.
+    # Many programs write zero as the fourth byte of a bitmap's pixels, which is not alpha.
     if kind == "bmp" and place == 3 and not pixels[..., 3].any():
         pixels, place = pixels[..., :3], -1
     if place < 0 or pixels.shape[2] == 1:
@@ -205,7 +205,7 @@ def as_pixels(pixels: Any) -> NDArray[Any]:
 
 
 def check_fit(given: str, form: Format, pixels: NDArray[Any], alpha: bool) -> None:
-    """Refuse what is no picture, or what the format cannot hold."""
+    """Refuse an array that is no picture, or that the format cannot hold."""
     shape, suffix = pixels.shape, suffix_of(given)
     colors = (shape[2] if len(shape) == 3 else 1) - alpha
     dtype = "float32" if pixels.dtype.kind == "f" else pixels.dtype.name

@@ -46,7 +46,7 @@ class Assessment:
     ----------
     patches : float or None
         See `weftex.quality.patches.patch_distance`; `patch_scales` has each scale, finest first.
-    color, color_levels : float or None
+    color, color_difference : float or None
         See `weftex.quality.color.color_distance`.
     spectrum, spectrum_decibels : float or None
         See `weftex.quality.spectrum.spectrum_distance`.
@@ -74,7 +74,7 @@ class Assessment:
     patches: float | None = None
     patch_scales: tuple[float, ...] = ()
     color: float | None = None
-    color_levels: float | None = None
+    color_difference: float | None = None
     spectrum: float | None = None
     spectrum_decibels: float | None = None
     autocorrelation: float | None = None
@@ -186,14 +186,14 @@ def assess(
     lattice = find_lattice(exemplar)
     came_back = repetition(own, made, lattice)
     patches, scales = patch_distance(own, made)
-    color_levels, color = color_distance(own, made)
+    color_difference, color = color_distance(own, made)
     decibels, spectrum = spectrum_distance(own, made)
     sharp, soft = sharpness(own, made)
     figures: dict[str, Any] = {
         "patches": patches,
         "patch_scales": scales,
         "color": color,
-        "color_levels": color_levels,
+        "color_difference": color_difference,
         "spectrum": spectrum,
         "spectrum_decibels": decibels,
         "autocorrelation": autocorrelation_distance(own, made),

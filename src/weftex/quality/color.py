@@ -15,7 +15,7 @@ if TYPE_CHECKING:
 _PIXELS = 2**15
 _QUANTILES = 256
 _DIRECTIONS = 12
-_FLOOR = 1.0  # levels
+_FLOOR = 1.0  # of 255
 
 
 def color_distance(sample: View, result: View) -> tuple[float | None, float | None]:
@@ -24,13 +24,13 @@ def color_distance(sample: View, result: View) -> tuple[float | None, float | No
     *Definition.* The Wasserstein distance between both pictures' values, in the mean over each
     channel and 12 random mixtures of them; over the same between the sample's halves.
 
-    *Unit.* Levels of 255, and 1 is as near as the sample's halves are, or one level if these are
-    nearer. *Good.* Low. *Blind to* where the colors are.
+    *Unit.* 255 is from black to white; and 1 is as near as the sample's halves are, or as 1 of
+    255 if these are nearer. *Good.* Low. *Blind to* where the colors are.
 
     Returns
     -------
     (float or None, float or None)
-        In levels, and relative to the sample's halves.
+        Of 255, and relative to the sample's halves.
     """
     apart, own = _apart(sample, result), over_halves(sample, _apart)
     return apart, None if own is None or apart is None else apart / max(own, _FLOOR)
@@ -46,8 +46,8 @@ def _apart(first: View, second: View) -> float | None:
 def _quantiles(view: View) -> NDArray[np.float64]:
     # The spelling of a purpose is part of the bits that are drawn for it.
     places = some(np.flatnonzero(view.usable), _PIXELS, "colours")
-    channels = view.levels.shape[2]
-    pixels = view.levels.reshape(-1, channels)[places].astype(np.float32)
+    channels = view.values.shape[2]
+    pixels = view.values.reshape(-1, channels)[places].astype(np.float32)
     bits = draw(0, "measure colours", np.arange(_DIRECTIONS)[:, None], np.arange(channels))
     mixtures = (bits % np.uint64(17)).astype(np.float32) - 8
     mixtures[~mixtures.any(axis=1)] = 1

@@ -1,4 +1,4 @@
-"""Copying: in what pieces the sample was taken over, how evenly, and how well pieces join."""
+"""Copying: how large pieces are, how evenly the sample is used, and how well pieces join."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ if TYPE_CHECKING:
 
     from weftex.quality.view import View
 
-_PIECE = 64  # pixels; fewer in one piece are not copied verbatim but chosen one by one
+_PIECE = 64  # pixels; a smaller piece counts as pixels that were chosen one by one
 _GRID = 16  # cells of the sample along each side
 _JOINTS = 20  # fewer say nothing
 
@@ -37,8 +37,8 @@ class Copying:
     distinct : float
         Different source pixels, over pixels, within half the sample's side.
     joints : float or None
-        How much colors differ from what either neighbor's piece goes on with, over how much
-        neighbors in the sample differ; None if there are hardly any joints.
+        Difference of colors where pieces meet, over that between neighbors in the sample; None if
+        there are hardly any joints.
     """
 
     copied: float
@@ -55,9 +55,9 @@ def copying(sample: View, result: View, source: NDArray[Any]) -> Copying | None:
     *Definition.* Pieces are connected pixels whose sources have one shift. `copied`, `piece`
     and `largest` are their sizes. `evenness` is exp of the entropy of how often each cell of a
     16x16 grid over the sample was used, over the number of cells with usable pixels. `distinct`
-    is taken in squares of half the sample's side. At `joints`, where two pieces meet, each of both
-    pixels is compared with what the other's piece would have there in the sample; the root mean
-    square of the lesser difference, over that between neighbors in the sample.
+    is taken in squares of half the sample's side. At `joints`, where two pieces meet, each of the
+    two pixels is compared with the pixel that would continue the other's piece in the sample; the
+    root mean square of the lesser difference, over that between neighbors in the sample.
 
     *Unit.* Shares, pixels, and steps of the sample. *Good.* `largest` low, `evenness` and
     `distinct` high, `joints` low: at 1 a joint is as large a step as any between two neighbors.
@@ -153,7 +153,7 @@ def _evenness(sample: View, used: NDArray[np.int32]) -> float:
     cell = y[:, None] * columns + x
     size = np.bincount(cell[sample.usable], minlength=rows * columns).astype(np.float64)
     count = np.bincount(cell[used[:, 0], used[:, 1]], minlength=rows * columns)
-    # By usable pixel, so that a cell that a mask cuts is not used less for that.
+    # For each usable pixel, so that a cell that the mask cuts does not count as used less.
     there = size > 0
     share = count[there] / size[there]
     weight = size[there] / size[there].sum()
@@ -185,7 +185,7 @@ def _joints(
     sample: View, result: View, source: NDArray[np.int32], known: NDArray[np.bool_]
 ) -> float | None:
     total, count, steps, pairs = 0.0, 0, 0.0, 0
-    own, made = sample.levels.astype(np.int32), result.levels.astype(np.int32)
+    own, made = sample.values.astype(np.int32), result.values.astype(np.int32)
     for axis in (0, 1):
         later = tuple(slice(axis == a, None) for a in (0, 1))
         earlier = tuple(slice(None, -1 if axis == a else None) for a in (0, 1))
@@ -206,5 +206,5 @@ def _joints(
         total, count = total + float(least.sum()), count + len(least)
     if count < _JOINTS or not pairs:
         return None
-    channels = sample.levels.shape[2]
+    channels = sample.values.shape[2]
     return float(np.sqrt((total / count + channels / 12) / (steps / pairs + channels / 12)))

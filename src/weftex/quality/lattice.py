@@ -1,4 +1,4 @@
-"""Lattice kept: whether what repeats in the sample repeats in the result, at the same distance."""
+"""Lattice kept: whether the result repeats at the vectors at which the sample does."""
 
 from __future__ import annotations
 
@@ -12,10 +12,10 @@ if TYPE_CHECKING:
     from weftex.analysis.lattice import Lattice
     from weftex.quality.view import View
 
-_CONFIDENCE = 0.5  # a lattice of less is too uncertain to be missed
+_CONFIDENCE = 0.5  # a lattice of less is not looked for in the result
 _MULTIPLES = 3
-_STEADY = 0.4  # of the sample's contrast; where its halves have less, it is no rule
-_FAINT = 0.08  # contrast of correlations; a sample of less shows too little to compare
+_STEADY = 0.4  # of the sample's contrast, which its halves must have
+_FAINT = 0.08  # contrast of correlations, which the sample must have
 
 
 def lattice_kept(sample: View, result: View, lattice: Lattice | None) -> float | None:

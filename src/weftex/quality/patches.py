@@ -55,7 +55,7 @@ def patch_distance(sample: View, result: View) -> tuple[float | None, tuple[floa
         whole, ours = _patches(own), _patches(made)
         if ours is None or whole is None or any(patches is None for patches in drawn):
             break
-        features = _features(own.levels.shape[2], scale)
+        features = _features(own.values.shape[2], scale)
         values = whole @ features
         floor = 0.5 * np.sqrt((features**2).sum(axis=0))  # a feature of less is rounding
         spread = np.maximum(values.std(axis=0, dtype=np.float64), floor)
@@ -74,7 +74,7 @@ def _patches(view: View) -> NDArray[np.float32] | None:
     if len(corners) < 16:
         return None
     y, x = np.divmod(some(corners, _PATCHES, "patches"), view.shape[1])
-    windows = sliding_window_view(view.levels, (_WIDTH, _WIDTH), axis=(0, 1))
+    windows = sliding_window_view(view.values, (_WIDTH, _WIDTH), axis=(0, 1))
     return windows[y, x].reshape(len(y), -1).astype(np.float32)
 
 

@@ -1,4 +1,4 @@
-"""Visible repetition: what comes back at one and the same shift, from the picture alone."""
+"""Visible repetition: parts of a picture that come back at one shift, found without sources."""
 
 from __future__ import annotations
 
@@ -18,18 +18,18 @@ if TYPE_CHECKING:
 
     Floats = NDArray[np.float64]
 
-_WIDTH = 32  # pixels of the windows whose mean power is taken out
+_WIDTH = 32  # pixels of the windows whose mean power both pictures are divided by
 _NARROWEST = 24  # sides of less are not looked at
 _LARGEST_PICTURE = 1024
-_NEAR = 6  # shifts of fewer pixels are a matter of sharpness
+_NEAR = 6  # pixels; at shorter shifts smooth pictures are like themselves
 _ERRORS = 6  # standard errors of a correlation that pass for chance
 _SHOWN = 6  # shifts that are told
 _FEWEST = 64  # pixels must overlap
-_HALF = 0.25  # of the sample: what it has at larger shifts is left to chance
+_HALF = 0.25  # of the sample must overlap for its own repetition to be subtracted
 _CELL = 8  # half the side of a square of the map
 _RIM = 8  # pixels that whitening spoils, because transforms go around
-_CONFIDENCE = 0.5  # a lattice of less is no reason to repeat
-_AT = 3  # pixels from a multiple of the lattice are still at it
+_CONFIDENCE = 0.5  # a lattice of less does not excuse repetition
+_AT = 3  # pixels; a shift this near to a multiple of the lattice counts as one
 
 
 @dataclass(frozen=True, eq=False)
@@ -52,19 +52,20 @@ class Repetition:
 
 
 def repetition(sample: View, result: View, lattice: Lattice | None = None) -> Repetition | None:
-    """Find what comes back.
+    """Find the shifts at which parts of a result come back.
 
     *Definition.* Both pictures are divided by the root of their mean power at each frequency, in
-    windows of 32 pixels, so that pixels are nearly independent of each other, and the correlation
-    with itself at a shift is the share of the overlap that is repeated there. 6 standard errors,
-    and the most that the sample has at any shift, are subtracted: what repeats in it may repeat.
-    Times the overlap that is the share of the picture that comes back. `period` is the largest at
-    any shift, `repeats` the sum within half the sample's side.
+    windows of 32 pixels, so that pixels are nearly independent of each other. Then the correlation
+    of the result with itself at a shift is the share of the overlap that is repeated there. 6
+    standard errors are subtracted, and the sample's largest correlation with itself, as a result
+    may repeat what the sample repeats. Times the overlap, that is the share of the picture that
+    comes back. `period` is the largest at any shift, `repeats` the sum within half the sample's
+    side.
 
-    A result that keeps a lattice can repeat at its multiples only, and must: of a sample that
-    holds n tiles, used evenly, each comes back at any multiple with a chance of 1 / n. So much is
-    subtracted there. (Elsewhere chance is spread over so many shifts that the standard errors
-    cover it.)
+    A result that keeps a lattice repeats at multiples of its vectors alone, and must: where the
+    sample has n tiles, used evenly, a tile comes back at any multiple with a chance of 1 / n,
+    which is subtracted there. (Elsewhere chance is spread over so many shifts that the standard
+    errors cover it.)
 
     *Unit.* Share of the result. *Good.* Low. A sample of a quarter of the result's size must come
     back about four times, so `repeats` is seldom 0 where pixels are copied; one that is laid side
@@ -170,7 +171,7 @@ def repetition_map(
 
 
 def _both(sample: View, result: View) -> tuple[Floats, Floats] | None:
-    """The middle of the result with a flat spectrum, and what comes back in it."""
+    """The middle of the result with a flat spectrum; its share that comes back at each shift."""
     part = result.center(_LARGEST_PICTURE)
     if min(*sample.shape, *part.shape) < _NARROWEST:
         return None
@@ -204,8 +205,8 @@ def _whitened(view: View, width: int) -> Floats | None:
         (1 - dx) * full[top + 1, left] + dx * full[top + 1, left + 1]
     )
     fade = [np.minimum(1, (np.minimum(k, k[::-1]) + 1) / _RIM) for k in map(np.arange, view.shape)]
-    level = view.flat * np.outer(*fade)
-    white = np.fft.irfft2(np.fft.rfft2(level) / np.sqrt(smooth), view.shape)
+    faded = view.flat * np.outer(*fade)
+    white = np.fft.irfft2(np.fft.rfft2(faded) / np.sqrt(smooth), view.shape)
     white = np.where(view.usable, white, 0)
     white -= white[view.usable].mean() * view.usable
     spread = float(np.sqrt((white[view.usable] ** 2).mean()))
@@ -218,7 +219,7 @@ def _whitened(view: View, width: int) -> Floats | None:
 
 
 def _alike(white: Floats, usable: NDArray[np.bool_]) -> tuple[Floats, Floats]:
-    """Correlation at every shift less what may be chance, and how much of the picture overlaps."""
+    """Correlation at every shift, less 6 standard errors, and the share that overlaps."""
     height, width = white.shape
     size = (2 * height, 2 * width)
     products = _middle(np.fft.irfft2(np.abs(np.fft.rfft2(white, size)) ** 2, size), height, width)
@@ -230,7 +231,7 @@ def _alike(white: Floats, usable: NDArray[np.bool_]) -> tuple[Floats, Floats]:
         count = np.rint(_middle(count, height, width))
     some = np.maximum(count, 1)
     alike = np.clip(products / some - _ERRORS / np.sqrt(some), 0, 1)
-    # Nearer shifts are how smooth the picture is.
+    # At short shifts the correlation says how smooth the picture is.
     y, x = np.ogrid[1 - height : height, 1 - width : width]
     alike[(np.maximum(abs(y), abs(x)) <= _NEAR) | (count < _FEWEST)] = 0
     return alike, count / usable.sum()

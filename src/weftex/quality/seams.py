@@ -1,4 +1,4 @@
-"""Seams: steps between neighboring lines that what is around them does not explain."""
+"""Seams: steps between neighboring pixels that the steps beside them do not predict."""
 
 from __future__ import annotations
 
@@ -17,17 +17,17 @@ if TYPE_CHECKING:
 
 Kind = TypeVar("Kind", bound=np.generic)
 
-_REACH = 3  # steps before and after
+_REACH = 3  # steps before and after that predict one
 _ROWS = 2  # lines above and below
 _LEARN = 2**14  # places
-_ALONG = 8  # half the pixels along a line that are looked at together
-_USUAL = 0.99  # of the sample's places
+_ALONG = 8  # pixels to either side over which surprise is averaged along a line
+_USUAL = 0.99  # quantile of the surprise; above it is a seam
 _LONGEST_BORDER = 2048  # pixels a side that the border of a result is compared with
 _BORDER = 2 * (_REACH + _ALONG)
 
 
 class Seams:
-    """What steps are like in a sample; see `seams`.
+    """A prediction of steps, fitted to a sample, and how surprising its own are; see `seams`.
 
     Parameters
     ----------
@@ -53,7 +53,7 @@ class Seams:
             ]
 
     def _along(self, view: View, axis: int) -> Floats:
-        """For each line between pixels along an axis, how surprising the step across it is."""
+        """The surprise at each step along an axis: its prediction error over the usual one."""
         model = self._models[axis]
         assert model is not None
         gray = view.gray if axis else view.gray.T
@@ -61,10 +61,10 @@ class Seams:
         return surprise if axis else surprise.T
 
     def excess(self, result: View, axis: int) -> tuple[Floats, float]:
-        """What passes the sample's usual surprise at each place, and the mean of it over its own.
+        """Surprise above the sample's 99 % quantile, and its mean over the sample's own mean.
 
-        Place [y, x] is the line between a pixel and the next along the axis; the outermost places
-        are left out.
+        Place [y, x] is the step from a pixel to the next along the axis; the outermost steps are
+        left out.
         """
         over = np.maximum(self._along(result, axis) - self._usual[axis], 0)
         return over, float(over.mean(dtype=np.float64)) / self._own[axis]
@@ -76,20 +76,20 @@ class Seams:
     def border(self, result: View, axis: int) -> float:
         """The share of the border along an axis that is a seam; see `weftex.quality.wrap`."""
         usual = np.quantile(self._along(result.center(_LONGEST_BORDER), axis), _USUAL)
-        across = np.take(result.levels, np.arange(-_BORDER, _BORDER), axis)
+        across = np.take(result.values, np.arange(-_BORDER, _BORDER), axis)
         beside = View(across, np.ones(across.shape[:2], bool), result.axis, result.side)
         found = self._along(beside, axis)
         return float((np.take(found, found.shape[axis] // 2, axis) > usual).mean())
 
 
 def seams(model: Seams, result: View) -> float | None:
-    """Say how much more the picture breaks off than the sample does.
+    """Compare how often and how strongly steps are not predicted.
 
     *Definition.* The step from each pixel to the next is predicted from the 30 steps beside it, in
-    five lines and without its own; least squares on the sample say how. What is left of it, over
-    what is usually left where steps are as large, is averaged over 17 pixels along the line. What
-    passes the sample's own quantile of 99 % is summed up; over the same of the sample, in the
-    quarter of it with most.
+    five lines, by weights that are fitted to the sample (least squares). The surprise is the error
+    of this prediction, over the usual error where the steps beside are as large, averaged over 17
+    pixels along the line. The figure is the mean excess of the surprise over the sample's 99 %
+    quantile, divided by the same mean in that quarter of the sample that has most.
 
     *Unit.* 1 is as many and as strong as the sample's own. *Good.* Low, up to about 2. *Blind to*
     seams that are feathered or follow outlines, and to joints that end: what they break is not a
@@ -135,14 +135,14 @@ def _beside() -> list[tuple[int, int]]:
 
 
 def _inner(steps: NDArray[Kind], dy: int = 0, dx: int = 0) -> NDArray[Kind]:
-    """Steps that have all others beside them, or what is (dy, dx) from these."""
+    """The steps that have all their neighbors, or their neighbors at (dy, dx)."""
     height, width = steps.shape
     rows = slice(_ROWS + dy, height - _ROWS + dy)
     return steps[rows, _REACH + dx : width - _REACH + dx]
 
 
 def _fit(gray: Floats, usable: NDArray[np.bool_]) -> Model | None:
-    """Weights of the steps beside, and the squares that are left at each activity."""
+    """Fit the weights of the steps beside; mean squared errors by the activity of these steps."""
     height, width = gray.shape
     if height <= 2 * _ROWS + _ALONG or width <= 2 * _REACH + 2 * _ALONG:
         return None
@@ -169,7 +169,7 @@ def _fit(gray: Floats, usable: NDArray[np.bool_]) -> Model | None:
 
 
 def _surprise(gray: Floats, model: Model) -> Floats:
-    """Of each step, what is left of it over what usually is."""
+    """The prediction error of each step over the usual one at its activity."""
     weights, knots, usual = model
     steps = _steps(gray)
     left, activity = _inner(steps).copy(), np.zeros_like(_inner(steps))
@@ -188,7 +188,7 @@ def _pooled(surprise: Floats) -> Floats:
 
 
 def _whole(usable: NDArray[np.bool_], axis: int) -> NDArray[np.bool_]:
-    """Places of `Seams._along` at which all that is looked at is usable."""
+    """Places of `Seams._along` whose steps, and all that predict them, are usable."""
     turned = usable if axis else usable.T
     whole = turned[:, 1:] & turned[:, :-1]
     place = _inner(whole).copy()
@@ -200,7 +200,7 @@ def _whole(usable: NDArray[np.bool_], axis: int) -> NDArray[np.bool_]:
 
 
 def _own_rate(over: Floats, place: NDArray[np.bool_]) -> float:
-    """The mean in the quarter of the sample that has most: all the result may look like it."""
+    """The mean in the quarter of the sample that has most, as all of a result may look like it."""
     rows, columns = (np.array_split(np.arange(side), 2) for side in over.shape)
     rates = [1e-3]
     for y in rows:

@@ -15,15 +15,15 @@ if TYPE_CHECKING:
 
 _CELL = 8  # pixels
 _SOFTEST = 0.05  # of the sample
-_ROUNDING = 1 / 12  # of bytes, as a variance in levels
+_ROUNDING = 1 / 12  # the variance of an error of up to half
 
 
 def sharpness(sample: View, result: View) -> tuple[float | None, float | None]:
     """Compare the finest detail.
 
-    *Definition.* Detail is what a 3x3 blur takes off. The first figure is the ratio of its root
-    mean squares, the second the share of the result's cells of 8x8 pixels that have less of it
-    than the softest 5 % of the sample's.
+    *Definition.* Detail is the difference from a 3x3 blur. The first figure is the ratio of its
+    root mean squares, the second the share of the result's cells of 8x8 pixels that have less of
+    it than the softest 5 % of the sample's.
 
     *Unit.* Ratio, and share. *Good.* The first near 1: below it is blurred, above it has noise or
     hard edges. The second near 0.05 or below; more is blurred in places. *Blind to* what the
@@ -48,12 +48,12 @@ def sharpness(sample: View, result: View) -> tuple[float | None, float | None]:
     if len(known) < 4:
         return ratio, None
     softest = np.quantile(known, _SOFTEST)
-    # What is as flat as rounding allows is no softer than the sample's flattest.
+    # A cell that rounding alone makes flatter than the sample's softest is not softer.
     return ratio, float((cells[1] < softest - _ROUNDING / 4).mean())
 
 
 def _detail(view: View) -> tuple[Floats, NDArray[np.bool_]] | None:
-    """Squares of the detail, and where it is made of usable pixels; without the outermost ones."""
+    """Squared detail, and where all pixels of the blur are usable; the outermost are left out."""
     if min(view.shape) < 3:
         return None
     smooth, usable = view.gray.astype(np.float64), view.usable

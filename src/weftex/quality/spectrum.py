@@ -1,4 +1,4 @@
-"""Spectrum and autocorrelation: how much varies at which period, and in which direction."""
+"""Spectrum and autocorrelation: the power at each period and direction."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ _SAME = 0.02  # of correlations, which differ so much by chance
 
 
 def spectrum_distance(sample: View, result: View) -> tuple[float | None, float | None]:
-    """Compare how much varies at which period and direction.
+    """Compare power spectra, by period and direction.
 
     *Definition.* The mean power spectrum of windows of 64 pixels a side (fewer in small samples),
     in half octaves and four directions; the root mean square difference in decibels, over the
@@ -91,20 +91,20 @@ def _bands(view: View, width: int) -> Floats | None:
     band = ring * _ANGLES + sector
     count = np.bincount(band)
     total = np.bincount(band, power[inside])
-    # Rounding to bytes has a twelfth of a level's power at every period.
+    # Rounding to bytes has a power of 1/12 at every period.
     result: Floats = 10 * np.log10(total[count > 0] / count[count > 0] + 1 / 12)
     return result
 
 
 def autocorrelation_distance(sample: View, result: View) -> float | None:
-    """Compare how alike the picture is to itself at short shifts.
+    """Compare autocorrelations at short shifts.
 
-    *Definition.* The root mean square difference of the normalized correlations with themselves
-    (slow lighting taken off) at shifts of up to a quarter of the sample's side, 64 pixels at most;
-    over the same between the sample's halves.
+    *Definition.* The root mean square difference of the normalized autocorrelations (slow lighting
+    subtracted) at shifts of up to a quarter of the sample's side, 64 pixels at most; over the same
+    between the sample's halves.
 
-    *Unit.* 1 is as near as the sample's halves. *Good.* Low. *Blind to* what is alike: blurred and
-    sharp pictures of one period are near each other.
+    *Unit.* 1 is as near as the sample's halves. *Good.* Low. *Blind to* content: blurred and sharp
+    pictures of one period are near each other.
     """
     reach = min(_LAGS, min(sample.shape) // 4, min(result.shape) - 1)
     if reach < 2:

@@ -35,7 +35,7 @@ class View:
 
     Attributes
     ----------
-    levels : uint8 array (H, W, K)
+    values : uint8 array (H, W, K)
         As `Exemplar.as_matching` makes them: alpha multiplied in, other depths as bytes.
     usable : bool array (H, W)
         Where the sample may be used; everywhere in a result.
@@ -45,7 +45,7 @@ class View:
         The sample's shorter side, which says what slow lighting is.
     """
 
-    levels: NDArray[np.uint8]
+    values: NDArray[np.uint8]
     usable: NDArray[np.bool_]
     axis: NDArray[np.int64]
     side: int
@@ -53,7 +53,7 @@ class View:
     @property
     def shape(self) -> tuple[int, int]:
         """Height and width."""
-        return self.levels.shape[0], self.levels.shape[1]
+        return self.values.shape[0], self.values.shape[1]
 
     @cached_property
     def masked(self) -> bool:
@@ -62,9 +62,9 @@ class View:
 
     @cached_property
     def gray(self) -> NDArray[np.float32]:
-        """Brightness along the axis, in levels; (H, W)."""
+        """Brightness along the axis, in the unit of `values`; (H, W)."""
         # Sums of whole numbers that float32 holds exactly, so the same in any order.
-        along: NDArray[np.float32] = self.levels.astype(np.float32) @ self.axis.astype(np.float32)
+        along: NDArray[np.float32] = self.values.astype(np.float32) @ self.axis.astype(np.float32)
         return along / np.float32(np.sqrt(float(self.axis @ self.axis)))
 
     @cached_property
@@ -73,10 +73,8 @@ class View:
         radius = max(1, self.side // (2 * _SMOOTH))
         share = self.usable.astype(np.float64)
         total = centered_sums(self.gray * share, radius)
-        level = np.where(
-            self.usable, self.gray - total / np.maximum(centered_sums(share, radius), 1), 0
-        )
-        return level.astype(np.float32)
+        slow = total / np.maximum(centered_sums(share, radius), 1)
+        return np.where(self.usable, self.gray - slow, 0).astype(np.float32)
 
     @cached_property
     def correlation(self) -> Floats:
@@ -87,14 +85,14 @@ class View:
     def part(self, top: int, left: int, height: int, width: int) -> View:
         """A part of the picture."""
         box = slice(top, top + height), slice(left, left + width)
-        return View(self.levels[box], self.usable[box], self.axis, self.side)
+        return View(self.values[box], self.usable[box], self.axis, self.side)
 
     def center(self, widest: int) -> View:
         """The middle of a picture with longer sides than this."""
         if max(self.shape) <= widest:
             return self
         shape = (min(self.shape[0], widest), min(self.shape[1], widest))
-        return View(middle(self.levels, shape), middle(self.usable, shape), self.axis, self.side)
+        return View(middle(self.values, shape), middle(self.usable, shape), self.axis, self.side)
 
     @cached_property
     def halves(self) -> tuple[tuple[View, View], ...]:
@@ -108,7 +106,7 @@ class View:
 
     def pyramid(self, count: int) -> list[View]:
         """The picture and its coarser versions, each of half the size."""
-        levels = gaussian_pyramid(self.levels, count)
+        levels = gaussian_pyramid(self.values, count)
         masks = mask_pyramid(self.usable, count)
         return [
             View(level, mask, self.axis, max(1, self.side >> k))
@@ -145,12 +143,12 @@ def views(sample: Exemplar, result: NDArray[Any]) -> tuple[View, View]:
         raise InvalidInputError(
             f"the result is {kinds[0]}, the sample {kinds[1]}; dtype and channels must be equal"
         )
-    levels = sample.as_matching(own)
+    values = sample.as_matching(own)
     usable = np.ones(sample.shape, bool) if sample.mask is None else sample.mask
-    axis, side = _axis(levels[usable]), min(sample.shape)
+    axis, side = _axis(values[usable]), min(sample.shape)
     made = sample.as_matching(pixels)
     return (
-        View(levels, usable, axis, side),
+        View(values, usable, axis, side),
         View(made, np.ones(made.shape[:2], bool), axis, side),
     )
 

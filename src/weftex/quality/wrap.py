@@ -1,4 +1,4 @@
-"""Seam at the wrap: whether a tileable result shows where it meets itself."""
+"""Seam at the wrap: whether the border of a tileable result shows when it is repeated."""
 
 from __future__ import annotations
 

@@ -1,1 +1,1 @@
-"""What each command of `weftex` takes and does: its `run`, which cli.py calls."""
+"""The commands of `weftex`, one a module: its `run` takes the arguments after its name."""

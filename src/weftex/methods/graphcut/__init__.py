@@ -134,7 +134,8 @@ def synthesize(settings: Settings, growth: Growth) -> None:
     with thread_map(min(growth.threads, settings.candidates)) as map_:
 
         def lay(pixel: tuple[int, int], number: int, *, centered: bool) -> Cut:
-            # Places that match, drawn by P(t) = exp(-C(t) / (k sigma**2)) (section 4).
+            # Places that match, drawn by P(t) = exp(-C(t) / (k sigma**2)) (section 4); C(t) by FFT
+            # (section 5): `search.translation`.
             places = placement.candidates(pixel, number, centered)
             # The minimum cut between old and new pixels; old seams are in the graph (section 3).
             best: Cut = min(map_(picture.cut, places), key=lambda cut: cut.cost)

@@ -1,0 +1,200 @@
+"""Results in files: saved, loaded, damaged."""
+
+import json
+import subprocess
+import sys
+
+import numpy as np
+import pytest
+
+import weftex
+from families import noise
+from laid import filled, make
+from weftex.errors import FileError, InvalidInputError
+
+
+@pytest.mark.parametrize("make_one", [make, lambda: make("cut", (True, False)), filled])
+def test_saved_and_loaded(tmp_path, make_one):
+    result = make_one()
+    path = tmp_path / "result.npz"
+    result.save(path)
+    known = result.canvas.known
+    loaded = weftex.Synthesis.load(path, exemplar=result.exemplar, known=known)
+    assert np.array_equal(loaded.image, result.image)
+    assert np.array_equal(loaded.source, result.source)
+    assert loaded.canvas.wrap == result.canvas.wrap and loaded.shape == result.shape
+    assert loaded.provenance == result.provenance
+    assert loaded.provenance["method"] == "patch-sampling" and "seed" in loaded.provenance
+    again = tmp_path / "again.npz"
+    loaded.save(again)
+    assert again.stat().st_size == pytest.approx(path.stat().st_size, abs=64)
+    alone = weftex.Synthesis.load(path)
+    normals = np.arange(60 * 68, dtype=np.float32).reshape(60, 68)
+    assert np.array_equal(alone.render(normals), result.render(normals))
+    for ask in (lambda: alone.image, lambda: alone.maps, alone.draw, alone.render):
+        if ask == alone.draw:
+            assert np.array_equal(alone.draw(), result.draw())
+            continue
+        with pytest.raises(InvalidInputError, match="without its sample"):
+            ask()
+
+
+def test_a_saved_result_is_small(tmp_path):
+    result = weftex.synthesize("sample:pebbles", (1024, 1024), method="patch-sampling", seed=1)
+    result.save(tmp_path / "wall.npz")
+    assert (tmp_path / "wall.npz").stat().st_size < result.image.nbytes / 50
+
+
+def damage(path, **changes):
+    with np.load(path) as file:
+        arrays = dict(file)
+    about = json.loads(str(arrays["about"]))
+    for key, value in changes.items():
+        if key in arrays:
+            arrays[key] = value(arrays[key])
+        else:
+            about[key] = value(about.get(key))
+    arrays["about"] = np.array(json.dumps(about))
+    np.savez(path, **arrays)
+
+
+def put(index, value):
+    def change(array):
+        array = array.copy()
+        array[index] = value
+        return array
+
+    return change
+
+
+DAMAGE = {
+    "zone beyond the weights": {"placements": put((0, 4), 99)},
+    "negative zone": {"placements": put((0, 4), -1)},
+    "negative position": {"placements": put((0, 0), -7)},
+    "negative source": {"placements": put((0, 3), -(10**6))},
+    "placements cut short": {"placements": lambda a: a[:, :3].copy()},
+    "floating placements": {"placements": lambda a: a.astype(float)},
+    "weights of another kind": {"weights": lambda a: a.astype(np.float32)},
+    "weights past 256": {"weights": put((0, 0, 0), 60000)},
+    "flat weights": {"weights": lambda a: a.ravel()},
+    "cuts of another width": {"cuts": lambda a: np.zeros((1, 3), np.uint16)},
+    "no sample": {"sample_shape": lambda _: [0, 0]},
+    "another format": {"format": lambda _: 99},
+    "a size that is none": {"shape": lambda _: [0, -4]},
+    "three sides": {"shape": lambda _: [1, 2, 3]},
+    "a side of half a pixel": {"shape": lambda _: [30.5, 34]},
+    "sides of truth": {"shape": lambda _: [True, True]},
+    "a negative sample": {"sample_shape": lambda _: [-30, -34]},
+    "three sides of the sample": {"sample_shape": lambda _: [30, 34, 3]},
+    "a sample that is a text": {"sample_shape": lambda _: "30x34"},
+    "a huge sample": {"sample_shape": lambda _: [2**20, 2**20]},
+    "a huge output": {"shape": lambda _: [2**20, 2**20]},
+    "places that are none": {"origin": lambda _: [0.5, None]},
+    "known from nowhere": {"known_from": lambda _: ["a", "b"]},
+    "wrap of numbers": {"wrap": lambda _: [0, 1]},
+    "no provenance": {"provenance": lambda _: [1]},
+    "arrays of the other byte order": {"placements": lambda a: a.astype(">i4")},
+    "objects": {"weights": lambda a: a.astype("datetime64[D]")},
+    "more than its sizes need": {"cuts": lambda a: np.zeros((2**16, 2**10), np.uint16)},
+}
+LOAD = """
+import sys, numpy as np, weftex
+try:
+    result = weftex.Synthesis.load(sys.argv[1])
+    result.render(np.zeros((30, 34), np.uint8)); result.source
+except weftex.WeftexError as error:
+    print("refused:", error)
+"""
+
+
+@pytest.mark.parametrize("what", DAMAGE)
+def test_damaged_files_are_refused(tmp_path, what):
+    """In a process of its own, for a kernel that trusts a bad file brings the whole one down."""
+    path = tmp_path / "result.npz"
+    make().save(path)
+    damage(path, **DAMAGE[what])
+    done = subprocess.run(
+        [sys.executable, "-c", LOAD, str(path)],
+        check=False,
+        capture_output=True,
+        text=True,
+        timeout=60,
+    )
+    assert done.returncode == 0, done.stderr[-300:] or f"died of signal {-done.returncode}"
+    assert done.stdout.startswith("refused:")
+
+
+@pytest.mark.parametrize("order", ["F", "view"])
+def test_the_order_of_bytes_in_arrays_does_not_matter(tmp_path, order):
+    result = make()
+    path = tmp_path / "result.npz"
+    result.save(path)
+    with np.load(path) as file:
+        arrays = dict(file)
+    for name in ("placements", "weights", "cuts"):
+        arrays[name] = np.asfortranarray(arrays[name])
+        if order == "view":
+            arrays[name] = np.repeat(arrays[name], 2, axis=0)[::2]
+    np.savez(path, **arrays)
+    again = weftex.Synthesis.load(path, result.exemplar)
+    assert np.array_equal(again.image, result.image)
+
+
+def test_a_hole_of_another_type_is_refused(tmp_path):
+    hole = np.zeros((12, 13), bool)
+    hole[3:6, 4:9] = True
+    path = tmp_path / "result.npz"
+    weftex.fill(noise((12, 13, 3)), hole, seed=1).save(path)
+    for change in (lambda a: a.astype(np.int64), lambda a: a.astype(float), np.ravel):
+        weftex.fill(noise((12, 13, 3)), hole, seed=1).save(path)
+        damage(path, hole=change)
+        with pytest.raises(FileError, match="its hole does not fit"):
+            weftex.Synthesis.load(path)
+
+
+def test_a_bomb_is_refused_from_its_header(tmp_path):
+    """Few kilobytes that unpack to 8 GB, of which not one is unpacked."""
+    import tracemalloc
+    import zipfile
+
+    path = tmp_path / "result.npz"
+    make().save(path)
+    header = {"descr": "<i4", "fortran_order": False, "shape": (2**31, 1)}
+    with (
+        zipfile.ZipFile(path, "a", zipfile.ZIP_DEFLATED) as file,
+        file.open("bomb.npy", "w", force_zip64=True) as member,
+    ):
+        np.lib.format.write_array_header_1_0(member, header)
+        member.write(bytes(2**20))
+    tracemalloc.start()
+    with pytest.raises(FileError, match="its arrays are larger than its sizes need"):
+        weftex.Synthesis.load(path)
+    assert tracemalloc.get_traced_memory()[1] < 2**22
+    tracemalloc.stop()
+
+
+@pytest.mark.parametrize("size", [0, 1, 50, -1])
+def test_truncated_files_are_refused(tmp_path, size):
+    path = tmp_path / "result.npz"
+    make().save(path)
+    path.write_bytes(path.read_bytes()[:size])
+    with pytest.raises(FileError, match=r"result\.npz is not a saved weftex result"):
+        weftex.Synthesis.load(path)
+
+
+def test_files_of_another_kind_are_refused(tmp_path):
+    with pytest.raises(FileError, match="does not exist"):
+        weftex.Synthesis.load(tmp_path / "nothing.npz")
+    text = tmp_path / "text.npz"
+    text.write_text("hello")
+    with pytest.raises(FileError, match="is not a saved weftex result"):
+        weftex.Synthesis.load(text)
+    other = tmp_path / "other.npz"
+    np.savez(other, a=np.zeros(3))
+    with pytest.raises(FileError, match="is not a saved weftex result"):
+        weftex.Synthesis.load(other)
+    with pytest.raises(FileError):
+        weftex.Synthesis.load(tmp_path)
+    np.savez(other, about=np.array("[1]"), placements=0, weights=0, cuts=0)
+    with pytest.raises(FileError, match="is not a saved weftex result"):
+        weftex.Synthesis.load(other)

@@ -1,0 +1,68 @@
+"""The scripts of benchmarks that pages cite do run, small; test_gallery.py has the gallery's."""
+
+import json
+import shutil
+import sys
+from pathlib import Path
+
+import pytest
+from PIL import Image
+
+ROOT = Path(__file__).parent.parent
+sys.path.insert(0, str(ROOT / "benchmarks"))
+import digests  # noqa: E402
+import pictures  # noqa: E402
+import run  # noqa: E402
+from shared import papers  # noqa: E402
+
+
+@pytest.mark.parametrize("table", run.TABLES)
+def test_tables(table, tmp_path, capsys):
+    """Each is written into the page, where the others stay."""
+    page = tmp_path / "benchmarks.md"
+    page.write_text("# Page\n\n## memory\n\nOf before.\n\nkept\n", "utf-8")
+    try:
+        run.main([table, "--small", "--update", str(page), "--json", str(tmp_path / "found.json")])
+    finally:
+        papers.make_small(False)
+    text = page.read_text("utf-8")
+    found = json.loads((tmp_path / "found.json").read_text("utf-8"))
+    head, rows = found[table]["head"], found[table]["rows"]
+    assert f"\n## {table}\n\n{run.TABLES[table].__doc__}\n" in text and "Measured on: " in text
+    assert rows and all(len(row) == len(head) for row in rows)
+    assert ("kept" in text) == (table != "memory")
+    assert f"## {table}" in capsys.readouterr().out
+
+
+def test_small_tables_do_not_reach_the_repository(capsys):
+    with pytest.raises(SystemExit):
+        run.main(["speed", "--small", "--update"])
+    assert "--small measures nothing" in capsys.readouterr().err
+
+
+def test_the_page_has_every_table():
+    """As they are headed in the page of the repository; --update writes them there."""
+    text = run.PAGE.read_text("utf-8")
+    assert [line[3:] for line in text.splitlines() if line.startswith("## ")] == list(run.TABLES)
+
+
+def test_digests_are_compared(monkeypatch, capsys, tmp_path):
+    """With a record of its own: whether bytes are the repository's is asked after each change."""
+    record = tmp_path / "digests.json"
+    monkeypatch.setattr(digests, "RECORD", record)
+    words = ["digests.py", "--quick", "--only", "best of"]
+    monkeypatch.setattr(sys, "argv", [*words, "--write"])
+    assert not digests.main()
+    (name,) = json.loads(record.read_text("utf-8"))
+    monkeypatch.setattr(sys, "argv", words)
+    assert not digests.main() and "1 of 1 equal" in capsys.readouterr().out
+    assert name in json.loads((ROOT / "benchmarks" / "digests.json").read_text("utf-8"))
+
+
+def test_the_first_picture_of_a_page(monkeypatch, tmp_path):
+    (tmp_path / "img").mkdir()
+    shutil.copy(ROOT / "docs" / "analyze.md", tmp_path)
+    monkeypatch.setattr(pictures, "DOCS", tmp_path)
+    kept = ROOT / "docs" / "img" / "analyze.webp"
+    with Image.open(pictures.draw("analyze")) as made, Image.open(kept) as old:
+        assert made.size == old.size
