@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from weftex.analysis.correlation import correlate
+from weftex.analysis.relief import mixed
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -23,9 +24,11 @@ if TYPE_CHECKING:
 _CLOSEST = 5.0  # pixels from row to row
 _STEP = 0.25  # of a pixel, between distances that are tried
 _RIDGES = 8  # that are looked at, as far as they lie within the sample
-_FEWEST = 3  # of them that a sample must show
+_FEWEST = 2  # of them that a sample must show
+_REACH = 0.7  # of the shorter side, that ridges are looked at in
 _UNSURE = 0.1  # what chance does to one ridge
-_SAMPLES = 31  # along a line
+_SAMPLES = 61  # along a line
+_HIGHER = 0.95  # of its height, that every second ridge may be above the others
 
 
 def find_rows(flat: Relief) -> tuple[Floats, float] | None:
@@ -44,7 +47,7 @@ def find_rows(flat: Relief) -> tuple[Floats, float] | None:
         sample that is too small or constant.
     """
     height, width = flat.usable.shape
-    reach = int(0.6 * min(height, width))
+    reach = int(_REACH * min(height, width))
     if (reach - 1) / _FEWEST <= _CLOSEST:
         return None
     correlation = correlate(_with_edges(flat.levels), first_mask=flat.usable >= 0.5)
@@ -54,14 +57,25 @@ def find_rows(flat: Relief) -> tuple[Floats, float] | None:
     angle, distance, contrast = _highest(correlation, near, reach)
     if contrast <= 0:
         return None
+    if _alternates(_profiles(correlation, np.array([angle]), reach)[0], distance):
+        distance *= 2
     return distance * np.array([-np.sin(angle), np.cos(angle)]), contrast
 
 
+def _alternates(profile: Floats, distance: float) -> bool:
+    """Whether every second ridge is higher: edges lie at both sides of what repeats."""
+    times = np.arange(1, int((len(profile) - 1) / distance) + 1)
+    heights = np.interp(times * distance, np.arange(len(profile)), profile)
+    if len(heights) < 2:
+        return False
+    return bool(heights[1::2].mean() - heights[::2].mean() > _HIGHER * heights[1::2].mean())
+
+
 def _with_edges(levels: Floats) -> Floats:
-    """Mean level, and beside it the steps down and to the right, with as much energy in all."""
+    """The mixture of channels that varies most, and beside it the steps down and to the right, with as much energy in all."""
     steps = [np.sqrt((np.gradient(levels, axis=axis) ** 2).sum(axis=0)) for axis in (1, 2)]
     edges = np.stack(steps)
-    gray = levels.mean(axis=0, keepdims=True)
+    gray = mixed(levels)[None]
     share = levels.var(axis=(1, 2)).mean() / max(edges.var(axis=(1, 2)).sum(), 1e-12)
     found: Floats = np.moveaxis(np.concatenate([gray, edges * share**0.5]), 0, 2)
     return found

@@ -64,7 +64,7 @@ class Analysis:
         Names of the aligned maps.
     colors : int
         Different colors among the usable pixels.
-    scale, confidence : float
+    scale, confidence, scale_source : float, float, str
         See `weftex.analysis.scale.DominantScale`.
     spectrum : tuple of Band
         The curve that the scale is read from, coarse to fine.
@@ -96,6 +96,7 @@ class Analysis:
     colors: int
     scale: float
     confidence: float
+    scale_source: str
     spectrum: tuple[Band, ...]
     regularity: float
     lattice: Lattice | None
@@ -116,13 +117,13 @@ class Analysis:
         )
         words = {(True, True): "yes", (True, False): "downwards only"}
         words |= {(False, True): "to the right only", (False, False): "no"}
-        certainty = f"confidence {self.confidence:g}" if self.confidence else "no clear peak"
+        certainty = f"of its {self.scale_source}, confidence {self.confidence:g}"
         kind = f"{self.width}x{self.height}, {self.channels} x {self.dtype}"
         rows = [
             (self.name, kind + (" with alpha" if self.alpha else "")),
             *([("maps", ", ".join(self.maps))] if self.maps else []),
             ("colors", str(self.colors)),
-            ("scale", f"{self.scale:g} px, {certainty}"),
+            ("scale", f"{self.scale:g} px {certainty}"),
             ("regularity", f"{self.regularity:g}"),
             ("lattice", _words(self.lattice)),
             ("tiles", f"{words[self.tiles]} ({across})"),
@@ -165,10 +166,11 @@ def analyze(sample: Sample) -> Analysis:
     (13, True, (False, False))
     """
     exemplar = load_exemplar(sample)
-    found = dominant_scale(exemplar)
     down, right = border_steps(exemplar)
     model = Auto().fit(exemplar)
     look = model.findings
+    lattice = look.lattice if look.exact else find_lattice(exemplar)
+    found = dominant_scale(exemplar, lattice)
     return Analysis(
         name=exemplar.name,
         height=exemplar.shape[0],
@@ -180,9 +182,10 @@ def analyze(sample: Sample) -> Analysis:
         colors=_count_colors(exemplar),
         scale=found.scale,
         confidence=found.confidence,
+        scale_source=found.source,
         spectrum=_bands(found),
         regularity=regularity(exemplar),
-        lattice=look.lattice if look.exact else find_lattice(exemplar),
+        lattice=lattice,
         border_steps=(down, right),
         tiles=(down <= SEAMLESS, right <= SEAMLESS),
         evenness=look.evenness,
