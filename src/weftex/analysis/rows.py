@@ -28,7 +28,7 @@ _FEWEST = 2  # of them that a sample must show
 _REACH = 0.7  # of the shorter side, that ridges are looked at in
 _UNSURE = 0.1  # what chance does to one ridge
 _SAMPLES = 61  # along a line
-_HIGHER = 0.95  # of its height, that every second ridge may be above the others
+_HIGHER = 0.8  # of its height, that every second ridge may be above the others
 
 
 def find_rows(flat: Relief) -> tuple[Floats, float] | None:
@@ -72,7 +72,7 @@ def _alternates(profile: Floats, distance: float) -> bool:
 
 
 def _with_edges(levels: Floats) -> Floats:
-    """The mixture of channels that varies most, and beside it the steps down and to the right, with as much energy in all."""
+    """The mixture of channels that varies most; steps down and to the right, of equal energy."""
     steps = [np.sqrt((np.gradient(levels, axis=axis) ** 2).sum(axis=0)) for axis in (1, 2)]
     edges = np.stack(steps)
     gray = mixed(levels)[None]

@@ -6,11 +6,11 @@ ring is d = 0.1 thick), and calls the ring with the most power dominant: the sca
 right for stripes. A joint's overtones have more power than its period, strewn things have no period
 at all, and slow lighting has the most power of all. So the scale is the first of these:
 
-* Where the sample comes back to itself under some shift, its lattice is looked for, and the scale is
-  the distance of those of its lines that hold the most power.
-* The strongest ring, if it stands out, or is surer than the things are. Slow lighting is taken off and the borders
-  are faded out; what repeats less than 2.5 times is not looked at. Faded borders spread each wave
-  over its neighbors, so rings are averaged over a distance of 1.
+* Where the sample comes back to itself under some shift, its lattice is looked for, and the scale
+  is the distance of those of its lines that hold the most power.
+* The strongest ring, if it stands out, or is surer than the things are. Slow lighting is taken off
+  and the borders are faded out; what repeats less than 2.5 times is not looked at. Faded borders
+  spread each wave over its neighbors, so rings are averaged over a distance of 1.
 * The size of the things (see `weftex.analysis.things`).
 """
 
@@ -81,7 +81,7 @@ class DominantScale:
         return 2 * max(1, round(self.scale)) + 1
 
 
-def dominant_scale(exemplar: Exemplar, lattice: Lattice | None | str = "find") -> DominantScale:
+def dominant_scale(exemplar: Exemplar, lattice: Lattice | str | None = "find") -> DominantScale:
     """Estimate the scale of the dominant structure: pebbles' size, bricks' or threads' distance.
 
     Parameters
@@ -202,7 +202,7 @@ def _fall(correlation: Floats) -> Floats:
 
 
 def _padded(flat: Relief) -> tuple[int, int]:
-    """Rings need places as dense along the shorter side; zeros beside the picture put them there."""
+    """Rings need places as dense along the shorter side: zeros beside the picture."""
     height, width = flat.usable.shape
     side = max(height, width)
     return min(side, 2 * height), min(side, 2 * width)

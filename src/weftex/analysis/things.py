@@ -2,12 +2,12 @@
 
 Two measures that fail on different materials, and their geometric mean:
 
-* The correlation length: how far apart two places are alike to 1/e, in the mean over all directions.
+* The correlation length: how far apart two places are alike to 1/e, in the mean over directions.
   Pits in a tile and grain in a stone make it short, slow changes of tone make it long.
 * The granulometry (after Matheron, 1975): openings by squares take off what is bright and narrower
-  than the square, closings what is dark and narrower. What each square takes off beyond the one before it is
-  the share of things of that width; joints and pits do not hide the stones between them. Those
-  shares count by their fourth power, which makes the highest of them decide.
+  than the square, closings what is dark and narrower. What each square takes off beyond the one
+  before it is the share of things of that width; joints and pits do not hide the stones between
+  them. Those shares count by their fourth power, which makes the highest of them decide.
 """
 
 from __future__ import annotations
