@@ -2,26 +2,37 @@
 
 python examples/paper_near_regular.py EXPERIMENT -o FOLDER [--small]
 
-Experiments: fig410 (both ways of matching), fig411 (after gap filling, and a repeated tile), fig413
-(blending), fig52 (5.2 to 5.9: near-regular samples by repetition, thesis, weftex and quilting),
-fig510 (where joints broke), fig511 (fractions and bent samples), fig512 (wide blending), fig513
-(5.13 to 5.17: every other sample, unconstrained), blocks (section 5.2: block sizes), holes and
-figures (what weftex.assess says of fig52 and fig513), which are not in the thesis; `all` runs every
-one. Figures are those of the thesis: 410 is 4.10.
+Experiments: fig31 (from the correlation to the vectors), fig34 (peaks that mislead), fig35 (pairs
+of vectors rated), fig46 (the best and the worst tile), fig410 (both ways of matching), fig411
+(after gap filling, and a repeated tile), fig413 (blending), fig52 (5.2 to 5.9: near-regular samples
+by repetition, thesis, weftex and quilting), fig510 (where joints broke), fig511 (fractions and bent
+samples), fig512 (wide blending), fig513 (5.13 to 5.17: every other sample, unconstrained), blocks
+(section 5.2: block sizes), holes and figures (what weftex.assess says of fig52 and fig513), which
+are not in the thesis; `all` runs every one. Figures are those of the thesis: 410 is 4.10.
 Needs Pillow beside weftex: pip install 'weftex[test]'.
 """
 
 from __future__ import annotations
 
+from bisect import bisect_left
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 from _papers import Table, load, run, sheet, shrunk, sized, some
+from PIL import Image, ImageDraw
 
 import weftex
+from weftex.analysis.canvas_lattice import CanvasLattice
+from weftex.analysis.goodness import SIGNIFICANT, tile_shares
+from weftex.analysis.lattice import Lattice, find_lattice
+from weftex.analysis.overlay import draw_correlation, draw_lattice
+from weftex.analysis.ratings import gncc, rate_lattices
+from weftex.methods.best_tile.repetition import repeated as repeated_tiles
+from weftex.methods.best_tile.tiles import tile_errors
 
 REGULAR = ("bricks", "tiles", "weave")
+LATTICES = ("gingham", "tiles", "mosaic")
 ALL_REGULAR = (
     *("bricks", "tiles", "weave", "fishscale", "fence", "mosaic"),
     *("gingham", "boards", "shingles", "perspective"),
@@ -55,6 +66,151 @@ def rows(path: Path, labels: str, lines: list[list[np.ndarray]]) -> None:
     """Write a picture of lines that have the same labels, separated by commas."""
     named = [list(zip(labels.split(", "), line, strict=True)) for line in lines]
     sheet(path, named)
+
+
+def enlarged(pixels: np.ndarray, times: int = 2) -> Image.Image:
+    """Pixels as a picture that lines can be drawn on."""
+    return (
+        Image.fromarray(pixels)
+        .convert("RGB")
+        .resize((pixels.shape[1] * times, pixels.shape[0] * times), Image.Resampling.NEAREST)
+    )
+
+
+def lattice_of(pixels: np.ndarray) -> Lattice:
+    """The lattice of a sample that has two vectors."""
+    lattice = find_lattice(weftex.Exemplar(pixels), goodness="height")
+    assert lattice is not None and len(lattice.vectors) == 2
+    return lattice
+
+
+def with_vectors(picture: Image.Image, vectors: np.ndarray) -> np.ndarray:
+    """Two vectors from the middle, and the grid of their multiples."""
+    pen = ImageDraw.Draw(picture)
+    middle = np.array(picture.size) / 2
+    steps = np.stack(np.meshgrid(np.arange(-9, 10), np.arange(-9, 10)), axis=-1).reshape(-1, 2)
+    for x, y in (steps @ vectors + middle).tolist():
+        pen.ellipse([x - 2, y - 2, x + 2, y + 2], outline=(255, 0, 255))
+    for vector, color in zip(vectors, ((255, 60, 60), (60, 120, 255)), strict=True):
+        pen.line([tuple(middle), tuple(middle + vector)], color, 3)
+    return np.asarray(picture)
+
+
+def fig31(folder: Path, suffix: str) -> None:
+    """A sample, its correlation with itself, the vectors at its peaks, and the tiles they span."""
+    lines = []
+    for name in some(LATTICES):
+        pixels = small(name)
+        sample, lattice = weftex.Exemplar(pixels), lattice_of(pixels)
+        gray = draw_correlation(gncc(sample))
+        peaks = with_vectors(enlarged(gray, 1), np.array(lattice.vectors))
+        tiles = enlarged(draw_lattice(sample, lattice))
+        lines.append([np.asarray(enlarged(pixels)), gray, peaks, np.asarray(tiles)])
+    rows(folder / f"fig31{suffix}", "sample, correlation, translation vectors, tiles", lines)
+
+
+def profile(correlation: np.ndarray) -> np.ndarray:
+    """The middle row of a correlation as a curve, 1 at the top and -1 at the bottom."""
+    values = correlation[correlation.shape[0] // 2]
+    picture = Image.new("RGB", (len(values), 255), "white")
+    pen = ImageDraw.Draw(picture)
+    pen.line([(0, 127), (len(values), 127)], (200, 200, 200))
+    pen.line([(x, 127 - 126 * value) for x, value in enumerate(values.tolist())], "black", 1)
+    return np.asarray(picture)
+
+
+def fig34(folder: Path, suffix: str) -> None:
+    """Peaks that mislead: of colors that alternate, of things of any color; and their profiles."""
+    lines = []
+    for name in some(LATTICES):
+        correlation = gncc(weftex.Exemplar(small(name)))
+        gray = draw_correlation(correlation)
+        lines.append([np.asarray(enlarged(small(name))), gray, profile(correlation)])
+    rows(folder / f"fig34{suffix}", "sample, correlation, profile", lines)
+
+
+def with_multiples(correlation: np.ndarray, vectors: np.ndarray) -> np.ndarray:
+    """Crosses at the significant multiples of two vectors; what is not significant is shaded."""
+    high, wide = (side // 2 for side in correlation.shape)
+    y, x = np.mgrid[-high : high + 1, -wide : wide + 1]
+    height, width = high + 1 - abs(y), wide + 1 - abs(x)
+    whole = np.rint(vectors).astype(np.int64)
+    least = np.empty(wide + 2)  # height from which an overlap is significant, by its width
+    for across in range(wide + 2):
+        heights = range(high + 2)
+        least[across] = bisect_left(
+            heights,
+            SIGNIFICANT,
+            key=lambda h: tile_shares(whole, np.array([across]), np.array([h]))[0],
+        )
+    enough = height >= least[width]
+    gray = np.repeat(draw_correlation(correlation)[..., None], 3, axis=2)
+    gray[~enough] = gray[~enough] // 2 + np.array([110, 60, 60], np.uint8)
+    picture = Image.fromarray(gray)
+    pen = ImageDraw.Draw(picture)
+    steps = np.stack(np.meshgrid(np.arange(-40, 41), np.arange(-40, 41)), axis=-1).reshape(-1, 2)
+    for u, v in np.rint(steps @ vectors).astype(int).tolist():
+        if abs(u) <= wide and abs(v) <= high and enough[v + high, u + wide] and (u, v) > (0, 0):
+            a, b = u + wide, v + high
+            pen.line([(a - 3, b), (a + 3, b)], "black", 1)
+            pen.line([(a, b - 3), (a, b + 3)], "black", 1)
+    return np.asarray(picture)
+
+
+def fig35(folder: Path, suffix: str) -> None:
+    """The lattice that is found, and pairs of vectors that are rated lower, by eq. 3.22."""
+    lines = []
+    for name in some(LATTICES):
+        pixels = small(name)
+        sample = weftex.Exemplar(pixels)
+        lattice = lattice_of(pixels)
+        own, others = rate_lattices(sample, lattice, goodness="height", runners_up=2)
+        correlation = gncc(sample)
+        line = [(name, np.asarray(enlarged(draw_lattice(sample, lattice))))]
+        for rated in (own, *others):
+            if rated is not None:
+                picture = with_multiples(correlation, np.array(rated.vectors))
+                line.append((f"goodness {rated.goodness:.3f}", picture))
+        lines.append(line)
+    sheet(folder / f"fig35{suffix}", lines)
+
+
+def outline(
+    pixels: np.ndarray, tiles: list[tuple[np.ndarray, str]], sides: np.ndarray
+) -> np.ndarray:
+    """Parallelograms with these corners (y, x) and sides (y, x) over a picture."""
+    picture = enlarged(pixels)
+    pen = ImageDraw.Draw(picture)
+    for corner, color in tiles:
+        at = [corner, corner + sides[0], corner + sides.sum(axis=0), corner + sides[1], corner]
+        pen.line([(2 * float(x), 2 * float(y)) for y, x in at], color, 2)
+    return np.asarray(picture)
+
+
+def fig46(folder: Path, suffix: str) -> None:
+    """What opposite borders of tiles differ by, the best tile and the worst, and both repeated."""
+    lines = []
+    for name in some(LATTICES):
+        pixels = small(name)
+        sample = weftex.Exemplar(pixels)
+        model = weftex.BestTile(lattice=tuple(np.ravel(lattice_of(pixels).vectors))).fit(sample)
+        errors = tile_errors(sample, model.vectors, model.settings.border_width)
+        corners = [
+            np.array(np.unravel_index(int(place), errors.shape))
+            for place in (np.where(errors < 0, errors.max() + 1, errors).argmin(), errors.argmax())
+        ]
+        shown = np.where(errors < 0, 255, 230 * errors // max(1, int(errors.max())))
+        sides = CanvasLattice(model.vectors).sample
+        tiles = list(zip(corners, ("lime", "red"), strict=True))
+        line = [outline(p, tiles, sides) for p in (shown.astype(np.uint8), pixels)]
+        canvas, lattice = weftex.Canvas(256, 256), CanvasLattice(model.vectors)
+        for corner in corners:
+            index = repeated_tiles(
+                sample, corner[None], model.rows, lattice, canvas, (0, 0), 0, None
+            )
+            line.append(pixels.reshape(-1, pixels.shape[2])[index])
+        lines.append(line)
+    rows(folder / f"fig46{suffix}", "differences, sample, best tile, worst tile", lines)
 
 
 def fig410(folder: Path, suffix: str) -> None:
@@ -217,7 +373,22 @@ def holes(folder: Path, suffix: str) -> None:
     rows(folder / f"holes{suffix}", "hole, patch-sampling, quilting, near-regular", lines)
 
 
-FIGURES = (fig410, fig411, fig413, fig52, fig510, fig511, fig512, fig513, blocks, holes)
+FIGURES = (
+    fig31,
+    fig34,
+    fig35,
+    fig46,
+    fig410,
+    fig411,
+    fig413,
+    fig52,
+    fig510,
+    fig511,
+    fig512,
+    fig513,
+    blocks,
+    holes,
+)
 TABLES = (figures,)
 
 if __name__ == "__main__":

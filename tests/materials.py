@@ -19,6 +19,12 @@ def wall(height, width, tile=(12, 16), offset=8, seed=1, spread=40):
     return pixels
 
 
+def ellipse(shape, place, radius):
+    """True inside of an ellipse: a hole."""
+    y, x = np.indices(shape)
+    return ((y - place[0]) / radius[0]) ** 2 + ((x - place[1]) / radius[1]) ** 2 < 1
+
+
 def made_up(rng, shape, kind, channels):
     """Noise of all levels, of "few" or of two "extreme" ones, or a "smooth" ramp."""
     if kind == "extreme":

@@ -103,6 +103,28 @@ def test_bounds_are_enforced(slug, field):
 
 
 @named
+def test_parity_is_enforced_at_once(slug, field):
+    parity = field.metadata["parity"]
+    if parity:
+        wrong = 4 if parity == "odd" else 5
+        with pytest.raises(
+            InvalidInputError, match=f"{field.name} is {wrong}; it must be {parity}"
+        ):
+            METHODS[slug](**{field.name: wrong})
+        assert getattr(METHODS[slug](**{field.name: wrong + 1}), field.name) == wrong + 1
+
+
+@pytest.mark.parametrize("slug", EVERY)
+def test_what_is_no_parameter_is_refused_by_the_class_too(slug):
+    name = dataclasses.fields(METHODS[slug])[0].name
+    with pytest.raises(InvalidInputError, match=f"'{name}s'; did you mean '{name}'"):
+        METHODS[slug](**{name + "s": 3})
+    count = len(dataclasses.fields(METHODS[slug]))
+    with pytest.raises(InvalidInputError, match=f"{slug} has {count} parameters, not 99"):
+        METHODS[slug](*range(99))
+
+
+@named
 def test_numpy_numbers_are_numbers(slug, field):
     meta = field.metadata
     if meta["choices"] or meta["count"]:

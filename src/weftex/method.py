@@ -45,6 +45,7 @@ def parameter(
     needs: tuple[str, Sequence[str]] | None = None,
     needs_canvas: str = "",
     count: int = 0,
+    parity: str = "",
 ) -> Any:
     """Declare a field of a method.
 
@@ -69,6 +70,8 @@ def parameter(
         Likewise for a kind of canvas, see `CANVAS_KINDS`.
     count : int
         The value is so many numbers; a text with commas between them is taken too.
+    parity : str
+        "odd" or "even"; 0, where `low` allows it, is both.
     """
     return dataclasses.field(
         default=default,
@@ -82,6 +85,7 @@ def parameter(
             "needs": needs,
             "needs_canvas": needs_canvas,
             "count": count,
+            "parity": parity,
         },
     )
 
@@ -168,7 +172,8 @@ class Method(ABC):
     Raises
     ------
     InvalidInputError
-        If a value is of the wrong type, out of its bounds, or without effect.
+        If a parameter is unknown, or a value of the wrong type, out of its bounds, or without
+        effect.
     """
 
     slug: ClassVar[str]
@@ -176,20 +181,50 @@ class Method(ABC):
     paper: ClassVar[str]
     supports: ClassVar[frozenset[str]] = frozenset()
 
+    def __new__(cls, *values: Any, **named: Any) -> Self:
+        """Refuse what is no parameter; `__init__` would raise a TypeError.
+
+        Examples
+        --------
+        >>> import weftex
+        >>> weftex.EfrosLeung(window=5)
+        Traceback (most recent call last):
+        ...
+        weftex.errors.InvalidInputError: efros-leung has no parameter 'window'; did you mean \
+'window_width'?
+        """
+        known = [field.name for field in dataclasses.fields(cls)]
+        for name in named:
+            if name not in known:
+                raise InvalidInputError(
+                    f"{cls.slug} has no parameter '{name}'{did_you_mean(name, known)}"
+                )
+        if len(values) > len(known):
+            raise InvalidInputError(f"{cls.slug} has {len(known)} parameters, not {len(values)}")
+        return super().__new__(cls)
+
     def __post_init__(self) -> None:
         for field in dataclasses.fields(self):
             value = getattr(self, field.name)
             if field.metadata["count"] and value is not None:
-                object.__setattr__(self, field.name, _numbers(field, value))
+                object.__setattr__(
+                    self, field.name, numbers_of(field.name, value, field.metadata["count"])
+                )
             else:
                 _check(field, value)
             needs = field.metadata["needs"]
             if needs and getattr(self, field.name) != field.default:
-                if getattr(self, needs[0]) not in needs[1]:
+                found = self.meant(needs[0])
+                if found not in needs[1]:
                     allowed = " or ".join(f"'{v}'" for v in needs[1])
+                    here = "" if found == getattr(self, needs[0]) else f"; here it is '{found}'"
                     raise InvalidInputError(
-                        f"{field.name} has no effect unless {needs[0]} is {allowed}"
+                        f"{field.name} has no effect unless {needs[0]} is {allowed}{here}"
                     )
+
+    def meant(self, name: str) -> Any:
+        """Return the value of a parameter; where that leaves it to another one, what follows."""
+        return getattr(self, name)
 
     @abstractmethod
     def fit(self, exemplar: Exemplar) -> Model:
@@ -300,17 +335,24 @@ def _check(field: dataclasses.Field[Any], value: Any) -> None:
     low, high = meta["low"], meta["high"]
     if (low is not None and value < low) or (high is not None and value > high):
         raise InvalidInputError(f"{name} is {value}; it must be {bounds(field)}")
+    if meta["parity"] and value and value % 2 != (meta["parity"] == "odd"):
+        raise InvalidInputError(f"{name} is {value}; it must be {meta['parity']}")
 
 
-def _numbers(field: dataclasses.Field[Any], value: Any) -> tuple[float, ...]:
-    """The numbers of a field that has several, from a sequence or a text with commas."""
-    count = field.metadata["count"]
+def numbers_of(name: str, value: Any, count: int) -> tuple[float, ...]:
+    """So many numbers, from a sequence or a text with commas.
+
+    Raises
+    ------
+    InvalidInputError
+        That names the value, if it is not that.
+    """
     try:
         found = tuple(float(v) for v in (value.split(",") if isinstance(value, str) else value))
     except (TypeError, ValueError):
         found = ()
     if len(found) != count or not all(map(math.isfinite, found)):
-        raise InvalidInputError(f"{field.name} is {value!r}; it must be {count} numbers")
+        raise InvalidInputError(f"{name} is {value!r}; it must be {count} numbers")
     return found
 
 

@@ -19,8 +19,8 @@ def test_methods(capsys):
         for field in dataclasses.fields(weftex.METHODS[slug]):
             assert f"--{field.name.replace('_', '-')}\n    {field.metadata['help']}\n" in text
     assert weft_run("methods", "quilting") == 0
-    default = weftex.Quilting().randomness
-    assert f"from 0.001 to 1; default: {default:g}" in capsys.readouterr().out
+    default = weftex.Quilting().variance
+    assert f"from 0.01 to 1; default: {default:g}" in capsys.readouterr().out
 
 
 def test_samples_version_and_help(capsys):

@@ -27,6 +27,26 @@ def test_synth_makes_what_the_library_makes(here, capsys):
     ), err
 
 
+def test_a_sample_that_tiles_is_used_over_its_borders(here, capsys):
+    """The same bytes as of an Exemplar that says so, and others than without."""
+    words = ("--size", "100", "--seed", 7, "--quiet", "--method", "quilting", "--patch-size", 24)
+    pixels = read_image("sample.png").pixels
+    made = []
+    for option, tiles in ((("--tileable-sample",), True), ((), False)):
+        assert weft_run("synth", "sample.png", "-o", "out.png", *words, *option) == 0
+        made.append(read_image("out.png").pixels)
+        exemplar = weftex.Exemplar(pixels, tileable=tiles)
+        own = weftex.synthesize(exemplar, 100, seed=7, method="quilting", patch_size=24).image
+        assert np.array_equal(made[-1], own)
+    assert not np.array_equal(*made)
+    write_image("mask.png", (np.indices(pixels.shape[:2])[0] < 4).astype(np.uint8) * 255)
+    fill = ("fill", "sample.png", "--mask", "mask.png", "-o", "new.png", "--tileable-sample")
+    assert weft_run(*fill) == 2
+    assert "no effect without --sample" in capsys.readouterr().err
+    assert weft_run(*fill, "--sample", "sample.png", "--seed", 1) == 0
+    assert weft_run("fill", *fill[1:-1], "--overlap", 3, "--seed", 1) == 0
+
+
 def test_a_seed_that_was_drawn_can_be_had_again(here, capsys):
     weft_run("synth", "sample.png", "-o", "a.png")
     seed = re.search(r"seed (\d+)", capsys.readouterr().err).group(1)

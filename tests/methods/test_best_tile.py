@@ -130,12 +130,24 @@ def test_nothing_repeats():
 
 
 def test_borders_are_as_wide_as_there_is_room_for():
-    model = model_of(noise((40, 50)), lattice=(20, 0, 0, 30), border_width=100)
-    assert 0 < model.method.border_width < 11
+    """The default is narrowed, a given width is refused; either way the settled one is true."""
+    pixels = noise((40, 50))
+    model = model_of(pixels, lattice=(20, 0, 0, 35))
+    assert 0 < model.method.border_width < 10
     assert model.sample(20).provenance["border_width"] == model.method.border_width
-    narrow = model_of(
-        noise((40, 50)), lattice=(20, 0, 0, 30), border_width=model.method.border_width
-    )
-    assert np.array_equal(narrow.anchors, model.anchors)
-    bare = model_of(noise((40, 50)), lattice=(49, 0, 0, 20))
-    assert bare.sample(20).provenance["border_width"] == bare.settings.border_width
+    narrow = model_of(pixels, lattice=(20, 0, 0, 35), border_width=model.method.border_width)
+    assert np.array_equal(narrow.anchors, model.anchors) and narrow.method == model.method
+    bare = model_of(pixels, lattice=(49, 0, 0, 20))
+    assert bare.sample(20).provenance["border_width"] == bare.settings.border_width == 1
+    assert bare.method.fit(weftex.Exemplar(pixels)).method == bare.method
+    with pytest.raises(weftex.InvalidInputError, match="border_width is 100; .* of 11 at most"):
+        model_of(pixels, lattice=(20, 0, 0, 30), border_width=100)
+    assert model_of(pixels, lattice=(20, 0, 0, 30), border_width=11).method.border_width == 11
+
+
+def test_the_number_of_tiles_is_what_is_repeated():
+    """Up to so many: the settled method says how many there are."""
+    model = model_of(wall(96, 96, spread=1), lattice=(16, 0, 8, 12), tiles=1000)
+    assert 1 < model.method.tiles == len(model.anchors) < 1000
+    again = model.method.fit(model.exemplar)
+    assert again.method == model.method and np.array_equal(again.anchors, model.anchors)

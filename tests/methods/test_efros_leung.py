@@ -12,6 +12,7 @@ from families import noise
 from twins import efros_leung as reference
 from weftex.canvas import Canvas
 from weftex.errors import CancelledError
+from weftex.methods import efros_leung
 
 WRAPS = [(False, False), (False, True), (True, False), (True, True)]
 
@@ -87,6 +88,26 @@ def test_a_window_wider_than_the_canvas_sees_every_pixel_once(rng):
 def test_pixels_wait_until_the_threshold_has_risen(threshold, rng):
     exemplar = weftex.Exemplar(noise((9, 9, 2), values=256, rng=rng), alpha=False)
     check_twin(weftex.EfrosLeung(window_width=5, threshold=threshold), exemplar, Canvas(8, 8), 1)
+
+
+def test_waiting_ends_after_some_tries(monkeypatch):
+    """Of a wide tolerance few draws are below a low threshold: it rises with every layer then."""
+    exemplar = weftex.Exemplar(weftex.load_exemplar("sample:pebbles").pixels[:14, :14])
+    method = weftex.EfrosLeung(window_width=5, threshold=0.005, tolerance=1000.0)
+    tries = []
+    layers = efros_leung.unfilled_with_filled_neighbors
+
+    def counted(*args):
+        tries.append(len(layer := layers(*args)))
+        return layer
+
+    monkeypatch.setattr(efros_leung, "unfilled_with_filled_neighbors", counted)
+    check_twin(method, exemplar, Canvas(10, 30), 1)
+    bounded = sum(tries)
+    tries.clear()
+    monkeypatch.setattr(efros_leung, "_TRIES", 10**6)
+    method.fit(exemplar).sample((10, 30), seed=1)
+    assert 8 * 300 < bounded < 13 * 300 < sum(tries)
 
 
 def test_the_threshold_matters(rng):
@@ -196,3 +217,8 @@ def test_threads_change_nothing(wrap):
     one, *others = (model.sample(Canvas(60, 64, wrap), seed=1, threads=n) for n in (1, 2, 5))
     for other in others:
         assert np.array_equal(other.source, one.source)
+
+
+def test_a_seed_wider_than_the_window_is_refused_before_there_is_a_sample():
+    with pytest.raises(weftex.InvalidInputError, match="seed_size is 7; .* window_width of 5"):
+        weftex.EfrosLeung(window_width=5, seed_size=7)

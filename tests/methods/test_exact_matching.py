@@ -61,7 +61,9 @@ def test_holes_are_the_slow_twins(wrap, from_sample):
         {"nearest_colors": 3},
         {"nearest_colors": 1000},
         {"grouping": 0.1},
+        {"candidates": 0},
         {"candidates": 3},
+        {"candidates": 30, "tolerance": 1.0},
         {"candidates": 20, "nearest_colors": 7},
         {"grouping": 1.0, "tolerance": 0.1},
         {"copying": "blocks"},
@@ -143,10 +145,10 @@ def test_a_larger_tolerance_tests_more():
     tested = []
     for tolerance in (0.0, 0.01, 0.05, 1.0):
         model = weftex.ExactMatching(
-            window_width=7, tolerance=tolerance, init="random", candidates=10**6
+            window_width=7, tolerance=tolerance, init="random", candidates=0
         ).fit(exemplar)
-        _, statistics = model.measure((16, 16), seed=1)
-        tested.append(statistics.tested / statistics.pixels)
+        facts = model.sample((16, 16), seed=1).provenance
+        tested.append(facts["windows_compared"] / facts["pixels_chosen"])
     assert tested == sorted(tested)
     assert tested[0] < 20 < 1000 < tested[-1]
     with_room = (48 - 6) * (48 - 6)
@@ -158,21 +160,25 @@ def test_grouping_shortens_lists():
     cost = []
     for grouping in (0.0, 0.03):
         model = weftex.ExactMatching(
-            window_width=11, grouping=grouping, init="random", candidates=10**6
+            window_width=11, grouping=grouping, init="random", candidates=0
         ).fit(exemplar)
-        cost.append(model.measure((20, 40), seed=1)[1].tested)
+        cost.append(model.sample((20, 40), seed=1).provenance["windows_compared"])
     assert cost[1] < cost[0] / 2
 
 
-def test_statistics_do_not_change_the_result():
-    exemplar = weftex.Exemplar(blobs((30, 30), 40))
-    model = weftex.ExactMatching(window_width=7).fit(exemplar)
-    plain = model.sample((20, 22), seed=4)
-    result, statistics = model.measure((20, 22), seed=4)
-    assert np.array_equal(result.source, plain.source)
-    assert result.provenance == plain.provenance
-    assert statistics.pixels >= 20 * 22
-    assert statistics.synthesis > 0
+@pytest.mark.parametrize("tolerance", [0.0, 0.1, 1.0])
+def test_the_cap_counts_each_window_once(tolerance):
+    """Where a tolerance takes everything, each window is in all four lists."""
+    pixels = noise((40, 40), values=3)
+    compared = []
+    for candidates in (0, 100):
+        model = weftex.ExactMatching(
+            window_width=5, tolerance=tolerance, init="random", candidates=candidates
+        ).fit(weftex.Exemplar(pixels))
+        facts = model.sample((24, 24), seed=2).provenance
+        compared.append(facts["windows_compared"] / facts["pixels_chosen"])
+    assert compared[0] > 150
+    assert 80 < compared[1] < 110
 
 
 def test_the_beginning_follows_the_sample():

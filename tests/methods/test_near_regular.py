@@ -8,25 +8,12 @@ import pytest
 import weftex
 from families import noise
 from materials import wall
-from twins import near_regular as reference
-from twins.near_regular_holes import NearRegularHoleTwin
-from twins.near_regular_warps import WarpedTwin
-from weftex.methods.lattices.model import origin_of
-from weftex.methods.near_regular import seam_kernels as kernels
-from weftex.methods.near_regular.rectification import rectified
-from weftex.methods.near_regular.rows import axis_of_rows
+from twins.near_regular import NearRegularTwin, usable_of
 from weftex.methods.near_regular.sample import wedges_of
-from weftex.results.patches import RectifiedSynthesis
-from weftex.results.warped import WarpedSynthesis
 
 
 def model_of(pixels, **parameters):
     return weftex.NearRegular(**parameters).fit(weftex.Exemplar(pixels))
-
-
-def usable_of(model):
-    y, x = np.nonzero(model.blocks.windows.usable)
-    return list(zip(y.tolist(), x.tolist(), strict=True))
 
 
 @pytest.mark.parametrize(
@@ -51,81 +38,9 @@ def test_like_its_twin(parameters, corner):
         "rectify": 0,
     } | parameters
     model = model_of(pixels, **settings)
-    twin = reference.NearRegularTwin(pixels, usable_of(model), model.method, 7)
+    twin = NearRegularTwin(pixels, usable_of(model), model.method, 7)
     result = model.window(*corner, 25, 30, seed=7)
     assert np.array_equal(result.source, twin.source(*corner, 25, 30))
-
-
-def ellipse(shape, place, radius):
-    y, x = np.indices(shape)
-    return ((y - place[0]) / radius[0]) ** 2 + ((x - place[1]) / radius[1]) ** 2 < 1
-
-
-@pytest.mark.parametrize(
-    "inside, radius, parameters",
-    [
-        (True, (17, 15), {}),
-        (True, (19, 16), {"match": "gncc", "variety": 0.0}),
-        (False, (26, 30), {"variety": 3.0}),
-        (False, (9, 6), {"lattice": (8.0, 12.25, -16.5, 0.3), "tolerance": 0}),
-        (True, (3, 11), {"lattice": (1.0, 0.0, 0.0, 1.0)}),
-    ],
-)
-def test_holes_are_filled_like_the_twin_does(inside, radius, parameters):
-    pixels = noise((80, 84, 3)) // 2 + wall(80, 84) // 2
-    settings = {
-        "lattice": (16.0, 0.0, 8.0, 12.0),
-        "block_size": 9,
-        "border_width": 6,
-        "tolerance": 1,
-        "candidates": 3,
-        "rectify": 0,
-    } | parameters
-    if inside:
-        hole = ellipse((80, 84), (41, 44), radius)
-        mask = ~hole
-        mask[28 if "lattice" in parameters else 80 :] = False
-        exemplar = weftex.Exemplar(pixels, mask=mask)
-        canvas = weftex.Canvas(80, 84, known=pixels, hole=hole, known_from=(0, 0))
-    else:
-        other = noise((60, 64, 3), seed=5) // 2 + wall(67, 69, seed=2)[7:, 5:] // 2
-        hole = ellipse((60, 64), (33, 34), radius)
-        exemplar = weftex.Exemplar(pixels)
-        canvas = weftex.Canvas(60, 64, known=other, hole=hole)
-    model = weftex.NearRegular(**settings).fit(exemplar)
-    origin = origin_of(canvas, exemplar, model.vectors) if model.vectors else (0, 0)
-    twin = NearRegularHoleTwin(pixels, usable_of(model), model.method, 7, canvas, origin)
-    result = model.sample(canvas, seed=7)
-    assert np.array_equal(result.source[hole], twin.source(canvas, origin)[hole])
-
-
-@pytest.mark.parametrize("tileable", [False, True, "x"])
-def test_holes_go_on_with_the_surroundings(tileable):
-    """Mortar where it was, whether the pixels are part of the sample or of another wall."""
-    pixels = wall(120, 128, spread=1)
-    hole = ellipse((120, 128), (50, 60), (25, 20)) | ellipse((120, 128), (120, 20), (12, 9))
-    hole |= np.roll(hole, 8, axis=0) & (np.indices(hole.shape)[0] < 12)
-    blank = np.where(hole[..., None], 255, pixels).astype(np.uint8)
-    settings = {"method": "near-regular", "lattice": (16, 0, 8, 12), "seed": 3}
-    for sample in (None, wall(90, 100, spread=1)[5:, 3:]):
-        result = weftex.fill(blank, hole, sample=sample, tileable=tileable, **settings)
-        assert np.array_equal(result.image[~hole], pixels[~hole])
-        assert ((result.image[..., 0] > 180) == (pixels[..., 0] > 180)).all()
-        if sample is None:
-            assert not hole[result.source[..., 0], result.source[..., 1]][hole].any()
-
-
-def test_holes_that_leave_no_whole_piece():
-    pixels = wall(96, 96)
-    small = np.zeros((96, 96), bool)
-    small[40:50, 40:50] = True
-    with pytest.raises(weftex.InvalidInputError, match="make them smaller"):
-        weftex.fill(pixels, small, method="near-regular", lattice=(16, 0, 8, 12), block_size=45)
-    # Whole windows in one corner alone, and not at all places of the large tile.
-    large = np.ones((96, 96), bool)
-    large[:40, :40] = False
-    with pytest.raises(weftex.InvalidInputError, match="no whole piece of .*give a sample"):
-        weftex.fill(pixels, large, method="near-regular", lattice=(32, 0, 0, 48), block_size=24)
 
 
 @pytest.mark.parametrize("unconstrained", [False, True])
@@ -259,25 +174,95 @@ def test_the_papers_preset():
     assert (m.tolerance, m.rectify, m.variety, m.candidates) == (3, 0, 0.0, 512)
 
 
-def test_the_settled_method_says_what_is_done():
-    """Also where a parameter has no effect; nothing but the blending of cut blocks is left open."""
-    pixels, lattice = wall(96, 96), (16, 0, 8, 12)
+LATTICE = (16, 0, 8, 12)
+
+
+def samples():
+    """What rectifying is not for, by the word that says so."""
+    pixels = wall(96, 96)
     mask = np.ones((96, 96), bool)
     mask[40:44, 40:44] = False
-    for exemplar, parameters, rectify in (
-        (weftex.Exemplar(pixels), {"lattice": lattice}, 1),
-        (weftex.Exemplar(pixels, mask=mask), {"lattice": lattice, "rectify": 2}, 0),
-        (weftex.Exemplar(pixels, tileable=True), {"lattice": lattice, "rectify": 2}, 0),
-        (weftex.Exemplar(pixels), {"lattice": (1, 0, 0, 1), "rectify": 2}, 0),
-    ):
-        model = weftex.NearRegular(**parameters, block_size=17).fit(exemplar)
-        told = model.sample(20, seed=1).provenance
-        assert told["rectify"] == model.method.rectify == rectify
-        assert told["blend"] == "cut" and "blend_width" not in told
-        assert None not in told.values()
-        assert weftex.NearRegular(**parameters, block_size=17).settle(exemplar) == model.method
-    model = model_of(pixels, lattice=lattice, blend="feather", border_width=6, blend_width=20)
-    assert model.method.blend_width == 6  # it cannot be wider than what blocks share
+    return {
+        "a mask": (weftex.Exemplar(pixels, mask=mask), LATTICE),
+        "tiles": (weftex.Exemplar(pixels, tileable=True), LATTICE),
+        "without a lattice": (weftex.Exemplar(pixels), (1, 0, 0, 1)),
+        "": (weftex.Exemplar(pixels), LATTICE),
+    }
+
+
+@pytest.mark.parametrize("case", samples())
+def test_the_settled_method_says_what_is_done(case):
+    """Also where a parameter has no effect; nothing but the blending of cut blocks is left open."""
+    exemplar, lattice = samples()[case]
+    method = weftex.NearRegular(lattice=lattice, block_size=17)
+    model = method.fit(exemplar)
+    told = model.sample(20, seed=1).provenance
+    assert told["rectify"] == model.method.rectify == (0 if case else 1)
+    assert told["blend"] == "cut" and "blend_width" not in told
+    assert None not in told.values()
+    assert method.settle(exemplar) == model.method == model.method.settle(exemplar)
+
+
+@pytest.mark.parametrize("case", samples())
+def test_a_sample_that_is_not_rectified_is_not_asked_to_be(case):
+    exemplar, lattice = samples()[case]
+    method = weftex.NearRegular(lattice=lattice, block_size=17, rectify=2)
+    if not case:
+        assert method.fit(exemplar).blocks.lookup is not None
+        return
+    with pytest.raises(weftex.InvalidInputError, match=f"rectify is 2; it has no effect .*{case}"):
+        method.fit(exemplar)
+
+
+def test_holes_refuse_rectification():
+    hole = np.zeros((96, 96), bool)
+    hole[40:50, 40:50] = True
+    with pytest.raises(weftex.InvalidInputError, match="rectify is 3; it has no effect .* a hole"):
+        weftex.fill(wall(96, 96), hole, method="near-regular", lattice=LATTICE, rectify=3)
+
+
+def test_blends_are_as_wide_as_asked_or_refused():
+    """With the paper's preset too, which feathers; they cannot be wider than what blocks share."""
+    pixels = wall(128, 128)
+    images = []
+    for width in (None, 0, 4, 10):
+        model = model_of(pixels, lattice=LATTICE, preset="paper", blend_width=width)
+        assert model.method.blend_width == (4 if width is None else width)
+        images.append(model.sample(150, seed=1).image)
+    assert np.array_equal(images[0], images[2])
+    assert all((images[1] != other).any() for other in images[2:])
+    assert (images[2] != images[3]).any()
+    for border, width in ((None, 12), (6, 20), (0, 1)):
+        with pytest.raises(weftex.InvalidInputError, match=f"blend_width is {width}; it must be"):
+            model_of(
+                pixels, lattice=LATTICE, preset="paper", border_width=border, blend_width=width
+            )
+
+
+@pytest.mark.parametrize(
+    "parameters, message",
+    [
+        ({"blend_width": 4}, "blend_width has no effect unless blend is 'feather'; here .*'cut'"),
+        (
+            {"preset": "paper", "seam_cost": "difference"},
+            "seam_cost has no effect unless blend is 'auto' or 'cut'; here it is 'feather'",
+        ),
+        ({"blend": "none", "seam_cost": "difference"}, "seam_cost has no effect unless"),
+        ({"border_width": 0, "seam_cost": "difference"}, "seam_cost has no effect without borders"),
+        ({"border_width": 0, "match": "gncc"}, "match has no effect without borders"),
+        ({"border_width": 0, "warp": 1}, "warp is 1; it needs a border_width"),
+    ],
+)
+def test_what_has_no_effect_is_refused(parameters, message):
+    with pytest.raises(weftex.InvalidInputError, match=message):
+        model_of(wall(60, 60), lattice=LATTICE, block_size=20, **parameters)
+
+
+def test_narrow_borders_of_small_canvases_are_told():
+    model = model_of(wall(96, 96), lattice=(16, 0, 0, 12), block_size=30, border_width=20)
+    assert model.sample((48, 48), seed=1).provenance.get("border_narrowed_to") is None
+    told = model.sample((24, 32), seed=1, tileable=True).provenance
+    assert told["border_narrowed_to"] == 10  # blocks of 12 go around
 
 
 def test_blending_is_linear():
@@ -301,44 +286,6 @@ def test_blocks_that_would_show_are_blended_widely():
     assert narrow.blend_width == 4 and wide.blend_width > wide.block_size // 2
 
 
-@pytest.mark.parametrize("seed", range(20))
-def test_least_paths(seed):
-    """Against every path, by the cost of the pixels beside it and beyond."""
-    rng = np.random.default_rng(seed)
-    length, depth = 4, 4
-    error = rng.integers(0, 1000, (length, depth)).astype(np.int64)
-    beyond = rng.integers(-1000, 1000, (length, depth + 1)).astype(np.int64) * (seed % 2)
-    begin, end = (int(k) for k in rng.integers(1, depth, 2))
-    if abs(begin - end) > length - 1:
-        return
-
-    def cost(path):
-        total = sum(
-            int(error[i, k - 1] + error[i, k] + beyond[i, k]) for i, k in enumerate(path) if i
-        )
-        for i in range(1, length):
-            a, b = sorted(path[i - 1 : i + 1])
-            total += int(error[i - 1, a:b].sum() + error[i, a:b].sum())
-        return total
-
-    paths = [
-        (begin, a, b, end)
-        for a in range(1, depth)
-        for b in range(1, depth)
-        if abs(a - begin) <= 1 and abs(b - begin) <= 2 and abs(b - end) <= 1 and abs(a - end) <= 2
-    ]
-    found = np.zeros(length, np.int32)
-    scratch = kernels.Scratch(
-        error=error,
-        beyond=beyond[: length * (seed % 2)],
-        total=np.zeros((length, depth + 1), np.int64),
-        came=np.zeros((length, depth + 1), np.int32),
-        path=found,
-    )
-    kernels.path_through(scratch, begin, end)
-    assert tuple(found) in paths and cost(tuple(found)) == min(map(cost, paths))
-
-
 def test_wedges_do_not_overlap_and_are_even():
     wedges = wedges_of(10, 12, 4, 3)
     counts = np.bincount(wedges.ravel())
@@ -346,158 +293,6 @@ def test_wedges_do_not_overlap_and_are_even():
     # Trapezia, and the diagonals between them on one side or the other.
     assert abs(counts[1] - counts[3]) <= 6 and abs(counts[2] - counts[4]) <= 6
     assert (wedges[1, 1:-1] == 1).all() and (wedges[0] == 0).all()
-
-
-def test_a_bent_sample_is_rectified():
-    """Columns that wander come out straight, every pixel still one of the sample's."""
-    straight = wall(120, 128, spread=1)
-    y = np.arange(120)
-    bend = np.rint(2 * np.sin(y * 2 * np.pi / 120)).astype(int)
-    bent = np.stack([np.roll(line, b, axis=0) for line, b in zip(straight, bend, strict=True)])
-    found = rectified(bent, (16, 0, 8, 12), 3)
-    mended = bent.reshape(-1, 3)[found]
-    inside = (slice(6, -6), slice(6, -6))
-
-    def off(pixels):
-        return np.abs(pixels.astype(int) - straight)[inside].mean()
-
-    assert off(mended) < off(bent) / 2
-
-
-def test_rectified_results_are_saved_and_replayed(tmp_path):
-    pixels = wall(90, 96)
-    height = noise((180, 192))
-    exemplar = weftex.Exemplar(pixels)
-    result = weftex.NearRegular(lattice=(16, 0, 8, 12)).fit(exemplar).sample((70, 80), seed=1)
-    assert isinstance(result, RectifiedSynthesis)
-    source = result.source
-    assert np.array_equal(result.image, pixels[source[..., 0], source[..., 1]])
-    double = height.reshape(90, 2, 96, 2)[source[..., 0], :, source[..., 1]]
-    expected = double.transpose(0, 2, 1, 3).reshape(140, 160)
-    assert np.array_equal(result.render(height), expected)
-    result.save(tmp_path / "r.npz")
-    again = weftex.Synthesis.load(tmp_path / "r.npz", exemplar)
-    assert isinstance(again, RectifiedSynthesis)
-    assert np.array_equal(again.image, result.image) and np.array_equal(again.source, source)
-    for what in ("sources", "seams", "error"):
-        assert np.array_equal(again.draw(what), result.draw(what))
-
-
-WARPED = {"lattice": (16, 0, 8, 12), "block_size": 21, "border_width": 8, "warp": 1}
-
-
-def bent(height, width):
-    """Bricks whose rows rise and fall by a pixel, so that shifts do not make them meet."""
-    pixels = wall(height + 4, width, spread=30)
-    y, x = np.indices((height, width))
-    rise = np.rint(1.5 * np.sin(x * 2 * np.pi / 37) + 1.5).astype(int)
-    return pixels[y + rise, x]
-
-
-def test_warped_gaps_are_like_the_twin():
-    corner = -35, 1000
-    pixels = bent(44, 48)
-    model = model_of(pixels, **WARPED | {"candidates": 1, "tolerance": 0, "rectify": 0})
-    twin = WarpedTwin(pixels, usable_of(model), model.method, 7)
-    result = model.window(*corner, 12, 22, seed=7)
-    assert isinstance(result, WarpedSynthesis) and np.ptp(result.warps) > 16
-    assert np.array_equal(result.image, twin.image(*corner, 12, 22))
-
-
-def test_warps_bring_joints_together():
-    """What differs where a gap meets its neighbors gets less."""
-    pixels = bent(96, 96)
-
-    def error(warp):
-        model = model_of(pixels, **WARPED | {"warp": warp, "rectify": 0, "blend": "none"})
-        whole = model.sample(210, seed=1).image.astype(int)
-        edges = np.arange(21, 210, 21)
-        return np.abs(whole[:, edges] - whole[:, edges - 1]).sum()  # across rows of joints
-
-    assert error(2) < 0.95 * error(0)
-
-
-@pytest.mark.parametrize("blend", ["cut", "feather"])
-def test_warped_results_are_the_same_in_parts_and_on_maps(blend, tmp_path):
-    pixels = bent(90, 96)
-    exemplar = weftex.Exemplar(pixels)
-    model = weftex.NearRegular(**WARPED, blend=blend).fit(exemplar)
-    for wrap in ((False, False), (True, False), (True, True)):
-        canvas = weftex.Canvas(96, 112, wrap)
-        whole = model.sample(canvas, seed=3, threads=1)
-        assert np.array_equal(whole.image, model.sample(canvas, seed=3, threads=3).image)
-        for top, left, height, width in ((0, 0, 1, 1), (13, 27, 40, 50), (60, 5, 36, 107)):
-            part = whole.render(window=(top, left, height, width))
-            assert np.array_equal(part, whole.image[top : top + height, left : left + width])
-    whole = model.sample(120, seed=3)
-    far = model.window(20, 31, 9, 50, seed=3)
-    assert np.array_equal(far.image, whole.image[20:29, 31:81])
-    # The picture is about its nearest pixels, and maps are warped as it is.
-    source = whole.source
-    near = pixels[source[..., 0], source[..., 1]]
-    assert (near != whole.image).any()
-    assert np.abs(near.astype(int) - whole.image).mean() < 8
-    y, x = np.indices((180, 192)) / 2
-    place = whole.render(np.stack([y, x, 0 * x], axis=2).astype(np.float32))[::2, ::2, :2]
-    if blend == "cut":
-        inside = np.abs(place - source).max(axis=2)
-        assert np.median(inside) <= 0.5 and (inside < 4).all()
-    flat = whole.render(np.full((90, 96), 7, np.uint16))
-    assert (flat == 7).all()
-    whole.save(tmp_path / "w.npz")
-    again = weftex.Synthesis.load(tmp_path / "w.npz", exemplar)
-    assert isinstance(again, WarpedSynthesis)
-    assert np.array_equal(again.image, whole.image) and np.array_equal(again.source, source)
-    for what in ("sources", "seams", "error"):
-        assert np.array_equal(again.draw(what), whole.draw(what))
-
-
-def test_warped_pixels_are_never_past_the_sample():
-    """Nor is what is transparent ever seen."""
-    pixels = np.dstack([bent(90, 96), np.full((90, 96), 255, np.uint8)])
-    clear = (np.indices((90, 96))[0] % 12) < 2
-    pixels[clear] = (0, 255, 0, 0)
-    result = (
-        weftex.NearRegular(**WARPED | {"warp": 2}).fit(weftex.Exemplar(pixels)).sample(150, seed=1)
-    )
-    assert isinstance(result, WarpedSynthesis) and result.warps.any()
-    seen = result.image[result.image[..., 3] > 0]
-    solid = pixels[~clear]
-    assert (seen[:, :3] >= solid[:, :3].min(axis=0)).all()
-    assert (seen[:, :3] <= solid[:, :3].max(axis=0)).all()
-    assert np.ptp(result.image[..., 3]) == 255
-
-
-def test_holes_are_filled_with_warps():
-    pixels = bent(120, 128)
-    hole = ellipse((120, 128), (50, 60), (30, 26))
-    blank = np.where(hole[..., None], 255, pixels).astype(np.uint8)
-    settings = {"method": "near-regular", "lattice": (16, 0, 8, 12), "seed": 3, "block_size": 20}
-    result = weftex.fill(blank, hole, warp=2, **settings)
-    assert np.array_equal(result.image[~hole], pixels[~hole])
-    assert isinstance(result, WarpedSynthesis) and result.warps.any()
-    assert not hole[result.source[..., 0], result.source[..., 1]][hole].any()
-
-
-def test_warps_need_a_border():
-    with pytest.raises(weftex.InvalidInputError, match="border_width"):
-        model_of(wall(60, 60), lattice=(16, 0, 8, 12), block_size=20, border_width=0, warp=1)
-
-
-def test_damaged_warps_are_refused(tmp_path):
-    result = model_of(bent(60, 64), **WARPED).sample(60, seed=1)
-    for key, value in (
-        ("warps", np.zeros((len(result.warps), 3, 2, 2), np.int16)),
-        ("warps", result.warps[:-1]),
-        ("within", np.zeros_like(result.within)),
-    ):
-        name = tmp_path / "w.npz"
-        result.save(name)
-        with np.load(name) as file:
-            arrays = dict(file) | {key: value}
-        np.savez(name, **arrays)
-        with pytest.raises(weftex.FileError, match="warps"):
-            weftex.Synthesis.load(name)
 
 
 def test_lattice_mode_keeps_the_rules():
@@ -523,46 +318,3 @@ def test_lattice_mode_keeps_the_rules():
     result = tiling.sample(150, seed=1)
     assert np.array_equal(result.image, pixels[result.source[..., 0], result.source[..., 1]])
     assert result.placements[:, 2].max() > 96 - 17  # windows go over the border
-
-
-def boards(height, width, tone=40):
-    """Boards that lie, each with grain and a color of its own."""
-    rng = np.random.default_rng(4)
-    tones = rng.integers(90, 90 + tone, (height // 16 + 1, 3))[np.arange(height) // 16]
-    pixels = tones[:, None] + rng.integers(0, 9, (height, width, 1))
-    pixels[np.arange(height) % 16 < 2] = 20
-    return pixels.astype(np.uint8)
-
-
-@pytest.mark.parametrize("stands", [False, True])
-def test_boards_go_on(stands):
-    """One vector is found, joints stay where they are and boards do not end."""
-    pixels = boards(128, 128)
-    pixels = pixels.swapaxes(0, 1) if stands else pixels
-    model = model_of(np.ascontiguousarray(pixels))
-    assert model.blocks.row_axis == int(stands)
-    out = model.sample((300, 300), seed=1)
-    image = out.image.swapaxes(0, 1) if stands else out.image
-    dark = image.max(axis=2) < 60
-    assert dark[np.arange(300) % 16 < 2].mean() > 0.98
-    # Means over 20 pixels along each board.
-    parts = image[:, :300].reshape(300, 15, 20, 3).mean(axis=2)[np.arange(300) % 16 > 4]
-    assert np.ptp(parts, axis=1).max() < 9
-    assert len(np.unique(parts[::11, 0].round(-1), axis=0)) > 2
-    part = model.window(40, 90, 50, 60, seed=1).image
-    assert np.array_equal(part, out.image[40:90, 90:150])
-    far = model.window(2**40 - 20, -(2**40), 50, 60, seed=1).image
-    assert np.array_equal(far[20:, 9:], model.window(2**40, 9 - 2**40, 30, 51, seed=1).image)
-
-
-def test_rows_of_mixed_colors_are_free():
-    """What differs along a row may come from any row."""
-    rng = np.random.default_rng(0)
-    pixels = boards(128, 128, tone=2).astype(int)
-    pixels += rng.integers(-30, 30, (8, 8, 1)).repeat(16, 0).repeat(16, 1)
-    pixels[np.arange(128) % 16 < 2] = 20
-    mixed = axis_of_rows(pixels.astype(np.uint8), (0, 16, 7, 0))
-    assert mixed is None and axis_of_rows(boards(128, 128), (0, 16, 7, 0)) == 0
-    assert axis_of_rows(boards(128, 128), (8, 14, -14, 8)) is None
-    flat = np.full((128, 128, 3), 9, np.uint8)
-    assert axis_of_rows(flat, (0, 16, 7, 0)) is None

@@ -135,17 +135,26 @@ def test_vectors_are_the_parents_window_and_then_the_own():
     assert np.array_equal(causal[5], np.concatenate(expected))
 
 
-def test_large_samples_are_thinned_out(monkeypatch):
+def test_large_samples_are_thinned_out():
     exemplar = weftex.Exemplar(noise((40, 40)))
     every = pyramid_windows.window_vectors(exemplar, None, 3, 0, causal=False)[1]
-    monkeypatch.setattr(pyramid_windows, "MOST_WINDOWS", 200)
-    vectors, places = pyramid_windows.window_vectors(exemplar, None, 3, 0, causal=False)
+    vectors, places = pyramid_windows.window_vectors(exemplar, None, 3, 0, causal=False, most=200)
     assert vectors.shape == (200, 8) and len(set(places.tolist())) == 200
     assert set(places.tolist()) < set(every.tolist()) and (np.diff(places) > 0).all()
-    result = weftex.WeiLevoy(levels=1, window_width=3).fit(exemplar).sample(30, seed=1)
-    assert set(result.index.ravel().tolist()) <= set(
-        pyramid_windows.window_vectors(exemplar, None, 3, 0, causal=True)[1].tolist()
+    method = weftex.WeiLevoy(levels=1, window_width=3, most_windows=200)
+    assert set(method.fit(exemplar).sample(30, seed=1).index.ravel().tolist()) <= set(
+        pyramid_windows.window_vectors(exemplar, None, 3, 0, causal=True, most=200)[1].tolist()
     )
+
+
+def test_the_full_search_looks_at_all_windows_of_large_samples():
+    """A tree is built over a part of them, unless another number is given."""
+    large = weftex.Exemplar(noise((370, 370)))
+    tree = weftex.WeiLevoy(levels=1, window_width=3)
+    full = weftex.WeiLevoy(levels=1, window_width=3, search="full")
+    assert (tree.settle(large).most_windows, full.settle(large).most_windows) == (131072, 0)
+    assert len(full.fit(large).prepared.trees.of(0, causal=True).rows) == 369 * 368
+    assert len(tree.fit(large).prepared.trees.of(0, causal=True).rows) == 131072
 
 
 def test_a_sample_that_tiles_comes_back():

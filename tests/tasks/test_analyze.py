@@ -9,6 +9,9 @@ import pytest
 
 import weftex
 from weftex import cli
+from weftex.analysis.lattice import Lattice
+from weftex.analysis.overlay import draw_correlation, draw_lattice
+from weftex.analysis.ratings import gncc
 from weftex.analysis.regularity import regularity
 from weftex.analysis.scale import dominant_scale
 from weftex.analysis.tiling import SEAMLESS, border_steps
@@ -139,6 +142,17 @@ def test_the_command_prints_json(capsys):
         (["sample:nothing"], "nothing"),
         (["a.png", "--jsno"], "did you mean '--json'"),
         ([], "SAMPLE"),
+        (["a.png", "--alpha", "0.5"], "alpha is 0.5; it must be from 1 to 4"),
+        (["a.png", "--significant", "2"], "significant is 2.0; it must be above 0, at most 1"),
+        (["a.png", "--goodness", "heights"], "did you mean 'height'"),
+        (["a.png", "--lattice", "1,2,3"], "lattice is '1,2,3'; it must be 4 numbers"),
+        (["a.png", "--lattice", "9,0,0,2"], "it must be smaller"),
+        (["a.png", "--runners-up", "25"], "runners_up is 25; it must be from 0 to 24"),
+        (["a.png", "--runners-up", "-1"], "runners_up is -1"),
+        (["a.png", "--runner-up", "1"], "--runner-up has no effect without --overlay"),
+        (["a.png", "--runner-up", "0", "--overlay", "b.png"], "it must be 1 or more"),
+        (["a.png", "--runner-up", "1", "--overlay", "b.png"], "has 0 of them"),
+        (["a.png", "--overlay", "b.png", "--runner-up", "1", "--lattice", "2,0,0,2"], "not both"),
         (["a.png", "b.png"], "unexpected argument 'b.png'"),
     ],
 )
@@ -158,3 +172,35 @@ def test_border_steps_of_wide_samples(rng):
     down = steps_by_definition(pixels, mask)
     right = steps_by_definition(pixels.swapaxes(0, 1), mask.T)
     assert border_steps(Exemplar(pixels, mask=mask)) == (down, right)
+
+
+def test_lattices_are_rated_as_asked(tmp_path, capsys):
+    """The thesis's goodness, alpha and share, a given lattice and runners-up, drawn and in JSON."""
+    words = "--goodness height --alpha 1.2 --significant 0.7 --lattice 126,0,0,84 --runners-up 2"
+    drawn = tmp_path / "o.png", tmp_path / "g.png"
+    files = ["--overlay", str(drawn[0]), "--correlation", str(drawn[1])]
+    assert cli.main(["analyze", "sample:bricks", "--json", *words.split(), *files]) == 0
+    found = json.loads(capsys.readouterr().out)
+    rule = {"goodness": "height", "alpha": 1.2, "significant": 0.7}
+    expected = analyze("sample:bricks", **rule, lattice=(126, 0, 0, 84), runners_up=2)
+    assert found == json.loads(json.dumps(expected.as_dict()))
+    ratings = found["ratings"]
+    assert {name: ratings[name] for name in rule} == rule
+    assert ratings["given"]["vectors"] == [[0, 84], [126, 0]] and len(ratings["runners_up"]) == 2
+    sample = weftex.load_exemplar("sample:bricks")
+    given = Lattice(((126, 0), (0, 84)))
+    assert np.array_equal(weftex.load_exemplar(drawn[0]).pixels, draw_lattice(sample, given))
+    assert np.array_equal(weftex.load_exemplar(drawn[1]).pixels, draw_correlation(gncc(sample)))
+    text = str(expected)
+    assert "given" in text and "126.0 x 84.0 px" in text and "runner-up 2" in text
+    one = ["analyze", "sample:bricks", "--overlay", str(drawn[0]), "--runner-up", "2"]
+    assert cli.main(one) == 0
+    capsys.readouterr()
+    second = Lattice(analyze("sample:bricks", runners_up=2).ratings.runners_up[1].vectors)
+    assert np.array_equal(weftex.load_exemplar(drawn[0]).pixels, draw_lattice(sample, second))
+
+
+def test_a_running_bond_has_courses():
+    """And not the lengths of its vectors, which are diagonals."""
+    text = str(analyze("sample:bricks"))
+    assert text.count("126.2 x 41.8 px, half shift") == 2  # the lattice, and what auto says

@@ -248,6 +248,30 @@ def test_patches_shrink_where_holes_leave_little():
     assert (result.image[~hole] == photo[~hole]).all()
 
 
+Y, X = np.indices((128, 128))
+#: Holes that leave little of a small photo.
+LITTLE_LEFT = {
+    "ellipse": ((Y - 64) / 26) ** 2 + ((X - 64) / 34) ** 2 <= 1,
+    "frame": box((40, 40), (4, 4, 36, 36)),
+    "corner": box((128, 128), (20, 18, 128, 126)),
+    "diagonal": np.eye(9, 30, dtype=bool),
+    "line": np.indices((20, 20)).sum(axis=0) != 5,
+    "corners": np.array([[True, False, False], [False, False, True]]),
+}
+
+
+@pytest.mark.parametrize("name", LITTLE_LEFT)
+@pytest.mark.parametrize("method", ["efros-leung", "wei-levoy", "ashikhmin", "exact-matching"])
+def test_windows_shrink_to_what_holes_leave(method, name):
+    """Of the proposed windows and levels, on a photo of bricks at half its size."""
+    hole = LITTLE_LEFT[name]
+    bricks = weftex.load_exemplar("sample:bricks").pixels
+    photo = np.ascontiguousarray(bricks[: 2 * len(hole) : 2, : 2 * hole.shape[1] : 2])
+    result = weftex.fill(photo, hole, method=method, seed=1)
+    assert np.array_equal(result.image[~hole], photo[~hole])
+    assert not hole[tuple(result.source[hole].T)].any()
+
+
 def test_single_pixels():
     photo, hole = noise((40, 50, 3)), box((40, 50), (10, 10, 16, 20))
     result = weftex.fill(photo, hole, seed=1, patch_size=1)
@@ -257,3 +281,55 @@ def test_single_pixels():
 def test_progress_can_cancel():
     with pytest.raises(weftex.CancelledError):
         weftex.fill(noise((70, 90)), HOLES["several"], seed=1, progress=lambda *_: False)
+
+
+def test_joints_of_a_sure_lattice_go_on():
+    """By default near-regular fills where the photo has a lattice, patch-sampling elsewhere."""
+    photo = weftex.load_exemplar("sample:tiles").pixels[:240, :250]
+    hole = np.zeros(photo.shape[:2], bool)
+    hole[90:150, 110:170] = True
+    made = weftex.fill(photo, hole, seed=1).provenance
+    assert made["method"] == "near-regular" and "lattice" in made["reason"]
+    for asked in ({"method": "patch-sampling"}, {"patch_size": 20}):
+        assert weftex.fill(photo, hole, seed=1, **asked).provenance["method"] == "patch-sampling"
+    canvas = weftex.Canvas(240, 250, known=photo, hole=hole, known_from=(0, 0))
+    model = weftex.Auto().fit(weftex.Exemplar(photo, mask=~hole))
+    assert model.sample(canvas, seed=1).provenance["method"] == "near-regular"
+    grass = weftex.load_exemplar("sample:grass").pixels[:180, :190]
+    assert weftex.fill(grass, hole[:180, :190], seed=1).provenance["method"] == "patch-sampling"
+
+
+@pytest.mark.parametrize("method", ["patch-sampling", "quilting", "graphcut", "near-regular"])
+def test_an_overlap_cuts_where_photo_and_filling_differ_least(method):
+    photo = weftex.load_exemplar("sample:tiles").pixels[:200, :240]
+    hole = np.zeros(photo.shape[:2], bool)
+    hole[70:120, 90:150] = True
+    result = weftex.fill(photo, hole, seed=1, method=method, overlap=10)
+    cut, ring = result.canvas.hole, np.zeros_like(hole)
+    ring[60:130, 80:160] = True
+    assert cut[hole].all() and not cut[~ring].any()
+    assert 0 < cut[ring & ~hole].mean() < 1, "it does not follow the outline"
+    assert np.array_equal(result.image[~cut], photo[~cut])
+    assert np.array_equal(result.image, result.render())
+    at = np.argwhere(~cut)
+    assert np.array_equal(result.source[~cut], at)
+
+    def step(inside, image):
+        """What changes across the outline of an area, in the mean."""
+        across = [inside[:, 1:] ^ inside[:, :-1], inside[1:] ^ inside[:-1]]
+        steps = [abs(np.diff(image.astype(int), axis=axis)).sum(2) for axis in (1, 0)]
+        return np.concatenate([s[a] for s, a in zip(steps, across, strict=True)]).mean()
+
+    straight = np.where(
+        ring[..., None], weftex.fill(photo, ring, seed=1, method=method).image, photo
+    )
+    assert step(cut, result.image) < 1.2 * step(ring, straight)
+
+
+@pytest.mark.parametrize("overlap", [-1, 1.5, None, True, "3"])
+def test_bad_overlaps_are_refused(overlap):
+    photo, hole = np.zeros((40, 40), np.uint8), np.eye(40, dtype=bool)
+    with pytest.raises(weftex.InvalidInputError, match="overlap is"):
+        weftex.fill(photo, hole, overlap=overlap)
+    with pytest.raises(weftex.InvalidInputError, match="the mask and the overlap cover all"):
+        weftex.fill(photo, hole, overlap=60)

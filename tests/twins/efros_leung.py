@@ -44,7 +44,7 @@ def efros_leung(method, exemplar, canvas, seed):
         near = [beside((y, x), step, canvas.shape, wrap) for step in steps]
         return any(at is not None and done[at] for at in near)
 
-    threshold = method.threshold
+    threshold, tries_left = method.threshold, 8 * int((~done).sum())
     while not done.all():
         layer = [p for p in np.ndindex(*canvas.shape) if not done[p] and has_filled_neighbor(*p)]
         layer.sort(
@@ -64,6 +64,7 @@ def efros_leung(method, exemplar, canvas, seed):
             if distances[drawn] / (255**2 * pixels.shape[2] * max(total, 1)) <= threshold:
                 lay(y, x, *centers[drawn])
                 progress = True
-        if not progress:
+        tries_left -= progress * len(layer)
+        if not progress or tries_left < 0:
             threshold *= 1.1
     return source

@@ -200,8 +200,14 @@ def exact_pixels(sheet, sample, order, seed, stage, method, guide=None):
             [g for c in sample.near(color) for g in sample.groups.get((d, c), [])]
             for d, color, _ in around
         ]
-        listed = sum(len(groups) for groups in lists)
-        share = 2**32 * min(method.candidates, listed) // max(listed, 1)
+        listed, most = sum(len(groups) for groups in lists), method.candidates
+        share = 2**32
+        if 0 < most < listed:
+            share = 2**32 * most // listed
+            union = {group[0] for groups in lists for group in groups} - set(first)
+            met = sum((sample.flat(p) ^ bits) % 2**32 * 2654435761 % 2**32 < share for p in union)
+            if 0 < met < most:
+                share = share * most // met
         tested, found = set(first), []
         for groups in lists:
             for group in groups:

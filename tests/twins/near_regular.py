@@ -9,6 +9,12 @@ import numpy as np
 from twins.randomness import random_bits
 
 
+def usable_of(model):
+    """Where whole windows lie in a model's sample."""
+    y, x = np.nonzero(model.blocks.windows.usable)
+    return list(zip(y.tolist(), x.tolist(), strict=True))
+
+
 class NearRegularTwin:
     """Blocks of the endless plane, each found on its own by asking for those that it hangs on.
 

@@ -327,3 +327,20 @@ def _steps(method, canvas, window, corners, laid):
             if canvas.wrap[1] and j > 0 and x + window[1] > canvas.shape[1]:
                 known[:, canvas.shape[1] - x :] = True
             yield (i, j), (y, x), known
+
+
+def compare(method, exemplar, canvas, seed=5, exact=True):
+    """Assert that a method makes the picture that the twin makes; return its result."""
+    result = method.fit(exemplar).sample(canvas, seed=seed)
+    corners = None
+    if canvas.hole is not None:
+        reach = method.boundary_width if method.patch_size == 1 else 0
+        corners = (result.placements[:, :2] - reach).tolist()
+    placements, picture = sample_exhaustive(exemplar, method, canvas, seed, corners=corners)
+    assert [tuple(p) for p in result.placements[:, :4].tolist()] == placements
+    if exact:
+        assert np.array_equal(result.image, picture)
+        assert np.array_equal(result.render(), picture)
+    else:
+        assert np.allclose(result.image, picture, rtol=1e-5)
+    return result

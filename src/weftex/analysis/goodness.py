@@ -14,6 +14,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from weftex.errors import InvalidInputError, did_you_mean
+
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
@@ -22,6 +24,7 @@ if TYPE_CHECKING:
     Floats = NDArray[np.float64]
 
 ALPHA = 1.12  # the paper's; above 1 it prefers smaller tiles
+MOST_ALPHA = 4.0  # by far the smallest tile wins
 SIGNIFICANT = 0.85  # of a tile, that an overlap must hold
 GOODNESS = ("contrast", "height", "dominance")
 
@@ -52,11 +55,31 @@ class Rating:
     count: Floats
 
 
-class Field:
-    """An autocorrelation, to be looked at near the multiples of vectors."""
+def check_rule(goodness: str, alpha: float, significant: float) -> None:
+    """Raise `InvalidInputError` unless pairs can be rated so."""
+    if goodness not in GOODNESS:
+        raise InvalidInputError(f"goodness is {goodness!r}{did_you_mean(goodness, GOODNESS)}")
+    if not 1 <= alpha <= MOST_ALPHA:
+        raise InvalidInputError(f"alpha is {alpha}; it must be from 1 to {MOST_ALPHA:g}")
+    if not 0 < significant <= 1:
+        raise InvalidInputError(f"significant is {significant}; it must be above 0, at most 1")
 
-    def __init__(self, correlation: Floats, peaks: Peaks) -> None:
+
+class Field:
+    """An autocorrelation, to be looked at near the multiples of vectors.
+
+    `alpha` is that of eq. 3.22, `significant` the share of a tile that an overlap must hold.
+    """
+
+    def __init__(
+        self,
+        correlation: Floats,
+        peaks: Peaks,
+        alpha: float = ALPHA,
+        significant: float = SIGNIFICANT,
+    ) -> None:
         self.correlation, self.peaks = correlation, peaks
+        self.alpha, self.significant = alpha, significant
         self.height, self.width = (side // 2 + 1 for side in correlation.shape)
         # Multiples lie between pixels, and material is not exact: the highest neighbor counts,
         # between the multiples too.
@@ -116,7 +139,7 @@ def rate(field: Field, pairs: Floats, reach: int, kind: str, *, exact: bool = Fa
     else:
         value = _mean(heights, weights) - _between(field, pairs, reach)
     number = count if exact else 2 * field.width * field.height / np.maximum(area, 1)
-    goodness = np.maximum(value, 0) ** ALPHA * np.maximum(number, 1) ** (ALPHA - 1)
+    goodness = np.maximum(value, 0) ** field.alpha * np.maximum(number, 1) ** (field.alpha - 1)
     return Rating(np.where(both, goodness, 0), value, count)
 
 
@@ -247,7 +270,7 @@ def _places(
     wide, high = field.width - abs(x), field.height - abs(y)
     area = abs(pairs[:, 0, 0] * pairs[:, 1, 1] - pairs[:, 0, 1] * pairs[:, 1, 0])[:, None]
     box = abs(pairs).sum(axis=1)  # sides of the box around the tile
-    counts = (wide >= 1) & (high >= 1) & (wide * high >= SIGNIFICANT * area)
+    counts = (wide >= 1) & (high >= 1) & (wide * high >= field.significant * area)
     if not exact:
         counts &= (wide >= box[:, :1] / 2) & (high >= box[:, 1:] / 2) & (wide * high >= area)
         return x, y, counts
@@ -255,7 +278,7 @@ def _places(
     for k in np.flatnonzero(unsure.any(axis=1)):
         at = unsure[k]
         whole = np.rint(pairs[k]).astype(np.int64)
-        counts[k, at] = tile_shares(whole, wide[k, at], high[k, at]) >= SIGNIFICANT
+        counts[k, at] = tile_shares(whole, wide[k, at], high[k, at]) >= field.significant
     return x, y, counts
 
 

@@ -9,12 +9,12 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from weftex.analysis.correlation import correlate
-from weftex.analysis.goodness import GOODNESS, Field
+from weftex.analysis.goodness import ALPHA, SIGNIFICANT, Field, check_rule
 from weftex.analysis.pairs import best_pair, reduced
 from weftex.analysis.peaks import find_peaks
 from weftex.analysis.relief import relief
 from weftex.analysis.rows import find_rows
-from weftex.errors import InvalidInputError, did_you_mean
+from weftex.errors import InvalidInputError
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -125,7 +125,13 @@ def _rightward(vector: Vector) -> Vector:
     return (x, y) if x + y / 8 > 0 else (-x, -y)
 
 
-def find_lattice(exemplar: Exemplar, *, goodness: str = "contrast") -> Lattice | None:
+def find_lattice(
+    exemplar: Exemplar,
+    *,
+    goodness: str = "contrast",
+    alpha: float = ALPHA,
+    significant: float = SIGNIFICANT,
+) -> Lattice | None:
     """Find the translations under which a sample looks the same.
 
     Section 3.3 of the paper on near-regular textures, with pairs rated by contrast; see
@@ -137,6 +143,10 @@ def find_lattice(exemplar: Exemplar, *, goodness: str = "contrast") -> Lattice |
         The sample; a mask may leave out parts of it. Slow lighting is taken off first.
     goodness : str
         How pairs of vectors are rated: "contrast", "height" (eq. 3.22 of the paper) or "dominance".
+    alpha : float
+        That of eq. 3.22, from 1 to 4; the larger, the rather it is a small tile.
+    significant : float
+        Share of a tile that the overlap at a multiple must hold to count (section 3.3.1).
 
     Returns
     -------
@@ -147,7 +157,7 @@ def find_lattice(exemplar: Exemplar, *, goodness: str = "contrast") -> Lattice |
     Raises
     ------
     InvalidInputError
-        If there is no such goodness.
+        If there is no such goodness, or a number is out of its range.
 
     Examples
     --------
@@ -156,12 +166,11 @@ def find_lattice(exemplar: Exemplar, *, goodness: str = "contrast") -> Lattice |
     >>> find_lattice(Exemplar(np.tile(tile, (6, 5)))).vectors
     ((0.0, 12.0), (16.0, 0.0))
     """
-    if goodness not in GOODNESS:
-        raise InvalidInputError(f"goodness is {goodness!r}{did_you_mean(goodness, GOODNESS)}")
+    check_rule(goodness, alpha, significant)
     flat = relief(exemplar)
     mask = flat.usable >= 0.5
     correlation = correlate(np.moveaxis(flat.levels, 0, 2), first_mask=mask)
-    found = best_pair(Field(correlation, find_peaks(correlation)), goodness)
+    found = best_pair(Field(correlation, find_peaks(correlation), alpha, significant), goodness)
     if found is not None and found[1] >= _CONTRAST:
         vectors, contrast = found
         confidence = contrast / (contrast + _CONTRAST)

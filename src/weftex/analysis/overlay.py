@@ -72,6 +72,27 @@ def draw_lattice(exemplar: Exemplar, lattice: Lattice | None) -> NDArray[np.uint
     return picture
 
 
+def draw_correlation(correlation: Floats) -> NDArray[np.uint8]:
+    """A correlation as a gray picture: white is 1, the gray in the middle 0, black -1.
+
+    Parameters
+    ----------
+    correlation : float64 array (H, W)
+        From `weftex.analysis.ratings.gncc`.
+
+    Returns
+    -------
+    uint8 array (H, W)
+
+    Examples
+    --------
+    >>> draw_correlation(np.array([[-1.0, 0.0, 1.0]])).tolist()
+    [[0, 128, 255]]
+    """
+    gray: NDArray[np.uint8] = np.rint((correlation + 1) * 127.5).astype(np.uint8)
+    return gray
+
+
 def _across(lattice: Lattice) -> list[Floats]:
     """For each family of lines, what times (x, y) counts them: rows of the inverse basis."""
     vectors = np.array(lattice.vectors)

@@ -24,7 +24,7 @@ _PEAKS = 40  # that pairs are made of, of each octave of lengths the highest
 _FEWEST = 3.0  # pixels of a vector; shorter ones are grain
 _DOMINANT = 0.25  # of the shorter vector, that the peaks of both must dominate
 _PAIRS = 24  # that are fitted and rated by all their multiples
-_REACH = 24  # multiples of each vector that are looked at
+MOST_MULTIPLES = 24  # multiples of each vector that are looked at
 _INDEX = 7  # tiles, that a larger one may consist of
 _LOWER = 0.1  # of its mean, that a larger tile's multiples may be above those of a smaller
 _UNSURE = (0.35, 4.0)  # the same, in so few standard errors
@@ -48,28 +48,34 @@ def best_pair(field: Field, goodness: str) -> tuple[Floats, float] | None:
     (float64 array (2, 2), float) or None
         Vectors as rows (x, y); None where no pair has two significant vectors.
     """
-    pairs = _candidates(field.peaks)
-    if not len(pairs):
-        return None
-    first = rate(field, pairs, 2, goodness).goodness
     best, highest = None, 0.0
-    tried: list[Floats] = []
-    for k in np.argsort(-first, kind="stable")[:_PAIRS]:
-        if first[k] <= 0:
-            break
-        fitted = _fitted(field, pairs[k])
-        if any(abs(fitted - other).max() < 0.5 for other in tried):
-            continue
-        tried.append(fitted)
-        reach = reach_of(field, fitted, _REACH)
-        rated = float(rate(field, fitted[None], reach, goodness, exact=True).goodness[0])
+    for vectors, rated in rated_pairs(field, goodness):
         if rated > highest * (1 + 1e-9):  # of equal ones the first, whatever the rounding
-            best, highest = fitted, rated
+            best, highest = vectors, rated
     if best is None:
         return None
     if goodness == "contrast":
         best = _multiply(field, _divide(field, best))
-    return best, contrast_of(field, best, reach_of(field, best, _REACH))
+    return best, contrast_of(field, best, reach_of(field, best, MOST_MULTIPLES))
+
+
+def rated_pairs(field: Field, goodness: str) -> list[tuple[Floats, float]]:
+    """The pairs that could be a lattice, fitted, and the goodness of each (steps 2 to 5)."""
+    pairs = _candidates(field.peaks)
+    if not len(pairs):
+        return []
+    first = rate(field, pairs, 2, goodness).goodness
+    tried: list[tuple[Floats, float]] = []
+    for k in np.argsort(-first, kind="stable")[:_PAIRS]:
+        if first[k] <= 0:
+            break
+        fitted = _fitted(field, pairs[k])
+        if any(abs(fitted - other).max() < 0.5 for other, _ in tried):
+            continue
+        reach = reach_of(field, fitted, MOST_MULTIPLES)
+        rated = rate(field, fitted[None], reach, goodness, exact=True)
+        tried.append((fitted, float(rated.goodness[0])))
+    return tried
 
 
 def reduced(vectors: Floats) -> Floats:
@@ -109,7 +115,7 @@ def _candidates(peaks: Peaks) -> Floats:
 
 def _divide(field: Field, vectors: Floats) -> Floats:
     """The smallest tile that makes up this one and is as good at all its multiples."""
-    own = contrast_of(field, vectors, reach_of(field, vectors, _REACH))
+    own = contrast_of(field, vectors, reach_of(field, vectors, MOST_MULTIPLES))
     for index in range(_INDEX, 1, -1):
         for across in (n for n in range(1, index + 1) if index % n == 0):
             for slant in range(index // across):
@@ -119,7 +125,7 @@ def _divide(field: Field, vectors: Floats) -> Floats:
                 if np.hypot(*basis[0]) < _FEWEST:
                     continue
                 whole = np.rint(vectors @ np.linalg.inv(basis))
-                reach = reach_of(field, basis, _REACH)
+                reach = reach_of(field, basis, MOST_MULTIPLES)
                 gap, errors, count = stand_out(field, basis, whole, reach)
                 # Multiples that fall between pixels are lower, the more the closer they are.
                 lower = _LOWER + 0.5 / float(np.hypot(*basis[0]))
@@ -131,14 +137,14 @@ def _divide(field: Field, vectors: Floats) -> Floats:
 
 def _fitted(field: Field, vectors: Floats) -> Floats:
     """The vectors below a pixel; as they are, where a fit to a small sample folds them together."""
-    found = fit_vectors(field.correlation, vectors, _REACH)[0]
+    found = fit_vectors(field.correlation, vectors, MOST_MULTIPLES)[0]
     areas = [abs(np.linalg.det(pair)) for pair in (found, vectors)]
     return found if areas[0] > areas[1] / 2 else vectors
 
 
 def _multiply(field: Field, vectors: Floats) -> Floats:
     """Two or three times the tile, where its own multiples stand out: colors alternate."""
-    reach = reach_of(field, vectors, _REACH)
+    reach = reach_of(field, vectors, MOST_MULTIPLES)
     for index in (2, 3):
         for across in (1, index):
             for slant in range(index // across):

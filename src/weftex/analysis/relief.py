@@ -123,6 +123,7 @@ def _means(values: NDArray[Any], step: int) -> NDArray[np.float64]:
     return means
 
 
+<<<<<<< HEAD
 def _moments(
     values: NDArray[np.float64], down: NDArray[np.float64], along: NDArray[np.float64]
 ) -> NDArray[np.float64]:
@@ -133,3 +134,31 @@ def _moments(
     rows = [np.einsum("yx,x->y", values, power) for power in along]
     result: NDArray[np.float64] = np.array([[(row * p).sum() for row in rows] for p in down])
     return result
+=======
+def smaller_copy(exemplar: Exemplar, largest: int) -> tuple[Exemplar, int]:
+    """Average a sample down until it has at most so many pixels a side.
+
+    Parameters
+    ----------
+    exemplar : Exemplar
+        The sample.
+    largest : int
+        Pixels a side.
+
+    Returns
+    -------
+    Exemplar, int
+        The sample itself, or a copy of what distances are taken on; and how many times smaller.
+    """
+    step = -(-max(exemplar.shape) // largest)
+    if step == 1:
+        return exemplar, 1
+    levels = exemplar.matching()
+    pixels = np.stack([_means(levels[..., k], step) for k in range(levels.shape[2])], axis=2)
+    mask = None
+    if exemplar.mask is not None:
+        share = _means(exemplar.mask, step)
+        mask = share > (0.5 if (share > 0.5).any() else 0)
+    pixels = np.rint(pixels).astype(np.uint8)
+    return Exemplar(pixels, mask=mask, alpha=False, name=exemplar.name), step
+>>>>>>> 8dc4f7aab4b23f60e6dfe200d38b63815281be6e

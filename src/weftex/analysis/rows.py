@@ -27,6 +27,7 @@ _RIDGES = 8  # that are looked at, as far as they lie within the sample
 _FEWEST = 2  # of them that a sample must show
 _REACH = 0.7  # of the shorter side, that ridges are looked at in
 _UNSURE = 0.1  # what chance does to one ridge
+_COLORED = 0.05  # of the variance of all channels, that their mean has at most
 _SAMPLES = 61  # along a line
 _HIGHER = 0.8  # of its height, that every second ridge may be above the others
 
@@ -72,10 +73,12 @@ def _alternates(profile: Floats, distance: float) -> bool:
 
 
 def _with_edges(levels: Floats) -> Floats:
-    """The mixture of channels that varies most; steps down and to the right, of equal energy."""
+    """The mean level; steps down and to the right, of equal energy."""
     steps = [np.sqrt((np.gradient(levels, axis=axis) ** 2).sum(axis=0)) for axis in (1, 2)]
     edges = np.stack(steps)
-    gray = mixed(levels)[None]
+    gray = levels.mean(axis=0, keepdims=True)
+    if gray.var() < _COLORED * mixed(levels).var():  # colors of one brightness
+        gray = mixed(levels)[None]
     share = levels.var(axis=(1, 2)).mean() / max(edges.var(axis=(1, 2)).sum(), 1e-12)
     found: Floats = np.moveaxis(np.concatenate([gray, edges * share**0.5]), 0, 2)
     return found

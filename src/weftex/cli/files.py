@@ -15,8 +15,13 @@ if TYPE_CHECKING:
     from weftex.results.synthesis import Synthesis
 
 
-def load(path: str, args: argparse.Namespace) -> tuple[Exemplar, dict[str, Picture]]:
-    """Read a picture, or a folder of maps, and what each one was stored as."""
+def load(
+    path: str, args: argparse.Namespace, *, tileable: bool = False
+) -> tuple[Exemplar, dict[str, Picture]]:
+    """Read a picture, or a folder of maps, and what each one was stored as.
+
+    `tileable` says that it repeats without a seam.
+    """
     from weftex.io.pictures import MAX_PIXELS, is_folder, read_image, read_maps
     from weftex.tasks.synthesize import exemplar_of_maps
 
@@ -25,11 +30,11 @@ def load(path: str, args: argparse.Namespace) -> tuple[Exemplar, dict[str, Pictu
         pictures = read_maps(path, max_pixels=limit)
     else:
         pictures = {os.path.basename(path): read_image(path, max_pixels=limit)}
-    return exemplar_of_maps(pictures), pictures
+    return exemplar_of_maps(pictures, tileable=tileable), pictures
 
 
 def open_sample(
-    path: str, args: argparse.Namespace, outputs: Outputs
+    path: str, args: argparse.Namespace, outputs: Outputs, *, tileable: bool = False
 ) -> tuple[Exemplar, dict[str, Picture], dict[str, str]]:
     """Read the sample, and say where each of its pictures goes; all is checked before any work."""
     from weftex.io.pictures import check_output, is_folder
@@ -41,7 +46,7 @@ def open_sample(
         outputs.make_folder(args.output)
     else:
         check_output(args.output)
-    exemplar, pictures = load(path, args)
+    exemplar, pictures = load(path, args, tileable=tileable)
     targets = {}
     for name, picture in pictures.items():
         file = os.path.basename(picture.path)

@@ -50,6 +50,12 @@ def add_huge(parser: Parser) -> None:
     parser.add_argument("--allow-huge", action="store_true", help=text)
 
 
+def add_tileable_sample(parser: Parser) -> None:
+    """Add the option of every command that can use the sample's borders."""
+    text = "the sample itself repeats without a seam, so that patches may run over its borders"
+    parser.add_argument("--tileable-sample", action="store_true", help=f"{text}; see 'analyze'")
+
+
 def add_limits(parser: Parser) -> None:
     """Add the options of every command that makes pictures."""
     add_huge(parser)
@@ -81,6 +87,8 @@ def parse_task(
     name = chooser.parse_known_args(argv)[0].method or ""
     from weftex.tasks.method_names import AUTO, method_class
 
+    by_default = name in (AUTO, default) and not any(word.startswith("--method") for word in argv)
+    by_default |= name == AUTO
     name = default if name == AUTO else name
     method = method_class(name)
     if name == AUTO:
@@ -101,7 +109,7 @@ def parse_task(
     if name == AUTO:
         group.description = "none; with --method NAME --help stand those of another method"
     args = parser.parse(argv)
-    args.method = name
+    args.method, args.by_default = name, by_default
     check_numbers(args)
     given = {
         name.removeprefix("parameter_"): value

@@ -18,6 +18,7 @@ if TYPE_CHECKING:
     import numpy as np
     from numpy.typing import NDArray
 
+_PAPERS_EPSILON = 0.2  # section 2.4
 _HOLE_EPSILON = 0.02  # known pixels cannot be blended, so the best match is taken
 
 
@@ -59,6 +60,11 @@ class PatchSampling(PatchMethod):
         "joining patches: feathered after each or at the end, cut along least error, or pasted",
         choices=("feather", "feather-at-end", "cut", "none"),
     )
+
+    @property
+    def looseness(self) -> float:
+        """See `PatchMethod.looseness`."""
+        return self.epsilon / _PAPERS_EPSILON
 
     def for_hole(
         self, hole: NDArray[np.bool_], usable: NDArray[np.bool_], given: frozenset[str] | None

@@ -14,6 +14,8 @@ from weftex.methods.patches.pasting import Output
 from weftex.methods.patches.scan_order import Run
 from weftex.methods.patches.settings import PatchMethod, settle
 
+_PAPERS_TOLERANCE = 0.1  # section 2.1
+
 
 @dataclass(frozen=True)
 class Quilting(PatchMethod):
@@ -46,13 +48,20 @@ class Quilting(PatchMethod):
         default_text="a sixth of the patch, 4 or more",
     )
     tolerance: float = parameter(
-        0.1, "candidates may be this much worse than the best, relatively", low=0.0
+        0.1,
+        "errors of candidates, roots of squared ones, may be up to 1 + this times the best's",
+        low=0.0,
     )
     blend: str = parameter(
         "cut",
         "joining patches: cut along least error, feathered after each or at the end, or pasted",
         choices=("cut", "feather", "feather-at-end", "none"),
     )
+
+    @property
+    def looseness(self) -> float:
+        """See `PatchMethod.looseness`."""
+        return (1 + self.tolerance) / (1 + _PAPERS_TOLERANCE)
 
     def fit(self, exemplar: Exemplar) -> PatchModel:
         """Settle the sizes of block and overlap, and analyze the sample."""

@@ -68,6 +68,35 @@ def mask_pyramid(
     return result
 
 
+def children(
+    parents: NDArray[np.int32],
+    columns: int,
+    y: NDArray[np.integer],
+    x: NDArray[np.integer],
+) -> tuple[NDArray[np.int32], NDArray[np.int32]]:
+    """Return the rows and columns that the sources of parents lead to at the next finer level.
+
+    Parameters
+    ----------
+    parents : int32 array (H, W)
+        For each pixel of the finer level, the source of its parent: a flat index into the coarser
+        level of the sample.
+    columns : int
+        Of that level.
+    y, x : integer arrays
+        The pixels. Places may lie one beyond the finer level's last row or column.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> y, x = children(np.full((1, 2), 7, np.int32), 5, np.array([[4]]), np.arange(2))
+    >>> y.tolist(), x.tolist()
+    ([[2, 2]], [[4, 5]])
+    """
+    above = np.divmod(parents, np.int32(columns))
+    return 2 * above[0] + y % 2, 2 * above[1] + x % 2
+
+
 def gaussian_stack(
     pixels: NDArray[np.uint8], count: int, wrap: tuple[bool, bool] = (False, False)
 ) -> list[list[NDArray[np.uint8]]]:

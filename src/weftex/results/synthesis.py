@@ -183,12 +183,14 @@ class Synthesis(ABC):
         """
         window = self._check_window(window)
         coordinates, share = self._layers(window)
-        if self.known_from is not None and self.canvas.hole is not None:
+        if self.canvas.hole is not None:  # patches may hang over it
             top, left, height, width = window
             known = ~self.canvas.hole[top : top + height, left : left + width]
-            own = np.indices((height, width)).transpose(1, 2, 0) + (top, left) + self.known_from
-            coordinates[known, 0] = own[known]
-            share[known, 0] = 1
+            coordinates[known], share[known] = -1, 0
+            if self.known_from is not None:
+                own = np.indices((height, width)).transpose(1, 2, 0) + (top, left) + self.known_from
+                coordinates[known, 0] = own[known]
+                share[known, 0] = 1
         return coordinates, share
 
     def render(
@@ -258,6 +260,10 @@ class Synthesis(ABC):
             (top, left, height, width),
             alpha,
         )
+        if self.canvas.hole is not None:  # patches may hang over the hole
+            known = ~self.canvas.hole[top : top + height, left : left + width]
+            known = known.repeat(scale, 0).repeat(scale, 1)
+            out[known] = base[rows, left * scale : (left + width) * scale][known]
         if own and whole and self._picture is None:
             self._picture = out
         return out

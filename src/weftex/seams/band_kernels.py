@@ -3,30 +3,10 @@
 
 import cython
 from cython.cimports.weftex.results.paste_kernels import Layout
+from cython.cimports.weftex.seams.boundary_kernels import pixel_difference
 
 # More than any path of real differences: 2**16 pixels of 2**10 channels.
 OUTSIDE = cython.declare(cython.longlong, 1 << 44)
-
-
-@cython.cfunc
-@cython.inline
-@cython.nogil
-@cython.exceptval(check=False)
-def band_error(
-    canvas: cython.const[cython.uchar][:, :, ::1],
-    pixels: cython.const[cython.uchar][:, :, ::1],
-    y: cython.Py_ssize_t,
-    x: cython.Py_ssize_t,
-    source_y: cython.Py_ssize_t,
-    source_x: cython.Py_ssize_t,
-) -> cython.longlong:
-    """Squared difference of two pixels."""
-    total: cython.longlong = 0
-    cython.declare(k=cython.Py_ssize_t, d=cython.int)
-    for k in range(canvas.shape[2]):
-        d = cython.cast(cython.int, canvas[y, x, k]) - pixels[source_y, source_x, k]
-        total += d * d
-    return total
 
 
 def cut_bands(canvas, pixels, layout, bands, p, cost, cuts):
@@ -81,9 +61,9 @@ def cut_bands(canvas, pixels, layout, bands, p, cost, cuts):
                 if weight == 0:
                     cost[i, k] = OUTSIDE
                 elif weight < 256:
-                    cost[i, k] = band_error(
-                        canvas, pixels, (y + v) % canvas.shape[0], (x + u) % canvas.shape[1],
-                        source_y + v, source_x + u,
+                    cost[i, k] = pixel_difference(
+                        canvas, (y + v) % canvas.shape[0], (x + u) % canvas.shape[1],
+                        pixels, source_y + v, source_x + u,
                     )  # fmt: skip
                 if i > 0:
                     least = cost[i - 1, k]

@@ -22,8 +22,6 @@ if TYPE_CHECKING:
 
     from weftex.search.windows import Windows
 
-#: Of a level; a tree over more takes long and hundreds of megabytes.
-MOST_WINDOWS = 2**17
 _CHUNK = 4096  # windows that are copied at a time
 
 
@@ -103,18 +101,24 @@ def interior_windows(
 
 
 def window_vectors(
-    sample: Exemplar, parent: Exemplar | None, width: int, parent_width: int, *, causal: bool
+    sample: Exemplar,
+    parent: Exemplar | None,
+    width: int,
+    parent_width: int,
+    *,
+    causal: bool,
+    most: int = 0,
 ) -> tuple[NDArray[np.uint8], NDArray[np.int32]]:
     """Return the vectors of a level's pixels, and the pixels' flat indices in scan order.
 
-    They are uint8 (n, D) and int32 (n,), of at most `MOST_WINDOWS` pixels: a random part if there
-    are more. The parameters are those of `interior_windows`.
+    They are uint8 (n, D) and int32 (n,), of at most `most` pixels, a random part if there are more;
+    0 is all. The other parameters are those of `interior_windows`.
     """
     parts = interior_windows(sample, parent, width, parent_width, causal=causal)
     places = parts[-1][0].to_sample(parts[-1][1])
     kept = np.arange(len(places))
-    if len(kept) > MOST_WINDOWS:
-        kept = np.sort(np.argsort(draw(0, "windows", places), kind="stable")[:MOST_WINDOWS])
+    if 0 < most < len(kept):
+        kept = np.sort(np.argsort(draw(0, "windows", places), kind="stable")[:most])
     vectors = [_bytes_at(windows, at[kept], offsets) for windows, at, offsets in parts]
     return np.concatenate(vectors, axis=1), places[kept]
 

@@ -18,3 +18,7 @@ cdef long long run_distance(const unsigned char[:, :, ::1] pixels, Py_ssize_t y,
 
 cdef Py_ssize_t usable_place(const unsigned char[:, ::1] usable, const int[::1] period,
                              Py_ssize_t y, Py_ssize_t x) noexcept nogil
+
+cdef void copy_pixel(const unsigned char[:, :, ::1] sample, Py_ssize_t place,
+                     unsigned char[:, :, ::1] pixels, int[:, ::1] source,
+                     Py_ssize_t y, Py_ssize_t x) noexcept nogil

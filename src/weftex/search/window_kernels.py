@@ -185,6 +185,15 @@ def usable_place(usable, period, y, x):
     return y * usable.shape[1] + x if usable[y, x] else -1
 
 
+def copy_pixel(sample, place, pixels, source, y, x):
+    """Copy the sample's pixel at a flat index to the pixel (y, x) of a canvas."""
+    cython.declare(k=cython.Py_ssize_t, v=cython.Py_ssize_t, u=cython.Py_ssize_t)
+    v, u = place // sample.shape[1], place % sample.shape[1]
+    source[y, x] = cython.cast(cython.int, place)
+    for k in range(sample.shape[2]):
+        pixels[y, x, k] = sample[v, u, k]
+
+
 def runs_of(done, y, x, wrap, reach, runs, causal=False):
     """`causal_runs` or `known_runs`; returns their number."""
     d: cython.const[cython.uchar][:, ::1] = done

@@ -110,6 +110,11 @@ def windows_of(
     return Windows(np.ascontiguousarray(pixels), usable, period, exemplar.shape)
 
 
+def square_windows(exemplar: Exemplar, width: int) -> Windows:
+    """Return the square windows of a sample, of an odd width; see `windows_of`."""
+    return windows_of(exemplar, (width // 2,) * 4)
+
+
 def whole_windows(mask: NDArray[np.bool_], reach: Reach) -> NDArray[np.uint8]:
     """Return 1 where the whole window around a pixel lies on the mask."""
     up, down, left, right = reach

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from functools import cached_property
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -84,11 +85,23 @@ class ZoneSearch:
         ):
             search, self.stride = "quadtree", 1
         self.source = SEARCHES[search]
-        nodes = pyramid.nodes(zone.side, self.stride)
-        self.kernel_zone = _kernels.Zone(zone.area, zone.runs, zone.blocks, zone.side, zone.bands)
-        self.kernel_search = _kernels.Search(
-            self.source, self.wanted, usable, self.positions, nodes, self.pca
+        self.nodes = pyramid.nodes(zone.side, self.stride)
+
+    @cached_property
+    def kernel_zone(self) -> _kernels.Zone:
+        """The zone as kernels take it."""
+        zone = self.zone
+        return _kernels.Zone(zone.area, zone.runs, zone.blocks, zone.side, zone.bands)
+
+    @cached_property
+    def kernel_search(self) -> _kernels.Search:
+        """The windows as kernels take them."""
+        return _kernels.Search(
+            self.source, self.wanted, self.usable, self.positions, self.nodes, self.pca
         )
+
+    def __getstate__(self) -> dict[str, Any]:
+        return {k: v for k, v in self.__dict__.items() if not k.startswith("kernel_")}
 
     def _analyze(self, search: str, variance: float, pyramid: QuadtreePyramid) -> bool:
         """Find principal components, or grow a kd-tree; False if no window is at the stride."""

@@ -3,18 +3,24 @@
 from __future__ import annotations
 
 import dataclasses
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from weftex.analysis.canvas_lattice import check_lattice
+from weftex.analysis.courses import courses
 from weftex.analysis.evenness import Evenness
+from weftex.analysis.goodness import ALPHA, SIGNIFICANT, check_rule
 from weftex.analysis.lattice import Lattice, find_lattice
+from weftex.analysis.ratings import Rated, rate_lattices
 from weftex.analysis.regularity import regularity
 from weftex.analysis.scale import DominantScale, dominant_scale
 from weftex.analysis.tiling import SEAMLESS, border_steps
 from weftex.choice import Choice
 from weftex.errors import InvalidInputError
+from weftex.method import numbers_of
 from weftex.methods import METHODS
 from weftex.tasks.auto import Auto
 from weftex.tasks.synthesize import load_exemplar
@@ -25,6 +31,7 @@ if TYPE_CHECKING:
 
 _BANDS = 4  # of the spectrum, an octave
 _BAR = 40  # characters
+_MOST_RUNNERS_UP = 24  # pairs that are rated by all their multiples
 
 
 @dataclass(frozen=True)
@@ -44,6 +51,32 @@ class Band:
     period: float
     power: float
     background: float
+
+
+@dataclass(frozen=True)
+class Ratings:
+    """Lattices of a sample, rated as section 3.3 of the paper on near-regular textures does.
+
+    Attributes
+    ----------
+    goodness : str
+        By what: see `weftex.analysis.lattice.find_lattice`.
+    alpha, significant : float
+        Of eq. 3.22, and the share of a tile that an overlap must hold.
+    found : Rated or None
+        The sample's lattice; None without one of two vectors.
+    given : Rated or None
+        The one that was asked about.
+    runners_up : tuple of Rated
+        The others that could be one, the best first.
+    """
+
+    goodness: str
+    alpha: float
+    significant: float
+    found: Rated | None
+    given: Rated | None
+    runners_up: tuple[Rated, ...]
 
 
 @dataclass(frozen=True)
@@ -72,6 +105,8 @@ class Analysis:
         See `weftex.analysis.regularity.regularity`.
     lattice : Lattice or None
         See `weftex.analysis.lattice.find_lattice`.
+    ratings : Ratings
+        How good that lattice is, and which others there are.
     border_steps : (float, float)
         See `weftex.analysis.tiling.border_steps`.
     tiles : (bool, bool)
@@ -100,6 +135,7 @@ class Analysis:
     spectrum: tuple[Band, ...]
     regularity: float
     lattice: Lattice | None
+    ratings: Ratings
     border_steps: tuple[float, float]
     tiles: tuple[bool, bool]
     evenness: Evenness
@@ -117,6 +153,8 @@ class Analysis:
         )
         words = {(True, True): "yes", (True, False): "downwards only"}
         words |= {(False, True): "to the right only", (False, False): "no"}
+        if any(self.tiles):
+            across += "; if it was made to, use --tileable-sample" if all(self.tiles) else ""
         certainty = f"of its {self.scale_source}, confidence {self.confidence:g}"
         kind = f"{self.width}x{self.height}, {self.channels} x {self.dtype}"
         rows = [
@@ -126,6 +164,7 @@ class Analysis:
             ("scale", f"{self.scale:g} px {certainty}"),
             ("regularity", f"{self.regularity:g}"),
             ("lattice", _words(self.lattice)),
+            *self._ratings(),
             ("tiles", f"{words[self.tiles]} ({across})"),
             ("auto", self.choice.reason),
             *(("note", warning) for warning in self.choice.warnings),
@@ -143,21 +182,48 @@ class Analysis:
             lines.append(f"{band.period:8.1f} px  {bar[:mark]}|{bar[mark + 1 :]}".rstrip())
         return "\n".join(lines)
 
+    def _ratings(self) -> list[tuple[str, str]]:
+        """What is said of the lattice, of a given one, and of the runners-up."""
+        rated = self.ratings
+        rows = []
+        if rated.found is not None:
+            rows.append(("goodness", f"{_goodness(rated.found)}, by {rated.goodness}"))
+        if rated.given is not None:
+            rows.append(("given", f"{_vectors(rated.given.vectors)}, {_goodness(rated.given)}"))
+        for number, other in enumerate(rated.runners_up, 1):
+            rows.append((f"runner-up {number}", f"{_vectors(other.vectors)}, {_goodness(other)}"))
+        return rows
 
-def analyze(sample: Sample) -> Analysis:
+
+def analyze(
+    sample: Sample,
+    *,
+    goodness: str = "contrast",
+    alpha: float = ALPHA,
+    significant: float = SIGNIFICANT,
+    lattice: Sequence[float] | str | None = None,
+    runners_up: int = 0,
+) -> Analysis:
     """Say what a sample is like, and what follows from it.
 
     Parameters
     ----------
     sample : path, array, PIL image or Exemplar
         The material; see `weftex.load_exemplar`.
+    goodness, alpha, significant
+        How the lattice is found, see `weftex.analysis.lattice.find_lattice`; the paper's are
+        "height", 1.12 and 0.85. The choice of a method hangs on weftex's own.
+    lattice : x1, y1, x2, y2, optional
+        Rate this lattice too; numbers, or a text with commas.
+    runners_up : int
+        List so many other lattices, 0 to 24.
 
     Raises
     ------
     FileError
         If the sample cannot be read.
     InvalidInputError
-        If its pixels cannot be used.
+        If its pixels cannot be used, a value is out of its range, or the lattice does not fit.
 
     Examples
     --------
@@ -165,12 +231,20 @@ def analyze(sample: Sample) -> Analysis:
     >>> round(found.scale), found.confidence > 0.9, found.tiles
     (13, True, (False, False))
     """
+    check_rule(goodness, alpha, significant)
+    if isinstance(runners_up, bool) or runners_up not in range(_MOST_RUNNERS_UP + 1):
+        raise InvalidInputError(
+            f"runners_up is {runners_up!r}; it must be from 0 to {_MOST_RUNNERS_UP}"
+        )
     exemplar = load_exemplar(sample)
+    rule: dict[str, Any] = {"goodness": goodness, "alpha": alpha, "significant": significant}
+    given = None if lattice is None else given_lattice(lattice, exemplar)
     down, right = border_steps(exemplar)
     model = Auto().fit(exemplar)
     look = model.findings
-    lattice = look.lattice if look.exact else find_lattice(exemplar)
-    found = dominant_scale(exemplar, lattice)
+    usual = (goodness, alpha, significant) == ("contrast", ALPHA, SIGNIFICANT)
+    own = look.lattice if usual and look.exact else find_lattice(exemplar, **rule)
+    found = dominant_scale(exemplar, own)
     return Analysis(
         name=exemplar.name,
         height=exemplar.shape[0],
@@ -185,7 +259,8 @@ def analyze(sample: Sample) -> Analysis:
         scale_source=found.source,
         spectrum=_bands(found),
         regularity=regularity(exemplar),
-        lattice=lattice,
+        lattice=own,
+        ratings=_rate(exemplar, own, given, rule, runners_up),
         border_steps=(down, right),
         tiles=(down <= SEAMLESS, right <= SEAMLESS),
         evenness=look.evenness,
@@ -194,13 +269,49 @@ def analyze(sample: Sample) -> Analysis:
     )
 
 
+def given_lattice(vectors: Sequence[float] | str, exemplar: Exemplar) -> Lattice:
+    """A lattice that somebody gave as x1, y1, x2, y2.
+
+    Raises
+    ------
+    InvalidInputError
+        If these are not four numbers, or not a lattice of which two tiles lie in the sample.
+    """
+    x1, y1, x2, y2 = plain = numbers_of("lattice", vectors, 4)
+    check_lattice(plain, exemplar)
+    return Lattice(((x1, y1), (x2, y2)))
+
+
+def _rate(
+    exemplar: Exemplar,
+    own: Lattice | None,
+    given: Lattice | None,
+    rule: dict[str, Any],
+    runners_up: int,
+) -> Ratings:
+    found, others = rate_lattices(exemplar, own, **rule, runners_up=runners_up)
+    asked = None if given is None else rate_lattices(exemplar, given, **rule, runners_up=0)[0]
+    return Ratings(**rule, found=found, given=asked, runners_up=others)
+
+
+def _vectors(vectors: tuple[tuple[float, float], ...]) -> str:
+    """What `--lattice` takes, and the sides of the pieces."""
+    numbers = ",".join(f"{number:g}" for vector in vectors for number in vector)
+    return f"{numbers} px ({courses(Lattice(vectors))})"
+
+
+def _goodness(rated: Rated) -> str:
+    return f"{rated.goodness:g}: mean {rated.mean:g} over {rated.multiples} multiples"
+
+
 def _words(lattice: Lattice | None) -> str:
-    """What `--lattice` takes, and how sure it is."""
+    """The vectors, the sides of the pieces, and how sure it is."""
     if lattice is None:
         return "none"
-    numbers = ",".join(f"{number:g}" for vector in lattice.vectors for number in vector)
-    rows = " (rows; nothing repeats along them)" if len(lattice.vectors) == 1 else ""
-    return f"{numbers} px{rows}, confidence {lattice.confidence:g}"
+    if len(lattice.vectors) == 2:
+        return f"{_vectors(lattice.vectors)}, confidence {lattice.confidence:g}"
+    x, y = lattice.vectors[0]
+    return f"{x:g},{y:g} px (rows; nothing repeats along them), confidence {lattice.confidence:g}"
 
 
 def _count_colors(exemplar: Exemplar) -> int:

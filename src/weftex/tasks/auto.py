@@ -12,8 +12,11 @@ from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
 
+from weftex.analysis.canvas_lattice import CanvasLattice
+from weftex.analysis.courses import courses
 from weftex.analysis.evenness import Evenness, evenness
 from weftex.analysis.lattice import Lattice, find_lattice
+from weftex.analysis.relief import smaller_copy
 from weftex.analysis.scale import dominant_scale
 from weftex.canvas import Canvas, as_canvas
 from weftex.choice import Choice
@@ -23,8 +26,6 @@ from weftex.method import Method, Model
 from weftex.methods import make_method
 
 if TYPE_CHECKING:
-    from numpy.typing import NDArray
-
     from weftex.progress import ProgressCallback
     from weftex.random import Seed
     from weftex.results.synthesis import Synthesis
@@ -121,7 +122,7 @@ class AutoModel(Model):
         if canvas.guide is not None:
             return Choice("refinement", {}, "a guide to follow: refinement")
         if canvas.known is not None:
-            return Choice("patch-sampling", {}, "a hole to fill: patch-sampling")
+            return choose_for_hole(self.exemplar, canvas)
         return choose(self.findings, canvas)
 
     def chosen(self, size: Canvas | int | tuple[int, int]) -> tuple[Choice, Model]:
@@ -214,6 +215,31 @@ def choose(findings: Findings, canvas: Canvas) -> Choice:
     return Choice(slug, parameters, f"{said}: {slug}", warnings)
 
 
+def choose_for_hole(exemplar: Exemplar, canvas: Canvas) -> Choice:
+    """The rule for holes: joints of a sure lattice go on, anything else is laid in patches.
+
+    Parameters
+    ----------
+    exemplar : Exemplar
+        Its mask leaves the hole out.
+    canvas : Canvas
+        With known pixels.
+    """
+    said, lattice = "a hole to fill", None
+    if min(exemplar.shape) >= _SMALLEST_ANALYZED and canvas.known_from is not None:
+        small, step = smaller_copy(exemplar, _LOOK)
+        if min(small.shape) >= _SMALLEST_ANALYZED:
+            lattice = find_lattice(small)
+    if lattice is None or not _is_near_regular(lattice, small.shape):
+        return Choice("patch-sampling", {}, f"{said}: patch-sampling")
+    found = Lattice(tuple((x * step, y * step) for x, y in lattice.vectors), lattice.confidence)
+    vectors = tuple(part for vector in found.vectors for part in vector)
+    if _strain(vectors, canvas) > _STRAIN:
+        return Choice("patch-sampling", {}, f"{said}, {_words(found)}: patch-sampling")
+    parameters = {"lattice": vectors} if step == 1 else {}
+    return Choice("near-regular", parameters, f"{said}, {_words(found)}: near-regular")
+
+
 def look(exemplar: Exemplar) -> Findings:
     """Analyze a sample for `choose`, in about 0.2 s however large it is.
 
@@ -225,7 +251,7 @@ def look(exemplar: Exemplar) -> Findings:
     exemplar : Exemplar
         The sample.
     """
-    small, step = _copy(exemplar)
+    small, step = smaller_copy(exemplar, _LOOK)
     if min(small.shape) < _SMALLEST_ANALYZED:
         return Findings(exemplar.shape, None, True, 1.0, _colors(small), Evenness(0, 0, 0, (1, 1)))
     lattice, exact = find_lattice(small), step == 1
@@ -275,9 +301,8 @@ def _warnings(findings: Findings) -> list[str]:
 
 
 def _words(lattice: Lattice) -> str:
-    lengths = " x ".join(f"{math.hypot(*vector):.1f}" for vector in lattice.vectors)
     kind = "lattice" if len(lattice.vectors) == 2 else "distance"
-    return f"{kind} {lengths} px, confidence {lattice.confidence:g}"
+    return f"{kind} {courses(lattice)}, confidence {lattice.confidence:g}"
 
 
 def _size(shape: tuple[int, int]) -> str:
@@ -287,32 +312,7 @@ def _size(shape: tuple[int, int]) -> str:
 def _strain(vectors: tuple[float, ...], canvas: Canvas) -> float:
     if not any(canvas.wrap):
         return 0.0
-    from weftex.methods.lattices.canvas_lattice import CanvasLattice
-
     return CanvasLattice(vectors, canvas).strain
-
-
-def _copy(exemplar: Exemplar) -> tuple[Exemplar, int]:
-    """The sample, or a smaller copy of what distances are taken on; and how many times smaller."""
-    step = -(-max(exemplar.shape) // _LOOK)
-    if step == 1:
-        return exemplar, 1
-    levels = exemplar.matching()
-    rows, columns = (max(side // step, 1) for side in exemplar.shape)
-    high, wide = (min(step, side) for side in exemplar.shape)
-
-    def means(values: NDArray[Any]) -> NDArray[np.float64]:
-        cut = values[: rows * high, : columns * wide].astype(np.float64)
-        found: NDArray[np.float64] = cut.reshape(rows, high, columns, wide, -1).mean(axis=(1, 3))
-        return found
-
-    mask = None
-    if exemplar.mask is not None:
-        mask = means(exemplar.mask)[..., 0] > 0.5
-        if not mask.any():
-            mask = means(exemplar.mask)[..., 0] > 0
-    pixels = np.rint(means(levels)).astype(np.uint8)
-    return Exemplar(pixels, mask=mask, alpha=False, name=exemplar.name), step
 
 
 def _part(exemplar: Exemplar) -> Exemplar:

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import numbers
 import os
+from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -13,12 +15,14 @@ from weftex.exemplar import Exemplar
 from weftex.random import seed_number
 from weftex.raster.masks import grown
 from weftex.results.pixels import PixelSynthesis
-from weftex.tasks.method_names import is_auto, make_method
+from weftex.seams.around import cut_around
+from weftex.tasks.method_names import AUTO, is_auto, make_method
 from weftex.tasks.synthesize import load_exemplar
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
+    from weftex.choice import Choice
     from weftex.method import Method
     from weftex.progress import ProgressCallback
     from weftex.random import Seed
@@ -28,7 +32,7 @@ if TYPE_CHECKING:
     #: A path, a PIL image or a bool array (H, W), True where the photo is to be filled.
     Mask = str | os.PathLike[str] | NDArray[np.bool_] | Any
 
-#: The method for holes; what "auto" stands for here.
+#: The method for holes, but for those that "auto" finds a better one for.
 DEFAULT = "patch-sampling"
 
 #: Usable pixels around the holes that patches are taken from. More make it slower, and what is
@@ -45,7 +49,8 @@ def fill(
     mask: Mask,
     *,
     sample: Sample | None = None,
-    method: str | Method = DEFAULT,
+    method: str | Method = AUTO,
+    overlap: int = 0,
     seed: Seed = None,
     tileable: bool | str = False,
     threads: int | None = None,
@@ -67,7 +72,12 @@ def fill(
     sample : path, array, PIL image or Exemplar, optional
         Take patches from this instead of the photo; of the photo's dtype and channels.
     method : str or Method
-        A name in `weftex.METHODS`, or a method with its parameters.
+        A name in `weftex.METHODS`, or a method with its parameters. By default `near-regular` where
+        the photo around the holes surely has a lattice, as tiles and bricks have, else
+        `patch-sampling`, which parameters belong to; the result's `provenance` says why.
+    overlap : int
+        So many pixels around the holes may change too: the boundary between photo and filling is
+        then cut where they differ least, so that it does not follow the outline of the mask.
     seed : int, numpy Generator or None
         The same seed gives the same bytes.
     tileable : bool or {"x", "y"}
@@ -105,16 +115,21 @@ def fill(
     >>> bool((result.image[~hole] == photo[~hole]).all())
     True
     """
+    by_sample = is_auto(method) and not parameters
     method = DEFAULT if is_auto(method) else method
     chosen = make_method(method, parameters)
+    if not isinstance(overlap, numbers.Integral) or isinstance(overlap, bool) or overlap < 0:
+        raise InvalidInputError(f"overlap is {overlap!r}; it must be a whole number, 0 or more")
     seed = seed_number(seed)
     whole = load_exemplar(photo)
-    hole = _load_hole(mask, whole)
+    masked = _load_hole(mask, whole)
+    wrap = as_canvas(whole.shape, tileable).wrap
+    hole = grown(masked, int(overlap), wrap) if overlap else masked
     source = whole if sample is None else _load_sample(sample, whole)
     inside = sample is None
     canvas = Canvas(
         *whole.shape,
-        as_canvas(whole.shape, tileable).wrap,
+        wrap,
         known=whole.pixels,
         hole=hole,
         known_from=(0, 0) if inside else None,
@@ -131,8 +146,8 @@ def fill(
         )
     if inside and hole.all():
         raise InvalidInputError(
-            f"the mask covers all of {whole.name}, so there is nothing to learn from; "
-            "give a sample to fill it from"
+            f"the mask{' and the overlap cover' if overlap else ' covers'} all of {whole.name}, so "
+            "there is nothing to learn from; give a sample to fill it from"
         )
     usable = ~hole if inside else np.ones(source.shape, bool)
     if source.mask is not None:
@@ -143,11 +158,10 @@ def fill(
     region = _Region(hole, canvas.wrap, usable if inside else None, reach)
     if inside:
         usable = region.crop(usable) & region.near
-    chosen = chosen.for_hole(region.crop(hole), usable, given)
 
     place = Exemplar(
-        region.crop(whole.pixels, blank=hole),
-        maps={key: region.crop(value, blank=hole) for key, value in whole.maps.items()},
+        region.crop(whole.pixels, blank=masked),
+        maps={key: region.crop(value, blank=masked) for key, value in whole.maps.items()},
         alpha=whole.alpha,
     )
     # On bytes, which distances are taken on anyway, the maps have a say about known pixels too.
@@ -178,7 +192,17 @@ def fill(
         hole=region.crop(hole),
         known_from=canvas.known_from,
     )
-    made = chosen.fit(near).sample(part, seed=seed, threads=threads, progress=progress)
+    how: dict[str, Any] = {"seed": seed, "threads": threads, "progress": progress}
+    choice = _choice(near, part) if by_sample and inside else None
+    made = None if choice is None else _made(choice, near, part, how)
+    if made is None:
+        made = chosen.for_hole(part.hole, usable, given).fit(near).sample(part, **how)
+    if overlap:
+        cut = cut_around(
+            features, made.image.reshape(features.shape), part.hole, region.crop(masked)
+        )
+        canvas = replace(canvas, hole=region.put(cut, hole.shape))
+        made.provenance["overlap"] = int(overlap)
     return made.moved(
         canvas,
         source,
@@ -186,6 +210,26 @@ def fill(
         source_to=region.corner if inside else (0, 0),
         provenance=made.provenance,
     )
+
+
+def _choice(near: Exemplar, part: Canvas) -> Choice | None:
+    """What "auto" finds better than the default for a hole; None if nothing."""
+    from weftex.tasks.auto import choose_for_hole
+
+    choice = choose_for_hole(near, part)
+    return None if choice.method == DEFAULT else choice
+
+
+def _made(choice: Choice, near: Exemplar, part: Canvas, how: dict[str, Any]) -> Synthesis | None:
+    """Fill by a choice of "auto"; None if the hole leaves the method too little to learn from."""
+    method = make_method(choice.method, choice.parameters)
+    assert part.hole is not None and near.mask is not None
+    try:
+        made = method.for_hole(part.hole, near.mask, None).fit(near).sample(part, **how)
+    except InvalidInputError:
+        return None
+    made.provenance["reason"] = choice.reason
+    return made
 
 
 class _Region:
@@ -230,6 +274,12 @@ class _Region:
         self.wrap = (wrap[0] and full[0], wrap[1] and full[1])
         self.corner = (int(self._rows[0]), int(self._columns[0]))
         self.near = self.crop(near)
+
+    def put(self, part: NDArray[np.bool_], shape: tuple[int, int]) -> NDArray[np.bool_]:
+        """The mask of the whole photo that is `part` here and False elsewhere."""
+        whole = np.zeros(shape, bool)
+        whole[self._rows[:, None], self._columns] = part
+        return whole
 
     def crop(self, pixels: NDArray[Any], blank: NDArray[np.bool_] | None = None) -> NDArray[Any]:
         """Cut the region out; `blank` pixels get the value of another one."""

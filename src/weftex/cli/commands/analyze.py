@@ -2,40 +2,106 @@
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING
+
 from weftex.cli.files import load
 from weftex.cli.options import Parser, add_huge
+from weftex.errors import InvalidInputError
+
+if TYPE_CHECKING:
+    from argparse import Namespace
+
+    from weftex.analysis.lattice import Lattice
+    from weftex.exemplar import Exemplar
+    from weftex.tasks.analyze import Analysis
 
 _EXAMPLES = """\
 examples:
   weftex analyze stones.png
   weftex analyze stone_wall/ --json
   weftex analyze brick.png --overlay lattice.png
+  weftex analyze brick.png --goodness height --runners-up 3
+  weftex analyze brick.png --overlay lattice.png --lattice 63,42,63,-42
 """
 
 
 def run(argv: list[str]) -> None:
     """Run the command; `argv` is what follows its name."""
     parser = Parser("analyze", "Say what a sample is like, and what windows follow.", _EXAMPLES)
-    parser.add_argument("sample", metavar="SAMPLE", help="picture, folder of maps, or sample:NAME")
-    parser.add_argument("--json", action="store_true", help="print JSON")
-    text = "write the sample with its lattice drawn over it"
-    parser.add_argument("--overlay", metavar="FILE", help=text)
+    add = parser.add_argument
+    add("sample", metavar="SAMPLE", help="picture, folder of maps, or sample:NAME")
+    add("--json", action="store_true", help="print JSON")
+    add("--overlay", metavar="FILE", help="write the sample with its lattice drawn over it")
+    add("--lattice", metavar="X1,Y1,X2,Y2", help="rate these vectors too, and draw them")
+    add("--runner-up", type=int, metavar="N", help="draw the lattice that comes Nth after it")
+    text = "list so many lattices that come after it, up to 24; default: 0"
+    add("--runners-up", type=int, default=0, metavar="N", help=text)
+    text = "rate lattices by contrast, height (the paper's) or dominance; default: contrast"
+    add("--goodness", default="contrast", metavar="NAME", help=text)
+    text = "prefer small tiles: the exponent of eq. 3.22, from 1 to 4; default: 1.12"
+    add("--alpha", type=float, metavar="N", help=text)
+    text = "share of a tile that overlaps must hold to count; default: 0.85"
+    add("--significant", type=float, metavar="N", help=text)
+    text = "write the correlation of the sample with itself (GNCC); white is 1"
+    add("--correlation", metavar="FILE", help=text)
     add_huge(parser)
     args = parser.parse(argv)
     from weftex.io.pictures import check_output, write_image
     from weftex.tasks.analyze import analyze
 
-    if args.overlay is not None:
-        check_output(args.overlay)
+    _check(args)
+    for path in (args.overlay, args.correlation):
+        if path is not None:
+            check_output(path)
     exemplar = load(args.sample, args)[0]
-    found = analyze(exemplar)
+    numbers = {name: getattr(args, name) for name in ("alpha", "significant")}
+    found = analyze(
+        exemplar,
+        goodness=args.goodness,
+        lattice=args.lattice,
+        runners_up=max(args.runners_up, args.runner_up or args.runners_up),
+        **{name: value for name, value in numbers.items() if value is not None},
+    )
     if args.overlay is not None:
         from weftex.analysis.overlay import draw_lattice
 
-        write_image(args.overlay, draw_lattice(exemplar, found.lattice))
+        write_image(args.overlay, draw_lattice(exemplar, _drawn(args, exemplar, found)))
+    if args.correlation is not None:
+        from weftex.analysis.overlay import draw_correlation
+        from weftex.analysis.ratings import gncc
+
+        write_image(args.correlation, draw_correlation(gncc(exemplar)))
     if args.json:
         import json
 
         print(json.dumps(found.as_dict(), indent=1))
     else:
         print(found)
+
+
+def _check(args: Namespace) -> None:
+    """Refuse what would have no effect."""
+    if args.runner_up is not None:
+        if args.overlay is None:
+            raise InvalidInputError("--runner-up has no effect without --overlay")
+        if args.lattice is not None:
+            raise InvalidInputError("--overlay draws --lattice or --runner-up, not both")
+        if args.runner_up < 1:
+            raise InvalidInputError(f"--runner-up is {args.runner_up}; it must be 1 or more")
+
+
+def _drawn(args: Namespace, exemplar: Exemplar, found: Analysis) -> Lattice | None:
+    """The lattice that the overlay shows."""
+    from weftex.analysis.lattice import Lattice
+    from weftex.tasks.analyze import given_lattice
+
+    if args.lattice is not None:
+        return given_lattice(args.lattice, exemplar)
+    if args.runner_up is None:
+        return found.lattice
+    others = found.ratings.runners_up
+    if len(others) < args.runner_up:
+        raise InvalidInputError(
+            f"--runner-up is {args.runner_up}; {exemplar.name} has {len(others)} of them"
+        )
+    return Lattice(others[args.runner_up - 1].vectors)

@@ -6,7 +6,14 @@ from time import perf_counter
 from typing import TYPE_CHECKING
 
 from weftex.cli.files import load, settings
-from weftex.cli.options import Parser, add_limits, check_numbers, parse_names, parse_size
+from weftex.cli.options import (
+    Parser,
+    add_limits,
+    add_tileable_sample,
+    check_numbers,
+    parse_names,
+    parse_size,
+)
 from weftex.cli.terminal import finish
 from weftex.errors import InvalidInputError
 
@@ -39,6 +46,7 @@ def run(argv: list[str]) -> None:
     add("--tileable", nargs="?", const="xy", choices=("xy", "x", "y"), metavar="x|y", help=text)
     add("--threads", type=int, metavar="N", help="use at most so many")
     add("--json", action="store_true", help="print the figures as JSON")
+    add_tileable_sample(parser)
     add_limits(parser)
     args = parser.parse(argv)
     if args.output is None and not args.json:
@@ -53,7 +61,7 @@ def run(argv: list[str]) -> None:
 
         if args.output is not None:
             check_output(args.output, suffixes=(".html",))
-        exemplar = load(args.sample, args)[0]
+        exemplar = load(args.sample, args, tileable=args.tileable_sample)[0]
         found = compare(exemplar, size, methods=names, **settings(args, bar))
         if args.output is not None:
             found.save(outputs.add(args.output))

@@ -6,15 +6,17 @@ from time import perf_counter
 from typing import TYPE_CHECKING
 
 from weftex.cli.files import load, open_sample, report, settings, write
-from weftex.cli.options import Parser, parse_task
+from weftex.cli.options import Parser, add_tileable_sample, parse_task
 from weftex.cli.terminal import finish
+from weftex.errors import InvalidInputError
 
 if TYPE_CHECKING:
     from weftex.cli.terminal import Bar, Outputs
 
 _ABOUT = """\
-Fill holes of a photo; all other pixels stay as they are. Patch size, boundary width and epsilon are
-chosen for holes where they are not given.\
+Fill holes of a photo; all other pixels stay as they are, but for those of --overlap. Without a
+method and parameters, near-regular fills where the photo surely has a lattice. Patch size, boundary
+width and epsilon are chosen for holes where they are not given.\
 """
 
 _EXAMPLES = """\
@@ -32,19 +34,28 @@ def run(argv: list[str]) -> None:
     parser.add_argument("photo", metavar="PHOTO", help="picture, folder of maps, or sample:NAME")
     parser.add_argument("--mask", metavar="M", required=True, help="picture, white where to fill")
     parser.add_argument("--sample", metavar="S", help="learn from this picture, not from the photo")
+    text = "so many pixels around the holes may change, to hide the seam; default: 0"
+    parser.add_argument("--overlap", type=int, default=0, metavar="PX", help=text)
+    add_tileable_sample(parser)
     args, method, parameters = parse_task(parser, argv, "patch-sampling")
+    if args.tileable_sample and args.sample is None:
+        raise InvalidInputError(
+            "--tileable-sample has no effect without --sample; --tileable says it of the photo"
+        )
     method(**parameters)  # finds wrong values before anything is read
 
     def work(bar: Bar, outputs: Outputs) -> str:
         from weftex.io.pictures import MAX_PIXELS, read_mask
         from weftex.tasks.fill import fill
+        from weftex.tasks.method_names import AUTO
 
         photo, pictures, targets = open_sample(args.photo, args, outputs)
         mask = read_mask(args.mask, max_pixels=None if args.allow_huge else MAX_PIXELS)
-        sample = None if args.sample is None else load(args.sample, args)[0]
-        result = fill(
-            photo, mask, sample=sample, method=args.method, **settings(args, bar), **parameters
-        )
+        sample = None
+        if args.sample is not None:
+            sample = load(args.sample, args, tileable=args.tileable_sample)[0]
+        how = {"method": AUTO if args.by_default else args.method, "overlap": args.overlap}
+        result = fill(photo, mask, sample=sample, **how, **settings(args, bar), **parameters)
         write(result, photo, pictures, targets, args, outputs)
         if not mask.any():
             return f"the mask covers nothing; {args.output} is the photo unchanged"

@@ -6,7 +6,7 @@ from time import perf_counter
 from typing import TYPE_CHECKING, Any
 
 from weftex.cli.files import load, open_sample, report, settings, write, write_debug
-from weftex.cli.options import Parser, parse_best_of, parse_size, parse_task
+from weftex.cli.options import Parser, add_tileable_sample, parse_best_of, parse_size, parse_task
 from weftex.cli.terminal import finish
 
 if TYPE_CHECKING:
@@ -39,6 +39,7 @@ def run(argv: list[str]) -> None:
     parser.add_argument("--best-of", metavar="N|NAME,...", default="1", help=text)
     text = "write how it was put together: coordinates, patches, seams, uncertainty"
     parser.add_argument("--debug", metavar="DIR", help=text)
+    add_tileable_sample(parser)
     args, method, parameters = parse_task(parser, argv)
     best_of = parse_best_of(args.best_of)
     size = None if args.size is None else parse_size(args.size, args.allow_huge)
@@ -51,7 +52,9 @@ def run(argv: list[str]) -> None:
     def work(bar: Bar, outputs: Outputs) -> str:
         from weftex.tasks.synthesize import synthesize
 
-        exemplar, pictures, targets = open_sample(args.sample, args, outputs)
+        exemplar, pictures, targets = open_sample(
+            args.sample, args, outputs, tileable=args.tileable_sample
+        )
         if args.debug is not None:
             outputs.make_folder(args.debug)
         guide = None if args.guide is None else load(args.guide, args)[0]

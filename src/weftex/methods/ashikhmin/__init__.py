@@ -46,6 +46,7 @@ class Ashikhmin(WindowedMethod):
         None,
         "window around a pixel that is compared; odd, wider keeps larger shapes",
         low=1,
+        parity="odd",
         unit="pixels",
         default_text="5, less if the sample has no room",
     )

@@ -6,7 +6,12 @@ Places are flat indices into the pixels of the sample's windows.
 
 import cython
 from cython.cimports.weftex.search.coherence_kernels import coherent_places
-from cython.cimports.weftex.search.window_kernels import gather_runs, known_runs, run_distance
+from cython.cimports.weftex.search.window_kernels import (
+    copy_pixel,
+    gather_runs,
+    known_runs,
+    run_distance,
+)
 from cython.cimports.weftex.search.zone_kernels import squared
 
 ONE = cython.declare(cython.longlong, 256)  # a weight of 1; distances are integers
@@ -78,6 +83,7 @@ def choose(
     `again` is for the passes after the first.
     """
     cython.declare(i=cython.Py_ssize_t, count=cython.Py_ssize_t, width=cython.Py_ssize_t)
+    cython.declare(place=cython.Py_ssize_t)
     width = picture.source.shape[1]
     search.wrap_y, search.again = picture.wrap_y or around, again
     with cython.nogil:
@@ -88,7 +94,9 @@ def choose(
                 sample.half, sample.half, sample.half, sample.half, search.runs,
             )  # fmt: skip
             count = gather_candidates(sample, picture, search, random_places, i)
-            copy_pixel(sample, picture, search, best_candidate(sample, picture, search, count))
+            place = best_candidate(sample, picture, search, count)
+            copy_pixel(sample.pixels, place, picture.pixels, picture.source, search.y, search.x)
+            picture.done[search.y, search.x] = 1
 
 
 @cython.cfunc
@@ -201,19 +209,3 @@ def guide_distance(
                     picture.guide.shape[2],
                 )
     return total
-
-
-@cython.cfunc
-@cython.inline
-@cython.nogil
-@cython.exceptval(check=False)
-def copy_pixel(
-    sample: Sample, picture: Picture, search: Search, place: cython.Py_ssize_t
-) -> cython.void:
-    """Copy the pixel at a place of the sample."""
-    cython.declare(k=cython.Py_ssize_t, y=cython.Py_ssize_t, x=cython.Py_ssize_t)
-    y, x = place // sample.pixels.shape[1], place % sample.pixels.shape[1]
-    picture.source[search.y, search.x] = cython.cast(cython.int, place)
-    picture.done[search.y, search.x] = 1
-    for k in range(sample.pixels.shape[2]):
-        picture.pixels[search.y, search.x, k] = sample.pixels[y, x, k]

@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import partial
 from typing import TYPE_CHECKING, Any
 
-from weftex.methods.pixels.growth import settled_width
+from weftex.methods.pixels.growth import narrowed, settled_width
+from weftex.search.windows import square_windows
 
 if TYPE_CHECKING:
     from weftex.exemplar import Exemplar
@@ -35,10 +37,13 @@ def settle(method: Any, exemplar: Exemplar) -> Settings:
     Raises
     ------
     InvalidInputError
-        If `window_width` is even or the sample has no room for it.
+        If the sample has no room for `window_width`.
     """
+    width = settled_width(method.window_width, exemplar, _PROPOSED_WIDTH)
+    if method.window_width is None:
+        width = narrowed(width, partial(square_windows, exemplar))
     return Settings(
-        window_width=settled_width(method.window_width, exemplar, _PROPOSED_WIDTH),
+        window_width=width,
         passes=method.passes,
         jumps=0 if method.jumps is None else method.jumps,
         jumps_with_guide=1 if method.jumps is None else method.jumps,

@@ -5,12 +5,12 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, ClassVar
 
+from weftex.analysis.canvas_lattice import CanvasLattice
 from weftex.errors import InvalidInputError
 from weftex.method import Method, parameter
 from weftex.methods.best_tile.repetition import repeated
 from weftex.methods.best_tile.settings import settle
 from weftex.methods.best_tile.tiles import best_tiles, tile_errors, tile_rows
-from weftex.methods.lattices.canvas_lattice import CanvasLattice
 from weftex.methods.lattices.model import LatticeModel
 from weftex.results.pixels import PixelSynthesis
 
@@ -51,11 +51,19 @@ class BestTile(Method):
         unit="px",
         default_text="found in the sample; upright where there are none",
     )
-    border_width: int = parameter(
-        10, "width of the borders that are compared", low=1, high=1024, unit="px"
+    border_width: int | None = parameter(
+        None,
+        "width of the borders that are compared",
+        low=1,
+        high=1024,
+        unit="px",
+        default_text="10, less where the sample has no room for it",
     )
     tiles: int = parameter(
-        1, "repeat so many of the best tiles, in any order; 1 is the paper's way", low=1, high=1000
+        1,
+        "repeat up to so many of the best tiles, in any order; 1 is the paper's way",
+        low=1,
+        high=1000,
     )
 
     def fit(self, exemplar: Exemplar) -> BestTileModel:
@@ -106,7 +114,8 @@ class BestTileModel(LatticeModel):
         # The tile with the lowest total is the best self-similar one (Fig. 4.6).
         self.anchors = best_tiles(errors, self.vectors, self.settings.tiles)
         super().__init__(
-            replace(method, lattice=self.vectors, border_width=max(border, 1)), exemplar
+            replace(method, lattice=self.vectors, border_width=border, tiles=len(self.anchors)),
+            exemplar,
         )
 
     def make(
@@ -123,8 +132,7 @@ class BestTileModel(LatticeModel):
         index = repeated(self.exemplar, *tile, lattice, canvas, origin, seed, progress)
         if canvas.hole is not None:
             index[~canvas.hole] = -1
-        about: dict[str, object] = {"border_width": self.settings.border_width, "seed": seed}
-        about["anchor"] = self.anchors[0].tolist()
+        about: dict[str, object] = {"seed": seed, "anchor": self.anchors[0].tolist()}
         if any(canvas.wrap):
             about["strain"] = round(lattice.strain, 6)
         return PixelSynthesis(

@@ -12,9 +12,9 @@ from weftex.random import draw
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
+    from weftex.analysis.canvas_lattice import CanvasLattice
     from weftex.canvas import Canvas
     from weftex.exemplar import Exemplar
-    from weftex.methods.lattices.canvas_lattice import CanvasLattice
     from weftex.progress import ProgressCallback
 
 _BAND = 16  # rows that are made at a time
@@ -64,10 +64,7 @@ def repeated(
     for top in range(0, canvas.height, _BAND):
         y = np.arange(top, min(top + _BAND, canvas.height))[:, None] + corner[0]
         x = np.arange(canvas.width)[None, :] + corner[1]
-        number = [
-            np.floor(y * lattice.inverse[0, k] + x * lattice.inverse[1, k] + 2.0**-20)
-            for k in (0, 1)
-        ]
+        number = [np.floor(along + 2.0**-20) for along in lattice.multiples(y, x)]
         away = [number[0] * lattice.canvas[0, k] + number[1] * lattice.canvas[1, k] for k in (0, 1)]
         v, u = y - np.rint(away[0]), x - np.rint(away[1])
         place = anchors[0]

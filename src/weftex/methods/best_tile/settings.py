@@ -7,12 +7,14 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from weftex.analysis.canvas_lattice import check_lattice, found_vectors
+from weftex.errors import InvalidInputError
 from weftex.methods.best_tile.tiles import has_room, tile_errors, tile_rows
-from weftex.methods.lattices.canvas_lattice import check_lattice, found_vectors
 
 if TYPE_CHECKING:
     from weftex.exemplar import Exemplar
 
+_BORDER = 10  # px (section 4.1.1)
 _LIMIT = 0.05  # strain of a lattice that goes around a canvas
 _CHOICE = (0.4, 0.7)  # of the sample's sides, between which a tile is chosen where nothing repeats
 _SIZES_TRIED = 16  # there
@@ -29,7 +31,7 @@ class Settings:
     limit : float
         Strain that the lattice takes to go around; tiles of a sample without one may have any size.
     border_width : int
-        In pixels; narrower than asked for where the sample has no room, at last 0.
+        In pixels; if it was left open, narrower where the sample has no room, at last 0.
     tiles : int
         Of the best ones, repeat at most so many.
     """
@@ -53,9 +55,10 @@ def settle(method: Any, exemplar: Exemplar) -> Settings:
     Raises
     ------
     InvalidInputError
-        If the vectors do not fit the sample.
+        If the vectors or the borders do not fit the sample.
     """
-    border, limit = method.border_width, _LIMIT
+    border = _BORDER if method.border_width is None else method.border_width
+    limit = _LIMIT
     if method.lattice is not None:
         check_lattice(method.lattice, exemplar)
         vectors = method.lattice
@@ -63,11 +66,28 @@ def settle(method: Any, exemplar: Exemplar) -> Settings:
         found = found_vectors(exemplar)
         vectors = _completed(found, border, exemplar)
         limit = _LIMIT if found else float("inf")
-    while border > 0 and exemplar.mask is None:
-        if has_room(exemplar.shape, tile_rows(vectors, border)):
-            break
-        border //= 2
+    if exemplar.mask is None:
+        border = _with_room(method.border_width, border, vectors, exemplar)
     return Settings(vectors, limit, border, method.tiles)
+
+
+def _with_room(
+    given: int | None, border: int, vectors: tuple[float, ...], exemplar: Exemplar
+) -> int:
+    """The width of borders that the sample has room for; a given one is refused, not narrowed."""
+
+    def fits(width: int) -> bool:
+        return width == 0 or has_room(exemplar.shape, tile_rows(vectors, width))
+
+    if given is not None and not fits(given):
+        better = next(width for width in range(min(given, *exemplar.shape), -1, -1) if fits(width))
+        raise InvalidInputError(
+            f"border_width is {given}; {exemplar.name} has room for a tile with borders of "
+            f"{better} at most"
+        )
+    while not fits(border):
+        border //= 2
+    return border
 
 
 def _completed(vectors: tuple[float, ...], border: int, exemplar: Exemplar) -> tuple[float, ...]:

@@ -6,8 +6,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from weftex.analysis.canvas_lattice import CanvasLattice
 from weftex.methods.best_tile.parallelogram import integrated, runs_of
-from weftex.methods.lattices.canvas_lattice import CanvasLattice
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -107,11 +107,7 @@ def best_tiles(
         return np.array([first], np.int64)
     # The others a sum of multiples away from it, to a pixel, and not over each other.
     lattice = CanvasLattice(vectors)
-    along = [
-        (y - first[0]) * lattice.inverse[0, k] + (x - first[1]) * lattice.inverse[1, k]
-        for k in (0, 1)
-    ]
-    near = np.rint(np.stack(along, axis=1))
+    near = np.rint(np.stack(lattice.multiples(y - first[0], x - first[1]), axis=1))
     away = np.stack([y - first[0], x - first[1]], axis=1) - near @ lattice.sample
     found: dict[tuple[float, ...], tuple[int, int]] = {}
     for k in np.flatnonzero((np.abs(away) <= 1).all(axis=1)):

@@ -15,7 +15,7 @@ from weftex.methods.efros_leung.layers import (
     unfilled_with_filled_neighbors,
 )
 from weftex.methods.efros_leung.model import Prepared, prepare
-from weftex.methods.efros_leung.settings import settle
+from weftex.methods.efros_leung.settings import check_seed_size, settle
 from weftex.methods.pixels.growth import PixelModel, WindowedMethod
 
 if TYPE_CHECKING:
@@ -23,6 +23,7 @@ if TYPE_CHECKING:
     from weftex.methods.pixels.growth import Growth
 
 _RISE = 1.1  # of the threshold when a layer makes no progress
+_TRIES = 8  # for each pixel on average; then the threshold rises with every layer
 
 
 @dataclass(frozen=True)
@@ -31,6 +32,11 @@ class EfrosLeung(WindowedMethod):
 
     The picture grows in layers from a seed, or into a hole from its border. A pixel is drawn from
     those of the sample whose window matches what is known around it nearly as well as the best.
+
+    Raises
+    ------
+    InvalidInputError
+        If `seed_size` is above `window_width`.
 
     Examples
     --------
@@ -52,11 +58,15 @@ class EfrosLeung(WindowedMethod):
         None,
         "side of the window that pixels are chosen by; wider is less random, odd",
         low=1,
+        parity="odd",
         unit="px",
         default_text="15, or less where the sample has no room for it",
     )
     tolerance: float = parameter(
-        0.1, "candidates may be this much worse than the best, relatively", low=0.0, high=1000.0
+        0.1,
+        "squared differences of candidates may be up to 1 + this times the best one's",
+        low=0.0,
+        high=1000.0,
     )
     threshold: float = parameter(
         0.3,
@@ -88,6 +98,10 @@ class EfrosLeung(WindowedMethod):
         needs=("search", ("pca",)),
     )
 
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        check_seed_size(self.seed_size, self.window_width)
+
     def fit(self, exemplar: Exemplar) -> PixelModel:
         """Prepare a sample."""
         settings = settle(self, exemplar)
@@ -108,7 +122,7 @@ def grow_in_layers(prepared: Prepared, growth: Growth) -> None:
         )
         source[at], pixels[at], done[at] = piece, sample[piece], 1
     progress = growth.progress(int((done == 0).sum()), "pixels")
-    threshold = settings.threshold
+    threshold, tries_left = settings.threshold, _TRIES * progress.total
     waves = Waves(growth.canvas.shape, wrap, settings.window_width, growth.seed)
     # The context is the "already synthesized pixels in a square window"; similarity is the
     # "Gaussian weighted sum of differences": "find the best match [...] and take all samples
@@ -133,6 +147,10 @@ def grow_in_layers(prepared: Prepared, growth: Growth) -> None:
                 done[at] = 1
                 lowest = min(lowest, errors.min())
                 progress.advance(len(at))
-            # If none of a layer has one, the threshold rises.
+            # If none of a layer has one, the threshold rises; beyond the paper, also after so many
+            # tries that a low threshold and a wide tolerance would go on for ever.
+            tries_left -= len(layer) if lowest <= threshold else 0
+            if lowest <= threshold and tries_left < 0:
+                threshold *= _RISE
             while threshold < lowest:
                 threshold *= _RISE

@@ -5,10 +5,11 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from weftex.methods.efros_leung.settings import Settings, square_windows
+from weftex.methods.efros_leung.settings import Settings
 from weftex.search.exhaustive import ExhaustiveSearch
 from weftex.search.half_known import HalfKnownSearch
 from weftex.search.weighted_windows import gaussian_weights
+from weftex.search.windows import square_windows
 
 if TYPE_CHECKING:
     from weftex.exemplar import Exemplar

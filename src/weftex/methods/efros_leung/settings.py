@@ -4,15 +4,15 @@ from __future__ import annotations
 
 import dataclasses
 from dataclasses import dataclass
+from functools import partial
 from typing import TYPE_CHECKING, Any
 
 from weftex.errors import InvalidInputError
-from weftex.methods.pixels.growth import settled_width
-from weftex.search.windows import windows_of
+from weftex.methods.pixels.growth import narrowed, settled_width
+from weftex.search.windows import square_windows
 
 if TYPE_CHECKING:
     from weftex.exemplar import Exemplar
-    from weftex.search.windows import Windows
 
 _PROPOSED_WIDTH = 15
 _PROPOSED_SEED = 3
@@ -40,27 +40,17 @@ def settle(method: Any, exemplar: Exemplar) -> Settings:
         If the sample has no room for a window of the given width, or the seed is wider than it.
     """
     width: int = settled_width(method.window_width, exemplar, _PROPOSED_WIDTH)
-    # Narrower where the usable pixels have no room for the proposed width.
-    while method.window_width is None and width > 1 and not _has_windows(exemplar, width):
-        width -= 2
+    if method.window_width is None:
+        width = narrowed(width, partial(square_windows, exemplar))
     seed_size = min(_PROPOSED_SEED, width) if method.seed_size is None else method.seed_size
-    if seed_size > width:
-        raise InvalidInputError(
-            f"seed_size is {seed_size}; it must be from 1 to the window_width of {width}"
-        )
+    check_seed_size(seed_size, width)
     given = dataclasses.asdict(method)
     return Settings(**given | {"window_width": width, "seed_size": seed_size})
 
 
-def square_windows(exemplar: Exemplar, width: int) -> Windows:
-    """Return the square windows of a sample that lie wholly on usable pixels."""
-    reach = width // 2
-    return windows_of(exemplar, (reach, reach, reach, reach))
-
-
-def _has_windows(exemplar: Exemplar, width: int) -> bool:
-    try:
-        square_windows(exemplar, width)
-    except InvalidInputError:
-        return False
-    return True
+def check_seed_size(seed_size: int | None, width: int | None) -> None:
+    """Raise `InvalidInputError` if the seed is wider than the window; None fits."""
+    if seed_size and width and seed_size > width:
+        raise InvalidInputError(
+            f"seed_size is {seed_size}; it must be from 1 to the window_width of {width}"
+        )

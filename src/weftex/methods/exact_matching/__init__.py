@@ -3,13 +3,19 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from functools import partial
-from typing import TYPE_CHECKING, Any, ClassVar
+from typing import TYPE_CHECKING, ClassVar
+
+import numpy as np
 
 from weftex.errors import InvalidInputError
 from weftex.method import parameter
-from weftex.methods.exact_matching.bands import FinishedLevel, random_band, structured_band
-from weftex.methods.exact_matching.matching import Matching, Parents, Sheet, Statistics
+from weftex.methods.exact_matching.matching import (
+    Matching,
+    Parents,
+    Sheet,
+    random_band,
+    structured_band,
+)
 from weftex.methods.exact_matching.model import Prepared, prepare
 from weftex.methods.exact_matching.settings import Settings, settle
 from weftex.methods.pixels.growth import PixelModel, WindowedMethod
@@ -17,7 +23,6 @@ from weftex.methods.pixels.growth import PixelModel, WindowedMethod
 if TYPE_CHECKING:
     from weftex.exemplar import Exemplar
     from weftex.methods.pixels.growth import Growth
-    from weftex.results.pixels import PixelSynthesis
 
 
 @dataclass(frozen=True)
@@ -52,6 +57,7 @@ class ExactMatching(WindowedMethod):
         None,
         "side of the window around a pixel, odd; at least the size of what is to stay whole",
         low=1,
+        parity="odd",
         high=1001,
         unit="px",
         default_text="17 with levels, else from the sample's scale",
@@ -76,8 +82,8 @@ class ExactMatching(WindowedMethod):
     )
     candidates: int = parameter(
         250,
-        "of longer lists about so many windows are compared, drawn anew for each pixel",
-        low=1,
+        "of longer lists about so many windows are compared, drawn for each pixel; 0 is all",
+        low=0,
         high=2**31 - 1,
     )
     grouping: float = parameter(
@@ -112,11 +118,11 @@ class ExactMatching(WindowedMethod):
         if self.tolerance is not None and self.nearest_colors is not None:
             raise InvalidInputError("tolerance and nearest_colors are two ways; give one of them")
 
-    def fit(self, exemplar: Exemplar) -> ExactMatchingModel:
+    def fit(self, exemplar: Exemplar) -> PixelModel:
         """Propose what was left open; make the lists of colors (section 4.1)."""
         settings = settle(self, exemplar)
         prepared = prepare(settings, exemplar)
-        return ExactMatchingModel(self._settled(settings), exemplar, prepared, grow)
+        return PixelModel(self._settled(settings), exemplar, prepared, grow)
 
     def settle(self, exemplar: Exemplar) -> ExactMatching:
         """See `Method.settle`; scale, regularity and colors are looked at, no list is made."""
@@ -134,92 +140,68 @@ class ExactMatching(WindowedMethod):
         )
 
 
-class ExactMatchingModel(PixelModel):
-    """A sample prepared for exact neighborhood matching; `sample` makes outputs from it."""
-
-    def measure(self, *args: Any, **options: Any) -> tuple[PixelSynthesis, Statistics]:
-        """Do what `sample` does; return the result and what it costs."""
-        cost = Statistics()
-        measured = partial(grow, cost=cost)
-        model = PixelModel(self.method, self.exemplar, self.prepared, measured)
-        return model.sample(*args, **options), cost
-
-
-def grow(prepared: Prepared, growth: Growth, cost: Statistics | None = None) -> None:
+def grow(prepared: Prepared, growth: Growth) -> None:
     """Synthesize a canvas, or fill its hole."""
-    cost = cost or Statistics()
     if growth.hole is not None:
-        fill_hole(prepared, growth, cost)
+        fill_hole(prepared, growth)
     else:
-        finest = synthesize(prepared, growth, cost, level=0)
+        finest = synthesize(prepared, growth, level=0)
         growth.source[:] = finest.places[finest.top :]
 
 
-def synthesize(prepared: Prepared, growth: Growth, cost: Statistics, level: int) -> FinishedLevel:
+def synthesize(prepared: Prepared, growth: Growth, level: int) -> Sheet:
     """Synthesize one level of the canvas; the coarser ones before it (section 7)."""
-    settings, sample = prepared.settings, prepared.levels[level]
+    settings, sample, parents = prepared.settings, prepared.levels[level], None
     height, width = (-(-n >> level) for n in growth.canvas.shape)
-    lists, parents = sample.causal, None  # section 4.1
+    lists = sample.causal  # section 4.1
     top = lists.reach
-    coarser = synthesize(prepared, growth, cost, level + 1) if sample.coarser else None
-    with cost.timed("initialization"):
-        # Section 4.3: a band as high as a window reaches. It is cropped at the end, and so are as
-        # many rows that see random pixels.
-        if coarser is not None:
-            band, parents = coarser.children(top, (height, width), sample.sample.shape)
-        elif settings.init == "structured":
-            band = structured_band(sample.turned, width, settings, growth, cost)
-        else:
-            band = random_band(lists, width, growth.seed)
-            top += lists.reach
-        sheet = Sheet((top + height, width), growth.pixels.shape[2], (False, growth.canvas.wrap[1]))
-        sheet.put(lists, band)
-        matching = Matching(lists, sheet, settings, growth, cost, parents)
-        matching.scan(range(len(band), top), f"exact {level}", "beginning")
-    with cost.timed("synthesis"):
-        # Section 4.2: in scanline order, each pixel is copied from the center of the best matching
-        # window of the union of its direct neighbors' lists: see `match_kernels.match_pixels`.
-        shown = growth.pixels if level == 0 else None
-        matching.scan(range(top, top + height), f"exact {level}", "rows", shown)
-        places = lists.windows.to_sample(sheet.source)
-        finished = FinishedLevel(sheet.pixels, places, top, lists.windows.shape[1])
-        if growth.canvas.wrap[0] and height > 1:
-            close_level(prepared, growth, cost, level, finished, parents)
-    growth.pixels[:] = finished.picture(growth.canvas.shape, level)
-    return finished
+    # Section 4.3: a band as high as a window reaches. It is cropped at the end, and so are as
+    # many rows that see random pixels.
+    if sample.coarser:
+        coarser = synthesize(prepared, growth, level + 1)
+        band, parents = coarser.parents(top, (height, width), sample.sample.shape)
+    elif settings.init == "structured":
+        band = structured_band(sample.turned, width, settings, growth)
+    else:
+        band = random_band(lists, width, growth.seed)
+        top += lists.reach
+    sheet = Sheet(lists, (top + height, width), (False, growth.canvas.wrap[1]), top)
+    sheet.put(band)
+    matching = Matching(sheet, settings, growth, parents)
+    matching.scan(range(len(band), top), f"exact {level}", "beginning")
+    # Section 4.2: in scanline order, each pixel is copied from the center of the best matching
+    # window of the union of its direct neighbors' lists: see `match_kernels.match_pixels`.
+    shown = growth.pixels if level == 0 else None
+    matching.scan(range(top, top + height), f"exact {level}", "rows", shown)
+    if growth.canvas.wrap[0] and height > 1:
+        close(prepared, growth, level, sheet, parents)
+    y, x = (np.arange(n) >> level for n in growth.canvas.shape)
+    growth.pixels[:] = sheet.pixels[top:][np.ix_(y, x)]
+    return sheet
 
 
-def close_level(
-    prepared: Prepared,
-    growth: Growth,
-    cost: Statistics,
-    level: int,
-    finished: FinishedLevel,
-    parents: Parents | None,
+def close(
+    prepared: Prepared, growth: Growth, level: int, sheet: Sheet, parents: Parents | None
 ) -> None:
     """Beyond the paper: make the last rows again, between those above and the first ones."""
-    lists, top = prepared.levels[level].around, finished.top
-    height, width = finished.places[top:].shape
+    lists, (height, width) = prepared.levels[level].around, sheet.done[sheet.top :].shape
     again = min(2 * lists.reach + 1, height // 2)
-    sheet = Sheet((height, width), finished.pixels.shape[2], growth.canvas.wrap)
-    sheet.put(lists, finished.places[top : top + height - again])
-    if parents is not None:
-        parents = Parents(parents.pixels[top:], parents.suggested[top:])
-    matching = Matching(lists, sheet, prepared.settings, growth, cost, parents)
-    matching.fill(f"exact seam {level}")
-    finished.places[top:] = lists.windows.to_sample(sheet.source)
-    finished.pixels[top:] = sheet.pixels
+    closed = Sheet(lists, (height, width), growth.canvas.wrap)
+    closed.put(sheet.places[sheet.top : sheet.top + height - again])
+    below = parents and parents.below(sheet.top)
+    Matching(closed, prepared.settings, growth, below).fill(f"exact seam {level}")
+    sheet.put(closed.places, sheet.top)
 
 
-def fill_hole(prepared: Prepared, growth: Growth, cost: Statistics) -> None:
+def fill_hole(prepared: Prepared, growth: Growth) -> None:
     """Beyond the paper: make a hole from its border inwards, at a single resolution."""
     settings, lists = prepared.settings, prepared.levels[0].around
     if settings.hole_levels != 1:
         raise InvalidInputError(f"levels is {settings.hole_levels}; holes are filled with 1")
     growth.about["levels"] = 1
-    sheet = Sheet(growth.canvas.shape, growth.pixels.shape[2], growth.canvas.wrap)
+    sheet = Sheet(lists, growth.canvas.shape, growth.canvas.wrap)
     sheet.pixels, sheet.done = growth.pixels, growth.done
     sheet.source = lists.windows.from_sample(growth.source)
-    sheet.name_colors(lists)
-    Matching(lists, sheet, settings, growth, cost).fill("exact hole")
-    growth.source[:] = lists.windows.to_sample(sheet.source)
+    sheet.name_colors()
+    Matching(sheet, settings, growth).fill("exact hole")
+    growth.source[:] = sheet.places

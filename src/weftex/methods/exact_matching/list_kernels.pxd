@@ -20,4 +20,5 @@ cdef class Recent:
     cdef int[:, ::1] kept
     cdef int[:, ::1] intervals
 
-cdef Py_ssize_t near_lists(Sample sample, Recent recent, int color, int stamp) noexcept nogil
+cdef long long near_lists(Sample sample, Recent recent, const int[::1] colors, int stamp,
+                          int[::1] slots) noexcept nogil

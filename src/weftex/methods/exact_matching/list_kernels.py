@@ -26,13 +26,31 @@ class Recent:
         self.kept, self.intervals = kept, intervals
 
 
-def near_lists(sample, recent, color, stamp):
+def near_lists(sample, recent, colors, stamp, slots):
+    """Find the lists of the colors near to each neighbor's; return the sum of their lengths.
+
+    `slots` are filled with the rows of `intervals` that the near colors stand in; -1 for none.
+    """
+    cython.declare(d=cython.Py_ssize_t, j=cython.Py_ssize_t, listed=cython.longlong)
+    listed = 0
+    for d in range(sample.offsets.shape[0]):
+        slots[d] = slot_of(sample, recent, colors[d], stamp) if colors[d] >= 0 else -1
+        for j in range(recent.kept[slots[d], 1] if slots[d] >= 0 else 0):
+            listed += sample.starts[d, recent.intervals[slots[d], 2 * j + 1]]
+            listed -= sample.starts[d, recent.intervals[slots[d], 2 * j]]
+    return listed
+
+
+@cython.cfunc
+@cython.nogil
+@cython.exceptval(check=False)
+def slot_of(sample: Sample, recent: Recent, color: cython.int, stamp: cython.int) -> cython.int:
     """Find the colors near to one; return the slot of `intervals` that they stand in.
 
     A scan meets two of the four neighbors of a pixel again at the next one, so the results looked
     up last are kept (section 4.4, figure 5). The one that was used longest ago makes room.
     """
-    cython.declare(slot=cython.Py_ssize_t, oldest=cython.Py_ssize_t)
+    cython.declare(slot=cython.int, oldest=cython.int)
     oldest = 0
     for slot in range(recent.kept.shape[0]):
         if recent.kept[slot, 0] == color:

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from weftex.methods.exact_matching import list_kernels as kernels
+from weftex.methods.exact_matching.settings import reach_of
 from weftex.search.color_index import ColorIndex
 from weftex.search.windows import windows_of
 
@@ -23,10 +24,6 @@ CAUSAL_NEIGHBORS = [(0, -1), (-1, -1), (-1, 0), (-1, 1), (0, 1)]
 #: All eight direct neighbors, for pixels that are made between known ones.
 ALL_NEIGHBORS = [*CAUSAL_NEIGHBORS, (1, 1), (1, 0), (1, -1)]
 
-#: How far windows between known pixels reach at most: a layer is decided by what is near to it.
-_REACH_TO_ALL_SIDES = 7
-#: How far the window over the next coarser level reaches, in pixels of the finer one.
-_REACH_OVER_COARSER = 4
 _KEPT_LISTS = 8  # of colors looked up last: at least as many as there are direct neighbors
 
 
@@ -101,12 +98,9 @@ def color_lists(
     coarser : Exemplar, optional
         The next coarser level; its windows are compared too.
     """
-    # The coarser levels of a pyramid have room for smaller windows only.
-    reach = (min(settings.window_width, *sample.shape) - 1) // 2
-    if not causal:
-        reach = min(reach, _REACH_TO_ALL_SIDES)
-    coarse_reach = min(reach, _REACH_OVER_COARSER) if coarser is not None else 0
-    windows = windows_of(sample, (reach, coarse_reach if causal else reach, reach, reach))
+    width, guided = settings.window_width, coarser is not None
+    reaches, coarse_reach = reach_of(width, sample, causal=causal, guided=guided)
+    windows, reach = windows_of(sample, reaches), reaches[0]
     index = ColorIndex(
         windows.pixels, _with_room_below(windows, reach) if causal else windows.usable
     )

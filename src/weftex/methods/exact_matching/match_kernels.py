@@ -9,6 +9,7 @@ import cython
 from cython.cimports.weftex.methods.exact_matching.list_kernels import Recent, Sample, near_lists
 from cython.cimports.weftex.search.window_kernels import (
     causal_runs,
+    copy_pixel,
     gather_runs,
     known_runs,
     run_distance,
@@ -17,6 +18,8 @@ from cython.cimports.weftex.search.window_kernels import (
 )
 
 LAST_STAMP = cython.declare(cython.longlong, 2**31 - 1)
+ALL_KEYS = cython.declare(cython.longlong, 2**32)
+MIXER = cython.declare(cython.uint, 2654435761)  # of a place's bits, for its key
 
 
 @cython.cclass
@@ -50,12 +53,12 @@ class Rule:
     coarse_reach: cython.Py_ssize_t
     repeat_distance: cython.Py_ssize_t
     copies_blocks: cython.bint
-    most_compared: cython.longlong
+    most: cython.longlong  # windows of the lists that are compared; 0 is all
 
-    def __init__(self, causal, reach, coarse_reach, repeat_distance, copies_blocks, most_compared):
+    def __init__(self, causal, reach, coarse_reach, repeat_distance, copies_blocks, most):
         self.causal, self.reach, self.coarse_reach = causal, reach, coarse_reach
         self.repeat_distance, self.copies_blocks = repeat_distance, copies_blocks
-        self.most_compared = most_compared
+        self.most = most
 
 
 @cython.cclass
@@ -75,6 +78,7 @@ class Search:
     # Its direct neighbors, and the place of the coarser level after them.
     color: cython.int[::1]  # -1: there is none
     goes_on: cython.Py_ssize_t[::1]  # where the sources go on; -1: nowhere
+    slots: cython.int[::1]  # where `recent` has the lists; -1: nowhere
     # The best match so far.
     best: cython.longlong  # its distance; -1: there is none
     best_key: cython.uint
@@ -82,7 +86,6 @@ class Search:
     coherent: cython.bint  # a neighbor's source goes on there
     compared: cython.longlong
     apart: cython.Py_ssize_t
-    share: cython.ulonglong  # of the lists that is compared, of 2**32
     # Of each place of the sample.
     last: cython.int[::1]  # the pixel that it was last copied to, or -1
     seen: cython.int[::1]  # the stamp of the search that met it last
@@ -92,7 +95,7 @@ class Search:
     def __init__(self, last, seen, recent, windows, neighbors):
         self.last, self.seen, self.stamp, self.recent = last, seen, 0, recent
         (self.runs, self.query), (self.coarse_runs, self.coarse_query) = windows
-        self.color, self.goes_on = neighbors
+        self.color, self.goes_on, self.slots = neighbors
 
     def forget(self):
         """Begin with the first stamp again."""
@@ -130,7 +133,7 @@ def match_pixels(
                 find_best(sample, picture, rule, search)
             if search.chosen < 0:  # no list has anything: any window
                 search.chosen = sample.centers[portion(search.bits, sample.centers.shape[0])]
-            copy_pixel(sample, picture, search)
+            copy_chosen(sample, picture, search)
     return search.compared
 
 
@@ -254,57 +257,55 @@ def compare_coherent(sample: Sample, picture: Picture, search: Search) -> cython
 @cython.nogil
 @cython.exceptval(check=False)
 def compare_listed(sample: Sample, picture: Picture, rule: Rule, search: Search) -> cython.void:
-    """Compare the union of the lists of the neighbors' colors, or a random share of it."""
-    cython.declare(d=cython.Py_ssize_t, j=cython.Py_ssize_t, slot=cython.Py_ssize_t)
-    cython.declare(first=cython.Py_ssize_t, last=cython.Py_ssize_t, listed=cython.longlong)
-    slots = cython.declare(cython.Py_ssize_t[8])
-    listed = 0
-    for d in range(sample.offsets.shape[0]):
-        slots[d] = -1
-        if search.color[d] < 0:
-            continue
-        slot = slots[d] = near_lists(sample, search.recent, search.color[d], search.stamp)
-        for j in range(search.recent.kept[slot, 1]):
-            listed += sample.starts[d, search.recent.intervals[slot, 2 * j + 1]]
-            listed -= sample.starts[d, search.recent.intervals[slot, 2 * j]]
-    search.share = 0x100000000
-    if listed > rule.most_compared:
-        search.share = search.share * cython.cast(cython.ulonglong, rule.most_compared)
-        search.share //= cython.cast(cython.ulonglong, listed)
-    for d in range(sample.offsets.shape[0]):
-        slot = slots[d]
-        for j in range(search.recent.kept[slot, 1] if slot >= 0 else 0):
-            first = sample.starts[d, search.recent.intervals[slot, 2 * j]]
-            last = sample.starts[d, search.recent.intervals[slot, 2 * j + 1]]
-            compare_groups(sample, picture, search, first, last)
+    """Compare the union of the lists of the neighbors' colors, or about `most` windows of it.
+
+    Each window has one key, whichever lists it is in, and those with keys in a share of all numbers
+    are compared. The sum of the lists' lengths counts a window once for each list that it is in; so
+    what the first share meets says how large the union is, and the second one is made of that.
+    """
+    cython.declare(listed=cython.longlong, share=cython.longlong, met=cython.longlong)
+    listed = near_lists(sample, search.recent, search.color, search.stamp, search.slots)
+    if rule.most == 0 or listed <= rule.most:
+        compare_share(sample, picture, search, ALL_KEYS)
+        return
+    share = ALL_KEYS * rule.most // listed
+    met = compare_share(sample, picture, search, share)
+    if 0 < met < rule.most:
+        compare_share(sample, picture, search, share * rule.most // met)
 
 
 @cython.cfunc
 @cython.nogil
 @cython.exceptval(check=False)
-def compare_groups(
-    sample: Sample,
-    picture: Picture,
-    search: Search,
-    first: cython.Py_ssize_t,
-    last: cython.Py_ssize_t,
-) -> cython.void:
-    """Compare the share of some entries of a list; none twice for a pixel (section 4.4)."""
+def compare_share(
+    sample: Sample, picture: Picture, search: Search, share: cython.longlong
+) -> cython.longlong:
+    """Compare the listed windows with keys below `share`, but none twice for a pixel (section 4.4).
+
+    Returns how many were met for the first time.
+    """
+    cython.declare(d=cython.Py_ssize_t, j=cython.Py_ssize_t, slot=cython.Py_ssize_t)
     cython.declare(i=cython.Py_ssize_t, place=cython.Py_ssize_t, stamp=cython.int)
-    cython.declare(key=cython.uint, low_bits=cython.uint, share=cython.ulonglong)
+    cython.declare(key=cython.uint, low_bits=cython.uint, met=cython.longlong)
     cython.declare(places=cython.p_const_int, heads=cython.p_const_int, seen=cython.p_int)
-    if first == last:
-        return
-    low_bits, share, stamp = cython.cast(cython.uint, search.bits), search.share, search.stamp
+    low_bits, stamp, met = cython.cast(cython.uint, search.bits), search.stamp, 0
     # Pointers, as most entries of a long list are only looked at and left out.
     places, heads = cython.address(sample.places[0]), cython.address(sample.groups[0])
     seen = cython.address(search.seen[0])
-    for i in range(first, last):
-        place = places[heads[i]]
-        key = (cython.cast(cython.uint, place) ^ low_bits) * cython.cast(cython.uint, 2654435761)
-        if key < share and seen[place] != stamp:
-            seen[place] = stamp
-            compare_group(sample, picture, search, i, key)
+    for d in range(sample.offsets.shape[0]):
+        slot = search.slots[d]
+        for j in range(search.recent.kept[slot, 1] if slot >= 0 else 0):
+            for i in range(
+                sample.starts[d, search.recent.intervals[slot, 2 * j]],
+                sample.starts[d, search.recent.intervals[slot, 2 * j + 1]],
+            ):
+                place = places[heads[i]]
+                key = (cython.cast(cython.uint, place) ^ low_bits) * MIXER
+                if key < share and seen[place] != stamp:
+                    seen[place] = stamp
+                    met += 1
+                    compare_group(sample, picture, search, i, key)
+    return met
 
 
 @cython.cfunc
@@ -384,15 +385,11 @@ def portion(bits: cython.ulonglong, count: cython.Py_ssize_t) -> cython.Py_ssize
 @cython.cfunc
 @cython.nogil
 @cython.exceptval(check=False)
-def copy_pixel(sample: Sample, picture: Picture, search: Search) -> cython.void:
+def copy_chosen(sample: Sample, picture: Picture, search: Search) -> cython.void:
     """Copy the center of the chosen window."""
-    cython.declare(k=cython.Py_ssize_t, y=cython.Py_ssize_t, x=cython.Py_ssize_t)
-    y, x = search.chosen // sample.pixels.shape[1], search.chosen % sample.pixels.shape[1]
-    picture.source[search.y, search.x] = cython.cast(cython.int, search.chosen)
-    picture.color[search.y, search.x] = sample.number[y, x]
-    picture.done[search.y, search.x] = 1
-    search.last[search.chosen] = cython.cast(
-        cython.int, search.y * picture.source.shape[1] + search.x
-    )
-    for k in range(sample.pixels.shape[2]):
-        picture.pixels[search.y, search.x, k] = sample.pixels[y, x, k]
+    cython.declare(y=cython.Py_ssize_t, x=cython.Py_ssize_t, columns=cython.Py_ssize_t)
+    y, x, columns = search.y, search.x, sample.pixels.shape[1]
+    copy_pixel(sample.pixels, search.chosen, picture.pixels, picture.source, y, x)
+    picture.color[y, x] = sample.number[search.chosen // columns, search.chosen % columns]
+    picture.done[y, x] = 1
+    search.last[search.chosen] = cython.cast(cython.int, y * picture.source.shape[1] + x)

@@ -1,11 +1,7 @@
-"""Texture synthesis (section 4.2): pixels of a picture, one after the other."""
+"""Texture synthesis (section 4.2) and its initialization (4.3): pixels of a sheet, one by one."""
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-from contextlib import contextmanager
-from dataclasses import dataclass
-from time import perf_counter
 from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
@@ -13,6 +9,7 @@ import numpy as np
 from weftex.methods.exact_matching import match_kernels as kernels
 from weftex.random import draw
 from weftex.raster.masks import grown, peeled
+from weftex.raster.pyramids import children
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -22,33 +19,6 @@ if TYPE_CHECKING:
     from weftex.methods.pixels.growth import Growth
 
 _MOST_NEIGHBORS = 8
-
-
-@dataclass
-class Statistics:
-    """What one output costs: columns of Table 1.
-
-    Attributes
-    ----------
-    tested : int
-        Windows that were compared.
-    pixels : int
-        Pixels that they were compared for, those of the beginning included.
-    initialization, synthesis : float
-        Seconds.
-    """
-
-    tested: int = 0
-    pixels: int = 0
-    initialization: float = 0.0
-    synthesis: float = 0.0
-
-    @contextmanager
-    def timed(self, stage: str) -> Iterator[None]:
-        """Add the seconds of a block to `initialization` or `synthesis`."""
-        start = perf_counter()
-        yield
-        setattr(self, stage, getattr(self, stage) + perf_counter() - start)
 
 
 class Parents(NamedTuple):
@@ -65,9 +35,24 @@ class Parents(NamedTuple):
     pixels: NDArray[np.uint8]
     suggested: NDArray[np.int32]
 
+    def below(self, row: int) -> Parents:
+        """Those of the rows from one on."""
+        return Parents(self.pixels[row:], self.suggested[row:])
+
 
 class Sheet:
-    """A picture in the making.
+    """A picture in the making, below the band that it begins with.
+
+    Parameters
+    ----------
+    lists : ColorLists
+        The windows to choose from.
+    shape : (int, int)
+        Height, with the band, and width.
+    wrap : (bool, bool)
+        Whether the vertical and the horizontal axis go around.
+    top : int
+        Rows of the band.
 
     Attributes
     ----------
@@ -79,37 +64,106 @@ class Sheet:
         Flat index into the pixels of the lists' windows, or -1.
     color : int32 array (H, W)
         Number of the color, or -1.
-    wrap : (bool, bool)
-        Whether the vertical and the horizontal axis go around.
     """
 
-    def __init__(self, shape: tuple[int, int], channels: int, wrap: tuple[bool, bool]) -> None:
-        self.wrap = wrap
-        self.pixels = np.zeros((*shape, channels), np.uint8)
+    def __init__(
+        self, lists: ColorLists, shape: tuple[int, int], wrap: tuple[bool, bool], top: int = 0
+    ) -> None:
+        self.lists, self.wrap, self.top = lists, wrap, top
+        self.pixels = np.zeros((*shape, lists.windows.pixels.shape[2]), np.uint8)
         self.done = np.zeros(shape, np.uint8)
         self.source = np.full(shape, -1, np.int32)
         self.color = np.full(shape, -1, np.int32)
 
-    def put(self, lists: ColorLists, places: NDArray[np.int32]) -> None:
-        """Copy pixels to the first rows; `places` are flat indices into the sample."""
-        rows = slice(len(places))
-        source = lists.windows.from_sample(places)
-        self.pixels[rows] = lists.windows.pixels.reshape(-1, self.pixels.shape[2])[source]
-        self.source[rows] = source
-        self.done[rows] = 1
-        self.name_colors(lists)
+    @property
+    def places(self) -> NDArray[np.int32]:
+        """Flat indices into the sample, (H, W)."""
+        return self.lists.windows.to_sample(self.source)
 
-    def name_colors(self, lists: ColorLists) -> None:
+    def put(self, places: NDArray[np.int32], row: int = 0) -> None:
+        """Copy pixels to some rows from one on; `places` are flat indices into the sample."""
+        rows = slice(row, row + len(places))
+        source = self.lists.windows.from_sample(places)
+        self.pixels[rows] = self.lists.windows.pixels.reshape(-1, self.pixels.shape[2])[source]
+        self.source[rows], self.done[rows] = source, 1
+        self.name_colors()
+
+    def name_colors(self) -> None:
         """Find the color numbers of known pixels; of a color that is not listed, the nearest one's.
 
         Only known pixels that touch an unknown one are looked up.
         """
         wanted = (self.color < 0) & (self.done > 0) & grown(self.done == 0, 1, self.wrap)
         source = self.source[wanted]
-        number = lists.index.number.ravel()[source]
+        number = self.lists.index.number.ravel()[source]
         strange = source < 0
-        number[strange] = lists.index.nearest(self.pixels[wanted][strange])
+        number[strange] = self.lists.index.nearest(self.pixels[wanted][strange])
         self.color[wanted] = number
+
+    def parents(
+        self, top: int, shape: tuple[int, int], sample_shape: tuple[int, int]
+    ) -> tuple[NDArray[np.int32], Parents]:
+        """Lead to the next finer level.
+
+        Parameters
+        ----------
+        top : int
+            Rows of the finer level's band.
+        shape : (int, int)
+            Of the finer level without it.
+        sample_shape : (int, int)
+            Of the finer level's sample.
+
+        Returns
+        -------
+        band : int32 array (top, W)
+            Flat indices into the finer sample. Places beyond it are moved to its last row or
+            column.
+        parents : Parents
+            For the band and the level.
+        """
+        rows, columns = np.arange(-top, shape[0])[:, None], np.arange(shape[1])
+        above = np.maximum(rows // 2 + self.top, 0), columns // 2
+        y, x = children(self.places[above], self.lists.windows.shape[1], rows, columns)
+        inside = (y < sample_shape[0]) & (x < sample_shape[1])
+        y, x = np.minimum(y, sample_shape[0] - 1), np.minimum(x, sample_shape[1] - 1)
+        places = (y * sample_shape[1] + x).astype(np.int32)
+        suggested = np.where(inside, places, np.int32(-1))
+        return places[:top], Parents(np.ascontiguousarray(self.pixels[above]), suggested)
+
+
+def random_band(lists: ColorLists, width: int, seed: int) -> NDArray[np.int32]:
+    """Choose random pixels of the sample for a band as high as a window reaches.
+
+    Returns flat indices into the sample, (reach, width).
+    """
+    centers = lists.windows.to_sample(lists.windows.centers)
+    bits = draw(seed, "exact band", *np.indices((lists.reach, width)))
+    band: NDArray[np.int32] = centers[bits % np.uint64(len(centers))]
+    return band
+
+
+def structured_band(
+    turned: ColorLists, width: int, settings: Settings, growth: Growth
+) -> NDArray[np.int32]:
+    """Make a band as a picture of its own, from its left to its right end.
+
+    Sample and band are turned by exchanging their axes: the scan then runs along the band, and
+    nearly all of each window is known. A block of the sample covers the beginning.
+
+    Returns flat indices into the sample as it was before it was turned, (reach, width).
+    """
+    windows, high = turned.windows, turned.reach
+    sheet = Sheet(turned, (width, high), (False, False))
+    bits = draw(growth.seed, "exact block", 0)
+    corner = windows.centers[bits % np.uint64(len(windows.centers))]
+    y, x = np.indices((min(high, width), high)) - high  # inside the window of that center
+    block = corner + y * windows.pixels.shape[1] + x
+    sheet.put(windows.to_sample(block.astype(np.int32)))
+    matching = Matching(sheet, settings, growth)
+    matching.scan(range(len(block), width), "exact structure", "beginning")
+    columns, rows = np.divmod(sheet.places, windows.shape[1])
+    return np.ascontiguousarray((rows * windows.shape[0] + columns).T)
 
 
 class Matching:
@@ -117,31 +171,21 @@ class Matching:
 
     Parameters
     ----------
-    lists : ColorLists
-        The windows to choose from.
     sheet : Sheet
         The picture to fill.
     settings : Settings
         See there.
     growth : Growth
-        Its seed breaks ties; it reports on progress.
-    cost : Statistics
-        Is counted up.
+        Its seed breaks ties; it reports on progress, and takes down what was compared.
     parents : Parents, optional
         The next coarser level.
     """
 
     def __init__(
-        self,
-        lists: ColorLists,
-        sheet: Sheet,
-        settings: Settings,
-        growth: Growth,
-        cost: Statistics,
-        parents: Parents | None = None,
+        self, sheet: Sheet, settings: Settings, growth: Growth, parents: Parents | None = None
     ) -> None:
-        self.sheet, self._settings, self._growth, self._cost = sheet, settings, growth, cost
-        channels = sheet.pixels.shape[2]
+        self.sheet, self._settings, self._growth = sheet, settings, growth
+        lists, channels = sheet.lists, sheet.pixels.shape[2]
         if parents is None:
             parents = Parents(np.empty((0, 0, channels), np.uint8), np.empty((0, 0), np.int32))
         self._sample = lists.for_kernels()
@@ -155,12 +199,13 @@ class Matching:
             lists.causal and settings.copying == "blocks", settings.candidates,
         )  # fmt: skip
         self._last = np.empty(lists.windows.usable.size, np.int32)
+        of_neighbors = np.empty(_MOST_NEIGHBORS, np.int32)
         self._search = kernels.Search(
             self._last,
             np.zeros(lists.windows.usable.size, np.int32),
             lists.recent(),
             [_window_room(reach, channels) for reach in (lists.reach, lists.coarse_reach)],
-            (np.empty(_MOST_NEIGHBORS, np.int32), np.empty(_MOST_NEIGHBORS + 1, np.intp)),
+            (of_neighbors, np.empty(_MOST_NEIGHBORS + 1, np.intp), of_neighbors.copy()),
         )
         self._begin_pass()
 
@@ -218,10 +263,12 @@ class Matching:
     def _make(self, order: NDArray[np.int32], purpose: str) -> None:
         """Make the pixels of these flat indices, one after the other."""
         bits = draw(self._growth.seed, purpose, order)
-        self._cost.pixels += len(order)
-        self._cost.tested += kernels.match_pixels(
+        compared = kernels.match_pixels(
             self._sample, self._picture, self._rule, self._search, order, bits
         )
+        about = self._growth.about  # columns of Table 1
+        about["pixels_chosen"] = about.get("pixels_chosen", 0) + len(order)
+        about["windows_compared"] = about.get("windows_compared", 0) + compared
 
 
 def _centers_at(lists: ColorLists, places: NDArray[np.int32]) -> NDArray[np.int32]:

@@ -10,7 +10,7 @@ from weftex.methods.graphcut.cutting import Cut, Picture
 from weftex.methods.graphcut.placement import placement_of
 from weftex.methods.graphcut.seams import CanvasSeams
 from weftex.methods.graphcut.settings import Settings, settle
-from weftex.methods.patches.hole_sizes import patch_size_for
+from weftex.methods.patches.sizes import patch_size_for
 from weftex.methods.pixels.growth import PixelModel
 from weftex.threads import thread_map
 
@@ -56,7 +56,7 @@ class GraphCut(Method):
         "side of the square patches",
         low=1,
         unit="px",
-        default_text="0.45 x the sample's shorter side",
+        default_text="0.45 x the sample's shorter side, or x 20 of its scale on samples over 384",
         needs=("placement", ("subpatch",)),
     )
     boundary_width: int | None = parameter(

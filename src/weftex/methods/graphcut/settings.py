@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from weftex.errors import InvalidInputError
+from weftex.methods.patches.sizes import patch_size_of
 from weftex.search.windows import windows_of
 
 if TYPE_CHECKING:
@@ -86,7 +87,7 @@ def _patch_size(exemplar: Exemplar, given: int | None) -> int:
             f"patch_size is {given}; {exemplar.name} is {width}x{height}, which has room for "
             f"{min(height, width)}"
         )
-    side = given or max(1, round(_PATCH_SHARE * min(height, width)))
+    side = given or patch_size_of(exemplar, _PATCH_SHARE)
     while not _has_room(exemplar, side):
         if given is not None:
             raise InvalidInputError(

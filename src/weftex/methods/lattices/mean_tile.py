@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from weftex.methods.lattices.canvas_lattice import CanvasLattice
+from weftex.analysis.canvas_lattice import CanvasLattice
 from weftex.search.translation import Spectra, fast_size, window_mismatch
 
 if TYPE_CHECKING:
@@ -41,7 +41,8 @@ class MeanTile:
     ) -> None:
         self._lattice = CanvasLattice(vectors)
         self._bins = [max(1, round(float(np.hypot(*v)))) for v in self._lattice.sample]
-        cell = self._cell(*np.indices(pixels.shape[:2])).ravel()
+        y, x = np.indices(pixels.shape[:2])
+        cell = self._lattice.cell(y, x, self._bins).ravel()
         colors = pixels.reshape(-1, pixels.shape[2])
         if mask is not None:
             cell, colors = cell[mask.ravel()], colors[mask.ravel()]
@@ -54,7 +55,8 @@ class MeanTile:
 
     def at(self, y: Any, x: Any) -> NDArray[np.uint8]:
         """Colors of pixels of the endless plane of mean tiles, (..., K)."""
-        result: NDArray[np.uint8] = self._mean[self._cell(np.asarray(y), np.asarray(x))]
+        cell = self._lattice.cell(np.asarray(y), np.asarray(x), self._bins)
+        result: NDArray[np.uint8] = self._mean[cell]
         return result
 
     def offset(self, known: NDArray[np.uint8], mask: NDArray[np.bool_]) -> tuple[int, int]:
@@ -74,13 +76,3 @@ class MeanTile:
         error = window_mismatch(picture, Spectra(known, mask, size))[: reach[0], : reach[1]]
         y, x = np.unravel_index(int(error.argmin()), error.shape)
         return int(y), int(x)
-
-    def _cell(self, y: Any, x: Any) -> NDArray[np.int64]:
-        number = []
-        for k in (0, 1):
-            along = y * self._lattice.inverse[0, k] + x * self._lattice.inverse[1, k]
-            # A little on, so that multiples of whole vectors do not fall between two bins.
-            part = along - np.floor(along) + 2.0**-20
-            number.append((part * self._bins[k]).astype(np.int64) % self._bins[k])
-        result: NDArray[np.int64] = number[0] * self._bins[1] + number[1]
-        return result

@@ -60,22 +60,10 @@ class LatticeModel(Model):
         threads: int | None = None,
         progress: ProgressCallback | None = None,
     ) -> Synthesis:
-        """Make an output.
+        """See `Model.sample`.
 
-        Parameters
-        ----------
-        size : Canvas, int or (int, int)
-            What to make: height and width, or a Canvas. Where it wraps, the lattice is stretched
-            until whole tiles fit; `provenance["strain"]` says how much. A hole goes on with the
-            lattice of its surroundings.
-        seed : int, numpy Generator or None
-            The same seed gives the same bytes, at any number of threads.
-        tileable : bool or {"x", "y"}
-            Axes that are to repeat without a seam.
-        threads : int, optional
-            At most so many; by default as many as there are processors.
-        progress : callable, optional
-            See `weftex.progress.ProgressCallback`.
+        Where the canvas wraps, the lattice is stretched until whole tiles fit;
+        `provenance["strain"]` says how much. A hole goes on with the lattice of its surroundings.
 
         Raises
         ------

@@ -3,16 +3,21 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, ClassVar
+from typing import TYPE_CHECKING, Any, ClassVar
 
 from weftex.method import Method, parameter
 from weftex.methods.lattices.model import LatticeModel
 from weftex.methods.near_regular.blocks import draw_constrained_blocks, fill_gaps
-from weftex.methods.near_regular.holes import fill_hole
+from weftex.methods.near_regular.holes import find_hole, known_places
 from weftex.methods.near_regular.layout import divide
 from weftex.methods.near_regular.sample import blockiness, prepare
-from weftex.methods.near_regular.seams import blend_linearly, cut_seams, lay_blocks
-from weftex.methods.near_regular.settings import settle
+from weftex.methods.near_regular.seams import (
+    blend_linearly,
+    cut_seams,
+    keep_known,
+    lay_blocks,
+)
+from weftex.methods.near_regular.settings import blend_of, settle
 from weftex.methods.near_regular.warps import warp_gaps
 from weftex.threads import thread_count, thread_map
 
@@ -73,6 +78,7 @@ class NearRegular(Method):
         None,
         "width of the borders that must match, half of it on either side; even",
         low=0,
+        parity="even",
         unit="px",
         default_text="two thirds of the block; 10 in the paper",
     )
@@ -89,7 +95,7 @@ class NearRegular(Method):
     )
     blend_width: int | None = parameter(
         None,
-        "width of the feathered area between blocks",
+        "width of the feathered area between blocks, at most that of the borders",
         low=0,
         unit="px",
         default_text="4, and 7/10 of a block where blocks would show",
@@ -109,7 +115,8 @@ class NearRegular(Method):
         low=0,
         high=64,
         unit="px",
-        default_text="3, a tenth of the shorter vector at most; 0 in the paper",
+        default_text="3, a tenth of the shorter vector at most; 0 in the paper, without a lattice, "
+        "with a mask or hole, and where the sample tiles",
     )
     warp: int = parameter(
         0,
@@ -137,6 +144,10 @@ class NearRegular(Method):
         high=1000.0,
         default_text="1; 0 in the paper",
     )
+
+    def meant(self, name: str) -> Any:
+        """What `blend` is, if that is left to the preset."""
+        return blend_of(self) if name == "blend" else super().meant(name)
 
     def fit(self, exemplar: Exemplar) -> NearRegularModel:
         """Find the lattice, if none is given, and settle the sizes."""
@@ -192,22 +203,26 @@ class NearRegularModel(LatticeModel):
             # 4.2: split the output into square blocks; f[x] = f[x + a v1 + b v2] (eq. 4.3) says
             # which patches of the sample are similar to each.
             layout = divide(settings, sample, canvas, origin, seed)
-            if canvas.known is not None and canvas.hole is not None:  # ours, by the same steps
-                known = canvas.known, canvas.hole
-                return fill_hole(settings, sample, layout, *known, told, each, progress)
+            hole = find_hole(settings, sample, layout)  # ours: holes, filled by the same steps
+            plan = settings, sample, layout, hole
+            place = known_places(*plan[1:])
+            place = fill_gaps(*plan, place, hole.bound, "blocks", each, progress)
             # 4.2.1: every second block shows a similar patch, drawn at random (Fig. 4.7):
             # `block_kernels.draw_blocks`.
-            place = draw_constrained_blocks(sample, layout)
+            place = draw_constrained_blocks(*plan[1:], place)
             # 4.2.2: each gap shows the patch that best matches the wedge-shaped borders of its
             # neighbors (Fig. 4.8 and 4.9, eq. 4.4), within a tolerance around similar ones:
             # `gap_kernels.fill_gaps`.
-            place = fill_gaps(settings, sample, layout, place, each, progress)
+            gaps = layout.gap & hole.laid
+            place = fill_gaps(*plan, place, gaps, "gaps", each, progress)
             # 6: each gap may be deformed to meet its neighbors.
-            warps = warp_gaps(settings, sample, layout, place, each) if settings.warp else None
+            warps = warp_gaps(*plan[:3], place, gaps, each) if settings.warp else None
             if settings.blend == "cut":
                 # 6: seams of least error instead of blending.
-                joints = cut_seams(sample, layout, place, each, warps)
+                joints = cut_seams(*plan[1:], place, each, warps)
             else:
                 # 4.2.3: blend blocks linearly where they overlap (eqs. 4.6 to 4.10).
                 joints = blend_linearly(settings, layout)
-            return lay_blocks(sample, layout, place, joints, told, warps)
+            if hole.is_there:
+                joints = keep_known(layout, hole, joints)
+            return lay_blocks(sample, layout, place, joints, told, hole.laid, warps)

@@ -14,8 +14,9 @@ from weftex.progress import Progress, ProgressCallback
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
+    from weftex.methods.near_regular.holes import Hole
     from weftex.methods.near_regular.layout import Layout
-    from weftex.methods.near_regular.sample import BlockSample, Border, Features
+    from weftex.methods.near_regular.sample import BlockSample
     from weftex.methods.near_regular.settings import Settings
 
     Each = Callable[..., Iterable[Any]]
@@ -25,10 +26,7 @@ _GAPS_AT_A_TIME = 32  # that a thread fills, at most
 
 
 def draw_constrained_blocks(
-    sample: BlockSample,
-    layout: Layout,
-    place: NDArray[np.int32] | None = None,
-    among: NDArray[np.bool_] | None = None,
+    sample: BlockSample, layout: Layout, hole: Hole, place: NDArray[np.int32]
 ) -> NDArray[np.int32]:
     """Draw a similar place for every second block, one color after the other (section 4.2.1).
 
@@ -36,23 +34,20 @@ def draw_constrained_blocks(
 
     Parameters
     ----------
-    place : int32 array (rows, columns), optional
-        Places of blocks that are there, -1 elsewhere.
-    among : bool array (rows, columns), optional
-        Draw these only; by default all but gaps.
+    place : int32 array (rows, columns)
+        Places of blocks that are there, as flat indices into the windows' pixels, -1 elsewhere.
 
     Returns
     -------
     int32 array (rows, columns)
-        Flat indices into the windows' pixels; -1 where there is none yet.
+        With those of the drawn blocks.
     """
-    place = np.full(layout.bits.shape, -1, np.int32) if place is None else place.copy()
-    among = ~layout.gap if among is None else among
+    place = place.copy()
     i, j = layout.rows.numbers[:, None], layout.columns.numbers[None, :]
     color = (i + j) // 2 % 2 * 2 + (i - j) // 2 % 2
-    bundle, grid = kernel_sample(sample), layout.grid(place)
+    bundle, grid = _kernel_sample(sample), layout.grid(place)
     for k in range(4):
-        for steps, cells in _by_rows(sample, layout, np.argwhere(among & (color == k))):
+        for steps, cells in _by_rows(sample, layout, np.argwhere(hole.drawn & (color == k))):
             block_kernels.draw_blocks(bundle, grid, steps, cells)
     return place
 
@@ -61,52 +56,66 @@ def fill_gaps(
     settings: Settings,
     sample: BlockSample,
     layout: Layout,
+    hole: Hole,
     place: NDArray[np.int32],
+    gaps: NDArray[np.bool_],
+    stage: str,
     each: Each,
     callback: ProgressCallback | None,
 ) -> NDArray[np.int32]:
-    """Choose for each gap that shows the piece that fits its four neighbors (section 4.2.2).
+    """Choose for these blocks the pieces that fit what is there around them (section 4.2.2).
 
     Returns
     -------
     int32 array (rows, columns)
         The places with those of the gaps.
     """
-    place, cells = place.copy(), np.argwhere(layout.gap & layout.shown).astype(np.int32)
-    bundle, grid = kernel_sample(sample), layout.grid(place)
-    search = kernel_search(settings, sample.features)
-    progress = Progress(callback, len(cells), "gaps", lambda: layout.preview(sample, place))
-    centers = sample.windows.centers
+    place, cells = place.copy(), np.argwhere(gaps).astype(np.int32)
+    bundle, grid = _kernel_sample(sample), layout.grid(place)
+    # What the canvas knows is not a border that all windows were described by.
+    search = None if hole.is_there else sample.search
+    rule = gap_kernels.Rule(
+        settings.tolerance, settings.candidates, round(256 * settings.variety),
+        settings.match == "gncc", search and search.kernel_zone, search and search.kernel_search,
+    )  # fmt: skip
+    progress = Progress(callback, len(cells), stage, lambda: layout.preview(sample, place))
 
-    def fill(job: tuple[Border, NDArray[np.int32]]) -> int:
-        border, gaps = job
-        if settings.unconstrained and len(sample.features.blocks) == 0:  # no borders: any place
-            i, j = gaps.T
-            place[i, j] = centers[(layout.bits[i, j] % np.uint64(len(centers))).astype(np.int64)]
-            return len(gaps)
-        known = np.zeros((*border.wedges.shape, sample.pixels.shape[2]), np.uint8)
-        gap = kernel_gap(settings, sample.features, border, known)
-        for steps, own in _by_rows(sample, layout, gaps):
-            gap_kernels.fill_gaps(bundle, grid, steps, own, search, gap)
-        return len(gaps)
+    def fill(own: NDArray[np.int32]) -> int:
+        wedges, runs, known = hole.border_of(settings, sample, layout, *own[0].tolist())
+        numbers = search.zone.blocks.size // 2 * known.shape[2] if search else 0
+        gap = gap_kernels.Gap(
+            wedges,
+            runs,
+            known,
+            query=np.empty(np.count_nonzero(wedges) * known.shape[2], np.uint8),
+            means=np.empty(numbers, np.int32),
+            coordinates=np.empty(len(search.pca.basis) if search else 0, np.int16),
+            wanted=settings.candidates,
+            keys=np.empty(settings.candidates, np.int64),
+            places=np.empty(settings.candidates, np.int32),
+            partial=np.empty(sample.pixels.shape[1], np.int32),
+            total=np.empty(sample.pixels.shape[1], np.int64),
+        )
+        for steps, of_rows in _by_rows(sample, layout, own):
+            gap_kernels.fill_gaps(bundle, grid, steps, of_rows, rule, gap)
+        return len(own)
 
-    for done in each(fill, list(_jobs(settings, sample, layout, cells))):
+    for done in each(fill, list(_alike(layout, hole, cells))):
         progress.advance(done)
     return place
 
 
-def _jobs(
-    settings: Settings, sample: BlockSample, layout: Layout, cells: NDArray[np.int32]
-) -> Iterator[tuple[Border, NDArray[np.int32]]]:
-    """Gaps of one size, so many that a thread fills at a time, and their border."""
+def _alike(layout: Layout, hole: Hole, cells: NDArray[np.int32]) -> Iterator[NDArray[np.int32]]:
+    """Gaps that have the same border, so many that a thread fills at a time."""
+    if hole.is_there:
+        yield from (cells[k : k + 1] for k in range(len(cells)))
+        return
     most = min(_GAPS_AT_A_TIME, len(cells) // 8 + 1)
     heights, widths = layout.rows.sizes[cells[:, 0]], layout.columns.sizes[cells[:, 1]]
     for height in np.unique(heights).tolist():
         for width in np.unique(widths).tolist():
             own = np.ascontiguousarray(cells[(heights == height) & (widths == width)])
-            for k in range(0, len(own), most):
-                border = sample.border(height, width, settings.margin, layout.reach)
-                yield border, own[k : k + most]
+            yield from (own[k : k + most] for k in range(0, len(own), most))
 
 
 def _by_rows(sample: BlockSample, layout: Layout, cells: NDArray[Any]) -> Steps:
@@ -121,34 +130,9 @@ def _by_rows(sample: BlockSample, layout: Layout, cells: NDArray[Any]) -> Steps:
         yield np.ascontiguousarray(sample.steps[own]), np.ascontiguousarray(cells[row == number])
 
 
-def kernel_sample(sample: BlockSample) -> block_kernels.Sample:
+def _kernel_sample(sample: BlockSample) -> block_kernels.Sample:
     """The sample as kernels take it."""
     windows = sample.windows
     return block_kernels.Sample(
         sample.pixels, sample.turned, windows.usable, windows.period, windows.centers
-    )
-
-
-def kernel_search(settings: Settings, features: Features) -> gap_kernels.Search:
-    """How gaps are searched for, as kernels take it."""
-    correlation = settings.match == "gncc"
-    return gap_kernels.Search(
-        settings.tolerance, settings.candidates, round(256 * settings.variety), correlation,
-        *features,
-    )  # fmt: skip
-
-
-def kernel_gap(
-    settings: Settings, features: Features, border: Border, known: NDArray[np.uint8]
-) -> gap_kernels.Gap:
-    """A gap as kernels fill it; `known` has what the canvas knows of it."""
-    channels = known.shape[2]
-    return gap_kernels.Gap(
-        *border,
-        known,
-        np.empty(np.count_nonzero(border.wedges) * channels, np.uint8),
-        np.empty(len(features.blocks) * channels, np.int32),
-        np.empty(len(features.basis), np.int16),
-        np.empty(settings.candidates, np.int64),
-        np.empty(settings.candidates, np.int32),
     )

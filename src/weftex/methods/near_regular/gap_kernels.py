@@ -15,13 +15,12 @@ from cython.cimports.weftex.methods.near_regular.block_kernels import (
     shown_again,
     similar,
 )
-from cython.cimports.weftex.search.zone_kernels import (
-    block_means,
-    distance,
-    gather,
-    nearest_by_features,
-    offer,
-    project,
+from cython.cimports.weftex.search.zone_kernels import distance, gather, offer
+from cython.cimports.weftex.search.zone_search_kernels import (
+    Candidates,
+    Search,
+    Zone,
+    list_candidates,
 )
 
 NEVER = cython.declare(cython.longlong, 1 << 60)  # more than any piece differs by
@@ -30,36 +29,29 @@ KNOWN = cython.declare(cython.int, 5)  # the wedge of pixels that the canvas kno
 
 
 @cython.cclass
-class Search:
-    """How gaps are searched for: the settings, and features of all borders where nothing repeats.
+class Rule:
+    """How gaps are searched for; `variety` is in 1/256.
 
-    `variety` is in 1/256. `blocks` is empty where pieces are looked for by the lattice.
+    Where any place is similar to any other, all windows may be searched by the border of a gap:
+    `zone` is that border and `search` the windows, or both are None.
     """
 
     tolerance: cython.Py_ssize_t
     candidates: cython.Py_ssize_t
     variety: cython.longlong
     by_correlation: cython.bint
-    blocks: cython.const[cython.int][:, ::1]
-    side: cython.Py_ssize_t
-    basis: cython.const[cython.short][:, ::1]
-    offset: cython.const[cython.int][::1]
-    shift: cython.int
-    features: cython.const[cython.short][:, ::1]
-    places: cython.const[cython.int][::1]
+    by_zone: cython.bint
+    zone: Zone
+    search: Search
 
-    def __init__(
-        self, tolerance, candidates, variety, by_correlation,
-        blocks, side, basis, offset, shift, features, places,
-    ):  # fmt: skip
+    def __init__(self, tolerance, candidates, variety, by_correlation, zone, search):
         self.tolerance, self.candidates, self.variety = tolerance, candidates, variety
-        self.by_correlation, self.blocks, self.side = by_correlation, blocks, side
-        self.basis, self.offset, self.shift, self.features = basis, offset, shift, features
-        self.places = places
+        self.by_correlation, self.by_zone = by_correlation, zone is not None
+        self.zone, self.search = zone, search
 
 
 @cython.cclass
-class Gap:
+class Gap(Candidates):
     """A gap in the making, and what a thread works on while it fills gaps of one size.
 
     `wedges` tells from which neighbor each pixel of its border comes, `runs` covers the border,
@@ -69,11 +61,6 @@ class Gap:
     wedges: cython.const[cython.uchar][:, ::1]
     runs: cython.const[cython.int][:, ::1]
     border: cython.uchar[:, :, ::1]
-    query: cython.uchar[::1]
-    means: cython.int[::1]
-    coordinates: cython.short[::1]
-    keys: cython.longlong[::1]
-    places: cython.int[::1]
     # The neighbors above, left, below and right, numbered from 1: their places, and where in
     # their windows this one's corner lies. And the gap's own size.
     other: cython.int[5]
@@ -82,10 +69,9 @@ class Gap:
     height: cython.longlong
     width: cython.longlong
 
-    def __init__(self, wedges, runs, border, query, means, coordinates, keys, places):
+    def __init__(self, wedges, runs, border, **candidates):
+        Candidates.__init__(self, **candidates)
         self.wedges, self.runs, self.border = wedges, runs, border
-        self.query, self.means, self.coordinates = query, means, coordinates
-        self.keys, self.places = keys, places
 
 
 @cython.cfunc
@@ -140,7 +126,7 @@ def correlation(
 @cython.nogil
 @cython.exceptval(check=False)
 def mismatch(
-    sample: Sample, search: Search, gap: Gap, here: cython.int, bound: cython.longlong
+    sample: Sample, rule: Rule, gap: Gap, here: cython.int, bound: cython.longlong
 ) -> cython.longlong:
     """How badly the piece at a place fits the border: eq. (4.4), or by the GNCC.
 
@@ -156,10 +142,10 @@ def mismatch(
             sample, here, gap.other[n], gap.dy[n], gap.dx[n],
             gap.height, gap.width,
         )  # fmt: skip
-        factor += search.variety * shown // area
+        factor += rule.variety * shown // area
     y = here // sample.usable.shape[1]
     x = here % sample.usable.shape[1]
-    if search.by_correlation:
+    if rule.by_correlation:
         found = correlation(sample, y, x, gap.runs, gap.query)
     else:
         bound = bound // factor if bound >= 0 else -1
@@ -199,31 +185,37 @@ def look_around(grid: Grid, i: cython.Py_ssize_t, j: cython.Py_ssize_t, gap: Gap
 def compose_border(sample: Sample, gap: Gap) -> cython.void:
     """Copy each wedge of a gap's border from the neighbor that it belongs to (Fig. 4.9)."""
     cython.declare(v=cython.Py_ssize_t, u=cython.Py_ssize_t, k=cython.Py_ssize_t)
-    cython.declare(p=cython.Py_ssize_t, q=cython.Py_ssize_t, wedge=cython.int)
-    width: cython.Py_ssize_t = sample.usable.shape[1]
+    cython.declare(p=cython.Py_ssize_t, wedge=cython.int)
+    cython.declare(here=cython.p_uchar, there=cython.p_const_uchar)
+    channels: cython.Py_ssize_t = sample.pixels.shape[2]
     for v in range(gap.wedges.shape[0]):
         for u in range(gap.wedges.shape[1]):
             wedge = gap.wedges[v, u]
             if wedge == 0 or wedge == KNOWN:
                 continue
-            p = gap.other[wedge] // width + gap.dy[wedge] + v
-            q = gap.other[wedge] % width + gap.dx[wedge] + u
-            for k in range(sample.pixels.shape[2]):
-                gap.border[v, u, k] = sample.pixels[p, q, k]
+            p = gap.other[wedge] + (gap.dy[wedge] + v) * sample.pixels.shape[1]
+            here = cython.address(gap.border[v, u, 0])
+            there = cython.address(sample.pixels[0, 0, 0]) + (p + gap.dx[wedge] + u) * channels
+            for k in range(channels):
+                here[k] = there[k]
     gather(gap.border, 0, 0, gap.runs, gap.query)
 
 
 @cython.cfunc
 @cython.nogil
 @cython.exceptval(check=False)
-def best_by_features(search: Search, gap: Gap) -> cython.Py_ssize_t:
+def best_by_zone(sample: Sample, rule: Rule, gap: Gap) -> cython.Py_ssize_t:
     """List the places whose borders are nearest in few numbers (section 5.2); return how many."""
-    block_means(gap.border, 0, 0, search.blocks, search.side, gap.means)
-    project(search.basis, search.offset, search.shift, gap.means, gap.coordinates)
-    return nearest_by_features(
-        search.features, search.places, gap.coordinates, search.candidates,
-        gap.keys, gap.places,
-    )  # fmt: skip
+    cython.declare(t=cython.Py_ssize_t, y=cython.int, x=cython.int)
+    columns: cython.int = cython.cast(cython.int, rule.search.usable.shape[1])
+    count: cython.Py_ssize_t = list_candidates(
+        gap.border, 0, 0, rule.zone, rule.search, rule.search.positions, gap
+    )
+    for t in range(count):
+        y = gap.places[t] // columns
+        x = gap.places[t] % columns
+        gap.places[t] = y * cython.cast(cython.int, sample.usable.shape[1]) + x
+    return count
 
 
 @cython.cfunc
@@ -233,7 +225,7 @@ def best_similar(
     sample: Sample,
     grid: Grid,
     steps: cython.const[cython.longlong][:, ::1],
-    search: Search,
+    rule: Rule,
     gap: Gap,
     i: cython.Py_ssize_t,
     j: cython.Py_ssize_t,
@@ -253,10 +245,10 @@ def best_similar(
         k = k + 1 if k + 1 < every else 0
         if here < 0:
             continue
-        bound = gap.keys[0] if count == search.candidates else -1
-        key = mismatch(sample, search, gap, here, bound)
+        bound = gap.keys[0] if count == rule.candidates else -1
+        key = mismatch(sample, rule, gap, here, bound)
         count = offer(
-            key, here, count, search.candidates,
+            key, here, count, rule.candidates,
             cython.address(gap.keys[0]), cython.address(gap.places[0]),
         )  # fmt: skip
         tried += 1
@@ -287,7 +279,7 @@ def put_best_first(gap: Gap, count: cython.Py_ssize_t) -> cython.void:
 @cython.nogil
 @cython.exceptval(check=False)
 def best_within_tolerance(
-    sample: Sample, search: Search, gap: Gap, count: cython.Py_ssize_t
+    sample: Sample, rule: Rule, gap: Gap, count: cython.Py_ssize_t
 ) -> cython.int:
     """The best place within the tolerance around those listed (section 4.2.2), or -1."""
     cython.declare(t=cython.Py_ssize_t, y=cython.longlong, x=cython.longlong, here=cython.int)
@@ -295,13 +287,16 @@ def best_within_tolerance(
     width: cython.Py_ssize_t = sample.usable.shape[1]
     best: cython.int = -1
     least: cython.longlong = NEVER
+    if count > 0:  # most others are soon given up past the best one listed
+        best = gap.places[0]
+        least = mismatch(sample, rule, gap, best, -1)
     for t in range(count):
-        for y in range(-search.tolerance, search.tolerance + 1):
-            for x in range(-search.tolerance, search.tolerance + 1):
+        for y in range(-rule.tolerance, rule.tolerance + 1):
+            for x in range(-rule.tolerance, rule.tolerance + 1):
                 here = place_at(sample, gap.places[t] // width + y, gap.places[t] % width + x)
                 if here < 0:
                     continue
-                key = mismatch(sample, search, gap, here, least if least < NEVER else -1)
+                key = mismatch(sample, rule, gap, here, least)
                 if key < least or (key == least and here < best):
                     least = key
                     best = here
@@ -313,14 +308,14 @@ def fill_gaps(
     grid: Grid,
     steps: cython.const[cython.longlong][:, ::1],
     cells: cython.const[cython.int][:, ::1],
-    search: Search,
+    rule: Rule,
     gap: Gap,
 ):
     """Choose the piece of each gap of `cells` by its four neighbors' borders (section 4.2.2).
 
     The best of the similar places are listed, and then the best window within the tolerance around
-    them is taken. Where `steps` is empty (the unconstrained mode), the windows with the nearest
-    features are listed; where the search has no features either, all places are.
+    them is taken. Where `steps` is empty (the unconstrained mode), all places are similar, and any
+    will do where there is no border.
     """
     cython.declare(c=cython.Py_ssize_t, i=cython.Py_ssize_t, j=cython.Py_ssize_t)
     cython.declare(count=cython.Py_ssize_t, best=cython.int)
@@ -329,11 +324,14 @@ def fill_gaps(
             i = cells[c, 0]
             j = cells[c, 1]
             look_around(grid, i, j, gap)
+            if steps.shape[0] == 0 and gap.runs.shape[0] == 0:
+                grid.place[i, j] = any_place(sample, grid, i, j)
+                continue
             compose_border(sample, gap)
-            if steps.shape[0] == 0 and search.blocks.shape[0] > 0:
-                count = best_by_features(search, gap)
+            if rule.by_zone:
+                count = best_by_zone(sample, rule, gap)
             else:
-                count = best_similar(sample, grid, steps, search, gap, i, j)
+                count = best_similar(sample, grid, steps, rule, gap, i, j)
             put_best_first(gap, count)
-            best = best_within_tolerance(sample, search, gap, count)
+            best = best_within_tolerance(sample, rule, gap, count)
             grid.place[i, j] = best if best >= 0 else any_place(sample, grid, i, j)

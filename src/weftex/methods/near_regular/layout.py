@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from weftex.methods.lattices.canvas_lattice import CanvasLattice
+from weftex.analysis.canvas_lattice import CanvasLattice
 from weftex.methods.near_regular import block_kernels as kernels
 from weftex.methods.near_regular.rows import rows_shown
 from weftex.random import draw

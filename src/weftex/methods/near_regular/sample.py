@@ -7,16 +7,16 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
+from weftex.analysis.canvas_lattice import CanvasLattice
 from weftex.exemplar import Exemplar
-from weftex.methods.lattices.canvas_lattice import CanvasLattice
 from weftex.methods.lattices.mean_tile import MeanTile
 from weftex.methods.near_regular.rectification import rectified
 from weftex.methods.near_regular.rows import axis_of_rows, pitch_of_rows
 from weftex.random import draw
-from weftex.search.boundary_zone import BoundaryZone, boundary_zone, runs_over
-from weftex.search.pca import fit_pca
+from weftex.search.boundary_zone import boundary_zone, runs_over
 from weftex.search.quadtree_pyramid import QuadtreePyramid
 from weftex.search.windows import Windows, windows_of
+from weftex.search.zone_search import ZoneSearch
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -25,7 +25,7 @@ if TYPE_CHECKING:
 
 _BLOCK_SIDE = 16  # of the low resolution that unconstrained gaps are looked for by
 _NUMBERS = 288  # that describe a border there, at most
-_WINDOWS = 16384  # that the unconstrained search looks at; more are thinned out
+_VARIANCE = 0.97  # of borders, that is kept there
 _SOFT = 40  # squared difference of a channel, two pixels apart, that hides half of a seam
 
 
@@ -42,40 +42,6 @@ class Border(NamedTuple):
 
     wedges: NDArray[np.uint8]
     runs: NDArray[np.int32]
-
-
-class Features(NamedTuple):
-    """All windows' borders in few numbers, for the unconstrained search (section 5.2).
-
-    Attributes
-    ----------
-    blocks, side
-        The border at a low resolution, see `BoundaryZone`.
-    basis, offset, shift, features
-        See `ZonePCA`.
-    places : int32 array (n,)
-        Flat indices of the windows.
-    """
-
-    blocks: NDArray[np.int32]
-    side: int
-    basis: NDArray[np.int16]
-    offset: NDArray[np.int32]
-    shift: int
-    features: NDArray[np.int16]
-    places: NDArray[np.int32]
-
-
-NO_FEATURES = Features(
-    np.zeros((0, 2), np.int32),
-    1,
-    np.zeros((1, 1), np.int16),
-    np.zeros(1, np.int32),
-    0,
-    np.zeros((1, 0), np.int16),
-    np.zeros(0, np.int32),
-)
-"""Pieces are looked for by the lattice, or among all places."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -105,8 +71,8 @@ class BlockSample:
         Along which axis rows change that have a color each, see `axis_of_rows`.
     pitch : ((int, int) or None, (int, int) or None)
         How blocks are laid along both axes, see `Axis`.
-    features : Features
-        Of the unconstrained search.
+    search : ZoneSearch or None
+        All windows by their borders, where any place is similar to any other.
     """
 
     exemplar: Exemplar
@@ -119,7 +85,7 @@ class BlockSample:
     multiples: NDArray[np.int64]
     row_axis: int | None
     pitch: tuple[tuple[int, int] | None, ...]
-    features: Features
+    search: ZoneSearch | None
     _borders: dict[tuple[int, ...], Border] = field(default_factory=dict, repr=False)
 
     def border(self, height: int, width: int, margin: int, reach: int) -> Border:
@@ -140,11 +106,11 @@ def prepare(settings: Settings, exemplar: Exemplar) -> BlockSample:
         lookup = rectified(pixels, vectors, settings.rectify, by_rows=settings.by_rows)
         flat = pixels.reshape(-1, pixels.shape[2])
         pixels = np.ascontiguousarray(flat[lookup])
-    steps, features = np.zeros((0, 2), np.int64), NO_FEATURES
+    steps, search = np.zeros((0, 2), np.int64), None
     multiples, row_axis = np.zeros(0, np.int64), None
     pitch: list[tuple[int, int] | None] = [None, None]
     if settings.unconstrained:
-        features = _features(settings, pixels, windows)
+        search = _search(settings, pixels, windows)
     else:
         lattice = CanvasLattice(vectors)
         steps = lattice.steps(*exemplar.shape)
@@ -168,7 +134,7 @@ def prepare(settings: Settings, exemplar: Exemplar) -> BlockSample:
         multiples=multiples,
         row_axis=row_axis,
         pitch=tuple(pitch),
-        features=features,
+        search=search,
     )
 
 
@@ -184,31 +150,26 @@ def _windows(settings: Settings, exemplar: Exemplar) -> Windows:
     return windows_of(exemplar, (0, settings.side - 1, 0, settings.side - 1))
 
 
-def _features(settings: Settings, pixels: NDArray[np.uint8], windows: Windows) -> Features:
-    zone = _zone(settings, pixels.shape[2])
-    rows, columns = (n - settings.side + 1 for n in pixels.shape[:2])
-    stride = 1
-    while stride * 2 <= zone.side and rows * columns > _WINDOWS * stride**2:
-        stride *= 2
-    usable = windows.usable[:rows:stride, :columns:stride]
-    take = np.flatnonzero(usable)
-    if zone.area == 0 or len(take) == 0:
-        return NO_FEATURES
-    low = QuadtreePyramid(pixels).windows(zone.blocks, zone.side, stride, *usable.shape)
-    pca = fit_pca(np.ascontiguousarray(low[:, take]), 0.97)
-    y, x = np.divmod(take, usable.shape[1])
-    places = (y * stride * pixels.shape[1] + x * stride).astype(np.int32)
-    return Features(zone.blocks, zone.side, pca.basis, pca.offset, pca.shift, pca.features, places)
-
-
-def _zone(settings: Settings, channels: int) -> BoundaryZone:
-    """The border at a low resolution, in few numbers."""
+def _search(settings: Settings, pixels: NDArray[np.uint8], windows: Windows) -> ZoneSearch:
+    """All windows, to be searched by the border of a gap (section 5.2)."""
     size, margin = settings.block_size, settings.margin
-    return boundary_zone(
+    zone = boundary_zone(
         wedges_of(size, size, margin, margin) > 0,
         max(1, 2 * margin),
         block_side=_BLOCK_SIDE,
-        most_blocks=max(16, _NUMBERS // channels),
+        most_blocks=max(16, _NUMBERS // pixels.shape[2]),
+    )
+    rows, columns = (n - settings.side + 1 for n in pixels.shape[:2])
+    usable = np.ascontiguousarray(windows.usable[:rows, :columns])
+    return ZoneSearch(
+        zone,
+        QuadtreePyramid(pixels),
+        usable,
+        np.flatnonzero(usable).astype(np.int32),
+        search="pca",
+        candidates=settings.candidates,
+        variance=_VARIANCE,
+        often=True,
     )
 
 

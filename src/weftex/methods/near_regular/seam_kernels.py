@@ -6,8 +6,8 @@ Places are as in `block_kernels`. Seams stay within `reach` of the edges of bloc
 
 import cython
 from cython.cimports.weftex.methods.near_regular.block_kernels import Grid, around
+from cython.cimports.weftex.seams.boundary_kernels import Band, least_boundary, pixel_difference
 
-NEVER = cython.declare(cython.longlong, 1 << 60)  # more than any path costs
 BESIDE = cython.declare(cython.int, 1)  # the state of a known pixel beside a hole; 0 in the hole
 OFF = cython.declare(cython.int, 2)  # the state of any other
 
@@ -42,7 +42,7 @@ class Seams:
     `inset` is how far inside of a window its outermost seam is, `slack` how far corners move,
     `box` half the side of what is compared for that; block (0, 0) is a gap if `parity` is odd.
     upright[i, j] and lying[i, j] say for each line of the window of block (i, j) where in it the
-    block begins, from the left and from above.
+    block begins, from the left and from above; columns `left` to `right` of blocks show.
     """
 
     inset: cython.Py_ssize_t
@@ -53,62 +53,52 @@ class Seams:
     corners: cython.int[:, :, ::1]
     upright: cython.int[:, :, ::1]
     lying: cython.int[:, :, ::1]
+    left: cython.Py_ssize_t
+    right: cython.Py_ssize_t
 
-    def __init__(self, inset, reach, slack, box, parity, corners, upright, lying):
+    def __init__(
+        self, inset, reach, slack, box, parity, corners, upright, lying, left, right
+    ):  # fmt: skip
+        self.left, self.right = left, right
         self.inset, self.reach, self.slack, self.box = inset, reach, slack, box
         self.parity, self.corners, self.upright, self.lying = parity, corners, upright, lying
 
 
-@cython.cclass
-class Scratch:
-    """What a thread works on along one band: costs of pixels and places, sums, and the path."""
-
-    error: cython.longlong[:, ::1]
-    beyond: cython.longlong[:, ::1]
-    total: cython.longlong[:, ::1]
-    came: cython.int[:, ::1]
-    path: cython.int[::1]
-
-    def __init__(self, error, beyond, total, came, path):
-        self.error, self.beyond, self.total, self.came = error, beyond, total, came
-        self.path = path
-
-
 @cython.cfunc
-@cython.inline
 @cython.nogil
 @cython.exceptval(check=False)
-def squared(
-    one: cython.const[cython.uchar][:, :, ::1],
-    ay: cython.Py_ssize_t,
-    ax: cython.Py_ssize_t,
-    other: cython.const[cython.uchar][:, :, ::1],
-    by: cython.Py_ssize_t,
-    bx: cython.Py_ssize_t,
-) -> cython.longlong:
-    """Squared difference of two pixels."""
-    cython.declare(k=cython.Py_ssize_t, d=cython.int)
-    total: cython.longlong = 0
-    for k in range(one.shape[2]):
-        d = cython.cast(cython.int, one[ay, ax, k]) - other[by, bx, k]
-        total += d * d
-    return total
-
-
-@cython.cfunc
-@cython.inline
-@cython.nogil
-@cython.exceptval(check=False)
-def differ(
+def compare(
     shown: Shown,
-    ay: cython.Py_ssize_t,
-    ax: cython.Py_ssize_t,
-    by: cython.Py_ssize_t,
-    bx: cython.Py_ssize_t,
-) -> cython.longlong:
-    """Squared difference of two pixels of the sample, by how much a step shows at them."""
-    shows: cython.longlong = shown.visibility[ay, ax] + shown.visibility[by, bx]
-    return shows * squared(shown.pixels, ay, ax, shown.pixels, by, bx)
+    one: cython.Py_ssize_t,
+    other: cython.Py_ssize_t,
+    along: cython.Py_ssize_t,
+    across: cython.Py_ssize_t,
+    length: cython.Py_ssize_t,
+    band: Band,
+) -> cython.void:
+    """Squared differences of two pieces along a band, by how much a step shows there.
+
+    The pieces begin at flat indices `one` and `other`; a line on is `along`, a pixel on `across`.
+    """
+    cython.declare(n=cython.Py_ssize_t, k=cython.Py_ssize_t, c=cython.Py_ssize_t)
+    cython.declare(p=cython.Py_ssize_t, q=cython.Py_ssize_t, d=cython.int)
+    cython.declare(total=cython.longlong, errors=cython.p_longlong)
+    pixels: cython.p_const_uchar = cython.address(shown.pixels[0, 0, 0])
+    shows: cython.pointer(cython.const[cython.ushort]) = cython.address(shown.visibility[0, 0])
+    channels: cython.Py_ssize_t = shown.pixels.shape[2]
+    depth: cython.Py_ssize_t = band.error.shape[1]
+    for n in range(length):
+        errors = cython.address(band.error[n, 0])
+        p = one + n * along
+        q = other + n * along
+        for k in range(depth):
+            total = 0
+            for c in range(channels):
+                d = cython.cast(cython.int, pixels[p * channels + c]) - pixels[q * channels + c]
+                total += d * d
+            errors[k] = (cython.cast(cython.longlong, shows[p]) + shows[q]) * total
+            p += across
+            q += across
 
 
 @cython.cfunc
@@ -134,8 +124,7 @@ def state_of(hole: Hole, grid: Grid, y: cython.longlong, x: cython.longlong) -> 
 @cython.exceptval(check=False)
 def leaves(
     shown: Shown,
-    y: cython.Py_ssize_t,
-    x: cython.Py_ssize_t,
+    at: cython.Py_ssize_t,
     hole: Hole,
     v: cython.longlong,
     u: cython.longlong,
@@ -145,8 +134,10 @@ def leaves(
     u = u % hole.known.shape[1]
     v = v + hole.known.shape[0] if v < 0 else v
     u = u + hole.known.shape[1] if u < 0 else u
+    y: cython.Py_ssize_t = at // shown.pixels.shape[1]
+    x: cython.Py_ssize_t = at % shown.pixels.shape[1]
     shows: cython.longlong = 2 * shown.visibility[y, x]
-    return 2 * shows * squared(shown.pixels, y, x, hole.known, v, u)
+    return 2 * shows * pixel_difference(shown.pixels, y, x, hole.known, v, u)
 
 
 def meet(
@@ -154,7 +145,7 @@ def meet(
     grid: Grid,
     hole: Hole,
     seams: Seams,
-    scratch: Scratch,
+    band: Band,
     first: cython.Py_ssize_t,
     last: cython.Py_ssize_t,
 ):
@@ -167,8 +158,8 @@ def meet(
     cython.declare(u=cython.Py_ssize_t, y=cython.Py_ssize_t, x=cython.Py_ssize_t)
     cython.declare(above=cython.Py_ssize_t, below=cython.Py_ssize_t)
     cython.declare(left=cython.Py_ssize_t, right=cython.Py_ssize_t)
-    cython.declare(a=cython.int, b=cython.int, ay=cython.Py_ssize_t, ax=cython.Py_ssize_t)
-    cython.declare(by=cython.Py_ssize_t, bx=cython.Py_ssize_t, drawn=cython.bint)
+    cython.declare(a=cython.int, b=cython.int, one=cython.Py_ssize_t)
+    cython.declare(other=cython.Py_ssize_t, drawn=cython.bint)
     cython.declare(height=cython.longlong, breadth=cython.longlong)
     cython.declare(total=cython.longlong, least=cython.longlong)
     width: cython.Py_ssize_t = shown.pixels.shape[1]
@@ -176,9 +167,7 @@ def meet(
     box: cython.Py_ssize_t = seams.box
     with cython.nogil:
         for i in range(first, last):
-            for j in range(seams.corners.shape[1]):
-                seams.corners[i, j, 0] = 0
-                seams.corners[i, j, 1] = 0
+            for j in range(seams.left, seams.right + 1):
                 above = around(grid, 0, i, -1)
                 below = around(grid, 0, i, 0)
                 left = around(grid, 1, j, -1)
@@ -192,25 +181,22 @@ def meet(
                 b = shown.place[below, right] if drawn else shown.place[below, left]
                 if a < 0 or b < 0:
                     continue
-                ay = a // width + seams.inset + height
-                ax = a % width + seams.inset + (breadth if drawn else 0)
-                by = b // width + seams.inset
-                bx = b % width + seams.inset + (0 if drawn else breadth)
-                for v in range(2 * reach):
+                one = a + (seams.inset + height) * width + seams.inset + (breadth if drawn else 0)
+                other = b + seams.inset * width + seams.inset + (0 if drawn else breadth)
+                compare(shown, one, other, width, 1, 2 * reach, band)
+                for v in range(2 * reach if hole.state.shape[0] else 0):
                     for u in range(2 * reach):
-                        scratch.error[v, u] = differ(shown, ay + v, ax + u, by + v, bx + u)
-                        if hole.state.shape[0]:
-                            y = grid.rows[i] - reach + v
-                            x = grid.columns[j] - reach + u
-                            if state_of(hole, grid, y, x) == OFF:
-                                scratch.error[v, u] = 0
+                        y = grid.rows[i] - reach + v
+                        x = grid.columns[j] - reach + u
+                        if state_of(hole, grid, y, x) == OFF:
+                            band.error[v, u] = 0
                 least = -1
                 for y in range(-seams.slack, seams.slack + 1):
                     for x in range(-seams.slack, seams.slack + 1):
                         total = 0
                         for v in range(reach + y - box, reach + y + box):
                             for u in range(reach + x - box, reach + x + box):
-                                total += scratch.error[v, u]
+                                total += band.error[v, u]
                         # Of equal ones the nearest to the corner.
                         total = total * 1024 + y * y + x * x
                         if least < 0 or total < least:
@@ -219,69 +205,13 @@ def meet(
                             seams.corners[i, j, 1] = cython.cast(cython.int, x)
 
 
-@cython.cfunc
-@cython.nogil
-@cython.exceptval(check=False)
-def least_path(
-    scratch: Scratch,
-    length: cython.Py_ssize_t,
-    depth: cython.Py_ssize_t,
-    begin: cython.Py_ssize_t,
-    end: cython.Py_ssize_t,
-) -> cython.void:
-    """Find the cheapest boundary along a band between two given places.
-
-    Line i of the band belongs to one side up to path[i] and to the other from there on. Both
-    pixels beside every piece of the boundary count, also where it runs across from line to line,
-    and for each place on a line what is `beyond`, if anything.
-    The path moves at most one place a line, and every place on it can reach both ends in that way,
-    so that no two paths of a corner cross.
-    """
-    cython.declare(i=cython.Py_ssize_t, k=cython.Py_ssize_t, low=cython.Py_ssize_t)
-    cython.declare(high=cython.Py_ssize_t, left=cython.longlong)
-    for k in range(depth + 1):
-        scratch.total[0, k] = NEVER
-    scratch.total[0, begin] = 0
-    scratch.came[0, begin] = cython.cast(cython.int, begin)
-    for i in range(1, length):
-        low = max(1, begin - i, end - (length - 1 - i))
-        high = min(depth - 1, begin + i, end + (length - 1 - i))
-        for k in range(depth + 1):
-            scratch.total[i, k] = scratch.total[i - 1, k]
-            scratch.came[i, k] = cython.cast(cython.int, k)
-        for k in range(1, depth + 1):  # across to the right, then to the left
-            if scratch.total[i, k - 1] < NEVER:
-                left = scratch.total[i, k - 1]
-                left += scratch.error[i - 1, k - 1] + scratch.error[i, k - 1]
-                if left < scratch.total[i, k]:
-                    scratch.total[i, k] = left
-                    scratch.came[i, k] = scratch.came[i, k - 1]
-        for k in range(depth - 1, -1, -1):
-            if scratch.total[i, k + 1] < NEVER:
-                left = scratch.total[i, k + 1] + scratch.error[i - 1, k] + scratch.error[i, k]
-                if left < scratch.total[i, k]:
-                    scratch.total[i, k] = left
-                    scratch.came[i, k] = scratch.came[i, k + 1]
-        for k in range(depth + 1):
-            if k < low or k > high:
-                scratch.total[i, k] = NEVER
-            elif scratch.total[i, k] < NEVER:
-                scratch.total[i, k] += scratch.error[i, k - 1] + scratch.error[i, k]
-                if scratch.beyond.shape[0]:
-                    scratch.total[i, k] += scratch.beyond[i, k]
-    k = end
-    for i in range(length - 1, -1, -1):
-        scratch.path[i] = cython.cast(cython.int, k)
-        k = scratch.came[i, k]
-
-
 def cut_edges(
     shown: Shown,
     grid: Grid,
     hole: Hole,
     seams: Seams,
     upright: cython.bint,
-    scratch: Scratch,
+    band: Band,
     first: cython.Py_ssize_t,
     last: cython.Py_ssize_t,
 ):
@@ -292,22 +222,21 @@ def cut_edges(
     """
     cython.declare(i=cython.Py_ssize_t, j=cython.Py_ssize_t, p=cython.Py_ssize_t)
     cython.declare(q=cython.Py_ssize_t, s=cython.Py_ssize_t, t=cython.Py_ssize_t)
-    cython.declare(n=cython.Py_ssize_t, k=cython.Py_ssize_t, v=cython.Py_ssize_t)
-    cython.declare(u=cython.Py_ssize_t, start=cython.Py_ssize_t, stop=cython.Py_ssize_t)
+    cython.declare(n=cython.Py_ssize_t, k=cython.Py_ssize_t, at=cython.Py_ssize_t)
+    cython.declare(start=cython.Py_ssize_t, stop=cython.Py_ssize_t)
     cython.declare(begin=cython.Py_ssize_t, end=cython.Py_ssize_t)
     cython.declare(size=cython.longlong, length=cython.longlong, a=cython.int, b=cython.int)
-    cython.declare(ay=cython.Py_ssize_t, ax=cython.Py_ssize_t)
-    cython.declare(by=cython.Py_ssize_t, bx=cython.Py_ssize_t)
-    cython.declare(y=cython.longlong, x=cython.longlong, kind=cython.int)
+    cython.declare(one=cython.Py_ssize_t, other=cython.Py_ssize_t, kind=cython.int)
+    cython.declare(y=cython.longlong, x=cython.longlong)
     paths: cython.int[:, :, ::1] = seams.upright if upright else seams.lying
     width: cython.Py_ssize_t = shown.pixels.shape[1]
+    along: cython.Py_ssize_t = width if upright else 1
+    across: cython.Py_ssize_t = 1 if upright else width
     inset: cython.Py_ssize_t = seams.inset
     reach: cython.Py_ssize_t = seams.reach
     with cython.nogil:
         for i in range(first, last):
-            for j in range(paths.shape[1]):
-                for t in range(paths.shape[2]):
-                    paths[i, j, t] = cython.cast(cython.int, inset + reach)
+            for j in range(seams.left, seams.right + 1 if upright else seams.right):
                 p = around(grid, 0, i, 0 if upright else -1)
                 q = around(grid, 1, j, -1 if upright else 0)
                 s = around(grid, 0, i, 0)
@@ -338,40 +267,31 @@ def cut_edges(
                 stop += inset + reach
                 if stop <= start:
                     continue
-                ay = a // width + (start if upright else inset + size)
-                ax = a % width + (inset + size if upright else start)
-                by = b // width + (start if upright else inset)
-                bx = b % width + (inset if upright else start)
-                for n in range(stop - start):
-                    if hole.state.shape[0]:
-                        scratch.beyond[n, 0] = 0
+                one = a + (
+                    start * width + inset + size if upright else (inset + size) * width + start
+                )
+                other = b + (start * width + inset if upright else inset * width + start)
+                compare(shown, one, other, along, across, stop - start, band)
+                for n in range(stop - start if hole.state.shape[0] else 0):
+                    band.beyond[n, 0] = 0
                     for k in range(2 * reach):
-                        v = n if upright else k
-                        u = k if upright else n
-                        scratch.error[n, k] = differ(shown, ay + v, ax + u, by + v, bx + u)
-                        if hole.state.shape[0] == 0:
-                            continue
-                        y = grid.rows[i] - reach + v + (start - inset if upright else 0)
-                        x = grid.columns[j] - reach + u + (0 if upright else start - inset)
+                        y = grid.rows[i] - reach + (start - inset + n if upright else k)
+                        x = grid.columns[j] - reach + (k if upright else start - inset + n)
                         kind = state_of(hole, grid, y, x)
-                        scratch.beyond[n, k + 1] = scratch.beyond[n, k]
+                        band.beyond[n, k + 1] = band.beyond[n, k]
                         if kind == OFF:
-                            scratch.error[n, k] = 0
+                            band.error[n, k] = 0
                         if kind == BESIDE:
                             # A boundary past this pixel leaves it to the block before.
-                            scratch.beyond[n, k + 1] += leaves(shown, ay + v, ax + u, hole, y, x)
-                            scratch.beyond[n, k + 1] -= leaves(shown, by + v, bx + u, hole, y, x)
-                least_path(scratch, stop - start, 2 * reach, begin, end)
+                            at = n * along + k * across
+                            band.beyond[n, k + 1] += leaves(shown, one + at, hole, y, x)
+                            band.beyond[n, k + 1] -= leaves(shown, other + at, hole, y, x)
+                least_boundary(band, stop - start, 2 * reach, begin, end)
                 for t in range(paths.shape[2]):
                     if t < start:
                         n = begin
                     elif t >= stop:
                         n = end
                     else:
-                        n = scratch.path[t - start]
+                        n = band.path[t - start]
                     paths[i, j, t] = cython.cast(cython.int, inset + n)
-
-
-def path_through(scratch: Scratch, begin, end):
-    """Fill `scratch.path` with the cheapest boundary through a whole band."""
-    least_path(scratch, scratch.error.shape[0], scratch.error.shape[1], begin, end)

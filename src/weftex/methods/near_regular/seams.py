@@ -10,10 +10,12 @@ import numpy as np
 from weftex.methods.near_regular import seam_kernels as kernels
 from weftex.results.patches import PatchSynthesis, RectifiedSynthesis
 from weftex.results.warped import WarpedSynthesis
+from weftex.seams.boundary_kernels import Band
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
+    from weftex.methods.near_regular.holes import Hole
     from weftex.methods.near_regular.layout import Axis, Layout
     from weftex.methods.near_regular.sample import BlockSample
     from weftex.methods.near_regular.settings import Settings
@@ -43,35 +45,21 @@ class Joints(NamedTuple):
     weights: NDArray[np.uint16]
 
 
-class Around(NamedTuple):
-    """What is known around a hole, as the seams of blocks see it; empty without a hole.
-
-    Attributes
-    ----------
-    known : uint8 array (H, W, K)
-        The canvas's pixels.
-    state : uint8 array (H, W)
-        0 in the hole, 1 beside it, 2 off it.
-    """
-
-    known: NDArray[np.uint8]
-    state: NDArray[np.uint8]
-
-
-NO_HOLE = Around(np.zeros((0, 0, 0), np.uint8), np.zeros((0, 0), np.uint8))
-
-
 def cut_seams(
     sample: BlockSample,
     layout: Layout,
+    hole: Hole,
     place: NDArray[np.int32],
     each: Each,
-    warps: Warps | None = None,
-    around: Around = NO_HOLE,
+    warps: Warps | None,
 ) -> Joints:
-    """Cut blocks along the paths of least error through their overlaps (chapter 6)."""
+    """Cut blocks along the paths of least error through their overlaps (chapter 6).
+
+    Which of two blocks a pixel at a hole's border belongs to also hangs on how well either would go
+    on beyond it.
+    """
     (lines, _), (across, _) = (a.laid(layout.reach) for a in (layout.rows, layout.columns))
-    upright, lying = _paths(sample, layout, place, each, warps, around)
+    upright, lying = _paths(sample, layout, hole, place, each, warps)
     zones = np.zeros(_shown_shape(layout), np.int64)
     weights = np.full((1, lines, across), 128, np.uint16)
     return Joints(_cuts(layout, upright, lying), zones, weights)
@@ -80,10 +68,10 @@ def cut_seams(
 def _paths(
     sample: BlockSample,
     layout: Layout,
+    hole: Hole,
     place: NDArray[np.int32],
     each: Each,
     warps: Warps | None,
-    around: Around,
 ) -> tuple[NDArray[np.int32], NDArray[np.int32]]:
     """Where blocks begin, for each line of their windows: from the left, and from above."""
     rows, columns = place.shape
@@ -103,30 +91,32 @@ def _paths(
         corners=np.zeros((rows + 1, columns + 1, 2), np.int32),
         upright=upright,
         lying=lying,
+        left=layout.columns.shown.start,
+        right=layout.columns.shown.stop,
     )
-    grid, hole = layout.grid(place), kernels.Hole(*around)
+    grid, around = layout.grid(place), kernels.Hole(hole.known, hole.state)
     still = kernels.Shown(sample.pixels, sample.visibility, place)
 
-    def scratch() -> kernels.Scratch:
-        return kernels.Scratch(
+    def band() -> Band:
+        return Band(
             np.empty((side, 2 * reach), np.int64),
-            np.empty((side if len(around.state) else 0, 2 * reach + 1), np.int64),
+            np.empty((side if len(hole.state) else 0, 2 * reach + 1), np.int64),
             np.empty((side, 2 * reach + 1), np.int64),
             np.empty((side, 2 * reach + 1), np.int32),
             np.empty(side, np.int32),
         )
 
     def meet(i: int) -> None:
-        kernels.meet(still, grid, hole, seams, scratch(), i, i + 1)
+        kernels.meet(still, grid, around, seams, band(), i, i + 1)
 
     def cut(lines: range) -> None:
-        looked, own = still, scratch()
+        looked, own = still, band()
         if warps:
             beside = {k % rows for k in range(lines.start - 1, lines.stop)}
             looked = kernels.Shown(*warps.shown(sample, layout, place, sorted(beside)))
         stop = min(lines.stop, layout.rows.shown.stop)
-        kernels.cut_edges(looked, grid, hole, seams, True, own, lines.start, stop)
-        kernels.cut_edges(looked, grid, hole, seams, False, own, lines.start, lines.stop)
+        kernels.cut_edges(looked, grid, around, seams, True, own, lines.start, stop)
+        kernels.cut_edges(looked, grid, around, seams, False, own, lines.start, lines.stop)
 
     shown = range(layout.rows.shown.start, layout.rows.shown.stop + 1)
     list(each(meet, shown))
@@ -240,22 +230,37 @@ def _weights(row: _Profile, column: _Profile) -> NDArray[np.uint16]:
     return result.astype(np.uint16)
 
 
+def keep_known(layout: Layout, hole: Hole, joints: Joints) -> Joints:
+    """Known pixels stay: blocks have no weight there."""
+    lines, first = layout.rows.laid(layout.reach)
+    across, begin = layout.columns.laid(layout.reach)
+    zones, found = joints.zones.copy(), dict[bytes, int]()
+    weights = [np.zeros_like(joints.weights[0])]
+    rows, columns = layout.rows.shown, layout.columns.shown
+    for i, j in np.argwhere(hole.laid[rows, columns]).tolist():
+        y, inside = layout.rows.lines(i + rows.start)
+        x, within = layout.columns.lines(j + columns.start)
+        shown = hole.missing[np.ix_(y, x)] & inside[:, None] & within
+        v, u = int(first[i]), int(begin[j])
+        weight = joints.weights[zones[i, j]] * shown[v : v + lines, u : u + across]
+        key = weight.tobytes()
+        if key not in found:
+            found[key] = len(weights)
+            weights.append(weight)
+        zones[i, j] = found[key]
+    return Joints(joints.cuts, zones, np.stack(weights))
+
+
 def lay_blocks(
     sample: BlockSample,
     layout: Layout,
     place: NDArray[np.int32],
     joints: Joints,
     provenance: dict[str, Any],
-    warps: Warps | None = None,
-    laid: NDArray[np.bool_] | None = None,
+    laid: NDArray[np.bool_],
+    warps: Warps | None,
 ) -> PatchSynthesis:
-    """Lay blocks by kind: drawn ones of even rows, of odd rows, then the gaps.
-
-    Parameters
-    ----------
-    laid : bool array (rows, columns), optional
-        Lay these only.
-    """
+    """Lay blocks by kind: drawn ones of even rows, of odd rows, then the gaps."""
     rows, columns = layout.rows.shown, layout.columns.shown
     margin = layout.rows.margin
     place = place[rows, columns]
@@ -277,8 +282,7 @@ def lay_blocks(
     )
     kind = 2 * layout.gap[rows, columns] + layout.rows.numbers[rows][:, None] % 2
     order = np.argsort(kind.ravel(), kind="stable")
-    if laid is not None:
-        order = order[laid[rows, columns].ravel()[order]]
+    order = order[laid[rows, columns].ravel()[order]]
     placements = placements.reshape(-1, 5)[order].astype(np.int32)
     cuts = joints.cuts
     if cuts.ndim == 3:
@@ -288,6 +292,8 @@ def lay_blocks(
         about["origin"] = list(layout.origin)
     if any(layout.canvas.wrap):
         about["strain"] = round(layout.lattice.strain, 6)
+    if layout.reach < margin:  # blocks of a small canvas that goes around
+        about["border_narrowed_to"] = 2 * layout.reach
     told: dict[str, Any] = {
         "sample_shape": sample.exemplar.shape,
         "exemplar": sample.exemplar,

@@ -7,14 +7,14 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from weftex.canvas import Canvas
-from weftex.errors import InvalidInputError
-from weftex.methods.lattices.canvas_lattice import (
+from weftex.analysis.canvas_lattice import (
     ANYWHERE,
     CanvasLattice,
     check_lattice,
     found_vectors,
 )
+from weftex.canvas import Canvas
+from weftex.errors import InvalidInputError
 from weftex.search.windows import windows_of
 
 if TYPE_CHECKING:
@@ -112,7 +112,7 @@ def settle(method: Any, exemplar: Exemplar) -> Settings:
     Raises
     ------
     InvalidInputError
-        If the vectors or a block do not fit the sample.
+        If the vectors or a block do not fit the sample, or a value has no effect on it.
     """
     paper = method.preset == "paper"
     vectors, by_rows = method.lattice, False
@@ -131,11 +131,24 @@ def settle(method: Any, exemplar: Exemplar) -> Settings:
         shortest = float(min(np.hypot(x1, y1), np.inf if by_rows else np.hypot(x2, y2)))
         rectify = 0 if paper else min(_TOLERANCE, round(shortest / 10))
     size, border = _block(method, exemplar, vectors, by_rows)
-    blend = ("feather" if paper else "cut") if method.blend == "auto" else method.blend
-    width = 4 if method.blend_width is None else method.blend_width
+    blend, width = blend_of(method), method.blend_width
+    if width is not None and width > border:
+        raise InvalidInputError(
+            f"blend_width is {width}; it must be at most the border_width, which is {border}"
+        )
+    for name, default in (("match", "difference"), ("seam_cost", "gradient")):
+        if border == 0 and getattr(method, name) != default:
+            raise InvalidInputError(f"{name} has no effect without borders; border_width is 0")
     unconstrained = _area(vectors) < _FREE
     vectors, tiles = _around(vectors, exemplar)
-    if unconstrained or exemplar.mask is not None or tiles:
+    unmoved = {
+        "without a lattice": unconstrained,
+        f"where {exemplar.name} has a mask or a hole": exemplar.mask is not None,
+        f"where {exemplar.name} tiles": tiles,
+    }
+    for case in (case for case, holds in unmoved.items() if holds):
+        if method.rectify:
+            raise InvalidInputError(f"rectify is {rectify}; it has no effect {case}")
         rectify = 0
     return Settings(
         lattice=vectors,
@@ -145,7 +158,7 @@ def settle(method: Any, exemplar: Exemplar) -> Settings:
         block_size=size,
         border_width=border,
         blend=blend,
-        blend_width=min(width, border) if blend == "feather" else 0,
+        blend_width=(min(4, border) if width is None else width) if blend == "feather" else 0,
         seam_cost=method.seam_cost,
         tolerance=tolerance,
         rectify=rectify,
@@ -154,6 +167,13 @@ def settle(method: Any, exemplar: Exemplar) -> Settings:
         candidates=method.candidates or (_ALL_SIMILAR if paper else 6),
         variety=(0.0 if paper else 1.0) if method.variety is None else method.variety,
     )
+
+
+def blend_of(method: Any) -> str:
+    """How a method joins blocks, by its preset where that is left open."""
+    if method.blend != "auto":
+        return str(method.blend)
+    return "feather" if method.preset == "paper" else "cut"
 
 
 def _found(exemplar: Exemplar) -> tuple[tuple[float, ...], bool]:
@@ -185,8 +205,6 @@ def _block(
     """The side of blocks and the width of borders, checked."""
     paper, shorter = method.preset == "paper", min(exemplar.shape)
     size, border = method.block_size, method.border_width
-    if border is not None and border % 2:
-        raise InvalidInputError(f"border_width is {border}; it must be even")
     if size is None:
         size = max(1, int(_PAPERS_BLOCK * shorter))
         if not paper:
@@ -263,9 +281,5 @@ def _has_room(exemplar: Exemplar, side: int, vectors: tuple[float, ...] = ()) ->
     lattice = CanvasLattice(vectors)
     y, x = np.nonzero(windows.usable)
     cells = [max(1, round(float(np.hypot(*v)) / _CELL)) for v in lattice.sample]
-    number = []
-    for k in (0, 1):
-        along = y * lattice.inverse[0, k] + x * lattice.inverse[1, k]
-        number.append(((along - np.floor(along)) * cells[k]).astype(np.int64) % cells[k])
-    found = np.unique(number[0] * cells[1] + number[1])
+    found = np.unique(lattice.cell(y, x, cells))
     return len(found) == cells[0] * cells[1]

@@ -99,22 +99,14 @@ def warp_gaps(
     sample: BlockSample,
     layout: Layout,
     place: NDArray[np.int32],
+    gaps: NDArray[np.bool_],
     each: Callable[..., Iterable[Any]],
-    laid: NDArray[np.bool_] | None = None,
 ) -> Warps:
-    """Find shifts of every gap along its sides that bring it together with its neighbors.
-
-    Parameters
-    ----------
-    laid : bool array (rows, columns), optional
-        Warp gaps among these only.
-    """
+    """Find shifts of these gaps along their sides that bring them together with their neighbors."""
     limit = settings.warp
     last = min(max(settings.block_size // _SPACING, 1), _MOST_PLACES)
     nodes = np.zeros((*place.shape, last + 1, last + 1, 2), np.int16)
-    warped = layout.shown & layout.gap & (place >= 0)
-    if laid is not None:
-        warped &= laid
+    warped = gaps & (place >= 0)
     half = min(_HALF, layout.reach)
     if half == 0:
         return Warps(nodes, warped)

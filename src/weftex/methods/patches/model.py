@@ -48,8 +48,14 @@ class PatchModel(Model):
         exemplar: Exemplar,
         cover: Callable[[Output, Any], None],
     ) -> None:
-        size, width = settings.patch_size, settings.boundary_width
-        self.method = replace(method, patch_size=size, boundary_width=width)
+        compared = settings.search != "exhaustive" and not settings.anything
+        self.method = replace(
+            method,
+            patch_size=settings.patch_size,
+            randomness=None,
+            boundary_width=settings.boundary_width,
+            candidates=settings.candidates if compared else None,
+        )
         self.exemplar = exemplar
         self.analysis = PatchAnalysis(settings, exemplar)
         self._cover = cover

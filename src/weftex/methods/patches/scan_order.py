@@ -41,33 +41,15 @@ class Step(NamedTuple):
 
 @dataclass(frozen=True, eq=False)
 class Order:
-    """The patches of an output in their order.
+    """The patches of an output in their order."""
 
-    Attributes
-    ----------
-    corners : int32 array (n, 2)
-        Upper left corner of each window on the frame.
-    bits : uint64 array (n,)
-        Random bits of each patch.
-    around : int32 array (n, k)
-        Numbers of earlier patches around each that it should not repeat, -1 for none.
-    steps : iterator of Step
-        Goes through all patches.
-    total : int
-        What the steps add up to, in units of `stage`.
-    stage : str
-        Patches or pixels, for progress.
-    parallel : bool
-        Some steps have several pieces.
-    """
-
-    corners: NDArray[np.int32]
-    bits: NDArray[np.uint64]
-    around: NDArray[np.int32]
-    steps: Iterator[Step]
-    total: int
-    stage: str
-    parallel: bool = False
+    corners: NDArray[np.int32]  # (n, 2): upper left corner of each window on the frame
+    bits: NDArray[np.uint64]  # (n,): random, one number a patch
+    around: NDArray[np.int32]  # (n, k): earlier patches that each should not repeat, -1 for none
+    steps: Iterator[Step]  # goes through all patches
+    total: int  # what the steps add up to, in units of `stage`
+    stage: str  # patches or pixels, for progress
+    parallel: bool = False  # some steps have several pieces
 
 
 def runs_of(zones: list[int], first: int) -> list[Run]:

@@ -9,13 +9,18 @@ from weftex.canvas import Canvas
 from weftex.errors import InvalidInputError
 from weftex.exemplar import Exemplar
 from weftex.method import Method, parameter
-from weftex.methods.patches.hole_sizes import patch_size_for
+from weftex.methods.patches.sizes import patch_size_for, patch_size_of
 from weftex.search.zone_search import SEARCHES
 
 if TYPE_CHECKING:
     import numpy as np
     from numpy.typing import NDArray
 
+_CANDIDATES, _MOST_CANDIDATES = 40, 10000
+#: With a wider tolerance so many more windows match: with the 8th power of the distance, about.
+#: (The power is 7 to 15 between the windows of bricks, grass, leaves, pebbles, tiles, weave, wood.)
+_MATCHING_POWER = 8
+_SHARE = 0.3  # lambda of section 2.4, where nothing else is said
 _HOLE_ZONE, _HOLE_CANDIDATES = 4, 400  # boundary width in px and candidates for holes
 
 
@@ -30,10 +35,14 @@ class PatchMethod(Method):
         "side w_B of the square patches; 1 samples single pixels (section 2.5)",
         low=1,
         unit="px",
-        default_text="randomness x the sample's shorter side",
+        default_text="0.3 x the sample's shorter side, or x 20 of its scale on samples over 384",
     )
-    randomness: float = parameter(
-        0.3, "lambda: patch size over the sample's shorter side", low=0.001, high=1.0
+    randomness: float | None = parameter(
+        None,
+        "lambda: patch size over the sample's shorter side (section 2.4)",
+        low=0.001,
+        high=1.0,
+        default_text="none, see patch_size",
     )
     boundary_width: int | None = parameter(
         None,
@@ -47,11 +56,12 @@ class PatchMethod(Method):
         "how candidates are found: the default, or one of the paper's (Table I)",
         choices=tuple(SEARCHES),
     )
-    candidates: int = parameter(
-        40,
+    candidates: int | None = parameter(
+        None,
         "m: windows from the low resolution that are compared at the full one",
         low=1,
-        high=10000,
+        high=_MOST_CANDIDATES,
+        default_text="40, and more where the tolerance is wide",
         needs=("search", ("quadtree", "pca", "kdtree", "kdtree-pca")),
     )
     variance: float = parameter(
@@ -75,12 +85,27 @@ class PatchMethod(Method):
         high=10.0,
     )
 
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        if self.patch_size is not None and self.randomness is not None:
+            raise InvalidInputError("randomness has no effect beside patch_size; give one of them")
+
+    @property
+    def looseness(self) -> float:
+        """How many times the paper's distance a patch may have and match."""
+        return 1.0
+
+    def candidates_for(self, usual: int) -> int:
+        """Return m: that many candidates, or more, so that those that match are among them."""
+        wider = min(max(self.looseness, 1.0), 4.0) ** _MATCHING_POWER
+        return min(round(usual * wider), _MOST_CANDIDATES)
+
     def for_part(self, whole: Exemplar) -> Self:
-        """See `Method.for_part`: a share that was asked for is one of the whole."""
-        share = {field.name: field.default for field in fields(self)}["randomness"]
-        if self.patch_size is not None or self.randomness == share:
+        """See `Method.for_part`: a share is one of the whole."""
+        if self.randomness is None:
             return self
-        return replace(self, patch_size=max(1, round(self.randomness * min(whole.shape))))
+        size = max(1, round(self.randomness * min(whole.shape)))
+        return replace(self, patch_size=size, randomness=None)
 
     @property
     def hole_reach(self) -> int:
@@ -102,45 +127,23 @@ class PatchMethod(Method):
             suits["boundary_width"] = min(_HOLE_ZONE, size // 2)
         # An exhaustive search takes no number of candidates.
         if given is not None and not given & {"candidates", "search"}:
-            suits["candidates"] = _HOLE_CANDIDATES
+            suits["candidates"] = self.candidates_for(_HOLE_CANDIDATES)
         return replace(self, **suits)
 
 
 @dataclass(frozen=True)
 class PatchSettings:
-    """Every value that laying patches depends on, settled for one sample.
+    """Every value that laying patches depends on, settled for one sample."""
 
-    Attributes
-    ----------
-    patch_size : int
-        Side w_B of the patches.
-    boundary_width : int
-        Width w_E of the boundary zone.
-    search : str
-        One of `SEARCHES`.
-    candidates : int
-        m of section 3.2.
-    variance : float
-        That the principal components keep.
-    edge_weight : float
-        Weight of outlines in distances.
-    repeat_distance : float
-        By how many patches the sources of patches near each other are kept apart; 0 does not.
-    blend : str
-        How patches are joined: feather, feather-at-end, cut or none.
-    anything : bool
-        Every window matches, so that nothing is searched (chaos mosaic).
-    """
-
-    patch_size: int
-    boundary_width: int
-    search: str
-    candidates: int
-    variance: float
-    edge_weight: float
-    repeat_distance: float
-    blend: str
-    anything: bool
+    patch_size: int  # side w_B of the patches
+    boundary_width: int  # width w_E of the boundary zone
+    search: str  # one of SEARCHES
+    candidates: int  # m of section 3.2
+    variance: float  # that the principal components keep
+    edge_weight: float  # of outlines in distances
+    repeat_distance: float  # how many patches the sources of near patches lie apart, at least
+    blend: str  # how patches are joined: feather, feather-at-end, cut or none
+    anything: bool  # every window matches, so that nothing is searched (chaos mosaic)
 
     @property
     def pixelwise(self) -> bool:
@@ -181,7 +184,8 @@ def settle(
         the largest that fits is named.
     """
     shorter = min(exemplar.shape)
-    size = method.patch_size or max(1, round(method.randomness * shorter))
+    method = method.for_part(exemplar)
+    size = method.patch_size or patch_size_of(exemplar, _SHARE)
     if size == 1:
         width = method.boundary_width or max(1, min(4, (shorter - 1) // 2))
     else:
@@ -194,13 +198,15 @@ def settle(
         patch_size=size,
         boundary_width=width,
         search=method.search,
-        candidates=method.candidates,
+        candidates=method.candidates or method.candidates_for(_CANDIDATES),
         variance=method.variance,
         edge_weight=method.edge_weight,
         repeat_distance=method.repeat_distance,
         blend=blend,
         anything=anything,
     )
+    if settings.pixelwise:
+        _refuse_for_pixels(method)
     if settings.window_side > shorter:
         raise InvalidInputError(
             f"{exemplar.name} is {exemplar.shape[1]}x{exemplar.shape[0]}, smaller than the "
@@ -209,32 +215,28 @@ def settle(
     return settings
 
 
+def _refuse_for_pixels(method: PatchMethod) -> None:
+    """A single pixel has no border to be joined at, and repeats nothing."""
+    usual = {field.name: field.default for field in fields(method)}
+    for name, done in (("blend", "none"), ("repeat_distance", 0)):
+        value = getattr(method, name)
+        if value not in (usual[name], done):
+            raise InvalidInputError(f"{name} has no effect on patches of one pixel (now {value})")
+
+
 @dataclass(frozen=True, eq=False)
 class Frame:
     """How windows of the sample lie on a canvas.
 
-    Attributes
-    ----------
-    canvas : Canvas
-        What to make.
-    settings : PatchSettings
-        Of the method.
-    window : (int, int)
-        Rows and columns of the windows that are compared; those of patches are no larger than the
-        canvas.
-    boundary_width : int
-        Width w_E of the boundary zone. In a wrapped row the last patch has a zone at either end,
-        and room must be left between them.
-    margin : (int, int)
-        Rows and columns by which the window of a single pixel hangs over the border, where the
-        canvas does not wrap.
+    In a wrapped row the last patch has a zone at either end, and room must be left between them, so
+    that the boundary may be narrower than in the settings.
     """
 
     canvas: Canvas
     settings: PatchSettings
-    window: tuple[int, int]
-    boundary_width: int
-    margin: tuple[int, int]
+    window: tuple[int, int]  # rows and columns that are compared; no more than the canvas has
+    boundary_width: int  # width w_E of the boundary zone on this canvas
+    margin: tuple[int, int]  # by which a single pixel's window hangs over a border without wrap
 
     @property
     def shape(self) -> tuple[int, int]:

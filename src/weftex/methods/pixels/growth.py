@@ -179,9 +179,7 @@ class WindowedMethod(Method):
         return settled.window_for(0)
 
 
-def settled_width(
-    given: int | None, exemplar: Exemplar, proposed: int, *, causal: bool = False
-) -> int:
+def settled_width(given: int | None, exemplar: Exemplar, proposed: int) -> int:
     """Return a width of window, odd, that fits the sample.
 
     Parameters
@@ -192,13 +190,11 @@ def settled_width(
         The sample; one that tiles has room for any window up to its own size.
     proposed : int
         A width in pixels.
-    causal : bool
-        The window is L-shaped and needs rows above its pixel only.
 
     Raises
     ------
     InvalidInputError
-        If a width was given that is even or does not fit; the largest that fits is named.
+        If a width was given that does not fit; the largest that fits is named.
 
     Examples
     --------
@@ -206,16 +202,40 @@ def settled_width(
     >>> settled_width(None, weftex.load_exemplar("sample:bricks"), 30)
     29
     """
-    height, width = exemplar.shape
-    if causal:
-        height = 2 * height - 1
-    largest = min(height, width)
+    largest = min(exemplar.shape)
     largest -= 1 - largest % 2
-    if given is not None and given % 2 == 0:
-        raise InvalidInputError(f"window_width is {given}; it must be odd")
     if given is not None and given > largest:
         raise InvalidInputError(
             f"window_width is {given}; {exemplar.name} is {exemplar.shape[1]}x"
             f"{exemplar.shape[0]}, which has room for {largest}"
         )
     return given or max(1, min(proposed - 1 + proposed % 2, largest))
+
+
+def narrowed(width: int, find: Callable[[int], object]) -> int:
+    """Return the widest odd width, from a proposed one down to 1, for which windows are found.
+
+    Parameters
+    ----------
+    width : int
+        The proposed one, odd.
+    find : callable
+        Looks for whole windows of a width; raises `InvalidInputError` where the usable pixels have
+        no room for any.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from weftex.exemplar import Exemplar
+    >>> from weftex.search.windows import square_windows
+    >>> ring = Exemplar(np.zeros((20, 20), np.uint8), mask=np.pad(np.zeros((10, 10), bool), 5) < 1)
+    >>> narrowed(9, lambda width: square_windows(ring, width))
+    9
+    """
+    while width > 1:
+        try:
+            find(width)
+            break
+        except InvalidInputError:
+            width -= 2
+    return width

@@ -54,6 +54,7 @@ class Refinement(WindowedMethod):
         None,
         "side of the square window, odd; one wider than 7 pixels is seen in a pyramid",
         low=1,
+        parity="odd",
         unit="px",
         default_text="twice the sample's dominant scale, 29 or more unless search is 'pca'",
     )

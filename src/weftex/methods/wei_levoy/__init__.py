@@ -12,7 +12,7 @@ from weftex.methods.wei_levoy.levels import noise, output_pyramid, parents_or_no
 from weftex.methods.wei_levoy.model import Prepared, prepare
 from weftex.methods.wei_levoy.passes import hole_passes, scan_passes
 from weftex.methods.wei_levoy.search import replace_by_nearest
-from weftex.methods.wei_levoy.settings import PROPOSED_WIDTH, settle
+from weftex.methods.wei_levoy.settings import PROPOSED_WIDTH, TREES_WINDOWS, settle
 
 if TYPE_CHECKING:
     from weftex.exemplar import Exemplar
@@ -59,6 +59,7 @@ class WeiLevoy(WindowedMethod):
         None,
         "side S of the window at a pixel's own level, odd",
         low=1,
+        parity="odd",
         unit="px",
         default_text=f"{PROPOSED_WIDTH}, or what fits the sample",
     )
@@ -66,11 +67,12 @@ class WeiLevoy(WindowedMethod):
         None,
         "side N of the window at the parent's level, odd and below S, or 0 for none",
         low=0,
+        parity="odd",
         unit="px",
         default_text="2 less than window_width, or 0 for one level",
     )
     search: str = parameter(
-        "tsvq", "look into a part of the tree, or at all windows", choices=("tsvq", "full")
+        "tsvq", "look into a part of a tree of windows, or at all of them", choices=("tsvq", "full")
     )
     tree_size: int = parameter(
         0,
@@ -83,6 +85,12 @@ class WeiLevoy(WindowedMethod):
         "leaves to look into; 1 goes down without backtracking",
         low=1,
         needs=("search", ("tsvq",)),
+    )
+    most_windows: int | None = parameter(
+        None,
+        "windows of a level that are searched, a random part where there are more; 0 is all",
+        low=0,
+        default_text=f"{TREES_WINDOWS} with a tree, all with the full search",
     )
     passes: int = parameter(
         0, "further passes over everything, with windows that look to all sides", low=0, high=1000
@@ -98,8 +106,6 @@ class WeiLevoy(WindowedMethod):
         width = self.parent_width
         if not width:
             return
-        if width % 2 == 0:
-            raise InvalidInputError(f"parent_width is {width}; it must be odd")
         if self.levels == 1:
             raise InvalidInputError("parent_width has no effect unless levels is 2 or more")
         if self.window_width and width >= self.window_width:

@@ -3,6 +3,7 @@
 
 import cython
 from cython.cimports.weftex.search.tsvq_kernels import Query, Tree, nearest
+from cython.cimports.weftex.search.window_kernels import copy_pixel
 
 
 @cython.cclass
@@ -83,12 +84,9 @@ def replace_pixels(
     Each becomes a copy of the sample's pixel whose window is nearest: the window around its parent,
     at the offsets `parents`, and its own as far as it is done. Where nothing is, the pixel stays.
     """
-    cython.declare(i=cython.Py_ssize_t, k=cython.Py_ssize_t, first=cython.Py_ssize_t)
-    cython.declare(y=cython.Py_ssize_t, x=cython.Py_ssize_t, channels=cython.Py_ssize_t)
-    cython.declare(place=cython.int, across=cython.Py_ssize_t)
-    channels = level.pixels.shape[2]
-    across = level.sample.shape[1]
-    first = parents.shape[0] * channels
+    cython.declare(i=cython.Py_ssize_t, first=cython.Py_ssize_t, place=cython.Py_ssize_t)
+    cython.declare(y=cython.Py_ssize_t, x=cython.Py_ssize_t)
+    first = parents.shape[0] * level.pixels.shape[2]
     with cython.nogil:
         for i in range(places.shape[0]):
             y = places[i] // level.pixels.shape[1]
@@ -101,6 +99,4 @@ def replace_pixels(
             if query.count == 0:
                 continue
             place = tree.places[nearest(tree, query, leaves)]
-            level.source[y, x] = place
-            for k in range(channels):
-                level.pixels[y, x, k] = level.sample[place // across, place % across, k]
+            copy_pixel(level.sample, place, level.pixels, level.source, y, x)

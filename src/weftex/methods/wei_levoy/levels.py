@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from weftex.random import draw
-from weftex.raster.pyramids import gaussian_pyramid, mask_pyramid
+from weftex.raster.pyramids import children, gaussian_pyramid, mask_pyramid
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -109,9 +109,8 @@ def parents_or_noise(level: Level, seed: int) -> NDArray[np.int32]:
         return noise(level.sample, seed, level.number, level.source.shape)
     height, width = level.sample.shape
     y, x = np.indices(level.source.shape)
-    above = level.coarser.source[y // 2, x // 2]
-    above_y, above_x = np.divmod(above, level.coarser.sample.shape[1])
-    child_y = np.minimum(2 * above_y + y % 2, height - 1)
-    child_x = np.minimum(2 * above_x + x % 2, width - 1)
-    source: NDArray[np.int32] = (child_y * width + child_x).astype(np.int32)
+    coarser = level.coarser
+    y, x = children(coarser.source[y // 2, x // 2], coarser.sample.shape[1], y, x)
+    places = np.minimum(y, height - 1) * width + np.minimum(x, width - 1)
+    source: NDArray[np.int32] = places.astype(np.int32)
     return source

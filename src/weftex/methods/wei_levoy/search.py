@@ -42,7 +42,12 @@ class Trees:
             parent_width = settings.parent_width_at(level)
             parent = self._samples[level + 1] if parent_width else None
             vectors, places = window_vectors(
-                self._samples[level], parent, settings.window_width, parent_width, causal=causal
+                self._samples[level],
+                parent,
+                settings.window_width,
+                parent_width,
+                causal=causal,
+                most=settings.most_windows,
             )
             self._built[level, causal] = build_tsvq(vectors, places, settings.most_leaves)
         return self._built[level, causal]

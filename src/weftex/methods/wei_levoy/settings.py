@@ -15,6 +15,7 @@ if TYPE_CHECKING:
 
 PROPOSED_WIDTH = 9
 _PROPOSED_LEVELS = 4
+TREES_WINDOWS = 2**17  # a tree over more takes long and hundreds of megabytes
 
 
 @dataclass(frozen=True)
@@ -27,6 +28,7 @@ class Settings:
     search: str
     tree_size: int
     leaves: int
+    most_windows: int
     passes: int
     start: str
 
@@ -78,7 +80,11 @@ def settle(method: Any, exemplar: Exemplar) -> Settings:
         raise InvalidInputError(
             f"parent_width is {parent_width}; it must be below window_width, which is {width}"
         )
+    most = method.most_windows
+    if most is None:
+        most = 0 if method.search == "full" else TREES_WINDOWS
     found = {"levels": levels, "window_width": width, "parent_width": parent_width}
+    found["most_windows"] = most
     return Settings(**dataclasses.asdict(method) | found)
 
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -72,6 +72,21 @@ class CanvasLattice:
         det = a * d - b * c
         self.inverse = np.array([[d, -b], [-c, a]]) / det
 
+    def multiples(self, y: Any, x: Any) -> tuple[Any, Any]:
+        """Which multiples of the canvas's vectors lead to places, with fractions."""
+        (a, b), (c, d) = self.inverse
+        return y * a + x * c, y * b + x * d
+
+    def cell(self, y: Any, x: Any, counts: list[int]) -> NDArray[np.int64]:
+        """Which cell of the tile pixels lie in, if its sides are cut into so many parts."""
+        number = []
+        for along, count in zip(self.multiples(y, x), counts, strict=True):
+            # A little on, so that multiples of whole vectors do not fall between two cells.
+            part = along - np.floor(along) + 2.0**-20
+            number.append((part * count).astype(np.int64) % count)
+        result: NDArray[np.int64] = number[0] * counts[1] + number[1]
+        return result
+
     def phase(self, y: NDArray[np.integer], x: NDArray[np.integer]) -> NDArray[np.int64]:
         """Where in the sample's first tile places of the canvas lie (eq. 3.29).
 
@@ -85,10 +100,7 @@ class CanvasLattice:
         int64 array (..., 2)
             In 1/65536 pixel of the sample's plane.
         """
-        parts = []
-        for k in (0, 1):
-            along = y * self.inverse[0, k] + x * self.inverse[1, k]
-            parts.append(along - np.floor(along))
+        parts = [along - np.floor(along) for along in self.multiples(y, x)]
         place = [parts[0] * self.sample[0, k] + parts[1] * self.sample[1, k] for k in (0, 1)]
         result: NDArray[np.int64] = np.rint(np.stack(place, axis=-1) * _UNIT).astype(np.int64)
         return result

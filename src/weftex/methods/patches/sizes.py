@@ -1,4 +1,4 @@
-"""The patch size that suits a hole."""
+"""Patch sizes that suit a sample, or a hole in it."""
 
 from __future__ import annotations
 
@@ -6,14 +6,51 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from weftex.analysis.relief import smaller_copy
+from weftex.analysis.scale import dominant_scale
 from weftex.raster.boxes import box_sums
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
+    from weftex.exemplar import Exemplar
+
+#: A patch is a share of the sample's shorter side, but of no more than so many times the scale of
+#: its structure, of which several make up one thing: patches of large samples would copy crowds.
+_SCALES = 20
+_ANY_SCALE = 384  # pixels a side of samples that are small enough, whatever their scale
+_LOOK = 320  # pixels a side; larger samples are averaged down to find their scale
+
 #: Patch sizes; a hole gets the largest of which it holds a square `_LEAP` times as wide.
 _SIZES = (128, 96, 64, 48)
 _LEAP = 2.5
+
+
+def patch_size_of(exemplar: Exemplar, share: float) -> int:
+    """Return the side of patches for a sample, in pixels.
+
+    Parameters
+    ----------
+    exemplar : Exemplar
+        The sample.
+    share : float
+        Of its shorter side, or of 20 times the scale of its structure where that is less; samples
+        of up to 384 pixels a side are taken as they are.
+
+    Examples
+    --------
+    >>> from weftex.exemplar import Exemplar
+    >>> y, x = np.indices((600, 600))
+    >>> grid = Exemplar((100 * (x % 16 < 8) + 100 * (y % 16 < 8)).astype(np.uint8))
+    >>> patch_size_of(grid, 0.3)
+    115
+    """
+    side = min(exemplar.shape)
+    if side > _ANY_SCALE:
+        small, step = smaller_copy(exemplar, _LOOK)
+        scale = dominant_scale(small).scale * step
+        side = min(side, max(_ANY_SCALE, round(_SCALES * scale)))
+    return max(1, round(share * side))
 
 
 def patch_size_for(hole: NDArray[np.bool_], usable: NDArray[np.bool_], least: int) -> int:

@@ -1,0 +1,128 @@
+"""How good lattices are for a sample: the one that was found, a given one, and runners-up."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from weftex.analysis.correlation import correlate
+from weftex.analysis.goodness import ALPHA, SIGNIFICANT, Field, check_rule, rate, reach_of
+from weftex.analysis.lattice import Lattice
+from weftex.analysis.pairs import MOST_MULTIPLES, rated_pairs
+from weftex.analysis.peaks import find_peaks
+from weftex.analysis.relief import Relief, relief
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    from weftex.exemplar import Exemplar
+
+
+@dataclass(frozen=True)
+class Rated:
+    """A lattice and how good it is by section 3.3 of the paper on near-regular textures.
+
+    Attributes
+    ----------
+    vectors : tuple of (float, float)
+        Its shortest two vectors (x, y) in pixels.
+    goodness : float
+        Of eq. 3.22; what is compared. 0 if a vector has no significant multiple.
+    mean : float
+        The mean of eq. 3.24: of the correlation for "height", of what stands for it otherwise.
+    multiples : int
+        n of eq. 3.22: those whose overlap is significant.
+    """
+
+    vectors: tuple[tuple[float, float], ...]
+    goodness: float
+    mean: float
+    multiples: int
+
+
+def gncc(exemplar: Exemplar) -> NDArray[np.float64]:
+    """The normalized correlation of a sample with itself that its lattice is read from (3.2).
+
+    Parameters
+    ----------
+    exemplar : Exemplar
+        The sample; slow lighting is taken off first, and large ones are averaged down.
+
+    Returns
+    -------
+    float64 array (2 * H - 1, 2 * W - 1)
+        From -1 to 1, no shift in the middle; see `weftex.analysis.correlation.correlate`.
+    """
+    return _gncc(relief(exemplar))
+
+
+def _gncc(flat: Relief) -> NDArray[np.float64]:
+    return correlate(np.moveaxis(flat.levels, 0, 2), first_mask=flat.usable >= 0.5)
+
+
+def rate_lattices(
+    exemplar: Exemplar,
+    lattice: Lattice | None = None,
+    *,
+    goodness: str = "contrast",
+    alpha: float = ALPHA,
+    significant: float = SIGNIFICANT,
+    runners_up: int = 3,
+) -> tuple[Rated | None, tuple[Rated, ...]]:
+    """Rate a lattice, and the best others that a sample could have.
+
+    Parameters
+    ----------
+    exemplar : Exemplar
+        The sample.
+    lattice : Lattice, optional
+        To be rated, and left out of the others.
+    goodness, alpha, significant
+        As for `weftex.analysis.lattice.find_lattice`.
+    runners_up : int
+        The most others to return.
+
+    Returns
+    -------
+    (Rated or None, tuple of Rated)
+        The lattice, None where it has not two vectors; the others, the best first.
+
+    Examples
+    --------
+    >>> from weftex.exemplar import Exemplar
+    >>> tile = np.random.default_rng(0).integers(0, 255, (12, 16), np.uint8)
+    >>> sample = Exemplar(np.tile(tile, (6, 5)))
+    >>> own, others = rate_lattices(sample, Lattice(((16, 0), (0, 12))), goodness="height")
+    >>> round(own.mean, 2), all(own.goodness > other.goodness for other in others)
+    (1.0, True)
+    """
+    check_rule(goodness, alpha, significant)
+    flat = relief(exemplar)
+    correlation = _gncc(flat)
+    field = Field(correlation, find_peaks(correlation), alpha, significant)
+
+    def rated(vectors: NDArray[np.float64]) -> Rated:
+        reach = reach_of(field, vectors, MOST_MULTIPLES)
+        found = rate(field, vectors[None], reach, goodness, exact=True)
+        plain = Lattice(tuple((float(x), float(y)) for x, y in vectors * flat.step)).reduced()
+        return Rated(
+            tuple((round(x, 2) + 0.0, round(y, 2) + 0.0) for x, y in plain.vectors),
+            round(float(found.goodness[0]), 4),
+            round(float(found.value[0]), 4),
+            int(found.count[0]),
+        )
+
+    own = None
+    if lattice is not None and len(lattice.vectors) == 2:
+        own = rated(np.array(lattice.reduced().vectors) / flat.step)
+    others = [rated(vectors) for vectors, _ in rated_pairs(field, goodness)]
+    others.sort(key=lambda other: -other.goodness)
+    shown: list[Rated] = []
+    for other in others:
+        known = [] if lattice is None else [lattice]
+        known += [Lattice(one.vectors) for one in shown]
+        if other.goodness > 0 and not any(Lattice(other.vectors).same_as(one) for one in known):
+            shown.append(other)
+    return own, tuple(shown[:runners_up])

@@ -1,0 +1,137 @@
+"""Patches that fill holes, against the slow twin."""
+
+import itertools
+import pickle
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+import weftex
+from families import noise
+from twins.patch_sampling import compare
+
+WRAPS = list(itertools.product([False, True], repeat=2))
+
+
+def sampling(**more):
+    kind = {"patch_size": 7, "boundary_width": 2, "search": "exhaustive"}
+    return weftex.PatchSampling(**kind | more)
+
+
+HOLES = {
+    "square": lambda y, x: (y >= 6) & (y < 15) & (x >= 5) & (x < 16),
+    "disc": lambda y, x: (y - 10) ** 2 + (x - 11) ** 2 < 40,
+    "two": lambda y, x: ((y - 4) ** 2 + (x - 4) ** 2 < 8) | ((y - 15) ** 2 + (x - 16) ** 2 < 8),
+    "corner": lambda y, x: y + x < 9,
+    "border": lambda y, x: (y > 15) & (x > 3) & (x < 12),
+    "stripe": lambda y, x: (x > 8) & (x < 12),
+    "dots": lambda y, x: (y % 5 == 2) & (x % 6 == 3),
+    "ring": lambda y, x: ((y - 10) ** 2 + (x - 10) ** 2 < 64) & ((y - 10) ** 2 + (x - 10) ** 2 > 9),
+    "pixel": lambda y, x: (y == 0) & (x == 0),
+    "nearly all": lambda y, x: (y > 0) | (x > 0),
+}
+
+
+@pytest.mark.parametrize("wrap", [(False, False), (True, True)])
+@pytest.mark.parametrize("shape", HOLES)
+@pytest.mark.parametrize(
+    "patch_size, blend", [(7, "feather"), (7, "cut"), (7, "none"), (1, "none")]
+)
+def test_holes(rng, shape, wrap, patch_size, blend):
+    hole = HOLES[shape](*np.indices((20, 21)))
+    known = noise((20, 21, 3), values=16, rng=rng)
+    exemplar = weftex.Exemplar(noise((14, 15, 3), values=16, rng=rng))
+    canvas = weftex.Canvas(20, 21, wrap, known=known, hole=hole)
+    result = compare(sampling(patch_size=patch_size, blend=blend), exemplar, canvas)
+    assert np.array_equal(result.image[~hole], known[~hole])
+    assert (result.source[hole] >= 0).all(), "all of the hole is filled"
+
+
+@pytest.mark.parametrize("wrap", [(False, False), (True, True)])
+@pytest.mark.parametrize("repeat_distance", [0.0, 0.5, 1.5])
+@pytest.mark.parametrize("blend", ["feather", "cut"])
+@pytest.mark.parametrize("kind", [weftex.PatchSampling, weftex.Quilting])
+def test_large_holes_keep_sources_apart(rng, wrap, repeat_distance, blend, kind):
+    """Enough patches that some are further than two windows and more than eleven back."""
+    y, x = np.indices((44, 46))
+    hole = (y - 22) ** 2 + (x - 23) ** 2 < 400
+    known = noise((44, 46), values=4, rng=rng)
+    exemplar = weftex.Exemplar(noise((14, 15), values=4, rng=rng))
+    loose = {"epsilon": 1.0} if kind is weftex.PatchSampling else {"tolerance": 0.5}
+    method = kind(
+        patch_size=7, boundary_width=2, search="exhaustive", blend=blend,
+        repeat_distance=repeat_distance, **loose,
+    )  # fmt: skip
+    result = compare(method, exemplar, weftex.Canvas(44, 46, wrap, known=known, hole=hole))
+    assert len(result.placements) > 40
+
+
+def test_a_holes_sources_keep_their_distance():
+    exemplar = weftex.load_exemplar("sample:pebbles")
+    y, x = np.indices((260, 260))
+    hole = np.maximum(abs(y - 130), abs(x - 130)) < 110
+    known = np.resize(exemplar.pixels, (260, 260, 3)).copy()
+
+    def repeats(distance):
+        method = weftex.PatchSampling(patch_size=24, repeat_distance=distance)
+        canvas = weftex.Canvas(260, 260, known=known, hole=hole)
+        placements = method.fit(exemplar).sample(canvas, seed=2).placements
+        at, source = placements[:, :2], placements[:, 2:4]
+        count = 0
+        for k in range(1, len(at)):
+            near = np.flatnonzero((np.abs(at[:k] - at[k]) < 40).all(axis=1))[-11:]
+            offset = source[near] - source[k]
+            goes_on = (offset == at[near] - at[k]).all(axis=1)
+            count += int(((np.abs(offset) < 12).all(axis=1) & ~goes_on).sum())
+        return count
+
+    assert repeats(0.5) < 0.3 * repeats(0.0)
+
+
+@pytest.mark.parametrize("wrap", WRAPS)
+@pytest.mark.parametrize("size", [(1, 1), (1, 6), (2, 2), (3, 9), (6, 6)])
+def test_holes_in_canvases_smaller_than_a_patch(rng, size, wrap):
+    hole = np.ones(size, bool)
+    hole[0, -1] = size == (1, 1)
+    known = noise((*size, 3), rng=rng)
+    exemplar = weftex.Exemplar(noise((14, 15, 3), rng=rng))
+    canvas = weftex.Canvas(*size, wrap, known=known, hole=hole)
+    result = sampling().fit(exemplar).sample(canvas, seed=1)
+    assert np.array_equal(result.image[~hole], known[~hole])
+    assert (result.source[hole] >= 0).all()
+
+
+@given(st.data())
+def test_random_holes_are_filled_and_nothing_else(data):
+    rng = np.random.default_rng(data.draw(st.integers(0, 2**30)))
+    size = data.draw(st.tuples(st.integers(8, 30), st.integers(8, 30)))
+    hole = rng.random(size) < data.draw(st.sampled_from([0.01, 0.2, 0.9]))
+    hole.ravel()[int(rng.integers(hole.size))] = True
+    hole.ravel()[int(rng.integers(hole.size))] = False
+    wrap = data.draw(st.sampled_from(WRAPS))
+    patch_size = data.draw(st.sampled_from([1, 6, 8]))
+    known = noise((*size, 3), rng=rng)
+    exemplar = weftex.Exemplar(noise((12, 13, 3), rng=rng))
+    canvas = weftex.Canvas(*size, wrap, known=known, hole=hole)
+    method = weftex.PatchSampling(patch_size=patch_size, boundary_width=2)
+    result = method.fit(exemplar).sample(canvas, seed=1)
+    assert np.array_equal(result.image[~hole], known[~hole])
+    assert (result.source[hole] >= 0).all()
+
+
+@pytest.mark.parametrize("search", ["exhaustive", "quadtree", "pca", "kdtree", "kdtree-pca"])
+def test_structures_for_holes_are_not_kept(rng, search):
+    """Each hole has its own; a model that fills many must not grow."""
+    exemplar = weftex.Exemplar(noise((24, 25), rng=rng))
+    model = weftex.PatchSampling(patch_size=8, boundary_width=2, search=search).fit(exemplar)
+    model.sample((40, 40), seed=1)
+    model.sample((40, 40), seed=1, tileable=True)
+    kept = len(model.analysis._structures)
+    assert len(pickle.dumps(model)) < 40000
+    for seed in range(3):
+        hole = rng.random((40, 41)) < 0.1
+        canvas = weftex.Canvas(40, 41, known=noise((40, 41), rng=rng), hole=hole)
+        model.sample(canvas, seed=seed)
+    assert len(model.analysis._structures) == kept

@@ -1,0 +1,128 @@
+"""The sizes of patches and boundaries, and what is refused."""
+
+import numpy as np
+import pytest
+
+import weftex
+from families import every, noise
+
+
+def test_patch_size_follows_the_randomness_parameter():
+    """w_B = lambda min(w_in, h_in), section 2.4."""
+    exemplar = weftex.Exemplar(np.zeros((60, 100), np.uint8))
+    for share in (0.25, 0.5, 1.0):
+        method = weftex.PatchSampling(randomness=share).fit(exemplar).method
+        assert method.patch_size == round(60 * share)
+
+
+@every("method", family="patch")
+def test_what_has_no_effect_is_refused(method):
+    kind, exemplar = weftex.METHODS[method], weftex.Exemplar(np.zeros((60, 100), np.uint8))
+    with pytest.raises(weftex.InvalidInputError, match="randomness has no effect beside patch_s"):
+        kind(randomness=0.3, patch_size=20)
+    for one in ({"blend": "feather-at-end"}, {"repeat_distance": 1.5}):
+        for small in ({"patch_size": 1}, {"randomness": 0.001}):
+            with pytest.raises(weftex.InvalidInputError, match="no effect on patches of one pixel"):
+                kind(**one, **small).fit(exemplar)
+    for done in ({}, {"blend": "none"}, {"repeat_distance": 0.0}):
+        assert kind(patch_size=1, **done).fit(exemplar).method.patch_size == 1
+
+
+@pytest.mark.parametrize("kind, share", [(weftex.PatchSampling, 0.3), (weftex.GraphCut, 0.45)])
+def test_patches_of_large_samples_follow_the_scale_of_their_things(kind, share):
+    """A large sample of small things has patches of few things; one of large things, as ever."""
+    y, x = np.indices((600, 700))
+
+    def size(period, side=600):
+        levels = 100 * (x % period < period // 2) + 100 * (y % period < period // 2)
+        exemplar = weftex.Exemplar(levels[:side].astype(np.uint8))
+        model = kind().fit(exemplar)
+        assert model.sample((40, 40), seed=1).provenance["patch_size"] == model.method.patch_size
+        return model.method.patch_size
+
+    assert size(12) == round(share * 384)
+    assert share * 22 * 20 < size(24) < share * 26 * 20
+    assert size(60) == round(share * 600)
+    assert size(12, side=384) == round(share * 384)
+
+
+@pytest.mark.parametrize("kind", [{"epsilon": 1.0}, {"epsilon": 5.0}, {"epsilon": 1e6}])
+def test_a_wide_tolerance_draws_from_all_that_match(rng, kind):
+    """Psi_B has nearly all windows then, not the 40 nearest alone."""
+    sample = noise((60, 60), rng=rng)
+    model = weftex.PatchSampling(patch_size=16, boundary_width=4, **kind).fit(
+        weftex.Exemplar(sample)
+    )
+    windows = np.lib.stride_tricks.sliding_window_view(sample.astype(int), (16, 4))[:, :45]
+    ranks = []
+    for seed in range(20):
+        made = model.sample((16, 28), seed=seed)
+        (y, x), (v, u) = made.placements[:, 2:4].tolist()
+        known = sample[y : y + 16, x + 12 : x + 16].astype(int)
+        distances = ((windows - known) ** 2).sum(axis=(2, 3))
+        ranks.append((distances < distances[v, u]).mean())
+    assert 0.3 < np.median(ranks) < 0.7
+
+
+@every("method", family="patch")
+def test_results_say_which_sizes_were_used(method):
+    """Settled for the sample, in the model's method and in what the result tells of itself."""
+    exemplar = weftex.Exemplar(np.zeros((60, 100), np.uint8))
+    for chosen in ({}, {"patch_size": 24}, {"boundary_width": 2}, {"patch_size": 1}):
+        model = weftex.METHODS[method](**chosen).fit(exemplar)
+        told = model.sample((70, 80), seed=1).provenance
+        for name, sizes in (("patch_size", (18, 24, 1)), ("boundary_width", (2, 4))):
+            assert told[name] == getattr(model.method, name) == chosen.get(name, told[name])
+            assert told[name] in sizes
+        again = weftex.METHODS[method](**{k: told[k] for k in ("patch_size", "boundary_width")})
+        assert again.fit(exemplar).method == model.method
+
+
+@pytest.mark.parametrize("threads", [0, -1, 1.0, "2", True, float("nan")])
+def test_bad_thread_counts_are_refused(threads):
+    model = weftex.PatchSampling().fit(weftex.Exemplar(np.zeros((20, 20), np.uint8)))
+    with pytest.raises(weftex.InvalidInputError, match="threads is"):
+        model.sample((30, 30), seed=1, threads=threads)
+
+
+def test_samples_that_tile_must_hold_a_window_too():
+    exemplar = weftex.Exemplar(np.zeros((9, 20), np.uint8), tileable=True)
+    assert weftex.PatchSampling(patch_size=9).fit(exemplar).sample(30, seed=1).shape == (30, 30)
+    for kind in ({"patch_size": 10}, {"patch_size": 1, "boundary_width": 5}):
+        with pytest.raises(weftex.InvalidInputError, match="20x9, smaller than the window"):
+            weftex.PatchSampling(**kind).fit(exemplar)
+
+
+def test_the_boundary_is_at_most_half_of_the_patch():
+    exemplar = weftex.Exemplar(np.zeros((60, 100), np.uint8))
+    method = weftex.PatchSampling(patch_size=21, boundary_width=10, candidates=50)
+    assert method.fit(exemplar).method == method
+    with pytest.raises(weftex.InvalidInputError, match="boundary_width is 11; .* 10"):
+        weftex.PatchSampling(patch_size=21, boundary_width=11).fit(exemplar)
+    for size in range(2, 60):
+        method = weftex.PatchSampling(patch_size=size).fit(exemplar).method
+        assert 1 <= method.boundary_width <= size // 2
+
+
+@every("method", family="patch")
+def test_a_patch_larger_than_the_sample_names_the_largest(method):
+    exemplar = weftex.Exemplar(np.zeros((60, 100), np.uint8), name="brick.png")
+    with pytest.raises(weftex.InvalidInputError, match=r"brick\.png is 100x60, .* fits is 60"):
+        weftex.METHODS[method](patch_size=61).fit(exemplar)
+    with pytest.raises(weftex.InvalidInputError, match="fits is 60"):
+        weftex.METHODS[method](patch_size=1, boundary_width=40).fit(exemplar)
+
+
+def test_a_mask_without_room_for_a_patch_is_refused():
+    mask = np.zeros((60, 100), bool)
+    mask[:9, :9] = True
+    with pytest.raises(weftex.InvalidInputError, match="no 10x10 window lies in the usable part"):
+        weftex.PatchSampling(patch_size=10).fit(
+            weftex.Exemplar(np.zeros((60, 100), np.uint8), mask=mask)
+        )
+
+
+@pytest.mark.parametrize("threads", [0, -1, 1.5, "2", True])
+def test_bad_threads_are_refused(threads):
+    with pytest.raises(weftex.InvalidInputError, match="threads is"):
+        weftex.synthesize(np.zeros((40, 40), np.uint8), 40, seed=1, threads=threads)
