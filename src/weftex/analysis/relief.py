@@ -123,7 +123,6 @@ def _means(values: NDArray[Any], step: int) -> NDArray[np.float64]:
     return means
 
 
-<<<<<<< HEAD
 def _moments(
     values: NDArray[np.float64], down: NDArray[np.float64], along: NDArray[np.float64]
 ) -> NDArray[np.float64]:
@@ -134,7 +133,8 @@ def _moments(
     rows = [np.einsum("yx,x->y", values, power) for power in along]
     result: NDArray[np.float64] = np.array([[(row * p).sum() for row in rows] for p in down])
     return result
-=======
+
+
 def smaller_copy(exemplar: Exemplar, largest: int) -> tuple[Exemplar, int]:
     """Average a sample down until it has at most so many pixels a side.
 
@@ -161,4 +161,3 @@ def smaller_copy(exemplar: Exemplar, largest: int) -> tuple[Exemplar, int]:
         mask = share > (0.5 if (share > 0.5).any() else 0)
     pixels = np.rint(pixels).astype(np.uint8)
     return Exemplar(pixels, mask=mask, alpha=False, name=exemplar.name), step
->>>>>>> 8dc4f7aab4b23f60e6dfe200d38b63815281be6e
