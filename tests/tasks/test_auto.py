@@ -28,8 +28,8 @@ def with_(**changes):
 
 RULE = [
     (GRASS, Canvas(512, 512), "patch-sampling", "fine structure, 11.5 px of 256"),
-    (with_(scale=16.0), Canvas(512, 512), "patch-sampling", "fine"),
-    (with_(scale=16.1), Canvas(512, 512), "graphcut", "irregular structure of 16.1 px"),
+    (with_(scale=21.3), Canvas(512, 512), "patch-sampling", "fine"),
+    (with_(scale=21.4), Canvas(512, 512), "graphcut", "irregular structure of 21.4 px"),
     (with_(scale=40.0), Canvas(1024, 1024), "graphcut", "irregular"),
     (with_(scale=40.0), Canvas(1024, 1025), "quilting", "1.05 megapixels would take graphcut too"),
     (with_(scale=40.0), Canvas(8192, 8192), "quilting", "67.1 megapixels .* graphcut 11 minutes"),

@@ -43,7 +43,17 @@ def regularity(exemplar: Exemplar) -> float:
     >>> regularity(Exemplar(np.tile(tile, (4, 4))))
     1.0
     """
-    correlation = autocorrelation(exemplar)
+    return round(min(highest_return(autocorrelation(exemplar)), 1.0), 2)
+
+
+def highest_return(correlation: NDArray[np.float64]) -> float:
+    """How high a correlation comes back above the lowest on the straight way, at any shift.
+
+    Parameters
+    ----------
+    correlation : float64 array (2 * m + 1, 2 * n + 1)
+        The same at opposite shifts, no shift in the middle.
+    """
     middle, center = correlation.shape[0] // 2, correlation.shape[1] // 2
     half = correlation[middle:]  # the other one is its mirror image
     around = np.pad(correlation, 1, constant_values=-np.inf)[middle:]
@@ -62,7 +72,7 @@ def regularity(exemplar: Exemplar) -> float:
             np.rint(steps * y[k]).astype(int), center + np.rint(steps * (x[k] - center)).astype(int)
         ]
         best = max(best, reached - max(0.0, float(way.min())))
-    return round(min(best, 1.0), 2)
+    return best
 
 
 def autocorrelation(exemplar: Exemplar) -> NDArray[np.float64]:

@@ -61,19 +61,55 @@ def relief(exemplar: Exemplar) -> Relief:
     levels, usable = levels[box], usable[box]
     step = -(-max(usable.shape) // _LARGEST_SIDE)
     share = _means(usable, step)
-    y, x = (np.linspace(-1, 1, side) if side > 1 else np.zeros(1) for side in share.shape)
+    down, along = (
+        np.vander(np.linspace(-1, 1, side) if side > 1 else np.zeros(1), 5, increasing=True).T
+        for side in share.shape
+    )
+    # Products of powers of y and x up to the second degree, so sums over rows, then columns.
     powers = ((0, 0), (1, 0), (0, 1), (2, 0), (1, 1), (0, 2))
-    surfaces = np.stack([np.outer(y**i, x**j) for i, j in powers])
+    moments = _moments(share, down, along)
+    gram = np.array([[moments[i + k, j + m] for k, m in powers] for i, j in powers])
     # A pseudoinverse, because a thin sample does not tell all six apart.
-    gram = np.einsum("ihw,hw,jhw->ij", surfaces, share, surfaces, optimize=False)
     inverse = np.linalg.pinv(gram, hermitian=True)
     result = np.empty((levels.shape[2], *share.shape))
     for k in range(levels.shape[2]):
         total = _means(levels[..., k] * usable, step)
-        weights = inverse @ (surfaces * total).sum(axis=(1, 2))
-        level = total - share * np.tensordot(weights, surfaces, 1)
-        result[k] = np.where(abs(level) < 1e-6, 0, level)  # the surface's own rounding
+        sums = _moments(total, down[:3], along[:3])
+        lines = np.zeros((3, share.shape[1]))
+        for (i, j), factor in zip(powers, inverse @ [sums[p] for p in powers], strict=True):
+            lines[i] += factor * along[j]
+        for power, line in zip(down, lines, strict=False):
+            total -= share * (power[:, None] * line)
+        total[abs(total) < 1e-6] = 0  # the surface's own rounding
+        result[k] = total
     return Relief(result, share, step)
+
+
+def mixed(levels: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Return the mixture of channels that varies most.
+
+    Parameters
+    ----------
+    levels : float64 array (K, h, w)
+        Around 0.
+
+    Returns
+    -------
+    float64 array (h, w)
+        Dark where most channels are dark.
+
+    Examples
+    --------
+    >>> red = np.array([[3.0, -3.0]])
+    >>> mixed(np.stack([red, 0 * red])).tolist()
+    [[3.0, -3.0]]
+    """
+    alike = [[np.einsum("yx,yx->", one, other) for other in levels] for one in levels]
+    shares = np.linalg.eigh(alike)[1][:, -1]
+    result: NDArray[np.float64] = np.zeros(levels.shape[1:])
+    for share, level in zip(shares if shares.sum() >= 0 else -shares, levels, strict=True):
+        result += share * level
+    return result
 
 
 def _means(values: NDArray[Any], step: int) -> NDArray[np.float64]:
@@ -85,6 +121,18 @@ def _means(values: NDArray[Any], step: int) -> NDArray[np.float64]:
     cut = values[: rows * high, : columns * wide].reshape(rows, high, columns, wide)
     means: NDArray[np.float64] = cut.mean(axis=(1, 3), dtype=np.float64)
     return means
+
+
+def _moments(
+    values: NDArray[np.float64], down: NDArray[np.float64], along: NDArray[np.float64]
+) -> NDArray[np.float64]:
+    """Sums of values times each power of y and of x (n, y) and (m, x).
+
+    Not by a matrix product, whose threads wait for one another longer than it takes.
+    """
+    rows = [np.einsum("yx,x->y", values, power) for power in along]
+    result: NDArray[np.float64] = np.array([[(row * p).sum() for row in rows] for p in down])
+    return result
 
 
 def smaller_copy(exemplar: Exemplar, largest: int) -> tuple[Exemplar, int]:

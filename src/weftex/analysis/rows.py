@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from weftex.analysis.correlation import correlate
+from weftex.analysis.relief import mixed
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -23,9 +24,12 @@ if TYPE_CHECKING:
 _CLOSEST = 5.0  # pixels from row to row, at least
 _STEP = 0.25  # pixels between distances that are tried
 _RIDGES = 8  # rows whose ridges are rated, as far as the sample has them
-_FEWEST = 3  # ridges that a sample must have
+_FEWEST = 2  # ridges that a sample must have
+_REACH = 0.7  # of the shorter side: the farthest ridge that is rated
 _UNSURE = 0.1  # standard error of one ridge, about
-_SAMPLES = 31  # places along a line whose correlations are averaged
+_COLORED = 0.05  # of the variance of all channels: the most that their mean has in colors alone
+_SAMPLES = 61  # places along a line whose correlations are averaged
+_HIGHER = 0.8  # of its height: the most that every second ridge lies above the others
 
 
 def find_rows(flat: Relief) -> tuple[Floats, float] | None:
@@ -44,7 +48,7 @@ def find_rows(flat: Relief) -> tuple[Floats, float] | None:
         sample that is too small or constant.
     """
     height, width = flat.usable.shape
-    reach = int(0.6 * min(height, width))
+    reach = int(_REACH * min(height, width))
     if (reach - 1) / _FEWEST <= _CLOSEST:
         return None
     correlation = correlate(_with_edges(flat.levels), first_mask=flat.usable >= 0.5)
@@ -54,14 +58,27 @@ def find_rows(flat: Relief) -> tuple[Floats, float] | None:
     angle, distance, contrast = _highest(correlation, near, reach)
     if contrast <= 0:
         return None
+    if _alternates(_profiles(correlation, np.array([angle]), reach)[0], distance):
+        distance *= 2
     return distance * np.array([-np.sin(angle), np.cos(angle)]), contrast
 
 
+def _alternates(profile: Floats, distance: float) -> bool:
+    """Whether every second ridge is higher: edges lie at both sides of what repeats."""
+    times = np.arange(1, int((len(profile) - 1) / distance) + 1)
+    heights = np.interp(times * distance, np.arange(len(profile)), profile)
+    if len(heights) < 2:
+        return False
+    return bool(heights[1::2].mean() - heights[::2].mean() > _HIGHER * heights[1::2].mean())
+
+
 def _with_edges(levels: Floats) -> Floats:
-    """Mean level, and beside it the steps down and to the right, with as much energy in all."""
+    """The mean level; steps down and to the right, of equal energy."""
     steps = [np.sqrt((np.gradient(levels, axis=axis) ** 2).sum(axis=0)) for axis in (1, 2)]
     edges = np.stack(steps)
     gray = levels.mean(axis=0, keepdims=True)
+    if gray.var() < _COLORED * mixed(levels).var():  # colors of one brightness
+        gray = mixed(levels)[None]
     share = levels.var(axis=(1, 2)).mean() / max(edges.var(axis=(1, 2)).sum(), 1e-12)
     found: Floats = np.moveaxis(np.concatenate([gray, edges * share**0.5]), 0, 2)
     return found

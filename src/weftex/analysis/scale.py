@@ -1,16 +1,17 @@
-"""The scale of the structure in a sample, from its power spectrum.
+"""The scale of the structure in a sample: of its lattice, its spectrum or its things.
 
-Section 3, "Window Size Estimation", of the paper on iterative refinement. It takes the power
-spectrum, sums it over rings of equal distance r from zero frequency (r waves to a sample side of
-N pixels; a ring is d = 0.1 thick), and calls the ring with the most power dominant: the scale is
-N / r. Three things are added, because photos have no clean peak where they are lit unevenly or
-have no structure:
+Section 3, "Window Size Estimation", of the paper on iterative refinement takes the power spectrum,
+sums it over rings of equal distance r from zero frequency (r waves to a sample side of N pixels; a
+ring is d = 0.1 thick), and calls the ring with the most power dominant: the scale is N / r. That is
+right for stripes. A joint's overtones have more power than its period, strewn things have no period
+at all, and slow lighting has the most power of all. So the scale is the first of these:
 
-* Slow lighting is taken off and the borders are faded out; what repeats less than 2.5 times is not
-  looked at, since nothing tells it from lighting.
-* Faded borders spread each wave over its neighbors, so rings are averaged over a distance of 1.
-* A peak counts only if it stands out of the spectrum around it by more than chance. Without one
-  the scale is that of half the power: as much lies in coarser structure as in finer.
+* Where the sample comes back to itself under some shift, its lattice is looked for, and the scale
+  is the distance of those of its lines that hold the most power.
+* The strongest ring, if it stands out, or is surer than the things are. Slow lighting is taken off
+  and the borders are faded out; what repeats less than 2.5 times is not looked at. Faded borders
+  spread each wave over its neighbors, so rings are averaged over a distance of 1.
+* The size of the things (see `weftex.analysis.things`).
 """
 
 from __future__ import annotations
@@ -20,16 +21,25 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from weftex.analysis.lattice import Lattice, find_lattice
+from weftex.analysis.regularity import highest_return
 from weftex.analysis.relief import Relief, relief
+from weftex.analysis.things import size_of_things
 from weftex.exemplar import Exemplar
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
+    Floats = NDArray[np.float64]
+
 THICKNESS = 0.1  # of a ring: the paper's d
 _FEWEST = 2.5  # repetitions that a sample must show of a structure
 _FINEST = 3.0  # pixels; finer structure is grain
 _SIGMAS = 5.0  # how far a peak may stand out by chance
+_PERIOD = 0.3  # confidence from which a period says more than the size of things
+_SAME = 0.06  # to which a period is that of the lattice
+_MORE = 1.01  # times the power, that finer lines must have
+_RETURN = 0.25  # of a sample that a lattice is looked for in
 
 
 @dataclass(frozen=True, eq=False)
@@ -41,9 +51,11 @@ class DominantScale:
     scale : float
         In pixels of the sample, rounded to hundredths; 1 where there is no curve.
     confidence : float
-        From 0 to 1: the share of the peak's power that neither the spectrum around it nor chance
-        explains, rounded to hundredths. At 0 there is no peak, and the scale is that of half the
-        power.
+        From 0 to 1, rounded to hundredths: that of the lattice; the share of the ring's power that
+        neither the spectrum around it nor chance explains; or about how often the size of things
+        is what a person reads.
+    source : str
+        "lattice", "period" (of the strongest ring), "things", or "none" where there is no curve.
     frequencies : float64 array (n,)
         Of the rings, in waves a pixel, rising.
     power : float64 array (n,)
@@ -58,6 +70,7 @@ class DominantScale:
 
     scale: float
     confidence: float
+    source: str
     frequencies: NDArray[np.float64]
     power: NDArray[np.float64]
     background: NDArray[np.float64]
@@ -68,13 +81,15 @@ class DominantScale:
         return 2 * max(1, round(self.scale)) + 1
 
 
-def dominant_scale(exemplar: Exemplar) -> DominantScale:
+def dominant_scale(exemplar: Exemplar, lattice: Lattice | str | None = "find") -> DominantScale:
     """Estimate the scale of the dominant structure: pebbles' size, bricks' or threads' distance.
 
     Parameters
     ----------
     exemplar : Exemplar
         The sample, of any size and aspect; its mask may leave out parts of it.
+    lattice : Lattice, None or "find"
+        Its lattice, as `weftex.analysis.lattice.find_lattice` found it; None where it has none.
 
     Returns
     -------
@@ -95,49 +110,121 @@ def dominant_scale(exemplar: Exemplar) -> DominantScale:
     flat = relief(exemplar)
     height, width = flat.usable.shape
     side = max(height, width)  # the paper's N
-    power, places = _ring_power(flat)
+    power, places, spectrum = _ring_power(flat)
     radii = np.arange(len(power)) * THICKNESS
     looked_at = (radii >= _FEWEST) & (radii <= side / _FINEST)
     top = float(power[looked_at].max(initial=0.0))
     if top <= 0:
         none = np.zeros(0)
-        return DominantScale(float(flat.step), 0.0, none, none, none)
+        return DominantScale(float(flat.step), 0.0, "none", none, none, none)
     power = np.rint(power / top * 1e6) / 1e6
     background = _octave_medians(power)
+    curve = radii[looked_at] / side / flat.step, power[looked_at], background[looked_at]
+    correlation = np.fft.fftshift(np.fft.irfft2(spectrum, s=_padded(flat)))
+    if lattice == "find":
+        lattice = find_lattice(exemplar) if _returns(correlation, flat.usable.shape) else None
+    radius, peaked = _strongest(power, background, places, looked_at)
+    if isinstance(lattice, Lattice):
+        scale, confidence = _period(lattice, spectrum, flat), lattice.confidence
+        if radius > 0 and abs(side / radius * flat.step - scale) < _SAME * scale:
+            confidence = max(confidence, peaked)
+        return DominantScale(round(scale, 2), confidence, "lattice", *curve)
+    scale, confidence = size_of_things(flat, _fall(correlation))
+    source = "things"
+    if peaked > min(confidence, _PERIOD):
+        scale, confidence, source = side / radius, peaked, "period"
+    return DominantScale(round(scale * flat.step, 2), round(confidence, 2), source, *curve)
+
+
+def _returns(correlation: Floats, shape: tuple[int, ...]) -> bool:
+    """Whether the sample comes back to itself at some shift, as with a lattice (see `regularity`).
+
+    The correlation is of the faded sample, so it falls as its fading does.
+    """
+    fading = [np.sin(np.pi * (np.arange(n) + 0.5) / n) ** 2 for n in shape]
+    falls = [
+        np.fft.fftshift(np.fft.irfft(abs(np.fft.rfft(fade, n)) ** 2, n))
+        for fade, n in zip(fading, correlation.shape, strict=True)
+    ]
+    middle, center = (n // 2 for n in correlation.shape)
+    down, along = (min(n // 2, m) for n, m in zip(shape, (middle, center), strict=True))
+    part = np.s_[middle - down : middle + down + 1, center - along : center + along + 1]
+    even = correlation[part] / np.outer(falls[0], falls[1])[part]
+    return highest_return(even / even[down, along]) >= _RETURN
+
+
+def _period(lattice: Lattice, spectrum: Floats, flat: Relief) -> float:
+    """The distance of the lattice's lines, of those lines that hold the most power."""
+    vectors = np.array(lattice.vectors)
+    if len(vectors) == 1:
+        return float(np.hypot(*vectors[0]))
+    rows, columns = _padded(flat)
+    waves = np.linalg.inv(vectors / flat.step).T
+    families = [waves[0], waves[1], waves[0] + waves[1], waves[0] - waves[1]]
+    best, most = 0.0, -1.0
+    for x, y in sorted(families, key=lambda wave: round(float(np.hypot(*wave)), 6)):
+        times = np.arange(1, int(0.5 / max(abs(x), abs(y))) + 1)
+        u, v = np.rint(times * x * columns).astype(int), np.rint(times * y * rows).astype(int)
+        held = 0.0
+        for dv, du in np.ndindex(3, 3):
+            right = np.where(u + du - 1 < 0, -1, 1)  # the left half mirrors the right one
+            at = right * (v + dv - 1) % rows, np.minimum(right * (u + du - 1), columns // 2)
+            held += float(spectrum[at].sum())
+        if held > most * _MORE:
+            best, most = flat.step / float(np.hypot(x, y)), held
+    return best
+
+
+def _strongest(
+    power: Floats, background: Floats, places: Floats, looked_at: NDArray[np.bool_]
+) -> tuple[float, float]:
+    """Waves to the side of the strongest ring, and what neither the rest nor chance explains."""
     peak = looked_at & (power >= np.roll(power, 1)) & (power > np.roll(power, -1))
-    radius, confidence = 0.0, 0.0
-    if peak.any():
-        strongest = int(np.where(peak, power, -1).argmax())
-        radius = float(radii[strongest])
-        # Half of a ring mirrors the other half; fading leaves 4 of 9 places independent, and the
-        # power of each spreads as much as its mean.
-        chance = 1 + _SIGMAS / float(places[strongest] / 2 * 4 / 9) ** 0.5
-        expected = chance * float(background[strongest] / power[strongest])
-        confidence = round(max(0.0, 1 - expected), 2)
-    radii, power, background = radii[looked_at], power[looked_at], background[looked_at]
-    if confidence == 0:
-        below = np.rint(np.cumsum(power) / power.sum() * 1e6)
-        radius = float(radii[np.argmax(below >= 5e5)])
-    scale = round(side / radius * flat.step, 2)
-    return DominantScale(scale, confidence, radii / side / flat.step, power, background)
+    if not peak.any():
+        return 0.0, 0.0
+    strongest = int(np.where(peak, power, -1).argmax())
+    # Half of a ring mirrors the other half; fading leaves 4 of 9 places independent, and the
+    # power of each spreads as much as its mean.
+    chance = 1 + _SIGMAS / float(places[strongest] / 2 * 4 / 9) ** 0.5
+    expected = chance * float(background[strongest] / power[strongest])
+    return strongest * THICKNESS, round(max(0.0, 1 - expected), 2)
 
 
-def _ring_power(flat: Relief) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """P(r) for r = 0, 0.1, 0.2 ... of all channels, and from how many places each comes."""
+def _fall(correlation: Floats) -> Floats:
+    """Mean correlation at each distance from no shift."""
+    height, width = correlation.shape
+    y, x = np.ogrid[-(height // 2) : height - height // 2, -(width // 2) : width - width // 2]
+    distance = np.rint(np.hypot(y, x)).astype(np.int64).ravel()
+    near = max(2, min(height, width) // 2)
+    sums = np.bincount(distance, correlation.ravel())[:near]
+    fall: Floats = sums / np.bincount(distance)[:near] / correlation.max()
+    return fall
+
+
+def _padded(flat: Relief) -> tuple[int, int]:
+    """Rings need places as dense along the shorter side: zeros beside the picture."""
+    height, width = flat.usable.shape
+    side = max(height, width)
+    return min(side, 2 * height), min(side, 2 * width)
+
+
+def _ring_power(flat: Relief) -> tuple[Floats, Floats, Floats]:
+    """P(r) for r = 0, 0.1, 0.2 ... of all channels, from how many places; and the power of each."""
     height, width = flat.usable.shape
     side = max(height, width)  # the paper's N
-    # Rings need places as dense along the shorter side; zeros beside the picture put them there.
-    rows, columns = (min(side, 2 * n) for n in (height, width))
+    rows, columns = _padded(flat)
     fade = np.outer(*(np.sin(np.pi * (np.arange(n) + 0.5) / n) ** 2 for n in (height, width)))
     kept = fade * flat.usable
     power = np.zeros((rows, columns // 2 + 1))
     for level in flat.levels:
         faded = level * fade
         faded -= kept * (faded.sum() / kept.sum())  # fading brought a mean back
-        power += np.abs(np.fft.rfft2(faded, (rows, columns))) ** 2
+        waves = np.fft.rfft2(faded, (rows, columns))
+        power += waves.real**2 + waves.imag**2
     power[power < 1e-12 * power.sum()] = 0  # the transforms' own rounding
     v, u = abs(np.fft.fftfreq(rows))[:, None], np.fft.rfftfreq(columns)  # waves a pixel
-    # Each column stands for its mirror image too; what fading spreads of slow lighting goes.
+    power[(v * height < 1.49) & (u * width < 1.49)] = 0  # what fading spreads of slow lighting
+    # Each column stands for its mirror image too.
     weight = np.where((u == 0) | (u == 0.5), 1.0, 2.0) * np.ones((rows, 1))
     weight[(v * height < 1.49) & (u * width < 1.49)] = 0
     # The nudge settles radii half-way between two rings alike everywhere.
@@ -149,7 +236,8 @@ def _ring_power(flat: Relief) -> tuple[NDArray[np.float64], NDArray[np.float64]]
     sums, places = (np.convolve(values, near)[9:-9] for values in (sums, places))
     circle = 2 * np.pi * THICKNESS * np.arange(len(sums)) * height * width / side**2
     mean = sums / np.maximum(places, 1e-9)
-    return np.maximum(circle, 2) * THICKNESS * mean, places * (height * width / (rows * columns))
+    places = places * (height * width / (rows * columns))
+    return np.maximum(circle, 2) * THICKNESS * mean, places, power
 
 
 def _octave_medians(power: NDArray[np.float64]) -> NDArray[np.float64]:

@@ -97,7 +97,7 @@ class Analysis:
         Names of the aligned maps.
     colors : int
         Different colors among the usable pixels.
-    scale, confidence : float
+    scale, confidence, scale_source : float, float, str
         See `weftex.analysis.scale.DominantScale`.
     spectrum : tuple of Band
         The curve that the scale is read from, coarse to fine.
@@ -131,6 +131,7 @@ class Analysis:
     colors: int
     scale: float
     confidence: float
+    scale_source: str
     spectrum: tuple[Band, ...]
     regularity: float
     lattice: Lattice | None
@@ -154,13 +155,13 @@ class Analysis:
         words |= {(False, True): "to the right only", (False, False): "no"}
         if any(self.tiles):
             across += "; if it was made to, use --tileable-sample" if all(self.tiles) else ""
-        certainty = f"confidence {self.confidence:g}" if self.confidence else "no clear peak"
+        certainty = f"of its {self.scale_source}, confidence {self.confidence:g}"
         kind = f"{self.width}x{self.height}, {self.channels} x {self.dtype}"
         rows = [
             (self.name, kind + (" with alpha" if self.alpha else "")),
             *([("maps", ", ".join(self.maps))] if self.maps else []),
             ("colors", str(self.colors)),
-            ("scale", f"{self.scale:g} px, {certainty}"),
+            ("scale", f"{self.scale:g} px {certainty}"),
             ("regularity", f"{self.regularity:g}"),
             ("lattice", _words(self.lattice)),
             *self._ratings(),
@@ -238,12 +239,12 @@ def analyze(
     exemplar = load_exemplar(sample)
     rule: dict[str, Any] = {"goodness": goodness, "alpha": alpha, "significant": significant}
     given = None if lattice is None else given_lattice(lattice, exemplar)
-    found = dominant_scale(exemplar)
     down, right = border_steps(exemplar)
     model = Auto().fit_exemplar(exemplar)
     look = model.findings
     usual = (goodness, alpha, significant) == ("contrast", ALPHA, SIGNIFICANT)
     own = look.lattice if usual and look.exact else find_lattice(exemplar, **rule)
+    found = dominant_scale(exemplar, own)
     return Analysis(
         name=exemplar.name,
         height=exemplar.shape[0],
@@ -255,6 +256,7 @@ def analyze(
         colors=_count_colors(exemplar),
         scale=found.scale,
         confidence=found.confidence,
+        scale_source=found.source,
         spectrum=_bands(found),
         regularity=regularity(exemplar),
         lattice=own,

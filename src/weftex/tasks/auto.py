@@ -34,7 +34,7 @@ _LOOK = 320  # pixels a side; of larger samples a smaller copy and a part are lo
 _SMALLEST_ANALYZED = 32  # pixels a side of a sample that has something to be analyzed
 _LATTICE = 0.6  # confidence from which blocks are laid by the lattice
 _TILES = 4  # that a sample must show, so that a block has more than one place to come from
-_FINE = 1 / 16  # scale over the sample's side: a patch of a quarter of it is four pieces wide
+_FINE = 1 / 12  # scale over the sample's side: a patch of a quarter of it is three things wide
 _FEW_COLORS = 32  # drawings, labels: no mixtures of colors
 #: Pixels of the output from which `graphcut`, at about 10 s a megapixel, takes too long.
 PATIENCE = 2**20
@@ -255,6 +255,7 @@ def look(exemplar: Exemplar) -> Findings:
     if min(small.shape) < _SMALLEST_ANALYZED:
         return Findings(exemplar.shape, None, True, 1.0, _colors(small), Evenness(0, 0, 0, (1, 1)))
     lattice, exact = find_lattice(small), step == 1
+    scale = dominant_scale(small, lattice).scale
     if lattice is not None and step > 1:
         vectors = tuple((x * step, y * step) for x, y in lattice.vectors)
         lattice = Lattice(vectors, lattice.confidence)
@@ -264,7 +265,7 @@ def look(exemplar: Exemplar) -> Findings:
         shape=exemplar.shape,
         lattice=lattice,
         exact=exact,
-        scale=round(dominant_scale(small).scale * step, 2),
+        scale=round(scale * step, 2),
         colors=_colors(small if step == 1 else _part(exemplar)),
         evenness=evenness(small),
     )
