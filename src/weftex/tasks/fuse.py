@@ -250,8 +250,10 @@ def _load(samples: Any) -> list[Exemplar]:
     for number, sample in enumerate(samples, 1):
         if sample is None:
             raise InvalidInputError(f"sample {number} is None; give a picture")
-        plain = isinstance(sample, np.ndarray)
-        loaded.append(load_exemplar(sample, **({"name": f"array {number}"} if plain else {})))
+        named: dict[str, Any] = {}
+        if isinstance(sample, np.ndarray):
+            named["name"] = f"array {number}"
+        loaded.append(load_exemplar(sample, **named))
     return loaded
 
 

@@ -8,7 +8,7 @@ import numpy as np
 
 from weftex.errors import InvalidInputError
 from weftex.exemplar import check_pixels
-from weftex.tasks.synthesize import load_exemplar
+from weftex.loading import load_exemplar
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
