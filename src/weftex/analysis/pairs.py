@@ -70,12 +70,12 @@ def rated_pairs(field: Field, goodness: str) -> list[tuple[Floats, float]]:
     for k in np.argsort(-first, kind="stable")[:_PAIRS]:
         if first[k] <= 0:
             break
-        fitted = _fitted(field, pairs[k])
-        if any(abs(fitted - other).max() < 0.5 for other, _ in tried):
+        found = fitted(field, pairs[k])
+        if any(abs(found - other).max() < 0.5 for other, _ in tried):
             continue
-        reach = reach_of(field, fitted, MOST_MULTIPLES)
-        rated = rate(field, fitted[None], reach, goodness, exact=True)
-        tried.append((fitted, float(rated.goodness[0])))
+        reach = reach_of(field, found, MOST_MULTIPLES)
+        rated = rate(field, found[None], reach, goodness, exact=True)
+        tried.append((found, float(rated.goodness[0])))
     return tried
 
 
@@ -132,11 +132,11 @@ def _divide(field: Field, vectors: Floats) -> Floats:
                 lower = _LOWER + 0.5 / float(np.hypot(*basis[0]))
                 alike = gap < lower or (gap < _UNSURE[0] and errors < _UNSURE[1])
                 if count and alike and contrast_of(field, basis, reach) > own / 2:
-                    return _fitted(field, basis)
+                    return fitted(field, basis)
     return vectors
 
 
-def _fitted(field: Field, vectors: Floats) -> Floats:
+def fitted(field: Field, vectors: Floats) -> Floats:
     """The vectors below a pixel; as they are, where a fit to a small sample folds them together."""
     found = fit_vectors(field.correlation, vectors, MOST_MULTIPLES)[0]
     areas = [abs(np.linalg.det(pair)) for pair in (found, vectors)]
@@ -157,5 +157,5 @@ def _multiply(field: Field, vectors: Floats) -> Floats:
                     higher = gap > 0.5
                 if higher and count >= _OWN:
                     larger = reduced(whole @ vectors)
-                    return _fitted(field, larger)
+                    return fitted(field, larger)
     return vectors
