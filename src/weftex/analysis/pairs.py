@@ -28,6 +28,7 @@ MOST_MULTIPLES = 24  # multiples of each vector that are rated
 _INDEX = 7  # smaller tiles that a tile is divided into, at most
 # A gap is the share by which a larger tile's multiples are above the smaller tile's others.
 _LOWER = 0.1  # a gap below which the smaller tile is as good
+_REFIT = 2.0  # times that, below which the smaller tile is fitted and tested again
 _UNSURE = (0.35, 4.0)  # a gap below which it is too, if it is of fewer standard errors
 _HIGHER = ((0.2, 5.0), (0.15, 20.0))  # gaps, and standard errors, above which the larger is better
 _OWN = 6  # multiples that the larger tile must have for that
@@ -127,9 +128,13 @@ def _divide(field: Field, vectors: Floats) -> Floats:
                     continue
                 whole = np.rint(vectors @ np.linalg.inv(basis))
                 reach = reach_of(field, basis, MOST_MULTIPLES)
-                gap, errors, count = stand_out(field, basis, whole, reach)
                 # Multiples that fall between pixels are lower, the more the closer they are.
                 lower = _LOWER + 0.5 / float(np.hypot(*basis[0]))
+                gap, errors, count = stand_out(field, basis, whole, reach)
+                if count and lower <= gap < _REFIT * lower:
+                    # A tile whose own vectors are a little off divides into some that are too.
+                    basis = fitted(field, basis)
+                    gap, errors, count = stand_out(field, basis, whole, reach)
                 alike = gap < lower or (gap < _UNSURE[0] and errors < _UNSURE[1])
                 if count and alike and contrast_of(field, basis, reach) > own / 2:
                     return fitted(field, basis)
