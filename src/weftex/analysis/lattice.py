@@ -8,9 +8,10 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from weftex.analysis.alternation import alternating
 from weftex.analysis.correlation import correlate
 from weftex.analysis.goodness import ALPHA, SIGNIFICANT, Field, check_rule
-from weftex.analysis.pairs import best_pair, reduced
+from weftex.analysis.pairs import best_pair, fitted, reduced
 from weftex.analysis.peaks import find_peaks
 from weftex.analysis.relief import relief
 from weftex.analysis.rows import find_rows
@@ -170,9 +171,13 @@ def find_lattice(
     flat = relief(exemplar)
     mask = flat.usable >= 0.5
     correlation = correlate(np.moveaxis(flat.levels, 0, 2), first_mask=mask)
-    found = best_pair(Field(correlation, find_peaks(correlation), alpha, significant), goodness)
+    field = Field(correlation, find_peaks(correlation), alpha, significant)
+    found = best_pair(field, goodness)
     if found is not None and found[1] >= _CONTRAST:
         vectors, contrast = found
+        whole = alternating(flat, vectors) if goodness == "contrast" else None
+        if whole is not None:
+            vectors = fitted(field, reduced(whole @ vectors))
         confidence = contrast / (contrast + _CONTRAST)
     else:
         rows = find_rows(flat)

@@ -28,6 +28,7 @@ MOST_MULTIPLES = 24  # multiples of each vector that are rated
 _INDEX = 7  # smaller tiles that a tile is divided into, at most
 # A gap is the share by which a larger tile's multiples are above the smaller tile's others.
 _LOWER = 0.1  # a gap below which the smaller tile is as good
+_REFIT = 2.0  # times that, below which the smaller tile is fitted and tested again
 _UNSURE = (0.35, 4.0)  # a gap below which it is too, if it is of fewer standard errors
 _HIGHER = ((0.2, 5.0), (0.15, 20.0))  # gaps, and standard errors, above which the larger is better
 _OWN = 6  # multiples that the larger tile must have for that
@@ -70,12 +71,12 @@ def rated_pairs(field: Field, goodness: str) -> list[tuple[Floats, float]]:
     for k in np.argsort(-first, kind="stable")[:_PAIRS]:
         if first[k] <= 0:
             break
-        fitted = _fitted(field, pairs[k])
-        if any(abs(fitted - other).max() < 0.5 for other, _ in tried):
+        found = fitted(field, pairs[k])
+        if any(abs(found - other).max() < 0.5 for other, _ in tried):
             continue
-        reach = reach_of(field, fitted, MOST_MULTIPLES)
-        rated = rate(field, fitted[None], reach, goodness, exact=True)
-        tried.append((fitted, float(rated.goodness[0])))
+        reach = reach_of(field, found, MOST_MULTIPLES)
+        rated = rate(field, found[None], reach, goodness, exact=True)
+        tried.append((found, float(rated.goodness[0])))
     return tried
 
 
@@ -127,16 +128,20 @@ def _divide(field: Field, vectors: Floats) -> Floats:
                     continue
                 whole = np.rint(vectors @ np.linalg.inv(basis))
                 reach = reach_of(field, basis, MOST_MULTIPLES)
-                gap, errors, count = stand_out(field, basis, whole, reach)
                 # Multiples that fall between pixels are lower, the more the closer they are.
                 lower = _LOWER + 0.5 / float(np.hypot(*basis[0]))
+                gap, errors, count = stand_out(field, basis, whole, reach)
+                if count and lower <= gap < _REFIT * lower:
+                    # A tile whose own vectors are a little off divides into some that are too.
+                    basis = fitted(field, basis)
+                    gap, errors, count = stand_out(field, basis, whole, reach)
                 alike = gap < lower or (gap < _UNSURE[0] and errors < _UNSURE[1])
                 if count and alike and contrast_of(field, basis, reach) > own / 2:
-                    return _fitted(field, basis)
+                    return fitted(field, basis)
     return vectors
 
 
-def _fitted(field: Field, vectors: Floats) -> Floats:
+def fitted(field: Field, vectors: Floats) -> Floats:
     """The vectors below a pixel; as they are, where a fit to a small sample folds them together."""
     found = fit_vectors(field.correlation, vectors, MOST_MULTIPLES)[0]
     areas = [abs(np.linalg.det(pair)) for pair in (found, vectors)]
@@ -157,5 +162,5 @@ def _multiply(field: Field, vectors: Floats) -> Floats:
                     higher = gap > 0.5
                 if higher and count >= _OWN:
                     larger = reduced(whole @ vectors)
-                    return _fitted(field, larger)
+                    return fitted(field, larger)
     return vectors
