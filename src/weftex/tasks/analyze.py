@@ -156,6 +156,8 @@ class Analysis:
         if any(self.tiles):
             across += "; if it was made to, use --tileable-sample" if all(self.tiles) else ""
         certainty = f"of its {self.scale_source}, confidence {self.confidence:g}"
+        if self.scale_source == "none":
+            certainty = "(no structure)"
         kind = f"{self.width}x{self.height}, {self.channels} x {self.dtype}"
         rows = [
             (self.name, kind + (" with alpha" if self.alpha else "")),
