@@ -11,6 +11,7 @@ from PIL import Image
 ROOT = Path(__file__).parent.parent
 sys.path.insert(0, str(ROOT / "benchmarks"))
 import digests  # noqa: E402
+import fusion  # noqa: E402
 import pictures  # noqa: E402
 import run  # noqa: E402
 from shared import papers  # noqa: E402
@@ -57,6 +58,17 @@ def test_digests_are_compared(monkeypatch, capsys, tmp_path):
     monkeypatch.setattr(sys, "argv", words)
     assert not digests.main() and "1 of 1 equal" in capsys.readouterr().out
     assert name in json.loads((ROOT / "benchmarks" / "digests.json").read_text("utf-8"))
+
+
+def test_boundaries_are_measured(monkeypatch, tmp_path, capsys):
+    monkeypatch.setattr(fusion, "PAIRS", fusion.PAIRS[:1])
+    monkeypatch.setattr(fusion, "MAPS", fusion.MAPS[:2])
+    monkeypatch.setattr(
+        sys, "argv", ["fusion.py", "--size", "60", "72", "--pictures", str(tmp_path)]
+    )
+    fusion.main()
+    assert len(capsys.readouterr().out.splitlines()) == 4
+    assert len(list(tmp_path.glob("*.png"))) == 2
 
 
 def test_the_first_picture_of_a_page(monkeypatch, tmp_path):

@@ -433,7 +433,7 @@ def _check(field: dataclasses.Field[Any], value: Any) -> None:
     low, high = meta["low"], meta["high"]
     if (low is not None and value < low) or (high is not None and value > high):
         raise InvalidInputError(f"{name} is {shown(value)}; it must be {bounds(field)}")
-    if whole and abs(int(value)) > _MOST_WHOLE:
+    if isinstance(value, numbers.Integral) and abs(int(value)) > _MOST_WHOLE:
         raise InvalidInputError(f"{name} is {shown(value)}; it must be at most 2**63 - 1")
     if meta["parity"] and value and value % 2 != (meta["parity"] == "odd"):
         raise InvalidInputError(f"{name} is {shown(value)}; it must be {meta['parity']}")

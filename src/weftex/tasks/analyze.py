@@ -157,7 +157,7 @@ class Analysis:
             across += "; if it was made to, use --tileable-sample" if all(self.tiles) else ""
         certainty = f"of its {self.scale_source}, confidence {self.confidence:g}"
         if self.scale_source == "none":
-            certainty = "(no structure)"
+            certainty = "(no clear peak)"
         kind = f"{self.width}x{self.height}, {self.channels} x {self.dtype}"
         rows = [
             (self.name, kind + (" with alpha" if self.alpha else "")),
@@ -231,7 +231,7 @@ def analyze(
     --------
     >>> found = analyze("sample:weave")
     >>> round(found.scale), found.confidence > 0.9, found.tiles
-    (12, True, (False, False))
+    (13, True, (False, False))
     """
     check_rule(goodness, alpha, significant)
     if isinstance(runners_up, bool) or runners_up not in range(_MOST_RUNNERS_UP + 1):

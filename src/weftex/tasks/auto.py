@@ -241,7 +241,7 @@ def choose_for_hole(exemplar: Exemplar, canvas: Canvas) -> Choice:
 
 
 def look(exemplar: Exemplar) -> Findings:
-    """Analyze a sample for `choose`, in about 0.2 s however large it is.
+    """Analyze a sample for `choose`, in about 0.2 s, or a second where it is of some megapixels.
 
     A sample of more than 320 pixels a side is averaged down; where that shows no lattice, a part
     of it is looked at as it is, because fine lattices are lost in averages.

@@ -131,7 +131,8 @@ def grow_in_layers(prepared: Prepared, growth: Growth) -> None:
     # The context is the "already synthesized pixels in a square window"; similarity is the
     # "Gaussian weighted sum of differences": "find the best match [...] and take all samples
     # within some distance from that match", one of which is drawn: `search_full` in
-    # `exhaustive_kernels`, or `search_half_known`, with `weighted_kernels.choose_one`.
+    # `exhaustive_kernels`, or `search_half_known`, with `weighted_kernels.choose_one`. The weights
+    # are `weighted_windows.gaussian_weights`, with sigma = width / 6.4 (`model.prepare`).
     canvas = growth.pixels, growth.done, growth.source, wrap
     with shared(
         [prepared.search.on(*canvas, settings.tolerance) for _ in range(growth.threads)]

@@ -157,7 +157,9 @@ def synthesize(prepared: Prepared, growth: Growth, level: int) -> Sheet:
     """Synthesize one level of the canvas; the coarser ones before it (section 7)."""
     settings, sample, parents = prepared.settings, prepared.levels[level], None
     height, width = (-(-n >> level) for n in growth.canvas.shape)
-    lists = sample.causal  # section 4.1
+    # Sections 4 and 4.1: the kd-tree over the sample's colors, and the windows of each color:
+    # `search.color_index.ColorIndex`, `lists.color_lists`.
+    lists = sample.causal
     top = lists.reach
     # Section 4.3: a band as high as a window reaches. It is cropped at the end, and so are as
     # many rows that see random pixels.
@@ -174,7 +176,9 @@ def synthesize(prepared: Prepared, growth: Growth, level: int) -> Sheet:
     matching = Matching(sheet, settings, growth, parents)
     matching.scan(range(len(band), top), f"exact {level}", "beginning")
     # Section 4.2: in scanline order, each pixel is copied from the center of the best matching
-    # window of the union of its direct neighbors' lists: see `match_kernels.match_pixels`.
+    # window of the union of its direct neighbors' lists: see `match_kernels.match_pixels`. No
+    # neighborhood is compared twice (section 4.4): `match_kernels.Search.seen`. Nor is a color
+    # looked up twice in a row: `lists.ColorLists.recent`.
     shown = growth.pixels if level == 0 else None
     matching.scan(range(top, top + height), f"exact {level}", "rows", shown)
     if growth.canvas.wrap[0] and height > 1:

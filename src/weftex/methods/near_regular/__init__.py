@@ -211,8 +211,8 @@ class NearRegularModel(LatticeModel):
             # `block_kernels.draw_blocks`.
             place = draw_constrained_blocks(*plan[1:], place)
             # 4.2.2: each gap shows the patch that best matches the wedge-shaped borders of its
-            # neighbors (Fig. 4.8 and 4.9, eq. 4.4), within a tolerance around similar ones:
-            # `gap_kernels.fill_gaps`.
+            # neighbors (Fig. 4.8 and 4.9: `sample.wedges_of`; eq. 4.4), within a tolerance around
+            # similar ones: `gap_kernels.fill_gaps`.
             gaps = layout.gap & hole.laid
             place = fill_gaps(*plan, place, gaps, "gaps", each, progress)
             # 6: each gap may be deformed to meet its neighbors.

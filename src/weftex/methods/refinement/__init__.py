@@ -77,7 +77,8 @@ class Refinement(WindowedMethod):
     )
     init: str | Method = parameter(  # noqa: RUF009  (methods are frozen)
         "auto",
-        "seeds or a method, as 'graphcut placement=entire'; auto: quilting, or seeds for guides and nearest",
+        "seeds or a method, as 'graphcut placement=entire'; "
+        "auto: quilting, or seeds for guides and nearest",
         choices=Starts("auto", "seeds"),
     )
     joints: int | None = parameter(
