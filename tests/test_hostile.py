@@ -11,8 +11,10 @@ import pytest
 
 import weftex
 from families import noise
+from strategies import is_one_line
 
 PICTURE = noise((12, 13, 3))
+SMALL = noise((12, 12))
 WEFT = "patch-sampling"
 
 
@@ -217,3 +219,50 @@ def test_any_scale_of_floats(scale, dtype):
         levels = weftex.Exemplar(pixels).matching().astype(int)
         small = weftex.Exemplar(plain * 1e-30).matching().astype(int)
         assert abs(levels - small).max() <= 1
+
+
+@pytest.mark.parametrize(
+    "work, said",
+    [
+        (
+            lambda: weftex.synthesize(SMALL, 20, method="quilting", patch_size=10**400),
+            "must be at most 2**63 - 1",
+        ),
+        (
+            lambda: weftex.synthesize(SMALL, 20, method="near-regular", lattice=(1e300, 0, 0, 9)),
+            "at most 1e+09 pixels long",
+        ),
+        (lambda: weftex.analyze(SMALL, lattice=(1e300, 0, 0, 1e300)), "at most 1e+09 pixels long"),
+        (lambda: weftex.analyze(SMALL, alpha="x"), "alpha is 'x'; it must be a number"),
+        (lambda: weftex.analyze(SMALL, alpha=10**400), "it must be from 1 to 4"),
+        (lambda: weftex.analyze(SMALL, significant=None), "significant is None"),
+        (lambda: weftex.analyze(SMALL, goodness=3), "goodness is 3"),
+        (lambda: weftex.assess(SMALL, SMALL, tileable="x"), "tileable is 'x'"),
+        (lambda: weftex.assess(SMALL, SMALL, tileable=(True, False, True)), "two of them"),
+        (lambda: weftex.fuse([SMALL, SMALL], SMALL, colors=[0, 0]), "color 0 is given twice"),
+        (
+            lambda: weftex.fill(SMALL, SMALL > 99, sample=np.zeros((9, 9))),
+            "the sample sample is float64 with 1 channels, the photo sample is uint8",
+        ),
+    ],
+)
+def test_what_nobody_listed(work, said):
+    with pytest.raises(weftex.InvalidInputError) as error:
+        work()
+    assert said in str(error.value) and is_one_line(error.value) and len(str(error.value)) < 200
+
+
+def test_a_transition_narrower_than_numbers_is_a_step():
+    ways = [weftex.Gradient(width=width) for width in (1e-300, 1e-9)]
+    first, second = (way.label_map((20, 20), [3, 3], 1)[0] for way in ways)
+    assert np.array_equal(first, second)
+    assert (first[:5] == 0).all() and (first[-5:] == 1).all()
+
+
+@pytest.mark.parametrize("shape", [(1, 1), (1, 2), (2, 1)])
+@pytest.mark.parametrize("candidates", [0, 3])
+def test_lists_without_a_place(shape, candidates):
+    """A build with checks finds an address of nothing."""
+    sample = np.zeros(shape, np.uint8)
+    made = weftex.synthesize(sample, 4, method="exact-matching", candidates=candidates, seed=1)
+    assert made.image.shape == (4, 4)

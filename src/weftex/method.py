@@ -24,6 +24,8 @@ if TYPE_CHECKING:
     from weftex.progress import ProgressCallback
     from weftex.results.synthesis import Synthesis
 
+_MOST_WHOLE = 2**63 - 1  # what an integer of a parameter may be; arrays hold no more
+
 #: Canvas kinds that a method may declare in `supports`, in words for messages.
 CANVAS_KINDS = {
     "wrap": "tileable output",
@@ -431,6 +433,8 @@ def _check(field: dataclasses.Field[Any], value: Any) -> None:
     low, high = meta["low"], meta["high"]
     if (low is not None and value < low) or (high is not None and value > high):
         raise InvalidInputError(f"{name} is {shown(value)}; it must be {bounds(field)}")
+    if isinstance(value, numbers.Integral) and abs(int(value)) > _MOST_WHOLE:
+        raise InvalidInputError(f"{name} is {shown(value)}; it must be at most 2**63 - 1")
     if meta["parity"] and value and value % 2 != (meta["parity"] == "odd"):
         raise InvalidInputError(f"{name} is {shown(value)}; it must be {meta['parity']}")
 

@@ -9,12 +9,13 @@ between them, and `dominance` lets only peaks count that nothing higher is near 
 
 from __future__ import annotations
 
+import numbers
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
 
-from weftex.errors import InvalidInputError, did_you_mean
+from weftex.errors import InvalidInputError, did_you_mean, shown
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -58,11 +59,16 @@ class Rating:
 def check_rule(goodness: str, alpha: float, significant: float) -> None:
     """Raise `InvalidInputError` unless pairs can be rated so."""
     if goodness not in GOODNESS:
-        raise InvalidInputError(f"goodness is {goodness!r}{did_you_mean(goodness, GOODNESS)}")
+        raise InvalidInputError(f"goodness is {goodness!r}{did_you_mean(str(goodness), GOODNESS)}")
+    for name, value in (("alpha", alpha), ("significant", significant)):
+        if not isinstance(value, numbers.Real) or isinstance(value, bool):
+            raise InvalidInputError(f"{name} is {shown(value)}; it must be a number")
     if not 1 <= alpha <= MOST_ALPHA:
-        raise InvalidInputError(f"alpha is {alpha}; it must be from 1 to {MOST_ALPHA:g}")
+        raise InvalidInputError(f"alpha is {shown(alpha)}; it must be from 1 to {MOST_ALPHA:g}")
     if not 0 < significant <= 1:
-        raise InvalidInputError(f"significant is {significant}; it must be above 0, at most 1")
+        raise InvalidInputError(
+            f"significant is {shown(significant)}; it must be above 0, at most 1"
+        )
 
 
 class Field:

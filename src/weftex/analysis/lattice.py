@@ -26,6 +26,7 @@ if TYPE_CHECKING:
 
 Vector = tuple[float, float]
 
+_LONGEST = 1e9  # pixels; no picture is as large, and products of vectors stay numbers
 _ROWS = 0.01  # contrast of rows that gives a confidence of 0.5
 _CONTRAST = 0.02  # contrast of two vectors that gives 0.5; less is no lattice
 
@@ -70,6 +71,10 @@ class Lattice:
         lengths = [math.hypot(*v) for v in plain]
         if min(lengths) < 1:
             raise InvalidInputError(f"lattice vectors {text}: each must be 1 pixel long or more")
+        if max(lengths) > _LONGEST:
+            raise InvalidInputError(
+                f"lattice vectors {text}: each must be at most {_LONGEST:g} pixels long"
+            )
         if len(plain) == 2 and abs(self.area) < 1e-6 * lengths[0] * lengths[1]:
             raise InvalidInputError(f"lattice vectors {text} lie on one line")
 

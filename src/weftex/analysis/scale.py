@@ -21,14 +21,17 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from weftex.analysis.lattice import Lattice, find_lattice
 from weftex.analysis.regularity import highest_return
 from weftex.analysis.relief import Relief, relief
 from weftex.analysis.things import size_of_things
 from weftex.exemplar import Exemplar
 
 if TYPE_CHECKING:
+    from typing import Literal
+
     from numpy.typing import NDArray
+
+    from weftex.analysis.lattice import Lattice
 
     Floats = NDArray[np.float64]
 
@@ -81,7 +84,9 @@ class DominantScale:
         return 2 * max(1, round(self.scale)) + 1
 
 
-def dominant_scale(exemplar: Exemplar, lattice: Lattice | str | None = "find") -> DominantScale:
+def dominant_scale(
+    exemplar: Exemplar, lattice: Lattice | Literal["find"] | None = "find"
+) -> DominantScale:
     """Estimate the scale of the dominant structure: pebbles' size, bricks' or threads' distance.
 
     Parameters
@@ -122,9 +127,9 @@ def dominant_scale(exemplar: Exemplar, lattice: Lattice | str | None = "find") -
     curve = radii[looked_at] / side / flat.step, power[looked_at], background[looked_at]
     correlation = np.fft.fftshift(np.fft.irfft2(spectrum, s=_padded(flat)))
     if lattice == "find":
-        lattice = find_lattice(exemplar) if _returns(correlation, flat.usable.shape) else None
+        lattice = _found(exemplar) if _returns(correlation, flat.usable.shape) else None
     radius, peaked = _strongest(power, background, places, looked_at)
-    if isinstance(lattice, Lattice):
+    if lattice is not None:
         scale, confidence = _period(lattice, spectrum, flat), lattice.confidence
         if radius > 0 and abs(side / radius * flat.step - scale) < _SAME * scale:
             confidence = max(confidence, peaked)
@@ -134,6 +139,13 @@ def dominant_scale(exemplar: Exemplar, lattice: Lattice | str | None = "find") -
     if peaked > min(confidence, _PERIOD):
         scale, confidence, source = side / radius, peaked, "period"
     return DominantScale(round(scale * flat.step, 2), round(confidence, 2), source, *curve)
+
+
+def _found(exemplar: Exemplar) -> Lattice | None:
+    """The lattice; most samples do not come back to themselves, and need none of its modules."""
+    from weftex.analysis.lattice import find_lattice
+
+    return find_lattice(exemplar)
 
 
 def _returns(correlation: Floats, shape: tuple[int, ...]) -> bool:

@@ -165,6 +165,9 @@ def assess(
     (True, True)
     """
     exemplar = sample if isinstance(sample, Exemplar) else Exemplar(sample)
+    axes = tileable if isinstance(tileable, tuple) and len(tileable) == 2 else (tileable or False,)
+    if not all(isinstance(axis, (bool, np.bool_)) for axis in axes):
+        raise InvalidInputError(f"tileable is {tileable!r}; it must be True, False or two of them")
     if isinstance(result, Synthesis):
         if result.sample_shape != exemplar.shape:
             raise InvalidInputError(

@@ -231,7 +231,7 @@ def analyze(
     --------
     >>> found = analyze("sample:weave")
     >>> round(found.scale), found.confidence > 0.9, found.tiles
-    (13, True, (False, False))
+    (12, True, (False, False))
     """
     check_rule(goodness, alpha, significant)
     if isinstance(runners_up, bool) or runners_up not in range(_MOST_RUNNERS_UP + 1):

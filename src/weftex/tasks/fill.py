@@ -382,6 +382,7 @@ def _load_sample(sample: Sample, photo: Exemplar) -> Exemplar:
     kinds = [f"{e.pixels.dtype} with {e.channels} channels" for e in (source, photo)]
     if kinds[0] != kinds[1]:
         raise InvalidInputError(
-            f"{source.name} is {kinds[0]}, {photo.name} is {kinds[1]}; they must be equal"
+            f"the sample {source.name} is {kinds[0]}, the photo {photo.name} is {kinds[1]}; "
+            "they must be equal"
         )
     return source

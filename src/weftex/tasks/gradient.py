@@ -185,7 +185,8 @@ class Gradient:
                     f"{len(self.radii)} radii for {count} samples; give {count - 1}"
                 )
             middles = self.radii
-        return [middle - wide / 2 for middle in middles], wide / _SIGMAS
+        # A billionth of the way is less than a pixel, and its square is still a number.
+        return [middle - wide / 2 for middle in middles], max(wide / _SIGMAS, 1e-9)
 
     def _way(self, y: int, x: int, size: tuple[int, int]) -> float:
         """How far a pixel is on the way, 0 to 1."""

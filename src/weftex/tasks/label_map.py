@@ -73,6 +73,11 @@ def labels_of(
             wanted = np.zeros((0, 0))
         if wanted.shape != (count, flat.shape[1]):
             raise InvalidInputError(f"each color must have {flat.shape[1]} numbers, as in the map")
+        for k in range(1, count):
+            if (wanted[:k] == wanted[k]).all(axis=1).any():
+                raise InvalidInputError(
+                    f"the color {_text(wanted[k])} is given twice; give one each"
+                )
         distance = np.stack([((flat - c.astype(np.float64)) ** 2).sum(axis=1) for c in wanted])
         labels = distance.argmin(axis=0).astype(np.int32)
         for k in range(count):

@@ -77,6 +77,10 @@ class Ashikhmin(WindowedMethod):
         settled = replace(self, window_width=settings.window_width)
         return PixelModel(settled, exemplar, prepare(settings, exemplar), grow)
 
+    def settle(self, exemplar: Exemplar) -> Ashikhmin:
+        """See `Method.settle`."""
+        return replace(self, window_width=settle(self, exemplar).window_width)
+
 
 def grow(prepared: Prepared, growth: Growth) -> None:
     """Choose all pixels several times (section 3); those of a hole in layers from its border."""

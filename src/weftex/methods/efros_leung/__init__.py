@@ -108,6 +108,10 @@ class EfrosLeung(WindowedMethod):
         settled = replace(self, **asdict(settings))
         return PixelModel(settled, exemplar, prepare(settings, exemplar), grow_in_layers)
 
+    def settle(self, exemplar: Exemplar) -> EfrosLeung:
+        """See `Method.settle`."""
+        return replace(self, **asdict(settle(self, exemplar)))
+
 
 def grow_in_layers(prepared: Prepared, growth: Growth) -> None:
     """Grow the texture around a seed, or around the known pixels, in layers (section III.A)."""

@@ -17,7 +17,7 @@ from weftex.methods.exact_matching.matching import (
     structured_band,
 )
 from weftex.methods.exact_matching.model import Prepared, prepare
-from weftex.methods.exact_matching.settings import Settings, settle
+from weftex.methods.exact_matching.settings import Settings, settle, window_width
 from weftex.methods.pixels.growth import PixelModel, WindowedMethod
 
 if TYPE_CHECKING:
@@ -123,6 +123,10 @@ class ExactMatching(WindowedMethod):
         settings = settle(self, exemplar)
         prepared = prepare(settings, exemplar)
         return PixelModel(self._settled(settings), exemplar, prepared, grow)
+
+    def window_of(self, exemplar: Exemplar) -> int:
+        """See `Method.window_of`."""
+        return window_width(self, exemplar)
 
     def settle(self, exemplar: Exemplar) -> ExactMatching:
         """See `Method.settle`; scale, regularity and colors are looked at, no list is made."""

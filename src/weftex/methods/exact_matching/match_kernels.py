@@ -289,6 +289,8 @@ def compare_share(
     cython.declare(key=cython.uint, low_bits=cython.uint, met=cython.longlong)
     cython.declare(places=cython.p_const_int, heads=cython.p_const_int, seen=cython.p_int)
     low_bits, stamp, met = cython.cast(cython.uint, search.bits), search.stamp, 0
+    if sample.places.shape[0] == 0:
+        return 0  # no color lies beside a window, and nothing has an address
     # Pointers, as most entries of a long list are only looked at and left out.
     places, heads = cython.address(sample.places[0]), cython.address(sample.groups[0])
     seen = cython.address(search.seen[0])

@@ -63,9 +63,7 @@ def settle(method: Any, exemplar: Exemplar) -> Settings:
     InvalidInputError
         If the sample has no room for `window_width`.
     """
-    init, repeat_distance = method.init, method.repeat_distance
-    if init == "auto":
-        init = "structured" if regularity(exemplar) >= _NEAR_REGULAR else "random"
+    init, repeat_distance = _init(method, exemplar), method.repeat_distance
     width, levels = _width_and_levels(method, exemplar, init)
     if repeat_distance is None:
         repeat_distance = 0 if init == "structured" else width // 2
@@ -87,6 +85,11 @@ def settle(method: Any, exemplar: Exemplar) -> Settings:
     )
 
 
+def window_width(method: Any, exemplar: Exemplar) -> int:
+    """Return the width of `settle`; colors, which take longest, are not looked at."""
+    return _width_and_levels(method, exemplar, _init(method, exemplar))[0]
+
+
 def reach_of(width: int, sample: Exemplar, *, causal: bool, guided: bool) -> tuple[Reach, int]:
     """Return how far windows of a level reach, and how far over the next coarser level, or 0.
 
@@ -106,6 +109,14 @@ def reach_of(width: int, sample: Exemplar, *, causal: bool, guided: bool) -> tup
         reach = min(reach, _REACH_TO_ALL_SIDES)
     coarse = min(reach, _REACH_OVER_COARSER) if guided else 0
     return (reach, coarse if causal else reach, reach, reach), coarse
+
+
+def _init(method: Any, exemplar: Exemplar) -> str:
+    """Start from the sample's own order if that is near-regular."""
+    if method.init != "auto":
+        init: str = method.init
+        return init
+    return "structured" if regularity(exemplar) >= _NEAR_REGULAR else "random"
 
 
 def _width_and_levels(method: Any, exemplar: Exemplar, init: str) -> tuple[int, int]:

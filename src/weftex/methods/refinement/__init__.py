@@ -77,8 +77,8 @@ class Refinement(WindowedMethod):
     )
     init: str | Method = parameter(  # noqa: RUF009  (methods are frozen)
         "auto",
-        "seed points or a method to start from, as in 'graphcut placement=entire'; "
-        "auto: quilting, or seeds with a guide or 'nearest'",
+        "seeds or a method, as 'graphcut placement=entire'; "
+        "auto: quilting, or seeds for guides and nearest",
         choices=Starts("auto", "seeds"),
     )
     joints: int | None = parameter(
