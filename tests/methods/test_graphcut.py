@@ -10,9 +10,9 @@ from hypothesis import strategies as st
 import weftex
 from families import canvas_of, noise
 from twins import graphcut as reference
-from weftex.methods.graphcut import GraphCut
+from weftex.methods.graphcut import GraphCut, placement
 from weftex.methods.graphcut import seams as graphcut_seams
-from weftex.methods.graphcut.placement import chances_of
+from weftex.methods.graphcut.placement import SubPatchMatching, chances_of
 from weftex.methods.graphcut.seams import CanvasSeams
 from weftex.methods.graphcut.settings import variance
 from weftex.search.translation import Spectra, fast_size, overlap_mismatch, window_mismatch
@@ -332,6 +332,42 @@ def test_variety_keeps_repeats_apart():
 def test_wrong_parameters_are_named(wrong, message):
     with pytest.raises(weftex.InvalidInputError, match=message):
         GraphCut(**wrong).fit(weftex.Exemplar(few_levels((30, 31))))
+
+
+def test_a_boundary_wider_than_its_patch_is_refused_before_a_sample_is_read():
+    with pytest.raises(weftex.InvalidInputError, match="boundary_width is 5; .* 4"):
+        GraphCut(patch_size=10, boundary_width=5)
+
+
+@pytest.mark.parametrize("tileable", [False, True])
+def test_of_large_samples_each_patch_is_looked_for_in_a_part(monkeypatch, tileable):
+    """Time and memory do not grow with the sample; patches come from all over it, and match."""
+    monkeypatch.setattr(placement, "_MOST_PIXELS", 5000)
+    monkeypatch.setattr(placement, "_PART", 1600)
+    y, x = np.indices((120, 160))
+    levels = 90 * (x % 8 < 4) + 90 * (y % 8 < 4) + noise((120, 160)) % 16
+    mask = np.ones((120, 160), bool)
+    mask[:60, :50] = False
+    exemplar = weftex.Exemplar(levels.astype(np.uint8), tileable=tileable, mask=mask)
+    looked_at = []
+    made = SubPatchMatching.part
+
+    def part(self, number):
+        looked_at.append(made(self, number))
+        return looked_at[-1]
+
+    monkeypatch.setattr(SubPatchMatching, "part", part)
+    model = GraphCut(patch_size=24).fit(exemplar)
+    results = [model.sample((100, 90), seed=3, threads=threads) for threads in (1, 2)]
+    assert np.array_equal(results[0].image, results[1].image)
+    assert not np.array_equal(results[0].image, model.sample((100, 90), seed=4).image)
+    assert all(p.corners.shape == (40, 40) and p.corners.any() for p in looked_at)
+    assert max(p.top for p in looked_at) > 60 and max(p.left for p in looked_at) > 100
+    source = results[0].source
+    assert mask[source[..., 0], source[..., 1]].all()
+    # The chessboard goes on across seams: every pixel is as it is 8 pixels before.
+    image = results[0].image.astype(int)
+    assert (abs(image[8:] - image[:-8]) < 32).mean() > 0.9
 
 
 def test_a_mask_without_room_is_an_error_for_a_given_patch_only():

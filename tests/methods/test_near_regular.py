@@ -165,6 +165,8 @@ def test_bad_sizes():
     ):
         with pytest.raises(weftex.InvalidInputError, match=message):
             weftex.NearRegular(lattice=(8, 0, 0, 8), **parameters).fit(exemplar)
+    with pytest.raises(weftex.InvalidInputError, match="less than the block"):
+        weftex.NearRegular(block_size=20, border_width=20)
 
 
 def test_the_papers_preset():

@@ -28,22 +28,71 @@ def test_what_has_no_effect_is_refused(method):
         assert kind(patch_size=1, **done).fit(exemplar).method.patch_size == 1
 
 
-@pytest.mark.parametrize("kind, share", [(weftex.PatchSampling, 0.3), (weftex.GraphCut, 0.45)])
+def chessboard(period, shape):
+    y, x = np.indices(shape)
+    levels = 100 * (x % period < period // 2) + 100 * (y % period < period // 2)
+    return weftex.Exemplar(levels.astype(np.uint8))
+
+
+SHARES = [(weftex.PatchSampling, 0.3), (weftex.Quilting, 0.3), (weftex.GraphCut, 0.45)]
+
+
+@pytest.mark.parametrize("kind, share", SHARES)
 def test_patches_of_large_samples_follow_the_scale_of_their_things(kind, share):
     """A large sample of small things has patches of few things; one of large things, as ever."""
-    y, x = np.indices((600, 700))
 
-    def size(period, side=600):
-        levels = 100 * (x % period < period // 2) + 100 * (y % period < period // 2)
-        exemplar = weftex.Exemplar(levels[:side].astype(np.uint8))
-        model = kind().fit(exemplar)
-        assert model.sample((40, 40), seed=1).provenance["patch_size"] == model.method.patch_size
-        return model.method.patch_size
+    def size(period, side=700):
+        return kind().fit(chessboard(period, (side, 800))).method.patch_size
 
-    assert size(12) == round(share * 384)
-    assert share * 22 * 20 < size(24) < share * 26 * 20
-    assert size(60) == round(share * 600)
-    assert size(12, side=384) == round(share * 384)
+    assert size(12) == round(share * 512)
+    assert share * 16.5 * 36 < size(17) < share * 17.5 * 36
+    assert size(60) == round(share * 700)
+    assert size(12, side=512) == round(share * 512)
+
+
+@pytest.mark.parametrize("kind, share", SHARES)
+def test_patches_are_no_larger_a_share_of_the_output_than_of_the_sample(kind, share):
+    """Patches that suit a large sample would make a smaller picture of a few whole pieces of it."""
+    exemplar = chessboard(60, (700, 800))
+    model = kind().fit(exemplar)
+
+    def told(model, *shape):
+        return model.sample(shape, seed=1).provenance
+
+    assert told(model, 700, 700)["patch_size"] == model.method.patch_size == round(share * 700)
+    small = model.sample((600, 640), seed=1)
+    sizes = {name: small.provenance[name] for name in ("patch_size", "boundary_width")}
+    assert sizes["patch_size"] == round(share * 600)
+    again = kind(**sizes).fit(exemplar).sample((600, 640), seed=1)
+    assert np.array_equal(again.image, small.image)
+    assert told(model, 100, 100)["patch_size"] == round(share * 512)
+    # A size that is given stays, and so does a boundary: it takes half of a patch at most.
+    assert told(kind(patch_size=300).fit(exemplar), 100, 100)["patch_size"] == 300
+    wide = told(kind(boundary_width=100).fit(exemplar), 512, 90)
+    assert wide["boundary_width"] == 100
+    assert wide["patch_size"] == max(round(share * 512), 200)
+
+
+@pytest.mark.parametrize(
+    "kind",
+    [
+        lambda **k: weftex.PatchSampling(epsilon=float("inf"), **k),
+        lambda **k: weftex.Quilting(tolerance=float("inf"), **k),
+    ],
+)
+def test_where_everything_matches_what_matching_needs_is_refused(kind):
+    wrong = [{"search": "exhaustive"}, {"candidates": 9}, {"variance": 0.5}, {"repeat_distance": 1}]
+    if kind().slug == "patch-sampling":
+        wrong.append({"choice": "similarity"})
+    for given in wrong:
+        with pytest.raises(weftex.InvalidInputError, match="no effect where every window matches"):
+            kind(**given)
+    sample = np.arange(3600, dtype=np.uint8).reshape(60, 60)
+    hole = np.zeros((60, 60), bool)
+    hole[20:40, 20:40] = True
+    for done in ({}, {"repeat_distance": 0.0}):
+        assert kind(**done).fit(sample).sample(70, seed=1).shape == (70, 70)
+        assert weftex.fill(sample, hole, method=kind(**done), seed=1).shape == (60, 60)
 
 
 @pytest.mark.parametrize("kind", [{"epsilon": 1.0}, {"epsilon": 5.0}, {"epsilon": 1e6}])
@@ -98,8 +147,11 @@ def test_the_boundary_is_at_most_half_of_the_patch():
     exemplar = weftex.Exemplar(np.zeros((60, 100), np.uint8))
     method = weftex.PatchSampling(patch_size=21, boundary_width=10, candidates=50)
     assert method.fit(exemplar).method == method
-    with pytest.raises(weftex.InvalidInputError, match="boundary_width is 11; .* 10"):
-        weftex.PatchSampling(patch_size=21, boundary_width=11).fit(exemplar)
+    for kind in (weftex.PatchSampling, weftex.Quilting):
+        with pytest.raises(weftex.InvalidInputError, match="boundary_width is 11; .* 10"):
+            kind(patch_size=21, boundary_width=11)
+    with pytest.raises(weftex.InvalidInputError, match="boundary_width is 31; .* 30"):
+        weftex.PatchSampling(randomness=1.0, boundary_width=31).fit(exemplar)
     for size in range(2, 60):
         method = weftex.PatchSampling(patch_size=size).fit(exemplar).method
         assert 1 <= method.boundary_width <= size // 2

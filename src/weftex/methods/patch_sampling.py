@@ -45,6 +45,7 @@ class PatchSampling(PatchMethod):
         "patch-based sampling. ACM Transactions on Graphics 20(3), 2001"
     )
 
+    boundary_share: ClassVar[float] = 0.1
     epsilon: float = parameter(
         0.1,
         "relative error of a matching zone, 0.2 in the paper; inf takes anything (chaos mosaic)",
@@ -66,6 +67,11 @@ class PatchSampling(PatchMethod):
         """See `PatchMethod.looseness`."""
         return self.epsilon / _PAPERS_EPSILON
 
+    @property
+    def anything(self) -> bool:
+        """See `PatchMethod.anything`; section 2.5: patch pasting."""
+        return self.epsilon == math.inf
+
     def for_hole(
         self, hole: NDArray[np.bool_], usable: NDArray[np.bool_], given: frozenset[str] | None
     ) -> Self:
@@ -77,13 +83,7 @@ class PatchSampling(PatchMethod):
 
     def fit_exemplar(self, exemplar: Exemplar) -> PatchModel:
         """Settle w_B and w_E (section 2.4) and analyze the sample (section 3)."""
-        settings = settle(
-            self,
-            exemplar,
-            boundary_share=0.1,
-            blend=self.blend,  # step 6
-            anything=self.epsilon == math.inf,  # section 2.5: patch pasting
-        )
+        settings = settle(self, exemplar, blend=self.blend)  # step 6
         return PatchModel(self, settings, exemplar, sample_by_patches)
 
 

@@ -40,6 +40,7 @@ class Quilting(PatchMethod):
         "Proceedings of SIGGRAPH 2001"
     )
 
+    boundary_share: ClassVar[float] = 1 / 6  # section 2.2
     boundary_width: int | None = parameter(
         None,
         "width of the overlap that must match and that is cut",
@@ -63,14 +64,17 @@ class Quilting(PatchMethod):
         """See `PatchMethod.looseness`."""
         return (1 + self.tolerance) / (1 + _PAPERS_TOLERANCE)
 
+    @property
+    def anything(self) -> bool:
+        """See `PatchMethod.anything`."""
+        return self.tolerance == math.inf
+
     def fit_exemplar(self, exemplar: Exemplar) -> PatchModel:
         """Settle the sizes of block and overlap, and analyze the sample."""
         settings = settle(
             self,
             exemplar,
-            boundary_share=1 / 6,  # section 2.2
             blend=self.blend,
-            anything=self.tolerance == math.inf,
         )
         return PatchModel(self, settings, exemplar, quilt)
 

@@ -9,7 +9,7 @@ from weftex.method import Method, parameter
 from weftex.methods.graphcut.cutting import Cut, Picture
 from weftex.methods.graphcut.placement import placement_of
 from weftex.methods.graphcut.seams import CanvasSeams
-from weftex.methods.graphcut.settings import Settings, settle
+from weftex.methods.graphcut.settings import Settings, check_boundary, settle
 from weftex.methods.patches.sizes import patch_size_for
 from weftex.methods.pixels.growth import PixelModel
 from weftex.threads import thread_map
@@ -58,7 +58,8 @@ class GraphCut(Method):
         "side of the square patches",
         low=1,
         unit="px",
-        default_text="0.45 x the sample's shorter side, or x 20 of its scale on samples over 384",
+        default_text="0.45 x the sample's shorter side; over 512 px, of 36 x its scale or the "
+        "output's shorter side where that is less, 230 or more",
         needs=("placement", ("subpatch",)),
     )
     boundary_width: int | None = parameter(
@@ -98,6 +99,11 @@ class GraphCut(Method):
         needs=("placement", ("subpatch",)),
     )
 
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        if self.patch_size is not None and self.boundary_width is not None:
+            check_boundary(self.patch_size, self.boundary_width)
+
     @property
     def hole_reach(self) -> int:
         """See `Method.hole_reach`."""
@@ -116,9 +122,10 @@ class GraphCut(Method):
         settings = settle(exemplar, **asdict(self))
         method = self
         if self.placement == "subpatch":  # the others lay the entire sample
-            rows, columns = settings.patch_shape
-            size = rows if rows == columns else None  # patches of a thin sample are no squares
-            method = replace(self, patch_size=size, boundary_width=settings.boundary_width)
+            sizes = settings.sizes()
+            method = replace(
+                self, patch_size=sizes.get("patch_size"), boundary_width=sizes["boundary_width"]
+            )
         return PixelModel(method, exemplar, settings, synthesize)
 
 
@@ -127,9 +134,12 @@ def synthesize(settings: Settings, growth: Growth) -> None:
 
     Sections are those of the paper.
     """
+    settings = settings.on(growth.canvas)
     picture = Picture(settings, growth)
     placement = placement_of(settings, growth)  # random, entire patch or sub-patch (section 4)
     growth.about["patch_shape"] = list(placement.size)
+    if settings.placement == "subpatch":
+        growth.about |= settings.sizes()
 
     with thread_map(min(growth.threads, settings.candidates)) as map_:
 

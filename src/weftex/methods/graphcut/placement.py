@@ -20,6 +20,8 @@ if TYPE_CHECKING:
 _LARGEST_EXPONENT = 64.0  # e**-64 is no chance at all
 _BEST_CHANCE = 2.0**32  # the chance of the best match, as a whole number
 _APART = 16  # candidates lie more than 1/16 of a patch from each other
+_MOST_PIXELS = 2**20  # of a sample that is searched as a whole
+_PART = 2**19  # pixels of the part of a larger one that is searched
 _SHOWN_STEP = 4  # every fourth pixel, both ways, is looked at for places that are shown nearby
 
 
@@ -53,38 +55,86 @@ def placement_of(settings: Settings, growth: Growth) -> Placement:
     return EntirePatchMatching(settings, growth, random=settings.placement == "random")
 
 
+class Part(NamedTuple):
+    """The part of the sample that a patch is looked for in."""
+
+    top: int
+    left: int
+    corners: NDArray[np.bool_]  # where the patch's upper left corner may lie
+    spectra: Spectra
+
+
 class SubPatchMatching:
-    """Sub-patch matching: a patch of the canvas is looked for everywhere in the sample."""
+    """Sub-patch matching: a patch of the canvas is looked for everywhere in the sample.
+
+    Transforms of large samples take seconds and gigabytes. There each patch is looked for in a part
+    of its own, drawn at random, which is no idea of the paper.
+    """
 
     def __init__(self, settings: Settings, growth: Growth) -> None:
         self.settings, self.growth, self.canvas = settings, growth, growth.canvas
         self.size = _size_on_canvas(settings.patch_shape, growth)
         height, width = self.size
         self.overlap = [min(settings.boundary_width, (n - 1) // 2) for n in self.size]
-        exemplar, windows = settings.exemplar, settings.windows
+        exemplar = settings.exemplar
         corners = windows_of(exemplar, (0, height - 1, 0, width - 1))
         self.corners = corners.usable[: exemplar.shape[0], : exemplar.shape[1]] != 0
-        self.transform = tuple(n if exemplar.tileable else fast_size(n) for n in exemplar.shape)
-        self.spectra = Spectra(windows.pixels, windows.usable, self.transform)
+        self.sides = exemplar.shape
+        if exemplar.shape[0] * exemplar.shape[1] <= _MOST_PIXELS:
+            tiles = exemplar.tileable
+            transform = tuple(n if tiles else fast_size(n) for n in exemplar.shape)
+            self.whole: Part | None = self._part(0, 0, exemplar.shape, transform)
+        else:
+            self.whole = None
+            self.starts = np.flatnonzero(self.corners)
+            self.sides = _sides_of_part(exemplar.shape, self.size)
+
+    def _part(
+        self, top: int, left: int, shape: tuple[int, int], transform: tuple[int, ...]
+    ) -> Part:
+        windows, (rows, columns) = self.settings.windows, shape
+        here = np.s_[top : top + rows, left : left + columns]
+        spectra = Spectra(windows.pixels[here], windows.usable[here], transform)
+        return Part(top, left, self.corners[here], spectra)
+
+    def part(self, number: int) -> Part:
+        """The part of the sample that the `number`-th patch is looked for in."""
+        if self.whole is not None:
+            return self.whole
+        # Around one of its places, so that there is one.
+        bits = int(draw(self.growth.seed, "part of the sample", number)[()])
+        place = divmod(int(self.starts[bits % len(self.starts)]), self.corners.shape[1])
+        top, left = (
+            min(max(at - (side - length) // 2, 0), n - side)
+            for at, side, length, n in zip(
+                place, self.sides, self.size, self.corners.shape, strict=True
+            )
+        )
+        part = self._part(top, left, self.sides, tuple(fast_size(n) for n in self.sides))
+        inside = np.zeros_like(part.corners)  # a patch must not hang over the part's border
+        rows, columns = (side - n + 1 for side, n in zip(self.sides, self.size, strict=True))
+        inside[:rows, :columns] = part.corners[:rows, :columns]
+        return part._replace(corners=inside)
 
     def candidates(self, pixel: tuple[int, int], number: int, centered: bool) -> list[Place]:
         """See `Placement.candidates`."""
-        settings = self.settings
+        settings, part = self.settings, self.part(number)
         top, left = self._corner(pixel, centered)
         y = (top + np.arange(self.size[0])) % self.canvas.height
         x = (left + np.arange(self.size[1])) % self.canvas.width
         there = self.growth.done[np.ix_(y, x)]
-        costs, allowed = np.zeros(self.corners.shape), self.corners
+        allowed, (rows, columns) = part.corners, part.corners.shape
+        costs = np.zeros((rows, columns))
         if there.any():
-            box = Spectra(self.growth.pixels[np.ix_(y, x)], there, self.transform)
-            total = window_mismatch(self.spectra, box)  # C(t), by FFT as in section 5
-            costs = total[: costs.shape[0], : costs.shape[1]] / int(there.sum())
+            box = Spectra(self.growth.pixels[np.ix_(y, x)], there, part.spectra.size)
+            total = window_mismatch(part.spectra, box)  # C(t), by FFT as in section 5
+            costs = total[:rows, :columns] / int(there.sum())
             if settings.variety > 0:  # not in the paper
-                costs = self._varied(costs, top, left)
-                apart = self.corners & ~self._continuing(y, x)
-                allowed = apart if apart.any() else self.corners
+                costs = self._varied(part, costs, top, left)
+                apart = part.corners & ~self._continuing(part, y, x)
+                allowed = apart if apart.any() else part.corners
         drawn = drawn_places(costs, allowed, settings, self.growth.seed, number, self.size)
-        return [Place(top, left, *self.size, y, x) for y, x in drawn]
+        return [Place(top, left, *self.size, part.top + y, part.left + x) for y, x in drawn]
 
     def _corner(self, pixel: tuple[int, int], centered: bool) -> list[int]:
         """The upper left corner on the canvas of a patch that covers a pixel."""
@@ -96,15 +146,17 @@ class SubPatchMatching:
             corner.append(first if wraps else min(max(first, 0), n - size))
         return corner
 
-    def _continuing(self, y: NDArray[np.int64], x: NDArray[np.int64]) -> NDArray[np.bool_]:
+    def _continuing(
+        self, part: Part, y: NDArray[np.int64], x: NDArray[np.int64]
+    ) -> NDArray[np.bool_]:
         """Places from which the patch would go on as something in its box does in the sample."""
-        shape = self.settings.exemplar.shape
+        sample, shape = self.settings.exemplar.shape, part.corners.shape
         source = self.growth.source[np.ix_(y, x)]
         v, u = np.nonzero(source >= 0)
-        sample_y, sample_x = np.divmod(source[v, u], shape[1])
-        corners = [sample_y - v, sample_x - u]
+        sample_y, sample_x = np.divmod(source[v, u], sample[1])
+        corners = [sample_y - v - part.top, sample_x - u - part.left]
         if self.settings.exemplar.tileable:
-            corners = [c % n for c, n in zip(corners, shape, strict=True)]
+            corners = [c % n for c, n in zip(corners, sample, strict=True)]
         near = [size // _APART for size in self.size]
         rows, columns = (c + k for c, k in zip(corners, near, strict=True))
         height, width = (n + 2 * k for n, k in zip(shape, near, strict=True))
@@ -113,7 +165,9 @@ class SubPatchMatching:
         taken[rows[inside], columns[inside]] = True
         return box_sums(taken, *(2 * k + 1 for k in near)) > 0
 
-    def _varied(self, costs: NDArray[np.float64], top: int, left: int) -> NDArray[np.float64]:
+    def _varied(
+        self, part: Part, costs: NDArray[np.float64], top: int, left: int
+    ) -> NDArray[np.float64]:
         """Add to the cost of each place in the sample for its pixels that are shown nearby.
 
         All of a patch shown once adds, at a variety of 1, the cost of the best match among the half
@@ -126,13 +180,17 @@ class SubPatchMatching:
             lines = np.arange(start - size, start + 2 * size, _SHOWN_STEP)
             around.append(lines[:n] % n if wraps else lines[(lines >= 0) & (lines < n)])
         source = self.growth.source[np.ix_(*around)].ravel()
-        shape = self.settings.exemplar.shape
-        shown = np.bincount(source[source >= 0], minlength=shape[0] * shape[1]).reshape(shape)
+        rows, columns = part.corners.shape
+        y, x = np.divmod(source[source >= 0], self.settings.exemplar.shape[1])
+        y, x = y - part.top, x - part.left
+        inside = (y >= 0) & (y < rows) & (x >= 0) & (x < columns)
+        places = y[inside] * columns + x[inside]
+        shown = np.bincount(places, minlength=rows * columns).reshape(rows, columns)
         shown = np.pad(shown, [(0, size - 1) for size in self.size], mode="wrap")
         shown = box_sums(shown, *self.size)
-        seen = shown[self.corners]
+        seen = shown[part.corners]
         median = np.partition(seen, len(seen) // 2)[len(seen) // 2]
-        good = float(costs[self.corners][seen <= median].min())
+        good = float(costs[part.corners][seen <= median].min())
         once = self.size[0] * self.size[1] / _SHOWN_STEP**2
         result: NDArray[np.float64] = costs + shown * (self.settings.variety * good / once)
         return result
@@ -203,6 +261,14 @@ class EntirePatchMatching:
             lengths.append(last - first)
             sources.append(first - (p - s))
         return Place(*tops, *lengths, *sources)
+
+
+def _sides_of_part(shape: tuple[int, int], patch: tuple[int, int]) -> tuple[int, int]:
+    """Height and width of the part of a sample that is searched: one and a half patches or more."""
+    height, width = (
+        min(n, max(round(_PART**0.5), side * 3 // 2)) for n, side in zip(shape, patch, strict=True)
+    )
+    return height, width
 
 
 def _size_on_canvas(patch_shape: tuple[int, int], growth: Growth) -> tuple[int, int]:

@@ -2,18 +2,19 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from weftex.errors import InvalidInputError
-from weftex.methods.patches.sizes import patch_size_of
+from weftex.methods.patches.sizes import patch_size_of, patch_size_on
 from weftex.search.windows import windows_of
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
+    from weftex.canvas import Canvas
     from weftex.exemplar import Exemplar
     from weftex.search.windows import Windows
 
@@ -37,6 +38,36 @@ class Settings:
     by_gradients: bool  # the cost of a seam is divided by the gradients across it
     refinements: float  # patches over the worst seams, for each that covered the canvas
     variety: float  # the cost of showing a place again nearby
+    size_given: bool  # patch_shape was chosen by the caller
+    boundary_given: bool  # likewise
+
+    def on(self, canvas: Canvas) -> Settings:
+        """Settle for one output, of which patches take no larger share than of the sample."""
+        if self.placement != "subpatch" or self.size_given:
+            return self
+        most = patch_size_on(canvas, _PATCH_SHARE)
+        if self.boundary_given:
+            most = max(most, 2 * self.boundary_width + 1)
+        if max(self.patch_shape) <= most:
+            return self
+        height, width = (min(side, most) for side in self.patch_shape)
+        boundary = self.boundary_width if self.boundary_given else max(height, width) // 3
+        return replace(self, patch_shape=(height, width), boundary_width=boundary)
+
+    def sizes(self) -> dict[str, int]:
+        """`patch_size` and `boundary_width` as settled; patches of a thin sample are no squares."""
+        rows, columns = self.patch_shape
+        size = {"patch_size": rows} if rows == columns else {}
+        return size | {"boundary_width": self.boundary_width}
+
+
+def check_boundary(side: int, boundary: int) -> None:
+    """Refuse a boundary that takes half of a patch."""
+    if boundary > (side - 1) // 2:
+        raise InvalidInputError(
+            f"boundary_width is {boundary}; it must be less than half of the patch, at most "
+            f"{(side - 1) // 2}"
+        )
 
 
 def settle(
@@ -64,11 +95,7 @@ def settle(
         shape = _patch_shape(exemplar, patch_size)
         side = max(shape)
         boundary = side // 3 if boundary_width is None else boundary_width
-        if boundary > (side - 1) // 2:
-            raise InvalidInputError(
-                f"boundary_width is {boundary}; it must be less than half of the patch, at most "
-                f"{(side - 1) // 2}"
-            )
+        check_boundary(side, boundary)
     return Settings(
         exemplar,
         windows,
@@ -80,6 +107,8 @@ def settle(
         by_gradients=seam_cost == "gradient",
         refinements=refinements,
         variety=variety,
+        size_given=patch_size is not None,
+        boundary_given=boundary_width is not None,
     )
 
 

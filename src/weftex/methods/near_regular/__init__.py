@@ -17,7 +17,7 @@ from weftex.methods.near_regular.seams import (
     keep_known,
     lay_blocks,
 )
-from weftex.methods.near_regular.settings import blend_of, settle
+from weftex.methods.near_regular.settings import blend_of, check_border, settle
 from weftex.methods.near_regular.warps import warp_gaps
 from weftex.threads import thread_count, thread_map
 
@@ -144,6 +144,11 @@ class NearRegular(Method):
         high=1000.0,
         default_text="1; 0 in the paper",
     )
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        if self.block_size is not None and self.border_width is not None:
+            check_border(self.block_size, self.border_width)
 
     def meant(self, name: str) -> Any:
         """What `blend` is, if that is left to the preset."""

@@ -199,6 +199,12 @@ def _around(vectors: tuple[float, ...], exemplar: Exemplar) -> tuple[tuple[float
     return vectors, False
 
 
+def check_border(size: int, border: int) -> None:
+    """Refuse borders as wide as their block."""
+    if border >= size:
+        raise InvalidInputError(f"border_width is {border}; it must be less than the block, {size}")
+
+
 def _block(
     method: Any, exemplar: Exemplar, vectors: tuple[float, ...], by_rows: bool
 ) -> tuple[int, int]:
@@ -214,8 +220,7 @@ def _block(
         border = min(border, (size - 1) // 2 * 2, max(0, shorter - size) // 2 * 2)
     if method.warp and border < 2:
         raise InvalidInputError(f"warp is {method.warp}; it needs a border_width of 2 or more")
-    if border >= size:
-        raise InvalidInputError(f"border_width is {border}; it must be less than the block, {size}")
+    check_border(size, border)
     if size + border > shorter:
         raise InvalidInputError(
             f"block_size is {size} and border_width {border}; {exemplar.name} is "

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from copy import copy
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -32,6 +33,8 @@ class PatchAnalysis:
         Settled for this sample.
     exemplar : Exemplar
         The sample.
+    ahead : bool
+        Most outputs will have patches of this size, so that structures for them are made at once.
 
     Raises
     ------
@@ -39,7 +42,7 @@ class PatchAnalysis:
         If no window lies in the usable part of the sample.
     """
 
-    def __init__(self, settings: PatchSettings, exemplar: Exemplar) -> None:
+    def __init__(self, settings: PatchSettings, exemplar: Exemplar, *, ahead: bool = True) -> None:
         self.settings, self.exemplar = settings, exemplar
         self.pixels = exemplar.matching(settings.edge_weight)
         self.mask = np.ones(exemplar.shape, bool) if exemplar.mask is None else exemplar.mask
@@ -55,9 +58,24 @@ class PatchAnalysis:
         self.block_side = 4 if settings.search != "pca" else 1 if settings.pixelwise else 16
         self._structures: dict[tuple[Any, ...], ZoneSearch] = {}
         self._windows: dict[tuple[int, int], tuple[NDArray[np.uint8], NDArray[np.int32]]] = {}
+        self._others: dict[PatchSettings, PatchAnalysis] = {}
         self.windows(side, side)
-        if exemplar.mask is None:  # a sample with a mask is more likely to fill its own hole
+        # A sample with a mask is more likely to fill its own hole.
+        if ahead and exemplar.mask is None:
             self._analyze()
+
+    def settled(self, settings: PatchSettings) -> PatchAnalysis:
+        """Return the analysis for these settings: this one, or one that is made on first use."""
+        if settings == self.settings:
+            return self
+        if settings not in self._others:
+            if self.exemplar.tileable:  # the padding is as wide as patches
+                other = PatchAnalysis(settings, self.exemplar)
+            else:
+                other = copy(self)
+                other.settings, other._structures, other._windows = settings, {}, {}
+            self._others[settings] = other
+        return self._others[settings]
 
     def _analyze(self) -> None:
         """Make the structures that most patches of a new picture will ask."""
@@ -137,7 +155,7 @@ class PatchAnalysis:
         return structure
 
     def __getstate__(self) -> dict[str, Any]:
-        return self.__dict__ | {"_structures": {}, "_windows": {}}
+        return self.__dict__ | {"_structures": {}, "_windows": {}, "_others": {}}
 
 
 class Zones:

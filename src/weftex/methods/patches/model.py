@@ -13,7 +13,7 @@ from weftex.exemplar import Exemplar
 from weftex.method import Model
 from weftex.methods.patches.analysis import PatchAnalysis
 from weftex.methods.patches.pasting import Output
-from weftex.methods.patches.settings import PatchMethod, PatchSettings
+from weftex.methods.patches.settings import PatchMethod, PatchSettings, settle_on
 from weftex.progress import ProgressCallback
 from weftex.random import seed_number
 from weftex.results.patches import PatchSynthesis
@@ -48,17 +48,23 @@ class PatchModel(Model):
         exemplar: Exemplar,
         cover: Callable[[Output, Any], None],
     ) -> None:
+        self.exemplar = exemplar
+        # Whether small outputs have smaller patches.
+        narrowed = settle_on(Canvas(1, 1), method, settings) != settings
+        self.analysis = PatchAnalysis(settings, exemplar, ahead=not narrowed)
+        self._given, self._cover = method, cover
+        self.method = self._settled(settings)
+
+    def _settled(self, settings: PatchSettings) -> PatchMethod:
+        """The method with every parameter settled."""
         compared = settings.search != "exhaustive" and not settings.anything
-        self.method = replace(
-            method,
+        return replace(
+            self._given,
             patch_size=settings.patch_size,
             randomness=None,
             boundary_width=settings.boundary_width,
             candidates=settings.candidates if compared else None,
         )
-        self.exemplar = exemplar
-        self.analysis = PatchAnalysis(settings, exemplar)
-        self._cover = cover
 
     def sample(
         self,
@@ -74,8 +80,10 @@ class PatchModel(Model):
         self.method.require(canvas)
         number, count = seed_number(seed), thread_count(threads)
         canvas.check_known(self.exemplar)
-        output = Output(self.analysis, canvas, number, count, progress)
-        self._cover(output, self.method)
+        settings = settle_on(canvas, self._given, self.analysis.settings)
+        output = Output(self.analysis.settled(settings), canvas, number, count, progress)
+        method = self._settled(settings)
+        self._cover(output, method)
         placements, weights = output.placements, output.weights()
         if output.settings.pixelwise:  # of the window only the pixel in the middle is laid
             reach = output.settings.boundary_width
@@ -92,6 +100,6 @@ class PatchModel(Model):
             sample_shape=self.exemplar.shape,
             exemplar=self.exemplar,
             known_from=canvas.known_from,
-            provenance=self.method.describe() | {"seed": number},
+            provenance=method.describe() | {"seed": number},
             picture=output.picture(),
         )

@@ -9,7 +9,7 @@ from weftex.canvas import Canvas
 from weftex.errors import InvalidInputError
 from weftex.exemplar import Exemplar
 from weftex.method import Method, parameter
-from weftex.methods.patches.sizes import patch_size_for, patch_size_of
+from weftex.methods.patches.sizes import patch_size_for, patch_size_of, patch_size_on
 from weftex.search.zone_search import SEARCHES
 
 if TYPE_CHECKING:
@@ -20,6 +20,8 @@ _CANDIDATES, _MOST_CANDIDATES = 40, 10000
 #: With a wider tolerance so many more windows match: with the 8th power of the distance, about.
 #: (The power is 7 to 15 between the windows of bricks, grass, leaves, pebbles, tiles, weave, wood.)
 _MATCHING_POWER = 8
+#: What has no effect where every window matches.
+_OF_MATCHING = {"search", "candidates", "variance", "choice", "repeat_distance"}
 _SHARE = 0.3  # lambda of section 2.4, where nothing else is said
 _HOLE_ZONE, _HOLE_CANDIDATES = 4, 400  # boundary width in px and candidates for holes
 
@@ -29,13 +31,16 @@ class PatchMethod(Method):
     """Parameters that patch-based sampling and image quilting have in common."""
 
     supports: ClassVar[frozenset[str]] = frozenset({"wrap", "known"})
+    #: Boundary width over patch size, where no boundary width is given.
+    boundary_share: ClassVar[float]
 
     patch_size: int | None = parameter(
         None,
         "side w_B of the square patches; 1 samples single pixels (section 2.5)",
         low=1,
         unit="px",
-        default_text="0.3 x the sample's shorter side, or x 20 of its scale on samples over 384",
+        default_text="0.3 x the sample's shorter side; over 512 px, of 36 x its scale or the "
+        "output's shorter side where that is less, 154 or more",
     )
     randomness: float | None = parameter(
         None,
@@ -89,6 +94,37 @@ class PatchMethod(Method):
         super().__post_init__()
         if self.patch_size is not None and self.randomness is not None:
             raise InvalidInputError("randomness has no effect beside patch_size; give one of them")
+        if self.patch_size is not None:
+            self.boundary_of(self.patch_size)
+        if self.anything:
+            self._refuse_unmatched()
+
+    def _refuse_unmatched(self) -> None:
+        """Where every window matches, none is searched for, weighed or kept apart."""
+        for field in fields(self):
+            value = getattr(self, field.name)
+            if field.name == "repeat_distance" and value == 0:
+                continue
+            if field.name in _OF_MATCHING and value != field.default:
+                raise InvalidInputError(
+                    f"{field.name} has no effect where every window matches (now {value})"
+                )
+
+    def boundary_of(self, size: int) -> int:
+        """Return w_E for patches of a size; refuse a given one that leaves no patch."""
+        width = self.boundary_width
+        if width is None:
+            return min(max(4, round(self.boundary_share * size)), size // 2)
+        if 1 < size < 2 * width:
+            raise InvalidInputError(
+                f"boundary_width is {width}; it must be at most half of the patch, {size // 2}"
+            )
+        return width
+
+    @property
+    def anything(self) -> bool:
+        """Whether every window matches, so that nothing is searched (chaos mosaic)."""
+        return False
 
     @property
     def looseness(self) -> float:
@@ -126,7 +162,7 @@ class PatchMethod(Method):
         if self.boundary_width is None and size > 1:
             suits["boundary_width"] = min(_HOLE_ZONE, size // 2)
         # An exhaustive search takes no number of candidates.
-        if given is not None and not given & {"candidates", "search"}:
+        if given is not None and not self.anything and not given & {"candidates", "search"}:
             suits["candidates"] = self.candidates_for(_HOLE_CANDIDATES)
         return replace(self, **suits)
 
@@ -161,9 +197,7 @@ class PatchSettings:
         return round(self.repeat_distance * self.patch_size)
 
 
-def settle(
-    method: PatchMethod, exemplar: Exemplar, *, boundary_share: float, blend: str, anything: bool
-) -> PatchSettings:
+def settle(method: PatchMethod, exemplar: Exemplar, *, blend: str) -> PatchSettings:
     """Settle what a method leaves open for a sample (section 2.4).
 
     Parameters
@@ -172,9 +206,7 @@ def settle(
         Parameters.
     exemplar : Exemplar
         The sample; it must hold at least one whole window.
-    boundary_share : float
-        Boundary width over patch size, where no boundary width is given.
-    blend, anything
+    blend : str
         See `PatchSettings`.
 
     Raises
@@ -189,11 +221,7 @@ def settle(
     if size == 1:
         width = method.boundary_width or max(1, min(4, (shorter - 1) // 2))
     else:
-        width = method.boundary_width or min(max(4, round(boundary_share * size)), size // 2)
-        if width > size // 2:
-            raise InvalidInputError(
-                f"boundary_width is {width}; it must be at most half of the patch, {size // 2}"
-            )
+        width = method.boundary_of(size)
     settings = PatchSettings(
         patch_size=size,
         boundary_width=width,
@@ -203,7 +231,7 @@ def settle(
         edge_weight=method.edge_weight,
         repeat_distance=method.repeat_distance,
         blend=blend,
-        anything=anything,
+        anything=method.anything,
     )
     if settings.pixelwise:
         _refuse_for_pixels(method)
@@ -213,6 +241,26 @@ def settle(
             f"window of {settings.window_side}; the largest that fits is {shorter}"
         )
     return settings
+
+
+def settle_on(canvas: Canvas, method: PatchMethod, settings: PatchSettings) -> PatchSettings:
+    """Settle for one output: what was left open follows its size where that is the smaller one.
+
+    Parameters
+    ----------
+    canvas : Canvas
+        The output.
+    method : PatchMethod
+        Parameters as they were given.
+    settings : PatchSettings
+        What they settle to for the sample.
+    """
+    if method.patch_size is not None or method.randomness is not None:
+        return settings
+    size = max(patch_size_on(canvas, _SHARE), 2 * (method.boundary_width or 0))
+    if size >= settings.patch_size:
+        return settings
+    return replace(settings, patch_size=size, boundary_width=method.boundary_of(size))
 
 
 def _refuse_for_pixels(method: PatchMethod) -> None:

@@ -13,12 +13,13 @@ from weftex.raster.boxes import box_sums
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
+    from weftex.canvas import Canvas
     from weftex.exemplar import Exemplar
 
 #: A patch is a share of the sample's shorter side, but of no more than so many times the scale of
-#: its structure, of which several make up one thing: patches of large samples would copy crowds.
-_SCALES = 20
-_ANY_SCALE = 384  # pixels a side of samples that are small enough, whatever their scale
+#: its structure: patches of large samples would copy crowds.
+_SCALES = 36
+_SMALL = 512  # pixels a side, of which a share is a patch whatever the scale and the output
 _LOOK = 320  # pixels a side; larger samples are averaged down to find their scale
 
 #: Patch sizes; a hole gets the largest of which it holds a square `_LEAP` times as wide.
@@ -34,8 +35,8 @@ def patch_size_of(exemplar: Exemplar, share: float) -> int:
     exemplar : Exemplar
         The sample.
     share : float
-        Of its shorter side, or of 20 times the scale of its structure where that is less; samples
-        of up to 384 pixels a side are taken as they are.
+        Of its shorter side, or of 36 times the scale of its structure where that is less; samples
+        of up to 512 pixels a side are taken as they are.
 
     Examples
     --------
@@ -43,14 +44,35 @@ def patch_size_of(exemplar: Exemplar, share: float) -> int:
     >>> y, x = np.indices((600, 600))
     >>> grid = Exemplar((100 * (x % 16 < 8) + 100 * (y % 16 < 8)).astype(np.uint8))
     >>> patch_size_of(grid, 0.3)
-    115
+    154
     """
     side = min(exemplar.shape)
-    if side > _ANY_SCALE:
+    if side > _SMALL:
         small, step = smaller_copy(exemplar, _LOOK)
         scale = dominant_scale(small).scale * step
-        side = min(side, max(_ANY_SCALE, round(_SCALES * scale)))
+        side = min(side, max(_SMALL, round(_SCALES * scale)))
     return max(1, round(share * side))
+
+
+def patch_size_on(canvas: Canvas, share: float) -> int:
+    """Return the largest side of patches for an output, in pixels.
+
+    Patches that suit a large sample would make a smaller picture out of a few whole pieces of it.
+
+    Parameters
+    ----------
+    canvas : Canvas
+        The output.
+    share : float
+        Of its shorter side, as in `patch_size_of`; of 512 pixels where that is less.
+
+    Examples
+    --------
+    >>> from weftex.canvas import Canvas
+    >>> patch_size_on(Canvas(1000, 2000), 0.3), patch_size_on(Canvas(100, 100), 0.3)
+    (300, 154)
+    """
+    return round(share * max(_SMALL, min(canvas.shape)))
 
 
 def patch_size_for(hole: NDArray[np.bool_], usable: NDArray[np.bool_], least: int) -> int:
