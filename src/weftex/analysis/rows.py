@@ -104,7 +104,11 @@ def _highest(correlation: Floats, angles: Floats, reach: int) -> tuple[float, fl
 
     between = np.maximum(np.maximum(mean_at(1 / 2), mean_at(1 / 3)), mean_at(2 / 3))
     contrast = mean_at(0) - between - _UNSURE / np.sqrt(counts)
-    i, j = np.unravel_index(int(contrast.argmax()), contrast.shape)
+    # Contrast that still grows at the farthest distance tried belongs to rows that are farther.
+    peaks = contrast.copy()
+    peaks[:, -1] = -1.0
+    peaks[:, :-1][contrast[:, :-1] < contrast[:, 1:]] = -1.0
+    i, j = np.unravel_index(int(peaks.argmax()), peaks.shape)
     return float(angles[i]), float(distances[j]), float(contrast[i, j])
 
 
