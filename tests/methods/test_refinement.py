@@ -423,6 +423,12 @@ def test_joints_are_refined_where_materials_are_joined():
     assert weftex.fuse(samples, labels, method=method, seed=1).image.shape[:2] == (40, 48)
 
 
+def test_seed_points_farther_apart_than_the_sample_is_wide_take_no_memory():
+    method = weftex.Refinement(init="seeds", seed_scale=1e6, window_width=5)
+    made = method.fit(weftex.Exemplar(noise((16, 18), values=9))).sample((20, 20), seed=1)
+    assert made.shape == (20, 20)
+
+
 def test_seed_points_lie_a_scale_apart():
     """Of the sample, whatever the window is wide; and as often as the density says."""
     x = np.indices((96, 96))[1]

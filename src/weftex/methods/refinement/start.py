@@ -155,6 +155,8 @@ def _grid(length: int, wraps: bool, spacing: int) -> NDArray[np.intp]:
 def _unit_tiles(pyramid: Windows, spacing: int) -> NDArray[np.int32]:
     """Corners (n, 4) of the sample's unit tiles: upper left and right, lower left and right."""
     width = pyramid.usable.shape[1]
+    if spacing >= min(pyramid.usable.shape):  # padding by it may not fit in memory
+        return np.empty((0, 4), np.int32)
     usable = np.pad(pyramid.usable, (0, spacing))
     y, x = np.divmod(pyramid.centers, width)
     on_grid = ((y - y.min()) % spacing == 0) & ((x - x.min()) % spacing == 0)
