@@ -2,12 +2,14 @@
 
     python benchmarks/house.py
 
-For each method: the files and lines that its package and its family hold, of these kernels and
-declarations; and the same for everything that it imports, the common spine of the house included.
+For each method: the files and lines that its package and its family hold, of these code (neither
+blank, comment nor docstring), and of these kernels and declarations; and the same for everything
+that it imports, the common spine of the house included.
 """
 
 from __future__ import annotations
 
+import ast
 import sys
 from pathlib import Path
 
@@ -28,11 +30,29 @@ def closure(module: str) -> set[str]:
     return found
 
 
-def lines_of(modules: set[str]) -> int:
-    """Lines of modules with their declarations."""
+def files_of(modules: set[str]) -> list[Path]:
+    """Modules and their declarations."""
     files = [ROOT / FILES[module] for module in modules]
-    files += [file.with_suffix(".pxd") for file in files if file.with_suffix(".pxd").exists()]
-    return sum(len(file.read_text("utf-8").splitlines()) for file in files)
+    return files + [f.with_suffix(".pxd") for f in files if f.with_suffix(".pxd").exists()]
+
+
+def lines_of(modules: set[str]) -> int:
+    return sum(len(file.read_text("utf-8").splitlines()) for file in files_of(modules))
+
+
+def code_of(modules: set[str]) -> int:
+    """Lines that are neither blank, comment nor docstring."""
+    total = 0
+    for file in files_of(modules):
+        text = file.read_text("utf-8")
+        lines = text.splitlines()
+        total += sum(line.strip() != "" and not line.strip().startswith("#") for line in lines)
+        for node in ast.walk(ast.parse(text)) if file.suffix == ".py" else ():
+            alone = isinstance(node, ast.Expr) and isinstance(node.value, ast.Constant)
+            if alone and isinstance(node.value.value, str):
+                said = lines[node.lineno - 1 : node.end_lineno]
+                total -= sum(line.strip() != "" for line in said)
+    return total
 
 
 def main() -> None:
@@ -43,14 +63,16 @@ def main() -> None:
         f"{len(upward)} upward arrows, {len(rooms)} rooms in methods/\n"
     )
     print(
-        "| method | files | lines | of these kernels | all files | all lines | of these kernels |"
+        "| method | files | lines | of these code | of these kernels "
+        "| all files | all lines | of these code | of these kernels |"
     )
-    print("|---|---|---|---|---|---|---|")
+    print("|---|---|---|---|---|---|---|---|---|")
     for slug in weftex.METHODS:
         everything = closure(f"methods.{slug.replace('-', '_')}")
         cells: list[int] = []
         for part in ({m for m in everything if room(m) == "methods"}, everything):
-            cells += [len(part), lines_of(part), lines_of(set(filter(is_kernel, part)))]
+            kernels = set(filter(is_kernel, part))
+            cells += [len(part), lines_of(part), code_of(part), lines_of(kernels)]
         print(f"| {slug} | " + " | ".join(map(str, cells)) + " |")
 
 
