@@ -11,7 +11,10 @@ from pathlib import Path
 import weftex
 
 HOME = Path(weftex.__file__).parent
-_BY_NAME = {"METHODS", "make_method"}  # a module that imports one of these may call any method
+# A module that imports one of these names from one of these modules may call any method. Among them
+# `weftex.method` calls only those that its callers name.
+_BY_NAME = {"METHODS", "make_method", "method_of"}
+_NAMING = {"weftex.methods", "weftex.registry", "weftex.method"}
 
 
 @cache
@@ -54,10 +57,11 @@ def _files(module: str) -> list[Path]:
 def _imported(file: Path) -> tuple[Path, ...]:
     """Files of the modules of weftex that a file imports, or calls by name."""
     tree = ast.parse(file.read_text(encoding="utf-8"))
-    return tuple(found for name in _names(tree) for found in _files(name))
+    own = file == HOME / "method.py"
+    return tuple(found for name in _names(tree, by_name=not own) for found in _files(name))
 
 
-def _names(tree: ast.Module) -> Iterator[str]:
+def _names(tree: ast.Module, *, by_name: bool) -> Iterator[str]:
     for node in ast.walk(tree):
         names = []
         if isinstance(node, ast.Import):
@@ -65,7 +69,7 @@ def _names(tree: ast.Module) -> Iterator[str]:
         elif isinstance(node, ast.ImportFrom) and node.module:
             own = {alias.name for alias in node.names}
             names = [node.module, *(f"{node.module}.{name}" for name in own)]
-            if node.module in ("weftex.methods", "weftex.registry") and own & _BY_NAME:
+            if by_name and node.module in _NAMING and own & _BY_NAME:
                 yield from (f"weftex.methods.{one.stem}" for one in (HOME / "methods").iterdir())
         for name in names:
             name = name.removeprefix("cython.cimports.")

@@ -99,7 +99,9 @@ def fig8(folder: Path, suffix: str) -> None:
         sample = load(name, 128)
         row = [("(a) sample", sample)]
         for epsilon in (0, 0.2, 1, float("inf")):
-            settings = PAPER | {"epsilon": epsilon, "search": "exhaustive"}
+            settings = PAPER | {"epsilon": epsilon}
+            if epsilon < float("inf"):  # of infinity all match, and none is searched for
+                settings["search"] = "exhaustive"
             picture = make(sample, 200, **settings)
             row.append((f"epsilon {epsilon:g}", picture))
         rows.append(row)

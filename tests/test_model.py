@@ -30,7 +30,9 @@ def test_a_model_makes_windows_or_refuses_in_one_line(slug):
 WITHOUT_EFFECT = {
     "ashikhmin": {"jumps"},
     "exact-matching": {"tolerance", "nearest_colors"},
-    "refinement": {"joints"},
+    "patch-sampling": {"randomness"},  # patch_size says it
+    "quilting": {"randomness"},
+    "refinement": {"joints", "seed_scale"},
     "near-regular": {"blend_width"},
 }
 

@@ -44,7 +44,7 @@ def patch_size_of(exemplar: Exemplar, share: float) -> int:
     >>> y, x = np.indices((600, 600))
     >>> grid = Exemplar((100 * (x % 16 < 8) + 100 * (y % 16 < 8)).astype(np.uint8))
     >>> patch_size_of(grid, 0.3)
-    154
+    173
     """
     side = min(exemplar.shape)
     if side > _SMALL:
