@@ -11,10 +11,7 @@ from pathlib import Path
 import weftex
 
 HOME = Path(weftex.__file__).parent
-# A module that imports one of these names from one of these modules may call any method. Among them
-# `weftex.method` calls only those that its callers name.
-_BY_NAME = {"METHODS", "make_method", "method_of"}
-_NAMING = {"weftex.methods", "weftex.registry", "weftex.method"}
+_BY_NAME = {"METHODS", "make_method"}  # a module that imports one of these may call any method
 
 
 @cache
@@ -57,11 +54,10 @@ def _files(module: str) -> list[Path]:
 def _imported(file: Path) -> tuple[Path, ...]:
     """Files of the modules of weftex that a file imports, or calls by name."""
     tree = ast.parse(file.read_text(encoding="utf-8"))
-    own = file == HOME / "method.py"
-    return tuple(found for name in _names(tree, by_name=not own) for found in _files(name))
+    return tuple(found for name in _names(tree) for found in _files(name))
 
 
-def _names(tree: ast.Module, *, by_name: bool) -> Iterator[str]:
+def _names(tree: ast.Module) -> Iterator[str]:
     for node in ast.walk(tree):
         names = []
         if isinstance(node, ast.Import):
@@ -69,7 +65,7 @@ def _names(tree: ast.Module, *, by_name: bool) -> Iterator[str]:
         elif isinstance(node, ast.ImportFrom) and node.module:
             own = {alias.name for alias in node.names}
             names = [node.module, *(f"{node.module}.{name}" for name in own)]
-            if by_name and node.module in _NAMING and own & _BY_NAME:
+            if node.module in ("weftex.methods", "weftex.registry") and own & _BY_NAME:
                 yield from (f"weftex.methods.{one.stem}" for one in (HOME / "methods").iterdir())
         for name in names:
             name = name.removeprefix("cython.cimports.")

@@ -23,6 +23,7 @@ LEVELS = [
     ["tasks"],
     ["pages"],
     ["methods"],
+    ["naming"],
     ["method"],
     ["quality"],
     ["analysis"],

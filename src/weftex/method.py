@@ -5,15 +5,14 @@ from __future__ import annotations
 import dataclasses
 import math
 import numbers
-import shlex
 from abc import ABC, abstractmethod
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any, ClassVar, Self
 
 from weftex.canvas import Canvas
 from weftex.errors import InvalidInputError, UnsupportedError, did_you_mean, shown
 from weftex.loading import load_exemplar
-from weftex.registry import METHODS, supporting
+from weftex.registry import supporting
 
 if TYPE_CHECKING:
     import numpy as np
@@ -338,82 +337,6 @@ class Method(ABC):
         """
         values = dataclasses.asdict(self)
         return {"method": self.slug} | {k: v for k, v in values.items() if v is not None}
-
-
-def make_method(method: str | Method, parameters: Mapping[str, Any]) -> Method:
-    """Return the method of that slug with these parameters.
-
-    Raises
-    ------
-    InvalidInputError
-        For an unknown method, parameter or value, with the nearest right name.
-    """
-    if not isinstance(method, (str, Method)):
-        raise InvalidInputError(f"method is {shown(method)}; it must be a name or a Method")
-    if isinstance(method, str):
-        made: Method = METHODS[method](**parameters)
-        return made
-    return dataclasses.replace(method, **parameters)
-
-
-def method_of(text: str) -> Method:
-    """Return the method of a text: its slug, then ``name=value`` for parameters, with spaces.
-
-    Raises
-    ------
-    InvalidInputError
-        For an unknown method, parameter or value, with the nearest right name.
-
-    Examples
-    --------
-    >>> import weftex
-    >>> method_of("graphcut placement=entire").placement
-    'entire'
-    """
-    try:
-        slug, *words = shlex.split(text)
-    except ValueError:  # nothing, or a quotation without an end
-        raise InvalidInputError(f"'{text}' is no method; write it as 'NAME name=value'") from None
-    given: dict[str, Any] = {}
-    kinds = {field.name: kind_of(field) for field in dataclasses.fields(METHODS[slug])}
-    for word in words:
-        name, equals, value = word.partition("=")
-        if not equals or name in given:
-            raise InvalidInputError(
-                f"{slug} has '{word}'; it must be name=value, once for each name"
-            )
-        try:
-            given[name] = kinds.get(name, str)(value)
-        except ValueError:
-            given[name] = value  # which the method refuses with its own words
-    return make_method(slug, given)
-
-
-def text_of(method: Method) -> str:
-    """Return the text that `method_of` makes the method of: parameters that are not its defaults.
-
-    Examples
-    --------
-    >>> import weftex
-    >>> text_of(weftex.GraphCut(placement="entire", tolerance=0.5))
-    'graphcut placement=entire tolerance=0.5'
-    """
-    words = [method.slug]
-    for field in dataclasses.fields(method):
-        value = getattr(method, field.name)
-        if value != field.default:
-            value = ",".join(map(str, value)) if field.metadata["count"] else value
-            words.append(shlex.quote(f"{field.name}={value}"))
-    return " ".join(words)
-
-
-def kind_of(field: dataclasses.Field[Any]) -> type[int] | type[float] | type[str]:
-    """What the text of a parameter is read as."""
-    # A class where the method's module does not postpone its annotations, as ours do.
-    wanted = getattr(field.type, "__name__", str(field.type)).split(" ")[0]
-    kinds: dict[str, Any] = {"int": int, "float": float}
-    kind: type[int] | type[float] | type[str] = kinds.get(wanted, str)
-    return kind
 
 
 def _check(field: dataclasses.Field[Any], value: Any) -> None:

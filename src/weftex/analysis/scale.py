@@ -18,6 +18,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
+from weakref import WeakKeyDictionary
 
 import numpy as np
 
@@ -84,6 +85,10 @@ class DominantScale:
         return 2 * max(1, round(self.scale)) + 1
 
 
+#: Windows, seed points, patches and belts of one sample all hang on its scale.
+_ESTIMATED: WeakKeyDictionary[Exemplar, DominantScale] = WeakKeyDictionary()
+
+
 def dominant_scale(
     exemplar: Exemplar, lattice: Lattice | Literal["find"] | None = "find"
 ) -> DominantScale:
@@ -112,6 +117,14 @@ def dominant_scale(
     >>> abs(found.scale - 16) < 0.5 and found.confidence > 0.9
     True
     """
+    if lattice != "find":
+        return _estimated(exemplar, lattice)
+    if exemplar not in _ESTIMATED:
+        _ESTIMATED[exemplar] = _estimated(exemplar, lattice)
+    return _ESTIMATED[exemplar]
+
+
+def _estimated(exemplar: Exemplar, lattice: Lattice | Literal["find"] | None) -> DominantScale:
     flat = relief(exemplar)
     height, width = flat.usable.shape
     side = max(height, width)  # the paper's N

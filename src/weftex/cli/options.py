@@ -85,7 +85,7 @@ def parse_task(
     chooser = argparse.ArgumentParser(add_help=False, allow_abbrev=False, exit_on_error=False)
     chooser.add_argument("--method", default=default, nargs="?")
     name = chooser.parse_known_args(argv)[0].method or ""
-    from weftex.method import kind_of
+    from weftex.naming import kind_of
     from weftex.tasks.method_names import AUTO, method_class
 
     by_default = name in (AUTO, default) and not any(word.startswith("--method") for word in argv)

@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import dataclasses
 
-from weftex.method import make_method
+from weftex.naming import make_method
 from weftex.registry import METHODS
 
 __all__ = ["METHODS", "make_method", "owners"]

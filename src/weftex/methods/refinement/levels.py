@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from weftex.exemplar import Exemplar
-from weftex.method import method_of
+from weftex.naming import method_of
 from weftex.raster.pyramids import gaussian_stack, mask_stack
 from weftex.search.nearest import nearest_search
 from weftex.search.similar import nearest_center, similar_places

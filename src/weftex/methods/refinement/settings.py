@@ -11,8 +11,9 @@ import numpy as np
 
 from weftex.analysis.scale import dominant_scale
 from weftex.errors import InvalidInputError
-from weftex.method import Method, method_of, text_of
+from weftex.method import Method
 from weftex.methods.pixels.growth import settled_width
+from weftex.naming import method_of, text_of
 from weftex.raster.pyramids import mask_pyramid
 from weftex.registry import METHODS
 from weftex.search.windows import whole_windows
