@@ -118,6 +118,30 @@ def test_huge_boundaries(method, patch_size, width, search):
             )  # fmt: skip
 
 
+@pytest.mark.parametrize(
+    "method, parameters",
+    [
+        ("refinement", {"init": "seeds", "seed_scale": 1e308, "seed_density": 0.5}),
+        ("refinement", {"init": "seeds", "seed_scale": 9.3e18}),
+        ("wei-levoy", {"leaves": 2**62}),
+    ],
+)
+def test_more_than_there_is_means_all_there_is(method, parameters):
+    sample = weftex.Exemplar(noise((24, 24)))
+    assert attempt(method, sample, weftex.Canvas(30, 30), **parameters)
+    hole = np.zeros((24, 24), bool)
+    hole[9:12, 9:14] = True
+    weftex.fill(sample, hole, method=method, seed=1, **parameters)
+
+
+def test_borders_wider_than_a_masked_sample_are_refused():
+    mask = np.zeros((24, 24), bool)
+    mask[2:20, 3:] = True
+    sample = weftex.Exemplar(noise((24, 24)), mask=mask)
+    with pytest.raises(weftex.InvalidInputError, match="border_width"):
+        weftex.synthesize(sample, 30, method="near-regular", border_width=2**62)
+
+
 @every("method", family="patch")
 @pytest.mark.parametrize("tileable", [False, True])
 @pytest.mark.parametrize(

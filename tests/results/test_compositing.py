@@ -151,3 +151,14 @@ def test_more_patches_than_layers_keep_the_heaviest():
     paste_kernels.layer_all(patch, share, 0, 0, Layout(placements, weights, none, 1, 1))
     assert patch[0, 0].tolist() == [5, 4, 3, 2]
     assert (np.diff(share[0, 0]) < 0).all()
+
+
+@pytest.mark.parametrize("alpha", [False, True])
+@pytest.mark.parametrize("dtype", [np.float32, np.float64])
+def test_numbers_that_floats_just_hold_stay_numbers(dtype, alpha):
+    rng = np.random.default_rng(3)
+    largest = np.finfo(dtype).max
+    source, out = (rng.choice([-1, 0, 0.25, 1], (9, 9, 4)).astype(dtype) * largest for _ in "ab")
+    plan = layout(rng, (9, 9), (9, 9), 5, 5, 20, cut=False)
+    paste_kernels.paste_all(out, source, Layout(*plan, 9, 9), View(0, 0, 1, alpha))
+    assert np.isfinite(out).all()

@@ -6,6 +6,10 @@ ctypedef fused value:
     float
     double
 
+ctypedef fused real:
+    float
+    double
+
 cdef class Layout:
     cdef const int[:, ::1] placements
     cdef const unsigned short[:, :, ::1] weights

@@ -80,6 +80,18 @@ def effective(
 
 
 @cython.cfunc
+@cython.inline
+@cython.nogil
+@cython.exceptval(check=False)
+def between(old: real, new: real, share: cython.double) -> real:
+    """The mean of two numbers, of which the new one has this share."""
+    apart: real = new - old
+    if apart - apart == 0:
+        return old + apart * share
+    return old * (1 - share) + new * share  # so far apart that no number is the difference
+
+
+@cython.cfunc
 @cython.nogil
 @cython.exceptval(check=False)
 def blend(
@@ -99,7 +111,7 @@ def blend(
                 mixed = old[k] * (256 - weight) + new[k] * weight + 128
                 old[k] = mixed >> 8
             else:
-                old[k] = old[k] + (new[k] - old[k]) * (weight * 0.00390625)
+                old[k] = between(old[k], new[k], weight * 0.00390625)
         return
     if value is cython.uchar or value is cython.ushort:
         part_old = (256 - weight) * cython.cast(cython.longlong, old[channels - 1])
@@ -115,10 +127,12 @@ def blend(
     else:
         share = (256 - weight) * old[channels - 1] + weight * new[channels - 1]
         share = weight * new[channels - 1] / share if share != 0 else 1.0
+        if share - share != 0:  # such numbers are no opacities
+            share = weight * 0.00390625
         for k in range(channels - 1):
-            old[k] = old[k] + (new[k] - old[k]) * share
+            old[k] = between(old[k], new[k], share)
         k = channels - 1
-        old[k] = old[k] + (new[k] - old[k]) * (weight * 0.00390625)
+        old[k] = between(old[k], new[k], weight * 0.00390625)
 
 
 def paste(out, source, layout, k, zone, view):

@@ -180,12 +180,12 @@ def resampled(
         if parts <= 0:
             return low
         total = total / parts
-        if total <= low:
-            return low
         if total >= high:
             return high
-        pixel = total
-        return pixel
+        if total > low:  # a sum of numbers that floats just hold may be none
+            pixel = total
+            return pixel
+        return low
 
 
 def warp_into(

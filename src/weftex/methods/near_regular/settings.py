@@ -275,8 +275,10 @@ def _area(vectors: tuple[float, ...]) -> float:
 
 def _has_room(exemplar: Exemplar, side: int, vectors: tuple[float, ...] = ()) -> bool:
     """Whether a square of this side lies on usable pixels; with vectors, at any place of a tile."""
+    if side > min(exemplar.shape):
+        return False
     if exemplar.mask is None:
-        return side <= min(exemplar.shape)
+        return True
     try:
         windows = windows_of(exemplar, (0, side - 1, 0, side - 1))
     except InvalidInputError:

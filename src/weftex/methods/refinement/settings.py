@@ -25,6 +25,7 @@ ONE = 256  # distances are multiplied with integers; this is a factor of 1
 _NARROWEST_PYRAMID = 29  # pixels; with less than its four levels the picture falls apart
 _LARGEST_REACH = 3  # pixels from the middle of a window of the pyramid to its side
 _SMALLEST_LEVEL = 24  # pixels; a coarser sample has too few windows left
+_FARTHEST = 2.0**30  # pixels between seed points; past the width of any output there is one
 
 
 class Starts(Sequence[str]):
@@ -170,7 +171,7 @@ def settings_of(method: Any, exemplar: Exemplar, *, seeds_for_guides: bool) -> S
         rounds=(*[max(1, method.iterations // 2)] * finer, last),
         seeds_for_guides=seeds_for_guides,
         belt=method.joints or 0,
-        seed_spacing=scale / method.seed_density,
+        seed_spacing=min(scale / method.seed_density, _FARTHEST),
         margin=round(ONE * method.coherence),
     )
 

@@ -87,9 +87,9 @@ def replace_by_nearest(
     spans = np.empty((len(own) + len(parents), 2), np.int32)
     query = Query(np.empty(tree.rows.shape[1], np.uint8), spans, 0)
     here, above = (kernels.Level(part, wrap) for part in (level, level.coarser or level))
-    bundle = tree.bundle()
+    bundle, leaves = tree.bundle(), min(step.leaves, len(tree.places))
     line = max(level.pixels.shape[1], _LEAST_PIXELS)
     for start in range(0, len(step.places), line):
         places = step.places[start : start + line]
-        kernels.replace_pixels(here, above, own, parents, places, bundle, step.leaves, query)
+        kernels.replace_pixels(here, above, own, parents, places, bundle, leaves, query)
         progress.advance(len(places))
