@@ -92,6 +92,15 @@ def between(old: real, new: real, share: cython.double) -> real:
 
 
 @cython.cfunc
+@cython.inline
+@cython.nogil
+@cython.exceptval(check=False)
+def opacity(alpha: real) -> real:
+    """Alpha as `Exemplar.as_matching` takes it, from 0 to 1."""
+    return 0 if alpha < 0 else 1 if alpha > 1 else alpha
+
+
+@cython.cfunc
 @cython.nogil
 @cython.exceptval(check=False)
 def blend(
@@ -125,10 +134,8 @@ def blend(
                 old[k] = (2 * num + den) // (2 * den)
         old[channels - 1] = (den + 128) >> 8
     else:
-        share = (256 - weight) * old[channels - 1] + weight * new[channels - 1]
-        share = weight * new[channels - 1] / share if share != 0 else 1.0
-        if share - share != 0:  # such numbers are no opacities
-            share = weight * 0.00390625
+        share = (256 - weight) * opacity(old[channels - 1]) + weight * opacity(new[channels - 1])
+        share = weight * opacity(new[channels - 1]) / share if share != 0 else 1.0
         for k in range(channels - 1):
             old[k] = between(old[k], new[k], share)
         k = channels - 1
