@@ -9,7 +9,6 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from weftex.exemplar import Exemplar
-from weftex.naming import method_of
 from weftex.raster.pyramids import gaussian_stack, mask_stack
 from weftex.search.nearest import nearest_search
 from weftex.search.similar import nearest_center, similar_places
@@ -124,25 +123,21 @@ class Prepared:
         The sample with windows of one pixel.
     levels : list of Level
         From the finest to the coarsest; one where search is "nearest", or only belts are refined.
-    start : Model or None
-        Makes the pictures to refine; None plants seed points.
+    starts : dict of str to Model
+        What makes the pictures to refine, by its name as in `Settings.init`; the next ones are for
+        canvases that do not suit the first. None at all: seed points are planted.
     """
 
     settings: Settings
     windows: Windows
     levels: list[Level]
-    start: Model | None
-
-    def start_for(self, guided: bool) -> Model | None:
-        """The model to start from on a canvas with or without a guide; None plants seed points."""
-        return None if guided and self.settings.seeds_for_guides else self.start
+    starts: dict[str, Model]
 
 
-def prepare(exemplar: Exemplar, settings: Settings) -> Prepared:
-    """Build the levels of a sample, and the model of the method to start from."""
-    start = None if settings.init == "seeds" else method_of(settings.init).fit(exemplar)
+def prepare(exemplar: Exemplar, settings: Settings, starts: dict[str, Model]) -> Prepared:
+    """Build the levels of a sample."""
     levels = sample_levels(exemplar, settings)
-    return Prepared(settings, windows_of(exemplar, (0,) * 4), levels, start)
+    return Prepared(settings, windows_of(exemplar, (0,) * 4), levels, starts)
 
 
 def sample_levels(exemplar: Exemplar, settings: Settings) -> list[Level]:

@@ -83,8 +83,9 @@ class Settings:
         Resolutions that the windows are looked at; 1 where search is "nearest".
     rounds : tuple of int
         For each level that is refined, the finest first: at most so many iterations.
-    seeds_for_guides : bool
-        Plant seeds all the same where the canvas has a guide.
+    by_canvas : bool
+        `init` was left open: a canvas with a guide is planted with seeds all the same, and one
+        that a lattice does not suit is quilted.
     belt : int
         In pixels, the width of the belts along the start's seams that are refined; 0 for all of
         the picture.
@@ -105,7 +106,7 @@ class Settings:
     reach: int
     levels: int
     rounds: tuple[int, ...]
-    seeds_for_guides: bool
+    by_canvas: bool
     belt: int
     seed_spacing: float
     margin: int
@@ -116,25 +117,14 @@ class Settings:
         return max(1, self.window_width // 2)
 
 
-def settled_method(method: Any, exemplar: Exemplar) -> Any:
+def settled_method(method: Any, exemplar: Exemplar, init: str) -> Any:
     """Return the method with its `window_width`, `init` and `seed_scale` settled.
 
     Raises
     ------
     InvalidInputError
-        If the sample is too small for the window, or for the method to start from.
+        If the sample is too small for the window.
     """
-    pyramid = method.search == "coherent"
-    init = method.init
-    if init == "auto":
-        init = "quilting" if pyramid or method.joints else "seeds"
-    if init != "seeds":
-        try:
-            method_of(init).settle(exemplar)
-        except InvalidInputError as error:  # too small a sample
-            if method.init != "auto" or method.joints:
-                raise InvalidInputError(f"init: {error}") from None
-            init = "seeds"
     width, scale = window_width(method, exemplar), method.seed_scale
     if init == "seeds" and scale is None:
         scale = dominant_scale(exemplar).scale
@@ -149,7 +139,7 @@ def window_width(method: Any, exemplar: Exemplar) -> int:
     return settled_width(method.window_width, exemplar, proposed)
 
 
-def settings_of(method: Any, exemplar: Exemplar, *, seeds_for_guides: bool) -> Settings:
+def settings_of(method: Any, exemplar: Exemplar, *, by_canvas: bool) -> Settings:
     """Return the settings of a method that `settled_method` returned."""
     width: int = method.window_width
     reach, levels, last = width // 2, 1, method.iterations
@@ -161,7 +151,7 @@ def settings_of(method: Any, exemplar: Exemplar, *, seeds_for_guides: bool) -> S
     finer = 0 if method.joints else levels - 1
     scale = method.seed_scale
     if scale is None:
-        scale = dominant_scale(exemplar).scale if seeds_for_guides else 1.0
+        scale = dominant_scale(exemplar).scale if by_canvas else 1.0
     names = {field.name for field in dataclasses.fields(Settings)}
     given = {name: value for name, value in vars(method).items() if name in names}
     return Settings(
@@ -169,7 +159,7 @@ def settings_of(method: Any, exemplar: Exemplar, *, seeds_for_guides: bool) -> S
         reach=reach,
         levels=levels,
         rounds=(*[max(1, method.iterations // 2)] * finer, last),
-        seeds_for_guides=seeds_for_guides,
+        by_canvas=by_canvas,
         belt=method.joints or 0,
         seed_spacing=min(scale / method.seed_density, _FARTHEST),
         margin=round(ONE * method.coherence),
