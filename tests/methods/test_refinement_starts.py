@@ -80,6 +80,9 @@ def test_a_hole_that_the_first_start_refuses_is_filled_from_the_next(tiles, monk
     canvas = Canvas(60, 60, known=tiles.pixels[:60, :60].copy(), hole=hole)
     assert model.sample(canvas, seed=1).provenance["init"] == "quilting"
     monkeypatch.setattr(second, "sample", refuse)
+    assert model.sample(canvas, seed=1).provenance["init"] == "seeds"
+    model = weftex.Refinement(init="quilting").fit(tiles)
+    monkeypatch.setattr(model.prepared.starts["quilting"], "sample", refuse)
     with pytest.raises(weftex.InvalidInputError, match="init: no whole piece"):
         model.sample(canvas, seed=1)
 
@@ -100,3 +103,24 @@ def test_joints_along_blocks_of_a_lattice_are_refined(tiles):
     start = weftex.NearRegular(lattice=made.provenance["init"].split("=")[1]).fit(tiles)
     same = (made.source == start.sample(96, seed=1).source).all(axis=2)
     assert 0.2 < same.mean() < 1
+
+
+@pytest.mark.parametrize("thick", [1, 2, 3, 5, 6])
+@pytest.mark.parametrize("search", ["coherent", "nearest"])
+def test_thin_frames_are_filled_from(thick, search):
+    """Windows are narrowed until one lies on the frame; a width that was given is kept."""
+    pixels, hole = noise((40, 40, 3)), np.zeros((40, 40), bool)
+    hole[thick:-thick, thick:-thick] = True
+    made = weftex.fill(pixels, hole, method="refinement", search=search, iterations=1, seed=1)
+    assert made.provenance["window_width"] == 2 * ((thick - 1) // 2) + 1
+    assert np.array_equal(made.image[~hole], pixels[~hole])
+    with pytest.raises(weftex.InvalidInputError, match="no whole window of 7x7"):
+        weftex.fill(pixels, hole, method="refinement", search=search, window_width=7)
+
+
+def test_cells_of_a_grid_are_filled_from():
+    y, x = np.indices((40, 40))
+    for side in (1, 2, 5):
+        hole = (y % (side + 1) == 0) | (x % (side + 1) == 0)
+        made = weftex.fill(noise((40, 40)), hole, method="refinement", iterations=1, seed=1)
+        assert made.provenance["window_width"] == 2 * ((side - 1) // 2) + 1

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from typing import TYPE_CHECKING, Any
 from weakref import WeakKeyDictionary
 
@@ -160,26 +159,26 @@ def lattice_of(exemplar: Exemplar) -> Lattice | None:
     return _FOUND[exemplar]
 
 
-def is_sure(lattice: Lattice | None, shape: tuple[int, ...]) -> bool:
+def is_sure(lattice: Lattice | None, pixels: int) -> bool:
     """Whether blocks of a sample may be laid by its lattice.
 
     Parameters
     ----------
     lattice : Lattice or None
         As `find_lattice` found it.
-    shape : (int, int)
-        Of the sample.
+    pixels : int
+        Of the sample that may be used.
 
     Examples
     --------
-    >>> is_sure(Lattice(((50, 0), (25, 20)), confidence=0.8), (100, 100))
+    >>> is_sure(Lattice(((50, 0), (25, 20)), confidence=0.8), 100 * 100)
     True
-    >>> is_sure(Lattice(((50, 0), (25, 20)), confidence=0.8), (40, 90))
+    >>> is_sure(Lattice(((50, 0), (25, 20)), confidence=0.8), 40 * 90)
     False
     """
     if lattice is None or len(lattice.vectors) == 1 or lattice.confidence < _SURE:
         return False
-    return math.prod(shape) >= _TILES * lattice.area
+    return pixels >= _TILES * lattice.area
 
 
 def found_vectors(exemplar: Exemplar) -> tuple[float, ...]:

@@ -5,6 +5,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from functools import cached_property
 from typing import TYPE_CHECKING, Any, ClassVar
@@ -186,7 +187,7 @@ def choose(findings: Findings, canvas: Canvas) -> Choice:
     parameters: dict[str, Any] = {}
     if shorter < _SMALLEST_ANALYZED:
         slug, said = "graphcut", f"too small to be analyzed, {_size(findings.shape)}"
-    elif lattice is not None and is_sure(lattice, findings.shape):
+    elif lattice is not None and is_sure(lattice, math.prod(findings.shape)):
         slug, said = "near-regular", f"near-regular, {_words(lattice)}"
         vectors = tuple(part for vector in lattice.vectors for part in vector)
         strain = _strain(vectors, canvas)
@@ -226,7 +227,7 @@ def choose_for_hole(exemplar: Exemplar, canvas: Canvas) -> Choice:
         small, step = smaller_copy(exemplar, _LOOK)
         if min(small.shape) >= _SMALLEST_ANALYZED:
             lattice = find_lattice(small)
-    if lattice is None or not is_sure(lattice, small.shape):
+    if lattice is None or not is_sure(lattice, math.prod(small.shape)):
         return Choice("patch-sampling", {}, f"{said}: patch-sampling")
     found = Lattice(tuple((x * step, y * step) for x, y in lattice.vectors), lattice.confidence)
     vectors = tuple(part for vector in found.vectors for part in vector)

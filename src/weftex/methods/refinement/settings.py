@@ -12,11 +12,11 @@ import numpy as np
 from weftex.analysis.scale import dominant_scale
 from weftex.errors import InvalidInputError
 from weftex.method import Method
-from weftex.methods.pixels.growth import settled_width
+from weftex.methods.pixels.growth import narrowed, settled_width
 from weftex.naming import method_of, text_of
 from weftex.raster.pyramids import mask_pyramid
 from weftex.registry import METHODS
-from weftex.search.windows import whole_windows
+from weftex.search.windows import square_windows, whole_windows
 
 if TYPE_CHECKING:
     from weftex.exemplar import Exemplar
@@ -132,11 +132,20 @@ def settled_method(method: Any, exemplar: Exemplar, init: str) -> Any:
 
 
 def window_width(method: Any, exemplar: Exemplar) -> int:
-    """Return the width of the windows: the one given, or by the scale of the sample."""
-    proposed = 1 if method.window_width else dominant_scale(exemplar).window_width
+    """Return the width of the windows: the one given, or by the scale of the sample.
+
+    Where a mask leaves no room for windows so wide on any level, the widest that there are.
+    """
+    if method.window_width:
+        return settled_width(method.window_width, exemplar, 1)
+    proposed, widest = dominant_scale(exemplar).window_width, min(exemplar.shape)
     if method.search == "coherent":
-        proposed = max(_NARROWEST_PYRAMID, proposed)
-    return settled_width(method.window_width, exemplar, proposed)
+        proposed, widest = max(_NARROWEST_PYRAMID, proposed), 2 * _LARGEST_REACH + 1
+    width = settled_width(None, exemplar, proposed)
+    if exemplar.mask is None:
+        return width
+    whole = narrowed(min(width, widest), lambda side: square_windows(exemplar, side))
+    return width if whole == min(width, widest) else whole
 
 
 def settings_of(method: Any, exemplar: Exemplar, *, by_canvas: bool) -> Settings:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
+import math
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -62,7 +63,9 @@ def fitted_starts(method: Any, exemplar: Exemplar) -> dict[str, Model]:
 def _by_lattice(exemplar: Exemplar) -> list[str]:
     """Near-regular synthesis with the sample's lattice, if that is sure."""
     lattice = dominant_scale(exemplar).lattice
-    if lattice is None or not is_sure(lattice, exemplar.shape):
+    mask = exemplar.mask
+    pixels = math.prod(exemplar.shape) if mask is None else int(np.count_nonzero(mask))
+    if lattice is None or not is_sure(lattice, pixels):
         return []
     vectors = tuple(part for vector in lattice.vectors for part in vector)
     return [text_of(METHODS["near-regular"](lattice=vectors))]
@@ -84,7 +87,8 @@ def result_of(
     """Return the name of the start, and the sources (H, W, 2) that it makes of the canvas.
 
     Seed points have none. The next start makes a canvas that one refuses, as near-regular
-    synthesis does with a hole that leaves no whole piece.
+    synthesis does with a hole that leaves no whole piece; where `init` is left open and none
+    makes it, seed points are planted.
     """
     canvas, failure = growth.canvas, None
     for name in starts_for(settings, starts, canvas):
@@ -95,9 +99,9 @@ def result_of(
             return name, start.sample(canvas, seed=growth.seed, threads=growth.threads).source
         except InvalidInputError as error:
             failure = failure or error
-    if failure is not None:
-        raise InvalidInputError(f"init: {failure}")
-    return "seeds", None
+    if failure is None or (settings.by_canvas and not settings.belt):
+        return "seeds", None
+    raise InvalidInputError(f"init: {failure}")
 
 
 def keep_patches(sources: NDArray[np.int32], belt: int, windows: Windows, growth: Growth) -> None:
