@@ -278,7 +278,7 @@ def init(folder: Path, suffix: str) -> None:
     for name in some(("bricks", "leaves")):
         sample = load(name, 192)
         row = [("sample", sample)]
-        for start in ("seeds", "ashikhmin", "quilting", "graphcut"):
+        for start in ("seeds", "quilting", "graphcut", "near-regular"):
             row.append((start, make(sample, 224, init=start).image))
         rows.append(row)
     sheet(folder / f"init_refinement{suffix}", rows)

@@ -124,3 +124,9 @@ def test_cells_of_a_grid_are_filled_from():
         hole = (y % (side + 1) == 0) | (x % (side + 1) == 0)
         made = weftex.fill(noise((40, 40)), hole, method="refinement", iterations=1, seed=1)
         assert made.provenance["window_width"] == 2 * ((side - 1) // 2) + 1
+
+
+def test_belts_of_joints_are_as_wide_as_they_say():
+    """A seam lies between two pixels, so a belt along it has an even width."""
+    with pytest.raises(weftex.InvalidInputError, match="joints is 5; it must be even"):
+        weftex.Refinement(joints=5)

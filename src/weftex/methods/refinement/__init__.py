@@ -84,8 +84,9 @@ class Refinement(WindowedMethod):
     )
     joints: int | None = parameter(
         None,
-        "refine only belts of this width along the start's seams; its patches stay",
+        "refine only belts of this width, even, along the start's seams; its patches stay",
         low=2,
+        parity="even",
         unit="px",
         default_text="everything is refined",
         needs=("init", Starts("auto")),
