@@ -54,7 +54,7 @@ class Format:
 # TIFF and EXR record the present unless told another date, and no two runs would give equal bytes.
 DATE = ("DateTime", "1980:01:01 00:00:00")
 PLAIN = ("oiio:ColorSpace", "unknown")
-# One PNG filter, the average, at level 2 takes half the time of Paeth's at 3 and a third of libpng's
+# One PNG filter, the average, at level 2 takes half the time of Paeth's at 3, a third of libpng's
 # choice among five; of stones, 4096x4096, the file is 4 % smaller than the former. WebP at its own
 # effort takes 30 times as long for 1 % less. A TIFF predictor for floats is more than many readers
 # know. An unknown color space keeps sRGB tags off maps and wide gamuts.
