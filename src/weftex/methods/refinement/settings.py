@@ -124,10 +124,7 @@ def settled_method(method: Any, exemplar: Exemplar) -> Any:
     InvalidInputError
         If the sample is too small for the window, or for the method to start from.
     """
-    pyramid = method.search == "coherent"
-    init = method.init
-    if init == "auto":
-        init = "quilting" if pyramid or method.joints else "seeds"
+    init = method.meant("init")
     if init != "seeds":
         try:
             method_of(init).settle(exemplar)
