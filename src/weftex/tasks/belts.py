@@ -78,15 +78,15 @@ class Meetings:
 
     def place(
         self, a: int, b: int, rows: NDArray[np.intp], columns: NDArray[np.intp]
-    ) -> tuple[NDArray[np.float64], int]:
+    ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
         """Where pixels lie in the belt: -1 at its edge in the first region, 1 in the second.
 
-        Also half the width of the belt in pixels.
+        Also half the width of the belt there, in pixels; it takes few values.
         """
-        area, reach = np.ix_(rows, columns), int(self.reaches[a, b])
+        area = np.ix_(rows, columns)
         apart = self._away[a][area] - self._away[b][area]
-        room = np.minimum(self._room[area], reach)
-        return apart / room, reach
+        room = np.minimum(self._room[area], self.reaches[a, b])
+        return apart / room, room
 
 
 def wander(
