@@ -85,6 +85,7 @@ class Placing:
 
     def drawn(self, costs, size, copy):
         """Candidates in the order drawn; near one that was drawn there is no other."""
+        costs = {place: cost for place, cost in costs.items() if cost < math.inf}
         pixels, mask = copy
         count, spread = int(mask.sum()), 0
         for channel in pixels[mask].T:
