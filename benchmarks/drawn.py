@@ -10,95 +10,9 @@ from collections.abc import Callable
 
 import numpy as np
 from numpy.typing import NDArray
+from shapes import MANY, Floats, Vectors, Whole, between, cells, grain, nearest, smooth, tones
 
-Floats = NDArray[np.float64]
-Whole = NDArray[np.int64]
-Vectors = tuple[tuple[float, float], ...]
 Drawn = tuple[Floats, Vectors]  # levels of a spread of about 1, and the truth
-
-_MANY = 512  # cells a side whose jitters and tones are drawn; more wrap around
-
-
-def smooth(values: Floats, radius: float | tuple[float, float]) -> Floats:
-    """A Gaussian of this radius down and along, around the borders; spread 1."""
-    down, along = radius if isinstance(radius, tuple) else (radius, radius)
-    v, u = np.fft.fftfreq(values.shape[0])[:, None], np.fft.rfftfreq(values.shape[1])
-    kernel = np.exp(-2 * np.pi**2 * ((down * v) ** 2 + (along * u) ** 2))
-    made = np.fft.irfft2(np.fft.rfft2(values, axes=(0, 1)) * kernel, values.shape[:2], axes=(0, 1))
-    spread: Floats = made / max(float(made.std()), 1e-12)
-    return spread
-
-
-def grain(rng: np.random.Generator, shape: tuple[int, ...]) -> Floats:
-    """Noise whose power falls with frequency, as that of stone and plaster does; spread 1."""
-    v, u = np.fft.fftfreq(shape[0])[:, None], np.fft.rfftfreq(shape[1])
-    fall = np.maximum(np.hypot(v, u), 1 / 64) ** -rng.uniform(0.5, 1.5)
-    made = np.fft.irfft2(np.fft.rfft2(rng.standard_normal(shape)) * fall, shape)
-    spread: Floats = made / made.std()
-    return spread
-
-
-def cells(
-    x: Floats, y: Floats, wide: float, high: float, shift: float, uneven: float,
-    rng: np.random.Generator,
-) -> tuple[Whole, Whole, Floats]:  # fmt: skip
-    """Column and row of the piece at each place, and how far off its nearest joint is.
-
-    Each course is moved on by a share of a piece; joints are off by `uneven` of its height.
-    """
-    course, above = _between(y, high, np.zeros(1, np.int64), uneven / 2 * high, rng)
-    piece, aside = _between(x - shift * wide * course, wide, course, uneven * high, rng)
-    return piece, course, np.minimum(above, aside)
-
-
-def _between(
-    place: Floats, period: float, line: Whole, off: float, rng: np.random.Generator
-) -> tuple[Whole, Floats]:
-    """The number of the piece of a line that a place is in, and the distance to its ends."""
-    moved = np.clip(rng.normal(0, off, (_MANY, _MANY)), -0.3 * period, 0.3 * period)
-
-    def end(k: Whole) -> Floats:
-        found: Floats = k * period + moved[line % _MANY, k % _MANY]
-        return found
-
-    k = np.floor(place / period).astype(np.int64)
-    k = k - (place < end(k)) + (place >= end(k + 1))
-    return k, np.minimum(place - end(k), end(k + 1) - place)
-
-
-def tones(rng: np.random.Generator, *which: Whole, spread: float) -> Floats:
-    """A color for each cell, gray for the most part."""
-    table = rng.standard_normal((_MANY, _MANY, 1)) + 0.4 * rng.standard_normal((_MANY, _MANY, 3))
-    column, row = which if len(which) == 2 else (which[0], 0 * which[0])
-    found: Floats = spread * table[column % _MANY, row % _MANY]
-    return found
-
-
-def nearest(
-    x: Floats, y: Floats, vectors: Vectors, uneven: float, rng: np.random.Generator
-) -> tuple[Whole, Whole, Floats, Floats]:
-    """Number (a, b) of the nearest of the lattice's points, each moved; distances to it, the next.
-
-    `uneven` of 0.5 moves points anywhere in their tile, which leaves no lattice.
-    """
-    a, b = np.tensordot(np.linalg.inv(np.array(vectors)).T, np.stack([x, y]), 1)
-    moved = rng.uniform(-uneven, uneven, (_MANY, _MANY, 2))
-    first = second = np.full(x.shape, np.inf)
-    i, j = np.zeros(x.shape, np.int64), np.zeros(x.shape, np.int64)
-    reach = 1 if uneven < 0.2 else 2
-    base = np.floor(a).astype(np.int64), np.floor(b).astype(np.int64)
-    for da in range(-reach, reach + 2):
-        for db in range(-reach, reach + 2):
-            p, q = base[0] + da, base[1] + db
-            off = moved[p % _MANY, q % _MANY]
-            place = np.stack([p + off[..., 0] - a, q + off[..., 1] - b], axis=-1)
-            far = np.hypot(*np.moveaxis(place @ np.array(vectors), -1, 0))
-            closer = far < first
-            second = np.where(closer, first, np.minimum(second, far))
-            first = np.where(closer, far, first)
-            i, j = np.where(closer, p, i), np.where(closer, q, j)
-    return i, j, first, second
-
 
 # What repeats along two directions.
 
@@ -162,7 +76,7 @@ def scales(x: Floats, y: Floats, rng: np.random.Generator) -> Drawn:
     high = wide * rng.uniform(0.4, 0.6)
     levels = np.zeros((*x.shape, 3))
     tone = rng.uniform(0.1, 0.6)
-    table = tone * rng.standard_normal((_MANY, _MANY, 3))
+    table = tone * rng.standard_normal((MANY, MANY, 3))
     row = np.floor(y / high).astype(np.int64)
     for r in (2, 1, 0):  # the upper ones cover the lower ones
         course = row - r
@@ -170,7 +84,7 @@ def scales(x: Floats, y: Floats, rng: np.random.Generator) -> Drawn:
         center = (k + 0.5) * wide + course % 2 * wide / 2
         far = np.hypot(x - center, np.maximum(y - (course + 0.4) * high, 0)) / (0.55 * wide)
         own = far < 1
-        shade = table[k % _MANY, course % _MANY] + (0.8 - 2.0 * far**6)[..., None]
+        shade = table[k % MANY, course % MANY] + (0.8 - 2.0 * far**6)[..., None]
         levels[own] = shade[own]
     return levels, ((wide, 0), (wide / 2, high))
 
@@ -183,7 +97,7 @@ def weave(x: Floats, y: Floats, rng: np.random.Generator) -> Drawn:
     over = (i + j) % times < times // 2
     across, down = (np.sin(np.pi * (c % 1)) ** 0.5 for c in (x / p, y / q))
     levels = np.where(over, across, down) + rng.uniform(0.2, 0.6) * np.where(over, 1, -1)
-    thread = np.where(over, *(rng.normal(0, 0.25, (2, _MANY))[n][k % _MANY]
+    thread = np.where(over, *(rng.normal(0, 0.25, (2, MANY))[n][k % MANY]
                               for n, k in ((0, i), (1, j))))  # fmt: skip
     return (levels + thread)[..., None] * np.ones(3), ((p, -q), (times * p, 0))
 
@@ -254,10 +168,10 @@ def mesh(x: Floats, y: Floats, rng: np.random.Generator) -> Drawn:
 def boards(x: Floats, y: Floats, rng: np.random.Generator) -> Drawn:
     """Planks of one width, with grain; their ends lie anywhere."""
     high = rng.uniform(20, 100)
-    row, above = _between(y, high, np.zeros(1, np.int64), rng.uniform(0, 0.015) * high, rng)
-    start = rng.uniform(0, 1, _MANY)[row % _MANY]
+    row, above = between(y, high, np.zeros(1, np.int64), rng.uniform(0, 0.015) * high, rng)
+    start = rng.uniform(0, 1, MANY)[row % MANY]
     length = rng.uniform(180, 500)
-    k, aside = _between(x + 9 * length * start, length, row, 0.15 * length, rng)
+    k, aside = between(x + 9 * length * start, length, row, 0.15 * length, rng)
     levels = tones(rng, k, row, spread=rng.uniform(0.2, 0.7)) + 0.5 * _fibers(x, y, rng, row)
     levels[np.minimum(above, aside) < rng.uniform(0.7, 2)] -= rng.uniform(1, 3)
     return levels, ((0, high),)
@@ -266,14 +180,14 @@ def boards(x: Floats, y: Floats, rng: np.random.Generator) -> Drawn:
 def courses(x: Floats, y: Floats, rng: np.random.Generator) -> Drawn:
     """Stones of one height and any length."""
     high = rng.uniform(16, 60)
-    row, above = _between(y, high, np.zeros(1, np.int64), rng.uniform(0, 0.03) * high, rng)
-    ends = np.cumsum(rng.uniform(0.6, 2.4, (64, _MANY)) * high, axis=1) - 9 * high
+    row, above = between(y, high, np.zeros(1, np.int64), rng.uniform(0, 0.03) * high, rng)
+    ends = np.cumsum(rng.uniform(0.6, 2.4, (64, MANY)) * high, axis=1) - 9 * high
     k = np.zeros(x.shape, np.int64)
     aside = np.full(x.shape, np.inf)
     for r in np.unique(row):
         own, line = row == r, ends[r % 64]
         k[own] = np.searchsorted(line, x[own])
-        n = np.clip(k[own], 1, _MANY - 1)
+        n = np.clip(k[own], 1, MANY - 1)
         aside[own] = np.minimum(line[n] - x[own], x[own] - line[n - 1])
     levels = tones(rng, k, row, spread=rng.uniform(0.2, 0.8))
     levels[np.minimum(above, aside) < rng.uniform(0.8, 0.08 * high)] = rng.choice([-2, 2])
@@ -290,10 +204,10 @@ def ribs(x: Floats, y: Floats, rng: np.random.Generator) -> Drawn:
 def shingles(x: Floats, y: Floats, rng: np.random.Generator) -> Drawn:
     """Rows of slates of any width, whose lower ends are not in line."""
     high = rng.uniform(16, 50)
-    k, _ = _between(x, 1.3 * high, np.floor(y / high).astype(np.int64), 0.3 * high, rng)
-    down = y + rng.uniform(0, 0.1) * high * rng.standard_normal(_MANY)[k * 7 % _MANY]
+    k, _ = between(x, 1.3 * high, np.floor(y / high).astype(np.int64), 0.3 * high, rng)
+    down = y + rng.uniform(0, 0.1) * high * rng.standard_normal(MANY)[k * 7 % MANY]
     row = np.floor(down / high).astype(np.int64)
-    k, aside = _between(x, 1.3 * high, row, 0.4 * high, rng)
+    k, aside = between(x, 1.3 * high, row, 0.4 * high, rng)
     levels = tones(rng, k, row, spread=rng.uniform(0.2, 0.6))
     levels += rng.uniform(0.5, 1.5) * ((down / high % 1)[..., None] - 0.5)
     levels[(down % high < rng.uniform(1, 3)) | (aside < 1)] -= 1.5
@@ -330,7 +244,10 @@ def leaves(x: Floats, y: Floats, rng: np.random.Generator) -> Drawn:
         part = tuple(slice(k, int(c + size) + 1) for k, c in zip(low, center, strict=True))
         dy, dx = np.mgrid[part] - center[:, None, None]
         dy, dx = (d[: levels[part].shape[0], : levels[part].shape[1]] for d in (dy, dx))
-        along, off = np.cos(angle) * dx + np.sin(angle) * dy, np.cos(angle) * dy - np.sin(angle) * dx
+        along, off = (
+            np.cos(angle) * dx + np.sin(angle) * dy,
+            np.cos(angle) * dy - np.sin(angle) * dx,
+        )
         far = (along / size) ** 2 + (off / (thin * size)) ** 2
         levels[part][far < 1] = rng.standard_normal() + 0.3 * rng.standard_normal(3)
     return levels, ()
@@ -347,10 +264,10 @@ def wood(x: Floats, y: Floats, rng: np.random.Generator) -> Drawn:
 def any_courses(x: Floats, y: Floats, rng: np.random.Generator) -> Drawn:
     """Rubble or boards of any height."""
     size = rng.uniform(16, 60)
-    ends = np.cumsum(rng.uniform(0.4, 2.0, _MANY) * size) - 20 * size
+    ends = np.cumsum(rng.uniform(0.4, 2.0, MANY) * size) - 20 * size
     row = np.searchsorted(ends, y)
     above = np.minimum(ends[row] - y, y - ends[row - 1])
-    k, aside = _between(x, 1.8 * size, row, 0.5 * size, rng)
+    k, aside = between(x, 1.8 * size, row, 0.5 * size, rng)
     levels = tones(rng, k, row, spread=rng.uniform(0.2, 0.8))
     levels[np.minimum(above, aside) < rng.uniform(1, 0.08 * size)] = -2
     return levels, ()

@@ -17,6 +17,7 @@ if TYPE_CHECKING:
 
 _UNIT = 1 << 16  # positions are in 1/65536 pixel
 _SMALLEST_SAMPLE = 32  # side below which noise may look like a lattice by chance
+_ALONG = 1.01  # pixels: a vector as short as that says nothing but a direction
 _SIZES_TRIED = 64  # pixels on both sides of a size among which a better one is looked for
 #: The unconstrained mode's vectors: any place is similar to any other (section 5.2).
 ANYWHERE = (1.0, 0.0, 0.0, 1.0)
@@ -141,6 +142,32 @@ def check_lattice(vectors: tuple[float, ...], exemplar: Exemplar) -> None:
             f"the lattice's tile has {lattice.area:.0f} pixels and {size}, "
             "which is less than two tiles; give a larger sample"
         )
+
+
+def four_numbers(lattice: Lattice) -> tuple[float, float, float, float]:
+    """A lattice as x1, y1, x2, y2, as methods take it; along rows any pixel is as good as the next.
+
+    >>> four_numbers(Lattice(((0, 47),)))
+    (0.0, 47.0, 1.0, 0.0)
+    """
+    (x, y), *other = lattice.vectors
+    if other:
+        return (x, y, *other[0])
+    length = float(np.hypot(x, y))
+    return x, y, round(y / length, 4) + 0.0, round(-x / length, 4) + 0.0
+
+
+def given_lattice(vectors: tuple[float, ...]) -> Lattice:
+    """The lattice of x1, y1, x2, y2: rows, if one of the vectors leads no farther than a pixel.
+
+    >>> given_lattice((0, 47, 1, 0)).vectors
+    ((0.0, 47.0),)
+    """
+    x1, y1, x2, y2 = vectors
+    pair = sorted(((x1, y1), (x2, y2)), key=lambda one: float(np.hypot(*one)))
+    if np.hypot(*pair[0]) <= _ALONG < np.hypot(*pair[1]):
+        return Lattice((pair[1],))
+    return Lattice(((x1, y1), (x2, y2)))
 
 
 def found_vectors(exemplar: Exemplar) -> tuple[float, ...]:
