@@ -261,7 +261,9 @@ def better(seen: Views, pairs: Sequence[Evidence]) -> Evidence | None:
         return first
     times = first.vectors @ np.linalg.inv(second.vectors)
     whole = np.rint(times)
-    if abs(times - whole).max() < _OFF and abs(np.linalg.det(whole)) > 1.5:
+    if abs(times - whole).max() < _OFF:
+        if abs(np.linalg.det(whole)) < 1.5:
+            return first  # they are one lattice
         reach = reach_of(seen.white, second.vectors, MOST_MULTIPLES)
         errors = stand_out(seen.white, second.vectors, whole, reach)[1]
         return first if errors > _ERRORS else second

@@ -35,13 +35,13 @@ def whitened(flat: Relief) -> tuple[Floats, float]:
     Parameters
     ----------
     flat : Relief
-        The sample without slow lighting; it must vary.
+        The sample without slow lighting.
 
     Returns
     -------
     (float64 array (2 * H - 1, 2 * W - 1), float)
         The correlation, 1 in the middle, which is no shift; 0 where less than a fiftieth of the
-        sample overlaps. And its spread by chance, of a shift at which the whole sample overlaps:
+        sample overlaps, and everywhere if it is constant. And its spread by chance, of a shift at which the whole sample overlaps:
         it grows as one over the root of the overlap.
 
     Examples
@@ -68,7 +68,7 @@ def whitened(flat: Relief) -> tuple[Floats, float]:
     around *= down[:, None]
     around *= along
     smoothed = np.fft.rfft2(around).real
-    power /= np.maximum(smoothed, _EMPTY * smoothed.max())
+    power /= np.maximum(smoothed, max(_EMPTY * float(smoothed.max()), 1e-300))
     power *= np.exp(-((v / _FINEST) ** 2)) * np.exp(-((u / _FINEST) ** 2))
     usable = np.fft.rfft2(flat.usable, size)
     overlap = _unwrapped(np.fft.irfft2(abs(usable) ** 2, size), height, width)
