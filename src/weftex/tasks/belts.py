@@ -52,13 +52,15 @@ class Meetings:
         room = np.zeros(depth.shape)
         reach = float(self.farthest)
         while True:
-            deep = np.zeros(depth.shape, bool)
+            steps = int(np.ceil(_DEPTH * reach))
             for k in self._away:
-                own = self.labels == k
-                inside = own & (depth >= np.ceil(_DEPTH * reach))
-                steps = int(np.ceil(_DEPTH * reach))
-                deep |= own & (squared_distance_to(inside, steps, wrap) <= steps**2)
-            room = np.where((room == 0) & deep, reach, room)
+                left = (self.labels == k) & (room == 0)
+                if not left.any():
+                    continue
+                area = _around(left, steps, wrap)
+                inside = (self.labels[area] == k) & (depth[area] >= steps)
+                deep = squared_distance_to(inside, steps, wrap) <= steps**2
+                room[area] = np.where(left[area] & deep, reach, room[area])
             if reach < 1 or (room > 0).all():
                 return np.maximum(room, 0.5)
             reach /= 2
@@ -87,6 +89,16 @@ class Meetings:
         apart = self._away[a][area] - self._away[b][area]
         room = np.minimum(self._room[area], self.reaches[a, b])
         return apart / room, room
+
+
+def _around(mask: NDArray[np.bool_], far: int, wrap: tuple[bool, bool]) -> tuple[slice, slice]:
+    """The rows and columns of a mask and `far` more on each side; all along an axis that wraps."""
+    spans = []
+    for axis, (side, wraps) in enumerate(zip(mask.shape, wrap, strict=True)):
+        taken = np.flatnonzero(mask.any(axis=1 - axis))
+        low, high = int(taken[0]) - far, int(taken[-1]) + far + 1
+        spans.append(slice(0, side) if wraps else slice(max(0, low), min(side, high)))
+    return spans[0], spans[1]
 
 
 def wander(
