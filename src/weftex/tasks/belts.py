@@ -101,6 +101,41 @@ def _around(mask: NDArray[np.bool_], far: int, wrap: tuple[bool, bool]) -> tuple
     return spans[0], spans[1]
 
 
+def hills(
+    place: NDArray[np.float64],
+    room: NDArray[np.float64],
+    wrap: tuple[bool, ...],
+    seed: int,
+) -> NDArray[np.float64]:
+    """How far a boundary is led astray: hills as wide as its belt, in both directions alike.
+
+    Narrow belts have hills of their own, or they would be led aside as a whole. What all have in
+    common is taken off: around a small region lie few, which would make it larger or smaller.
+
+    Parameters
+    ----------
+    place, room : array (H, W)
+        See `Meetings.place`.
+    wrap : (bool, bool)
+        Whether the map goes around.
+    seed : int
+        Of these two regions.
+
+    Returns
+    -------
+    array (H, W)
+        From -2 to 2.
+    """
+    astray = np.zeros(place.shape)
+    for wide in np.unique(room):
+        here = room == wide
+        astray[here] = wander(place.shape, max(1, round(wide)), wrap, seed)[here]
+    # A sum of integers is the same on every machine.
+    heights = np.rint(astray[np.abs(place) < 1] * 2**20).astype(np.int64)
+    result: NDArray[np.float64] = astray - int(heights.sum()) / (max(1, len(heights)) * 2**20)
+    return result
+
+
 def wander(
     shape: tuple[int, ...], cell: int, wrap: tuple[bool, ...], seed: int
 ) -> NDArray[np.float64]:
