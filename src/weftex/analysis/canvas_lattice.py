@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
+from weakref import WeakKeyDictionary
 
 import numpy as np
 
@@ -18,6 +19,10 @@ if TYPE_CHECKING:
 _UNIT = 1 << 16  # positions are in 1/65536 pixel
 _SMALLEST_SAMPLE = 32  # side below which noise may look like a lattice by chance
 _SIZES_TRIED = 64  # pixels on both sides of a size among which a better one is looked for
+_SURE = 0.6  # confidence from which blocks may be laid by a lattice
+_TILES = 4  # that a sample must show, so that a block has more than one place to come from
+#: Strain of a lattice that goes around a canvas, from which it shows.
+VISIBLE_STRAIN = 0.05
 #: The unconstrained mode's vectors: any place is similar to any other (section 5.2).
 ANYWHERE = (1.0, 0.0, 0.0, 1.0)
 
@@ -143,11 +148,44 @@ def check_lattice(vectors: tuple[float, ...], exemplar: Exemplar) -> None:
         )
 
 
+#: Methods, windows and patches of one sample all hang on its lattice.
+_FOUND: WeakKeyDictionary[Exemplar, Lattice | None] = WeakKeyDictionary()
+
+
+def lattice_of(exemplar: Exemplar) -> Lattice | None:
+    """Return the lattice that `find_lattice` finds in a sample, which is looked for once."""
+    if exemplar not in _FOUND:
+        _FOUND[exemplar] = find_lattice(exemplar)
+    return _FOUND[exemplar]
+
+
+def is_sure(lattice: Lattice | None, pixels: int) -> bool:
+    """Whether blocks of a sample may be laid by its lattice.
+
+    Parameters
+    ----------
+    lattice : Lattice or None
+        As `find_lattice` found it.
+    pixels : int
+        Of the sample that may be used.
+
+    Examples
+    --------
+    >>> is_sure(Lattice(((50, 0), (25, 20)), confidence=0.8), 100 * 100)
+    True
+    >>> is_sure(Lattice(((50, 0), (25, 20)), confidence=0.8), 40 * 90)
+    False
+    """
+    if lattice is None or len(lattice.vectors) == 1 or lattice.confidence < _SURE:
+        return False
+    return pixels >= _TILES * lattice.area
+
+
 def found_vectors(exemplar: Exemplar) -> tuple[float, ...]:
     """The lattice of a sample as x1, y1, x2, y2; x1, y1 where it repeats one way only; or ()."""
     if min(exemplar.shape) < _SMALLEST_SAMPLE:
         return ()
-    lattice = find_lattice(exemplar)
+    lattice = lattice_of(exemplar)
     if lattice is None:
         return ()
     return tuple(part for vector in lattice.reduced().vectors for part in vector)
