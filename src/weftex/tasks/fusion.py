@@ -15,7 +15,7 @@ from weftex.raster.masks import grown
 from weftex.results.pixels import PixelSynthesis
 from weftex.seams.boundary import HELD, UNIT, cheapest_boundary
 from weftex.seams.merge import islands
-from weftex.tasks.belts import Meetings, wander
+from weftex.tasks.belts import Meetings, hills
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
@@ -141,11 +141,8 @@ class Fusion:
         own = labels[area]
         free = ((own == a) | (own == b)) & (layers[a][area] >= 0) & (layers[b][area] >= 0)
         place, room = meeting.place(a, b, rows, columns)
-        astray, seed = np.zeros(own.shape), int(draw(self.seed, "boundary", a, b))
-        for wide in np.unique(room):  # hills are as wide as belts are, or narrow ones would be led
-            hills = wander(own.shape, max(1, round(wide)), wrap, seed)  # aside as a whole
-            astray = np.where(room == wide, hills, astray)
-        apart = 1 - np.minimum(np.abs(place), 1)
+        seed = int(draw(self.seed, "boundary", a, b))
+        apart, astray = 1 - np.minimum(np.abs(place), 1), hills(place, room, wrap, seed)
         side = place + _WANDER * apart * astray
         pull = _PULL * UNIT / (room * (apart + _OPEN)) * side
         leaning = np.where(np.abs(place) < 1, np.rint(pull), np.sign(place) * HELD).astype(np.int32)
