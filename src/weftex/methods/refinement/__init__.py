@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, ClassVar, Self
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any, ClassVar, Self
 
 from weftex.errors import InvalidInputError
 from weftex.method import Method, parameter
@@ -56,6 +56,7 @@ class Refinement(WindowedMethod):
         "planting, iterative refinement"
     )
     supports: ClassVar[frozenset[str]] = frozenset({"wrap", "known", "guide", "many"})
+    belt_parameters: ClassVar[frozenset[str]] = frozenset({"seed_scale", "seed_density", "matches"})
 
     window_width: int | None = parameter(
         None,
@@ -142,15 +143,21 @@ class Refinement(WindowedMethod):
         object.__setattr__(self, "init", start_text(self.init))
         super().__post_init__()
 
-    def for_belt(self, width: int) -> Self:
+    def meant(self, name: str) -> Any:
+        """What `init` is, if that is left to the search, for samples without a sure lattice."""
+        if name == "init" and self.init == "auto":
+            return "quilting" if self.search == "coherent" or self.joints else "seeds"
+        return super().meant(name)
+
+    def for_belt(self, width: int, **parameters: Any) -> Self:
         """See `Method.for_belt`: seeds lie all over a belt (section 4)."""
-        belted = super().for_belt(width)
-        if self.init not in ("auto", "seeds"):
-            return replace(belted, joints=None)  # a belt is a joint, all of it
-        # Patches of another start end along the belt. The sample is merged of two, and has no
-        # scale of its own: seed points lie half a window apart, which is the larger one's.
-        scale = self.seed_scale or max(1, belted.window_for(width) // 2)
-        return replace(belted, init="seeds", joints=None, seed_scale=scale)
+        parameters |= {"joints": None}  # a belt is a joint, all of it
+        if self.init in ("auto", "seeds"):
+            # Patches of another start end along the belt. The sample is merged of two, and has no
+            # scale of its own: seed points lie half a window apart, which is the larger one's.
+            scale = self.seed_scale or max(1, self.window_for(width) // 2)
+            parameters = {"init": "seeds", "seed_scale": scale} | parameters
+        return super().for_belt(width, **parameters)
 
     def fit_exemplar(self, exemplar: Exemplar) -> PixelModel:
         """Analyze a sample: its dominant scale, and how to find windows like one."""

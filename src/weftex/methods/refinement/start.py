@@ -27,10 +27,6 @@ if TYPE_CHECKING:
     from weftex.search.windows import Windows
 
 
-#: Where the lattice is not sure: patches keep things whole, but not their distances.
-_QUILTED = "quilting"
-
-
 def fitted_starts(method: Any, exemplar: Exemplar) -> dict[str, Model]:
     """Return the models of the methods to start from; none where seed points are planted.
 
@@ -45,8 +41,8 @@ def fitted_starts(method: Any, exemplar: Exemplar) -> dict[str, Model]:
     """
     names, may_fail = [method.init], False
     if method.init == "auto":
-        patches = method.search == "coherent" or method.joints
-        names = [*_by_lattice(exemplar), _QUILTED] if patches else ["seeds"]
+        usual = method.meant("init")
+        names = ["seeds"] if usual == "seeds" else [*_by_lattice(exemplar), usual]
         may_fail = not method.joints
     starts, failure = {}, None
     for name in names:
