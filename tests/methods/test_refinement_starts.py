@@ -7,7 +7,7 @@ import pytest
 
 import weftex
 from families import noise
-from weftex.analysis.canvas_lattice import lattice_of
+from weftex.analysis.lattice import find_lattice
 from weftex.canvas import Canvas
 
 
@@ -27,7 +27,7 @@ def model(tiles):
 
 def test_a_sure_lattice_lays_the_start(tiles, model):
     """Blocks keep the distances of what repeats; the text makes the same start again."""
-    vectors = lattice_of(tiles).vectors
+    vectors = find_lattice(tiles).vectors
     assert sorted(round(max(map(abs, vector))) for vector in vectors) == [24, 24]
     start = "near-regular lattice=" + ",".join(str(part) for vector in vectors for part in vector)
     made = pickle.loads(pickle.dumps(model)).sample(96, seed=1)

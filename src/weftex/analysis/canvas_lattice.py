@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
-from weakref import WeakKeyDictionary
 
 import numpy as np
 
@@ -18,6 +17,7 @@ if TYPE_CHECKING:
 
 _UNIT = 1 << 16  # positions are in 1/65536 pixel
 _SMALLEST_SAMPLE = 32  # side below which noise may look like a lattice by chance
+_ALONG = 1.01  # pixels: a vector as short as that says nothing but a direction
 _SIZES_TRIED = 64  # pixels on both sides of a size among which a better one is looked for
 _SURE = 0.6  # confidence from which blocks may be laid by a lattice
 _TILES = 4  # that a sample must show, so that a block has more than one place to come from
@@ -148,17 +148,6 @@ def check_lattice(vectors: tuple[float, ...], exemplar: Exemplar) -> None:
         )
 
 
-#: Methods, windows and patches of one sample all hang on its lattice.
-_FOUND: WeakKeyDictionary[Exemplar, Lattice | None] = WeakKeyDictionary()
-
-
-def lattice_of(exemplar: Exemplar) -> Lattice | None:
-    """Return the lattice that `find_lattice` finds in a sample, which is looked for once."""
-    if exemplar not in _FOUND:
-        _FOUND[exemplar] = find_lattice(exemplar)
-    return _FOUND[exemplar]
-
-
 def is_sure(lattice: Lattice | None, pixels: int) -> bool:
     """Whether blocks of a sample may be laid by its lattice.
 
@@ -181,11 +170,37 @@ def is_sure(lattice: Lattice | None, pixels: int) -> bool:
     return pixels >= _TILES * lattice.area
 
 
+def four_numbers(lattice: Lattice) -> tuple[float, float, float, float]:
+    """A lattice as x1, y1, x2, y2, as methods take it; along rows any pixel is as good as the next.
+
+    >>> four_numbers(Lattice(((0, 47),)))
+    (0.0, 47.0, 1.0, 0.0)
+    """
+    (x, y), *other = lattice.vectors
+    if other:
+        return (x, y, *other[0])
+    length = float(np.hypot(x, y))
+    return x, y, round(y / length, 4) + 0.0, round(-x / length, 4) + 0.0
+
+
+def given_lattice(vectors: tuple[float, ...]) -> Lattice:
+    """The lattice of x1, y1, x2, y2: rows, if one of the vectors leads no farther than a pixel.
+
+    >>> given_lattice((0, 47, 1, 0)).vectors
+    ((0.0, 47.0),)
+    """
+    x1, y1, x2, y2 = vectors
+    pair = sorted(((x1, y1), (x2, y2)), key=lambda one: float(np.hypot(*one)))
+    if np.hypot(*pair[0]) <= _ALONG < np.hypot(*pair[1]):
+        return Lattice((pair[1],))
+    return Lattice(((x1, y1), (x2, y2)))
+
+
 def found_vectors(exemplar: Exemplar) -> tuple[float, ...]:
     """The lattice of a sample as x1, y1, x2, y2; x1, y1 where it repeats one way only; or ()."""
     if min(exemplar.shape) < _SMALLEST_SAMPLE:
         return ()
-    lattice = lattice_of(exemplar)
+    lattice = find_lattice(exemplar)
     if lattice is None:
         return ()
     return tuple(part for vector in lattice.reduced().vectors for part in vector)

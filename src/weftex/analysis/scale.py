@@ -159,9 +159,9 @@ def _estimated(exemplar: Exemplar, lattice: Lattice | Literal["find"] | None) ->
 
 def _found(exemplar: Exemplar) -> Lattice | None:
     """The lattice; most samples do not come back to themselves, and need none of its modules."""
-    from weftex.analysis.canvas_lattice import lattice_of
+    from weftex.analysis.lattice import find_lattice
 
-    return lattice_of(exemplar)
+    return find_lattice(exemplar)
 
 
 def _returns(correlation: Floats, shape: tuple[int, ...]) -> bool:

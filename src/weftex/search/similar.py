@@ -60,15 +60,17 @@ def similar_places(
         step = -(-(len(centers) ** 2) // _COARSEST_PAIRS)
         every = np.ascontiguousarray(centers[None, ::step])
         kernels.nearest_windows(windows.pixels, centers, every, reach, _SAME_PLACE, room, found)
-    for first in range(0, 0 if coarser is None else len(centers), _AT_ONCE):
-        part = slice(first, first + _AT_ONCE)
-        if len(centers) > _MOST_CENTERS:
-            found[part] = _children(windows, centers[part], *coarser, (0,))
-            continue
-        around = _children(windows, centers[part], *coarser, _AROUND)
-        kernels.nearest_windows(
-            windows.pixels, centers[part], around, reach, _SAME_PLACE, room, found[part]
-        )
+    else:
+        searched = len(centers) <= _MOST_CENTERS
+        for first in range(0, len(centers), _AT_ONCE):
+            part = slice(first, first + _AT_ONCE)
+            near = _children(windows, centers[part], *coarser, _AROUND if searched else (0,))
+            if searched:
+                kernels.nearest_windows(
+                    windows.pixels, centers[part], near, reach, _SAME_PLACE, room, found[part]
+                )
+            else:
+                found[part] = near
     rank = np.zeros(windows.usable.size, np.int32)
     rank[centers] = np.arange(len(centers), dtype=np.int32)
     result: NDArray[np.int32] = found[rank[nearest_center(windows.usable).ravel()]]

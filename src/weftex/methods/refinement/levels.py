@@ -213,7 +213,8 @@ def _pyramid_levels(exemplar: Exemplar, settings: Settings) -> list[CoherentLeve
 def _cells(shape: tuple[int, int], side: int) -> NDArray[np.int32]:
     """See `CoherentLevel.cells`."""
     down, along = (np.arange(n, dtype=np.int32) // np.int32(side) for n in shape)
-    return np.add.outer(down * np.int32(shape[1] // side + 1), along).ravel()
+    cells: NDArray[np.int32] = np.add.outer(down * np.int32(shape[1] // side + 1), along).ravel()
+    return cells
 
 
 def _nearest(
