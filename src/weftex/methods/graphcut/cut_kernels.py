@@ -54,16 +54,18 @@ class Graph:
     choice: cython.uchar[:, ::1]  # of each pixel: NOTHING, OLD, NEW or EITHER
     side: cython.uchar[:, ::1]  # of each block: 1 inside the cut
     shown: cython.uchar[:, ::1]  # of each block: OLD and NEW, if it has such pixels
+    along: cython.uchar[:, ::1]  # likewise of it and of those beside it
     capacities: Capacities
     trees: Trees
 
-    def __init__(self, arcs, old, new, choice, side, shown, trees):
+    def __init__(self, arcs, old, new, choice, side, shown, along, trees):
         self.arcs = arcs
         self.old = old
         self.new = new
         self.choice = choice
         self.side = side
         self.shown = shown
+        self.along = along
         self.capacities = Capacities(arcs, old, new)
         self.trees = trees
 
@@ -339,13 +341,15 @@ def narrow(patch: Patch, graph: Graph, halvings: cython.int) -> cython.void:
             graph.shown[i >> halvings, j >> halvings] |= may
     for i in range(height):
         for j in range(width):
-            near = 0
-            for v in range(i - REACH, i + REACH + 1):
-                for u in range(j - REACH, j + REACH + 1):
-                    if v < 0 or u < 0 or v >= height or u >= width:
-                        near |= OLD
-                    else:
-                        near |= graph.shown[v, u]
+            near = OLD if j < REACH or j + REACH >= width else NOTHING
+            for u in range(max(0, j - REACH), min(j + REACH + 1, width)):
+                near |= graph.shown[i, u]
+            graph.along[i, j] = near
+    for i in range(height):
+        for j in range(width):
+            near = OLD if i < REACH or i + REACH >= height else NOTHING
+            for v in range(max(0, i - REACH), min(i + REACH + 1, height)):
+                near |= graph.along[v, j]
             if near == EITHER:
                 continue
             for v in range(i * block, min((i + 1) * block, patch.rows.shape[0])):
@@ -375,8 +379,8 @@ def paste(picture: Picture, sample: Sample, patch: Patch, graph: Graph) -> cytho
     return covered
 
 
-def cut_in_blocks(picture: Picture, sample: Sample, usable, patch: Patch, graph: Graph, halvings):
-    """Choose what may be replaced, and cut in blocks, beside other threads."""
+def cost_in_blocks(picture: Picture, sample: Sample, usable, patch: Patch, graph: Graph, halvings):
+    """The cost of all seams in the box after a cut in blocks; made beside other threads."""
     cython.declare(cost=cython.longlong, size=cython.int)
     pixels: cython.const[cython.uchar][::1] = usable
     size = halvings
@@ -386,14 +390,12 @@ def cut_in_blocks(picture: Picture, sample: Sample, usable, patch: Patch, graph:
     return cost
 
 
-def cut_finer(picture: Picture, sample: Sample, patch: Patch, graph: Graph, halvings):
-    """Around the cut in blocks cut again, in smaller and smaller ones, down to pixels."""
+def paste_patch(picture: Picture, sample: Sample, usable, patch: Patch, graph: Graph, halvings):
+    """Cut in blocks, around that in smaller and smaller ones, and copy; see `paste`."""
+    choose(picture, usable, sample, patch, graph)
+    cut(picture, sample, patch, graph, halvings)
     while halvings > 0:
         narrow(patch, graph, halvings)
         halvings = max(0, halvings - STEP)
         cut(picture, sample, patch, graph, halvings)
-
-
-def paste_patch(picture: Picture, sample: Sample, patch: Patch, graph: Graph):
-    """Call `paste`."""
     return paste(picture, sample, patch, graph)
