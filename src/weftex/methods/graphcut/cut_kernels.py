@@ -1,5 +1,5 @@
 # mypy: ignore-errors
-"""Kernels of graph-cut textures: cutting patches and pasting them; compiled by Cython, see setup.py.
+"""Kernels of graph-cut textures: cutting and pasting patches; compiled by Cython, see setup.py.
 
 A patch is cut in blocks of pixels first, a node for each, then in smaller ones where the cut went.
 All labellings of blocks are labellings of pixels with the same cost, so no step is for the worse.
@@ -243,20 +243,6 @@ def add_pair(
 @cython.cfunc
 @cython.nogil
 @cython.exceptval(check=False)
-def clear(graph: Graph, rows: cython.Py_ssize_t, columns: cython.Py_ssize_t) -> cython.void:
-    """Fill the graph of so many blocks with zeros."""
-    cython.declare(i=cython.Py_ssize_t, j=cython.Py_ssize_t, d=cython.int)
-    for i in range(rows):
-        for j in range(columns):
-            graph.old[i, j] = 0
-            graph.new[i, j] = 0
-            for d in range(4):
-                graph.arcs[i, j, d] = 0
-
-
-@cython.cfunc
-@cython.nogil
-@cython.exceptval(check=False)
 def build(
     picture: Picture, sample: Sample, patch: Patch, graph: Graph, halvings: cython.int
 ) -> cython.longlong:
@@ -274,7 +260,12 @@ def build(
     source: cython.p_int = cython.address(picture.source[0])
     mask: cython.Py_ssize_t = (1 << halvings) - 1
     fixed: cython.longlong = 0
-    clear(graph, blocks(rows, halvings), blocks(width, halvings))
+    for i in range(blocks(rows, halvings)):
+        for j in range(blocks(width, halvings)):
+            graph.old[i, j] = 0
+            graph.new[i, j] = 0
+            for d in range(4):
+                graph.arcs[i, j, d] = 0
     for i in range(rows):
         may = cython.address(graph.choice[i, 0])
         row = patch.rows[i] * picture.width
@@ -292,7 +283,11 @@ def build(
                 if may[j] == other and (i + 1 if d else j + 1) & mask:
                     # In one block, and mostly in one old patch.
                     p = row + columns[j]
-                    q = patch.rows[i + 1] * picture.width + columns[j] if d else row + columns[j + 1]
+                    q = (
+                        patch.rows[i + 1] * picture.width + columns[j]
+                        if d
+                        else row + columns[j + 1]
+                    )
                     label = continued(sample, source[p], d)
                     if label >= 0 and label == source[q]:
                         continue
