@@ -129,7 +129,7 @@ class GraphCut(Method):
         """See `Method.for_hole`; the other placements lay the entire sample."""
         if self.patch_size is not None or self.placement != "subpatch":
             return self
-        return replace(self, patch_size=patch_size_for(hole, usable, 2))
+        return replace(self, patch_size=patch_size_for(hole, usable, 1))
 
     def fit_exemplar(self, exemplar: Exemplar) -> PixelModel:
         """Prepare a sample."""
