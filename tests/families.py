@@ -251,10 +251,10 @@ def with_guides(exemplar: Any, size: tuple[int, int], rng: Any) -> Any:
     own = rng.integers(0, count, (*exemplar.shape, *shape)).astype(np.uint8)
     colors = np.unique(own.reshape(-1, *shape), axis=0)
     if len(colors) > 32:  # a picture
-        return exemplar.with_guide(own), noise((*size, *shape))
+        return exemplar.changed(guide=own), noise((*size, *shape))
     dtype = (np.uint8, np.int64)[rng.integers(2)]
     guide = colors[rng.integers(0, len(colors), size)]
-    return exemplar.with_guide(own.astype(dtype)), guide.astype(dtype)
+    return exemplar.changed(guide=own.astype(dtype)), guide.astype(dtype)
 
 
 def canvas_of(kind: str, pixels: Any, size: tuple[int, int] = (40, 37)) -> weftex.Canvas:

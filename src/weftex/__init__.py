@@ -42,10 +42,12 @@ if TYPE_CHECKING:
     from weftex.tasks.analyze import analyze
     from weftex.tasks.auto import Auto
     from weftex.tasks.compare import compare
+    from weftex.tasks.even_light import even_light
     from weftex.tasks.fill import fill
     from weftex.tasks.fuse import fuse
     from weftex.tasks.gradient import Gradient
     from weftex.tasks.report import report
+    from weftex.tasks.straighten import straighten
     from weftex.tasks.synthesize import synthesize
 
 __version__ = "0.1.0"
@@ -82,11 +84,13 @@ _PUBLIC = {
     "tasks.analyze": ["analyze"],
     "tasks.auto": ["Auto"],
     "tasks.compare": ["compare"],
+    "tasks.even_light": ["even_light"],
     "tasks.fill": ["fill"],
     "tasks.fuse": ["fuse"],
     "tasks.gradient": ["Gradient"],
     "pages.report": ["Report"],
     "tasks.report": ["report"],
+    "tasks.straighten": ["straighten"],
     "tasks.synthesize": ["synthesize"],
 }
 _HOME = {name: module for module, names in _PUBLIC.items() for name in names}

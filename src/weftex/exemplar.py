@@ -111,18 +111,10 @@ class Exemplar:
             )
         self._matching: dict[float, NDArray[np.uint8]] = {}
 
-    def with_guide(self, guide: NDArray[Any]) -> Exemplar:
-        """Return the same sample with this guide."""
-        return Exemplar(
-            self.pixels,
-            maps=self.maps,
-            mask=self.mask,
-            guide=guide,
-            tileable=self.tileable,
-            alpha=self.alpha,
-            icc=self.icc,
-            name=self.name,
-        )
+    def changed(self, **parts: Any) -> Exemplar:
+        """Return the same sample but for these parameters of `Exemplar`, such as its guide."""
+        own = ("pixels", "maps", "mask", "guide", "tileable", "alpha", "icc", "name")
+        return Exemplar(**{name: getattr(self, name) for name in own} | parts)
 
     def matching(self, edge_weight: float = 0.0) -> NDArray[np.uint8]:
         """Return what distances are taken on: bytes, so that they are exact integers.

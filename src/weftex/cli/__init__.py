@@ -17,6 +17,7 @@ _COMMANDS = (
     "fuse",
     "replay",
     "analyze",
+    "prepare",
     "report",
     "compare",
     "methods",
@@ -31,6 +32,7 @@ usage: weftex COMMAND ...      (weftex COMMAND --help says more)
   fuse      merge several materials where a map says
   replay    lay a saved result again with another map of the same sample
   analyze   say what a sample is like: its scale, its lattice, whether it tiles
+  prepare   straighten a photo and even its light, before it is a sample
   compare   every method on one sample, side by side: pictures, figures, times
   report    say how good a result is, in figures and maps of where it fails
   methods   list the methods, or the parameters of one

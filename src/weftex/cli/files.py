@@ -3,11 +3,17 @@
 from __future__ import annotations
 
 import os
+from dataclasses import replace
 from time import perf_counter
 from typing import TYPE_CHECKING, Any
 
+from weftex.errors import InvalidInputError
+
 if TYPE_CHECKING:
     import argparse
+    from collections.abc import Mapping
+
+    from numpy.typing import NDArray
 
     from weftex.cli.terminal import Bar, Outputs
     from weftex.exemplar import Exemplar
@@ -60,12 +66,40 @@ def open_sample(
     else:
         check_output(args.output)
     exemplar, pictures = load(path, args, args.maps, tileable=tileable)
+    exemplar, pictures = _mended(exemplar, pictures, args)
     targets = {}
     for name, picture in pictures.items():
         file = os.path.basename(picture.path)
         targets[name] = os.path.join(args.output, file) if folder else args.output
         check_output(targets[name], picture.pixels, alpha=picture.alpha)
     return exemplar, pictures, targets
+
+
+def _mended(
+    exemplar: Exemplar, pictures: dict[str, Picture], args: argparse.Namespace
+) -> tuple[Exemplar, dict[str, Picture]]:
+    """Straighten the sample and its pictures, and even its light, where that was asked for."""
+    if getattr(args, "straighten", None) is not None:
+        from weftex.tasks.straighten import straighten
+
+        exemplar = straighten(exemplar, **_ways(args.straighten))
+    if getattr(args, "even_light", None) is not None:
+        from weftex.tasks.even_light import even_light
+
+        exemplar = even_light(exemplar, args.even_light)
+    pixels = exemplar.maps | {exemplar.name: exemplar.pixels}
+    return exemplar, {name: replace(one, pixels=pixels[name]) for name, one in pictures.items()}
+
+
+def _ways(text: str) -> dict[str, str]:
+    """What `straighten` is told: vectors, corners, or nothing."""
+    names = {4: "lattice", 8: "corners"}
+    count = text.count(",") + 1
+    if text and count not in names:
+        raise InvalidInputError(
+            f"--straighten is '{text}'; it must be four numbers, a lattice, or eight, corners"
+        )
+    return {names[count]: text} if text else {}
 
 
 def write(
@@ -78,17 +112,29 @@ def write(
 ) -> None:
     """Write the result and, from the same coordinates, each other map of the sample."""
     from weftex.exemplar import Exemplar
+
+    others = {name: one for name, one in pictures.items() if name != exemplar.name}
+    laid = {
+        name: result.render(Exemplar(one.pixels, alpha=one.alpha, name=name))
+        for name, one in others.items()
+    }
+    write_pictures(laid | {exemplar.name: result.image}, pictures, targets, outputs)
+    if args.save_source is not None:
+        result.save(outputs.add(args.save_source))
+
+
+def write_pictures(
+    pixels: Mapping[str, NDArray[Any]],
+    pictures: dict[str, Picture],
+    targets: dict[str, str],
+    outputs: Outputs,
+) -> None:
+    """Write pixels as the pictures of the same names were stored."""
     from weftex.io.pictures import write_image
 
     for name, picture in pictures.items():
-        if name == exemplar.name:
-            pixels = result.image
-        else:
-            pixels = result.render(Exemplar(picture.pixels, alpha=picture.alpha, name=name))
         temporary = outputs.add(targets[name])
-        write_image(temporary, pixels, alpha=picture.alpha, icc=picture.icc)
-    if args.save_source is not None:
-        result.save(outputs.add(args.save_source))
+        write_image(temporary, pixels[name], alpha=picture.alpha, icc=picture.icc)
 
 
 #: The pictures of --debug, by what `Synthesis.draw` calls them.

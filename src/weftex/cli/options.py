@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+import re
 from typing import TYPE_CHECKING, Any, NoReturn
 
 from weftex.errors import InvalidInputError, did_you_mean
@@ -13,6 +14,12 @@ if TYPE_CHECKING:
     from weftex.method import Method
 
 _HUGE = 2**28  # pixels
+#: Options that may stand alone: the value that they have then, and which words are values of them.
+_BARE = {
+    "--tileable": ("xy", "x|y|xy"),
+    "--straighten": ("", r"[-+.,\deE]*,[-+.,\deE]*"),
+    "--even-light": ("2", r"[-+]?\d+"),
+}
 
 
 class Parser(argparse.ArgumentParser):
@@ -31,9 +38,17 @@ class Parser(argparse.ArgumentParser):
         """Raise, so that usage errors look like all others."""
         raise InvalidInputError(message)
 
+    def filled(self, argv: list[str]) -> list[str]:
+        """Give bare options their values, so that none takes the file name that follows it."""
+        pairs = zip(argv, [*argv[1:], ""], strict=False)
+        return [
+            f"{a}={_BARE[a][0]}" if a in _BARE and not re.fullmatch(_BARE[a][1], b) else a
+            for a, b in pairs
+        ]
+
     def parse(self, argv: list[str]) -> argparse.Namespace:
         """Parse all arguments; an unknown option is answered with the nearest known one."""
-        found, left = self.parse_known_args(argv)
+        found, left = self.parse_known_args(self.filled(argv))
         for word in left:
             if word.startswith("-"):
                 known = [o for o in self._option_string_actions if o.startswith("--")]
@@ -54,6 +69,21 @@ def add_tileable_sample(parser: Parser) -> None:
     """Add the option of every command that can use the sample's borders."""
     text = "the sample itself repeats without a seam, so that patches may run over its borders"
     parser.add_argument("--tileable-sample", action="store_true", help=f"{text}; see 'analyze'")
+
+
+def add_mending(parser: Parser) -> None:
+    """Add the options that mend a photo before anything is made from it."""
+    text = "straighten the photo, by the lattice or rows seen in it, by vectors x1,y1,x2,y2, or by "
+    text += (
+        "the corners of a rectangle in it, x,y of top left, top right, bottom right, bottom left"
+    )
+    parser.add_argument("--straighten", nargs="?", const="", metavar="X,Y,...", help=text)
+    text = (
+        "take slow lighting off the photo; its maps stay as they are. DEGREE, 1 to 8, is that of "
+    )
+    text += "the surface which the light is taken for; default: 2"
+    add = parser.add_argument
+    add("--even-light", nargs="?", const=2, type=int, metavar="DEGREE", help=text)
 
 
 def add_limits(parser: Parser) -> None:
@@ -79,9 +109,7 @@ def parse_task(
     add("--save-source", metavar="F.npz", help="where each pixel comes from, for 'weftex replay'")
     add("--threads", type=int, metavar="N", help="use at most so many")
     add_limits(parser)
-    # A bare --tileable must not take the file name that follows it.
-    pairs = zip(argv, [*argv[1:], ""], strict=False)
-    argv = [a if a != "--tileable" or b in ("x", "y") else "--tileable=xy" for a, b in pairs]
+    argv = parser.filled(argv)
     chooser = argparse.ArgumentParser(add_help=False, allow_abbrev=False, exit_on_error=False)
     chooser.add_argument("--method", default=default, nargs="?")
     name = chooser.parse_known_args(argv)[0].method or ""

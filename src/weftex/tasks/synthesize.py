@@ -108,7 +108,7 @@ def synthesize(
     if sample_guide is not None:
         if canvas.guide is None:
             raise InvalidInputError("sample_guide has no effect without a guide")
-        exemplar = exemplar.with_guide(_guide(sample_guide))
+        exemplar = exemplar.changed(guide=_guide(sample_guide))
     how: dict[str, Any] = {"seed": seed, "threads": threads, "progress": progress}
     if not once:
         from weftex.tasks.best_of import best_of as keep_best

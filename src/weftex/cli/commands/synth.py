@@ -9,6 +9,7 @@ from weftex.cli.files import load, open_sample, report, settings, told, write, w
 from weftex.cli.options import (
     Parser,
     add_maps,
+    add_mending,
     add_tileable_sample,
     parse_best_of,
     parse_size,
@@ -27,6 +28,7 @@ examples:
   weftex synth brick.png -o wall.png --method quilting --patch-size 48
   weftex synth brick.png -o wall.png --best-of 8      the best of eight seeds
   weftex synth brick.png -o wall.png --best-of quilting,graphcut,near-regular
+  weftex synth photo.jpg -o wall.png --straighten --even-light
   weftex synth moss.png -o face.png --method ashikhmin --guide face.png
   weftex synth photo.png -o new.png --method refinement --sample-guide painted.png --guide other.png
 """
@@ -48,6 +50,7 @@ def run(argv: list[str]) -> None:
     text = "write how it was put together: coordinates, patches, seams, uncertainty"
     parser.add_argument("--debug", metavar="DIR", help=text)
     add_tileable_sample(parser)
+    add_mending(parser)
     args, method, parameters = parse_task(parser, argv)
     best_of = parse_best_of(args.best_of)
     size = None if args.size is None else parse_size(args.size, args.allow_huge)

@@ -1,0 +1,54 @@
+"""weftex prepare: straighten a photo, and even its light."""
+
+from __future__ import annotations
+
+from time import perf_counter
+from typing import TYPE_CHECKING
+
+from weftex.cli.files import open_sample, told, write_pictures
+from weftex.cli.options import Parser, add_limits, add_maps, add_mending
+from weftex.cli.terminal import finish
+from weftex.errors import InvalidInputError
+
+if TYPE_CHECKING:
+    from weftex.cli.terminal import Bar, Outputs
+
+_ABOUT = """\
+Straighten a photo, and take slow lighting off it, before anything is made from it. `weftex synth`
+takes the same options; what is prepared here is a sample for all commands.\
+"""
+
+_EXAMPLES = """\
+examples:
+  weftex prepare photo.jpg -o brick.png --straighten --even-light
+  weftex prepare photo.jpg -o brick.png --straighten 12,40,801,95,790,620,20,700   by four corners
+  weftex prepare photo.jpg -o brick.png --straighten 99,3,49,36.7                  by a lattice
+  weftex prepare stone_wall/ -o straight/ --straighten                            a folder of maps
+"""
+
+
+def run(argv: list[str]) -> None:
+    """Run the command; `argv` is what follows its name."""
+    start = perf_counter()
+    parser = Parser("prepare", _ABOUT, _EXAMPLES)
+    parser.add_argument("sample", metavar="PHOTO", help="picture, folder of maps, or sample:NAME")
+    add_maps(parser)
+    text = "file, or folder, to write"
+    parser.add_argument("-o", "--output", metavar="OUT", required=True, help=text)
+    add_mending(parser)
+    add_limits(parser)
+    args = parser.parse(argv)
+    if args.straighten is None and args.even_light is None:
+        raise InvalidInputError("nothing to do; give --straighten, --even-light, or both")
+    args.save_source = None
+
+    def work(bar: Bar, outputs: Outputs) -> str:
+        exemplar, pictures, targets = open_sample(args.sample, args, outputs)
+        pixels = {name: picture.pixels for name, picture in pictures.items()}
+        write_pictures(pixels, pictures, targets, outputs)
+        height, width = exemplar.shape
+        took = perf_counter() - start
+        names = told(pictures, args.sample, args.maps)
+        return f"{names}prepared {width}x{height} {args.output} in {took:.2f} s"
+
+    finish(work, args.quiet)

@@ -1,0 +1,141 @@
+"""Take slow lighting off a photo: one side brighter, corners darker."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.polynomial.legendre import leggrid2d, legvander2d
+
+from weftex.errors import InvalidInputError, shown
+from weftex.exemplar import Exemplar
+from weftex.loading import load_exemplar
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    from weftex.loading import Sample
+
+    Floats = NDArray[np.float64]
+
+_CELLS = 32  # along the longer side, whose means the light is fitted to
+_HIGHEST = 8  # degree of the light
+_ROUNDS = 8  # of fitting, each with less weight on what lies off the last
+_DARKEST = 1e-4  # of the brightest; darker than that is black, whose light nobody can tell
+_KNEE = 0.04045  # of sRGB's curve, below which it is a line
+
+
+def even_light(sample: Sample, degree: int = 2) -> Exemplar:
+    """Divide a photo by the light that fell on it, so that it is equally bright all over.
+
+    The light is taken for a smooth surface, a polynomial in x and y for each color channel. It is
+    fitted to the logarithms of the values, as light multiplies, with less weight on places that
+    stand out. Whole numbers are taken for sRGB, floats for linear values.
+
+    Parameters
+    ----------
+    sample : path, array, PIL image or Exemplar
+        The photo; what a mask leaves out of it says nothing of the light, and is divided too.
+    degree : int
+        Of the polynomial, 1 to 8: 2 for a lamp, a window or dark corners; more for light that rises
+        and falls several times, which takes things for light where a photo shows few of them.
+
+    Returns
+    -------
+    Exemplar
+        Pixels of the same dtype and, but for what gets too bright to be stored, of the same mean.
+        Alpha, maps, mask and guide stay as they are.
+
+    Raises
+    ------
+    FileError, InvalidInputError
+        If the sample cannot be read or used.
+
+    Examples
+    --------
+    >>> from weftex.analysis.evenness import evenness
+    >>> noise = np.random.default_rng(0).integers(60, 90, (64, 64))
+    >>> photo = Exemplar((noise * np.linspace(1, 2.5, 64)).astype(np.uint8))
+    >>> evenness(photo).light > 0.5, evenness(even_light(photo)).light < 0.1
+    (True, True)
+    """
+    if isinstance(degree, bool) or degree not in range(1, _HIGHEST + 1):
+        raise InvalidInputError(f"degree is {shown(degree)}; it must be from 1 to {_HIGHEST}")
+    exemplar = load_exemplar(sample)
+    pixels = exemplar.pixels.reshape(*exemplar.shape, -1)
+    usable = np.ones(exemplar.shape, bool) if exemplar.mask is None else exemplar.mask
+    if exemplar.alpha:
+        usable = usable & (pixels[..., -1] > 0)
+    even = pixels.copy()
+    for channel in range(exemplar.channels - exemplar.alpha):
+        linear = _linear(pixels[..., channel])
+        light = _light(linear, usable, degree)
+        even[..., channel] = _stored(linear / light, pixels.dtype)
+    return exemplar.changed(pixels=even.reshape(exemplar.pixels.shape))
+
+
+def _light(linear: Floats, usable: NDArray[np.bool_], degree: int) -> Floats:
+    """The light (H, W) on values (H, W), around 1."""
+    seen = usable & (linear > _DARKEST * linear.max())
+    if not seen.any():
+        return np.ones(linear.shape)
+    side = -(-max(linear.shape) // _CELLS)
+    count = _sums(seen.astype(np.float64), side)
+    there = count > 0
+    means = _sums(np.log(np.where(seen, linear, 1)), side)[there] / count[there]
+    y, x = ((np.nonzero(there)[axis] + 0.5) * side for axis in (0, 1))
+    terms = legvander2d(_span(y, linear.shape[0]), _span(x, linear.shape[1]), (degree, degree))
+    terms = terms[:, _terms(degree).ravel()]
+    weight = count[there]
+    for _ in range(_ROUNDS):
+        root = np.sqrt(weight)
+        factors = np.linalg.lstsq(terms * root[:, None], means * root, rcond=1e-9)[0]
+        off = abs(means - terms @ factors)
+        # Huber's weights: of cells farther off than most, distances count and not squares.
+        weight = count[there] / np.maximum(1, off / (1.5 * np.median(off) + 1e-9))
+    surface = np.zeros((degree + 1, degree + 1))
+    # The last digits of a fit differ between machines.
+    surface[_terms(degree)] = np.round(factors, 6)
+    rows, columns = (_span(np.arange(side) + 0.5, side) for side in linear.shape)
+    light: Floats = np.exp(leggrid2d(rows, columns, surface))
+    light *= (linear[seen] / light[seen]).sum() / linear[seen].sum()
+    return light
+
+
+def _terms(degree: int) -> NDArray[np.bool_]:
+    """Which products of two polynomials have at most this degree."""
+    return np.add.outer(np.arange(degree + 1), np.arange(degree + 1)) <= degree
+
+
+def _span(place: NDArray[np.floating[Any]], side: int) -> Floats:
+    """Pixels as numbers from -1 to 1."""
+    return 2 * place / side - 1
+
+
+def _sums(values: Floats, side: int) -> Floats:
+    """Sums over squares, of which the last may be smaller."""
+    for axis in (0, 1):
+        values = np.add.reduceat(values, np.arange(0, values.shape[axis], side), axis=axis)
+    return values
+
+
+def _linear(stored: NDArray[Any]) -> Floats:
+    """Linear light of stored values."""
+    if stored.dtype.kind == "f":
+        return stored.astype(np.float64)
+    top = np.iinfo(stored.dtype).max
+    share = np.arange(top + 1) / top
+    curve = np.where(share <= _KNEE, share / 12.92, ((share + 0.055) / 1.055) ** 2.4)
+    linear: Floats = curve[stored]
+    return linear
+
+
+def _stored(linear: Floats, dtype: np.dtype[Any]) -> NDArray[Any]:
+    """The values that are stored for linear light; what is brighter than white is white."""
+    if dtype.kind == "f":
+        most = np.finfo(dtype).max
+        return np.clip(linear, -most, most).astype(dtype)
+    share = np.clip(linear, 0, 1)
+    curve = np.where(share <= _KNEE / 12.92, share * 12.92, 1.055 * share ** (1 / 2.4) - 0.055)
+    stored: NDArray[Any] = np.rint(curve * np.iinfo(dtype).max).astype(dtype)
+    return stored

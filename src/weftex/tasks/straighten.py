@@ -1,0 +1,244 @@
+"""Straighten a photo: rows level, tiles upright, a wall seen from the side seen from the front."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from itertools import product
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from weftex.analysis.lattice import Lattice, find_lattice
+from weftex.errors import InvalidInputError
+from weftex.exemplar import Exemplar, tamed
+from weftex.io.formats import image_library
+from weftex.loading import load_exemplar
+from weftex.method import numbers_of
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    from weftex.loading import Sample
+
+    Floats = NDArray[np.float64]
+
+_UPRIGHT = math.radians(20)  # that a photo may be askew before another way up is thought of
+_SQUARE = math.sin(math.radians(10))  # that sides of a right-angled piece may be off it
+_TIMES = range(-3, 4)  # vectors of a lattice that are summed up to a piece's sides
+_SHORTEST = 8  # pixels, of what is left of a photo
+_FILTER = "lanczos3"
+
+
+def straighten(
+    sample: Sample,
+    *,
+    lattice: Lattice | Sequence[float] | str | None = None,
+    corners: Sequence[float] | str | None = None,
+) -> Exemplar:
+    """Turn, shear or rectify a photo, so that what it shows lies straight.
+
+    With a lattice the sides of its right-angled piece (a tile; two courses of a running bond)
+    become level and upright; with rows, of which only the distance is known, these are turned. What
+    is left is the largest part of the photo's proportions in its middle that has no empty corners.
+    With corners the photo is rectified, as if taken from the front, and they become the picture's.
+
+    Parameters
+    ----------
+    sample : path, array, PIL image or Exemplar
+        The photo. Maps, mask and guide are straightened with it; the vectors that a normal map
+        stores are not turned.
+    lattice : Lattice, or x1, y1, x2, y2, optional
+        Of the photo; found in it by default.
+    corners : eight numbers, optional
+        x and y in pixels of the corners of something that is a rectangle in truth: top left, top
+        right, bottom right, bottom left. Its proportions follow from the perspective if that is
+        clear, for a photo that was not cropped to one side, and else from the sides' lengths.
+
+    Returns
+    -------
+    Exemplar
+        Resampled, in the same dtype; lengths of level and upright vectors stay as they are.
+
+    Raises
+    ------
+    FileError
+        If the sample cannot be read.
+    InvalidInputError
+        If no lattice or rows are found, or the corners are not those of a convex shape inside the
+        photo, in this order.
+
+    Examples
+    --------
+    >>> y, x = np.mgrid[:96, :96]
+    >>> askew = Exemplar((127 + 99 * np.sin((y + 0.05 * x) / 2)).astype(np.uint8))
+    >>> along = [np.diff(one.pixels.astype(int)) for one in (askew, straighten(askew))]
+    >>> bool(abs(along[1]).mean() < 0.2 * abs(along[0]).mean())
+    True
+    """
+    exemplar = load_exemplar(sample)
+    if corners is not None:
+        if lattice is not None:
+            raise InvalidInputError("give a lattice or corners, not both")
+        matrix, size = _by_corners(np.reshape(numbers_of("corners", corners, 8), (4, 2)), exemplar)
+    else:
+        matrix, size = _by_lattice(_lattice_of(lattice, exemplar), exemplar)
+    return exemplar.changed(
+        pixels=_warped(exemplar.pixels, matrix, size, alpha=exemplar.alpha),
+        maps={name: _warped(value, matrix, size) for name, value in exemplar.maps.items()},
+        mask=None if exemplar.mask is None else _nearest(exemplar.mask, matrix, size),
+        guide=None if exemplar.guide is None else _nearest(exemplar.guide, matrix, size),
+        tileable=False,
+    )
+
+
+def _lattice_of(given: Lattice | Sequence[float] | str | None, exemplar: Exemplar) -> Lattice:
+    if isinstance(given, Lattice):
+        return given
+    if given is not None:
+        x1, y1, x2, y2 = numbers_of("lattice", given, 4)
+        return Lattice(((x1, y1), (x2, y2)))
+    found = find_lattice(exemplar)
+    if found is None:
+        raise InvalidInputError(
+            f"{exemplar.name} has no lattice or rows that are seen; give lattice vectors, or the "
+            "corners of something that is a rectangle in truth"
+        )
+    return found
+
+
+def _by_lattice(lattice: Lattice, exemplar: Exemplar) -> tuple[Floats, tuple[int, int]]:
+    """The matrix (3, 3) that makes a lattice level, for rows (x, y, 1), and the size that is left.
+
+    It is the affine one that turns the level and the upright side of the piece on the axes.
+    """
+    sides = _sides(lattice)
+    level = np.diag(np.hypot(*sides.T))
+    turn = np.linalg.inv(sides) @ level
+    height, width = exemplar.shape
+    middle = np.array([width, height]) / 2
+    # The part of the photo's proportions whose corners come from within it.
+    corners = np.array([(-1, -1), (1, -1), (1, 1), (-1, 1)]) * middle
+    share = min(1.0, float((middle / abs(corners @ np.linalg.inv(turn)).max(axis=0)).min()))
+    high, wide = (int(side * share + 1e-6) for side in (height, width))
+    if min(high, wide) < min(_SHORTEST, height, width):
+        raise InvalidInputError(f"nothing of {exemplar.name} would be left after straightening it")
+    matrix = np.eye(3)
+    matrix[:2, :2] = turn
+    matrix[2, :2] = np.array([wide, high]) / 2 - middle @ turn
+    return matrix, (high, wide)
+
+
+def _sides(lattice: Lattice) -> Floats:
+    """The side that is to be level and the one that is to be upright, (2, 2), as x and y."""
+    if len(lattice.vectors) == 1:
+        x, y = lattice.vectors[0]
+        down = np.array([x, y]) * (1 if y > 0 else -1)
+        if abs(x) > abs(y):  # rows that stand
+            across = np.array([x, y]) * (1 if x > 0 else -1)
+            return np.array([across, (-across[1], across[0])])
+        return np.array([(down[1], -down[0]), down])
+    times = np.array([k for k in product(_TIMES, _TIMES) if k != (0, 0)])
+    sums = times @ np.array(lattice.reduced().vectors)
+    lengths = np.hypot(*sums.T)
+    rightward = sums[:, 0] >= abs(sums[:, 1])
+    downward = sums[:, 1] > abs(sums[:, 0])
+    best: tuple[tuple[bool, float], Floats] | None = None
+    for i, j in product(np.flatnonzero(rightward), np.flatnonzero(downward)):
+        area = lengths[i] * lengths[j]
+        if abs(sums[i] @ sums[j]) > _SQUARE * area:
+            continue
+        askew = max(
+            math.atan2(abs(sums[i, 1]), sums[i, 0]), math.atan2(abs(sums[j, 0]), sums[j, 1])
+        )
+        rank = (askew > _UPRIGHT, round(float(area), 3))
+        if best is None or rank < best[0]:
+            best = rank, sums[[i, j]]
+    if best is None:
+        raise InvalidInputError("the lattice has no right-angled piece; give corners")
+    return best[1]
+
+
+def _by_corners(corners: Floats, exemplar: Exemplar) -> tuple[Floats, tuple[int, int]]:
+    """The matrix that takes four corners to those of a rectangle, and its size."""
+    height, width = exemplar.shape
+    if (corners < 0).any() or (corners > (width, height)).any():
+        raise InvalidInputError(f"corners lie outside {exemplar.name}, which is {width}x{height}")
+    along = np.roll(corners, -1, axis=0) - corners
+    turns = along[:, 0] * np.roll(along[:, 1], -1) - along[:, 1] * np.roll(along[:, 0], -1)
+    if (turns <= 0).any():
+        raise InvalidInputError(
+            "corners must be top left, top right, bottom right, bottom left of a convex shape"
+        )
+    lengths = np.hypot(*along.T)
+    wide, high = (lengths[0] + lengths[2]) / 2, (lengths[1] + lengths[3]) / 2
+    unit = np.array([(0, 0), (1, 0), (1, 1), (0, 1)], float)
+    ratio = _proportions(_projection(unit, corners - (width / 2, height / 2)))
+    if ratio is not None:  # of the same area
+        wide, high = math.sqrt(wide * high * ratio), math.sqrt(wide * high / ratio)
+    size = (round(high), round(wide))
+    if min(size) < 1:
+        raise InvalidInputError("the corners leave no pixel between them")
+    return _projection(corners, unit * size[::-1]), size
+
+
+def _projection(places: Floats, to: Floats) -> Floats:
+    """The projective matrix (3, 3), for rows (x, y, 1), that takes four places to four others."""
+    rows, right = [], []
+    for (x, y), (u, v) in zip(places, to, strict=True):
+        rows += [[x, y, 1, 0, 0, 0, -u * x, -u * y], [0, 0, 0, x, y, 1, -v * x, -v * y]]
+        right += [u, v]
+    return np.append(np.linalg.solve(rows, right), 1).reshape(3, 3).T
+
+
+def _proportions(matrix: Floats) -> float | None:
+    """Width over height of the rectangle that a camera sees as the matrix takes a unit square.
+
+    The square's sides are perpendicular in space, which gives the focal length, and that their
+    lengths; the camera's axis goes through the middle of the photo. None where lines that are
+    parallel in truth are so, or nearly so, in the photo too.
+    """
+    along, down = matrix[0], matrix[1]
+    far = along[2] * down[2]
+    squared = -(along[0] * down[0] + along[1] * down[1]) / far if abs(far) > 1e-4 else 0.0
+    if not squared > 0:
+        return None
+    weight = np.array([1 / squared, 1 / squared, 1])
+    ratio = math.sqrt(float((along**2) @ weight) / float((down**2) @ weight))
+    return ratio if 0.2 < ratio < 5 else None
+
+
+def _warped(
+    pixels: NDArray[Any], matrix: Floats, size: tuple[int, int], alpha: bool = False
+) -> NDArray[Any]:
+    """Resample a picture; its values stay within their range, and clear pixels bleed nothing."""
+    oiio = image_library()
+    planes = pixels.reshape(*pixels.shape[:2], -1)
+    numbers, exponent = tamed(planes) if pixels.dtype.kind == "f" else (planes, 0)
+    numbers = np.ascontiguousarray(numbers, np.float32)
+    if alpha:
+        numbers[..., :-1] *= numbers[..., -1:]
+    channels = numbers.shape[2]
+    area = oiio.ROI(0, size[1], 0, size[0], 0, 1, 0, channels)
+    made = oiio.ImageBufAlgo.warp(
+        oiio.ImageBuf(numbers), tuple(matrix.ravel()), _FILTER, roi=area, wrap="clamp"
+    )
+    if made.has_error:
+        raise InvalidInputError(f"the photo cannot be straightened: {made.geterror()}")
+    found = np.asarray(made.get_pixels(oiio.FLOAT), np.float64).reshape(*size, channels)
+    if alpha:
+        found[..., :-1] /= np.where(found[..., -1:] > 0, found[..., -1:], 1)
+    found = np.clip(np.ldexp(found, exponent), planes.min((0, 1)), planes.max((0, 1)))
+    if pixels.dtype.kind == "u":
+        found = np.rint(found)
+    return found.astype(pixels.dtype).reshape(*size, *pixels.shape[2:])
+
+
+def _nearest(values: NDArray[Any], matrix: Floats, size: tuple[int, int]) -> NDArray[Any]:
+    """Resample labels, of which there is nothing between two."""
+    y, x = np.indices(size) + 0.5
+    place = np.stack([x, y, np.ones(size)], axis=-1) @ np.linalg.inv(matrix)
+    columns, rows = np.floor(place[..., :2] / place[..., 2:]).astype(int).transpose(2, 0, 1)
+    height, width = values.shape[:2]
+    found: NDArray[Any] = values[rows.clip(0, height - 1), columns.clip(0, width - 1)]
+    return found

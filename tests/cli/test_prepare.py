@@ -1,0 +1,72 @@
+"""`weftex prepare`, and the same options of `weftex synth`."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+import weftex
+from commands import weft_run
+from weftex.io.pictures import read_image, write_image
+
+
+@pytest.fixture
+def photo(here):
+    """Tiles in falling light, slightly askew."""
+    y, x = np.indices((96, 120))
+    joint = ((x + 0.05 * y) % 24 < 3) | ((y - 0.05 * x) % 16 < 3)
+    noise = np.random.default_rng(0).integers(0, 20, joint.shape)
+    pixels = np.where(joint, 230, 100 + noise) * np.linspace(0.5, 1, 120)
+    write_image("tiles.png", pixels.astype(np.uint8))
+    return here
+
+
+def test_prepare_writes_what_python_returns(photo):
+    words = ["--straighten", "--even-light"]
+    assert weft_run("prepare", "tiles.png", "-o", "p.png", *words) == 0
+    expected = weftex.even_light(weftex.straighten("tiles.png"))
+    assert np.array_equal(read_image("p.png").pixels, expected.pixels)
+
+
+def test_synth_takes_the_same_options(photo):
+    words = ["--size", "80", "--seed", "3", "--method", "patch-sampling"]
+    mending = ["--straighten", "24,-1.2,0.8,16", "--even-light", "1"]
+    assert weft_run("prepare", "tiles.png", "-o", "p.png", *mending) == 0
+    assert weft_run("synth", "p.png", "-o", "a.png", *words) == 0
+    assert weft_run("synth", *mending, "tiles.png", "-o", "b.png", *words) == 0
+    assert (photo / "a.png").read_bytes() == (photo / "b.png").read_bytes()
+
+
+def test_maps_are_straightened_and_keep_their_light(here):
+    rng = np.random.default_rng(1)
+    (here / "set").mkdir()
+    for name in ("albedo", "height"):
+        write_image(f"set/{name}.png", rng.integers(0, 255, (64, 64, 3)).astype(np.uint8))
+    corners = "8,8,56,8,56,40,8,40"
+    assert weft_run("prepare", "set", "-o", "out", "--straighten", corners, "--even-light") == 0
+    height = read_image("out/height.png").pixels
+    assert np.array_equal(height, read_image("set/height.png").pixels[8:40, 8:56])
+    assert read_image("out/albedo.png").pixels.shape == height.shape
+    assert weft_run("synth", "set", "-o", "out2", "--straighten", corners, "--size", "40") == 0
+    assert read_image("out2/height.png").pixels.shape == (40, 40, 3)
+
+
+@pytest.mark.parametrize("option", ["--straighten", "--even-light"])
+def test_bare_options_leave_the_file_alone(photo, option):
+    assert weft_run("prepare", option, "tiles.png", "-o", "p.png") == 0
+
+
+@pytest.mark.parametrize(
+    "words, said",
+    [
+        ([], "nothing to do"),
+        (["--straighten", "1,2,3"], "four numbers"),
+        (["--straighten", "0,0,500,0,50,50,0,50"], "outside"),
+        (["--even-light", "9"], "degree is 9"),
+    ],
+)
+def test_what_makes_no_sense_is_refused(photo, capsys, words, said):
+    assert weft_run("prepare", "tiles.png", "-o", "p.png", *words) == 2
+    error = capsys.readouterr().err
+    assert said in error and error.count("\n") == 1
+    assert not (photo / "p.png").exists()
