@@ -41,6 +41,8 @@ class Facts:
         See `weftex.Canvas`.
     provenance : dict
         Method, parameters and seed.
+    match_tone : bool
+        See `weftex.results.synthesis.Synthesis`.
     """
 
     shape: tuple[int, int]
@@ -48,7 +50,8 @@ class Facts:
     wrap: tuple[bool, bool]
     known_from: tuple[int, int] | None
     provenance: dict[str, Any]
-    origin: tuple[int, int] = (0, 0)  # not in files of the first version
+    origin: tuple[int, int] = (0, 0)  # this and what follows is not in files of the first version
+    match_tone: bool = False
 
     def __post_init__(self) -> None:
         for name in ("shape", "sample_shape"):
@@ -59,6 +62,8 @@ class Facts:
         if not _whole(self.origin) or not (self.known_from is None or _whole(self.known_from)):
             raise DamageError("its places are no places")
         if [*map(type, self.wrap)] != [bool, bool] or not isinstance(self.provenance, dict):
+            raise DamageError("its facts have other types")
+        if type(self.match_tone) is not bool:
             raise DamageError("its facts have other types")
 
     def check_hole(self, bits: NDArray[Any] | None) -> NDArray[np.bool_] | None:

@@ -13,6 +13,7 @@ from weftex.errors import InvalidInputError, shown
 from weftex.exemplar import Exemplar, check_pixels
 from weftex.results import drawing
 from weftex.results.files import DamageError, Facts, one_line_errors, read_result, write_result
+from weftex.results.tone import match_tone
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -47,6 +48,8 @@ class Synthesis(ABC):
         Method, parameters and seed.
     picture : array, optional
         The finished picture, when making it was part of the work.
+    match_tone : bool
+        Shift the tone inside a filled hole to that around it, see `weftex.results.tone`.
     """
 
     #: The arrays that say where pixels come from, by the name of the parameter, and their types.
@@ -66,11 +69,12 @@ class Synthesis(ABC):
         known_from: tuple[int, int] | None = None,
         provenance: dict[str, Any] | None = None,
         picture: NDArray[Any] | None = None,
+        match_tone: bool = False,
     ) -> None:
         self.canvas, self.exemplar = canvas, exemplar
         self.sample_shape, self.known_from = sample_shape, known_from
         self.provenance = provenance or {}
-        self._picture = picture
+        self._picture, self.match_tone = picture, match_tone
 
     @abstractmethod
     def _layers(self, window: Window) -> tuple[NDArray[np.int32], NDArray[np.float32]]:
@@ -115,9 +119,10 @@ class Synthesis(ABC):
         provenance : dict
             Of the new result.
         """
+        arrays: dict[str, Any] = self._moved_arrays(canvas.shape, exemplar.shape, to, source_to)
         return type(self)(
             canvas,
-            **self._moved_arrays(canvas.shape, exemplar.shape, to, source_to),
+            **arrays,
             sample_shape=exemplar.shape,
             exemplar=exemplar,
             known_from=canvas.known_from,
@@ -233,6 +238,11 @@ class Synthesis(ABC):
         """
         whole = window is None
         top, left, height, width = self.canvas.check_window(window)
+        if self.match_tone and not whole:  # what is around the hole must be seen
+            made = self.render(other, background=background)
+            side = len(made) // self.shape[0]
+            rows, columns = slice(top * side, (top + height) * side), slice(left * side, None)
+            return made[rows, columns][:, : width * side]
         own = other is None or other is self.exemplar
         given = self.sample if other is None else other
         if isinstance(given, Exemplar):
@@ -269,6 +279,10 @@ class Synthesis(ABC):
             known = ~self.canvas.hole[top : top + height, left : left + width]
             known = known.repeat(scale, 0).repeat(scale, 1)
             out[known] = base[rows, left * scale : (left + width) * scale][known]
+            if self.match_tone:
+                planes = out.reshape(*out.shape[:2], -1)
+                wrap = self.canvas.wrap
+                out = match_tone(planes, ~known, wrap, alpha=alpha, scale=scale).reshape(out.shape)
         if own and whole and self._picture is None:
             self._picture = out
         return out
@@ -353,6 +367,7 @@ class Synthesis(ABC):
             known_from=self.known_from,
             provenance=self.provenance,
             origin=canvas.origin,
+            match_tone=self.match_tone,
         )
         write_result(path, facts, self.arrays(), canvas.hole)
 
@@ -396,5 +411,6 @@ class Synthesis(ABC):
             sample_shape=facts.sample_shape,
             known_from=facts.known_from,
             provenance=facts.provenance,
+            match_tone=facts.match_tone,
             exemplar=exemplar,
         )

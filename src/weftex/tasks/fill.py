@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from weftex.canvas import Canvas, as_canvas
-from weftex.errors import InvalidInputError
+from weftex.errors import InvalidInputError, shown
 from weftex.exemplar import Exemplar, as_array
 from weftex.loading import load_exemplar
 from weftex.random import seed_number
@@ -52,6 +52,7 @@ def fill(
     sample: Sample | None = None,
     method: str | Method = AUTO,
     overlap: int = 0,
+    match_tone: bool | None = None,
     seed: Seed = None,
     tileable: bool | str = False,
     threads: int | None = None,
@@ -80,6 +81,10 @@ def fill(
     overlap : int
         So many pixels around the holes may change too: the boundary between photo and filling is
         then cut where they differ least, so that it does not follow the outline of the mask.
+    match_tone : bool, optional
+        Shift the tone inside of the holes, where it differs from that along their border by more
+        than the texture itself does; see `weftex.results.tone.match_tone`. By default where weftex
+        chooses the method, as others only copy.
     seed : int, numpy Generator or None
         The same seed gives the same bytes.
     tileable : bool or {"x", "y"}
@@ -122,6 +127,8 @@ def fill(
     chosen = make_method(method, parameters)
     if not isinstance(overlap, numbers.Integral) or isinstance(overlap, bool) or overlap < 0:
         raise InvalidInputError(f"overlap is {overlap!r}; it must be a whole number, 0 or more")
+    if match_tone is not None and not isinstance(match_tone, bool):
+        raise InvalidInputError(f"match_tone is {shown(match_tone)}; it must be True or False")
     seed = seed_number(seed)
     whole = load_exemplar(photo)
     masked = hole_of(mask, whole)
@@ -205,13 +212,15 @@ def fill(
         )
         canvas = replace(canvas, hole=region.put(cut, hole.shape))
         made.provenance["overlap"] = int(overlap)
-    return made.moved(
+    result = made.moved(
         canvas,
         source,
         to=region.corner,
         source_to=region.corner if inside else (0, 0),
         provenance=made.provenance,
     )
+    result.match_tone = by_sample if match_tone is None else match_tone
+    return result
 
 
 def _choice(near: Exemplar, part: Canvas) -> Choice | None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import argparse
 from time import perf_counter
 from typing import TYPE_CHECKING
 
@@ -39,6 +40,8 @@ def run(argv: list[str]) -> None:
     parser.add_argument("--sample", metavar="S", help="learn from this picture, not from the photo")
     text = "so many pixels around the holes may change, to hide the seam; default: 0"
     parser.add_argument("--overlap", type=int, default=0, metavar="PX", help=text)
+    text = "shift tones inside the holes to those around; default: where no method is named"
+    parser.add_argument("--match-tone", action=argparse.BooleanOptionalAction, help=text)
     add_tileable_sample(parser)
     args, method, parameters = parse_task(parser, argv, "patch-sampling")
     if args.tileable_sample and args.sample is None:
@@ -61,6 +64,7 @@ def run(argv: list[str]) -> None:
         if args.sample is not None:
             sample = load(args.sample, args, tileable=args.tileable_sample)[0]
         how = {"method": AUTO if args.by_default else args.method, "overlap": args.overlap}
+        how["match_tone"] = args.match_tone
         result = fill(photo, hole, sample=sample, **how, **settings(args, bar), **parameters)
         write(result, photo, pictures, targets, args, outputs)
         if not hole.any():
