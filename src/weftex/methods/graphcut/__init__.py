@@ -88,15 +88,26 @@ class GraphCut(Method):
         "cost of a seam: the difference of its pixels, or that divided by gradients across it",
         choices=("gradient", "difference"),
     )
-    refinements: float = parameter(
-        1.0, "patches over the worst seams, for each that covered the canvas", low=0.0, high=1000.0
+    refinements: float | None = parameter(
+        None,
+        "patches over the worst seams, for each that covered the canvas",
+        low=0.0,
+        high=1000.0,
+        default_text="1 after random placement, else 0",
     )
     variety: float = parameter(
         1.0,
-        "cost of showing a place of the sample again nearby; 0 is the paper's way",
+        "cost of showing a place of the sample again nearby, or in line; 0 is the paper's way",
         low=0.0,
         high=1000.0,
-        needs=("placement", ("subpatch",)),
+        needs=("placement", ("subpatch", "entire")),
+    )
+    halvings: int | None = parameter(
+        None,
+        "matches and cuts begin on copies halved up to so many times; 0 is the paper's way",
+        low=0,
+        high=8,
+        default_text="up to 4, so that a patch has 24 pixels a side or more",
     )
 
     def __post_init__(self) -> None:
@@ -135,8 +146,8 @@ def synthesize(settings: Settings, growth: Growth) -> None:
     Sections are those of the paper.
     """
     settings = settings.on(growth.canvas)
-    picture = Picture(settings, growth)
     placement = placement_of(settings, growth)  # random, entire patch or sub-patch (section 4)
+    picture = Picture(settings, growth, placement.size, max(1, placement.reduction // 2))
     growth.about["patch_shape"] = list(placement.size)
     if settings.placement == "subpatch":
         growth.about |= settings.sizes()
@@ -147,8 +158,10 @@ def synthesize(settings: Settings, growth: Growth) -> None:
             # Places that match, drawn by P(t) = exp(-C(t) / (k sigma**2)) (section 4); C(t) by FFT
             # (section 5): `search.translation`.
             places = placement.candidates(pixel, number, centered)
-            # The minimum cut between old and new pixels; old seams are in the graph (section 3).
-            best: Cut = min(map_(picture.cut, places), key=lambda cut: cut.cost)
+            # The minimum cut between old and new pixels; old seams are in the graph (section 3). It
+            # is one of blocks, and only the best one is cut in pixels.
+            cuts = map_(picture.cut, places, range(len(places)))
+            best: Cut = min(cuts, key=lambda cut: cut.cost)
             return best
 
         # Patches that each cover the first missing pixel, until none is missing (section 4).
