@@ -23,8 +23,8 @@ if TYPE_CHECKING:
 #: Blocks around those that show that their sources hang on: 1 beside a gap, and 2 for each color
 #: but the last, which is drawn with regard to the ones before.
 _RING = 7
-#: By which a lattice may be stretched to go around. Joints of bricks, tiles and a fence met at up to
-#: 0.07, whatever the tolerance; at 0.1 some were broken.
+#: By which a lattice may be stretched to go around. Joints of bricks, tiles and a fence met at
+#: up to 0.07, whatever the tolerance; at 0.1 some were broken.
 STRAIN = 0.07
 _UNIT = 1 << 16  # of a pixel, that distances of blocks are in
 
@@ -100,12 +100,12 @@ class Axis:
             self.edges = (numbers * step + shift) // _UNIT - origin
         self.sizes = np.diff(self.edges)
         self.numbers = first + np.arange(len(self.sizes), dtype=np.int64)
-        begin = self.numbers // self.share * self.share
+        row = self.numbers // self.share * self.share
         if self.period:
-            self._ends = self.edges[begin], self.edges[begin + self.share - 1]
+            self._ends = self.edges[row], self.edges[row + self.share - 1]
         else:
-            at = np.stack([begin, begin + self.share - 1])
-            self._ends = tuple((at * step + shift) // _UNIT - origin)
+            at = np.stack([row, row + self.share - 1]) * step + shift
+            self._ends = at[0] // _UNIT - origin, at[1] // _UNIT - origin
 
     def ends_of_rows(self) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
         """Where the first and the last begin of those blocks that share a row with each."""

@@ -71,7 +71,7 @@ class AutoModel(Model):
     """
 
     def __init__(self, method: Auto, exemplar: Exemplar) -> None:
-        self.method, self.exemplar = method, exemplar
+        self.method, self.exemplar, self._effort = method, exemplar, method.effort
         self._models: dict[str, Model] = {}
 
     @cached_property
@@ -128,8 +128,8 @@ class AutoModel(Model):
         self.method.require(canvas)
         choice, _ = self.chosen(canvas)
         choices = [choice]
-        if canvas.guide is None and canvas.known is None and self.method.effort != "quick":
-            choices += others(choice, self.findings, canvas, self.method.effort)
+        if canvas.guide is None and canvas.known is None and self._effort != "quick":
+            choices += others(choice, self.findings, canvas, self._effort)
         done: list[Synthesis] = []
         steps = Progress(progress, len(choices), "choices", lambda: done[-1].image)
         number = seed_number(seed)

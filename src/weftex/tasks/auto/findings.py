@@ -45,7 +45,7 @@ class Findings:
 
 
 def look(exemplar: Exemplar) -> Findings:
-    """Analyze a sample for `weftex.tasks.auto.rule.choose`, in about 0.2 s, or a second where it is of some megapixels.
+    """Analyze a sample for the rule, in about 0.2 s, or a second where it is of some megapixels.
 
     A sample of more than 320 pixels a side is averaged down; where that shows no lattice, a part
     of it is looked at as it is, because fine lattices are lost in averages.
@@ -57,7 +57,9 @@ def look(exemplar: Exemplar) -> Findings:
     """
     small, step = smaller_copy(exemplar, LOOK)
     if min(small.shape) < SMALLEST_ANALYZED:
-        return Findings(exemplar.shape, None, True, 1.0, count_colors(small), Evenness(0, 0, 0, (1, 1)))
+        return Findings(
+            exemplar.shape, None, True, 1.0, count_colors(small), Evenness(0, 0, 0, (1, 1))
+        )
     lattice, exact = find_lattice(small), step == 1
     scale = dominant_scale(small, lattice).scale
     if lattice is not None and step > 1:

@@ -54,7 +54,10 @@ def choose(findings: Findings, canvas: Canvas) -> Choice:
     if shorter < SMALLEST_ANALYZED:
         slug, said = "graphcut", f"too small to be analyzed, {_size(findings.shape)}"
     elif lattice is not None and is_sure(lattice, findings.shape):
-        slug, said = "near-regular", f"{'near-regular' if lattice.area else 'rows'}, {words(lattice)}"
+        slug, said = (
+            "near-regular",
+            f"{'near-regular' if lattice.area else 'rows'}, {words(lattice)}",
+        )
         vectors = spanned(lattice)
         refused = _strained(vectors, canvas)
         if refused:
@@ -142,6 +145,7 @@ def _warnings(findings: Findings) -> list[str]:
 
 
 def words(lattice: Lattice) -> str:
+    """A lattice or rows, and how sure they are."""
     kind = "lattice" if len(lattice.vectors) == 2 else "distance"
     return f"{kind} {courses(lattice)}, confidence {lattice.confidence:g}"
 

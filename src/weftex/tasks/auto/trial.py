@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 from weftex.choice import Choice
 from weftex.errors import InvalidInputError
 from weftex.quality.eye import Eye
-from weftex.tasks.auto.rule import WHOLE, is_sure, spanned, words
+from weftex.tasks.auto.rule import WHOLE, is_sure, spanned
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -57,14 +57,12 @@ def others(first: Choice, findings: Findings, canvas: Canvas, effort: str) -> li
     found, lattice = [], findings.lattice
     if lattice is not None and not is_sure(lattice, findings.shape) and lattice.confidence >= _WEAK:
         vectors = {"lattice": spanned(lattice)} if findings.exact else {}
-        found.append(Choice("near-regular", vectors, f"perhaps {words(lattice)}: near-regular"))
+        found.append(Choice("near-regular", vectors))
     if first.method == "graphcut" and first.parameters:
-        found.append(Choice("quilting", dict(_STRONG_EDGES), "strong edges: quilting"))
+        found.append(Choice("quilting", dict(_STRONG_EDGES)))
     if effort == "best":
-        found.append(Choice("refinement", {}, "neighborhoods: refinement"))
-        whole = first.parameters != WHOLE
-        said = "whole things: graphcut" if whole else "patches: graphcut"
-        found.append(Choice("graphcut", dict(WHOLE) if whole else {}, said))
+        found.append(Choice("refinement"))
+        found.append(Choice("graphcut", {} if first.parameters == WHOLE else dict(WHOLE)))
     return found
 
 
@@ -104,12 +102,6 @@ def best_of_choices(
             kept, best, score = made, choice, other
     if not tried:
         return best, kept
-    said = f"score {first:.2f}; tried {', '.join(tried)}"
-    return Choice(best.method, best.parameters, f"{_turned(choices[0], best)} ({said})",
-                  choices[0].warnings), kept
-
-
-def _turned(first: Choice, best: Choice) -> str:
-    if best is first:
-        return first.reason
-    return f"{first.reason}, but by its picture {best.reason}"
+    head = choices[0].reason.removesuffix(f": {choices[0].method}")
+    said = f"{head}, score {first:.2f} (tried {', '.join(tried)}): {best.method}"
+    return Choice(best.method, best.parameters, said, choices[0].warnings), kept
