@@ -36,8 +36,8 @@ RULE = [
     (with_(scale=40.0), Canvas(1024, 1025), "quilting", "1.05 megapixels would take graphcut too"),
     (with_(scale=40.0), Canvas(8192, 8192), "quilting", "67.1 megapixels would take"),
     (with_(colors=2), Canvas(512, 512), "quilting", r"few colors \(2\)"),
-    (with_(lattice=ROWS), Canvas(512, 512), "near-regular", "rows, distance 46.0 px"),
-    (with_(lattice=ROWS), Canvas(466, 99, (True, True)), "near-regular", "rows, distance 46.0 px"),
+    (with_(lattice=ROWS), Canvas(512, 512), "near-regular", "rows, distance 46 px"),
+    (with_(lattice=ROWS), Canvas(466, 99, (True, True)), "near-regular", "rows, distance 46 px"),
     (with_(lattice=Lattice(((0.0, 46.0),), 0.5)), Canvas(512, 512), "patch-sampling", "fine"),
     (with_(lattice=TILES), Canvas(9999, 9999), "near-regular", "lattice 31.1 x 102.2 px.* 0.87"),
     (
@@ -74,7 +74,7 @@ def test_a_lattice_that_does_not_go_around_names_the_size_that_does():
 
 def test_rows_are_laid_by_their_vector():
     """What is chosen is what near-regular finds by itself."""
-    assert choose(with_(lattice=ROWS), Canvas(99, 99)).parameters == {"lattice": (0, 46, -1, 0)}
+    assert choose(with_(lattice=ROWS), Canvas(99, 99)).parameters == {"lattice": (0, 46, 1, 0)}
     assert choose(with_(lattice=ROWS, exact=False), Canvas(99, 99)).parameters == {}
 
 

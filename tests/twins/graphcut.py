@@ -181,9 +181,10 @@ class GraphCutTwin(Placing):
         best = None
         kind = self.patches if self.method.placement == "subpatch" else self.samples
         block = max(1, self.reduction() // 2)
-        for box, patch, columns in kind(pixel, mend):
+        for box, patch, columns, price in kind(pixel, mend):
             self.columns = columns
             side, cost = self.cut(box, patch, block)
+            cost *= price
             if best is None or cost < best[0]:
                 best = cost, box, patch, columns, side
         _, box, patch, self.columns, side = best
@@ -246,10 +247,7 @@ class GraphCutTwin(Placing):
             if self.label[cell] is None:
                 self.lay(cell, mend=False)
         tried = np.zeros([-(-n // 8) for n in self.canvas.shape], int)
-        refinements = self.method.refinements
-        if refinements is None:
-            refinements = float(self.method.placement == "random")
-        for _ in range(round(refinements * self.laid)):
+        for _ in range(round(self.method.refinements * self.laid)):
             worst = self.worst(tried)
             if worst is None:
                 break

@@ -85,11 +85,13 @@ class Placing:
 
     def drawn(self, costs, size, copy):
         """Candidates in the order drawn; near one that was drawn there is no other."""
+        costs = {place: cost for place, cost in costs.items() if cost < math.inf}
         pixels, mask = copy
         count, spread = int(mask.sum()), 0
         for channel in pixels[mask].T:
             spread += count * int((channel**2).sum()) - int(channel.sum()) ** 2
-        spread = self.method.tolerance * (spread / count**2)
+        tolerance = self.method.tolerance
+        spread = (0.003 if tolerance is None else tolerance) * (spread / count**2)
         chances, found = self.chances(costs, spread), []
         for k in range(self.method.candidates):
             total = sum(chances.values())
@@ -123,18 +125,23 @@ class Placing:
             place = min(costs, key=costs.get)
         return place
 
-    def smallest(self, boxes, allowed):
+    def smallest(self, boxes, samples, allowed):
         """The smallest copy that has places, and of the box whatever there is."""
         k = len(boxes) - 1
-        while k > 0 and (
-            not any(y % 2**k == x % 2**k == 0 for y, x in allowed)
-            or (boxes[0][1].any() and not boxes[k][1].any())
+        while not self.on_copy(allowed, samples, k) or (
+            boxes[0][1].any() and not boxes[k][1].any()
         ):
             k -= 1
         return k
 
+    def on_copy(self, places, samples, k):
+        """Those of some places that the k-th copy has, on it."""
+        height, width = samples[k][1].shape
+        found = [(y >> k, x >> k) for y, x in sorted(places) if y % 2**k == x % 2**k == 0]
+        return [(y, x) for y, x in found if y < height and x < width]
+
     def patches(self, pixel, mend):
-        """Candidates of sub-patch matching: (box, patch, columns) of pixels."""
+        """Candidates of sub-patch matching: (box, patch, columns, price) of pixels."""
         boundary = self.method.boundary_width
         size, corner = self.size(*self.patch_shape()), []
         for at, n, length, wraps in zip(
@@ -154,20 +161,21 @@ class Placing:
         boxes = copies(levels, there, reduction)
         samples = copies(whole, np.ones(whole.shape[:2]), reduction)
         allowed = set(self.places())
-        k = self.smallest(boxes, allowed)
-        costs = {(y >> k, x >> k): 0.0 for y, x in sorted(allowed) if y % 2**k == x % 2**k == 0}
+        k = self.smallest(boxes, samples, allowed)
+        costs = dict.fromkeys(self.on_copy(allowed, samples, k), 0.0)
+        shown = dict.fromkeys(costs, 0.0)
         if boxes[k][1].any():
             costs = {at: mismatch(boxes[k], samples[k], *at) for at in costs}
             if self.method.variety > 0:
-                near = size
-                costs = self.varied(costs, k, corner, size, near)
+                costs, shown = self.varied(costs, k, corner, size, size)
                 costs = self.not_continuing(costs, k, box, size) or costs
         sample = copies(self.pixels, self.usable, reduction)[: k + 1]
         copy = next(c for c in reversed(sample) if c[1].any())
         result = []
         for place in self.drawn(costs, [n >> k for n in size], copy):
             at = self.nudged(place, boxes[: k + 1], samples, allowed, (0, 0))
-            result.append((box, self.rectangle(at, size, self.exemplar.shape), size[1]))
+            patch = self.rectangle(at, size, self.exemplar.shape)
+            result.append((box, patch, size[1], 1 + self.method.variety * shown[place]))
         return result
 
     def not_continuing(self, costs, k, box, size):
@@ -192,7 +200,7 @@ class Placing:
         }
 
     def varied(self, costs, k, corner, size, near):
-        """Costs plus what a patch would show again, nearby and in its rows and columns."""
+        """Costs plus what a patch would show again, nearby and in its rows and columns; and that."""
         step = max(4, 2 * self.reduction())
         seen = dict.fromkeys(costs, 0)
         for cell in self.cells:
@@ -213,7 +221,8 @@ class Placing:
             good = min(costs.values())
         once = size[0] * size[1] / step**2
         variety = self.method.variety
-        return {at: cost + seen[at] / once * (variety * good) for at, cost in costs.items()}
+        shown = {at: count / once for at, count in seen.items()}
+        return {at: cost + shown[at] * (variety * good) for at, cost in costs.items()}, shown
 
     def again(self, place, label, away, size, near):
         """How often a patch from a place of the sample shows this label again, at what distance."""
@@ -229,10 +238,11 @@ class Placing:
         return count
 
     def samples(self, pixel, mend):
-        """Candidates of random placement and entire patches: (box, patch, columns) of pixels."""
+        """Candidates of random placement and entire patches: (box, patch, columns, price) of pixels."""
         height, width = self.exemplar.shape
         size, wrap = self.size(height, width), self.canvas.wrap
-        last = 3 if mend else 2
+        varied = self.method.placement == "entire" and self.method.variety > 0
+        last = 3 if mend or varied else 2
         rows = range(height // 4, height * last // 4 + 1)
         columns = range(width // 4, width * last // 4 + 1)
         usable = self.places()
@@ -248,8 +258,9 @@ class Placing:
                 there[y, x], levels[y, x] = True, self.level(cell)
         boxes = copies(levels, there, reduction)
         samples = copies(self.pixels, self.usable, reduction)
-        k = self.smallest(boxes, allowed)
-        costs = {(y >> k, x >> k): 0.0 for y, x in sorted(allowed) if y % 2**k == x % 2**k == 0}
+        k = self.smallest(boxes, samples, allowed)
+        costs = dict.fromkeys(self.on_copy(allowed, samples, k), 0.0)
+        shown = dict.fromkeys(costs, 0.0)
         if self.method.placement == "entire":
             corner = [n >> k for n in reach]
             found = {
@@ -260,7 +271,7 @@ class Placing:
                 costs = found
             if self.method.variety > 0:
                 near = height // 2, width // 2
-                costs = self.varied(costs, k, pixel, (height, width), near)
+                costs, shown = self.varied(costs, k, pixel, (height, width), near)
         copy = next(c for c in reversed(samples[: k + 1]) if c[1].any())
         result = []
         for place in self.drawn(costs, [n >> k for n in size], copy):
@@ -279,7 +290,8 @@ class Placing:
                 lengths.append(end - first)
                 source.append(first - p + s)
             box = self.rectangle(corner, lengths, self.canvas.shape)
-            result.append((box, self.rectangle(source, lengths, self.exemplar.shape), lengths[1]))
+            patch = self.rectangle(source, lengths, self.exemplar.shape)
+            result.append((box, patch, lengths[1], 1 + self.method.variety * shown[place]))
         return result
 
     def patch_shape(self):

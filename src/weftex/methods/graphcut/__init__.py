@@ -70,18 +70,20 @@ class GraphCut(Method):
         default_text="a third of the patch",
         needs=("placement", ("subpatch",)),
     )
-    tolerance: float = parameter(
-        0.003,
+    tolerance: float | None = parameter(
+        None,
         "k: matches may be so much worse than the best, as shares of the sample's variance",
         low=0.0,
         high=1000.0,
+        default_text="0.003, for entire patches 0: the best ones",
         needs=("placement", ("subpatch", "entire")),
     )
-    candidates: int = parameter(
-        4,
+    candidates: int | None = parameter(
+        None,
         "places of a patch that are drawn and cut; the one with the cheapest seam is kept",
         low=1,
         high=1000,
+        default_text="4, of entire patches 12",
     )
     seam_cost: str = parameter(
         "gradient",
@@ -126,16 +128,18 @@ class GraphCut(Method):
         """See `Method.for_hole`; the other placements lay the entire sample."""
         if self.patch_size is not None or self.placement != "subpatch":
             return self
-        return replace(self, patch_size=patch_size_for(hole, usable, 2))
+        return replace(self, patch_size=patch_size_for(hole, usable, 1))
 
     def fit_exemplar(self, exemplar: Exemplar) -> PixelModel:
         """Prepare a sample."""
         settings = settle(exemplar, **asdict(self))
-        method = self
+        method = replace(self, candidates=settings.candidates, refinements=settings.refinements)
+        if self.placement != "random":
+            method = replace(method, tolerance=settings.tolerance)
         if self.placement == "subpatch":  # the others lay the entire sample
             sizes = settings.sizes()
             method = replace(
-                self, patch_size=sizes.get("patch_size"), boundary_width=sizes["boundary_width"]
+                method, patch_size=sizes.get("patch_size"), boundary_width=sizes["boundary_width"]
             )
         return PixelModel(method, exemplar, settings, synthesize)
 
@@ -161,7 +165,7 @@ def synthesize(settings: Settings, growth: Growth) -> None:
             # The minimum cut between old and new pixels; old seams are in the graph (section 3). It
             # is one of blocks, and only the best one is cut in pixels.
             cuts = map_(picture.cut, places, range(len(places)))
-            best: Cut = min(cuts, key=lambda cut: cut.cost)
+            best: Cut = min(cuts, key=lambda cut: cut.cost * cut.place.price)
             return best
 
         # Patches that each cover the first missing pixel, until none is missing (section 4).

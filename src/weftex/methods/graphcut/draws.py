@@ -28,7 +28,7 @@ def drawn_places(
     Parameters
     ----------
     costs : float64 array (H, W)
-        C(t).
+        C(t); infinite where a place is none.
     allowed : bool array (H, W)
         The places to draw from.
     spread : float
@@ -44,7 +44,7 @@ def drawn_places(
         Fewer where there are not so many.
     """
     seed, number, count = draws
-    allowed = allowed.copy()
+    allowed = allowed & (costs < np.inf)
     chances = np.where(allowed, chances_of(costs, allowed, spread), 0)
     found: list[tuple[int, int]] = []
     for bits in draw(seed, "patch", number, np.arange(count)):

@@ -36,6 +36,7 @@ class Place(NamedTuple):
     width: int
     source_top: int
     source_left: int
+    price: float = 1.0  # by which the cost of its seam is multiplied, as it shows places again
 
 
 class Placement(Protocol):
@@ -128,7 +129,7 @@ class SubPatchMatching:
         boxes = copies_of(box_of(self.on_canvas, y, x), self.reduction)
         k = _smallest(boxes, part.corners)
         allowed = part.corners[k] != 0
-        costs = np.zeros(allowed.shape)
+        costs, shown = np.zeros((2, *allowed.shape))
         if boxes[k].mask.any():
             spectra = part.copies[k].spectra
             total = window_mismatch(spectra, boxes[k].spectra_of(spectra.size))  # section 5
@@ -144,7 +145,11 @@ class SubPatchMatching:
         draws = self.growth.seed, number, self.settings.candidates
         drawn = drawn_places(costs, allowed, spread, draws, [n >> k for n in self.size])
         found = places_in_full(drawn, boxes[: k + 1], part.copies, part.corners, (0, 0))
-        return [Place(top, left, *self.size, part.top + v, part.left + u) for v, u in found]
+        prices = [1 + self.settings.variety * float(shown[at]) for at in drawn]
+        return [
+            Place(top, left, *self.size, part.top + v, part.left + u, price)
+            for (v, u), price in zip(found, prices, strict=True)
+        ]
 
     def _corner(self, pixel: tuple[int, int], centered: bool) -> list[int]:
         """The upper left corner on the canvas of a patch that covers a pixel."""
@@ -199,7 +204,8 @@ class EntirePatchMatching:
 
     def candidates(self, pixel: tuple[int, int], number: int, centered: bool) -> list[Place]:
         """See `Placement.candidates`."""
-        low, high = (1, 3) if centered else (1, 2)  # quarters of the sample that cover the pixel
+        # Quarters of the sample that cover the pixel; to avoid repeats it needs more to choose from.
+        low, high = (1, 3) if centered or self.repeats is not None else (1, 2)
         middle = np.zeros_like(self.usable)
         rows, columns = (
             slice(n * low // 4, n * high // 4 + 1) for n in self.usable.shape
@@ -209,7 +215,7 @@ class EntirePatchMatching:
         boxes = self._around(pixel)
         k = _smallest(boxes, places)
         allowed = places[k] != 0
-        costs = np.zeros(allowed.shape)
+        costs, shown = np.zeros((2, *allowed.shape))
         if not self.random:
             costs = self._mismatch(boxes[k], allowed, k)
             if self.repeats is not None:
@@ -219,7 +225,8 @@ class EntirePatchMatching:
         draws = self.growth.seed, number, self.settings.candidates
         drawn = drawn_places(costs, allowed, spread, draws, [n >> k for n in self.size])
         found = places_in_full(drawn, boxes[: k + 1], self.copies, places, self.reach)
-        return [self._clipped(pixel, at) for at in found]
+        prices = [1 + self.settings.variety * float(shown[at]) for at in drawn]
+        return [self._clipped(pixel, *each) for each in zip(found, prices, strict=True)]
 
     def _around(self, pixel: tuple[int, int]) -> list[Copy]:
         """All of the canvas that the sample may cover with this pixel."""
@@ -249,7 +256,7 @@ class EntirePatchMatching:
             costs[area == 0] = np.inf
         return costs
 
-    def _clipped(self, pixel: tuple[int, int], at: tuple[int, int]) -> Place:
+    def _clipped(self, pixel: tuple[int, int], at: tuple[int, int], price: float) -> Place:
         """The part of the sample that is on the canvas if its pixel `at` lies on this one."""
         tops, lengths, sources = [], [], []
         for p, s, side, size, n, wraps in zip(
@@ -265,7 +272,7 @@ class EntirePatchMatching:
             tops.append(first)
             lengths.append(last - first)
             sources.append(first - (p - s))
-        return Place(*tops, *lengths, *sources)
+        return Place(*tops, *lengths, *sources, price)
 
 
 def sample_copies(settings: Settings, reduction: int) -> list[Copy]:

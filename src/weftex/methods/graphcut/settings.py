@@ -98,8 +98,8 @@ def settle(
     placement: str,
     patch_size: int | None,
     boundary_width: int | None,
-    tolerance: float,
-    candidates: int,
+    tolerance: float | None,
+    candidates: int | None,
     seam_cost: str,
     refinements: float | None,
     variety: float,
@@ -114,6 +114,12 @@ def settle(
         than half of a patch.
     """
     windows = windows_of(exemplar, (0, 0, 0, 0))
+    if tolerance is None:
+        tolerance = 0.0 if placement == "entire" else 0.003
+    if candidates is None:
+        candidates = 12 if placement == "entire" else 4
+    if refinements is None:
+        refinements = 1.0 if placement == "random" else 0.0
     shape, boundary = exemplar.shape, 0
     if placement == "subpatch":
         shape = _patch_shape(exemplar, patch_size)
@@ -129,7 +135,7 @@ def settle(
         tolerance=tolerance,
         candidates=candidates,
         by_gradients=seam_cost == "gradient",
-        refinements=float(placement == "random") if refinements is None else refinements,
+        refinements=refinements,
         variety=variety,
         halvings=_HALVINGS if halvings is None else halvings,
         least=_LEAST if halvings is None else 1,

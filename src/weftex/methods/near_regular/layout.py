@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from weftex.analysis.canvas_lattice import CanvasLattice
+from weftex.analysis.canvas_lattice import VISIBLE_STRAIN, CanvasLattice
 from weftex.methods.near_regular import block_kernels as kernels
 from weftex.methods.near_regular.rows import ANY, Courses, rows_shown
 from weftex.random import draw
@@ -23,9 +23,6 @@ if TYPE_CHECKING:
 #: Blocks around those that show that their sources hang on: 1 beside a gap, and 2 for each color
 #: but the last, which is drawn with regard to the ones before.
 _RING = 7
-#: By which a lattice may be stretched to go around. Joints of bricks, tiles and a fence met at
-#: up to 0.07, whatever the tolerance; at 0.1 some were broken.
-STRAIN = 0.07
 _UNIT = 1 << 16  # of a pixel, that distances of blocks are in
 
 
@@ -217,7 +214,9 @@ def divide(
         right, and than the tolerance makes up for.
     """
     size, margin = settings.block_size, settings.margin
-    lattice = CanvasLattice(settings.lattice, canvas, max(STRAIN, settings.tolerance / size))
+    lattice = CanvasLattice(
+        settings.lattice, canvas, max(VISIBLE_STRAIN, settings.tolerance / size)
+    )
     # What a canvas knows, it knows where it is.
     courses = sample.courses if canvas.known is None else (None, None)
     rows, columns = (

@@ -12,7 +12,10 @@ from weftex.analysis.canvas_lattice import (
     CanvasLattice,
     check_lattice,
     found_vectors,
+    four_numbers,
+    given_lattice,
 )
+from weftex.analysis.lattice import Lattice
 from weftex.canvas import Canvas
 from weftex.errors import InvalidInputError
 from weftex.search.windows import windows_of
@@ -26,7 +29,6 @@ _PLACES = 6.0  # similar places that a block should have to choose from
 _ROWS = 3  # rows to choose from, where nothing else repeats
 _TOLERANCE = 3  # px (section 4.2.2)
 _ALL_SIMILAR = 512  # candidates: all that a gap compares
-_ALONG = 1.5  # px; a vector so short leads along rows: no thing is as small
 _FREE = 4.0  # pixels of a tile so small that any place is similar to any other
 _STRAIN = 0.02  # of a sample that tiles; past it the border is not gone over
 _BLOCKY = 0.15  # blockiness from which blocks show
@@ -184,20 +186,17 @@ def blend_of(method: Any) -> str:
 def _found(exemplar: Exemplar) -> tuple[float, ...]:
     """The sample's own vectors, or the unconstrained mode's."""
     vectors = found_vectors(exemplar)
-    if len(vectors) == 2:  # rows; along them any place is as good
-        x, y = vectors
-        length = float(np.hypot(x, y))
-        return (x, y, -y / length, x / length)
+    if len(vectors) == 2:
+        return four_numbers(Lattice((vectors,)))
     return vectors or ANYWHERE
 
 
 def _rows_of(vectors: tuple[float, ...]) -> tuple[tuple[float, ...], bool]:
     """The vectors, that across rows first; and whether the other one leads along rows."""
-    first, second = vectors[:2], vectors[2:]
-    lengths = float(np.hypot(*first)), float(np.hypot(*second))
-    if min(lengths) > _ALONG or _area(vectors) < _FREE:
+    lattice = given_lattice(vectors)
+    if len(lattice.vectors) == 2 or _area(vectors) < _FREE:
         return vectors, False
-    return (vectors, True) if lengths[1] <= _ALONG else ((*second, *first), True)
+    return four_numbers(lattice), True
 
 
 def _around(vectors: tuple[float, ...], exemplar: Exemplar) -> tuple[tuple[float, ...], bool]:

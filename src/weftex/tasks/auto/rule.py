@@ -5,21 +5,20 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING, Any
 
-from weftex.analysis.canvas_lattice import CanvasLattice
+from weftex.analysis.canvas_lattice import VISIBLE_STRAIN, CanvasLattice, four_numbers
+from weftex.analysis.canvas_lattice import is_sure as lattice_is_sure
 from weftex.analysis.courses import courses
 from weftex.analysis.lattice import Lattice, find_lattice
 from weftex.analysis.relief import smaller_copy
 from weftex.choice import Choice
 from weftex.errors import InvalidInputError
-from weftex.methods.near_regular.layout import STRAIN
 from weftex.tasks.auto.findings import LOOK, SMALLEST_ANALYZED, Findings
 
 if TYPE_CHECKING:
     from weftex.canvas import Canvas
     from weftex.exemplar import Exemplar
 
-_SURE = 0.6  # confidence from which blocks are laid by a lattice or rows
-_TILES = 4  # that a sample must show, so that a block has more than one place to come from
+_ROWS = 0.6  # confidence from which blocks are laid by rows
 _FINE = 1 / 24  # scale over the sample's side: nothing that an eye follows from patch to patch
 _FEW_COLORS = 32  # drawings, labels: no mixtures of colors
 #: Pixels of the output from which `graphcut` takes too long.
@@ -58,7 +57,7 @@ def choose(findings: Findings, canvas: Canvas) -> Choice:
             "near-regular",
             f"{'near-regular' if lattice.area else 'rows'}, {words(lattice)}",
         )
-        vectors = spanned(lattice)
+        vectors = four_numbers(lattice)
         refused = _strained(vectors, canvas)
         if refused:
             slug, said = "quilting", f"{said}, which do not go around {_size(canvas.shape)}"
@@ -106,19 +105,9 @@ def choose_for_hole(exemplar: Exemplar, canvas: Canvas) -> Choice:
 
 def is_sure(lattice: Lattice, shape: tuple[int, int]) -> bool:
     """Whether blocks may be laid by a lattice, or by rows."""
-    if lattice.confidence < _SURE:
-        return False
-    return math.prod(shape) >= _TILES * lattice.area
-
-
-def spanned(lattice: Lattice) -> tuple[float, ...]:
-    """The vectors as `near-regular` takes them: across rows, and a pixel along them."""
-    vectors = tuple(part for vector in lattice.vectors for part in vector)
-    if len(vectors) == 4:
-        return vectors
-    length = math.hypot(*vectors)
-    along = (-vectors[1] / length + 0.0, vectors[0] / length + 0.0)
-    return (*vectors, *(round(part, 6) for part in along))
+    if len(lattice.vectors) == 1:
+        return lattice.confidence >= _ROWS
+    return lattice_is_sure(lattice, math.prod(shape))
 
 
 def _warnings(findings: Findings) -> list[str]:
@@ -157,7 +146,7 @@ def _size(shape: tuple[int, int]) -> str:
 def _strained(vectors: tuple[float, ...], canvas: Canvas) -> str:
     """Why a lattice does not go around a canvas, and which size would do; "" where it does."""
     try:
-        CanvasLattice(vectors, canvas, STRAIN)
+        CanvasLattice(vectors, canvas, VISIBLE_STRAIN)
     except InvalidInputError as error:
         return str(error)
     return ""

@@ -4,10 +4,11 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+from weftex.analysis.canvas_lattice import four_numbers
 from weftex.choice import Choice
 from weftex.errors import InvalidInputError
 from weftex.quality.eye import Eye
-from weftex.tasks.auto.rule import WHOLE, is_sure, spanned
+from weftex.tasks.auto.rule import WHOLE, is_sure
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -56,7 +57,7 @@ def others(first: Choice, findings: Findings, canvas: Canvas, effort: str) -> li
         return []
     found, lattice = [], findings.lattice
     if lattice is not None and not is_sure(lattice, findings.shape) and lattice.confidence >= _WEAK:
-        vectors = {"lattice": spanned(lattice)} if findings.exact else {}
+        vectors = {"lattice": four_numbers(lattice)} if findings.exact else {}
         found.append(Choice("near-regular", vectors))
     if first.method == "graphcut" and first.parameters:
         found.append(Choice("quilting", dict(_STRONG_EDGES)))
