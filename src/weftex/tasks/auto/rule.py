@@ -42,10 +42,12 @@ def choose(findings: Findings, canvas: Canvas) -> Choice:
 
     Examples
     --------
+    >>> from weftex.analysis.evenness import Evenness
+    >>> from weftex.canvas import Canvas
     >>> flat = Evenness(0.0, 0.0, 0.0, (1.0, 1.0))
-    >>> grass = Findings((256, 256), None, True, 11.5, 5000, flat)
+    >>> grass = Findings((256, 256), None, True, 9.5, 5000, flat)
     >>> str(choose(grass, Canvas(512, 512)))
-    'fine structure, 11.5 px of 256: patch-sampling'
+    'fine structure, 9.5 px of 256: patch-sampling'
     """
     shorter, lattice = min(findings.shape), findings.lattice
     warnings = _warnings(findings)
