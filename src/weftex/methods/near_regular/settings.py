@@ -128,7 +128,7 @@ def settle(method: Any, exemplar: Exemplar) -> Settings:
     tolerance, rectify = method.tolerance, method.rectify
     if tolerance is None:
         # Where the tile is hardly larger, a few pixels are another place in it.
-        side = float(np.hypot(*vectors[:2])) if by_rows else _area(vectors) ** 0.5
+        side = float(np.hypot(vectors[0], vectors[1])) if by_rows else _area(vectors) ** 0.5
         tolerance = _TOLERANCE
         if not paper and vectors != ANYWHERE:
             tolerance = min(_TOLERANCE, int(side / 4))
