@@ -39,7 +39,7 @@ class Auto(Method):
     >>> import weftex
     >>> made = weftex.Auto().fit(weftex.load_exemplar("sample:tiles")).sample(300, seed=7)
     >>> made.provenance["method"], made.provenance["reason"]
-    ('near-regular', 'near-regular, lattice 31.1 x 102.2 px, confidence 0.94: near-regular')
+    ('near-regular', 'near-regular, lattice 31.1 x 102.2 px, confidence 0.95: near-regular')
     """
 
     slug: ClassVar[str] = "auto"
