@@ -180,15 +180,15 @@ class GraphCutTwin(Placing):
     def lay(self, pixel, mend):
         best = None
         kind = self.patches if self.method.placement == "subpatch" else self.samples
-        block = max(1, self.reduction() // 2)
+        block = self.reduction()
         for box, patch, columns, price in kind(pixel, mend):
             self.columns = columns
-            side, cost = self.cut(box, patch, block)
-            cost *= price
+            cost = price * self.cut(box, patch, block)[1]
             if best is None or cost < best[0]:
-                best = cost, box, patch, columns, side
-        _, box, patch, self.columns, side = best
-        may = self.choices(box, patch)
+                best = cost, box, patch, columns
+        _, box, patch, self.columns = best
+        may, block = self.choices(box, patch), max(1, block // 2)
+        side, _ = self.cut(box, patch, block)
         while block > 1:
             may = self.narrowed(box, may, side, block)
             block = max(1, block // 4)

@@ -175,7 +175,7 @@ class Placing:
         for place in self.drawn(costs, [n >> k for n in size], copy):
             at = self.nudged(place, boxes[: k + 1], samples, allowed, (0, 0))
             patch = self.rectangle(at, size, self.exemplar.shape)
-            result.append((box, patch, size[1], 1 + self.method.variety * shown[place]))
+            result.append((box, patch, size[1], 1 + self.method.variety * 0.25 * shown[place]))
         return result
 
     def not_continuing(self, costs, k, box, size):
@@ -200,9 +200,9 @@ class Placing:
         }
 
     def varied(self, costs, k, corner, size, near):
-        """Costs plus what a patch would show again, nearby and in its rows and columns; and that."""
+        """Costs plus what a patch would show again, nearby or in its rows or columns; and that."""
         step = max(4, 2 * self.reduction())
-        seen = dict.fromkeys(costs, 0)
+        seen, lined = dict.fromkeys(costs, 0), dict.fromkeys(costs, 0)
         for cell in self.cells:
             label = self.label[cell]
             if label is None or label == "known" or cell[0] % step or cell[1] % step:
@@ -214,19 +214,22 @@ class Placing:
                 before = length // 2 - n // 2
                 away.append((at - first + before) % length - before if wraps else at - first)
             for place in seen:
-                seen[place] += self.again([c << k for c in place], label, away, size, near)
+                nearby, in_line = self.again([c << k for c in place], label, away, size, near)
+                seen[place] += nearby
+                lined[place] += in_line
         median = sorted(seen.values())[len(seen) // 2]
         good = min(costs[place] for place in costs if seen[place] <= median)
-        if good == math.inf:
-            good = min(costs.values())
+        best = min(costs.values())
+        good = best if good == math.inf else good
         once = size[0] * size[1] / step**2
         variety = self.method.variety
-        shown = {at: count / once for at, count in seen.items()}
-        return {at: cost + shown[at] * (variety * good) for at, cost in costs.items()}, shown
+        shown = {at: min(count / once, 1.0) for at, count in lined.items()}
+        again = {at: seen[at] / once * good + shown[at] * (0.25 * best) for at in costs}
+        return {at: cost + variety * again[at] for at, cost in costs.items()}, shown
 
     def again(self, place, label, away, size, near):
         """How often a patch from a place of the sample shows this label again, at what distance."""
-        shape, count = self.exemplar.shape, 0
+        shape, nearby, lined = self.exemplar.shape, 0, 0
         around = (-1, 0, 1) if self.exemplar.tileable else (0,)
         for v in around:
             for u in around:
@@ -234,11 +237,12 @@ class Placing:
                 if all(p <= a < p + n for p, a, n in zip(place, at, size, strict=True)):
                     far = [abs(a - b - p) for a, b, p in zip(at, away, place, strict=True)]
                     in_line = [f <= n // 16 for f, n in zip(far, size, strict=True)]
-                    count += all(f <= n for f, n in zip(far, near, strict=True)) + sum(in_line)
-        return count
+                    nearby += all(f <= n for f, n in zip(far, near, strict=True))
+                    lined += sum(in_line)
+        return nearby, lined
 
     def samples(self, pixel, mend):
-        """Candidates of random placement and entire patches: (box, patch, columns, price) of pixels."""
+        """Candidates of random placement and entire patches, as of `patches`."""
         height, width = self.exemplar.shape
         size, wrap = self.size(height, width), self.canvas.wrap
         varied = self.method.placement == "entire" and self.method.variety > 0
@@ -291,7 +295,7 @@ class Placing:
                 source.append(first - p + s)
             box = self.rectangle(corner, lengths, self.canvas.shape)
             patch = self.rectangle(source, lengths, self.exemplar.shape)
-            result.append((box, patch, lengths[1], 1 + self.method.variety * shown[place]))
+            result.append((box, patch, lengths[1], 1 + self.method.variety * 0.25 * shown[place]))
         return result
 
     def patch_shape(self):

@@ -6,7 +6,7 @@ from dataclasses import asdict, dataclass, replace
 from typing import TYPE_CHECKING, ClassVar, Self
 
 from weftex.method import Method, parameter
-from weftex.methods.graphcut.cutting import Cut, Picture
+from weftex.methods.graphcut.cutting import Picture
 from weftex.methods.graphcut.placement import placement_of
 from weftex.methods.graphcut.seams import CanvasSeams
 from weftex.methods.graphcut.settings import Settings, check_boundary, settle
@@ -19,6 +19,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from weftex.exemplar import Exemplar
+    from weftex.methods.graphcut.placement import Place
     from weftex.methods.pixels.growth import Growth
 
 _IDLE = 4  # refinements that mend nothing, for each patch that covered the canvas, end it
@@ -151,28 +152,28 @@ def synthesize(settings: Settings, growth: Growth) -> None:
     """
     settings = settings.on(growth.canvas)
     placement = placement_of(settings, growth)  # random, entire patch or sub-patch (section 4)
-    picture = Picture(settings, growth, placement.size, max(1, placement.reduction // 2))
+    picture = Picture(settings, growth, placement.size, placement.reduction)
     growth.about["patch_shape"] = list(placement.size)
     if settings.placement == "subpatch":
         growth.about |= settings.sizes()
 
     with thread_map(min(growth.threads, settings.candidates)) as map_:
 
-        def lay(pixel: tuple[int, int], number: int, *, centered: bool) -> Cut:
+        def place(pixel: tuple[int, int], number: int, *, centered: bool) -> Place:
             # Places that match, drawn by P(t) = exp(-C(t) / (k sigma**2)) (section 4); C(t) by FFT
             # (section 5): `search.translation`.
             places = placement.candidates(pixel, number, centered)
-            # The minimum cut between old and new pixels; old seams are in the graph (section 3). It
-            # is one of blocks, and only the best one is cut in pixels.
-            cuts = map_(picture.cut, places, range(len(places)))
-            best: Cut = min(cuts, key=lambda cut: cut.cost * cut.place.price)
-            return best
+            if len(places) == 1:
+                return places[0]
+            # The minimum cut between old and new pixels; old seams are in the graph (section 3).
+            prices = list(map_(picture.price, places, range(len(places))))
+            return places[prices.index(min(prices))]
 
         # Patches that each cover the first missing pixel, until none is missing (section 4).
         laid = 0
         progress = growth.progress(int((growth.done == 0).sum()), "pixels")
         for pixel in picture.missing():
-            progress.advance(picture.paste(lay(pixel, laid, centered=False)))
+            progress.advance(picture.paste(place(pixel, laid, centered=False)))
             laid += 1
 
         # Patches over the worst seams: an old seam goes where the cut is cheaper (section 4).
@@ -187,7 +188,7 @@ def synthesize(settings: Settings, growth: Growth) -> None:
             if worst is None or seams.idle > _IDLE * laid:
                 progress.advance(progress.total - progress.done)
                 break
-            cut = lay(worst, number, centered=True)
-            picture.paste(cut)
-            seams.price_around(cut.place)
+            best = place(worst, number, centered=True)
+            picture.paste(best)
+            seams.price_around(best)
             progress.advance(1)

@@ -1,5 +1,5 @@
 # mypy: ignore-errors
-"""Kernels of graph-cut textures: cutting patches and pasting them; compiled by Cython, see setup.py.
+"""Kernels of graph-cut textures: cutting and pasting patches; compiled by Cython, see setup.py.
 
 A patch is cut in blocks of pixels first, a node for each, then in smaller ones where the cut went.
 All labellings of blocks are labellings of pixels with the same cost, so no step is for the worse.
@@ -54,16 +54,18 @@ class Graph:
     choice: cython.uchar[:, ::1]  # of each pixel: NOTHING, OLD, NEW or EITHER
     side: cython.uchar[:, ::1]  # of each block: 1 inside the cut
     shown: cython.uchar[:, ::1]  # of each block: OLD and NEW, if it has such pixels
+    along: cython.uchar[:, ::1]  # likewise of it and of those beside it
     capacities: Capacities
     trees: Trees
 
-    def __init__(self, arcs, old, new, choice, side, shown, trees):
+    def __init__(self, arcs, old, new, choice, side, shown, along, trees):
         self.arcs = arcs
         self.old = old
         self.new = new
         self.choice = choice
         self.side = side
         self.shown = shown
+        self.along = along
         self.capacities = Capacities(arcs, old, new)
         self.trees = trees
 
@@ -241,20 +243,6 @@ def add_pair(
 @cython.cfunc
 @cython.nogil
 @cython.exceptval(check=False)
-def clear(graph: Graph, rows: cython.Py_ssize_t, columns: cython.Py_ssize_t) -> cython.void:
-    """Fill the graph of so many blocks with zeros."""
-    cython.declare(i=cython.Py_ssize_t, j=cython.Py_ssize_t, d=cython.int)
-    for i in range(rows):
-        for j in range(columns):
-            graph.old[i, j] = 0
-            graph.new[i, j] = 0
-            for d in range(4):
-                graph.arcs[i, j, d] = 0
-
-
-@cython.cfunc
-@cython.nogil
-@cython.exceptval(check=False)
 def build(
     picture: Picture, sample: Sample, patch: Patch, graph: Graph, halvings: cython.int
 ) -> cython.longlong:
@@ -272,7 +260,12 @@ def build(
     source: cython.p_int = cython.address(picture.source[0])
     mask: cython.Py_ssize_t = (1 << halvings) - 1
     fixed: cython.longlong = 0
-    clear(graph, blocks(rows, halvings), blocks(width, halvings))
+    for i in range(blocks(rows, halvings)):
+        for j in range(blocks(width, halvings)):
+            graph.old[i, j] = 0
+            graph.new[i, j] = 0
+            for d in range(4):
+                graph.arcs[i, j, d] = 0
     for i in range(rows):
         may = cython.address(graph.choice[i, 0])
         row = patch.rows[i] * picture.width
@@ -290,7 +283,11 @@ def build(
                 if may[j] == other and (i + 1 if d else j + 1) & mask:
                     # In one block, and mostly in one old patch.
                     p = row + columns[j]
-                    q = patch.rows[i + 1] * picture.width + columns[j] if d else row + columns[j + 1]
+                    q = (
+                        patch.rows[i + 1] * picture.width + columns[j]
+                        if d
+                        else row + columns[j + 1]
+                    )
                     label = continued(sample, source[p], d)
                     if label >= 0 and label == source[q]:
                         continue
@@ -339,13 +336,15 @@ def narrow(patch: Patch, graph: Graph, halvings: cython.int) -> cython.void:
             graph.shown[i >> halvings, j >> halvings] |= may
     for i in range(height):
         for j in range(width):
-            near = 0
-            for v in range(i - REACH, i + REACH + 1):
-                for u in range(j - REACH, j + REACH + 1):
-                    if v < 0 or u < 0 or v >= height or u >= width:
-                        near |= OLD
-                    else:
-                        near |= graph.shown[v, u]
+            near = OLD if j < REACH or j + REACH >= width else NOTHING
+            for u in range(max(0, j - REACH), min(j + REACH + 1, width)):
+                near |= graph.shown[i, u]
+            graph.along[i, j] = near
+    for i in range(height):
+        for j in range(width):
+            near = OLD if i < REACH or i + REACH >= height else NOTHING
+            for v in range(max(0, i - REACH), min(i + REACH + 1, height)):
+                near |= graph.along[v, j]
             if near == EITHER:
                 continue
             for v in range(i * block, min((i + 1) * block, patch.rows.shape[0])):
@@ -375,8 +374,8 @@ def paste(picture: Picture, sample: Sample, patch: Patch, graph: Graph) -> cytho
     return covered
 
 
-def cut_in_blocks(picture: Picture, sample: Sample, usable, patch: Patch, graph: Graph, halvings):
-    """Choose what may be replaced, and cut in blocks, beside other threads."""
+def cost_in_blocks(picture: Picture, sample: Sample, usable, patch: Patch, graph: Graph, halvings):
+    """The cost of all seams in the box after a cut in blocks; made beside other threads."""
     cython.declare(cost=cython.longlong, size=cython.int)
     pixels: cython.const[cython.uchar][::1] = usable
     size = halvings
@@ -386,14 +385,12 @@ def cut_in_blocks(picture: Picture, sample: Sample, usable, patch: Patch, graph:
     return cost
 
 
-def cut_finer(picture: Picture, sample: Sample, patch: Patch, graph: Graph, halvings):
-    """Around the cut in blocks cut again, in smaller and smaller ones, down to pixels."""
+def paste_patch(picture: Picture, sample: Sample, usable, patch: Patch, graph: Graph, halvings):
+    """Cut in blocks, around that in smaller and smaller ones, and copy; see `paste`."""
+    choose(picture, usable, sample, patch, graph)
+    cut(picture, sample, patch, graph, halvings)
     while halvings > 0:
         narrow(patch, graph, halvings)
         halvings = max(0, halvings - STEP)
         cut(picture, sample, patch, graph, halvings)
-
-
-def paste_patch(picture: Picture, sample: Sample, patch: Patch, graph: Graph):
-    """Call `paste`."""
     return paste(picture, sample, patch, graph)

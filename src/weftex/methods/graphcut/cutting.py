@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -18,15 +18,6 @@ if TYPE_CHECKING:
     from weftex.methods.pixels.growth import Growth
 
 
-class Cut(NamedTuple):
-    """A patch cut out in blocks."""
-
-    cost: int  # of all seams in its box, once it is pasted
-    place: Place
-    patch: cut_kernels.Patch
-    graph: cut_kernels.Graph
-
-
 class Picture:
     """The canvas so far, with old seams: all patches that were pasted show in its labels.
 
@@ -37,7 +28,7 @@ class Picture:
     size : (int, int)
         Height and width of the largest patch, in pixels.
     block : int
-        Patches are cut in blocks of so many pixels a side first.
+        The seams of candidates are priced in blocks of so many pixels a side, a power of 2.
     """
 
     def __init__(
@@ -72,21 +63,35 @@ class Picture:
                 return
             yield divmod(first, self.shape[1])
 
-    def cut(self, place: Place, number: int) -> Cut:
-        """Cut a patch out along the seam of least cost, new and old seams counted (section 3.1).
+    def price(self, place: Place, number: int) -> float:
+        """What the seams in a patch's box cost once it is pasted, times what repeats cost.
 
-        The seam is one of blocks. `number` is that of the candidate.
+        Cut out along the seam of least cost, new and old seams counted (section 3.1), in blocks.
+        `number` is that of the candidate.
         """
-        patch, graph = self._patch(place), self._graphs[number]
-        cost: int = cut_kernels.cut_in_blocks(
-            self._picture, self._sample, self.usable, patch, graph, self.halvings
+        cost: int = cut_kernels.cost_in_blocks(
+            self._picture,
+            self._sample,
+            self.usable,
+            self._patch(place),
+            self._graphs[number],
+            self.halvings,
         )
-        return Cut(cost, place, patch, graph)
+        return cost * place.price
 
-    def paste(self, cut: Cut) -> int:
-        """Cut in pixels around the seam of blocks, and copy; return how many were missing before."""
-        cut_kernels.cut_finer(self._picture, self._sample, cut.patch, cut.graph, self.halvings)
-        covered: int = cut_kernels.paste_patch(self._picture, self._sample, cut.patch, cut.graph)
+    def paste(self, place: Place) -> int:
+        """Cut a patch out in smaller and smaller blocks, and copy it.
+
+        Returns how many pixels were missing before.
+        """
+        covered: int = cut_kernels.paste_patch(
+            self._picture,
+            self._sample,
+            self.usable,
+            self._patch(place),
+            self._graphs[0],
+            max(0, self.halvings - 1),
+        )
         return covered
 
     def price_seams(
@@ -129,9 +134,10 @@ def _graph(height: int, width: int) -> cut_kernels.Graph:
     """Make room for the graph of a patch."""
     shape = height, width
     old, new = np.empty((2, *shape), np.int32)
-    choice, side, shown = np.empty((3, *shape), np.uint8)
     arcs = np.empty((*shape, 4), np.int32)
-    return cut_kernels.Graph(arcs, old, new, choice, side, shown, search_trees(*shape))
+    choice, side, shown, along = np.empty((4, *shape), np.uint8)
+    trees = search_trees(height, width)
+    return cut_kernels.Graph(arcs, old, new, choice, side, shown, along, trees)
 
 
 def _joins(usable: NDArray[np.bool_], tiles: bool) -> NDArray[np.uint8]:

@@ -24,6 +24,7 @@ _MOST_PIXELS = 2**20  # of a sample that is searched as a whole
 _PART = 2**19  # pixels of the part of a larger one that is searched
 _CONTINUING = 16  # a patch that lies 1/16 of itself off the place that continues, continues too
 _NEAR = 1  # patch; what is shown again within this distance costs
+_LINE = 0.25  # matches; what all of a patch that is shown again in line costs, or boards break
 _LOOK = 2  # pixels of the smallest copy; so many apart what is shown is looked at
 
 
@@ -129,23 +130,23 @@ class SubPatchMatching:
         boxes = copies_of(box_of(self.on_canvas, y, x), self.reduction)
         k = _smallest(boxes, part.corners)
         allowed = part.corners[k] != 0
-        costs, shown = np.zeros((2, *allowed.shape))
+        costs, shown = np.zeros(allowed.shape), np.zeros((2, *allowed.shape))
         if boxes[k].mask.any():
             spectra = part.copies[k].spectra
             total = window_mismatch(spectra, boxes[k].spectra_of(spectra.size))  # section 5
             costs = total[: allowed.shape[0], : allowed.shape[1]] / int(boxes[k].mask.sum())
             if self.repeats is not None:  # not in the paper
                 rows, columns = (first >> k for first in (part.top, part.left))
-                shown = self.repeats.shown(top, left, k)[rows:, columns:]
-                shown = shown[: allowed.shape[0], : allowed.shape[1]]
+                shown = self.repeats.shown(top, left, k)[:, rows:, columns:]
+                shown = shown[:, : allowed.shape[0], : allowed.shape[1]]
                 costs = varied(costs, shown, allowed, self.settings.variety)
                 apart = allowed & ~self._continuing(part, y, x, k)
                 allowed = apart if apart.any() else allowed
         spread = self.settings.tolerance * variance_of(self.sample[: k + 1])
         draws = self.growth.seed, number, self.settings.candidates
-        drawn = drawn_places(costs, allowed, spread, draws, [n >> k for n in self.size])
+        drawn = drawn_places(costs, allowed, spread, draws, tuple(n >> k for n in self.size))
         found = places_in_full(drawn, boxes[: k + 1], part.copies, part.corners, (0, 0))
-        prices = [1 + self.settings.variety * float(shown[at]) for at in drawn]
+        prices = _prices(shown[1], drawn, self.settings.variety)
         return [
             Place(top, left, *self.size, part.top + v, part.left + u, price)
             for (v, u), price in zip(found, prices, strict=True)
@@ -204,28 +205,27 @@ class EntirePatchMatching:
 
     def candidates(self, pixel: tuple[int, int], number: int, centered: bool) -> list[Place]:
         """See `Placement.candidates`."""
-        # Quarters of the sample that cover the pixel; to avoid repeats it needs more to choose from.
+        # Quarters of the sample that cover the pixel; without repeats it needs more of them.
         low, high = (1, 3) if centered or self.repeats is not None else (1, 2)
         middle = np.zeros_like(self.usable)
-        rows, columns = (
-            slice(n * low // 4, n * high // 4 + 1) for n in self.usable.shape
-        )
+        rows, columns = (slice(n * low // 4, n * high // 4 + 1) for n in self.usable.shape)
         middle[rows, columns] = self.usable[rows, columns]
         places = _on_copies(middle if middle.any() else self.usable, self.copies)
         boxes = self._around(pixel)
         k = _smallest(boxes, places)
         allowed = places[k] != 0
-        costs, shown = np.zeros((2, *allowed.shape))
+        costs, shown = np.zeros(allowed.shape), np.zeros((2, *allowed.shape))
         if not self.random:
             costs = self._mismatch(boxes[k], allowed, k)
             if self.repeats is not None:
-                shown = self.repeats.shown(*pixel, k)[: allowed.shape[0], : allowed.shape[1]]
+                shown = self.repeats.shown(*pixel, k)
+                shown = shown[:, : allowed.shape[0], : allowed.shape[1]]
                 costs = varied(costs, shown, allowed, self.settings.variety)
         spread = self.settings.tolerance * variance_of(self.copies[: k + 1])
         draws = self.growth.seed, number, self.settings.candidates
-        drawn = drawn_places(costs, allowed, spread, draws, [n >> k for n in self.size])
+        drawn = drawn_places(costs, allowed, spread, draws, tuple(n >> k for n in self.size))
         found = places_in_full(drawn, boxes[: k + 1], self.copies, places, self.reach)
-        prices = [1 + self.settings.variety * float(shown[at]) for at in drawn]
+        prices = _prices(shown[1], drawn, self.settings.variety)
         return [self._clipped(pixel, *each) for each in zip(found, prices, strict=True)]
 
     def _around(self, pixel: tuple[int, int]) -> list[Copy]:
@@ -239,9 +239,7 @@ class EntirePatchMatching:
             lines.append(line.astype(np.int32))
         return copies_of(box_of(self.on_canvas, *lines), self.reduction)
 
-    def _mismatch(
-        self, box: Copy, allowed: NDArray[np.bool_], k: int
-    ) -> NDArray[np.float64]:
+    def _mismatch(self, box: Copy, allowed: NDArray[np.bool_], k: int) -> NDArray[np.float64]:
         """C(t) over the overlap, for each pixel of the sample that may come to lie on this one."""
         size = [fast_size(n) for n in box.mask.shape]
         both = overlap_mismatch(box.spectra_of(size), self.copies[k].spectra_of(size))
@@ -272,7 +270,8 @@ class EntirePatchMatching:
             tops.append(first)
             lengths.append(last - first)
             sources.append(first - (p - s))
-        return Place(*tops, *lengths, *sources, price)
+        (top, left), (height, width), (y, x) = tops, lengths, sources
+        return Place(top, left, height, width, y, x, price)
 
 
 def sample_copies(settings: Settings, reduction: int) -> list[Copy]:
@@ -304,6 +303,13 @@ def _smallest(boxes: list[Copy], places: list[NDArray[np.uint8]]) -> int:
     )
 
 
+def _prices(
+    in_line: NDArray[np.float64], places: list[tuple[int, int]], variety: float
+) -> list[float]:
+    """By what the costs of seams are multiplied for what is shown again in line."""
+    return [1 + variety * _LINE * min(1.0, float(in_line[at])) for at in places]
+
+
 def varied(
     costs: NDArray[np.float64],
     shown: NDArray[np.float64],
@@ -312,15 +318,18 @@ def varied(
 ) -> NDArray[np.float64]:
     """Add to the cost of each place for what it would show again.
 
-    All of a patch shown once adds, at a variety of 1, the cost of the best match among the half
-    of the places that would show least: a cost that is good enough in this material.
+    All of a patch shown nearby adds, at a variety of 1, the cost of the best match among the half
+    of the places that would show least: a cost that is good enough in this material. All of it in
+    line adds a quarter of the cost of the best match, and no more, or boards would break.
     """
-    seen, here = shown[allowed], costs[allowed]
+    nearby, in_line = shown
+    seen, here = nearby[allowed], costs[allowed]
     median = np.partition(seen, len(seen) // 2)[len(seen) // 2]
-    good = float(here[seen <= median].min())
+    best, good = float(here.min()), float(here[seen <= median].min())
     if not np.isfinite(good):  # they lie apart from everything
-        good = float(here.min())
-    result: NDArray[np.float64] = costs + shown * (variety * good)
+        good = best
+    again = nearby * good + np.minimum(in_line, 1) * (_LINE * best)
+    result: NDArray[np.float64] = costs + variety * again
     return result
 
 
@@ -340,5 +349,3 @@ def _size_on_canvas(patch_shape: tuple[int, int], growth: Growth) -> tuple[int, 
         for side, n, wraps in zip(patch_shape, canvas.shape, canvas.wrap, strict=True)
     )
     return height, width
-
-

@@ -13,8 +13,8 @@ import cython
 class Showing:
     """What the canvas shows of the sample, and what of it counts as shown again.
 
-    A pixel counts once if both distances, down and across, are up to `near`, and once for each of
-    them that is up to `aligned`.
+    A pixel counts as nearby if both distances, down and across, are up to `near`, and in line for
+    each of them that is up to `aligned`.
     """
 
     source: cython.const[cython.int][:, ::1]
@@ -74,7 +74,8 @@ def mark(
 @cython.exceptval(check=False)
 def mark_again(
     showing: Showing,
-    places: Marks,
+    nearby: Marks,
+    in_line: Marks,
     y: cython.int,
     x: cython.int,
     away_y: cython.int,
@@ -92,7 +93,7 @@ def mark_again(
     near_y: cython.int = showing.near[0]
     near_x: cython.int = showing.near[1]
     mark(
-        places,
+        nearby,
         max(top, at_y - near_y),
         min(y, at_y + near_y),
         max(left, at_x - near_x),
@@ -100,8 +101,8 @@ def mark_again(
     )
     near_y = showing.aligned[0]
     near_x = showing.aligned[1]
-    mark(places, max(top, at_y - near_y), min(y, at_y + near_y), left, x)
-    mark(places, top, y, max(left, at_x - near_x), min(x, at_x + near_x))
+    mark(in_line, max(top, at_y - near_y), min(y, at_y + near_y), left, x)
+    mark(in_line, top, y, max(left, at_x - near_x), min(x, at_x + near_x))
 
 
 @cython.cfunc
@@ -111,7 +112,8 @@ def count(
     showing: Showing,
     rows: cython.const[cython.int][:, ::1],
     columns: cython.const[cython.int][:, ::1],
-    places: Marks,
+    nearby: Marks,
+    in_line: Marks,
 ) -> cython.void:
     """See `count_shown`."""
     cython.declare(i=cython.Py_ssize_t, j=cython.Py_ssize_t, label=cython.int)
@@ -126,13 +128,13 @@ def count(
                 for u in range(-around, around + 1):
                     y = label // showing.width + v * showing.height
                     x = label % showing.width + u * showing.width
-                    mark_again(showing, places, y, x, rows[1, i], columns[1, j])
+                    mark_again(showing, nearby, in_line, y, x, rows[1, i], columns[1, j])
 
 
-def count_shown(showing: Showing, rows, columns, places: Marks):
+def count_shown(showing: Showing, rows, columns, nearby: Marks, in_line: Marks):
     """Count, for each place of a patch, the pixels that it would show again, as differences.
 
     `rows` and `columns` have the lines of the canvas that are looked at, and their distances from
     the patch's corner.
     """
-    count(showing, rows, columns, places)
+    count(showing, rows, columns, nearby, in_line)

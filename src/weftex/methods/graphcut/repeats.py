@@ -46,9 +46,7 @@ class Repeats:
         self.exemplar, self.growth, self.size, self.near = exemplar, growth, size, near
         self.aligned, self.step = [n // _ALIGNED for n in size], max(_STEP, step)
         three = (np.array(k, np.int32) for k in (size, near, self.aligned))
-        self._showing = kernels.Showing(
-            growth.source, exemplar.shape, exemplar.tileable, *three
-        )
+        self._showing = kernels.Showing(growth.source, exemplar.shape, exemplar.tileable, *three)
 
     def shown(self, top: int, left: int, halvings: int) -> NDArray[np.float64]:
         """How much of the patch from each place is shown already, 1 for all of it once.
@@ -62,15 +60,16 @@ class Repeats:
 
         Returns
         -------
-        float64 array (H, W)
+        float64 array (2, H, W)
+            What is shown nearby, and what in line.
         """
-        marks = np.zeros([(n - 1 >> halvings) + 2 for n in self.exemplar.shape], np.int32)
-        places = kernels.Marks(marks, halvings)
+        marks = np.zeros([2, *((n - 1 >> halvings) + 2 for n in self.exemplar.shape)], np.int32)
+        places = [kernels.Marks(each, halvings) for each in marks]
         near, rest, over = zip(self._lines(0, top), self._lines(1, left), strict=True)
         for rows, columns in ((near[0], near[1]), (rest[0], over[1]), (over[0], rest[1])):
-            kernels.count_shown(self._showing, rows, columns, places)
+            kernels.count_shown(self._showing, rows, columns, *places)
         once = self.size[0] * self.size[1] / self.step**2
-        result: NDArray[np.float64] = marks.cumsum(axis=0).cumsum(axis=1)[:-1, :-1] / once
+        result: NDArray[np.float64] = marks.cumsum(axis=1).cumsum(axis=2)[:, :-1, :-1] / once
         return result
 
     def _lines(self, axis: int, first: int) -> list[NDArray[np.int32]]:

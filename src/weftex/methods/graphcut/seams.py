@@ -68,7 +68,7 @@ class CanvasSeams:
             lines.append(line.astype(np.int32))
             cells.append(np.unique(line // _CELL))
         before = int(self.cells[np.ix_(*cells)].sum())
-        self.picture.price_seams(*lines, self.cost, self.cells, _CELL)
+        self.picture.price_seams(lines[0], lines[1], self.cost, self.cells, _CELL)
         self._sum_up([int(line[0]) // _CELL for line in lines], [len(c) for c in cells])
         return int(self.cells[np.ix_(*cells)].sum()) - before
 
@@ -94,7 +94,7 @@ class CanvasSeams:
         self.most[squares[0]] = self.squares[squares[0]].max(axis=1)
 
     def worst(self) -> tuple[int, int] | None:
-        """The middle of the square, half as wide as a patch, whose seams cost most; None if none."""
+        """The middle of the square, half a patch wide, whose seams cost most; None if none do."""
         row = int(self.most.argmax())
         if self.most[row] == 0:
             return None
