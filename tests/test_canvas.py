@@ -167,12 +167,12 @@ def test_a_guide_is_of_the_kind_of_the_samples():
         with pytest.raises(InvalidInputError, match=message):
             Canvas(8, 8, guide=guide).check_guide(exemplar)
     picture = np.arange(64, dtype=np.uint8).reshape(8, 8)
-    exemplar = exemplar.with_guide(picture)
+    exemplar = exemplar.changed(guide=picture)
     Canvas(8, 8, guide=picture[::-1]).check_guide(exemplar)
     with pytest.raises(InvalidInputError, match="dtype and channels must be equal"):
         Canvas(8, 8, guide=picture.astype(np.uint16)).check_guide(exemplar)
     with pytest.raises(InvalidInputError, match="the guide of sample is 8x7, sample is 8x8"):
-        exemplar.with_guide(picture[:7])
+        exemplar.changed(guide=picture[:7])
 
 
 @pytest.mark.parametrize(

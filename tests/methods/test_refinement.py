@@ -106,7 +106,7 @@ def test_guides_of_levels_are_the_slow_twins(tileable):
     init = "auto"
     if tileable:
         init, (y, x) = "quilting", np.indices((48, 49))
-        exemplar = exemplar.with_guide((y + x > 50).astype(int) + (x > 30))
+        exemplar = exemplar.changed(guide=(y + x > 50).astype(int) + (x > 30))
         canvas = Canvas(9, 10, (True, False), guide=np.indices((9, 10))[1] // 4)
     method = weftex.Refinement(window_width=13, iterations=1, similar=0, init=init)
     check_twin(method, exemplar, canvas, 5)
