@@ -123,10 +123,10 @@ def _plain(one: Evidence, step: int) -> Lattice:
     return Lattice(tuple((float(x), float(y)) for x, y in one.vectors * step)).reduced()
 
 
-def drawn_case(name: tuple[str, int]) -> list[Case]:
-    """All crops of a drawn surface, of a kind and a seed."""
-    kind, seed = name
-    pixels, truth = draw(kind, seed)
+def drawn_case(name: tuple[str, int, int]) -> list[Case]:
+    """All crops of a drawn surface, of a kind, a seed and a side."""
+    kind, seed, side = name
+    pixels, truth = draw(kind, seed, side)
     return look(kind, False, seed % 2 == 0, pixels, truth)
 
 
@@ -246,8 +246,9 @@ def main(words: Sequence[str] | None = None) -> None:
     parser.add_argument("--small", action="store_true", help="a few surfaces, to see that it runs")
     args = parser.parse_args(words)
     kinds = list(KINDS)[::8] if args.small else list(KINDS)
-    names = [(kind, seed) for seed in range(2 if args.small else args.seeds) for kind in kinds]
-    real = real_names(args.more)[: 2 if args.small else None]
+    seeds, side = (2, 128) if args.small else (args.seeds, 512)
+    names = [(kind, seed, side) for seed in range(seeds) for kind in kinds]
+    real = real_names(args.more)[: 1 if args.small else None]
     cases: list[Case] = []
     with ProcessPoolExecutor(args.jobs) as pool:
         run = map if args.jobs == 1 else partial(pool.map, chunksize=4)

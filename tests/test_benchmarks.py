@@ -12,6 +12,7 @@ ROOT = Path(__file__).parent.parent
 sys.path.insert(0, str(ROOT / "benchmarks"))
 import digests  # noqa: E402
 import fusion  # noqa: E402
+import lattices  # noqa: E402
 import pictures  # noqa: E402
 import run  # noqa: E402
 from shared import papers  # noqa: E402
@@ -69,6 +70,16 @@ def test_boundaries_are_measured(monkeypatch, tmp_path, capsys):
     fusion.main()
     assert len(capsys.readouterr().out.splitlines()) == 4
     assert len(list(tmp_path.glob("*.png"))) == 2
+
+
+def test_lattices_are_counted(capsys):
+    """A few small surfaces: every table is there, and what is right is never more than all."""
+    lattices.main(["--small", "--fit"])
+    out = capsys.readouterr().out
+    assert "PAIRS = " in out and "ROWS = " in out and "| 256 |" in out and "| whole |" in out
+    shares = [cell.split(" of ") for line in out.splitlines() for cell in line.split(" | ")]
+    counts = [tuple(map(int, one)) for one in shares if len(one) == 2 and one[1].isdigit()]
+    assert counts and all(good <= number for good, number in counts)
 
 
 def test_the_first_picture_of_a_page(monkeypatch, tmp_path):

@@ -80,6 +80,54 @@ def test_boards_go_on(stands):
     assert np.array_equal(far[20:, 9:], model.window(2**40, 9 - 2**40, 30, 51, seed=1).image)
 
 
+@pytest.mark.parametrize(("height", "size"), [(16, 112), (16, 80), (56, 168), (56, 224)])
+def test_boards_go_on_around_a_tileable_picture(height, size):
+    """An odd number of boards, or boards that are wider than a block, too."""
+    rng = np.random.default_rng(4)
+    at = np.arange(160)
+    tones = rng.integers(90, 140, (11, 3))[at // height]
+    pixels = tones[:, None] + rng.integers(0, 9, (160, 160, 1))
+    pixels[at % height < 2] = 20
+    model = model_of(pixels.astype(np.uint8), lattice=(1, 0, 0, height))
+    assert model.blocks.row_axis == 0 and (model.settings.block_size < height) == (height == 56)
+    image = model.sample((size, size), seed=1, tileable=True).image
+    dark = np.flatnonzero((image.max(axis=2) < 60).mean(axis=1) > 0.98)
+    assert len(dark) == 2 * size // height  # joints are whole, and lie in rows
+    starts = dark[np.diff(dark, prepend=dark[-1] - size) > 1]
+    for start in starts.tolist():
+        board = image[(start + 4 + np.arange(height - 6)) % size]
+        parts = board.reshape(height - 6, size // 8, 8, 3).mean(axis=2)
+        assert np.ptp(parts, axis=1).max() < 9  # of one color around
+    assert np.array_equal(image, model.sample((size, size), seed=1, tileable=True).image)
+
+
+def test_rows_that_are_given_are_rows_that_are_found():
+    """By a vector along them and one across, in any order; and by the settled parameters."""
+    found = model_of(boards(128, 128))
+    for lattice in ((1, 0, 0, 16), (0, 16, 1, 0), found.method.lattice):
+        model = model_of(boards(128, 128), lattice=lattice)
+        assert model.settings.by_rows and model.blocks.row_axis == 0
+        assert model.settings.block_size == found.settings.block_size
+    assert np.array_equal(model.sample((90, 90), seed=1).image, found.sample(90, seed=1).image)
+
+
+def test_boards_wider_than_a_block_keep_their_color():
+    """Blocks share a board; windows of the plane agree."""
+    wide = np.repeat(np.repeat(boards(16 * 12, 4)[::16, :1][:, 0][2:], 40, 0)[:, None], 240, 1)[
+        :240
+    ]
+    wide = wide // 2 + 60 + np.random.default_rng(0).integers(0, 9, (240, 240, 1))
+    wide[np.arange(240) % 40 < 2] = 9
+    wide[2:40] += 30
+    model = model_of(wide.astype(np.uint8), lattice=(1, 0, 0, 40), block_size=36)
+    assert model.blocks.row_axis == 0
+    image = model.sample((300, 300), seed=2).image
+    y = np.arange(300) % 40
+    inner = image[(y > 4) & (y < 38)].reshape(-1, 15, 20, 3).mean(axis=2)
+    assert np.ptp(inner, axis=1).max() < 9
+    assert np.array_equal(model.window(70, 33, 90, 80, seed=2).image, image[70:160, 33:113])
+
+
 def test_rows_of_mixed_colors_are_free():
     """What differs along a row may come from any row."""
     rng = np.random.default_rng(0)

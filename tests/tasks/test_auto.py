@@ -12,12 +12,14 @@ from families import canvas_of, kinds_of, noise
 from weftex.analysis.evenness import Evenness
 from weftex.analysis.lattice import Lattice
 from weftex.canvas import Canvas
+from weftex.choice import Choice
 from weftex.errors import InvalidInputError
-from weftex.tasks import auto
 from weftex.tasks.auto import Findings, choose, look
+from weftex.tasks.auto.findings import count_colors
+from weftex.tasks.auto.trial import best_of_choices, others
 
 EVEN = Evenness(0.0, 0.0, 0.0, (1.0, 1.0))
-GRASS = Findings((256, 256), None, True, 11.5, 5000, EVEN)
+GRASS = Findings((256, 256), None, True, 9.5, 5000, EVEN)
 TILES = Lattice(((31.05, 0.0), (-0.25, 102.17)), 0.87)
 ROWS = Lattice(((0.0, 46.0),), 0.95)
 
@@ -27,14 +29,16 @@ def with_(**changes):
 
 
 RULE = [
-    (GRASS, Canvas(512, 512), "patch-sampling", "fine structure, 11.5 px of 256"),
-    (with_(scale=21.3), Canvas(512, 512), "patch-sampling", "fine"),
-    (with_(scale=21.4), Canvas(512, 512), "graphcut", "irregular structure of 21.4 px"),
+    (GRASS, Canvas(512, 512), "patch-sampling", "fine structure, 9.5 px of 256"),
+    (with_(scale=10.6), Canvas(512, 512), "patch-sampling", "fine"),
+    (with_(scale=10.7), Canvas(512, 512), "graphcut", "irregular structure of 10.7 px"),
     (with_(scale=40.0), Canvas(1024, 1024), "graphcut", "irregular"),
     (with_(scale=40.0), Canvas(1024, 1025), "quilting", "1.05 megapixels would take graphcut too"),
-    (with_(scale=40.0), Canvas(8192, 8192), "quilting", "67.1 megapixels .* graphcut 11 minutes"),
+    (with_(scale=40.0), Canvas(8192, 8192), "quilting", "67.1 megapixels would take"),
     (with_(colors=2), Canvas(512, 512), "quilting", r"few colors \(2\)"),
-    (with_(lattice=ROWS), Canvas(512, 512), "quilting", "rows, distance 46.0 px"),
+    (with_(lattice=ROWS), Canvas(512, 512), "near-regular", "rows, distance 46 px"),
+    (with_(lattice=ROWS), Canvas(466, 99, (True, True)), "near-regular", "rows, distance 46 px"),
+    (with_(lattice=Lattice(((0.0, 46.0),), 0.5)), Canvas(512, 512), "patch-sampling", "fine"),
     (with_(lattice=TILES), Canvas(9999, 9999), "near-regular", "lattice 31.1 x 102.2 px.* 0.87"),
     (
         with_(lattice=TILES),
@@ -42,7 +46,6 @@ RULE = [
         "near-regular",
         "confidence 0.87: near-regular",
     ),
-    (with_(lattice=TILES), Canvas(150, 150, (True, True)), "quilting", "150x150 would strain by"),
     (with_(lattice=TILES, shape=(100, 120)), Canvas(150, 150), "graphcut", "irregular"),
     (with_(shape=(300, 31)), Canvas(512, 512), "graphcut", "too small to be analyzed, 31x300"),
     (with_(shape=(300, 31)), Canvas(2048, 2048), "quilting", "too small"),
@@ -57,6 +60,74 @@ def test_the_rule(findings, canvas, method, reason):
     assert choice.reason.endswith(f": {method}") and "\n" not in str(choice)
     assert re.search(reason, choice.reason), choice.reason
     assert choice.warnings == ()
+
+
+def test_a_lattice_that_does_not_go_around_names_the_size_that_does():
+    for lattice in (TILES, ROWS):
+        choice = choose(with_(lattice=lattice), Canvas(160, 160, (True, True)))
+        assert choice.method == "quilting" and "do not go around 160x160" in choice.reason
+        (warning,) = choice.warnings
+        size = re.search(r"strained by .*; (\d+)x(\d+) would do", warning)
+        again = Canvas(int(size[2]), int(size[1]), (True, True))
+        assert choose(with_(lattice=lattice), again).method == "near-regular"
+
+
+def test_rows_are_laid_by_their_vector():
+    """What is chosen is what near-regular finds by itself."""
+    assert choose(with_(lattice=ROWS), Canvas(99, 99)).parameters == {"lattice": (0, 46, 1, 0)}
+    assert choose(with_(lattice=ROWS, exact=False), Canvas(99, 99)).parameters == {}
+
+
+WEAK = Lattice(((31.05, 0.0), (-0.25, 102.17)), 0.4)
+
+
+@pytest.mark.parametrize(
+    ("changes", "tried"),
+    [
+        ({}, [[], ["refinement", "graphcut"]]),
+        ({"scale": 40.0}, [["quilting"], ["quilting", "refinement", "graphcut"]]),
+        ({"lattice": TILES}, [[], []]),
+        ({"lattice": ROWS}, [[], []]),
+        ({"lattice": WEAK}, [["near-regular"], ["near-regular", "refinement", "graphcut"]]),
+        ({"colors": 2}, [[], []]),
+    ],
+)
+def test_what_is_tried(changes, tried):
+    """Nothing against a sure lattice, nothing in a hurry."""
+    findings = with_(**changes)
+    first = choose(findings, Canvas(512, 512))
+    for effort, names in zip(("quick", "normal", "best"), ([], *tried), strict=True):
+        found = others(first, findings, Canvas(512, 512), effort)
+        assert [choice.method for choice in found] == names
+        assert others(first, findings, Canvas(1100, 1100), effort) == []
+
+
+def test_another_picture_is_kept_only_if_it_is_clearly_better():
+    exemplar = weftex.load_exemplar("sample:bricks")
+    bricks = weftex.synthesize(exemplar, 200, method="near-regular", seed=1)
+    broken = weftex.synthesize(exemplar, 200, method="patch-sampling", patch_size=9, seed=1)
+    made = {"graphcut": broken, "near-regular": bricks, "quilting": broken}
+    choices = [Choice("graphcut", {}, "irregular: graphcut"), Choice("near-regular")]
+    kept, picture = best_of_choices(choices, exemplar, lambda choice: made[choice.method])
+    assert kept.method == "near-regular" and picture is bricks
+    assert re.fullmatch(r"irregular, score .* \(tried near-regular .*\): near-regular", kept.reason)
+    for first, second in (("graphcut", "quilting"), ("near-regular", "graphcut")):
+        choices = [Choice(first, {}, f"so: {first}"), Choice(second)]
+        kept, picture = best_of_choices(choices, exemplar, lambda choice: made[choice.method])
+        assert kept.method == first and picture is made[first]
+
+
+def test_effort_is_a_parameter_of_auto():
+    exemplar = weftex.load_exemplar("sample:leaves")
+    quick = weftex.synthesize(exemplar, 90, seed=1, effort="quick", threads=1)
+    assert "tried" not in quick.provenance["reason"]
+    for threads in (1, 2):
+        normal = weftex.synthesize(exemplar, 90, seed=1, threads=threads)
+        assert "tried quilting" in normal.provenance["reason"]
+        if normal.provenance["method"] == quick.provenance["method"]:
+            assert np.array_equal(normal.image, quick.image)
+    with pytest.raises(InvalidInputError, match="effort is 'fast'"):
+        weftex.Auto(effort="fast")
 
 
 @pytest.mark.parametrize(
@@ -81,8 +152,8 @@ CHOSEN = {
     "bricks": "near-regular",
     "tiles": "near-regular",
     "weave": "near-regular",
-    "grass": "patch-sampling",
-    "wood": "patch-sampling",
+    "grass": "graphcut",
+    "wood": "graphcut",
     "leaves": "graphcut",
 }
 
@@ -171,6 +242,9 @@ def test_a_mask_that_leaves_little_gets_a_method_that_takes_it():
     mask = np.random.default_rng(0).random(grass.shape[:2]) < 0.7  # no patch is whole
     made = weftex.synthesize(weftex.Exemplar(grass, mask=mask), 40, seed=1)
     assert made.provenance["method"] in ("graphcut", "ashikhmin")
+    fine = weftex.Exemplar(noise((120, 120, 3)), mask=mask[:120, :120])
+    made = weftex.synthesize(fine, 40, seed=1)
+    assert made.provenance["method"] in ("graphcut", "ashikhmin")
     assert "which this sample does not do" in made.provenance["reason"]
     wide = np.zeros((700, 900), bool)
     wide[640:, 850:] = True
@@ -206,5 +280,5 @@ def test_parameters_belong_to_a_method():
 
 def test_few_colors_are_counted():
     drawing = (np.indices((200, 200)).sum(0) // 3 % 2 * 255).astype(np.uint8)
-    assert auto._colors(weftex.Exemplar(drawing)) == 2
-    assert auto._colors(weftex.Exemplar(noise((60, 60, 3)))) == 1200
+    assert count_colors(weftex.Exemplar(drawing)) == 2
+    assert count_colors(weftex.Exemplar(noise((60, 60, 3)))) == 1200

@@ -19,9 +19,9 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
 #: What 1, the contrast, and what is clear for the number of multiples weigh.
-PAIRS = (-3.69, 4.58, 1.38)
+PAIRS = (-4.32, 6.32, 1.54)
 #: The same of rows, whose contrast says nothing more.
-ROWS = (-4.78, 0.0, 2.51)
+ROWS = (-5.46, 0.0, 3.01)
 
 #: Of the surest: some tiles pass for lattices that are part of one, whatever is seen.
 SUREST = 0.95

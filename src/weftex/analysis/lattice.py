@@ -259,15 +259,22 @@ def better(seen: Views, pairs: Sequence[Evidence]) -> Evidence | None:
     first, second = pairs
     if max(second.contrast, 0.0) < max(first.contrast, 0.0) / 2:
         return first
-    times = first.vectors @ np.linalg.inv(second.vectors)
-    whole = np.rint(times)
-    if abs(times - whole).max() < _OFF:
-        if abs(np.linalg.det(whole)) < 1.5:
-            return first  # they are one lattice
+    if _made_of(second, first) is not None:  # or they are one lattice
+        return first
+    times = _made_of(first, second)
+    if times is not None:
         reach = reach_of(seen.white, second.vectors, MOST_MULTIPLES)
-        errors = stand_out(seen.white, second.vectors, whole, reach)[1]
+        errors = stand_out(seen.white, second.vectors, times, reach)[1]
         return first if errors > _ERRORS else second
     return second if second.clear > first.clear else first
+
+
+def _made_of(larger: Evidence, smaller: Evidence) -> Floats | None:
+    """Which multiples of a smaller tile's vectors a larger one's are, if they are."""
+    times = larger.vectors @ np.linalg.inv(smaller.vectors)
+    whole: Floats = np.rint(times)
+    apart = abs(times - whole).max() < _OFF and abs(np.linalg.det(whole)) > 0.5
+    return whole if apart else None
 
 
 def in_turn(seen: Views, one: Evidence) -> Evidence:

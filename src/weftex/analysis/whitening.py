@@ -41,8 +41,8 @@ def whitened(flat: Relief) -> tuple[Floats, float]:
     -------
     (float64 array (2 * H - 1, 2 * W - 1), float)
         The correlation, 1 in the middle, which is no shift; 0 where less than a fiftieth of the
-        sample overlaps, and everywhere if it is constant. And its spread by chance, of a shift at which the whole sample overlaps:
-        it grows as one over the root of the overlap.
+        sample overlaps, and everywhere if it is constant. And its spread by chance, of a shift at
+        which the whole sample overlaps: it grows as one over the root of the overlap.
 
     Examples
     --------

@@ -134,7 +134,7 @@ def parse_task(
             help=text.replace("%", "%%"),
         )
     if name == AUTO:
-        group.description = "none; with --method NAME --help stand those of another method"
+        group.description = "with --method NAME --help stand those of another method"
     args = parser.parse(argv)
     args.method, args.by_default = name, by_default
     check_numbers(args)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 from collections.abc import Mapping
 from typing import Any
 
@@ -48,9 +49,15 @@ def make_method(method: str | Method, parameters: Mapping[str, Any]) -> Method:
     24
     """
     if is_auto(method):
+        if isinstance(method, Method):
+            return dataclasses.replace(method, **parameters) if parameters else method
+        auto = method_class(AUTO)
+        own = {field.name for field in dataclasses.fields(auto)}
         for name in parameters:
             able = ", ".join(methods.owners(name))
-            near = f"; these methods do: {able}" if able else ""
-            raise InvalidInputError(f"{AUTO} has no parameter '{name}'{near}")
-        return method if isinstance(method, Method) else method_class(AUTO)()
+            if name not in own and able:
+                raise InvalidInputError(
+                    f"{AUTO} has no parameter '{name}'; these methods do: {able}"
+                )
+        return auto(**parameters)
     return methods.make_method(method, parameters)

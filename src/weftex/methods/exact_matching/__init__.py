@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, ClassVar
+from typing import TYPE_CHECKING, Any, ClassVar, Self
 
 import numpy as np
 
@@ -131,6 +131,10 @@ class ExactMatching(WindowedMethod):
         if name == "passes" and canvas is not None:
             return canvas.wrap[0] or canvas.hole is not None
         return super().takes(name, canvas)
+
+    def for_belt(self, width: int, **parameters: Any) -> Self:
+        """See `Method.for_belt`: a belt is a hole, which is filled at a single resolution."""
+        return super().for_belt(width, levels=None, **parameters)
 
     def require(self, canvas: Canvas) -> None:
         """See `Method.require`."""

@@ -57,7 +57,7 @@ class NearRegular(Method):
 
     lattice: tuple[float, ...] | None = parameter(
         None,
-        "translation vectors x1,y1,x2,y2; 1,0,0,1 is the unconstrained mode",
+        "translation vectors x1,y1,x2,y2; 1,0,0,P is rows P apart, 1,0,0,1 the unconstrained mode",
         count=4,
         unit="px",
         default_text="found in the sample; unconstrained if there are none",

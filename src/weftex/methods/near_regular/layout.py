@@ -8,9 +8,9 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from weftex.analysis.canvas_lattice import CanvasLattice
+from weftex.analysis.canvas_lattice import VISIBLE_STRAIN, CanvasLattice
 from weftex.methods.near_regular import block_kernels as kernels
-from weftex.methods.near_regular.rows import rows_shown
+from weftex.methods.near_regular.rows import ANY, Courses, rows_shown
 from weftex.random import draw
 
 if TYPE_CHECKING:
@@ -23,7 +23,7 @@ if TYPE_CHECKING:
 #: Blocks around those that show that their sources hang on: 1 beside a gap, and 2 for each color
 #: but the last, which is drawn with regard to the ones before.
 _RING = 7
-_UNIT = 1 << 16  # of a pixel, that pitches are in
+_UNIT = 1 << 16  # of a pixel, that distances of blocks are in
 
 
 class Axis:
@@ -37,8 +37,8 @@ class Axis:
         Of a block, at most, and how far its window reaches beyond it.
     wraps : bool
         The canvas goes around.
-    pitch : (int, int), optional
-        From block to block and to the one numbered 0, in 1/65536 pixel; the size and 0 by default.
+    courses : Courses, optional
+        Rows whose joints blocks end at. A canvas that goes around begins at a joint.
 
     Attributes
     ----------
@@ -48,6 +48,8 @@ class Axis:
         Of a block's window.
     sizes, numbers : int64 array (n,)
         Of the blocks; numbers count from the plane's origin.
+    share : int
+        Blocks that share a row; 1 where a block holds whole rows, or there are none.
     period : int
         The canvas's length if it goes around, else 0.
     shown : slice
@@ -61,15 +63,32 @@ class Axis:
         size: int,
         margin: int,
         wraps: bool,
-        pitch: tuple[int, int] | None,
+        courses: Courses | None,
     ) -> None:
         self.length, self.margin, self.side = length, margin, size + 2 * margin
+        self.share = 1
         if wraps:
             count = 2 * max(1, -(-length // (2 * size)))
-            first, self.period, self.shown = 0, length, slice(0, count)
-            self.edges = np.arange(count + 1, dtype=np.int64) * length // count
+            numbers = np.arange(count + 1, dtype=np.int64)
+            if courses is not None:
+                rows = max(1, round(length / courses.height))
+                each, self.share = courses.division(size, length / rows)
+                count = 2 * -(-rows // (2 * each))
+                if self.share == 1 and count > rows:
+                    self.share = 2
+                self.share += rows * self.share % 2  # or gaps would be beside gaps
+                count = count if self.share == 1 else rows * self.share
+                numbers = np.arange(count + 1, dtype=np.int64)
+                if self.share == 1:  # whole rows
+                    numbers, count = numbers * rows // count, rows
+            first, self.period, self.shown = 0, length, slice(0, len(numbers) - 1)
+            self.edges = numbers * length // count
         else:
-            step, shift = pitch or (size * _UNIT, 0)
+            step, shift = size * _UNIT, 0
+            if courses is not None:
+                each, self.share = courses.division(size)
+                step = round(courses.height * each * _UNIT / self.share)
+                shift = courses.joint * _UNIT
             begin = ((origin - margin) * _UNIT - shift) // step
             end = ((origin + length - 1 + margin) * _UNIT - shift) // step + 1
             first, self.period = begin - _RING, 0
@@ -78,6 +97,16 @@ class Axis:
             self.edges = (numbers * step + shift) // _UNIT - origin
         self.sizes = np.diff(self.edges)
         self.numbers = first + np.arange(len(self.sizes), dtype=np.int64)
+        row = self.numbers // self.share * self.share
+        if self.period:
+            self._ends = self.edges[row], self.edges[row + self.share - 1]
+        else:
+            at = np.stack([row, row + self.share - 1]) * step + shift
+            self._ends = at[0] // _UNIT - origin, at[1] // _UNIT - origin
+
+    def ends_of_rows(self) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
+        """Where the first and the last begin of those blocks that share a row with each."""
+        return self._ends
 
     def laid(self, reach: int) -> tuple[int, NDArray[np.int64]]:
         """Which lines of the shown blocks' windows are laid: how many, and from which one on.
@@ -181,34 +210,31 @@ def divide(
     Raises
     ------
     InvalidInputError
-        If the canvas goes around and the lattice would have to be stretched by more than the
-        tolerance makes up for.
+        If the canvas goes around and the lattice would have to be stretched by more than looks
+        right, and than the tolerance makes up for.
     """
     size, margin = settings.block_size, settings.margin
-    lattice = CanvasLattice(settings.lattice, canvas, max(1, settings.tolerance) / size)
+    lattice = CanvasLattice(
+        settings.lattice, canvas, max(VISIBLE_STRAIN, settings.tolerance / size)
+    )
+    # What a canvas knows, it knows where it is.
+    courses = sample.courses if canvas.known is None else (None, None)
     rows, columns = (
-        Axis(length, at, size, margin, wraps, pitch)
-        for length, at, wraps, pitch in zip(
-            canvas.shape, origin, canvas.wrap, sample.pitch, strict=True
-        )
+        Axis(length, at, size, margin, wraps, own)
+        for length, at, wraps, own in zip(canvas.shape, origin, canvas.wrap, courses, strict=True)
     )
     least = min(int(rows.sizes.min()), int(columns.sizes.min()))
+    begin = [
+        own.joint if wraps and own is not None else at
+        for at, wraps, own in zip(origin, canvas.wrap, courses, strict=True)
+    ]
     corner = [
-        axis.edges[:-1] + at - margin for axis, at in zip((rows, columns), origin, strict=True)
+        axis.edges[:-1] + at - margin for axis, at in zip((rows, columns), begin, strict=True)
     ]
     phase = lattice.phase(corner[0][:, None], corner[1][None, :])
-    axis, row = sample.row_axis, None
-    if axis is not None and canvas.known is None:
-        windows, multiples = sample.windows, np.unique(sample.multiples)
-        step = np.rint(lattice.sample[0, axis] * 65536 * multiples).astype(np.int64)
-        row = rows_shown(
-            np.any(windows.usable > 0, axis=1 - axis),
-            int(windows.period[2 + axis]),
-            multiples,
-            (phase[..., axis, None] + step + 2**15) >> 16,
-            (rows.numbers[:, None], columns.numbers[None, :])[axis],
-            seed,
-        )
+    row = None
+    if sample.row_axis is not None and canvas.known is None:
+        row = _rows(sample, lattice, (rows, columns), corner, phase, seed)
     return Layout(
         canvas=canvas,
         origin=origin,
@@ -221,3 +247,40 @@ def divide(
         phase=np.ascontiguousarray(phase),
         row=row,
     )
+
+
+def _rows(
+    sample: BlockSample,
+    lattice: CanvasLattice,
+    axes: tuple[Axis, Axis],
+    corner: list[NDArray[np.int64]],
+    phase: NDArray[np.int64],
+    seed: int,
+) -> NDArray[np.int64]:
+    """Which multiple of the first vector each block shows; blocks that share a row show one row."""
+    axis = sample.row_axis
+    assert axis is not None
+    along, windows, multiples = axes[axis], sample.windows, np.unique(sample.multiples)
+    first, last = along.ends_of_rows()
+    shape = (-1, 1) if axis == 0 else (1, -1)
+    on = (along.edges[:-1] - first).reshape(shape)
+    begin = list(corner)
+    begin[axis] = corner[axis] - on.ravel()
+    from_first = lattice.phase(begin[0][:, None], begin[1][None, :])[..., axis]
+    height = lattice.sample[0, axis] * _UNIT
+    step = np.rint(height * multiples).astype(np.int64)
+    # A pixel more, because places are rounded, each for itself.
+    stretched = float(lattice.sample[0, axis] / lattice.canvas[0, axis])
+    reach = np.ceil((last - first) * stretched).astype(np.int64) + (last > first)
+    row = rows_shown(
+        np.any(windows.usable > 0, axis=1 - axis),
+        int(windows.period[2 + axis]),
+        multiples,
+        (from_first[..., None] + step + _UNIT // 2) >> 16,
+        reach.reshape(shape),
+        (along.numbers // along.share).reshape(shape),
+        seed,
+    )
+    # The same row of the sample, counted from the tile that this block begins in.
+    beyond = np.rint((from_first + on * _UNIT - phase[..., axis]) / height).astype(np.int64)
+    return np.where(row == ANY, row, row + beyond)

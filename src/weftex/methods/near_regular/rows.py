@@ -6,6 +6,8 @@ block.
 
 from __future__ import annotations
 
+import math
+from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -23,6 +25,35 @@ _JOINT = 12  # of a row's height, over which a joint is looked for
 _UNIT = 1 << 16
 ANY = -(2**31)
 """Stands for any rows."""
+
+
+@dataclass(frozen=True)
+class Courses:
+    """Rows that blocks keep to.
+
+    Attributes
+    ----------
+    height : float
+        From one joint of the sample to the next, in pixels.
+    joint : int
+        Where the first of them is.
+    """
+
+    height: float
+    joint: int
+
+    def division(self, size: int, height: float | None = None) -> tuple[int, int]:
+        """How many rows a block no larger than `size` holds, and how many blocks share a row.
+
+        One of the two is 1. Rows of another height are those of a canvas that goes around.
+
+        Examples
+        --------
+        >>> Courses(8.0, 0).division(20), Courses(50.0, 0).division(20)
+        ((2, 1), (1, 3))
+        """
+        height = height or self.height
+        return max(1, int(size / height + 1e-9)), math.ceil(height / size - 1e-9)
 
 
 def axis_of_rows(pixels: NDArray[np.uint8], vectors: tuple[float, ...]) -> int | None:
@@ -53,8 +84,9 @@ def axis_of_rows(pixels: NDArray[np.uint8], vectors: tuple[float, ...]) -> int |
     period = round(max(x, y))
     tile = MeanTile(pixels, vectors).at(*np.indices(pixels.shape[:2]))
     rest = np.moveaxis(pixels.astype(np.int64) - tile, axis, 0)
-    # Colors of pieces as long as rows are high, and half as high.
-    count, high = rest.shape[1] // period, max(1, period // 2)
+    # Colors of pieces as long as rows are high, or half the sample, and half as high.
+    high, period = max(1, period // 2), min(period, rest.shape[1] // 2)
+    count = rest.shape[1] // max(1, period)
     if count < 2 or len(rest) < high:
         return None
     parts = rest[:, : count * period].reshape(len(rest), count, period, -1).sum(axis=2)
@@ -69,25 +101,16 @@ def axis_of_rows(pixels: NDArray[np.uint8], vectors: tuple[float, ...]) -> int |
     return None
 
 
-def pitch_of_rows(
-    pixels: NDArray[np.uint8], vectors: tuple[float, ...], axis: int, size: int
-) -> tuple[int, int]:
-    """How blocks no larger than `size` are laid so that their edges are where rows end.
-
-    That is where all rows look most alike: joints.
-
-    Returns
-    -------
-    (int, int)
-        From block to block and to the first one, in 1/65536 pixel, as `Axis` takes them.
+def courses_of(pixels: NDArray[np.uint8], vectors: tuple[float, ...], axis: int) -> Courses:
+    """Find where the rows of a sample end: where all rows look most alike, in joints.
 
     Examples
     --------
     >>> rows = np.repeat(np.uint8([90, 120, 100, 140, 95, 130]), 8)
     >>> rows[4::8] = 30
     >>> boards = np.tile(rows[:, None, None], (1, 48, 1))
-    >>> [n / 65536 for n in pitch_of_rows(boards, (0, 8, 7, 0), 0, 20)]
-    [16.0, 4.0]
+    >>> courses_of(boards, (0, 8, 7, 0), 0)
+    Courses(height=8, joint=4)
     """
     period = abs(vectors[1 - axis])
     lines = np.moveaxis(pixels, axis, 0).sum(axis=1, dtype=np.int64)
@@ -103,8 +126,7 @@ def pitch_of_rows(
         apart += (squares * count - total**2) // count**2
     near = max(0, round(period / _JOINT) // 2)
     around = np.stack([np.roll(apart, k) for k in range(-near, near + 1)]).sum(axis=0)
-    pitch = period * max(1, int(size // period))
-    return round(pitch * _UNIT), int(around.argmin()) * _UNIT
+    return Courses(period, int(around.argmin()))
 
 
 def rows_shown(
@@ -112,6 +134,7 @@ def rows_shown(
     period: int,
     multiples: NDArray[np.int64],
     places: NDArray[np.int64],
+    reach: NDArray[np.int64],
     numbers: NDArray[np.int64],
     seed: int,
 ) -> NDArray[np.int64]:
@@ -126,9 +149,11 @@ def rows_shown(
     multiples : int64 array (k,)
         The multiples that there are.
     places : int64 array (rows, columns, k)
-        Where they lead to from each block, along that axis.
+        Where they lead to along that axis, from the first of the blocks that share a row.
+    reach : int64 array, broadcast against (rows, columns)
+        How far on the last of those is.
     numbers : int64 array, broadcast against (rows, columns)
-        Numbers of the blocks along that axis.
+        Numbers of the rows that blocks are in.
     seed : int
 
     Returns
@@ -136,10 +161,13 @@ def rows_shown(
     int64 array (rows, columns)
         `ANY` where none of them leads to a whole window.
     """
-    if period:
-        places = places % period
-    there = (places >= 0) & (places < len(whole))
-    there[there] = whole[places[there]]
+    there = np.ones(places.shape, bool)
+    for ends in (places, places + reach[..., None]):
+        if period:
+            ends = ends % period
+        inside = (ends >= 0) & (ends < len(whole))
+        inside[inside] = whole[ends[inside]]
+        there &= inside
     # One after the other, up or down, from a row that is drawn for every round of them.
     count = np.maximum(there.sum(axis=-1), 1)
     rounds, turn = np.divmod(np.broadcast_to(numbers, count.shape), count)

@@ -11,7 +11,7 @@ from weftex.analysis.canvas_lattice import CanvasLattice
 from weftex.exemplar import Exemplar
 from weftex.methods.lattices.mean_tile import MeanTile
 from weftex.methods.near_regular.rectification import rectified
-from weftex.methods.near_regular.rows import axis_of_rows, pitch_of_rows
+from weftex.methods.near_regular.rows import Courses, axis_of_rows, courses_of
 from weftex.random import draw
 from weftex.search.boundary_zone import boundary_zone, runs_over
 from weftex.search.quadtree_pyramid import QuadtreePyramid
@@ -69,8 +69,8 @@ class BlockSample:
         The multiple of the first vector in each of them.
     row_axis : int or None
         Along which axis rows change that have a color each, see `axis_of_rows`.
-    pitch : ((int, int) or None, (int, int) or None)
-        How blocks are laid along both axes, see `Axis`.
+    courses : (Courses or None, Courses or None)
+        The rows that blocks keep to along both axes, see `Axis`.
     search : ZoneSearch or None
         All windows by their borders, where any place is similar to any other.
     """
@@ -84,7 +84,7 @@ class BlockSample:
     steps: NDArray[np.int64]
     multiples: NDArray[np.int64]
     row_axis: int | None
-    pitch: tuple[tuple[int, int] | None, ...]
+    courses: tuple[Courses | None, ...]
     search: ZoneSearch | None
     _borders: dict[tuple[int, ...], Border] = field(default_factory=dict, repr=False)
 
@@ -99,7 +99,7 @@ class BlockSample:
 
 def prepare(settings: Settings, exemplar: Exemplar) -> BlockSample:
     """Analyze a sample: its windows, rectified pixels and similar places."""
-    vectors, size = settings.lattice, settings.block_size
+    vectors = settings.lattice
     windows = _windows(settings, exemplar)
     pixels, lookup = windows.pixels, None
     if settings.rectify:
@@ -108,7 +108,7 @@ def prepare(settings: Settings, exemplar: Exemplar) -> BlockSample:
         pixels = np.ascontiguousarray(flat[lookup])
     steps, search = np.zeros((0, 2), np.int64), None
     multiples, row_axis = np.zeros(0, np.int64), None
-    pitch: list[tuple[int, int] | None] = [None, None]
+    courses: list[Courses | None] = [None, None]
     if settings.unconstrained:
         search = _search(settings, pixels, windows)
     else:
@@ -117,12 +117,10 @@ def prepare(settings: Settings, exemplar: Exemplar) -> BlockSample:
         order = np.argsort(draw(0, "steps", np.arange(len(steps))), kind="stable")
         steps = np.ascontiguousarray(steps[order])
         multiples = np.rint(steps @ lattice.inverse[:, 0] / 65536).astype(np.int64)
-        # Blocks must hold a whole row.
-        whole = size >= float(np.hypot(vectors[0], vectors[1]))
-        if settings.by_rows and exemplar.mask is None and whole:
+        if settings.by_rows and exemplar.mask is None:
             row_axis = axis_of_rows(pixels, vectors)
         if row_axis is not None:
-            pitch[row_axis] = pitch_of_rows(pixels, vectors, row_axis, size)
+            courses[row_axis] = courses_of(pixels, vectors, row_axis)
     return BlockSample(
         exemplar=exemplar,
         windows=windows,
@@ -133,7 +131,7 @@ def prepare(settings: Settings, exemplar: Exemplar) -> BlockSample:
         steps=steps,
         multiples=multiples,
         row_axis=row_axis,
-        pitch=tuple(pitch),
+        courses=tuple(courses),
         search=search,
     )
 

@@ -12,7 +12,10 @@ from weftex.analysis.canvas_lattice import (
     CanvasLattice,
     check_lattice,
     found_vectors,
+    four_numbers,
+    given_lattice,
 )
+from weftex.analysis.lattice import Lattice
 from weftex.canvas import Canvas
 from weftex.errors import InvalidInputError
 from weftex.search.windows import windows_of
@@ -23,7 +26,7 @@ if TYPE_CHECKING:
 _PAPERS_BLOCK = 40 / 128  # over the sample's shorter side (section 5.1)
 _SMALLEST_BLOCK = 0.15  # that is chosen, over the same
 _PLACES = 6.0  # similar places that a block should have to choose from
-_ROWS = 4  # rows to choose from, where nothing else repeats
+_ROWS = 3  # rows to choose from, where nothing else repeats
 _TOLERANCE = 3  # px (section 4.2.2)
 _ALL_SIMILAR = 512  # candidates: all that a gap compares
 _FREE = 4.0  # pixels of a tile so small that any place is similar to any other
@@ -44,7 +47,8 @@ class Settings:
     unconstrained : bool
         There is no lattice: any place is similar to any other (section 5.2).
     by_rows : bool
-        Only the first vector was found: along the second any place is as good.
+        The sample repeats along the first vector only: along the second, one pixel, any place is as
+        good.
     tiles : bool
         Windows go over the sample's border to its other side.
     block_size, border_width, blend_width, tolerance, rectify, warp : int
@@ -115,16 +119,19 @@ def settle(method: Any, exemplar: Exemplar) -> Settings:
         If the vectors or a block do not fit the sample, or a value has no effect on it.
     """
     paper = method.preset == "paper"
-    vectors, by_rows = method.lattice, False
+    vectors = method.lattice
     if vectors is not None:
         check_lattice(vectors, exemplar)
     else:
-        vectors, by_rows = _found(exemplar)
+        vectors = _found(exemplar)
+    vectors, by_rows = _rows_of(vectors)
     tolerance, rectify = method.tolerance, method.rectify
     if tolerance is None:
         # Where the tile is hardly larger, a few pixels are another place in it.
-        small = int(_area(vectors) ** 0.5 / 4)
-        tolerance = _TOLERANCE if paper or vectors == ANYWHERE else min(_TOLERANCE, small)
+        side = float(np.hypot(vectors[0], vectors[1])) if by_rows else _area(vectors) ** 0.5
+        tolerance = _TOLERANCE
+        if not paper and vectors != ANYWHERE:
+            tolerance = min(_TOLERANCE, int(side / 4))
     if rectify is None:
         # Little beside the tile, or one thing would be taken for the next.
         x1, y1, x2, y2 = vectors
@@ -176,17 +183,20 @@ def blend_of(method: Any) -> str:
     return "feather" if method.preset == "paper" else "cut"
 
 
-def _found(exemplar: Exemplar) -> tuple[tuple[float, ...], bool]:
-    """The sample's own vectors, or the unconstrained mode's; and whether there is but one."""
+def _found(exemplar: Exemplar) -> tuple[float, ...]:
+    """The sample's own vectors, or the unconstrained mode's."""
     vectors = found_vectors(exemplar)
-    if not vectors:
-        return ANYWHERE, False
-    if len(vectors) == 4:
+    if len(vectors) == 2:
+        return four_numbers(Lattice((vectors,)))
+    return vectors or ANYWHERE
+
+
+def _rows_of(vectors: tuple[float, ...]) -> tuple[tuple[float, ...], bool]:
+    """The vectors, that across rows first; and whether the other one leads along rows."""
+    lattice = given_lattice(vectors)
+    if len(lattice.vectors) == 2 or _area(vectors) < _FREE:
         return vectors, False
-    # Along the other direction any place is as good, as far on as the tolerance reaches.
-    x, y = vectors
-    step = (2 * _TOLERANCE + 1) / float(np.hypot(x, y))
-    return (x, y, -y * step, x * step), True
+    return four_numbers(lattice), True
 
 
 def _around(vectors: tuple[float, ...], exemplar: Exemplar) -> tuple[tuple[float, ...], bool]:
@@ -241,11 +251,18 @@ def _largest_block(
     x1, y1, _, _ = vectors
     shorter = min(exemplar.shape)
     size, least = int(_PAPERS_BLOCK * shorter), max(1, round(_SMALLEST_BLOCK * shorter))
-    while size > least:
+
+    def room(size: int) -> tuple[int, int]:
+        """Places of a block, and how many rows they lie in."""
         height, width = (max(0, n - _window(size, border)) for n in exemplar.shape)
-        room = height * abs(y1) + width * abs(x1)
-        few = by_rows and room < (_ROWS - 1) * (x1 * x1 + y1 * y1)
-        if height * width >= _PLACES * _area(vectors) and not few:
+        across = (height * abs(y1) + width * abs(x1)) / (x1 * x1 + y1 * y1)
+        return height * width, int(across) + 1
+
+    # Where rows are so wide that no block has so many to choose from, as many as there can be.
+    rows = min(_ROWS, room(least)[1]) if by_rows else 1
+    while size > least:
+        places, in_rows = room(size)
+        if places >= _PLACES * _area(vectors) and in_rows >= rows:
             break
         size -= 1
     if exemplar.mask is None:

@@ -1,0 +1,156 @@
+"""`auto`: look at the sample, choose the method for it, and say why.
+
+`docs/auto.md` has the rule as a table, with what it was measured against.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+from typing import TYPE_CHECKING, ClassVar
+
+from weftex.canvas import Canvas, as_canvas
+from weftex.choice import Choice
+from weftex.errors import InvalidInputError
+from weftex.exemplar import Exemplar
+from weftex.method import Method, Model, parameter
+from weftex.methods import make_method
+from weftex.progress import Progress
+from weftex.random import seed_number
+from weftex.tasks.auto.findings import Findings, look
+from weftex.tasks.auto.rule import choose, choose_for_hole
+from weftex.tasks.auto.trial import best_of_choices, others
+
+if TYPE_CHECKING:
+    from weftex.progress import ProgressCallback
+    from weftex.random import Seed
+    from weftex.results.synthesis import Synthesis
+
+#: What is tried in turn where a method cannot be fitted, as to a sample that is mostly masked.
+_OTHERS = ("graphcut", "quilting", "patch-sampling", "ashikhmin")
+
+
+@dataclass(frozen=True)
+class Auto(Method):
+    """The method that suits the sample and the canvas best.
+
+    Examples
+    --------
+    >>> import weftex
+    >>> made = weftex.Auto().fit(weftex.load_exemplar("sample:tiles")).sample(300, seed=7)
+    >>> made.provenance["method"], made.provenance["reason"]
+    ('near-regular', 'near-regular, lattice 31.1 x 102.2 px, confidence 0.95: near-regular')
+    """
+
+    slug: ClassVar[str] = "auto"
+    title: ClassVar[str] = "Chosen by the sample"
+    paper: ClassVar[str] = "A choice among the other methods; docs/auto.md has the rule"
+    supports: ClassVar[frozenset[str]] = frozenset({"wrap", "known", "guide"})
+
+    effort: str = parameter(
+        "normal",
+        "quick takes what the rule says; normal also tries what is as fast, where the rule is not "
+        "sure; best tries all that may be better",
+        choices=("quick", "normal", "best"),
+    )
+
+    def fit_exemplar(self, exemplar: Exemplar) -> AutoModel:
+        """Return a model that chooses when it knows what to make; the sample is analyzed once."""
+        return AutoModel(self, exemplar)
+
+
+class AutoModel(Model):
+    """A sample; `sample` chooses the method for what is to be made.
+
+    Parameters
+    ----------
+    method : Auto
+        How much it may try.
+    exemplar : Exemplar
+        The sample.
+    """
+
+    def __init__(self, method: Auto, exemplar: Exemplar) -> None:
+        self.method, self.exemplar, self._effort = method, exemplar, method.effort
+        self._models: dict[str, Model] = {}
+
+    @cached_property
+    def findings(self) -> Findings:
+        """What the sample is like."""
+        return look(self.exemplar)
+
+    def choose(self, size: Canvas | int | tuple[int, int]) -> Choice:
+        """The method that the rule names for a canvas, and why; nothing is tried."""
+        canvas = as_canvas(size)
+        if canvas.guide is not None:
+            return Choice("refinement", {}, "a guide to follow: refinement")
+        if canvas.known is not None:
+            return choose_for_hole(self.exemplar, canvas)
+        return choose(self.findings, canvas)
+
+    def chosen(self, size: Canvas | int | tuple[int, int]) -> tuple[Choice, Model]:
+        """The rule's choice and the fitted method; the next one where a method cannot be fitted."""
+        first = self.choose(size)
+        failure: InvalidInputError | None = None
+        for slug in (first.method, *(other for other in _OTHERS if other != first.method)):
+            choice = first
+            if failure is not None:
+                said = f"{first.reason}, which this sample does not do ({failure}): {slug}"
+                choice = Choice(slug, {}, said, first.warnings)
+            try:
+                return choice, self._fitted(choice)
+            except InvalidInputError as error:
+                failure = failure or error
+        raise failure or InvalidInputError("no method can be fitted to this sample")
+
+    def _fitted(self, choice: Choice) -> Model:
+        key = repr((choice.method, choice.parameters))
+        if key not in self._models:
+            method = make_method(choice.method, choice.parameters)
+            self._models[key] = method.fit(self.exemplar)
+        return self._models[key]
+
+    def sample(
+        self,
+        size: Canvas | int | tuple[int, int],
+        *,
+        seed: Seed = None,
+        tileable: bool | str = False,
+        threads: int | None = None,
+        progress: ProgressCallback | None = None,
+    ) -> Synthesis:
+        """Make an output with the method that is chosen for it.
+
+        The parameters are those of every model. The result's provenance has the method with its
+        parameters, so that it can be made again by name, and the reason.
+        """
+        canvas = as_canvas(size, tileable)
+        self.method.require(canvas)
+        choice, _ = self.chosen(canvas)
+        choices = [choice]
+        if canvas.guide is None and canvas.known is None and self._effort != "quick":
+            choices += others(choice, self.findings, canvas, self._effort)
+        done: list[Synthesis] = []
+        steps = Progress(progress, len(choices), "choices", lambda: done[-1].image)
+        number = seed_number(seed)
+
+        def make(one: Choice) -> Synthesis:
+            within = progress if len(choices) == 1 else steps.within()
+            model = self._fitted(one)
+            result = model.sample(canvas, seed=number, threads=threads, progress=within)
+            done.append(result)
+            if len(choices) > 1:
+                steps.advance(1)
+            return result
+
+        if len(choices) == 1:
+            made = make(choice)
+        else:
+            choice, made = best_of_choices(choices, self.exemplar, make)
+        made.provenance["reason"] = choice.reason
+        if choice.warnings:
+            made.provenance["warnings"] = list(choice.warnings)
+        return made
+
+
+__all__ = ["Auto", "AutoModel", "Findings", "choose", "choose_for_hole", "look"]
