@@ -30,8 +30,8 @@ class GraphCut(Method):
     """Graph-cut textures.
 
     A patch of the sample is placed where it matches the pixels before it, and a minimum cut decides
-    which of its pixels replace older ones. Then further patches are placed over the worst seams.
-    Old seams count in every cut, so the picture only gets better.
+    which of its pixels replace older ones. Further patches may be placed over the worst seams. Old
+    seams count in every cut, so the picture only gets better.
 
     Examples
     --------
