@@ -22,7 +22,7 @@ from PIL import Image, ImageDraw
 
 import weftex
 from weftex.analysis.scale import dominant_scale
-from weftex.methods.refinement.start import plant_seeds
+from weftex.methods.refinement.seeds import plant_seeds
 from weftex.search.windows import windows_of
 
 #: What the paper does and weftex does not by default.
@@ -278,7 +278,7 @@ def init(folder: Path, suffix: str) -> None:
     for name in some(("bricks", "leaves")):
         sample = load(name, 192)
         row = [("sample", sample)]
-        for start in ("seeds", "ashikhmin", "quilting", "graphcut"):
+        for start in ("seeds", "quilting", "graphcut", "near-regular"):
             row.append((start, make(sample, 224, init=start).image))
         rows.append(row)
     sheet(folder / f"init_refinement{suffix}", rows)

@@ -184,6 +184,8 @@ class Method(ABC):
     title: ClassVar[str]
     paper: ClassVar[str]
     supports: ClassVar[frozenset[str]] = frozenset()
+    #: Parameters of `for_belt`, which have an effect on belts even where regions take none.
+    belt_parameters: ClassVar[frozenset[str]] = frozenset()
 
     def __new__(cls, *values: Any, **named: Any) -> Self:
         """Refuse what is no parameter; `__init__` would raise a TypeError.
@@ -216,15 +218,13 @@ class Method(ABC):
                 )
             else:
                 _check(field, value)
-            needs = field.metadata["needs"]
-            if needs and getattr(self, field.name) != field.default:
-                found = self.meant(needs[0])
-                if found not in needs[1]:
-                    allowed = " or ".join(f"'{v}'" for v in needs[1])
-                    here = "" if found == getattr(self, needs[0]) else f"; here it is '{found}'"
-                    raise InvalidInputError(
-                        f"{field.name} has no effect unless {needs[0]} is {allowed}{here}"
-                    )
+            if getattr(self, field.name) != field.default and not self.takes(field.name):
+                other, values = field.metadata["needs"]
+                allowed, found = " or ".join(f"'{v}'" for v in values), self.meant(other)
+                here = "" if found == getattr(self, other) else f"; here it is '{found}'"
+                raise InvalidInputError(
+                    f"{field.name} has no effect unless {other} is {allowed}{here}"
+                )
 
     def fit(self, sample: Sample) -> Model:
         """Analyze a sample; the result makes any number of outputs from it.
@@ -246,6 +246,11 @@ class Method(ABC):
     def meant(self, name: str) -> Any:
         """Return the value of a parameter; where that leaves it to another one, what follows."""
         return getattr(self, name)
+
+    def takes(self, name: str, canvas: Canvas | None = None) -> bool:
+        """Whether a parameter has an effect beside what the others are, and on this canvas."""
+        needs = self.__dataclass_fields__[name].metadata["needs"]
+        return not needs or self.meant(needs[0]) in needs[1]
 
     @abstractmethod
     def fit_exemplar(self, exemplar: Exemplar) -> Model:
@@ -288,9 +293,9 @@ class Method(ABC):
         """Return the width of the window that is compared, in pixels, if this one is proposed."""
         return proposed
 
-    def for_belt(self, width: int) -> Self:
+    def for_belt(self, width: int, **parameters: Any) -> Self:
         """Return this method for a belt between two materials, whose windows are so wide."""
-        return self
+        return dataclasses.replace(self, **parameters)
 
     def window_of(self, exemplar: Exemplar) -> int:
         """Return the width of the window that the method settles on; 0 if it compares none.

@@ -11,16 +11,16 @@ from weftex.analysis.lattice import Lattice
 @pytest.mark.parametrize(
     "vectors, words",
     [
-        (((64, 64), (64, -64)), "128.0 x 64.0 px, half shift"),
-        (((62.73, 41.85), (63.42, -41.69)), "126.2 x 41.8 px, half shift"),
-        (((126, 0), (42, 41)), "126.0 x 41.0 px, third shift"),
-        (((126, 0), (84, 41)), "126.0 x 41.0 px, third shift"),
-        (((100, 0), (25, 30)), "100.0 x 30.0 px, quarter shift"),
-        (((100, 0), (41, 30)), "100.0 x 30.0 px, shift 0.41"),
-        (((100, 1), (-1, 30)), "100.0 x 30.0 px"),
-        (((20, 0), (0, 20)), "20.0 x 20.0 px"),
-        (((41, 64), (-41, 64)), "41.0 x 128.0 px, half drop"),
-        (((31, 0), (0, 102)), "31.0 x 102.0 px"),
+        (((64, 64), (64, -64)), "128 x 64 px, every other row shifted by half"),
+        (((62.73, 41.85), (63.42, -41.69)), "126.2 x 41.8 px, every other row shifted by half"),
+        (((126, 0), (42, 41)), "126 x 41 px, each row shifted by a third"),
+        (((126, 0), (84, 41)), "126 x 41 px, each row shifted by a third"),
+        (((100, 0), (25, 30)), "100 x 30 px, each row shifted by a quarter"),
+        (((100, 0), (41, 30)), "100 x 30 px, each row shifted by 0.41"),
+        (((100, 1), (-1, 30)), "100 x 30 px"),
+        (((20, 0), (0, 20)), "20 x 20 px"),
+        (((41, 64), (-41, 64)), "41 x 128 px, every other column shifted by half"),
+        (((31, 0), (0, 102)), "31 x 102 px"),
         (((0, 18.75),), "18.8 px"),
     ],
 )
@@ -35,4 +35,4 @@ def test_a_lattice_that_lies_aslant_has_lengths():
     for angle in (0.3, 0.6):
         c, s = math.cos(angle), math.sin(angle)
         found = courses(Lattice(((30 * c, 30 * s), (-70 * s, 70 * c))))
-        assert found == "30.0 x 70.0 px"
+        assert found == "30 x 70 px"

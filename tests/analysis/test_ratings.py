@@ -68,5 +68,11 @@ def test_the_correlation_is_1_in_the_middle(sample):
     assert drawn.dtype == np.uint8 and drawn[95, 95] == 255
 
 
-def test_rows_are_not_rated(sample):
-    assert rate_lattices(sample, Lattice(((0, 12),)), runners_up=0) == (None, ())
+def test_rows_are_rated_by_their_ridges():
+    """Of exact rows in any colors along them: the correlation is 0 between, and 1 at, the rows."""
+    y = np.arange(120)[:, None]
+    rows = weftex.Exemplar((128 + 90 * np.cos(y * np.pi / 6) + 0 * y.T).astype(np.uint8))
+    own, _ = rate_lattices(rows, Lattice(((0, 12),)), runners_up=0)
+    assert own.vectors == ((0, 12),) and own.multiples == 6 and own.mean > 1
+    off, _ = rate_lattices(rows, Lattice(((0, 18),)), runners_up=0)
+    assert off.goodness < own.goodness / 4

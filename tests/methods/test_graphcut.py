@@ -11,15 +11,17 @@ import weftex
 from families import canvas_of, noise
 from twins import graphcut as reference
 from weftex.methods.graphcut import GraphCut, placement
-from weftex.methods.graphcut import seams as graphcut_seams
-from weftex.methods.graphcut.placement import SubPatchMatching, chances_of
+from weftex.methods.graphcut.draws import chances_of, variance
+from weftex.methods.graphcut.placement import SubPatchMatching
 from weftex.methods.graphcut.seams import CanvasSeams
-from weftex.methods.graphcut.settings import variance
 from weftex.search.translation import Spectra, fast_size, overlap_mismatch, window_mismatch
 
 KINDS = ("plain", "x", "y", "xy", "hole", "wrapped hole")
 WAYS = {
-    "subpatch": {"patch_size": 7},
+    "subpatch": {"patch_size": 7, "refinements": 1.0},
+    "halved": {"patch_size": 9, "halvings": 1, "refinements": 0.5},
+    "quartered": {"patch_size": 8, "halvings": 2, "refinements": 0.5},
+    "entire halved": {"placement": "entire", "halvings": 2},
     "difference": {"patch_size": 7, "seam_cost": "difference"},
     "papers": {"patch_size": 9, "boundary_width": 2, "variety": 0.0, "candidates": 1},
     "best": {"patch_size": 6, "tolerance": 0.0},
@@ -105,6 +107,7 @@ def jobs(draw):
         "seam_cost": draw(st.sampled_from(["difference", "gradient"])),
         "candidates": draw(st.integers(1, 3)),
         "refinements": draw(st.sampled_from([0.0, 1.0])),
+        "halvings": draw(st.sampled_from([None, 1, 2, 3])),
     }
     return weftex.Exemplar(pixels, tileable=draw(st.booleans())), canvas, parameters
 
@@ -185,8 +188,7 @@ def test_old_seams_need_no_nodes(name):
         twin.label[y, x] = (int(corner[0] + y % 5) % 15, int(corner[1] + x % 5) % 16)
     replaced = seams = 0
     for pixel in [(6, 6), (10, 6), (8, 12), (14, 13)]:
-        twin.columns = 8
-        for box, patch in twin.patches(pixel, mend=True):
+        for box, patch, twin.columns, _ in twin.patches(pixel, mend=True):
             ours, theirs = twin.cut(box, patch), kwatra_cut(twin, box, patch)
             assert ours[1] == theirs[1]
             assert ours[0] == theirs[0]
@@ -202,19 +204,20 @@ def test_refinement_never_makes_seams_worse(seam_cost, kind, monkeypatch):
     totals = []
 
     def price(self, *box):
-        whole(self, *box)
-        cost = np.zeros_like(self.cost)
-        before, self.cost = self.cost, cost
-        cells, self.cells = self.cells, np.zeros_like(self.cells)
+        change = whole(self, *box)
+        kept = [a.copy() for a in (self.cost, self.cells, self.squares, self.most)]
+        for a in (self.cost, self.cells, self.squares, self.most):
+            a[...] = 0
         whole(self, 0, 0, *self.canvas.shape)
-        assert np.array_equal(before, self.cost) and np.array_equal(cells, self.cells)
-        totals.append(int(cost.sum()))
+        afresh = self.cost, self.cells, self.squares, self.most
+        assert all(np.array_equal(a, b) for a, b in zip(kept, afresh, strict=True))
+        totals.append(int(self.cost.sum()))
+        return change
 
     whole = CanvasSeams.price
     pixels = material("pebbles", 40, 40)
     canvas = canvas_of(kind, pixels, (61, 50))
     method = GraphCut(patch_size=14, seam_cost=seam_cost, refinements=3.0)
-    monkeypatch.setattr(graphcut_seams, "_ROWS_AT_A_TIME", 1000)
     monkeypatch.setattr(CanvasSeams, "price", price)
     method.fit(weftex.Exemplar(pixels)).sample(canvas, seed=1)
     assert len(totals) > 5
@@ -324,7 +327,8 @@ def test_variety_keeps_repeats_apart():
         ({"patch_size": 10, "boundary_width": 5}, "boundary_width is 5; .* 4"),
         ({"placement": "entire", "patch_size": 5}, "patch_size has no effect"),
         ({"placement": "random", "tolerance": 0.5}, "tolerance has no effect"),
-        ({"placement": "entire", "variety": 2.0}, "variety has no effect"),
+        ({"placement": "random", "variety": 2.0}, "variety has no effect"),
+        ({"halvings": 9}, "halvings is 9"),
         ({"candidates": 0}, "candidates is 0"),
         ({"placement": "sub-patch"}, "placement is 'sub-patch'"),
     ],
@@ -361,7 +365,7 @@ def test_of_large_samples_each_patch_is_looked_for_in_a_part(monkeypatch, tileab
     results = [model.sample((100, 90), seed=3, threads=threads) for threads in (1, 2)]
     assert np.array_equal(results[0].image, results[1].image)
     assert not np.array_equal(results[0].image, model.sample((100, 90), seed=4).image)
-    assert all(p.corners.shape == (40, 40) and p.corners.any() for p in looked_at)
+    assert all(p.corners[0].shape == (40, 40) and p.corners[0].any() for p in looked_at)
     assert max(p.top for p in looked_at) > 60 and max(p.left for p in looked_at) > 100
     source = results[0].source
     assert mask[source[..., 0], source[..., 1]].all()

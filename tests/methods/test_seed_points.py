@@ -8,7 +8,7 @@ from hypothesis import strategies as st
 from families import noise
 from twins import seed_points as reference
 from weftex.exemplar import Exemplar
-from weftex.methods.refinement.start import plant_seeds
+from weftex.methods.refinement.seeds import plant_seeds
 from weftex.search.windows import windows_of
 
 

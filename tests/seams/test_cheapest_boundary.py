@@ -26,7 +26,9 @@ def costs_by_definition(first, second):
         for k, s in seen.items()
     }
     mean = sum(squares.values()) // max(1, len(squares)) + 1
-    return {k: min(s * UNIT // mean, 64 * UNIT) + 1 for k, s in squares.items()}
+    small = sorted(squares.values())[len(squares) // 4] if squares else 0
+    unit = max(1, small, mean // 16)
+    return {k: min(s * UNIT // unit, 256 * UNIT) + 1 for k, s in squares.items()}
 
 
 @pytest.mark.parametrize("shape", [(9, 12), (20, 15), (1, 9), (2, 2)])

@@ -62,6 +62,43 @@ def test_the_next_level_looks_around_the_children(shape, tileable):
     assert any(places.values())
 
 
+def two_levels(tileable):
+    """A sample and half of it, the coarser one first, with windows of five pixels."""
+    pixels = weftex.load_exemplar("sample:pebbles").pixels[:20, :24, :1].copy()
+    fine, coarse = gaussian_pyramid(pixels, 2, (tileable, tileable))
+    return [windows_of(Exemplar(k, tileable=tileable), (2, 2, 2, 2)) for k in (coarse, fine)]
+
+
+def test_centers_are_taken_in_parts(monkeypatch):
+    coarse, fine = two_levels(False)
+    coarser = coarse, similar_places(coarse, 2, 2)
+    expected = similar_places(fine, 2, 2, coarser)
+    monkeypatch.setattr("weftex.search.similar._AT_ONCE", 7)
+    assert np.array_equal(similar_places(fine, 2, 2, coarser), expected)
+
+
+@pytest.mark.parametrize("tileable", [False, True])
+def test_large_levels_take_the_children_themselves(tileable, monkeypatch):
+    """Without a search: a child is like the children that lie as it does beside their parents."""
+    coarse, fine = two_levels(tileable)
+    parents = similar_places(coarse, 2, 2)
+    monkeypatch.setattr("weftex.search.similar._MOST_CENTERS", 100)
+    monkeypatch.setattr("weftex.search.similar.kernels.nearest_windows", None)
+    found = by_place(fine, similar_places(fine, 2, 2, (coarse, parents)))
+    top, left = (int(n) for n in coarse.period[:2])
+    like = {
+        (y, x): [
+            divmod(int(p), coarse.pixels.shape[1])
+            for p in parents[(y // 2 + top) * coarse.pixels.shape[1] + x // 2 + left]
+        ]
+        for y, x in found
+    }
+    assert len(found) > 100
+    for (y, x), places in found.items():
+        children = [(2 * (v - top) + y % 2, 2 * (u - left) + x % 2) for v, u in like[y, x]]
+        assert places == [place for place in children if place in found]
+
+
 def test_windows_of_a_pattern_are_like_those_a_period_away():
     pixels = np.tile(noise((7, 6)), (4, 4))
     windows = windows_of(Exemplar(pixels), (2, 2, 2, 2))

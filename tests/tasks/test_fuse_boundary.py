@@ -86,6 +86,16 @@ def test_the_border_itself_is_no_boundary(axis, across):
     assert (apart[0] == 0).all() and (apart[-1] == 1).all()
 
 
+def test_narrow_belts_wander_as_wide_ones_do():
+    """Hills as wide as the belt, so that a narrow one is not led aside as a whole."""
+    samples = [weftex.load_exemplar(f"sample:{name}") for name in ("pebbles", "leaves")]
+    labels = np.indices((120, 160))[1] // 40 % 2
+    result = weftex.fuse(samples, labels, seed=1)
+    made = fusion.materials(result, [s.shape[0] for s in samples])
+    assert fusion.on_one_line(made, labels) < 0.25
+    assert 0.8 < made.mean() / labels.mean() < 1.25
+
+
 def test_belts_leave_something_of_every_region():
     labels = np.zeros((60, 80), np.int32)
     labels[:, 40:] = 1
@@ -96,8 +106,13 @@ def test_belts_leave_something_of_every_region():
     rows, columns = np.arange(60), np.arange(80)
     assert meeting.place(0, 2, rows, columns)[0][20, 10] >= 1
     assert meeting.place(1, 3, rows, columns)[0][31, 51] >= 1
-    place, reach = meeting.place(0, 1, rows, columns)
-    assert reach == 20 and (place[50, :20] <= -1).all() and (place[50, 60:] >= 1).all()
+    place, room = meeting.place(0, 1, rows, columns)
+    assert (
+        room[50, 40] == 20
+        and room[20, 10] < 5
+        and (place[50, :20] <= -1).all()
+        and (place[50, 60:] >= 1).all()
+    )
     assert abs(place[50, 40]) < 0.1
     assert meeting.have_met(0, 1) and meeting.have_met(0, 2) and not meeting.have_met(2, 3)
 

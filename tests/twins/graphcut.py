@@ -2,17 +2,16 @@
 
 from __future__ import annotations
 
-import itertools
-import math
-
 import numpy as np
 
+from twins.graphcut_placement import Placing
 from twins.maxflow import least_labelling
-from twins.randomness import random_bits
 from twins.windows import ARCS, beside, usable
 
+REACH = 2  # blocks
 
-class GraphCutTwin:
+
+class GraphCutTwin(Placing):
     """One output of the method "graphcut", pixel by pixel.
 
     `label` holds for each pixel of the canvas where in the sample it was copied from, None where
@@ -81,21 +80,29 @@ class GraphCutTwin:
             256 * cost // (slope + 32 * channels) if self.method.seam_cost == "gradient" else cost
         )
 
-    def cut(self, box, patch):
+    def choices(self, box, patch):
+        """What each pixel of a box may be: old (0), new (1) or both."""
+        may = {}
+        for cell, at in zip(box, patch, strict=True):
+            old = self.label[cell] is not None
+            replaceable = self.usable[at] and not (old and cell in self.known)
+            may[cell] = (0,) * old + (1,) * bool(replaceable)
+        return may
+
+    def cut(self, box, patch, block=1, may=None):
         """Which pixels a patch replaces, and what the seams cost then: SciPy's minimum cut.
 
-        `box` lists the pixels of the canvas, `patch` for each of them that of the sample.
+        `box` lists the pixels of the canvas, `patch` for each of them that of the sample. Pixels
+        that may be both are in blocks, all of which are old or new.
         """
         new = dict(zip(box, patch, strict=True))
-        may = {}
-        for cell in box:
-            old = self.label[cell] is not None
-            replaceable = self.usable[new[cell]] and not (old and cell in self.known)
-            may[cell] = (0,) * old + (1,) * bool(replaceable)
+        may = may or self.choices(box, patch)
         free = [cell for cell in box if len(may[cell]) == 2]
-        number = {cell: i for i, cell in enumerate(free)}
+        blocks = dict.fromkeys(self.block(box, cell, block) for cell in free)
+        blocks = {key: i for i, key in enumerate(blocks)}
+        number = {cell: blocks[self.block(box, cell, block)] for cell in free}
         # cost = constant + sum of unary[i] * x_i + sum of arc[i, j] * x_i * (1 - x_j)
-        constant, unary, arc = 0, [0] * len(free), {}
+        constant, unary, arc = 0, [0] * len(blocks), {}
         for p in box:
             for step in ARCS:
                 q = self.step(p, *step)
@@ -118,7 +125,8 @@ class GraphCutTwin:
                     unary[number[q]] += table[1, 1] - table[1, 0]
                     key = number[q], number[p]
                     weight = table[0, 1] + table[1, 0] - table[0, 0] - table[1, 1]
-                    arc[key] = arc.get(key, 0) + weight
+                    if key[0] != key[1]:
+                        arc[key] = arc.get(key, 0) + weight
                 elif len(may[p]) == 2 or len(of_q) == 2:
                     chosen = p if len(may[p]) == 2 else q
                     low, high = (table[k] for k in sorted(table))
@@ -129,6 +137,27 @@ class GraphCutTwin:
         taken, value = least_labelling(unary, arc)
         side = [may[c] == (1,) or (len(may[c]) == 2 and taken[number[c]]) for c in box]
         return side, value + constant
+
+    def block(self, box, cell, block):
+        """Row and column of the block that a pixel of a box is in."""
+        row, column = divmod(box.index(cell), self.columns)
+        return row // block, column // block
+
+    def narrowed(self, box, may, side, block):
+        """Both is for pixels of blocks within `REACH` of where old and new meet; outside is old."""
+        shown = {}
+        for cell, new in zip(box, side, strict=True):
+            key = self.block(box, cell, block)
+            shown[key] = shown.get(key, set()) | ({int(new)} if may[cell] else set())
+        result = {}
+        for cell, new in zip(box, side, strict=True):
+            row, column = self.block(box, cell, block)
+            near = set()
+            for i in range(row - REACH, row + REACH + 1):
+                for j in range(column - REACH, column + REACH + 1):
+                    near |= shown.get((i, j), {0})
+            result[cell] = may[cell] if near == {0, 1} or len(may[cell]) < 2 else (int(new),)
+        return result
 
     def beside(self, box, p, step):
         """Whether the neighbor belongs to the box beside it, not around the canvas."""
@@ -146,194 +175,25 @@ class GraphCutTwin:
             return 0
         return self.seam(p, q, step, of_p, of_q)
 
-    # Section 4: placement
-
-    def chances(self, costs, spread):
-        """Whole numbers in proportion to exp(-cost / spread), of a dict of costs."""
-        best = min(costs.values())
-        result = {}
-        for place, cost in costs.items():
-            if spread > 0:
-                power = 1 + min((cost - best) / spread, 64.0) / 1024
-                for _ in range(10):
-                    power = power * power
-                result[place] = int(2.0**32 / power)
-            else:
-                result[place] = int(cost == best)
-        return result
-
-    def drawn(self, costs, size):
-        """Candidates in the order drawn; near one that was drawn there is no other."""
-        pixels = [self.pixels[at] for at in np.ndindex(self.exemplar.shape) if self.usable[at]]
-        count, spread = len(pixels), 0
-        for channel in np.transpose(pixels):
-            spread += count * int((channel**2).sum()) - int(channel.sum()) ** 2
-        chances = self.chances(costs, self.method.tolerance * (spread / count**2))
-        found = []
-        for k in range(self.method.candidates):
-            total = sum(chances.values())
-            if total == 0:
-                break
-            left = random_bits(self.seed, "patch", self.laid, k) % total
-            for place in sorted(chances):
-                left -= chances[place]
-                if left < 0:
-                    break
-            found.append(place)
-            for y, x in chances:
-                if all(abs(a - b) <= n // 16 for a, b, n in zip((y, x), place, size, strict=True)):
-                    chances[y, x] = 0
-        return found
-
-    def patches(self, pixel, mend):
-        """Candidates of sub-patch matching: (box, patch) of pixels."""
-        boundary = self.method.boundary_width
-        size, corner = self.size(*self.patch_shape()), []
-        for at, n, length, wraps in zip(
-            pixel, size, self.canvas.shape, self.canvas.wrap, strict=True
-        ):
-            start = at - (n // 2 if mend else min(boundary, (n - 1) // 2))
-            corner.append(start if wraps else min(max(start, 0), length - n))
-        box = self.rectangle(corner, size, self.canvas.shape)
-        fits = {}
-        for y, x in np.ndindex(self.exemplar.shape):
-            if not self.exemplar.tileable and (
-                y + size[0] > self.exemplar.shape[0] or x + size[1] > self.exemplar.shape[1]
-            ):
-                continue
-            patch = self.rectangle((y, x), size, self.exemplar.shape)
-            if all(self.usable[at] for at in patch):
-                fits[y, x] = patch
-        costs = dict.fromkeys(fits, 0.0)
-        there = [i for i, cell in enumerate(box) if self.label[cell] is not None]
-        if there:
-            now = [self.level(box[i]) for i in there]
-            for place, patch in fits.items():
-                like = [self.pixels[patch[i]] for i in there]
-                costs[place] = int(((np.array(now) - like) ** 2).sum()) / len(there)
-        if there and self.method.variety > 0:
-            costs = self.varied(costs, fits, corner, size)
-            costs = self.not_continuing(costs, box, size) or costs
-        return [(box, fits[place]) for place in self.drawn(costs, size)]
-
-    def not_continuing(self, costs, box, size):
-        """The places that are not next to one from which the box would just go on."""
-        taken = set()
-        for i, cell in enumerate(box):
-            label = self.label[cell]
-            if label is not None and label != "known":
-                v, u = divmod(i, size[1])
-                y, x = label[0] - v, label[1] - u
-                if self.exemplar.tileable:
-                    y, x = y % self.exemplar.shape[0], x % self.exemplar.shape[1]
-                taken.add((y, x))
-        near = [n // 16 for n in size]
-        return {
-            place: cost
-            for place, cost in costs.items()
-            if not any(
-                abs(place[0] - y) <= near[0] and abs(place[1] - x) <= near[1] for y, x in taken
-            )
-        }
-
-    def varied(self, costs, fits, corner, size):
-        """Costs plus what of each place is shown within a patch of the box, every fourth pixel."""
-        lines = []
-        for start, n, length, wraps in zip(
-            corner, size, self.canvas.shape, self.canvas.wrap, strict=True
-        ):
-            line = range(start - n, start + 2 * n, 4)
-            lines.append([k % length for k in line][:length] if wraps
-                         else [k for k in line if 0 <= k < length])  # fmt: skip
-        shown = {}
-        for cell in itertools.product(*lines):
-            shown[self.label[cell]] = shown.get(self.label[cell], 0) + 1
-        seen = {place: sum(shown.get(at, 0) for at in patch) for place, patch in fits.items()}
-        median = sorted(seen.values())[len(seen) // 2]
-        good = min(costs[place] for place in fits if seen[place] <= median)
-        once = size[0] * size[1] / 16
-        return {
-            place: cost + seen[place] * (self.method.variety * good / once)
-            for place, cost in costs.items()
-        }
-
-    def samples(self, pixel, mend):
-        """Candidates of random placement and entire patch matching: (box, patch) of pixels."""
-        height, width = self.exemplar.shape
-        size, wrap = self.size(height, width), self.canvas.wrap
-        last = 3 if mend else 2
-        rows = range(height // 4, height * last // 4 + 1)
-        columns = range(width // 4, width * last // 4 + 1)
-        usable = [at for at in np.ndindex(height, width) if self.usable[at]]
-        some = [at for at in usable if at[0] in rows and at[1] in columns] or usable
-        costs = dict.fromkeys(some, 0.0)
-        if self.method.placement == "entire":
-            found = {}
-            for at in some:
-                total = area = 0
-                for v, u in usable:
-                    y, x = pixel[0] - at[0] + v, pixel[1] - at[1] + u
-                    cell = self.step((y, x), 0, 0)
-                    if cell is not None and self.label[cell] is not None:
-                        total += int(((self.level(cell) - self.pixels[v, u]) ** 2).sum())
-                        area += 1
-                found[at] = total / area if area else math.inf
-            if any(cost < math.inf for cost in found.values()):
-                costs = found
-        result = []
-        for at in self.drawn(costs, size):
-            corner, lengths, source = [], [], []
-            for p, s, n, most, length, wraps in zip(
-                pixel, at, (height, width), size, self.canvas.shape, wrap, strict=True
-            ):
-                first, end = p - s, p - s + n
-                if wraps:
-                    first = max(first, p - most // 2)
-                    end = min(end, first + most)
-                else:
-                    first, end = max(first, 0), min(end, length)
-                corner.append(first)
-                lengths.append(end - first)
-                source.append(first - p + s)
-            box = self.rectangle(corner, lengths, self.canvas.shape)
-            result.append((box, self.rectangle(source, lengths, self.exemplar.shape), lengths))
-        return result
-
-    def patch_shape(self):
-        """Squares; of a thin sample 0.45 of either side; or the entire sample."""
-        side = self.method.patch_size
-        if side:
-            return side, side
-        if self.method.placement == "subpatch":
-            return tuple(max(1, round(0.45 * n)) for n in self.exemplar.shape)
-        return self.exemplar.shape
-
-    def size(self, height, width):
-        """Of patches: around a wrapped axis they leave a third of the canvas."""
-        return [
-            min(n, max(1, 2 * length // 3) if wraps else length)
-            for n, length, wraps in zip(
-                (height, width), self.canvas.shape, self.canvas.wrap, strict=True
-            )
-        ]
-
-    @staticmethod
-    def rectangle(corner, size, shape):
-        return [
-            ((corner[0] + v) % shape[0], (corner[1] + u) % shape[1]) for v, u in np.ndindex(*size)
-        ]
-
     # The whole
 
     def lay(self, pixel, mend):
         best = None
         kind = self.patches if self.method.placement == "subpatch" else self.samples
-        for box, patch, *lengths in kind(pixel, mend):
-            self.columns = (lengths[0] if lengths else self.size(*self.patch_shape()))[1]
-            taken, cost = self.cut(box, patch)
+        block = max(1, self.reduction() // 2)
+        for box, patch, columns, price in kind(pixel, mend):
+            self.columns = columns
+            side, cost = self.cut(box, patch, block)
+            cost *= price
             if best is None or cost < best[0]:
-                best = cost, box, patch, taken
-        for cell, at, new in zip(*best[1:], strict=True):
+                best = cost, box, patch, columns, side
+        _, box, patch, self.columns, side = best
+        may = self.choices(box, patch)
+        while block > 1:
+            may = self.narrowed(box, may, side, block)
+            block = max(1, block // 4)
+            side, _ = self.cut(box, patch, block, may)
+        for cell, at, new in zip(box, patch, side, strict=True):
             if new:
                 self.label[cell] = at
         self.laid += 1

@@ -17,7 +17,12 @@ if TYPE_CHECKING:
 
 _UNIT = 1 << 16  # positions are in 1/65536 pixel
 _SMALLEST_SAMPLE = 32  # side below which noise may look like a lattice by chance
+_ALONG = 1.01  # pixels: a vector as short as that says nothing but a direction
 _SIZES_TRIED = 64  # pixels on both sides of a size among which a better one is looked for
+_SURE = 0.6  # confidence from which blocks may be laid by a lattice
+_TILES = 4  # that a sample must show, so that a block has more than one place to come from
+#: Strain of a lattice that goes around a canvas, from which it shows.
+VISIBLE_STRAIN = 0.05
 #: The unconstrained mode's vectors: any place is similar to any other (section 5.2).
 ANYWHERE = (1.0, 0.0, 0.0, 1.0)
 
@@ -141,6 +146,54 @@ def check_lattice(vectors: tuple[float, ...], exemplar: Exemplar) -> None:
             f"the lattice's tile has {lattice.area:.0f} pixels and {size}, "
             "which is less than two tiles; give a larger sample"
         )
+
+
+def is_sure(lattice: Lattice | None, pixels: int) -> bool:
+    """Whether blocks of a sample may be laid by its lattice.
+
+    Parameters
+    ----------
+    lattice : Lattice or None
+        As `find_lattice` found it.
+    pixels : int
+        Of the sample that may be used.
+
+    Examples
+    --------
+    >>> is_sure(Lattice(((50, 0), (25, 20)), confidence=0.8), 100 * 100)
+    True
+    >>> is_sure(Lattice(((50, 0), (25, 20)), confidence=0.8), 40 * 90)
+    False
+    """
+    if lattice is None or len(lattice.vectors) == 1 or lattice.confidence < _SURE:
+        return False
+    return pixels >= _TILES * lattice.area
+
+
+def four_numbers(lattice: Lattice) -> tuple[float, float, float, float]:
+    """A lattice as x1, y1, x2, y2, as methods take it; along rows any pixel is as good as the next.
+
+    >>> four_numbers(Lattice(((0, 47),)))
+    (0.0, 47.0, 1.0, 0.0)
+    """
+    (x, y), *other = lattice.vectors
+    if other:
+        return (x, y, *other[0])
+    length = float(np.hypot(x, y))
+    return x, y, round(y / length, 4) + 0.0, round(-x / length, 4) + 0.0
+
+
+def given_lattice(vectors: tuple[float, ...]) -> Lattice:
+    """The lattice of x1, y1, x2, y2: rows, if one of the vectors leads no farther than a pixel.
+
+    >>> given_lattice((0, 47, 1, 0)).vectors
+    ((0.0, 47.0),)
+    """
+    x1, y1, x2, y2 = vectors
+    pair = sorted(((x1, y1), (x2, y2)), key=lambda one: float(np.hypot(*one)))
+    if np.hypot(*pair[0]) <= _ALONG < np.hypot(*pair[1]):
+        return Lattice((pair[1],))
+    return Lattice(((x1, y1), (x2, y2)))
 
 
 def found_vectors(exemplar: Exemplar) -> tuple[float, ...]:

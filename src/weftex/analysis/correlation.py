@@ -137,7 +137,7 @@ class _Sums:
     ) -> None:
         self.first, self.second = first, second
         self.shape = first[0] + second[0] - 1, first[1] + second[1] - 1
-        self.padded = _fast_length(self.shape[0]), _fast_length(self.shape[1])
+        self.padded = wrapped_length(self.shape[0]), wrapped_length(self.shape[1])
         self.masked = first_mask is not None or second_mask is not None
         if self.masked:
             masks = (
@@ -183,7 +183,7 @@ class _Sums:
         return touching_sums(values, self.first)[::-1, ::-1]
 
 
-def _fast_length(at_least: int) -> int:
+def wrapped_length(at_least: int) -> int:
     """The next length with no prime factor above 5."""
     length = at_least
     while True:

@@ -14,15 +14,16 @@ _UPRIGHT = 0.05  # of its length, that a vector along an axis may be off it
 _LONGEST = 12.0  # a piece, for its height
 _LYING = 1.5  # the same, from which courses are taken to lie
 _SHIFT = 0.06  # of a piece, that a shift may be off a name
-_NAMES = {0: "", 1 / 2: "half shift", 1 / 3: "third shift", 1 / 4: "quarter shift"}
+_NAMES = {1 / 2: "every other {} shifted by half"}
+_NAMES |= {1 / 3: "each {} shifted by a third", 1 / 4: "each {} shifted by a quarter"}
 
 
 def courses(lattice: Lattice) -> str:
     """Say the width and height of the pieces of a lattice in pixels, and their shift.
 
     Which way courses lie cannot be seen in a lattice: they lie where that makes pieces clearly
-    longer than high. Where they stand, a shift is a drop. The vectors of a running bond lead to
-    the next course, half a piece aside, so their lengths are diagonals.
+    longer than high, and are rows there; where they stand, they are columns. The vectors of a
+    running bond lead to the next row, half a piece aside, so their lengths are diagonals.
 
     Parameters
     ----------
@@ -39,11 +40,11 @@ def courses(lattice: Lattice) -> str:
     --------
     >>> from weftex.analysis.lattice import Lattice
     >>> courses(Lattice(((64, 64), (64, -64)))), courses(Lattice(((31, 0), (1, 102))))
-    ('128.0 x 64.0 px, half shift', '31.0 x 102.0 px')
+    ('128 x 64 px, every other row shifted by half', '31 x 102 px')
     """
     shortest = lattice.reduced().vectors
     if len(shortest) == 1:
-        return f"{math.hypot(*shortest[0]):.1f} px"
+        return f"{_number(math.hypot(*shortest[0]))} px"
     vectors = np.array(shortest)
     times = np.stack(np.meshgrid(np.arange(-4, 5), np.arange(-4, 5)), axis=-1).reshape(-1, 2)
     sums = times @ vectors
@@ -56,7 +57,7 @@ def courses(lattice: Lattice) -> str:
             length = float(np.hypot(*piece))
             found.append((round(length**2 / lattice.area, 2), -axis, length, piece))
     if not found:
-        return " x ".join(f"{math.hypot(*vector):.1f}" for vector in shortest) + " px"
+        return " x ".join(_number(math.hypot(*vector)) for vector in shortest) + " px"
     # Courses lie where pieces are clearly longer than high, and else where they are longest.
     lying = [one for one in found if one[1] == 0 and one[0] >= _LYING]
     _, axis, length, piece = lying[0] if lying else max(found, key=lambda one: one[:2])
@@ -66,7 +67,18 @@ def courses(lattice: Lattice) -> str:
     moved = float(along.min())
     height = lattice.area / length if moved > _SHIFT else float(np.hypot(*on[along.argmin()]))
     sides = (length, height)[:: 1 if axis == 0 else -1]
-    name = next((word for share, word in _NAMES.items() if abs(moved - share) <= _SHIFT), None)
-    shift = f"shift {moved:.2f}" if name is None else name
-    shift = shift.replace("shift", "drop") if axis else shift
-    return f"{sides[0]:.1f} x {sides[1]:.1f} px" + (f", {shift}" if shift else "")
+    size = f"{_number(sides[0])} x {_number(sides[1])} px"
+    if moved <= _SHIFT:
+        return size
+    line = "column" if axis else "row"
+    name = next((words for share, words in _NAMES.items() if abs(moved - share) <= _SHIFT), None)
+    return f"{size}, " + (name or f"each {{}} shifted by {moved:.2f}").format(line)
+
+
+def _number(length: float) -> str:
+    """To a tenth of a pixel.
+
+    >>> _number(64.04), _number(41.77)
+    ('64', '41.8')
+    """
+    return f"{length:.1f}".removesuffix(".0")

@@ -26,6 +26,7 @@ if TYPE_CHECKING:
 
 ALPHA = 1.12  # the paper's; above 1 it prefers smaller tiles
 MOST_ALPHA = 4.0  # by far the smallest tile wins
+UNSURE = 0.25  # standard error of the contrast of one multiple, about
 SIGNIFICANT = 0.85  # share of a tile that an overlap must hold (section 3.3.1)
 GOODNESS = ("contrast", "height", "dominance")
 
@@ -34,7 +35,6 @@ GOODNESS = ("contrast", "height", "dominance")
 _BETWEEN = [(0.5, 0.0), (0.0, 0.5), (0.5, 0.5)]
 _BETWEEN += [(1 / 3, 0.0), (0.0, 1 / 3), (1 / 3, 1 / 3), (1 / 3, 2 / 3)]
 _CLOSE = 10.0  # pixels; shorter vectors are rated by single pixels
-_UNSURE = 0.25  # standard error of the contrast of one multiple, about
 
 
 @dataclass(frozen=True, eq=False)
@@ -74,7 +74,8 @@ def check_rule(goodness: str, alpha: float, significant: float) -> None:
 class Field:
     """An autocorrelation, to be looked at near the multiples of vectors.
 
-    `alpha` is that of eq. 3.22, `significant` the share of a tile that an overlap must hold.
+    `alpha` is that of eq. 3.22, `significant` the share of a tile that an overlap must hold;
+    `unsure` is what chance makes of the contrast of one multiple, if all of the sample overlaps.
     """
 
     def __init__(
@@ -83,9 +84,10 @@ class Field:
         peaks: Peaks,
         alpha: float = ALPHA,
         significant: float = SIGNIFICANT,
+        unsure: float | None = None,
     ) -> None:
         self.correlation, self.peaks = correlation, peaks
-        self.alpha, self.significant = alpha, significant
+        self.alpha, self.significant, self.unsure = alpha, significant, unsure
         self.height, self.width = (side // 2 + 1 for side in correlation.shape)
         # Multiples lie between pixels, and material is not exact: of a place and its neighbors
         # the highest counts, also at the places between multiples.
@@ -96,6 +98,11 @@ class Field:
         # A neighbor of a place between close multiples would itself be a multiple.
         coarse = (_shortest(pairs) >= _CLOSE).astype(np.int64)
         found: Floats = self.tables[coarse, *self._at(x, y)]
+        return found
+
+    def shares(self, x: Floats, y: Floats) -> Floats:
+        """The part of the sample that overlaps at each shift."""
+        found: Floats = (1 - abs(x) / self.width) * (1 - abs(y) / self.height)
         return found
 
     def held(self, x: Floats, y: Floats, pairs: Floats) -> Floats:
@@ -132,10 +139,10 @@ def rate(field: Field, pairs: Floats, reach: int, kind: str, *, exact: bool = Fa
         says how many multiples are.
     """
     area = abs(pairs[:, 0, 0] * pairs[:, 1, 1] - pairs[:, 0, 1] * pairs[:, 1, 0])
-    x, y, counts = _places(field, pairs, _multiples(reach, (0, 0)), exact)
+    times = _multiples(reach, (0, 0))
+    x, y, counts = _places(field, pairs, times, exact)
     ones = np.array([[1.0, 0.0], [0.0, 1.0]])
     both = _places(field, pairs, ones, exact)[2].all(axis=1)  # each vector itself is significant
-    weights = counts * (field.width - abs(x)) * (field.height - abs(y))
     count = counts.sum(axis=1).astype(np.float64)
     heights = field.values(x, y, pairs)
     if kind == "height":
@@ -143,16 +150,23 @@ def rate(field: Field, pairs: Floats, reach: int, kind: str, *, exact: bool = Fa
     elif kind == "dominance":
         value = _mean(field.held(x, y, pairs) * heights, counts)
     else:
-        value = _mean(heights, weights) - _between(field, pairs, reach)
+        weights = counts * field.shares(x, y)
+        contrasts = heights - _between(field, pairs, reach)[:, None]
+        if field.unsure is None:
+            value = _mean(contrasts, weights)
+        else:
+            value = _above_chance(contrasts, weights, times, field.unsure)
     number = count if exact else 2 * field.width * field.height / np.maximum(area, 1)
     goodness = np.maximum(value, 0) ** field.alpha * np.maximum(number, 1) ** (field.alpha - 1)
     return Rating(np.where(both, goodness, 0), value, count)
 
 
 def contrast_of(field: Field, pair: Floats, reach: int) -> float:
-    """The correlation at multiples above that between them, less its standard error."""
+    """The correlation at multiples above that between them, less what chance explains."""
     found = rate(field, pair[None], reach, "contrast")
-    return float(found.value[0] - _UNSURE / max(found.count[0], 1) ** 0.5)
+    if field.unsure is not None:
+        return float(found.value[0])
+    return float(found.value[0] - UNSURE / max(found.count[0], 1) ** 0.5)
 
 
 def stand_out(
@@ -293,9 +307,33 @@ def _between(field: Field, pairs: Floats, reach: int) -> Floats:
     highest = np.full(len(pairs), -1.0)
     for phase in _BETWEEN:
         x, y, counts = _places(field, pairs, _multiples(reach, phase))
-        weights = counts * (field.width - abs(x)) * (field.height - abs(y))
+        weights = counts * field.shares(x, y)
         highest = np.maximum(highest, _mean(field.values(x, y, pairs), weights))
     return highest
+
+
+def _above_chance(contrasts: Floats, weights: Floats, times: Floats, unsure: float) -> Floats:
+    """The mean contrast of multiples, less what chance explains, whatever is left out.
+
+    Of many pairs some have a multiple that is high by chance, or because a part of the sample is a
+    copy of another; and rows are high along one line of multiples. A lattice is there without.
+    """
+    parts = contrasts * weights
+    total, weight = parts.sum(axis=1), weights.sum(axis=1)
+    at = parts.argmax(axis=1)[:, None]
+    out = [(np.take_along_axis(parts, at, 1)[:, 0], np.take_along_axis(weights, at, 1)[:, 0])]
+    for line in (
+        times[:, 1] == 0,
+        times[:, 0] == 0,
+        *(times[:, 0] == k * times[:, 1] for k in (1, -1)),
+    ):
+        out.append((parts[:, line].sum(axis=1), weights[:, line].sum(axis=1)))
+    least = _mean(contrasts, weights)
+    for part, share in out:
+        left = weight - share
+        mean = (total - part) / np.maximum(left, 1e-9) - unsure / np.sqrt(np.maximum(left, 1e-9))
+        least = np.where(left > 1e-9, np.minimum(least, mean), -1.0)
+    return least
 
 
 def _around(table: Floats) -> Floats:

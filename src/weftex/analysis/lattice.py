@@ -3,32 +3,47 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
+from weakref import WeakKeyDictionary
 
 import numpy as np
 
 from weftex.analysis.alternation import alternating
 from weftex.analysis.correlation import correlate
-from weftex.analysis.goodness import ALPHA, SIGNIFICANT, Field, check_rule
-from weftex.analysis.pairs import best_pair, fitted, reduced
+from weftex.analysis.evidence import Evidence
+from weftex.analysis.goodness import (
+    ALPHA,
+    SIGNIFICANT,
+    Field,
+    check_rule,
+    contrast_of,
+    rate,
+    reach_of,
+    stand_out,
+)
+from weftex.analysis.pairs import MOST_MULTIPLES, best_pair, fitted, reduced
 from weftex.analysis.peaks import find_peaks
-from weftex.analysis.relief import relief
-from weftex.analysis.rows import find_rows
+from weftex.analysis.relief import Relief, relief
+from weftex.analysis.rows import find_rows, ridges
+from weftex.analysis.whitening import whitened
 from weftex.errors import InvalidInputError
+from weftex.exemplar import Exemplar
 
 if TYPE_CHECKING:
-    from numpy.typing import NDArray
+    from collections.abc import Sequence
 
-    from weftex.exemplar import Exemplar
+    from numpy.typing import NDArray
 
     Floats = NDArray[np.float64]
 
 Vector = tuple[float, float]
 
 _LONGEST = 1e9  # pixels; no picture is as large, and products of vectors stay numbers
-_ROWS = 0.01  # contrast of rows that gives a confidence of 0.5
-_CONTRAST = 0.02  # contrast of two vectors that gives 0.5; less is no lattice
+_LEAST = 0.5  # confidence of what is reported
+_OFF = 0.15  # of a vector, that multiples of smaller tiles may be off a larger one
+_ERRORS = 4.0  # standard errors by which a larger tile's multiples stand out
+_SIGMAS = 3.0  # of what chance makes of one multiple, that do not count
 
 
 @dataclass(frozen=True)
@@ -125,6 +140,12 @@ class Lattice:
         return min(corners, key=lambda c: math.hypot(c[0] - x, c[1] - y))
 
 
+#: What was found by each goodness, alpha and share; methods, scale and choice all ask.
+_FOUND: WeakKeyDictionary[Exemplar, dict[tuple[str, float, float], Lattice | None]] = (
+    WeakKeyDictionary()
+)
+
+
 def _rightward(vector: Vector) -> Vector:
     """The vector or its opposite (observation iii), by a sign that does not change near an axis."""
     x, y = vector
@@ -138,7 +159,7 @@ def find_lattice(
     alpha: float = ALPHA,
     significant: float = SIGNIFICANT,
 ) -> Lattice | None:
-    """Find the translations under which a sample looks the same.
+    """Find the translations under which a sample looks the same, once for each sample.
 
     Section 3.3 of the paper on near-regular textures, with pairs rated by contrast; see
     `weftex.analysis.goodness`.
@@ -173,23 +194,105 @@ def find_lattice(
     ((0.0, 12.0), (16.0, 0.0))
     """
     check_rule(goodness, alpha, significant)
+    rule = (goodness, alpha, significant)
+    known = _FOUND.setdefault(exemplar, {})
+    if rule not in known:
+        known[rule] = lattice_in(views(exemplar, alpha, significant), goodness)
+    return known[rule]
+
+
+@dataclass(frozen=True, eq=False)
+class Views:
+    """A sample without slow lighting, and its correlations: as it is, and whitened."""
+
+    flat: Relief
+    field: Field
+    white: Field
+    chance: float
+
+
+def views(exemplar: Exemplar, alpha: float = ALPHA, significant: float = SIGNIFICANT) -> Views:
+    """What lattices of a sample are looked for in; alpha and significant as for `find_lattice`."""
     flat = relief(exemplar)
-    mask = flat.usable >= 0.5
-    correlation = correlate(np.moveaxis(flat.levels, 0, 2), first_mask=mask)
-    field = Field(correlation, find_peaks(correlation), alpha, significant)
-    found = best_pair(field, goodness)
-    if found is not None and found[1] >= _CONTRAST:
-        vectors, contrast = found
-        whole = alternating(flat, vectors) if goodness == "contrast" else None
-        if whole is not None:
-            vectors = fitted(field, reduced(whole @ vectors))
-        confidence = contrast / (contrast + _CONTRAST)
+    own = correlate(np.moveaxis(flat.levels, 0, 2), first_mask=flat.usable >= 0.5)
+    even, chance = whitened(flat)
+    white = Field(even, find_peaks(even), alpha, significant, _SIGMAS * chance)
+    return Views(flat, Field(own, find_peaks(own), alpha, significant), white, chance)
+
+
+def lattice_in(seen: Views, goodness: str = "contrast") -> Lattice | None:
+    """The better pair of vectors, or else rows; see `find_lattice`."""
+    best = better(seen, pairs_seen(seen, goodness))
+    if best is not None and best.confidence >= _LEAST:
+        best = in_turn(seen, best) if goodness == "contrast" else best
     else:
-        rows = find_rows(flat)
-        if rows is None or rows[1] < _ROWS:
+        best = rows_seen(seen)
+        if best is None or best.confidence < _LEAST:
             return None
-        vectors, contrast = rows[0][None], rows[1]
-        confidence = contrast / (contrast + _ROWS)
-    lattice = Lattice(tuple((float(x), float(y)) for x, y in vectors * flat.step)).reduced()
-    plain = tuple((round(x, 2) + 0.0, round(y, 2) + 0.0) for x, y in lattice.vectors)
-    return Lattice(plain, round(confidence, 2))
+    lattice = Lattice(tuple((float(x), float(y)) for x, y in best.vectors * seen.flat.step))
+    plain = [(round(x, 2) + 0.0, round(y, 2) + 0.0) for x, y in lattice.reduced().vectors]
+    return Lattice(tuple(plain), round(best.confidence, 2))
+
+
+def pairs_seen(seen: Views, goodness: str = "contrast") -> list[Evidence]:
+    """The best pair of vectors of the correlation, that of the whitened one, and their evidence.
+
+    Stones behind a mesh hide it in the first, and what has no edges is lost in the second.
+    """
+    found: list[Evidence] = []
+    for field in (seen.field, seen.white) if goodness == "contrast" else (seen.field,):
+        vectors = best_pair(field, goodness)
+        if vectors is not None:
+            found.append(evidence_of(seen, vectors))
+    return found
+
+
+def better(seen: Views, pairs: Sequence[Evidence]) -> Evidence | None:
+    """Of the two pairs the second, if it is clearer or the first is made of its tiles.
+
+    It must have half of the first one's contrast too: the threads of a checked cloth are clear, and
+    have far less than its checks. Of larger tiles chance makes one better than the right one, but
+    not so that its multiples stand out of the others in the whitened sample.
+    """
+    if len(pairs) < 2:
+        return pairs[0] if pairs else None
+    first, second = pairs
+    if max(second.contrast, 0.0) < max(first.contrast, 0.0) / 2:
+        return first
+    times = first.vectors @ np.linalg.inv(second.vectors)
+    whole = np.rint(times)
+    if abs(times - whole).max() < _OFF:
+        if abs(np.linalg.det(whole)) < 1.5:
+            return first  # they are one lattice
+        reach = reach_of(seen.white, second.vectors, MOST_MULTIPLES)
+        errors = stand_out(seen.white, second.vectors, whole, reach)[1]
+        return first if errors > _ERRORS else second
+    return second if second.clear > first.clear else first
+
+
+def in_turn(seen: Views, one: Evidence) -> Evidence:
+    """The larger tile, where cells alternate; as sure as the smaller one is."""
+    whole = alternating(seen.flat, one.vectors)
+    if whole is None:
+        return one
+    return replace(one, vectors=fitted(seen.field, reduced(whole @ one.vectors)))
+
+
+def evidence_of(seen: Views, vectors: Floats) -> Evidence:
+    """What speaks for two vectors."""
+    reach = reach_of(seen.field, vectors, MOST_MULTIPLES)
+    return Evidence(
+        vectors,
+        contrast_of(seen.field, vectors, reach),
+        contrast_of(seen.white, vectors, reach) / max(seen.chance, 1e-12),
+        int(rate(seen.field, vectors[None], reach, "contrast").count[0]),
+    )
+
+
+def rows_seen(seen: Views) -> Evidence | None:
+    """The best rows, and what speaks for them."""
+    rows = find_rows(seen.flat)
+    if rows is None:
+        return None
+    clear, number = ridges(seen.white.correlation, rows[0])
+    return Evidence(rows[0][None], rows[1], clear / max(seen.chance, 1e-12), number)

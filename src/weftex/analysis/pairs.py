@@ -35,8 +35,8 @@ _OWN = 6  # multiples that the larger tile must have for that
 _NEAR = 0.3  # pixels from a whole shift within which the smaller tile's multiples are compared
 
 
-def best_pair(field: Field, goodness: str) -> tuple[Floats, float] | None:
-    """Return the two vectors with the highest goodness, and their contrast.
+def best_pair(field: Field, goodness: str) -> Floats | None:
+    """Return the two vectors with the highest goodness.
 
     Parameters
     ----------
@@ -47,7 +47,7 @@ def best_pair(field: Field, goodness: str) -> tuple[Floats, float] | None:
 
     Returns
     -------
-    (float64 array (2, 2), float) or None
+    float64 array (2, 2) or None
         Vectors as rows (x, y); None where no pair has two significant vectors.
     """
     best, highest = None, 0.0
@@ -56,9 +56,7 @@ def best_pair(field: Field, goodness: str) -> tuple[Floats, float] | None:
             best, highest = vectors, rated
     if best is None:
         return None
-    if goodness == "contrast":
-        best = _multiply(field, _divide(field, best))
-    return best, contrast_of(field, best, reach_of(field, best, MOST_MULTIPLES))
+    return _multiply(field, _divide(field, best)) if goodness == "contrast" else best
 
 
 def rated_pairs(field: Field, goodness: str) -> list[tuple[Floats, float]]:

@@ -9,10 +9,10 @@ import numpy as np
 
 from weftex.analysis.correlation import correlate
 from weftex.analysis.goodness import ALPHA, SIGNIFICANT, Field, check_rule, rate, reach_of
-from weftex.analysis.lattice import Lattice
+from weftex.analysis.lattice import Lattice, Views, views
 from weftex.analysis.pairs import MOST_MULTIPLES, rated_pairs
-from weftex.analysis.peaks import find_peaks
-from weftex.analysis.relief import Relief, relief
+from weftex.analysis.relief import relief
+from weftex.analysis.rows import ridges
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -27,13 +27,18 @@ class Rated:
     Attributes
     ----------
     vectors : tuple of (float, float)
-        Its shortest two vectors (x, y) in pixels.
+        Its shortest vectors (x, y) in pixels; one of rows.
     goodness : float
         Of eq. 3.22; what is compared. 0 if a vector has no significant multiple.
     mean : float
         The mean of eq. 3.24: of the correlation for "height", of what stands for it otherwise.
     multiples : int
         n of eq. 3.22: those whose overlap is significant.
+
+    Notes
+    -----
+    Of rows the mean is how far the ridges of the correlation are above what is between them,
+    without the highest, and n is the number of ridges.
     """
 
     vectors: tuple[tuple[float, float], ...]
@@ -55,10 +60,7 @@ def gncc(exemplar: Exemplar) -> NDArray[np.float64]:
     float64 array (2 * H - 1, 2 * W - 1)
         From -1 to 1, no shift in the middle; see `weftex.analysis.correlation.correlate`.
     """
-    return _gncc(relief(exemplar))
-
-
-def _gncc(flat: Relief) -> NDArray[np.float64]:
+    flat = relief(exemplar)
     return correlate(np.moveaxis(flat.levels, 0, 2), first_mask=flat.usable >= 0.5)
 
 
@@ -70,6 +72,7 @@ def rate_lattices(
     alpha: float = ALPHA,
     significant: float = SIGNIFICANT,
     runners_up: int = 3,
+    seen: Views | None = None,
 ) -> tuple[Rated | None, tuple[Rated, ...]]:
     """Rate a lattice, and the best others that a sample could have.
 
@@ -83,11 +86,13 @@ def rate_lattices(
         As for `weftex.analysis.lattice.find_lattice`.
     runners_up : int
         The most others to return.
+    seen : Views, optional
+        The sample's correlations with that alpha and share, if they are at hand.
 
     Returns
     -------
     (Rated or None, tuple of Rated)
-        The lattice, None where it has not two vectors; the others, the best first.
+        The lattice, None without one; the others, the best first.
 
     Examples
     --------
@@ -99,14 +104,13 @@ def rate_lattices(
     (1.0, True)
     """
     check_rule(goodness, alpha, significant)
-    flat = relief(exemplar)
-    correlation = _gncc(flat)
-    field = Field(correlation, find_peaks(correlation), alpha, significant)
+    seen = views(exemplar, alpha, significant) if seen is None else seen
+    field, step = seen.field, seen.flat.step
 
     def rated(vectors: NDArray[np.float64]) -> Rated:
         reach = reach_of(field, vectors, MOST_MULTIPLES)
         found = rate(field, vectors[None], reach, goodness, exact=True)
-        plain = Lattice(tuple((float(x), float(y)) for x, y in vectors * flat.step)).reduced()
+        plain = Lattice(tuple((float(x), float(y)) for x, y in vectors * step)).reduced()
         return Rated(
             tuple((round(x, 2) + 0.0, round(y, 2) + 0.0) for x, y in plain.vectors),
             round(float(found.goodness[0]), 4),
@@ -115,8 +119,11 @@ def rate_lattices(
         )
 
     own = None
-    if lattice is not None and len(lattice.vectors) == 2:
-        own = rated(np.array(lattice.reduced().vectors) / flat.step)
+    if lattice is not None:
+        vectors = np.array(lattice.reduced().vectors) / step
+        own = rated(vectors) if len(vectors) == 2 else _rated_rows(lattice, field, vectors[0])
+    if not runners_up:
+        return own, ()
     others = [rated(vectors) for vectors, _ in rated_pairs(field, goodness)]
     others.sort(key=lambda other: -other.goodness)
     shown: list[Rated] = []
@@ -126,3 +133,9 @@ def rate_lattices(
         if other.goodness > 0 and not any(Lattice(other.vectors).same_as(one) for one in known):
             shown.append(other)
     return own, tuple(shown[:runners_up])
+
+
+def _rated_rows(lattice: Lattice, field: Field, vector: NDArray[np.float64]) -> Rated:
+    mean, number = ridges(field.correlation, vector)
+    goodness = max(mean, 0.0) ** field.alpha * number ** (field.alpha - 1)
+    return Rated(lattice.reduced().vectors, round(goodness, 4), round(mean, 4), number)

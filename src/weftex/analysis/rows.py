@@ -29,6 +29,8 @@ _REACH = 0.7  # of the shorter side: the farthest ridge that is rated
 _UNSURE = 0.1  # standard error of one ridge, about
 _COLORED = 0.05  # of the variance of all channels: the most that their mean has in colors alone
 _SAMPLES = 61  # places along a line whose correlations are averaged
+_PARTS = 7  # closer rows that are tried
+_AS_HIGH = 0.8  # of the contrast, that closer rows must have
 _HIGHER = 0.8  # of its height: the most that every second ridge lies above the others
 
 
@@ -58,9 +60,53 @@ def find_rows(flat: Relief) -> tuple[Floats, float] | None:
     angle, distance, contrast = _highest(correlation, near, reach)
     if contrast <= 0:
         return None
-    if _alternates(_profiles(correlation, np.array([angle]), reach)[0], distance):
+    profile = _profiles(correlation, np.array([angle]), reach)[0]
+    distance = _divided(profile, distance)
+    if _alternates(profile, distance):
         distance *= 2
     return distance * np.array([-np.sin(angle), np.cos(angle)]), contrast
+
+
+def ridges(correlation: Floats, vector: Floats) -> tuple[float, int]:
+    """How far the ridges of rows stand out of a correlation, but for the highest; and how many.
+
+    Rows of many heights have some ridges by chance, which are not at all multiples.
+
+    Parameters
+    ----------
+    correlation : float64 array (2 * H - 1, 2 * W - 1)
+        No shift in the middle; of the whitened sample, whose ridges are narrow.
+    vector : float64 array (2,)
+        From one row to the next.
+    """
+    reach = int(_REACH * min(side // 2 + 1 for side in correlation.shape))
+    angle = np.arctan2(-vector[0], vector[1])
+    stand = _stand(_profiles(correlation, np.array([angle]), reach)[0], float(np.hypot(*vector)))
+    lower = np.sort(stand)[: max(1, len(stand) - 1)]
+    return float(lower.mean()), len(stand)
+
+
+def _divided(profile: Floats, distance: float) -> float:
+    """The closest rows of which every so many-th are these, and that stand out as much."""
+    least = _AS_HIGH * float(_stand(profile, distance).mean())
+    for parts in range(_PARTS, 1, -1):
+        closer = distance / parts * np.linspace(0.97, 1.03, 25)
+        heights = [float(_stand(profile, one).mean()) for one in closer]
+        best = int(np.argmax(heights))
+        if closer[best] >= _CLOSEST and heights[best] >= least:
+            return float(closer[best])
+    return distance
+
+
+def _stand(profile: Floats, distance: float) -> Floats:
+    """How far each ridge stands out above the highest that is half and a third of the way to it."""
+    places = np.arange(len(profile))
+    times = np.arange(1, max(1, min(_RIDGES, int((len(profile) - 1) / distance))) + 1)
+    ridges, *others = (
+        np.interp((times - phase) * distance, places, profile) for phase in (0, 1 / 2, 1 / 3, 2 / 3)
+    )
+    found: Floats = ridges - np.max(others, axis=0)
+    return found
 
 
 def _alternates(profile: Floats, distance: float) -> bool:

@@ -66,6 +66,8 @@ class DominantScale:
         Sum of the power spectrum over each ring; the largest is 1.
     background : float64 array (n,)
         Median of `power` from half to twice each frequency.
+    lattice : Lattice or None
+        That of the sample; None too where it does not come back to itself.
 
     Notes
     -----
@@ -78,6 +80,7 @@ class DominantScale:
     frequencies: NDArray[np.float64]
     power: NDArray[np.float64]
     background: NDArray[np.float64]
+    lattice: Lattice | None = None
 
     @property
     def window_width(self) -> int:
@@ -146,7 +149,7 @@ def _estimated(exemplar: Exemplar, lattice: Lattice | Literal["find"] | None) ->
         scale, confidence = _period(lattice, spectrum, flat), lattice.confidence
         if radius > 0 and abs(side / radius * flat.step - scale) < _SAME * scale:
             confidence = max(confidence, peaked)
-        return DominantScale(round(scale, 2), confidence, "lattice", *curve)
+        return DominantScale(round(scale, 2), confidence, "lattice", *curve, lattice)
     scale, confidence = size_of_things(flat, _fall(correlation))
     source = "things"
     if peaked > min(confidence, _PERIOD):

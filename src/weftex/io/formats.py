@@ -54,12 +54,13 @@ class Format:
 # TIFF and EXR record the present unless told another date, and no two runs would give equal bytes.
 DATE = ("DateTime", "1980:01:01 00:00:00")
 PLAIN = ("oiio:ColorSpace", "unknown")
-# One PNG filter takes two thirds of the time of libpng's choice among five, and the files are as
-# small. WebP at its own effort takes 30 times as long for 1 % less. A TIFF predictor for floats is
-# more than many readers know. An unknown color space keeps sRGB tags off maps and wide gamuts.
+# One PNG filter, the average, at level 2 takes half the time of Paeth's at 3, a third of libpng's
+# choice among five; of stones, 4096x4096, the file is 4 % smaller than the former. WebP at its own
+# effort takes 30 times as long for 1 % less. A TIFF predictor for floats is more than many readers
+# know. An unknown color space keeps sRGB tags off maps and wide gamuts.
 FORMATS = {
     ".png": Format("png", ("uint8", "uint16"), 1_000_000,
-                    options=(("png:compressionLevel", 3), ("png:filter", 128), PLAIN)),
+                    options=(("png:compressionLevel", 2), ("png:filter", 64), PLAIN)),
     ".jpg": Format("jpeg", ("uint8",), 65_500, alpha=False, options=(
                     ("compression", "jpeg:95"), ("jpeg:subsampling", "4:4:4"), PLAIN)),
     ".tif": Format("tiff", ("uint8", "uint16", "float32"), 2**20, (),

@@ -11,11 +11,12 @@ from weftex.seams.maxflow import LARGEST_CAPACITY, minimum_cut
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-#: What the mean step costs; the unit of `leaning`.
-UNIT = 1024
+#: What a small step costs, which one in four is below; the unit of `leaning`.
+UNIT = 256
 #: So much leaning decides a pixel.
 HELD = LARGEST_CAPACITY
-_DEAREST = 64 * UNIT  # of a step; four of them and a leaning must not overflow
+_SMALLEST = 16  # of the mean, so many make the least that a small step is taken for
+_DEAREST = 256 * UNIT  # of a step; four of them and a leaning must not overflow
 
 
 def cheapest_boundary(
@@ -39,7 +40,7 @@ def cheapest_boundary(
         Two pictures of one place.
     leaning : int32 array (H, W)
         How much each pixel is for the second picture, or, if negative, for the first, in
-        `1 / UNIT` of a mean step; plus or minus `HELD` decides it.
+        `1 / UNIT` of a small step, the lower quartile; plus or minus `HELD` decides it.
     free : bool array (H, W), optional
         The pixels that take part; all by default. No step from one that does not counts.
     wrap : (bool, bool)
@@ -119,8 +120,10 @@ def _costs(
     # The full step without an edge, half of it at a strong one, in 1/256.
     seen = steps * (2 * strong - np.minimum(edges, strong)) * 128 // strong
     squares = (seen // 16) ** 2
-    mean = int(squares[both].sum()) // count + 1
-    costs = np.minimum(squares * UNIT // mean, _DEAREST) + 1
+    there = squares[both]
+    mean = int(there.sum()) // count + 1
+    small = int(np.partition(there, len(there) // 4)[len(there) // 4]) if len(there) else 0
+    costs = np.minimum(squares * UNIT // max(1, small, mean // _SMALLEST), _DEAREST) + 1
     return np.where(both, costs, 0).astype(np.int32)
 
 

@@ -63,14 +63,18 @@ def minimum_cut(
         if given.size and (given.min() < 0 or given.max() > LARGEST_CAPACITY):
             raise InvalidInputError(f"capacities must be from 0 to {LARGEST_CAPACITY}")
     height, width = shape
-    count = (height + 2) * (width + 2)
     side = np.zeros(shape, np.uint8)
     capacities = kernels.Capacities(
         np.ascontiguousarray(arcs, np.int32),
         np.ascontiguousarray(source, np.int32),
         np.ascontiguousarray(sink, np.int32),
     )
-    active, orphans = np.zeros((2, count + 2), np.int32)
-    trees = kernels.Trees(np.zeros(count, _NODE), active, orphans, width + 2)
-    value: int = kernels.cut_grid(capacities, trees, side)
+    value: int = kernels.cut_grid(capacities, search_trees(height, width), side)
     return side.astype(bool), value
+
+
+def search_trees(height: int, width: int) -> kernels.Trees:
+    """Make room for the search trees of grids up to this size."""
+    count = (height + 2) * (width + 2)
+    active, orphans = np.zeros((2, count + 2), np.int32)
+    return kernels.Trees(np.empty(count, _NODE), active, orphans)

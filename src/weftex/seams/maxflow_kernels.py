@@ -9,16 +9,7 @@ Compiled by Cython, see setup.py.
 
 import cython
 
-# A direction is right, down, left or up; the opposite of d is d ^ 2.
-Node = cython.struct(
-    arcs=cython.int[4],  # residual capacities by direction
-    terminal=cython.int,  # and that of the arc from the source; negative: to the sink
-    parent=cython.int,  # its direction, or ROOT, NOBODY (in no tree) or LOST (an orphan)
-    tree=cython.int,  # SOURCE or SINK
-    distance=cython.int,  # to the root, as it was at
-    stamp=cython.int,  # this time
-    waits=cython.int,  # whether it is active
-)
+# A direction is right, down, left or up; the opposite of d is d ^ 2. A Node: see the .pxd.
 ROOT = cython.declare(cython.int, 4)
 NOBODY = cython.declare(cython.int, 5)
 LOST = cython.declare(cython.int, 6)
@@ -28,38 +19,31 @@ SINK = cython.declare(cython.int, 2)
 
 @cython.cclass
 class Capacities:
-    """The capacities of the grid's arcs, and of those from the source and to the sink."""
+    """The capacities of the grid's arcs, and of those from the source and to the sink.
 
-    arcs: cython.const[cython.int][:, :, ::1]  # right, down, left, up
-    source: cython.const[cython.int][:, ::1]
-    sink: cython.const[cython.int][:, ::1]
+    Arcs lead right, down, left and up. The grid may be set smaller than the arrays.
+    """
 
     def __init__(self, arcs, source, sink):
         self.arcs = arcs
         self.source = source
         self.sink = sink
+        self.height, self.width = source.shape
 
 
 @cython.cclass
 class Trees:
     """The two search trees, and two rings of nodes: those that may grow, and orphans.
 
-    A ring's last two entries are the place of its first node and how many nodes it holds. All is
-    filled with zeros at first.
+    Nodes are row by row, in a grid with a border, `width` nodes wide. A ring's last two entries are
+    the place of its first node and how many nodes it holds, zeros at first. `now`, a time stamp,
+    is the number of augmentations.
     """
 
-    nodes: Node[::1]  # row by row
-    active: cython.int[::1]
-    orphans: cython.int[::1]
-    width: cython.Py_ssize_t  # of the grid with its border
-    now: cython.int  # the number of augmentations, a time stamp
-
-    def __init__(self, nodes, active, orphans, width):
+    def __init__(self, nodes, active, orphans):
         self.nodes = nodes
         self.active = active
         self.orphans = orphans
-        self.width = width
-        self.now = 1
 
 
 @cython.cfunc
@@ -281,16 +265,25 @@ def adopt(trees: Trees, i: cython.Py_ssize_t) -> cython.void:
 @cython.nogil
 @cython.exceptval(check=False)
 def plant(capacities: Capacities, trees: Trees) -> cython.longlong:
-    """Fill in the grid's nodes, zeros before; each one with an arc to a terminal roots a tree.
+    """Fill in the grid's nodes; each one with an arc to a terminal roots a tree.
 
     Returns the flow from the source through single nodes to the sink.
     """
-    cython.declare(y=cython.Py_ssize_t, x=cython.Py_ssize_t, i=cython.Py_ssize_t)
-    height: cython.Py_ssize_t = capacities.source.shape[0]
-    width: cython.Py_ssize_t = capacities.source.shape[1]
+    cython.declare(y=cython.Py_ssize_t, x=cython.Py_ssize_t, i=cython.Py_ssize_t, d=cython.int)
+    height: cython.Py_ssize_t = capacities.height
+    width: cython.Py_ssize_t = capacities.width
     flow: cython.longlong = 0
-    for i in range(trees.nodes.shape[0]):
+    trees.width = width + 2
+    trees.now = 1
+    for i in range((height + 2) * (width + 2)):
+        for d in range(4):
+            trees.nodes[i].arcs[d] = 0
+        trees.nodes[i].terminal = 0
         trees.nodes[i].parent = NOBODY
+        trees.nodes[i].tree = 0
+        trees.nodes[i].distance = 0
+        trees.nodes[i].stamp = 0
+        trees.nodes[i].waits = 0
     for y in range(height):
         for x in range(width):
             i = (y + 1) * trees.width + x + 1
@@ -337,8 +330,8 @@ def minimum_cut(
             flow += augment(trees, i, d)
             while trees.orphans[trees.orphans.shape[0] - 1] > 0:
                 adopt(trees, take(trees.orphans))
-    for y in range(side.shape[0]):
-        for x in range(side.shape[1]):
+    for y in range(capacities.height):
+        for x in range(capacities.width):
             i = (y + 1) * trees.width + x + 1
             side[y, x] = trees.nodes[i].parent != NOBODY and trees.nodes[i].tree == SOURCE
     return flow

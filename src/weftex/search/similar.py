@@ -1,7 +1,8 @@
 """For each place of a sample the few places that look most like it (k-coherence, Tong et al. 2002).
 
 They are found exactly on the coarsest level of a pyramid, and then passed down: the places like a
-pixel are looked for around the children of those that its parent is like.
+pixel are looked for around the children of those that its parent is like. On a level of more than
+two megapixels, where this would take longest, they are those children.
 """
 
 from __future__ import annotations
@@ -21,6 +22,8 @@ if TYPE_CHECKING:
 _SAME_PLACE = 2  # pixels; places that are no farther apart count as one
 _AROUND = (-1, 0, 1)
 _COARSEST_PAIRS = 2**24  # comparisons on the coarsest level, about so many in all
+_MOST_CENTERS = 2**21  # of a level that is searched
+_AT_ONCE = 2**16  # centers whose candidates are listed together
 
 
 def similar_places(
@@ -51,15 +54,23 @@ def similar_places(
     centers = windows.centers
     if not count:
         return np.zeros((windows.usable.size, 0), np.int32)
+    found = np.full((len(centers), count), -1, np.int32)
+    room = np.zeros(count, np.int64)
     if coarser is None:
         step = -(-(len(centers) ** 2) // _COARSEST_PAIRS)
-        candidates = np.ascontiguousarray(centers[None, ::step])
+        every = np.ascontiguousarray(centers[None, ::step])
+        kernels.nearest_windows(windows.pixels, centers, every, reach, _SAME_PLACE, room, found)
     else:
-        candidates = _children(windows, *coarser)
-    found = np.full((len(centers), count), -1, np.int32)
-    kernels.nearest_windows(
-        windows.pixels, centers, candidates, reach, _SAME_PLACE, np.zeros(count, np.int64), found
-    )
+        searched = len(centers) <= _MOST_CENTERS
+        for first in range(0, len(centers), _AT_ONCE):
+            part = slice(first, first + _AT_ONCE)
+            near = _children(windows, centers[part], *coarser, _AROUND if searched else (0,))
+            if searched:
+                kernels.nearest_windows(
+                    windows.pixels, centers[part], near, reach, _SAME_PLACE, room, found[part]
+                )
+            else:
+                found[part] = near
     rank = np.zeros(windows.usable.size, np.int32)
     rank[centers] = np.arange(len(centers), dtype=np.int32)
     result: NDArray[np.int32] = found[rank[nearest_center(windows.usable).ravel()]]
@@ -87,16 +98,23 @@ def nearest_center(usable: NDArray[np.uint8]) -> NDArray[np.int32]:
     return result
 
 
-def _children(windows: Windows, coarser: Windows, similar: NDArray[np.int32]) -> NDArray[np.int32]:
+def _children(
+    windows: Windows,
+    centers: NDArray[np.int32],
+    coarser: Windows,
+    similar: NDArray[np.int32],
+    around: tuple[int, ...],
+) -> NDArray[np.int32]:
     """The places around the children of what each center's parent is like."""
     height, width = windows.pixels.shape[:2]
     top, left = (int(n) for n in windows.period[:2])
     coarse_top, coarse_left = (int(n) for n in coarser.period[:2])
-    y, x = np.divmod(windows.centers, width)
+    y, x = np.divmod(centers, width)
     y, x = y - top, x - left
     parent = (y // 2 + coarse_top) * coarser.pixels.shape[1] + x // 2 + coarse_left
-    result = np.empty((len(y), 9 * similar.shape[1]), np.int32)
-    for k, (j, dy, dx) in enumerate(product(range(similar.shape[1]), _AROUND, _AROUND)):
+    steps = list(product(range(similar.shape[1]), around, around))
+    result = np.empty((len(y), len(steps)), np.int32)
+    for k, (j, dy, dx) in enumerate(steps):
         place = similar[parent, j]
         v, u = np.divmod(place, coarser.pixels.shape[1])
         v = 2 * (v - coarse_top) + y % 2 + dy + top

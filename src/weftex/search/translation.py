@@ -30,14 +30,9 @@ class Spectra:
         self.size = size
         shown = pixels * (mask != 0)[..., None].astype(np.float64)
         self.energy = int((shown**2).sum())
-        self.mask, self.square, *self.channels = (
-            np.fft.rfft2(part, size)
-            for part in (
-                (mask != 0).astype(float),
-                (shown**2).sum(axis=2),
-                *shown.transpose(2, 0, 1),
-            )
-        )
+        parts = [(mask != 0)[None], (shown**2).sum(axis=2)[None], shown.transpose(2, 0, 1)]
+        spectra = np.fft.rfft2(np.concatenate(parts), size)
+        self.mask, self.square, self.channels = spectra[0], spectra[1], spectra[2:]
 
 
 def fast_size(length: int) -> int:
@@ -84,8 +79,7 @@ def window_mismatch(picture: Spectra, window: Spectra) -> NDArray[np.int64]:
     [2, 0, 2]
     """
     product = picture.square * window.mask.conj()
-    for a, b in zip(picture.channels, window.channels, strict=True):
-        product -= 2 * a * b.conj()
+    product -= 2 * (picture.channels * window.channels.conj()).sum(axis=0)
     return _rounded(product, picture.size) + window.energy
 
 
@@ -97,8 +91,7 @@ def overlap_mismatch(
     Both for each place of the other picture's corner, arrays as of `window_mismatch`.
     """
     product = picture.square * other.mask.conj() + picture.mask * other.square.conj()
-    for a, b in zip(picture.channels, other.channels, strict=True):
-        product -= 2 * a * b.conj()
+    product -= 2 * (picture.channels * other.channels.conj()).sum(axis=0)
     area = _rounded(picture.mask * other.mask.conj(), picture.size)
     return _rounded(product, picture.size), area
 

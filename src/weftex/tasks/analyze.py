@@ -3,17 +3,18 @@
 from __future__ import annotations
 
 import dataclasses
+import textwrap
 from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from weftex.analysis.canvas_lattice import check_lattice
+from weftex.analysis import canvas_lattice
 from weftex.analysis.courses import courses
 from weftex.analysis.evenness import Evenness
 from weftex.analysis.goodness import ALPHA, SIGNIFICANT, check_rule
-from weftex.analysis.lattice import Lattice, find_lattice
+from weftex.analysis.lattice import Lattice, lattice_in, views
 from weftex.analysis.ratings import Rated, rate_lattices
 from weftex.analysis.regularity import regularity
 from weftex.analysis.scale import DominantScale, dominant_scale
@@ -26,11 +27,14 @@ from weftex.methods import METHODS
 from weftex.tasks.auto import Auto
 
 if TYPE_CHECKING:
+    from weftex.analysis.lattice import Views
     from weftex.exemplar import Exemplar
     from weftex.loading import Sample
 
 _BANDS = 4  # of the spectrum, an octave
 _BAR = 40  # characters
+_WIDTH = 100  # the same, of a line
+_RUNNERS_UP = 3  # that are listed, if nobody asks for more
 _MOST_RUNNERS_UP = 24  # pairs that are rated by all their multiples
 
 
@@ -64,7 +68,7 @@ class Ratings:
     alpha, significant : float
         Of eq. 3.22, and the share of a tile that an overlap must hold.
     found : Rated or None
-        The sample's lattice; None without one of two vectors.
+        The sample's lattice; None without one.
     given : Rated or None
         The one that was asked about.
     runners_up : tuple of Rated
@@ -165,16 +169,18 @@ class Analysis:
             ("colors", str(self.colors)),
             ("scale", f"{self.scale:g} px {certainty}"),
             ("regularity", f"{self.regularity:g}"),
-            ("lattice", _words(self.lattice)),
-            *self._ratings(),
+            *self._lattices(),
             ("tiles", f"{words[self.tiles]} ({across})"),
             ("auto", self.choice.reason),
             *(("note", warning) for warning in self.choice.warnings),
             *(("window", f"{'none' if width is None else f'{width} px'} for {slug}")
               for slug, width in self.windows.items()),
         ]  # fmt: skip
-        label = max(len(name) for name, _ in rows)
-        lines = [f"{name:{label}}  {text}" for name, text in rows]
+        label = max(len(name) for name, _ in rows) + 2
+        lines = [
+            textwrap.fill(f"{name:{label}}{text}", _WIDTH, subsequent_indent=" " * label)
+            for name, text in rows
+        ]
         if self.spectrum:
             lines += ["", "power at each period (| what the spectrum around it has)"]
         for band in self.spectrum:
@@ -184,16 +190,18 @@ class Analysis:
             lines.append(f"{band.period:8.1f} px  {bar[:mark]}|{bar[mark + 1 :]}".rstrip())
         return "\n".join(lines)
 
-    def _ratings(self) -> list[tuple[str, str]]:
+    def _lattices(self) -> list[tuple[str, str]]:
         """What is said of the lattice, of a given one, and of the runners-up."""
-        rated = self.ratings
-        rows = []
+        rated, own, rows = self.ratings, self.lattice, [("lattice", "none")]
+        if own is not None:
+            rows = [("lattice", f"{_words(own)}, confidence {own.confidence:g}")]
+            rows.append(("vectors", f"{_numbers(own)} px"))
         if rated.found is not None:
             rows.append(("goodness", f"{_goodness(rated.found)}, by {rated.goodness}"))
         if rated.given is not None:
-            rows.append(("given", f"{_vectors(rated.given.vectors)}, {_goodness(rated.given)}"))
+            rows.append(("given", _rated(rated.given)))
         for number, other in enumerate(rated.runners_up, 1):
-            rows.append((f"runner-up {number}", f"{_vectors(other.vectors)}, {_goodness(other)}"))
+            rows.append((f"runner-up {number}", _rated(other)))
         return rows
 
 
@@ -204,7 +212,7 @@ def analyze(
     alpha: float = ALPHA,
     significant: float = SIGNIFICANT,
     lattice: Sequence[float] | str | None = None,
-    runners_up: int = 0,
+    runners_up: int = _RUNNERS_UP,
 ) -> Analysis:
     """Say what a sample is like, and what follows from it.
 
@@ -216,7 +224,8 @@ def analyze(
         How the lattice is found, see `weftex.analysis.lattice.find_lattice`; the paper's are
         "height", 1.12 and 0.85. The choice of a method hangs on weftex's own.
     lattice : x1, y1, x2, y2, optional
-        Rate this lattice too; numbers, or a text with commas.
+        Rate this lattice too; numbers, or a text with commas. One vector of a pixel stands for the
+        direction of rows.
     runners_up : int
         List so many other lattices, 0 to 24.
 
@@ -244,8 +253,9 @@ def analyze(
     down, right = border_steps(exemplar)
     model = Auto().fit_exemplar(exemplar)
     look = model.findings
+    seen = views(exemplar, alpha, significant)
     usual = (goodness, alpha, significant) == ("contrast", ALPHA, SIGNIFICANT)
-    own = look.lattice if usual and look.exact else find_lattice(exemplar, **rule)
+    own = look.lattice if usual and look.exact else lattice_in(seen, goodness)
     found = dominant_scale(exemplar, own)
     return Analysis(
         name=exemplar.name,
@@ -262,7 +272,7 @@ def analyze(
         spectrum=_bands(found),
         regularity=regularity(exemplar),
         lattice=own,
-        ratings=_rate(exemplar, own, given, rule, runners_up),
+        ratings=_rate(exemplar, (own, given), rule, runners_up, seen),
         border_steps=(down, right),
         tiles=(down <= SEAMLESS, right <= SEAMLESS),
         evenness=look.evenness,
@@ -279,41 +289,45 @@ def given_lattice(vectors: Sequence[float] | str, exemplar: Exemplar) -> Lattice
     InvalidInputError
         If these are not four numbers, or not a lattice of which two tiles lie in the sample.
     """
-    x1, y1, x2, y2 = plain = numbers_of("lattice", vectors, 4)
-    check_lattice(plain, exemplar)
-    return Lattice(((x1, y1), (x2, y2)))
+    plain = numbers_of("lattice", vectors, 4)
+    canvas_lattice.check_lattice(plain, exemplar)
+    return canvas_lattice.given_lattice(plain)
 
 
 def _rate(
     exemplar: Exemplar,
-    own: Lattice | None,
-    given: Lattice | None,
+    lattices: tuple[Lattice | None, Lattice | None],
     rule: dict[str, Any],
     runners_up: int,
+    seen: Views,
 ) -> Ratings:
-    found, others = rate_lattices(exemplar, own, **rule, runners_up=runners_up)
-    asked = None if given is None else rate_lattices(exemplar, given, **rule, runners_up=0)[0]
+    """Rate the sample's own lattice and the given one."""
+    own, given = lattices
+    found, others = rate_lattices(exemplar, own, **rule, runners_up=runners_up, seen=seen)
+    asked = None
+    if given is not None:
+        asked = rate_lattices(exemplar, given, **rule, runners_up=0, seen=seen)[0]
     return Ratings(**rule, found=found, given=asked, runners_up=others)
 
 
-def _vectors(vectors: tuple[tuple[float, float], ...]) -> str:
-    """What `--lattice` takes, and the sides of the pieces."""
-    numbers = ",".join(f"{number:g}" for vector in vectors for number in vector)
-    return f"{numbers} px ({courses(Lattice(vectors))})"
+def _numbers(lattice: Lattice) -> str:
+    """What `--lattice` takes."""
+    return ",".join(f"{number:g}" for number in canvas_lattice.four_numbers(lattice))
 
 
 def _goodness(rated: Rated) -> str:
     return f"{rated.goodness:g}: mean {rated.mean:g} over {rated.multiples} multiples"
 
 
-def _words(lattice: Lattice | None) -> str:
-    """The vectors, the sides of the pieces, and how sure it is."""
-    if lattice is None:
-        return "none"
-    if len(lattice.vectors) == 2:
-        return f"{_vectors(lattice.vectors)}, confidence {lattice.confidence:g}"
-    x, y = lattice.vectors[0]
-    return f"{x:g},{y:g} px (rows; nothing repeats along them), confidence {lattice.confidence:g}"
+def _rated(rated: Rated) -> str:
+    lattice = Lattice(rated.vectors)
+    return f"{_numbers(lattice)} px, {_words(lattice)}; goodness {_goodness(rated)}"
+
+
+def _words(lattice: Lattice) -> str:
+    """The sides of the pieces, or how far rows are apart."""
+    said = courses(lattice)
+    return said if len(lattice.vectors) == 2 else f"rows {said} apart"
 
 
 def _count_colors(exemplar: Exemplar) -> int:

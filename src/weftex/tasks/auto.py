@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
 
-from weftex.analysis.canvas_lattice import CanvasLattice
+from weftex.analysis.canvas_lattice import VISIBLE_STRAIN, CanvasLattice, is_sure
 from weftex.analysis.courses import courses
 from weftex.analysis.evenness import Evenness, evenness
 from weftex.analysis.lattice import Lattice, find_lattice
@@ -32,13 +32,10 @@ if TYPE_CHECKING:
 
 _LOOK = 320  # pixels a side; of larger samples a smaller copy and a part are looked at
 _SMALLEST_ANALYZED = 32  # pixels a side of a sample that has something to be analyzed
-_LATTICE = 0.6  # confidence from which blocks are laid by the lattice
-_TILES = 4  # that a sample must show, so that a block has more than one place to come from
 _FINE = 1 / 12  # scale over the sample's side: a patch of a quarter of it is three things wide
 _FEW_COLORS = 32  # drawings, labels: no mixtures of colors
 #: Pixels of the output from which `graphcut`, at about 10 s a megapixel, takes too long.
 PATIENCE = 2**20
-_STRAIN = 0.05  # of a lattice that goes around a tileable output
 #: What is tried in turn where a method cannot be fitted, as to a sample that is mostly masked.
 _OTHERS = ("graphcut", "quilting", "patch-sampling", "ashikhmin")
 
@@ -190,11 +187,11 @@ def choose(findings: Findings, canvas: Canvas) -> Choice:
     parameters: dict[str, Any] = {}
     if shorter < _SMALLEST_ANALYZED:
         slug, said = "graphcut", f"too small to be analyzed, {_size(findings.shape)}"
-    elif lattice is not None and _is_near_regular(lattice, findings.shape):
+    elif lattice is not None and is_sure(lattice, math.prod(findings.shape)):
         slug, said = "near-regular", f"near-regular, {_words(lattice)}"
         vectors = tuple(part for vector in lattice.vectors for part in vector)
         strain = _strain(vectors, canvas)
-        if strain > _STRAIN:
+        if strain > VISIBLE_STRAIN:
             said += f", which {_size(canvas.shape)} would strain by {100 * strain:.0f} %"
             slug = "quilting"
         elif findings.exact:
@@ -230,11 +227,11 @@ def choose_for_hole(exemplar: Exemplar, canvas: Canvas) -> Choice:
         small, step = smaller_copy(exemplar, _LOOK)
         if min(small.shape) >= _SMALLEST_ANALYZED:
             lattice = find_lattice(small)
-    if lattice is None or not _is_near_regular(lattice, small.shape):
+    if lattice is None or not is_sure(lattice, math.prod(small.shape)):
         return Choice("patch-sampling", {}, f"{said}: patch-sampling")
     found = Lattice(tuple((x * step, y * step) for x, y in lattice.vectors), lattice.confidence)
     vectors = tuple(part for vector in found.vectors for part in vector)
-    if _strain(vectors, canvas) > _STRAIN:
+    if _strain(vectors, canvas) > VISIBLE_STRAIN:
         return Choice("patch-sampling", {}, f"{said}, {_words(found)}: patch-sampling")
     parameters = {"lattice": vectors} if step == 1 else {}
     return Choice("near-regular", parameters, f"{said}, {_words(found)}: near-regular")
@@ -269,12 +266,6 @@ def look(exemplar: Exemplar) -> Findings:
         colors=_colors(small if step == 1 else _part(exemplar)),
         evenness=evenness(small),
     )
-
-
-def _is_near_regular(lattice: Lattice, shape: tuple[int, int]) -> bool:
-    if len(lattice.vectors) == 1 or lattice.confidence < _LATTICE:
-        return False
-    return math.prod(shape) >= _TILES * lattice.area
 
 
 def _warnings(findings: Findings) -> list[str]:

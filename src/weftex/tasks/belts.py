@@ -52,13 +52,15 @@ class Meetings:
         room = np.zeros(depth.shape)
         reach = float(self.farthest)
         while True:
-            deep = np.zeros(depth.shape, bool)
+            steps = int(np.ceil(_DEPTH * reach))
             for k in self._away:
-                own = self.labels == k
-                inside = own & (depth >= np.ceil(_DEPTH * reach))
-                steps = int(np.ceil(_DEPTH * reach))
-                deep |= own & (squared_distance_to(inside, steps, wrap) <= steps**2)
-            room = np.where((room == 0) & deep, reach, room)
+                left = (self.labels == k) & (room == 0)
+                if not left.any():
+                    continue
+                area = _around(left, steps, wrap)
+                inside = (self.labels[area] == k) & (depth[area] >= steps)
+                deep = squared_distance_to(inside, steps, wrap) <= steps**2
+                room[area] = np.where(left[area] & deep, reach, room[area])
             if reach < 1 or (room > 0).all():
                 return np.maximum(room, 0.5)
             reach /= 2
@@ -78,15 +80,60 @@ class Meetings:
 
     def place(
         self, a: int, b: int, rows: NDArray[np.intp], columns: NDArray[np.intp]
-    ) -> tuple[NDArray[np.float64], int]:
+    ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
         """Where pixels lie in the belt: -1 at its edge in the first region, 1 in the second.
 
-        Also half the width of the belt in pixels.
+        Also half the width of the belt there, in pixels; it takes few values.
         """
-        area, reach = np.ix_(rows, columns), int(self.reaches[a, b])
+        area = np.ix_(rows, columns)
         apart = self._away[a][area] - self._away[b][area]
-        room = np.minimum(self._room[area], reach)
-        return apart / room, reach
+        room = np.minimum(self._room[area], self.reaches[a, b])
+        return apart / room, room
+
+
+def _around(mask: NDArray[np.bool_], far: int, wrap: tuple[bool, bool]) -> tuple[slice, slice]:
+    """The rows and columns of a mask and `far` more on each side; all along an axis that wraps."""
+    spans = []
+    for axis, (side, wraps) in enumerate(zip(mask.shape, wrap, strict=True)):
+        taken = np.flatnonzero(mask.any(axis=1 - axis))
+        low, high = int(taken[0]) - far, int(taken[-1]) + far + 1
+        spans.append(slice(0, side) if wraps else slice(max(0, low), min(side, high)))
+    return spans[0], spans[1]
+
+
+def hills(
+    place: NDArray[np.float64],
+    room: NDArray[np.float64],
+    wrap: tuple[bool, ...],
+    seed: int,
+) -> NDArray[np.float64]:
+    """How far a boundary is led astray: hills as wide as its belt, in both directions alike.
+
+    Narrow belts have hills of their own, or they would be led aside as a whole. What all have in
+    common is taken off: around a small region lie few, which would make it larger or smaller.
+
+    Parameters
+    ----------
+    place, room : array (H, W)
+        See `Meetings.place`.
+    wrap : (bool, bool)
+        Whether the map goes around.
+    seed : int
+        Of these two regions.
+
+    Returns
+    -------
+    array (H, W)
+        From -2 to 2.
+    """
+    astray = np.zeros(place.shape)
+    for wide in np.unique(room):
+        here = room == wide
+        astray[here] = wander(place.shape, max(1, round(wide)), wrap, seed)[here]
+    # A sum of integers is the same on every machine.
+    heights = np.rint(astray[np.abs(place) < 1] * 2**20).astype(np.int64)
+    result: NDArray[np.float64] = astray - int(heights.sum()) / (max(1, len(heights)) * 2**20)
+    return result
 
 
 def wander(

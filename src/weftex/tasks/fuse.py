@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 import numbers
 from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any
@@ -24,6 +25,7 @@ from weftex.tasks.method_names import is_auto, make_method
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
+    from weftex.canvas import Canvas
     from weftex.loading import Sample
     from weftex.progress import ProgressCallback
     from weftex.random import Seed
@@ -115,11 +117,21 @@ def fuse(
     """
     number = seed_number(seed)
     method = DEFAULT if is_auto(method) else method
-    chosen = make_method(method, parameters)
     if boundary not in BOUNDARIES:
         raise InvalidInputError(
             f"boundary is {shown(boundary)}{did_you_mean(str(boundary), BOUNDARIES)}"
         )
+    of_belts: dict[str, Any] = {}
+    chosen = make_method(method, {})
+    if boundary == "merged":
+        chosen, of_belts = _parted(chosen, parameters, as_canvas(1, tileable))
+    else:
+        chosen = make_method(chosen, parameters)
+
+    def belt_method(width: int) -> Method:
+        return chosen.for_belt(width, **of_belts)
+
+    belt_method(chosen.window_for(1))  # refuses what it does not take
     whole_number = isinstance(belt_width, numbers.Integral) and not isinstance(belt_width, bool)
     if belt_width is not None and (not whole_number or belt_width < 2):
         raise InvalidInputError(
@@ -145,7 +157,7 @@ def fuse(
         canvas,
         number,
         None if belt_width is None else belt_width // 2,
-        boundary == "merged",
+        belt_method if boundary == "merged" else None,
         {"threads": threads, "progress": progress},
     )
     about = {"seed": number, "samples": [e.name for e in exemplars], "boundary": boundary}
@@ -154,8 +166,21 @@ def fuse(
         fusion.run(labels, materials),
         sample_shape=whole.shape,
         exemplar=whole,
-        provenance=chosen.describe() | about,
+        provenance=chosen.describe() | of_belts | about,
     )
+
+
+def _parted(
+    method: Method, parameters: Mapping[str, Any], canvas: Canvas
+) -> tuple[Method, dict[str, Any]]:
+    """The method of the regions, and those of its parameters that only belts take."""
+    defaults = {f.name: f.default for f in dataclasses.fields(method)}
+    both = {name: getattr(method, name) for name in method.belt_parameters} | {**parameters}
+    of_belts = {name: both[name] for name in method.belt_parameters}
+    regions = make_method(method, both | {name: defaults[name] for name in of_belts})
+    taken = {k: v for k, v in of_belts.items() if regions.takes(k, canvas)}
+    alone = {k: v for k, v in of_belts.items() if k not in taken and v != defaults[k]}
+    return make_method(regions, taken), alone
 
 
 def combined(exemplars: Sequence[Exemplar]) -> Exemplar:

@@ -15,10 +15,10 @@ from weftex.raster.masks import grown
 from weftex.results.pixels import PixelSynthesis
 from weftex.seams.boundary import HELD, UNIT, cheapest_boundary
 from weftex.seams.merge import islands
-from weftex.tasks.belts import Meetings, wander
+from weftex.tasks.belts import Meetings, hills
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
+    from collections.abc import Callable, Sequence
 
     from numpy.typing import NDArray
 
@@ -29,8 +29,8 @@ if TYPE_CHECKING:
 
 #: Half the width of a belt, in windows of the coarser of its materials.
 BELT = 0.75
-_PULL = 0.6  # how strongly a boundary is held off the edges of its belt, beside steps
-_WANDER = 2.0  # how far it is led astray, in half widths of its belt
+_PULL = 1.5  # how strongly a boundary is held off the edges of its belt, beside steps
+_WANDER = 8.0  # how far it is led astray, in half widths of its belt
 _OPEN = 0.05  # the pull at an edge is 1 / _OPEN times that in the middle
 
 
@@ -51,8 +51,9 @@ class Fusion:
         From `weftex.random.seed_number`.
     reach : int, optional
         Half the width of all belts in pixels; by default by the materials' scales.
-    merged : bool
-        Whether boundaries are made from merged samples at last.
+    belt_method : callable, optional
+        Returns the method for belts whose windows are so wide. Then boundaries are made from
+        merged samples at last.
     options : dict
         `threads` and `progress`.
     """
@@ -64,7 +65,7 @@ class Fusion:
     canvas: Canvas
     seed: int
     reach: int | None
-    merged: bool
+    belt_method: Callable[[int], Method] | None
     options: dict[str, Any]
 
     def run(self, labels: NDArray[np.int32], materials: Sequence[Material]) -> NDArray[np.int32]:
@@ -85,7 +86,9 @@ class Fusion:
         index = np.empty(labels.shape, np.int32)
         for k in present:
             index[labels == k] = layers[k][labels == k]
-        return self._fill_belts(index, labels, materials) if self.merged else index
+        if self.belt_method is not None:
+            index = self._fill_belts(index, labels, materials, self.belt_method)
+        return index
 
     def window(self, *numbers: int) -> int:
         """Width of the window for the coarsest of these samples."""
@@ -137,11 +140,11 @@ class Fusion:
         wrap = wraps[0] and len(rows) == shape[0], wraps[1] and len(columns) == shape[1]
         own = labels[area]
         free = ((own == a) | (own == b)) & (layers[a][area] >= 0) & (layers[b][area] >= 0)
-        place, reach = meeting.place(a, b, rows, columns)
-        astray = wander(own.shape, reach, wrap, int(draw(self.seed, "boundary", a, b)))
-        apart = 1 - np.minimum(np.abs(place), 1)
+        place, room = meeting.place(a, b, rows, columns)
+        seed = int(draw(self.seed, "boundary", a, b))
+        apart, astray = 1 - np.minimum(np.abs(place), 1), hills(place, room, wrap, seed)
         side = place + _WANDER * apart * astray
-        pull = _PULL * UNIT / (reach * (apart + _OPEN)) * side
+        pull = _PULL * UNIT / (room * (apart + _OPEN)) * side
         leaning = np.where(np.abs(place) < 1, np.rint(pull), np.sign(place) * HELD).astype(np.int32)
         flat = self.whole.matching().reshape(-1, self.whole.matching().shape[2])
         shown = [flat[np.maximum(layers[k][area], 0)] for k in (a, b)]
@@ -155,6 +158,7 @@ class Fusion:
         index: NDArray[np.int32],
         labels: NDArray[np.int32],
         materials: Sequence[Material],
+        belt_method: Callable[[int], Method],
     ) -> NDArray[np.int32]:
         """Make belts along the boundaries from merged samples, with the window of the larger."""
         flat = self.whole.pixels.reshape(-1, *self.whole.pixels.shape[2:])
@@ -168,7 +172,7 @@ class Fusion:
                 continue
             exemplar, places = self._merged_sample(*pair)
             canvas = Canvas(*self.canvas.shape, self.canvas.wrap, known=flat[index], hole=belt)
-            made = self._sample(exemplar, canvas, self._number((a, b)), self.method.for_belt(wide))
+            made = self._sample(exemplar, canvas, self._number((a, b)), belt_method(wide))
             index = np.where(belt, places.ravel()[made.index], index)
         return index
 

@@ -33,10 +33,14 @@ def run(argv: list[str]) -> None:
     add_maps(parser)
     add("--json", action="store_true", help="print JSON")
     add("--overlay", metavar="FILE", help="write the sample with its lattice drawn over it")
-    add("--lattice", metavar="X1,Y1,X2,Y2", help="rate these vectors too, and draw them")
+    add(
+        "--lattice",
+        metavar="X1,Y1,X2,Y2",
+        help="rate these vectors too, and draw them; rows: X1,Y1 and a pixel along them",
+    )
     add("--runner-up", type=int, metavar="N", help="draw the lattice that comes Nth after it")
-    text = "list so many lattices that come after it, up to 24; default: 0"
-    add("--runners-up", type=int, default=0, metavar="N", help=text)
+    text = "list so many lattices that come after it, up to 24; default: 3"
+    add("--runners-up", type=int, default=3, metavar="N", help=text)
     text = "rate lattices by contrast, height (the paper's) or dominance; default: contrast"
     add("--goodness", default="contrast", metavar="NAME", help=text)
     text = "prefer small tiles: the exponent of eq. 3.22, from 1 to 4; default: 1.12"

@@ -21,6 +21,7 @@ from weftex.methods.exact_matching.settings import Settings, settle, window_widt
 from weftex.methods.pixels.growth import PixelModel, WindowedMethod
 
 if TYPE_CHECKING:
+    from weftex.canvas import Canvas
     from weftex.exemplar import Exemplar
     from weftex.methods.pixels.growth import Growth
 
@@ -52,6 +53,7 @@ class ExactMatching(WindowedMethod):
         "Computer Graphics Forum 26(2), 2007"
     )
     supports: ClassVar[frozenset[str]] = frozenset({"wrap", "known", "many"})
+    belt_parameters: ClassVar[frozenset[str]] = frozenset({"passes"})
 
     window_width: int | None = parameter(
         None,
@@ -123,6 +125,20 @@ class ExactMatching(WindowedMethod):
         settings = settle(self, exemplar)
         prepared = prepare(settings, exemplar)
         return PixelModel(self._settled(settings), exemplar, prepared, grow)
+
+    def takes(self, name: str, canvas: Canvas | None = None) -> bool:
+        """See `Method.takes`: only what lies between known pixels is passed over again."""
+        if name == "passes" and canvas is not None:
+            return canvas.wrap[0] or canvas.hole is not None
+        return super().takes(name, canvas)
+
+    def require(self, canvas: Canvas) -> None:
+        """See `Method.require`."""
+        super().require(canvas)
+        if self.passes != type(self).passes and not self.takes("passes", canvas):
+            raise InvalidInputError(
+                "passes has no effect without a hole or output that tiles from top to bottom"
+            )
 
     def window_of(self, exemplar: Exemplar) -> int:
         """See `Method.window_of`."""

@@ -70,33 +70,46 @@ class GraphCut(Method):
         default_text="a third of the patch",
         needs=("placement", ("subpatch",)),
     )
-    tolerance: float = parameter(
-        0.003,
+    tolerance: float | None = parameter(
+        None,
         "k: matches may be so much worse than the best, as shares of the sample's variance",
         low=0.0,
         high=1000.0,
+        default_text="0.003, for entire patches 0: the best ones",
         needs=("placement", ("subpatch", "entire")),
     )
-    candidates: int = parameter(
-        4,
+    candidates: int | None = parameter(
+        None,
         "places of a patch that are drawn and cut; the one with the cheapest seam is kept",
         low=1,
         high=1000,
+        default_text="4, of entire patches 12",
     )
     seam_cost: str = parameter(
         "gradient",
         "cost of a seam: the difference of its pixels, or that divided by gradients across it",
         choices=("gradient", "difference"),
     )
-    refinements: float = parameter(
-        1.0, "patches over the worst seams, for each that covered the canvas", low=0.0, high=1000.0
+    refinements: float | None = parameter(
+        None,
+        "patches over the worst seams, for each that covered the canvas",
+        low=0.0,
+        high=1000.0,
+        default_text="1 after random placement, else 0",
     )
     variety: float = parameter(
         1.0,
-        "cost of showing a place of the sample again nearby; 0 is the paper's way",
+        "cost of showing a place of the sample again nearby, or in line; 0 is the paper's way",
         low=0.0,
         high=1000.0,
-        needs=("placement", ("subpatch",)),
+        needs=("placement", ("subpatch", "entire")),
+    )
+    halvings: int | None = parameter(
+        None,
+        "matches and cuts begin on copies halved up to so many times; 0 is the paper's way",
+        low=0,
+        high=8,
+        default_text="up to 4, so that a patch has 24 pixels a side or more",
     )
 
     def __post_init__(self) -> None:
@@ -115,16 +128,18 @@ class GraphCut(Method):
         """See `Method.for_hole`; the other placements lay the entire sample."""
         if self.patch_size is not None or self.placement != "subpatch":
             return self
-        return replace(self, patch_size=patch_size_for(hole, usable, 2))
+        return replace(self, patch_size=patch_size_for(hole, usable, 1))
 
     def fit_exemplar(self, exemplar: Exemplar) -> PixelModel:
         """Prepare a sample."""
         settings = settle(exemplar, **asdict(self))
-        method = self
+        method = replace(self, candidates=settings.candidates, refinements=settings.refinements)
+        if self.placement != "random":
+            method = replace(method, tolerance=settings.tolerance)
         if self.placement == "subpatch":  # the others lay the entire sample
             sizes = settings.sizes()
             method = replace(
-                self, patch_size=sizes.get("patch_size"), boundary_width=sizes["boundary_width"]
+                method, patch_size=sizes.get("patch_size"), boundary_width=sizes["boundary_width"]
             )
         return PixelModel(method, exemplar, settings, synthesize)
 
@@ -135,8 +150,8 @@ def synthesize(settings: Settings, growth: Growth) -> None:
     Sections are those of the paper.
     """
     settings = settings.on(growth.canvas)
-    picture = Picture(settings, growth)
     placement = placement_of(settings, growth)  # random, entire patch or sub-patch (section 4)
+    picture = Picture(settings, growth, placement.size, max(1, placement.reduction // 2))
     growth.about["patch_shape"] = list(placement.size)
     if settings.placement == "subpatch":
         growth.about |= settings.sizes()
@@ -147,8 +162,10 @@ def synthesize(settings: Settings, growth: Growth) -> None:
             # Places that match, drawn by P(t) = exp(-C(t) / (k sigma**2)) (section 4); C(t) by FFT
             # (section 5): `search.translation`.
             places = placement.candidates(pixel, number, centered)
-            # The minimum cut between old and new pixels; old seams are in the graph (section 3).
-            best: Cut = min(map_(picture.cut, places), key=lambda cut: cut.cost)
+            # The minimum cut between old and new pixels; old seams are in the graph (section 3). It
+            # is one of blocks, and only the best one is cut in pixels.
+            cuts = map_(picture.cut, places, range(len(places)))
+            best: Cut = min(cuts, key=lambda cut: cut.cost * cut.place.price)
             return best
 
         # Patches that each cover the first missing pixel, until none is missing (section 4).

@@ -1,15 +1,19 @@
 # mypy: ignore-errors
-"""Kernels of graph-cut textures: the cost of seams, and pasting; compiled by Cython, see setup.py.
+"""Kernels of graph-cut textures: cutting patches and pasting them; compiled by Cython, see setup.py.
 
-Pixels of the canvas and of the sample are flat, row by row. A pixel's label is its source: the
-place in the sample that it was copied from, and so the patch that it belongs to.
+A patch is cut in blocks of pixels first, a node for each, then in smaller ones where the cut went.
+All labellings of blocks are labellings of pixels with the same cost, so no step is for the worse.
 """
 
 import cython
-
-# Costs weighed by gradients: a mean difference of SOFT levels on either side weighs like none.
-SCALE = cython.declare(cython.longlong, 256)
-SOFT = cython.declare(cython.longlong, 32)
+from cython.cimports.weftex.methods.graphcut.seam_kernels import (
+    Picture,
+    Sample,
+    beside,
+    continued,
+    seam_cost,
+)
+from cython.cimports.weftex.seams.maxflow_kernels import Capacities, Trees, minimum_cut
 
 # The choices that a pixel of a box may have.
 NOTHING = cython.declare(cython.int, 0)
@@ -17,208 +21,231 @@ OLD = cython.declare(cython.int, 1)
 NEW = cython.declare(cython.int, 2)
 EITHER = cython.declare(cython.int, 3)
 
-
-@cython.cclass
-class Sample:
-    """The sample, and how its seams are weighed."""
-
-    pixels: cython.const[cython.uchar][:, ::1]
-    usable: cython.const[cython.uchar][::1]
-    height: cython.int
-    width: cython.int
-    tiles: cython.bint
-    by_gradients: cython.bint
-
-    def __init__(self, pixels, usable, shape, tiles, by_gradients):
-        self.pixels = pixels
-        self.usable = usable
-        self.height, self.width = shape
-        self.tiles = tiles
-        self.by_gradients = by_gradients
-
-
-@cython.cclass
-class Picture:
-    """The canvas so far."""
-
-    pixels: cython.uchar[:, ::1]
-    source: cython.int[::1]  # the labels; -1 for a known pixel that is not in the sample
-    done: cython.uchar[::1]  # 1 where a pixel is
-    known: cython.const[cython.uchar][::1]  # 1 where it may not be replaced
-    height: cython.int
-    width: cython.int
-    wrap_y: cython.bint
-    wrap_x: cython.bint
-
-    def __init__(self, pixels, source, done, known, shape, wrap):
-        self.pixels = pixels
-        self.source = source
-        self.done = done
-        self.known = known
-        self.height, self.width = shape
-        self.wrap_y, self.wrap_x = wrap
+REACH = cython.declare(cython.int, 2)  # blocks around those that the cut passes
+STEP = cython.declare(cython.int, 2)  # so many halvings less at a time
 
 
 @cython.cclass
 class Patch:
-    """A patch over a box of the canvas: its pixels' places there and in the sample."""
+    """A patch over a box of the canvas: its rows and columns there and in the sample."""
 
-    on_canvas: cython.const[cython.int][:, ::1]
-    in_sample: cython.const[cython.int][:, ::1]
+    rows: cython.const[cython.int][::1]
+    columns: cython.const[cython.int][::1]
+    from_rows: cython.const[cython.int][::1]
+    from_columns: cython.const[cython.int][::1]
 
-    def __init__(self, on_canvas, in_sample):
-        self.on_canvas = on_canvas
-        self.in_sample = in_sample
+    def __init__(self, rows, columns, from_rows, from_columns):
+        self.rows = rows
+        self.columns = columns
+        self.from_rows = from_rows
+        self.from_columns = from_columns
 
 
 @cython.cclass
 class Graph:
-    """A node for each pixel of a box; a cut says which ones stay old and which become new."""
+    """A node for each block of a box; a cut says which ones stay old and which become new.
+
+    There is room for the largest box.
+    """
 
     arcs: cython.int[:, :, ::1]  # to the right, lower, left and upper neighbor
-    old: cython.int[:, ::1]  # from the source: the price of a pixel that stays old
+    old: cython.int[:, ::1]  # from the source: the price of a block that stays old
     new: cython.int[:, ::1]  # to the sink: the price of one that becomes new
-    choice: cython.uchar[:, ::1]  # NOTHING, OLD, NEW or EITHER
+    choice: cython.uchar[:, ::1]  # of each pixel: NOTHING, OLD, NEW or EITHER
+    side: cython.uchar[:, ::1]  # of each block: 1 inside the cut
+    shown: cython.uchar[:, ::1]  # of each block: OLD and NEW, if it has such pixels
+    capacities: Capacities
+    trees: Trees
 
-    def __init__(self, arcs, old, new, choice):
+    def __init__(self, arcs, old, new, choice, side, shown, trees):
         self.arcs = arcs
         self.old = old
         self.new = new
         self.choice = choice
+        self.side = side
+        self.shown = shown
+        self.capacities = Capacities(arcs, old, new)
+        self.trees = trees
 
 
 @cython.cfunc
 @cython.inline
 @cython.nogil
 @cython.exceptval(check=False)
-def neighbor(
-    place: cython.int,
-    dy: cython.int,
-    dx: cython.int,
-    height: cython.int,
-    width: cython.int,
-    wrap_y: cython.bint,
-    wrap_x: cython.bint,
+def blocks(length: cython.Py_ssize_t, halvings: cython.int) -> cython.Py_ssize_t:
+    """How many blocks there are along a side; they are 2**halvings pixels wide, or the rest."""
+    return ((length - 1) >> halvings) + 1
+
+
+@cython.cfunc
+@cython.inline
+@cython.nogil
+@cython.exceptval(check=False)
+def on_canvas(
+    picture: Picture, patch: Patch, i: cython.Py_ssize_t, j: cython.Py_ssize_t
 ) -> cython.int:
-    """The flat place beside `place`, or -1 beyond a border that does not go around."""
-    y: cython.int = place // width + dy
-    x: cython.int = place % width + dx
-    if y < 0 or y >= height:
-        if not wrap_y:
-            return -1
-        y = y - height if y >= height else y + height
-    if x < 0 or x >= width:
-        if not wrap_x:
-            return -1
-        x = x - width if x >= width else x + width
-    return y * width + x
+    """A pixel of the box, flat."""
+    return patch.rows[i] * picture.width + patch.columns[j]
 
 
 @cython.cfunc
 @cython.inline
 @cython.nogil
 @cython.exceptval(check=False)
-def beside(picture: Picture, p: cython.int, dy: cython.int, dx: cython.int) -> cython.int:
-    """The pixel of the canvas beside p; -1 for none."""
-    height: cython.int = picture.height
-    return neighbor(p, dy, dx, height, picture.width, picture.wrap_y, picture.wrap_x)
-
-
-@cython.cfunc
-@cython.inline
-@cython.nogil
-@cython.exceptval(check=False)
-def continued(sample: Sample, label: cython.int, dy: cython.int, dx: cython.int) -> cython.int:
-    """The place in the sample that a pixel's patch has beside it; -1 for none."""
-    cython.declare(place=cython.int)
-    if label < 0:
-        return -1
-    place = neighbor(label, dy, dx, sample.height, sample.width, sample.tiles, sample.tiles)
-    if place >= 0 and not sample.usable[place]:
-        return -1
-    return place
-
-
-@cython.cfunc
-@cython.inline
-@cython.nogil
-@cython.exceptval(check=False)
-def difference(
-    a: cython.p_const_uchar, b: cython.p_const_uchar, channels: cython.Py_ssize_t
-) -> cython.longlong:
-    """Sum of absolute differences of two pixels: a metric, and exact."""
-    cython.declare(k=cython.Py_ssize_t)
-    total: cython.int = 0
-    for k in range(channels):
-        total += abs(cython.cast(cython.int, a[k]) - cython.cast(cython.int, b[k]))
-    return total
+def in_sample(
+    sample: Sample, patch: Patch, i: cython.Py_ssize_t, j: cython.Py_ssize_t
+) -> cython.int:
+    """What the patch has there, flat."""
+    return patch.from_rows[i] * sample.width + patch.from_columns[j]
 
 
 @cython.cfunc
 @cython.nogil
 @cython.exceptval(check=False)
-def seam_cost(
+def choose(
+    picture: Picture,
+    usable: cython.const[cython.uchar][::1],
+    sample: Sample,
+    patch: Patch,
+    graph: Graph,
+) -> cython.void:
+    """Fill in the choice that each pixel of the box has."""
+    cython.declare(i=cython.Py_ssize_t, j=cython.Py_ssize_t, p=cython.int, row=cython.int)
+    cython.declare(may=cython.p_uchar, new=cython.p_const_uchar, from_row=cython.int)
+    columns: cython.p_const_int = cython.address(patch.columns[0])
+    from_columns: cython.p_const_int = cython.address(patch.from_columns[0])
+    done: cython.p_uchar = cython.address(picture.done[0])
+    known: cython.p_const_uchar = cython.address(picture.known[0])
+    width: cython.Py_ssize_t = patch.columns.shape[0]
+    new = cython.address(usable[0])
+    for i in range(patch.rows.shape[0]):
+        may = cython.address(graph.choice[i, 0])
+        row = patch.rows[i] * picture.width
+        from_row = patch.from_rows[i] * sample.width
+        for j in range(width):
+            p = row + columns[j]
+            if not new[from_row + from_columns[j]] or (done[p] and known[p]):
+                may[j] = OLD if done[p] else NOTHING
+            else:
+                may[j] = EITHER if done[p] else NEW
+
+
+@cython.cfunc
+@cython.nogil
+@cython.exceptval(check=False)
+def add_outside(
     picture: Picture,
     sample: Sample,
-    p: cython.int,
-    q: cython.int,
-    dy: cython.int,
-    dx: cython.int,
-    label_p: cython.int,
-    label_q: cython.int,
+    patch: Patch,
+    graph: Graph,
+    i: cython.Py_ssize_t,
+    j: cython.Py_ssize_t,
+    d: cython.int,
+    halvings: cython.int,
 ) -> cython.longlong:
-    """M(s, t, A, B) of equation (1): the cost of a seam between p and q = p + (dy, dx).
+    """Add the pair of a pixel and its neighbor outside the box, which stays as it is.
 
-    |A(p) - B(p)| + |A(q) - B(q)|, and with gradients divided by those of A and of B across the
-    seam (M' of section 5). Where a patch ends, the other half counts twice. A known pixel that is
-    not in the sample has the label -1, and no patch goes on from it.
+    Returns its cost if the pixel has no choice.
     """
-    cython.declare(at_p=cython.p_const_uchar, at_q=cython.p_const_uchar)
-    channels: cython.Py_ssize_t = sample.pixels.shape[1]
-    b_at_p: cython.int = continued(sample, label_q, -dy, -dx)
-    a_at_q: cython.int = continued(sample, label_p, dy, dx)
-    cost: cython.longlong = 0
-    gradient: cython.longlong = 0
-    if a_at_q >= 0 and a_at_q == label_q:
+    cython.declare(q_old=cython.longlong)
+    may: cython.int = graph.choice[i, j]
+    p: cython.int = on_canvas(picture, patch, i, j)
+    sign: cython.int = 1 - d // 2 * 2
+    q: cython.int = beside(picture, p, d % 2 * sign, (1 - d % 2) * sign)
+    if q < 0 or q == p or not picture.done[q] or may == OLD:
         return 0
-    at_p = cython.address(picture.pixels[p, 0])
-    if label_p >= 0:
-        at_p = cython.address(sample.pixels[label_p, 0])
-    at_q = cython.address(picture.pixels[q, 0])
-    if label_q >= 0:
-        at_q = cython.address(sample.pixels[label_q, 0])
-    if b_at_p < 0 and a_at_q < 0:
-        cost = 510 * channels
-    else:
-        if b_at_p >= 0:
-            cost += difference(at_p, cython.address(sample.pixels[b_at_p, 0]), channels)
-            if sample.by_gradients:
-                gradient += difference(at_q, cython.address(sample.pixels[b_at_p, 0]), channels)
-        if a_at_q >= 0:
-            cost += difference(at_q, cython.address(sample.pixels[a_at_q, 0]), channels)
-            if sample.by_gradients:
-                gradient += difference(at_p, cython.address(sample.pixels[a_at_q, 0]), channels)
-        if b_at_p < 0 or a_at_q < 0:
-            cost *= 2
-            gradient *= 2
-    if sample.by_gradients:
-        return SCALE * cost // (gradient + SOFT * channels)
-    return cost
+    q_old = seam_cost(picture, sample, p, q, d, in_sample(sample, patch, i, j), picture.source[q])
+    if may == NEW:
+        return q_old
+    graph.new[i >> halvings, j >> halvings] += cython.cast(cython.int, q_old)
+    graph.old[i >> halvings, j >> halvings] += cython.cast(
+        cython.int, seam_cost(picture, sample, p, q, d, picture.source[p], picture.source[q])
+    )
+    return 0
 
 
 @cython.cfunc
 @cython.nogil
 @cython.exceptval(check=False)
-def start_graph(picture: Picture, sample: Sample, patch: Patch, graph: Graph) -> cython.void:
-    """Fill in the choice that each pixel of the box has, and zeros."""
-    cython.declare(i=cython.Py_ssize_t, j=cython.Py_ssize_t, d=cython.int, p=cython.int)
-    for i in range(patch.on_canvas.shape[0]):
-        for j in range(patch.on_canvas.shape[1]):
-            p = patch.on_canvas[i, j]
-            if not sample.usable[patch.in_sample[i, j]] or (picture.done[p] and picture.known[p]):
-                graph.choice[i, j] = OLD if picture.done[p] else NOTHING
-            else:
-                graph.choice[i, j] = EITHER if picture.done[p] else NEW
+def add_pair(
+    picture: Picture,
+    sample: Sample,
+    patch: Patch,
+    graph: Graph,
+    i: cython.Py_ssize_t,
+    j: cython.Py_ssize_t,
+    d: cython.int,
+    halvings: cython.int,
+) -> cython.longlong:
+    """Add the pair of a pixel and its right (d = 0) or lower (d = 1) neighbor in the box.
+
+    It costs c if both stay old (an old seam, or 0), a or b if one becomes new, and 0 if both do.
+    Instead of the paper's seam node (section 3.1), the arcs from the source to both take
+    alpha + beta = c, and the arcs between them a - alpha and b - beta. This is exact if
+    c <= a + b, as with metrics. Where costs weighed by gradients break it, b is raised to c - a;
+    the cheapest labels are still no worse than the old ones.
+
+    Returns its cost if neither has a choice.
+    """
+    cython.declare(p_old=cython.longlong, q_old=cython.longlong)  # and the other one new
+    cython.declare(alpha=cython.longlong, p_new=cython.int, q_new=cython.int)
+    v: cython.Py_ssize_t = i + d
+    u: cython.Py_ssize_t = j + 1 - d
+    p_may: cython.int = graph.choice[i, j]
+    q_may: cython.int = graph.choice[v, u]
+    both_old: cython.longlong = 0
+    p: cython.int = on_canvas(picture, patch, i, j)
+    q: cython.int = on_canvas(picture, patch, v, u)
+    label_p: cython.int = picture.source[p]
+    label_q: cython.int = picture.source[q]
+    go_on: cython.bint = label_q >= 0 and continued(sample, label_p, d) == label_q
+    bi: cython.Py_ssize_t = i >> halvings
+    bj: cython.Py_ssize_t = j >> halvings
+    bv: cython.Py_ssize_t = v >> halvings
+    bu: cython.Py_ssize_t = u >> halvings
+    together: cython.bint = p_may == EITHER and q_may == EITHER
+    inside: cython.bint = together and bi == bv and bj == bu
+    if not go_on and p_may & OLD and q_may & OLD:
+        both_old = seam_cost(picture, sample, p, q, d, label_p, label_q)
+    if inside:
+        graph.old[bi, bj] += cython.cast(cython.int, both_old)
+        return 0
+    p_new = in_sample(sample, patch, i, j)
+    q_new = in_sample(sample, patch, v, u)
+    p_old = 0
+    q_old = 0
+    if p_may & OLD and q_may & NEW:
+        p_old = seam_cost(picture, sample, p, q, d, label_p, q_new)
+    if together and go_on and continued(sample, p_new, d) == q_new:
+        q_old = p_old  # both pixels are in both patches
+    elif p_may & NEW and q_may & OLD:
+        q_old = seam_cost(picture, sample, p, q, d, p_new, label_q)
+    if together:
+        q_old = max(q_old, both_old - p_old)
+        alpha = min(p_old, both_old)
+        graph.old[bi, bj] += cython.cast(cython.int, alpha)
+        graph.old[bv, bu] += cython.cast(cython.int, both_old - alpha)
+        graph.arcs[bv, bu, d + 2] += cython.cast(cython.int, p_old - alpha)
+        graph.arcs[bi, bj, d] += cython.cast(cython.int, q_old - both_old + alpha)
+    elif p_may == EITHER:
+        graph.old[bi, bj] += cython.cast(cython.int, both_old + p_old)
+        graph.new[bi, bj] += cython.cast(cython.int, q_old)
+    elif q_may == EITHER:
+        graph.old[bv, bu] += cython.cast(cython.int, both_old + q_old)
+        graph.new[bv, bu] += cython.cast(cython.int, p_old)
+    else:
+        return p_old + q_old
+    return 0
+
+
+@cython.cfunc
+@cython.nogil
+@cython.exceptval(check=False)
+def clear(graph: Graph, rows: cython.Py_ssize_t, columns: cython.Py_ssize_t) -> cython.void:
+    """Fill the graph of so many blocks with zeros."""
+    cython.declare(i=cython.Py_ssize_t, j=cython.Py_ssize_t, d=cython.int)
+    for i in range(rows):
+        for j in range(columns):
             graph.old[i, j] = 0
             graph.new[i, j] = 0
             for d in range(4):
@@ -228,99 +255,118 @@ def start_graph(picture: Picture, sample: Sample, patch: Patch, graph: Graph) ->
 @cython.cfunc
 @cython.nogil
 @cython.exceptval(check=False)
-def build_graph(picture: Picture, sample: Sample, patch: Patch, graph: Graph) -> cython.longlong:
-    """Fill in the graph whose minimum cut says which pixels of a box a patch replaces (section 3).
-
-    A pair of neighbors costs c if both stay old (an old seam, or 0), a or b if one becomes new, and
-    0 if both do. Instead of the paper's seam node (section 3.1), the arcs from the source to both
-    take alpha + beta = c, and the arcs between them a - alpha and b - beta. This is exact if
-    c <= a + b, as with metrics. Where costs weighed by gradients break it, b is raised to c - a;
-    the cheapest labels are still no worse than the old ones.
+def build(
+    picture: Picture, sample: Sample, patch: Patch, graph: Graph, halvings: cython.int
+) -> cython.longlong:
+    """Fill in the graph whose minimum cut says which blocks of a box a patch replaces (section 3).
 
     Returns the cost of pairs without a choice.
     """
-    cython.declare(i=cython.Py_ssize_t, j=cython.Py_ssize_t, v=cython.Py_ssize_t)
-    cython.declare(u=cython.Py_ssize_t, d=cython.int, dy=cython.int, dx=cython.int)
-    cython.declare(p=cython.int, q=cython.int, p_may=cython.int, q_may=cython.int)
-    cython.declare(both_old=cython.longlong, alpha=cython.longlong)
-    cython.declare(p_old=cython.longlong, q_old=cython.longlong)  # and the other one new
-    rows: cython.Py_ssize_t = patch.on_canvas.shape[0]
-    columns: cython.Py_ssize_t = patch.on_canvas.shape[1]
-    fixed_cost: cython.longlong = 0
-    start_graph(picture, sample, patch, graph)
+    cython.declare(i=cython.Py_ssize_t, j=cython.Py_ssize_t, d=cython.int, may=cython.p_uchar)
+    cython.declare(other=cython.int, p=cython.int, q=cython.int, label=cython.int)
+    cython.declare(row=cython.int, last=cython.bint)
+    rows: cython.Py_ssize_t = patch.rows.shape[0]
+    width: cython.Py_ssize_t = patch.columns.shape[0]
+    side: cython.Py_ssize_t = graph.choice.shape[1]
+    columns: cython.p_const_int = cython.address(patch.columns[0])
+    source: cython.p_int = cython.address(picture.source[0])
+    mask: cython.Py_ssize_t = (1 << halvings) - 1
+    fixed: cython.longlong = 0
+    clear(graph, blocks(rows, halvings), blocks(width, halvings))
     for i in range(rows):
-        for j in range(columns):
-            p = patch.on_canvas[i, j]
-            p_may = graph.choice[i, j]
-            if p_may == NOTHING:
+        may = cython.address(graph.choice[i, 0])
+        row = patch.rows[i] * picture.width
+        for j in range(width):
+            if may[j] == NOTHING:
                 continue
-            for d in range(4):
-                dy = d % 2 * (1 - d // 2 * 2)
-                dx = (1 - d % 2) * (1 - d // 2 * 2)
-                v = i + dy
-                u = j + dx
-                if 0 <= v < rows and 0 <= u < columns:
-                    if d > 1:
-                        continue  # was met from the other side
-                    q = patch.on_canvas[v, u]
-                    q_may = graph.choice[v, u]
-                else:
-                    q = beside(picture, p, dy, dx)
-                    if q < 0 or q == p or not picture.done[q]:
+            for d in range(2):
+                last = i + 1 == rows if d else j + 1 == width
+                if last:
+                    fixed += add_outside(picture, sample, patch, graph, i, j, d, halvings)
+                    continue
+                other = may[j + side] if d else may[j + 1]
+                if other == NOTHING or may[j] | other != EITHER:  # both stay or both become new
+                    continue
+                if may[j] == other and (i + 1 if d else j + 1) & mask:
+                    # In one block, and mostly in one old patch.
+                    p = row + columns[j]
+                    q = patch.rows[i + 1] * picture.width + columns[j] if d else row + columns[j + 1]
+                    label = continued(sample, source[p], d)
+                    if label >= 0 and label == source[q]:
                         continue
-                    q_may = OLD
-                both_old = 0
-                p_old = 0
-                q_old = 0
-                if p_may & OLD and q_may & OLD and p_may | q_may != OLD:
-                    both_old = seam_cost(
-                        picture, sample, p, q, dy, dx, picture.source[p], picture.source[q]
-                    )
-                if p_may & OLD and q_may & NEW:
-                    p_old = seam_cost(
-                        picture, sample, p, q, dy, dx, picture.source[p], patch.in_sample[v, u]
-                    )
-                if p_may & NEW and q_may & OLD:
-                    q_old = seam_cost(
-                        picture, sample, p, q, dy, dx, patch.in_sample[i, j], picture.source[q]
-                    )
-                if p_may == EITHER and q_may == EITHER:
-                    q_old = max(q_old, both_old - p_old)
-                    alpha = min(p_old, both_old)
-                    graph.old[i, j] += cython.cast(cython.int, alpha)
-                    graph.old[v, u] += cython.cast(cython.int, both_old - alpha)
-                    graph.arcs[v, u, d + 2] = cython.cast(cython.int, p_old - alpha)
-                    graph.arcs[i, j, d] = cython.cast(cython.int, q_old - both_old + alpha)
-                elif p_may == EITHER:
-                    graph.old[i, j] += cython.cast(cython.int, both_old + p_old)
-                    graph.new[i, j] += cython.cast(cython.int, q_old)
-                elif q_may == EITHER:
-                    graph.old[v, u] += cython.cast(cython.int, both_old + q_old)
-                    graph.new[v, u] += cython.cast(cython.int, p_old)
-                else:
-                    fixed_cost += p_old + q_old
-    return fixed_cost
+                fixed += add_pair(picture, sample, patch, graph, i, j, d, halvings)
+            if j == 0:
+                fixed += add_outside(picture, sample, patch, graph, i, j, 2, halvings)
+            if i == 0:
+                fixed += add_outside(picture, sample, patch, graph, i, j, 3, halvings)
+    return fixed
 
 
 @cython.cfunc
 @cython.nogil
 @cython.exceptval(check=False)
-def paste(
-    picture: Picture,
-    sample: Sample,
-    patch: Patch,
-    graph: Graph,
-    side: cython.const[cython.uchar][:, ::1],
-) -> cython.Py_ssize_t:
+def cut(
+    picture: Picture, sample: Sample, patch: Patch, graph: Graph, halvings: cython.int
+) -> cython.longlong:
+    """Cut in blocks; return the cost of all seams in the box then."""
+    cost: cython.longlong = build(picture, sample, patch, graph, halvings)
+    graph.capacities.height = blocks(patch.rows.shape[0], halvings)
+    graph.capacities.width = blocks(patch.columns.shape[0], halvings)
+    return cost + minimum_cut(graph.capacities, graph.trees, graph.side)
+
+
+@cython.cfunc
+@cython.nogil
+@cython.exceptval(check=False)
+def narrow(patch: Patch, graph: Graph, halvings: cython.int) -> cython.void:
+    """Leave a choice to the pixels of blocks that the cut passes, and of those around them.
+
+    Outside the box all is old.
+    """
+    cython.declare(i=cython.Py_ssize_t, j=cython.Py_ssize_t, may=cython.int)
+    cython.declare(v=cython.Py_ssize_t, u=cython.Py_ssize_t, near=cython.int)
+    block: cython.Py_ssize_t = 1 << halvings
+    height: cython.Py_ssize_t = blocks(patch.rows.shape[0], halvings)
+    width: cython.Py_ssize_t = blocks(patch.columns.shape[0], halvings)
+    for i in range(height):
+        for j in range(width):
+            graph.shown[i, j] = 0
+    for i in range(patch.rows.shape[0]):
+        for j in range(patch.columns.shape[0]):
+            may = graph.choice[i, j]
+            if may == EITHER:
+                may = NEW if graph.side[i >> halvings, j >> halvings] else OLD
+            graph.shown[i >> halvings, j >> halvings] |= may
+    for i in range(height):
+        for j in range(width):
+            near = 0
+            for v in range(i - REACH, i + REACH + 1):
+                for u in range(j - REACH, j + REACH + 1):
+                    if v < 0 or u < 0 or v >= height or u >= width:
+                        near |= OLD
+                    else:
+                        near |= graph.shown[v, u]
+            if near == EITHER:
+                continue
+            for v in range(i * block, min((i + 1) * block, patch.rows.shape[0])):
+                for u in range(j * block, min((j + 1) * block, patch.columns.shape[0])):
+                    if graph.choice[v, u] == EITHER:
+                        graph.choice[v, u] = near
+
+
+@cython.cfunc
+@cython.nogil
+@cython.exceptval(check=False)
+def paste(picture: Picture, sample: Sample, patch: Patch, graph: Graph) -> cython.Py_ssize_t:
     """Copy the pixels that the cut has on the new side; return how many were missing before."""
     cython.declare(i=cython.Py_ssize_t, j=cython.Py_ssize_t, k=cython.Py_ssize_t)
     cython.declare(p=cython.int, label=cython.int)
     covered: cython.Py_ssize_t = 0
-    for i in range(patch.on_canvas.shape[0]):
-        for j in range(patch.on_canvas.shape[1]):
-            if side[i, j] or graph.choice[i, j] == NEW:
-                p = patch.on_canvas[i, j]
-                label = patch.in_sample[i, j]
+    for i in range(patch.rows.shape[0]):
+        for j in range(patch.columns.shape[0]):
+            if graph.choice[i, j] == NEW or (graph.choice[i, j] == EITHER and graph.side[i, j]):
+                p = on_canvas(picture, patch, i, j)
+                label = in_sample(sample, patch, i, j)
                 covered += not picture.done[p]
                 picture.done[p] = 1
                 picture.source[p] = label
@@ -329,47 +375,25 @@ def paste(
     return covered
 
 
-@cython.cfunc
-@cython.nogil
-@cython.exceptval(check=False)
-def price_seams(
-    picture: Picture,
-    sample: Sample,
-    places: cython.const[cython.int][:, ::1],
-    costs: cython.int[::1],
-) -> cython.void:
-    """Fill in the cost of the seams to the right of and below each of these pixels."""
-    cython.declare(i=cython.Py_ssize_t, j=cython.Py_ssize_t, d=cython.int)
-    cython.declare(p=cython.int, q=cython.int, cost=cython.longlong)
-    for i in range(places.shape[0]):
-        for j in range(places.shape[1]):
-            p = places[i, j]
-            costs[p] = 0
-            for d in range(2):
-                q = beside(picture, p, d, 1 - d)
-                if q < 0 or q == p or not picture.done[p] or not picture.done[q]:
-                    continue
-                if picture.known[p] and picture.known[q]:
-                    continue
-                cost = seam_cost(
-                    picture, sample, p, q, d, 1 - d, picture.source[p], picture.source[q]
-                )
-                costs[p] += cython.cast(cython.int, cost)
-
-
-def graph_of_patch(picture: Picture, sample: Sample, patch: Patch, graph: Graph):
-    """Call `build_graph`, beside other threads."""
-    cython.declare(cost=cython.longlong)
+def cut_in_blocks(picture: Picture, sample: Sample, usable, patch: Patch, graph: Graph, halvings):
+    """Choose what may be replaced, and cut in blocks, beside other threads."""
+    cython.declare(cost=cython.longlong, size=cython.int)
+    pixels: cython.const[cython.uchar][::1] = usable
+    size = halvings
     with cython.nogil:
-        cost = build_graph(picture, sample, patch, graph)
+        choose(picture, pixels, sample, patch, graph)
+        cost = cut(picture, sample, patch, graph, size)
     return cost
 
 
-def paste_patch(picture: Picture, sample: Sample, patch: Patch, graph: Graph, side):
+def cut_finer(picture: Picture, sample: Sample, patch: Patch, graph: Graph, halvings):
+    """Around the cut in blocks cut again, in smaller and smaller ones, down to pixels."""
+    while halvings > 0:
+        narrow(patch, graph, halvings)
+        halvings = max(0, halvings - STEP)
+        cut(picture, sample, patch, graph, halvings)
+
+
+def paste_patch(picture: Picture, sample: Sample, patch: Patch, graph: Graph):
     """Call `paste`."""
-    return paste(picture, sample, patch, graph, side)
-
-
-def costs_of_seams(picture: Picture, sample: Sample, places, costs):
-    """Call `price_seams`."""
-    price_seams(picture, sample, places, costs)
+    return paste(picture, sample, patch, graph)

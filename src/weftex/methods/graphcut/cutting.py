@@ -7,8 +7,8 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
-from weftex.methods.graphcut import cut_kernels as kernels
-from weftex.seams.maxflow import minimum_cut
+from weftex.methods.graphcut import cut_kernels, seam_kernels
+from weftex.seams.maxflow import search_trees
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -19,30 +19,41 @@ if TYPE_CHECKING:
 
 
 class Cut(NamedTuple):
-    """A patch cut out."""
+    """A patch cut out in blocks."""
 
     cost: int  # of all seams in its box, once it is pasted
     place: Place
-    patch: kernels.Patch
-    graph: kernels.Graph
-    side: NDArray[np.uint8]  # 1 inside the cut
+    patch: cut_kernels.Patch
+    graph: cut_kernels.Graph
 
 
 class Picture:
-    """The canvas so far, with old seams: all patches that were pasted show in its labels."""
+    """The canvas so far, with old seams: all patches that were pasted show in its labels.
 
-    def __init__(self, settings: Settings, growth: Growth) -> None:
+    Parameters
+    ----------
+    settings, growth
+        The sample and the canvas.
+    size : (int, int)
+        Height and width of the largest patch, in pixels.
+    block : int
+        Patches are cut in blocks of so many pixels a side first.
+    """
+
+    def __init__(
+        self, settings: Settings, growth: Growth, size: tuple[int, int], block: int
+    ) -> None:
         self.shape, self.sample_shape = growth.canvas.shape, settings.exemplar.shape
-        self.done = growth.done.ravel()
+        self.done, self.halvings = growth.done.ravel(), block.bit_length() - 1
+        self.usable = settings.windows.usable.ravel()
         channels = growth.pixels.shape[2]
-        self._sample = kernels.Sample(
+        self._sample = seam_kernels.Sample(
             settings.windows.pixels.reshape(-1, channels),
-            settings.windows.usable.ravel(),
+            _joins(settings.windows.usable != 0, settings.exemplar.tileable).ravel(),
             self.sample_shape,
-            settings.exemplar.tileable,
             settings.by_gradients,
         )
-        self._picture = kernels.Picture(
+        self._picture = seam_kernels.Picture(
             growth.pixels.reshape(-1, channels),
             growth.source.ravel(),
             self.done,
@@ -50,6 +61,7 @@ class Picture:
             self.shape,
             growth.canvas.wrap,
         )
+        self._graphs = [_graph(*size) for _ in range(settings.candidates)]
 
     def missing(self) -> Iterator[tuple[int, int]]:
         """Yield the first pixel that is missing, until none is."""
@@ -60,41 +72,75 @@ class Picture:
                 return
             yield divmod(first, self.shape[1])
 
-    def cut(self, place: Place) -> Cut:
-        """Cut a patch out along the seam of least cost, new and old seams counted (section 3.1)."""
-        shape = place.height, place.width
-        patch = kernels.Patch(
-            _box(place.top, place.left, *shape, self.shape),
-            _box(place.source_top, place.source_left, *shape, self.sample_shape),
+    def cut(self, place: Place, number: int) -> Cut:
+        """Cut a patch out along the seam of least cost, new and old seams counted (section 3.1).
+
+        The seam is one of blocks. `number` is that of the candidate.
+        """
+        patch, graph = self._patch(place), self._graphs[number]
+        cost: int = cut_kernels.cut_in_blocks(
+            self._picture, self._sample, self.usable, patch, graph, self.halvings
         )
-        arcs = np.empty((*shape, 4), np.int32)
-        old, new = np.empty((2, *shape), np.int32)
-        graph = kernels.Graph(arcs, old, new, np.empty(shape, np.uint8))
-        fixed: int = kernels.graph_of_patch(self._picture, self._sample, patch, graph)
-        side, cost = minimum_cut(arcs, old, new)
-        return Cut(cost + fixed, place, patch, graph, side.view(np.uint8))
+        return Cut(cost, place, patch, graph)
 
     def paste(self, cut: Cut) -> int:
-        """Copy the pixels inside the cut; return how many were missing before."""
-        covered: int = kernels.paste_patch(
-            self._picture, self._sample, cut.patch, cut.graph, cut.side
-        )
+        """Cut in pixels around the seam of blocks, and copy; return how many were missing before."""
+        cut_kernels.cut_finer(self._picture, self._sample, cut.patch, cut.graph, self.halvings)
+        covered: int = cut_kernels.paste_patch(self._picture, self._sample, cut.patch, cut.graph)
         return covered
 
-    def price_seams(self, places: NDArray[np.int32], costs: NDArray[np.int32]) -> None:
-        """Fill in the cost of the seams to the right of and below pixels.
+    def price_seams(
+        self,
+        rows: NDArray[np.int32],
+        columns: NDArray[np.int32],
+        costs: NDArray[np.int32],
+        cells: NDArray[np.int64],
+        side: int,
+    ) -> None:
+        """Fill in the cost of the seams to the right of and below the pixels of a box.
 
         Parameters
         ----------
-        places : int32 array (H, W)
-            The pixels, flat.
-        costs : int32 array (N,)
+        rows, columns : int32 arrays
+            Of the box.
+        costs : int32 array (H, W)
             Of all pixels of the canvas.
+        cells : int64 array
+            Their sums over squares.
+        side : int
+            Of a square, in pixels.
         """
-        kernels.costs_of_seams(self._picture, self._sample, places, costs)
+        seam_kernels.price_seams(self._picture, self._sample, rows, columns, costs, cells, side)
+
+    def _patch(self, place: Place) -> cut_kernels.Patch:
+        lines = [
+            ((first + np.arange(length)) % n).astype(np.int32)
+            for first, length, n in (
+                (place.top, place.height, self.shape[0]),
+                (place.left, place.width, self.shape[1]),
+                (place.source_top, place.height, self.sample_shape[0]),
+                (place.source_left, place.width, self.sample_shape[1]),
+            )
+        ]
+        return cut_kernels.Patch(*lines)
 
 
-def _box(top: int, left: int, height: int, width: int, shape: tuple[int, int]) -> NDArray[np.int32]:
-    """The pixels of a box in a picture that goes around, as flat places (height, width)."""
-    y, x = np.arange(top, top + height)[:, None], np.arange(left, left + width)
-    return (y % shape[0] * shape[1] + x % shape[1]).astype(np.int32)
+def _graph(height: int, width: int) -> cut_kernels.Graph:
+    """Make room for the graph of a patch."""
+    shape = height, width
+    old, new = np.empty((2, *shape), np.int32)
+    choice, side, shown = np.empty((3, *shape), np.uint8)
+    arcs = np.empty((*shape, 4), np.int32)
+    return cut_kernels.Graph(arcs, old, new, choice, side, shown, search_trees(*shape))
+
+
+def _joins(usable: NDArray[np.bool_], tiles: bool) -> NDArray[np.uint8]:
+    """The directions in which each pixel of a sample has a neighbor, as bits; see the kernels."""
+    joins = np.zeros(usable.shape, np.uint8)
+    for d, (axis, step) in enumerate([(1, 1), (0, 1), (1, -1), (0, -1)]):
+        beside = np.roll(usable, -step, axis)
+        last = np.zeros_like(usable)  # the line that is beyond the border
+        last[(slice(None),) * axis + (-1 if step > 0 else 0,)] = True
+        joins |= ((beside & (tiles | ~last)) * np.uint8(1 << d)).astype(np.uint8)
+        joins |= (last * np.uint8(16 << d)).astype(np.uint8)
+    return joins

@@ -6,9 +6,12 @@ from typing import TYPE_CHECKING, NamedTuple, Protocol
 
 import numpy as np
 
+from weftex.methods.graphcut.copies import Copy, box_of, copies_of, places_in_full
+from weftex.methods.graphcut.draws import drawn_places
+from weftex.methods.graphcut.repeats import Repeats
 from weftex.random import draw
 from weftex.raster.boxes import box_sums
-from weftex.search.translation import Spectra, fast_size, overlap_mismatch, window_mismatch
+from weftex.search.translation import fast_size, overlap_mismatch, window_mismatch
 from weftex.search.windows import windows_of
 
 if TYPE_CHECKING:
@@ -17,12 +20,11 @@ if TYPE_CHECKING:
     from weftex.methods.graphcut.settings import Settings
     from weftex.methods.pixels.growth import Growth
 
-_LARGEST_EXPONENT = 64.0  # e**-64 is no chance at all
-_BEST_CHANCE = 2.0**32  # the chance of the best match, as a whole number
-_APART = 16  # candidates lie more than 1/16 of a patch from each other
 _MOST_PIXELS = 2**20  # of a sample that is searched as a whole
 _PART = 2**19  # pixels of the part of a larger one that is searched
-_SHOWN_STEP = 4  # every fourth pixel, both ways, is looked at for places that are shown nearby
+_CONTINUING = 16  # a patch that lies 1/16 of itself off the place that continues, continues too
+_NEAR = 1  # patch; what is shown again within this distance costs
+_LOOK = 2  # pixels of the smallest copy; so many apart what is shown is looked at
 
 
 class Place(NamedTuple):
@@ -34,12 +36,14 @@ class Place(NamedTuple):
     width: int
     source_top: int
     source_left: int
+    price: float = 1.0  # by which the cost of its seam is multiplied, as it shows places again
 
 
 class Placement(Protocol):
     """A way to find places for patches."""
 
     size: tuple[int, int]  # height and width of a patch on this canvas, in pixels
+    reduction: int  # how many times smaller the copies are that matches and cuts begin on
 
     def candidates(self, pixel: tuple[int, int], number: int, centered: bool) -> list[Place]:
         """Draw places for a patch, the `number`-th one, that covers a pixel (row, column).
@@ -56,46 +60,44 @@ def placement_of(settings: Settings, growth: Growth) -> Placement:
 
 
 class Part(NamedTuple):
-    """The part of the sample that a patch is looked for in."""
+    """The part of the sample that a patch is looked for in, in full size and on smaller copies."""
 
     top: int
     left: int
-    corners: NDArray[np.bool_]  # where the patch's upper left corner may lie
-    spectra: Spectra
+    corners: list[NDArray[np.uint8]]  # 1 where the patch's upper left corner may lie
+    copies: list[Copy]
 
 
 class SubPatchMatching:
     """Sub-patch matching: a patch of the canvas is looked for everywhere in the sample.
 
-    Transforms of large samples take seconds and gigabytes. There each patch is looked for in a part
-    of its own, drawn at random, which is no idea of the paper.
+    It is looked for on a small copy, and what was found there in larger ones. Of large samples each
+    patch is looked for in a part of its own, drawn at random. Both are no ideas of the paper.
     """
 
     def __init__(self, settings: Settings, growth: Growth) -> None:
         self.settings, self.growth, self.canvas = settings, growth, growth.canvas
-        self.size = _size_on_canvas(settings.patch_shape, growth)
-        height, width = self.size
+        self.size = height, width = _size_on_canvas(settings.patch_shape, growth)
         self.overlap = [min(settings.boundary_width, (n - 1) // 2) for n in self.size]
         exemplar = settings.exemplar
-        corners = windows_of(exemplar, (0, height - 1, 0, width - 1))
-        self.corners = corners.usable[: exemplar.shape[0], : exemplar.shape[1]] != 0
+        windows = windows_of(exemplar, (0, height - 1, 0, width - 1))
+        self.corners = windows.usable[: exemplar.shape[0], : exemplar.shape[1]]
+        self.reduction = settings.reduction_of(self.size, self.corners)
+        whole = Copy(windows.pixels, np.ones_like(windows.usable))  # windows at corners are whole
+        self.copies = copies_of(whole, self.reduction)
+        self.sample = sample_copies(settings, self.reduction)
+        self.on_canvas = Copy(growth.pixels, growth.done)
+        self.repeats: Repeats | None = None
+        if settings.variety > 0:
+            near = _NEAR * height, _NEAR * width
+            self.repeats = Repeats(exemplar, growth, self.size, near, _LOOK * self.reduction)
         self.sides = exemplar.shape
+        self.whole: Part | None = None
         if exemplar.shape[0] * exemplar.shape[1] <= _MOST_PIXELS:
-            tiles = exemplar.tileable
-            transform = tuple(n if tiles else fast_size(n) for n in exemplar.shape)
-            self.whole: Part | None = self._part(0, 0, exemplar.shape, transform)
+            self.whole = Part(0, 0, _on_copies(self.corners, self.copies), self.copies)
         else:
-            self.whole = None
             self.starts = np.flatnonzero(self.corners)
             self.sides = _sides_of_part(exemplar.shape, self.size)
-
-    def _part(
-        self, top: int, left: int, shape: tuple[int, int], transform: tuple[int, ...]
-    ) -> Part:
-        windows, (rows, columns) = self.settings.windows, shape
-        here = np.s_[top : top + rows, left : left + columns]
-        spectra = Spectra(windows.pixels[here], windows.usable[here], transform)
-        return Part(top, left, self.corners[here], spectra)
 
     def part(self, number: int) -> Part:
         """The part of the sample that the `number`-th patch is looked for in."""
@@ -105,36 +107,49 @@ class SubPatchMatching:
         bits = int(draw(self.growth.seed, "part of the sample", number)[()])
         place = divmod(int(self.starts[bits % len(self.starts)]), self.corners.shape[1])
         top, left = (
-            min(max(at - (side - length) // 2, 0), n - side)
+            min(max(at - (side - length) // 2, 0), n - side) // self.reduction * self.reduction
             for at, side, length, n in zip(
                 place, self.sides, self.size, self.corners.shape, strict=True
             )
         )
-        part = self._part(top, left, self.sides, tuple(fast_size(n) for n in self.sides))
-        inside = np.zeros_like(part.corners)  # a patch must not hang over the part's border
+        inside = np.zeros(self.sides, np.uint8)  # a patch must not hang over the part's border
         rows, columns = (side - n + 1 for side, n in zip(self.sides, self.size, strict=True))
-        inside[:rows, :columns] = part.corners[:rows, :columns]
-        return part._replace(corners=inside)
+        inside[:rows, :columns] = self.corners[top : top + rows, left : left + columns]
+        copies = [
+            copy.part(top >> k, left >> k, *(side >> k for side in self.sides))
+            for k, copy in enumerate(self.copies)
+        ]
+        return Part(top, left, _on_copies(inside, copies), copies)
 
     def candidates(self, pixel: tuple[int, int], number: int, centered: bool) -> list[Place]:
         """See `Placement.candidates`."""
-        settings, part = self.settings, self.part(number)
-        top, left = self._corner(pixel, centered)
-        y = (top + np.arange(self.size[0])) % self.canvas.height
-        x = (left + np.arange(self.size[1])) % self.canvas.width
-        there = self.growth.done[np.ix_(y, x)]
-        allowed, (rows, columns) = part.corners, part.corners.shape
-        costs = np.zeros((rows, columns))
-        if there.any():
-            box = Spectra(self.growth.pixels[np.ix_(y, x)], there, part.spectra.size)
-            total = window_mismatch(part.spectra, box)  # C(t), by FFT as in section 5
-            costs = total[:rows, :columns] / int(there.sum())
-            if settings.variety > 0:  # not in the paper
-                costs = self._varied(part, costs, top, left)
-                apart = part.corners & ~self._continuing(part, y, x)
-                allowed = apart if apart.any() else part.corners
-        drawn = drawn_places(costs, allowed, settings, self.growth.seed, number, self.size)
-        return [Place(top, left, *self.size, part.top + y, part.left + x) for y, x in drawn]
+        part, (top, left) = self.part(number), self._corner(pixel, centered)
+        y = ((top + np.arange(self.size[0])) % self.canvas.height).astype(np.int32)
+        x = ((left + np.arange(self.size[1])) % self.canvas.width).astype(np.int32)
+        boxes = copies_of(box_of(self.on_canvas, y, x), self.reduction)
+        k = _smallest(boxes, part.corners)
+        allowed = part.corners[k] != 0
+        costs, shown = np.zeros((2, *allowed.shape))
+        if boxes[k].mask.any():
+            spectra = part.copies[k].spectra
+            total = window_mismatch(spectra, boxes[k].spectra_of(spectra.size))  # section 5
+            costs = total[: allowed.shape[0], : allowed.shape[1]] / int(boxes[k].mask.sum())
+            if self.repeats is not None:  # not in the paper
+                rows, columns = (first >> k for first in (part.top, part.left))
+                shown = self.repeats.shown(top, left, k)[rows:, columns:]
+                shown = shown[: allowed.shape[0], : allowed.shape[1]]
+                costs = varied(costs, shown, allowed, self.settings.variety)
+                apart = allowed & ~self._continuing(part, y, x, k)
+                allowed = apart if apart.any() else allowed
+        spread = self.settings.tolerance * variance_of(self.sample[: k + 1])
+        draws = self.growth.seed, number, self.settings.candidates
+        drawn = drawn_places(costs, allowed, spread, draws, [n >> k for n in self.size])
+        found = places_in_full(drawn, boxes[: k + 1], part.copies, part.corners, (0, 0))
+        prices = [1 + self.settings.variety * float(shown[at]) for at in drawn]
+        return [
+            Place(top, left, *self.size, part.top + v, part.left + u, price)
+            for (v, u), price in zip(found, prices, strict=True)
+        ]
 
     def _corner(self, pixel: tuple[int, int], centered: bool) -> list[int]:
         """The upper left corner on the canvas of a patch that covers a pixel."""
@@ -147,53 +162,26 @@ class SubPatchMatching:
         return corner
 
     def _continuing(
-        self, part: Part, y: NDArray[np.int64], x: NDArray[np.int64]
+        self, part: Part, y: NDArray[np.int32], x: NDArray[np.int32], k: int
     ) -> NDArray[np.bool_]:
         """Places from which the patch would go on as something in its box does in the sample."""
-        sample, shape = self.settings.exemplar.shape, part.corners.shape
-        source = self.growth.source[np.ix_(y, x)]
+        sample, shape, step = self.settings.exemplar.shape, part.corners[k].shape, 1 << k
+        source = self.growth.source[np.ix_(y[::step], x[::step])]
         v, u = np.nonzero(source >= 0)
         sample_y, sample_x = np.divmod(source[v, u], sample[1])
-        corners = [sample_y - v - part.top, sample_x - u - part.left]
+        corners = [sample_y - v * step, sample_x - u * step]
         if self.settings.exemplar.tileable:
             corners = [c % n for c, n in zip(corners, sample, strict=True)]
-        near = [size // _APART for size in self.size]
-        rows, columns = (c + k for c, k in zip(corners, near, strict=True))
-        height, width = (n + 2 * k for n, k in zip(shape, near, strict=True))
+        near = [-(-(size // _CONTINUING) // step) for size in self.size]
+        rows, columns = (
+            (c - first + step // 2) // step + reach
+            for c, first, reach in zip(corners, (part.top, part.left), near, strict=True)
+        )
+        height, width = (n + 2 * reach for n, reach in zip(shape, near, strict=True))
         inside = (rows >= 0) & (rows < height) & (columns >= 0) & (columns < width)
         taken = np.zeros((height, width), bool)
         taken[rows[inside], columns[inside]] = True
-        return box_sums(taken, *(2 * k + 1 for k in near)) > 0
-
-    def _varied(
-        self, part: Part, costs: NDArray[np.float64], top: int, left: int
-    ) -> NDArray[np.float64]:
-        """Add to the cost of each place in the sample for its pixels that are shown nearby.
-
-        All of a patch shown once adds, at a variety of 1, the cost of the best match among the half
-        of the places that are shown least: a cost that is good enough in this material.
-        """
-        around = []
-        for start, size, n, wraps in zip(
-            (top, left), self.size, self.canvas.shape, self.canvas.wrap, strict=True
-        ):
-            lines = np.arange(start - size, start + 2 * size, _SHOWN_STEP)
-            around.append(lines[:n] % n if wraps else lines[(lines >= 0) & (lines < n)])
-        source = self.growth.source[np.ix_(*around)].ravel()
-        rows, columns = part.corners.shape
-        y, x = np.divmod(source[source >= 0], self.settings.exemplar.shape[1])
-        y, x = y - part.top, x - part.left
-        inside = (y >= 0) & (y < rows) & (x >= 0) & (x < columns)
-        places = y[inside] * columns + x[inside]
-        shown = np.bincount(places, minlength=rows * columns).reshape(rows, columns)
-        shown = np.pad(shown, [(0, size - 1) for size in self.size], mode="wrap")
-        shown = box_sums(shown, *self.size)
-        seen = shown[part.corners]
-        median = np.partition(seen, len(seen) // 2)[len(seen) // 2]
-        good = float(costs[part.corners][seen <= median].min())
-        once = self.size[0] * self.size[1] / _SHOWN_STEP**2
-        result: NDArray[np.float64] = costs + shown * (self.settings.variety * good / once)
-        return result
+        return box_sums(taken, *(2 * reach + 1 for reach in near)) > 0
 
 
 class EntirePatchMatching:
@@ -202,49 +190,73 @@ class EntirePatchMatching:
     def __init__(self, settings: Settings, growth: Growth, *, random: bool) -> None:
         self.settings, self.growth, self.canvas = settings, growth, growth.canvas
         self.size, self.random = _size_on_canvas(settings.patch_shape, growth), random
-        self.usable = settings.windows.usable != 0
-        self.reach = [n - 1 for n in settings.patch_shape]
-        self.transform = tuple(fast_size(2 * n + 1) for n in self.reach)
-        self.spectra = Spectra(settings.windows.pixels, self.usable, self.transform)
+        self.usable = settings.windows.usable
+        self.reduction = settings.reduction_of(self.size, self.usable)
+        self.copies = sample_copies(settings, self.reduction)
+        self.on_canvas = Copy(growth.pixels, growth.done)
+        shape = settings.exemplar.shape
+        # How far the sample reaches from a pixel that it covers, in whole pixels of all copies.
+        self.reach = [-(-(n - 1) // self.reduction) * self.reduction for n in shape]
+        self.repeats: Repeats | None = None
+        if settings.variety > 0 and not random:
+            near = shape[0] // 2, shape[1] // 2
+            self.repeats = Repeats(settings.exemplar, growth, shape, near, _LOOK * self.reduction)
 
     def candidates(self, pixel: tuple[int, int], number: int, centered: bool) -> list[Place]:
         """See `Placement.candidates`."""
-        height, width = self.usable.shape
-        low, high = (1, 3) if centered else (1, 2)  # quarters of the sample that cover the pixel
-        allowed = np.zeros((height, width), bool)
-        allowed[
-            height * low // 4 : height * high // 4 + 1, width * low // 4 : width * high // 4 + 1
-        ] = True
-        allowed &= self.usable
-        if not allowed.any():
-            allowed = self.usable
-        costs = np.zeros((height, width)) if self.random else self._mismatch(pixel, allowed)
-        seed = self.growth.seed
-        drawn = drawn_places(costs, allowed, self.settings, seed, number, self.size)
-        return [self._clipped(pixel, at) for at in drawn]
+        # Quarters of the sample that cover the pixel; to avoid repeats it needs more to choose from.
+        low, high = (1, 3) if centered or self.repeats is not None else (1, 2)
+        middle = np.zeros_like(self.usable)
+        rows, columns = (
+            slice(n * low // 4, n * high // 4 + 1) for n in self.usable.shape
+        )
+        middle[rows, columns] = self.usable[rows, columns]
+        places = _on_copies(middle if middle.any() else self.usable, self.copies)
+        boxes = self._around(pixel)
+        k = _smallest(boxes, places)
+        allowed = places[k] != 0
+        costs, shown = np.zeros((2, *allowed.shape))
+        if not self.random:
+            costs = self._mismatch(boxes[k], allowed, k)
+            if self.repeats is not None:
+                shown = self.repeats.shown(*pixel, k)[: allowed.shape[0], : allowed.shape[1]]
+                costs = varied(costs, shown, allowed, self.settings.variety)
+        spread = self.settings.tolerance * variance_of(self.copies[: k + 1])
+        draws = self.growth.seed, number, self.settings.candidates
+        drawn = drawn_places(costs, allowed, spread, draws, [n >> k for n in self.size])
+        found = places_in_full(drawn, boxes[: k + 1], self.copies, places, self.reach)
+        prices = [1 + self.settings.variety * float(shown[at]) for at in drawn]
+        return [self._clipped(pixel, *each) for each in zip(found, prices, strict=True)]
 
-    def _mismatch(self, pixel: tuple[int, int], allowed: NDArray[np.bool_]) -> NDArray[np.float64]:
-        """C(t) over the overlap, for each pixel of the sample that may come to lie on this one."""
-        around, inside = [], []
+    def _around(self, pixel: tuple[int, int]) -> list[Copy]:
+        """All of the canvas that the sample may cover with this pixel."""
+        lines = []
         for at, reach, n, wraps in zip(
             pixel, self.reach, self.canvas.shape, self.canvas.wrap, strict=True
         ):
-            line = np.arange(at - reach, at + reach + 1)
-            inside.append((line >= 0) & (line < n) | wraps)
-            around.append(line % n)
-        there = self.growth.done[np.ix_(*around)] * np.outer(*inside)
-        canvas = Spectra(self.growth.pixels[np.ix_(*around)], there, self.transform)
-        total, area = overlap_mismatch(canvas, self.spectra)
-        # Place (0, 0) of the corner has the sample's last pixel on this one.
+            line = np.arange(at - reach, at + reach + self.reduction)
+            line = line % n if wraps else np.where((line >= 0) & (line < n), line, -1)
+            lines.append(line.astype(np.int32))
+        return copies_of(box_of(self.on_canvas, *lines), self.reduction)
+
+    def _mismatch(
+        self, box: Copy, allowed: NDArray[np.bool_], k: int
+    ) -> NDArray[np.float64]:
+        """C(t) over the overlap, for each pixel of the sample that may come to lie on this one."""
+        size = [fast_size(n) for n in box.mask.shape]
+        both = overlap_mismatch(box.spectra_of(size), self.copies[k].spectra_of(size))
+        # Place (0, 0) of the corner has the last pixel within reach on this one.
+        rows, columns = (reach >> k for reach in self.reach)
         total, area = (
-            a[: self.reach[0] + 1, : self.reach[1] + 1][::-1, ::-1] for a in (total, area)
+            a[: rows + 1, : columns + 1][::-1, ::-1][: allowed.shape[0], : allowed.shape[1]]
+            for a in both
         )
         costs: NDArray[np.float64] = total / np.maximum(area, 1)
         if area[allowed].any():  # the sample might lie apart from everything
             costs[area == 0] = np.inf
         return costs
 
-    def _clipped(self, pixel: tuple[int, int], at: tuple[int, int]) -> Place:
+    def _clipped(self, pixel: tuple[int, int], at: tuple[int, int], price: float) -> Place:
         """The part of the sample that is on the canvas if its pixel `at` lies on this one."""
         tops, lengths, sources = [], [], []
         for p, s, side, size, n, wraps in zip(
@@ -260,7 +272,56 @@ class EntirePatchMatching:
             tops.append(first)
             lengths.append(last - first)
             sources.append(first - (p - s))
-        return Place(*tops, *lengths, *sources)
+        return Place(*tops, *lengths, *sources, price)
+
+
+def sample_copies(settings: Settings, reduction: int) -> list[Copy]:
+    """The sample and smaller copies."""
+    return copies_of(Copy(settings.windows.pixels, settings.windows.usable), reduction)
+
+
+def variance_of(copies: list[Copy]) -> float:
+    """Variance of the sample, sigma**2, on the smallest of some copies that has a usable pixel."""
+    return next(copy.variance for copy in reversed(copies) if copy.mask.any())
+
+
+def _on_copies(places: NDArray[np.uint8], copies: list[Copy]) -> list[NDArray[np.uint8]]:
+    """Those of the places that a smaller copy has, for each."""
+    result = []
+    for k, copy in enumerate(copies):
+        height, width = copy.mask.shape
+        result.append(np.ascontiguousarray(places[:: 1 << k, :: 1 << k][:height, :width]))
+    return result
+
+
+def _smallest(boxes: list[Copy], places: list[NDArray[np.uint8]]) -> int:
+    """The smallest copy that has a place, and of the box whatever there is."""
+    there = boxes[0].mask.any()
+    return next(
+        k
+        for k in range(len(boxes) - 1, -1, -1)
+        if places[k].any() and (boxes[k].mask.any() or not there)
+    )
+
+
+def varied(
+    costs: NDArray[np.float64],
+    shown: NDArray[np.float64],
+    allowed: NDArray[np.bool_],
+    variety: float,
+) -> NDArray[np.float64]:
+    """Add to the cost of each place for what it would show again.
+
+    All of a patch shown once adds, at a variety of 1, the cost of the best match among the half
+    of the places that would show least: a cost that is good enough in this material.
+    """
+    seen, here = shown[allowed], costs[allowed]
+    median = np.partition(seen, len(seen) // 2)[len(seen) // 2]
+    good = float(here[seen <= median].min())
+    if not np.isfinite(good):  # they lie apart from everything
+        good = float(here.min())
+    result: NDArray[np.float64] = costs + shown * (variety * good)
+    return result
 
 
 def _sides_of_part(shape: tuple[int, int], patch: tuple[int, int]) -> tuple[int, int]:
@@ -281,43 +342,3 @@ def _size_on_canvas(patch_shape: tuple[int, int], growth: Growth) -> tuple[int, 
     return height, width
 
 
-def drawn_places(
-    costs: NDArray[np.float64],
-    allowed: NDArray[np.bool_],
-    settings: Settings,
-    seed: int,
-    number: int,
-    size: tuple[int, int],
-) -> list[tuple[int, int]]:
-    """Draw places by P(t), proportional to exp(-C(t) / (k * sigma**2)), not next to each other.
-
-    Returns (row, column) of `costs` for each candidate.
-    """
-    chances = np.where(allowed, chances_of(costs, allowed, settings.spread), 0)
-    found: list[tuple[int, int]] = []
-    for bits in draw(seed, "patch", number, np.arange(settings.candidates)):
-        sums = chances.ravel().cumsum()
-        if not sums[-1]:
-            break
-        at = int(sums.searchsorted(int(bits) % int(sums[-1]), side="right"))
-        y, x = divmod(at, chances.shape[1])
-        found.append((y, x))
-        near_y, near_x = (length // _APART for length in size)
-        chances[max(y - near_y, 0) : y + near_y + 1, max(x - near_x, 0) : x + near_x + 1] = 0
-    return found
-
-
-def chances_of(
-    costs: NDArray[np.float64], allowed: NDArray[np.bool_], spread: float
-) -> NDArray[np.int64]:
-    """Whole numbers in proportion to exp(-cost / spread).
-
-    exp(x) is taken as (1 + x / 1024)**1024, which every machine rounds alike.
-    """
-    above: NDArray[np.float64] = np.maximum(costs - costs[allowed].min(), 0)
-    if spread > 0:
-        power = 1 + np.minimum(above / spread, _LARGEST_EXPONENT) / 1024
-        for _ in range(10):
-            power *= power
-        return np.asarray(_BEST_CHANCE / power, np.int64)
-    return np.asarray(above == 0, np.int64)

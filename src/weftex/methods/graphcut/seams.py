@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -14,7 +15,6 @@ if TYPE_CHECKING:
     from weftex.methods.graphcut.placement import Place
 
 _CELL = 8  # side in pixels of the squares by which the worst seams are looked for
-_ROWS_AT_A_TIME = 64  # of the canvas, when all its seams are priced
 
 
 class CanvasSeams:
@@ -32,7 +32,7 @@ class CanvasSeams:
 
     def __init__(self, picture: Picture, canvas: Canvas, patch_size: tuple[int, int]) -> None:
         self.picture, self.canvas = picture, canvas
-        self.cost = np.zeros(canvas.height * canvas.width, np.int32)
+        self.cost = np.zeros(canvas.shape, np.int32)
         self.cells = np.zeros([-(-n // _CELL) for n in canvas.shape], np.int64)
         self.tried = np.zeros_like(self.cells)
         self.idle = 0  # patches since one made the seams cheaper
@@ -40,53 +40,72 @@ class CanvasSeams:
             min(max(1, size // (2 * _CELL)), n)
             for size, n in zip(patch_size, self.cells.shape, strict=True)
         ]
-        for top in range(0, canvas.height, _ROWS_AT_A_TIME):
-            self.price(top, 0, min(_ROWS_AT_A_TIME, canvas.height - top), canvas.width)
+        # The squares of cells, half as wide as a patch, by their upper left one, and the most that
+        # one of each row costs.
+        last = [
+            n if wraps else n - span + 1
+            for n, span, wraps in zip(self.cells.shape, self.spans, canvas.wrap, strict=True)
+        ]
+        self.squares = np.zeros(last, np.int64)
+        self.most = np.zeros(last[0], np.int64)
+        self.price(0, 0, *canvas.shape)
 
     def price_around(self, place: Place) -> None:
         """Price the seams that a patch in this box may have changed."""
-        before = int(self.cells.sum())
-        self.price(place.top - 1, place.left - 1, place.height + 1, place.width + 1)
-        self.idle = 0 if int(self.cells.sum()) < before else self.idle + 1
+        change = self.price(place.top - 1, place.left - 1, place.height + 1, place.width + 1)
+        self.idle = 0 if change < 0 else self.idle + 1
 
-    def price(self, top: int, left: int, height: int, width: int) -> None:
-        """Price the seams in a box, and sum them up by cells."""
-        rows, columns = (
-            (start + np.arange(min(length, n))) % n
-            if wraps
-            else np.arange(max(start, 0), min(start + length, n))
-            for start, length, n, wraps in zip(
-                (top, left), (height, width), self.canvas.shape, self.canvas.wrap, strict=True
-            )
-        )
-        places = (rows[:, None] * self.canvas.width + columns).astype(np.int32)
-        before = self.cost[places]
-        self.picture.price_seams(places, self.cost)
-        change = self.cost[places] - before
-        np.add.at(self.cells, (rows[:, None] // _CELL, columns // _CELL), change)
+    def price(self, top: int, left: int, height: int, width: int) -> int:
+        """Price the seams in a box, and sum them up; return by how much they changed."""
+        lines, cells = [], []
+        for start, length, n, wraps in zip(
+            (top, left), (height, width), self.canvas.shape, self.canvas.wrap, strict=True
+        ):
+            if wraps:
+                line = (start + np.arange(min(length, n))) % n
+            else:
+                line = np.arange(max(start, 0), min(start + length, n))
+            lines.append(line.astype(np.int32))
+            cells.append(np.unique(line // _CELL))
+        before = int(self.cells[np.ix_(*cells)].sum())
+        self.picture.price_seams(*lines, self.cost, self.cells, _CELL)
+        self._sum_up([int(line[0]) // _CELL for line in lines], [len(c) for c in cells])
+        return int(self.cells[np.ix_(*cells)].sum()) - before
+
+    def _sum_up(self, first: Sequence[int], length: Sequence[int]) -> None:
+        """Sum up the squares that have one of these cells.
+
+        A cell that was tried counts half as much the next time, or one seam that cannot be mended
+        would keep the others from it.
+        """
+        squares, cells = [], []
+        for start, count, span, last, n in zip(
+            first, length, self.spans, self.squares.shape, self.cells.shape, strict=True
+        ):
+            at = np.arange(start - span + 1, start + count)
+            at = at[:n] % n if last == n else at[(at >= 0) & (at < last)]
+            if not len(at):
+                return
+            squares.append(at)
+            cells.append((at[0] + np.arange(len(at) + span - 1)) % n)
+        here = np.ix_(*cells)
+        cost = self.cells[here] >> np.minimum(self.tried[here], 62)
+        self.squares[np.ix_(*squares)] = box_sums(cost, *self.spans)
+        self.most[squares[0]] = self.squares[squares[0]].max(axis=1)
 
     def worst(self) -> tuple[int, int] | None:
-        """The middle of the square, half as wide as a patch, whose seams cost most; None if none.
-
-        A square that was tried counts half as much the next time, or one seam that cannot be
-        mended would keep the others from it.
-        """
-        total = self.cells >> np.minimum(self.tried, 62)
-        around = [
-            (0, (span - 1) * wraps)
-            for span, wraps in zip(self.spans, self.canvas.wrap, strict=True)
-        ]
-        sums = box_sums(np.pad(total, around, mode="wrap"), *self.spans)
-        best = int(sums.argmax())
-        if sums.flat[best] == 0:
+        """The middle of the square, half as wide as a patch, whose seams cost most; None if none."""
+        row = int(self.most.argmax())
+        if self.most[row] == 0:
             return None
+        first = row, int(self.squares[row].argmax())
         middle, cells = [], []
-        for first, span, count, n, wraps in zip(
-            divmod(best, sums.shape[1]), self.spans, total.shape, self.canvas.shape,
-            self.canvas.wrap, strict=True,
-        ):  # fmt: skip
-            cells.append((first + np.arange(span)) % count)
-            at = first * _CELL + span * _CELL // 2
-            middle.append(at % n if wraps else min(at, n - 1))
+        for at, span, count, n, wraps in zip(
+            first, self.spans, self.cells.shape, self.canvas.shape, self.canvas.wrap, strict=True
+        ):
+            cells.append((at + np.arange(span)) % count)
+            center = at * _CELL + span * _CELL // 2
+            middle.append(center % n if wraps else min(center, n - 1))
         self.tried[np.ix_(*cells)] += 1
+        self._sum_up(first, self.spans)
         return middle[0], middle[1]

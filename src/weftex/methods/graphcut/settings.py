@@ -19,6 +19,8 @@ if TYPE_CHECKING:
     from weftex.search.windows import Windows
 
 _PATCH_SHARE = 0.45  # side of a patch, of the sample's shorter side
+_HALVINGS = 4  # at most, of the copies that matches and cuts begin on
+_LEAST = 24  # pixels a side that a patch has on those
 _THIN = 4  # pixels a side; a sample has thin patches rather than smaller squares
 
 
@@ -33,11 +35,13 @@ class Settings:
         int, int
     ]  # height and width in pixels, see _patch_shape; or the entire sample
     boundary_width: int  # reach of a patch over the pixels before it; 0 for the entire sample
-    spread: float  # k * sigma**2 in the chances of a place; sigma**2 is the sample's variance
+    tolerance: float  # k in the chances of a place
     candidates: int  # places that are cut, to keep the one with the cheapest seam
     by_gradients: bool  # the cost of a seam is divided by the gradients across it
     refinements: float  # patches over the worst seams, for each that covered the canvas
-    variety: float  # the cost of showing a place again nearby
+    variety: float  # the cost of showing a place again
+    halvings: int  # at most, of the copies that matches and cuts begin on
+    least: int  # pixels a side that a patch has on those
     size_given: bool  # patch_shape was chosen by the caller
     boundary_given: bool  # likewise
 
@@ -53,6 +57,25 @@ class Settings:
         height, width = (min(side, most) for side in self.patch_shape)
         boundary = self.boundary_width if self.boundary_given else max(height, width) // 3
         return replace(self, patch_shape=(height, width), boundary_width=boundary)
+
+    def reduction_of(self, size: tuple[int, int], places: NDArray[np.uint8]) -> int:
+        """How many times smaller the copies are that a patch begins on, a power of 2.
+
+        Parameters
+        ----------
+        size : (int, int)
+            Height and width of the patch, in pixels.
+        places : uint8 array (H, W)
+            1 where it may lie in the sample; the copies have some of these.
+        """
+        reduction = 1
+        while (
+            2 * reduction <= 1 << self.halvings
+            and 2 * reduction * self.least <= min(size)
+            and places[:: 2 * reduction, :: 2 * reduction].any()
+        ):
+            reduction *= 2
+        return reduction
 
     def sizes(self) -> dict[str, int]:
         """`patch_size` and `boundary_width` as settled; patches of a thin sample are no squares."""
@@ -75,11 +98,12 @@ def settle(
     placement: str,
     patch_size: int | None,
     boundary_width: int | None,
-    tolerance: float,
-    candidates: int,
+    tolerance: float | None,
+    candidates: int | None,
     seam_cost: str,
-    refinements: float,
+    refinements: float | None,
     variety: float,
+    halvings: int | None,
 ) -> Settings:
     """Settle the parameters of `GraphCut` for a sample.
 
@@ -90,6 +114,12 @@ def settle(
         than half of a patch.
     """
     windows = windows_of(exemplar, (0, 0, 0, 0))
+    if tolerance is None:
+        tolerance = 0.0 if placement == "entire" else 0.003
+    if candidates is None:
+        candidates = 12 if placement == "entire" else 4
+    if refinements is None:
+        refinements = 1.0 if placement == "random" else 0.0
     shape, boundary = exemplar.shape, 0
     if placement == "subpatch":
         shape = _patch_shape(exemplar, patch_size)
@@ -102,11 +132,13 @@ def settle(
         placement,
         shape,
         boundary,
-        spread=tolerance * variance(windows.pixels[windows.usable != 0]),
+        tolerance=tolerance,
         candidates=candidates,
         by_gradients=seam_cost == "gradient",
         refinements=refinements,
         variety=variety,
+        halvings=_HALVINGS if halvings is None else halvings,
+        least=_LEAST if halvings is None else 1,
         size_given=patch_size is not None,
         boundary_given=boundary_width is not None,
     )
@@ -150,11 +182,3 @@ def _has_room(exemplar: Exemplar, rows: int, columns: int) -> bool:
     except InvalidInputError:
         return False
     return True
-
-
-def variance(pixels: NDArray[np.uint8]) -> float:
-    """Variance of pixels (N, K), all channels together, from exact sums."""
-    total = [int(k) for k in pixels.sum(axis=0, dtype=np.int64)]
-    squares = sum(int(np.square(k, dtype=np.int64).sum()) for k in pixels.T)
-    count = len(pixels)
-    return (count * squares - sum(t * t for t in total)) / (count * count)

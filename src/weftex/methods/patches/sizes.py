@@ -85,7 +85,7 @@ def patch_size_for(hole: NDArray[np.bool_], usable: NDArray[np.bool_], least: in
     usable : bool array (H', W')
         The pixels that patches are taken from.
     least : int
-        The smallest side.
+        The smallest side; single pixels are taken only where no 2x2 pixels are usable.
 
     Examples
     --------
@@ -95,7 +95,7 @@ def patch_size_for(hole: NDArray[np.bool_], usable: NDArray[np.bool_], least: in
     40
     """
     fits = (s for s in _SIZES if s == _SIZES[-1] or _windows(hole, round(_LEAP * s)))
-    size: int = max(min(next(fits), min(*hole.shape, *usable.shape) // 5), least)
+    size: int = max(min(next(fits), min(*hole.shape, *usable.shape) // 5), 2, least)
     enough = np.count_nonzero(usable) // 4
     while size > least:
         # With few windows to choose from none of them matches.

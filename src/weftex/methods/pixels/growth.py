@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import dataclasses
 from collections.abc import Callable
 from typing import TYPE_CHECKING, Any, Protocol, Self, TypeVar
 
@@ -167,10 +166,9 @@ class WindowedMethod(Method):
         """See `Method.window_for`."""
         return self.window_width or proposed
 
-    def for_belt(self, width: int) -> Self:
+    def for_belt(self, width: int, **parameters: Any) -> Self:
         """See `Method.for_belt`."""
-        width = self.window_for(width)
-        return dataclasses.replace(self, window_width=width)  # type: ignore[call-arg]
+        return super().for_belt(width, window_width=self.window_for(width), **parameters)
 
     def window_of(self, exemplar: Exemplar) -> int:
         """See `Method.window_of`."""

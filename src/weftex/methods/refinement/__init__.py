@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, ClassVar, Self
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any, ClassVar, Self
 
 from weftex.errors import InvalidInputError
 from weftex.method import Method, parameter
@@ -17,6 +17,7 @@ from weftex.methods.refinement.output import (
     sources_of_children,
     sources_shown,
 )
+from weftex.methods.refinement.seeds import seed_sources
 from weftex.methods.refinement.settings import (
     Starts,
     settings_of,
@@ -24,7 +25,7 @@ from weftex.methods.refinement.settings import (
     start_text,
     window_width,
 )
-from weftex.methods.refinement.start import keep_patches, result_of, seed_sources
+from weftex.methods.refinement.start import fitted_starts, keep_patches, result_of
 from weftex.methods.refinement.sweeps import Convergence, refine_texture, sweep_of
 
 if TYPE_CHECKING:
@@ -55,6 +56,7 @@ class Refinement(WindowedMethod):
         "planting, iterative refinement"
     )
     supports: ClassVar[frozenset[str]] = frozenset({"wrap", "known", "guide", "many"})
+    belt_parameters: ClassVar[frozenset[str]] = frozenset({"seed_scale", "seed_density", "matches"})
 
     window_width: int | None = parameter(
         None,
@@ -77,14 +79,15 @@ class Refinement(WindowedMethod):
     )
     init: str | Method = parameter(  # noqa: RUF009  (methods are frozen)
         "auto",
-        "seeds or a method, as 'graphcut placement=entire'; "
-        "auto: quilting, or seeds for guides and nearest",
+        "seeds or a method, as 'graphcut placement=entire'; auto: near-regular by a sure lattice, "
+        "else quilting; seeds for guides and nearest",
         choices=Starts("auto", "seeds"),
     )
     joints: int | None = parameter(
         None,
-        "refine only belts of this width along the start's seams; its patches stay",
+        "refine only belts of this width, even, along the start's seams; its patches stay",
         low=2,
+        parity="even",
         unit="px",
         default_text="everything is refined",
         needs=("init", Starts("auto")),
@@ -140,21 +143,29 @@ class Refinement(WindowedMethod):
         object.__setattr__(self, "init", start_text(self.init))
         super().__post_init__()
 
-    def for_belt(self, width: int) -> Self:
+    def meant(self, name: str) -> Any:
+        """What `init` is, if that is left to the search, for samples without a sure lattice."""
+        if name == "init" and self.init == "auto":
+            return "quilting" if self.search == "coherent" or self.joints else "seeds"
+        return super().meant(name)
+
+    def for_belt(self, width: int, **parameters: Any) -> Self:
         """See `Method.for_belt`: seeds lie all over a belt (section 4)."""
-        belted = super().for_belt(width)
-        if self.init not in ("auto", "seeds"):
-            return replace(belted, joints=None)  # a belt is a joint, all of it
-        # Patches of another start end along the belt. The sample is merged of two, and has no
-        # scale of its own: seed points lie half a window apart, which is the larger one's.
-        scale = self.seed_scale or max(1, belted.window_for(width) // 2)
-        return replace(belted, init="seeds", joints=None, seed_scale=scale)
+        parameters |= {"joints": None}  # a belt is a joint, all of it
+        if self.init in ("auto", "seeds"):
+            # Patches of another start end along the belt. The sample is merged of two, and has no
+            # scale of its own: seed points lie half a window apart, which is the larger one's.
+            scale = self.seed_scale or max(1, self.window_for(width) // 2)
+            parameters = {"init": "seeds", "seed_scale": scale} | parameters
+        return super().for_belt(width, **parameters)
 
     def fit_exemplar(self, exemplar: Exemplar) -> PixelModel:
         """Analyze a sample: its dominant scale, and how to find windows like one."""
-        settled = self.settle(exemplar)  # step 1: WindowSize
-        settings = settings_of(settled, exemplar, seeds_for_guides=self.init == "auto")
-        prepared = prepare(exemplar, settings)  # step 2: SearchTree
+        starts = fitted_starts(self, exemplar)
+        # Step 1: WindowSize.
+        settled = settled_method(self, exemplar, next(iter(starts), "seeds"))
+        settings = settings_of(settled, exemplar, by_canvas=self.init == "auto")
+        prepared = prepare(exemplar, settings, starts)  # step 2: SearchTree
         return PixelModel(settled, exemplar, prepared, texture_synthesis)
 
     def require(self, canvas: Canvas) -> None:
@@ -171,7 +182,8 @@ class Refinement(WindowedMethod):
 
     def settle(self, exemplar: Exemplar) -> Refinement:
         """See `Method.settle`."""
-        settled: Refinement = settled_method(self, exemplar)
+        init = next(iter(fitted_starts(self, exemplar)), "seeds")
+        settled: Refinement = settled_method(self, exemplar, init)
         return settled
 
 
@@ -182,13 +194,13 @@ def texture_synthesis(prepared: Prepared, growth: Growth) -> None:
     refined too, and all but the paper's own search ("nearest") go through coarse levels first.
     """
     settings, levels, windows = prepared.settings, prepared.levels, prepared.windows
-    start = prepared.start_for(growth.canvas.guide is not None)
-    if start is not None:
-        made = result_of(start, growth)
-        if settings.belt:  # section 5, Fig. 13: patches stay, belts along their seams are a hole
-            keep_patches(made, settings.belt, windows, growth)
-            if growth.done.all():
-                return
+    start, made = result_of(settings, prepared.starts, growth)
+    growth.about |= {"init": start, "levels": len(levels)}
+    if made is not None and settings.belt:
+        # Section 5, Fig. 13: patches stay, belts along their seams are a hole.
+        keep_patches(made, settings.belt, windows, growth)
+        if growth.done.all():
+            return
     cyclic = growth.hole is not None  # section 5, Fig. 12
     outputs = output_pyramid(windows, levels, growth)
     guides = guides_of(settings, levels, growth)
@@ -200,7 +212,7 @@ def texture_synthesis(prepared: Prepared, growth: Growth) -> None:
         level, output, guide = levels[number], outputs[number], guides[number]
         if number < coarsest:
             source = sources_of_children(outputs[number + 1], levels[number + 1], output, level)
-        elif start is not None:
+        elif made is not None:
             source = sources_shown(made, number, level)
         else:  # step 3: PlantSeed, Fig. 5
             source = seed_sources(settings, level, output, guide, growth.seed)
@@ -217,5 +229,4 @@ def texture_synthesis(prepared: Prepared, growth: Growth) -> None:
                 progress.advance(left * output.count)
                 break
     finish(outputs[0], levels[0], windows, growth)  # step 10
-    growth.about |= {"init": "seeds" if start is None else settings.init, "levels": len(levels)}
     growth.about["convergence"] = convergence.curve  # section 5, Fig. 7

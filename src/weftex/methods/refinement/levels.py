@@ -9,7 +9,6 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from weftex.exemplar import Exemplar
-from weftex.naming import method_of
 from weftex.raster.pyramids import gaussian_stack, mask_stack
 from weftex.search.nearest import nearest_search
 from weftex.search.similar import nearest_center, similar_places
@@ -46,8 +45,8 @@ class Level:
         1 where a window may be centered.
     places : int32 array (H', W')
         Flat index of the place of the sample that each pixel shows, -1 for none.
-    inside : int32 array (H' * W')
-        Flat index into `pixels` where the same place lies within the borders of the sample.
+    index : int32 array (H * W)
+        For each place of the sample, flat index into `pixels` where it lies within its borders.
     nearest : int32 array (H, W)
         For each place of the sample, flat index into `pixels` of the nearest usable one.
     reach : int
@@ -59,7 +58,7 @@ class Level:
     pixels: NDArray[np.uint8]
     usable: NDArray[np.uint8]
     places: NDArray[np.int32]
-    inside: NDArray[np.int32]
+    index: NDArray[np.int32]
     nearest: NDArray[np.int32]
     reach: int
 
@@ -67,7 +66,7 @@ class Level:
     def centers(self) -> NDArray[np.int32]:
         """Flat indices into `pixels` where a window may be centered, once for each place."""
         flat = np.flatnonzero(self.usable).astype(np.int32)
-        once: NDArray[np.int32] = flat[self.inside[flat] == flat]
+        once: NDArray[np.int32] = flat[self.index[self.places.ravel()[flat]] == flat]
         return once
 
     def at(self, y: NDArray[np.integer], x: NDArray[np.integer]) -> NDArray[np.int32]:
@@ -89,9 +88,9 @@ class CoherentLevel(Level):
     ----------
     layout : Layout
         Where its phases lie in `pixels`.
-    similar : int32 array (H' * W', k)
-        The places most like each.
-    cells : int32 array (H' * W')
+    similar : int32 array (H * W, k)
+        The places of the sample most like each, -1 for none; the same on all levels.
+    cells : int32 array (H * W)
         The sample is cut into squares as large as its scale, to see how evenly it is used.
     """
 
@@ -124,25 +123,21 @@ class Prepared:
         The sample with windows of one pixel.
     levels : list of Level
         From the finest to the coarsest; one where search is "nearest", or only belts are refined.
-    start : Model or None
-        Makes the pictures to refine; None plants seed points.
+    starts : dict of str to Model
+        What makes the pictures to refine, by its name as in `Settings.init`; the next ones are for
+        canvases that do not suit the first. None at all: seed points are planted.
     """
 
     settings: Settings
     windows: Windows
     levels: list[Level]
-    start: Model | None
-
-    def start_for(self, guided: bool) -> Model | None:
-        """The model to start from on a canvas with or without a guide; None plants seed points."""
-        return None if guided and self.settings.seeds_for_guides else self.start
+    starts: dict[str, Model]
 
 
-def prepare(exemplar: Exemplar, settings: Settings) -> Prepared:
-    """Build the levels of a sample, and the model of the method to start from."""
-    start = None if settings.init == "seeds" else method_of(settings.init).fit(exemplar)
+def prepare(exemplar: Exemplar, settings: Settings, starts: dict[str, Model]) -> Prepared:
+    """Build the levels of a sample."""
     levels = sample_levels(exemplar, settings)
-    return Prepared(settings, windows_of(exemplar, (0,) * 4), levels, start)
+    return Prepared(settings, windows_of(exemplar, (0,) * 4), levels, starts)
 
 
 def sample_levels(exemplar: Exemplar, settings: Settings) -> list[Level]:
@@ -164,7 +159,7 @@ def _nearest_level(exemplar: Exemplar, settings: Settings) -> NearestLevel:
         pixels=windows.pixels,
         usable=windows.usable,
         places=places,
-        inside=index[places.ravel()],
+        index=index,
         nearest=_nearest(windows.usable, index, exemplar.shape),
         reach=settings.reach,
         search=nearest_search(windows, settings.reach),
@@ -188,6 +183,7 @@ def _pyramid_levels(exemplar: Exemplar, settings: Settings) -> list[CoherentLeve
         like = similar_places(windows, reach, settings.similar, coarser)
         coarser = windows, like
     like = windows.to_sample(like[windows.from_sample(every)])
+    cells = _cells(exemplar.shape, settings.scale)
     levels = []
     for number in range(len(settings.rounds)):
         # Coarser levels have settled what goes where. Now the picture has to go on across seams,
@@ -195,39 +191,30 @@ def _pyramid_levels(exemplar: Exemplar, settings: Settings) -> list[CoherentLeve
         fine = number == 0 and settings.levels > 1 and not settings.belt
         own_reach = min(reach, _FINE_REACH) if fine else reach
         layout = Layout(exemplar.shape, number, own_reach, exemplar.tileable)
-        pyramid = windows_of(samples[number], (0,) * 4, pictures[number][0])
-        pixels, usable = layout.lay(pictures[number]), layout.usable(masks[number])
-        levels.append(_coherent_level(pyramid, pixels, usable, layout, like, settings.scale))
+        usable = layout.usable(masks[number])
+        levels.append(
+            CoherentLevel(
+                pyramid=windows_of(samples[number], (0,) * 4, pictures[number][0]),
+                tileable=layout.tileable,
+                pixels=layout.lay(pictures[number]),
+                usable=usable,
+                places=layout.places,
+                index=layout.index,
+                nearest=_nearest(usable, layout.index, layout.shape),
+                reach=layout.reach,
+                layout=layout,
+                similar=like,
+                cells=cells,
+            )
+        )
     return levels
 
 
-def _coherent_level(
-    pyramid: Windows,
-    pixels: NDArray[np.uint8],
-    usable: NDArray[np.uint8],
-    layout: Layout,
-    like: NDArray[np.int32],
-    side: int,
-) -> CoherentLevel:
-    """A level of the stack; `like` are the places of the sample most like each, -1 for none."""
-    index, places = layout.index, layout.places
-    shown = places.ravel()
-    similar = np.where(like < 0, np.int32(-1), index[like])
-    similar[usable.ravel()[similar] == 0] = -1
-    y, x = np.divmod(shown.clip(0), layout.shape[1])
-    return CoherentLevel(
-        pyramid=pyramid,
-        tileable=layout.tileable,
-        pixels=pixels,
-        usable=usable,
-        places=places,
-        inside=np.where(shown < 0, np.int32(-1), index[shown]),
-        nearest=_nearest(usable, index, layout.shape),
-        reach=layout.reach,
-        layout=layout,
-        similar=similar[shown.clip(0)],
-        cells=(y // side * (layout.shape[1] // side + 1) + x // side).astype(np.int32),
-    )
+def _cells(shape: tuple[int, int], side: int) -> NDArray[np.int32]:
+    """See `CoherentLevel.cells`."""
+    down, along = (np.arange(n, dtype=np.int32) // np.int32(side) for n in shape)
+    cells: NDArray[np.int32] = np.add.outer(down * np.int32(shape[1] // side + 1), along).ravel()
+    return cells
 
 
 def _nearest(
@@ -235,5 +222,7 @@ def _nearest(
 ) -> NDArray[np.int32]:
     """See `Level.nearest`; `index` is where each place of the sample is laid."""
     may = usable.ravel()[index].reshape(shape)
+    if may.all():
+        return index.reshape(shape)
     result: NDArray[np.int32] = index[nearest_center(may)]
     return result

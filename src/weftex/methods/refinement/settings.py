@@ -12,11 +12,11 @@ import numpy as np
 from weftex.analysis.scale import dominant_scale
 from weftex.errors import InvalidInputError
 from weftex.method import Method
-from weftex.methods.pixels.growth import settled_width
+from weftex.methods.pixels.growth import narrowed, settled_width
 from weftex.naming import method_of, text_of
 from weftex.raster.pyramids import mask_pyramid
 from weftex.registry import METHODS
-from weftex.search.windows import whole_windows
+from weftex.search.windows import square_windows, whole_windows
 
 if TYPE_CHECKING:
     from weftex.exemplar import Exemplar
@@ -83,8 +83,9 @@ class Settings:
         Resolutions that the windows are looked at; 1 where search is "nearest".
     rounds : tuple of int
         For each level that is refined, the finest first: at most so many iterations.
-    seeds_for_guides : bool
-        Plant seeds all the same where the canvas has a guide.
+    by_canvas : bool
+        `init` was left open: a canvas with a guide is planted with seeds all the same, and one
+        that a lattice does not suit is quilted.
     belt : int
         In pixels, the width of the belts along the start's seams that are refined; 0 for all of
         the picture.
@@ -105,7 +106,7 @@ class Settings:
     reach: int
     levels: int
     rounds: tuple[int, ...]
-    seeds_for_guides: bool
+    by_canvas: bool
     belt: int
     seed_spacing: float
     margin: int
@@ -116,25 +117,14 @@ class Settings:
         return max(1, self.window_width // 2)
 
 
-def settled_method(method: Any, exemplar: Exemplar) -> Any:
+def settled_method(method: Any, exemplar: Exemplar, init: str) -> Any:
     """Return the method with its `window_width`, `init` and `seed_scale` settled.
 
     Raises
     ------
     InvalidInputError
-        If the sample is too small for the window, or for the method to start from.
+        If the sample is too small for the window.
     """
-    pyramid = method.search == "coherent"
-    init = method.init
-    if init == "auto":
-        init = "quilting" if pyramid or method.joints else "seeds"
-    if init != "seeds":
-        try:
-            method_of(init).settle(exemplar)
-        except InvalidInputError as error:  # too small a sample
-            if method.init != "auto" or method.joints:
-                raise InvalidInputError(f"init: {error}") from None
-            init = "seeds"
     width, scale = window_width(method, exemplar), method.seed_scale
     if init == "seeds" and scale is None:
         scale = dominant_scale(exemplar).scale
@@ -142,14 +132,23 @@ def settled_method(method: Any, exemplar: Exemplar) -> Any:
 
 
 def window_width(method: Any, exemplar: Exemplar) -> int:
-    """Return the width of the windows: the one given, or by the scale of the sample."""
-    proposed = 1 if method.window_width else dominant_scale(exemplar).window_width
+    """Return the width of the windows: the one given, or by the scale of the sample.
+
+    Where a mask leaves no room for windows so wide on any level, the widest that there are.
+    """
+    if method.window_width:
+        return settled_width(method.window_width, exemplar, 1)
+    proposed, widest = dominant_scale(exemplar).window_width, min(exemplar.shape)
     if method.search == "coherent":
-        proposed = max(_NARROWEST_PYRAMID, proposed)
-    return settled_width(method.window_width, exemplar, proposed)
+        proposed, widest = max(_NARROWEST_PYRAMID, proposed), 2 * _LARGEST_REACH + 1
+    width = settled_width(None, exemplar, proposed)
+    if exemplar.mask is None:
+        return width
+    whole = narrowed(min(width, widest), lambda side: square_windows(exemplar, side))
+    return width if whole == min(width, widest) else whole
 
 
-def settings_of(method: Any, exemplar: Exemplar, *, seeds_for_guides: bool) -> Settings:
+def settings_of(method: Any, exemplar: Exemplar, *, by_canvas: bool) -> Settings:
     """Return the settings of a method that `settled_method` returned."""
     width: int = method.window_width
     reach, levels, last = width // 2, 1, method.iterations
@@ -161,7 +160,7 @@ def settings_of(method: Any, exemplar: Exemplar, *, seeds_for_guides: bool) -> S
     finer = 0 if method.joints else levels - 1
     scale = method.seed_scale
     if scale is None:
-        scale = dominant_scale(exemplar).scale if seeds_for_guides else 1.0
+        scale = dominant_scale(exemplar).scale if by_canvas else 1.0
     names = {field.name for field in dataclasses.fields(Settings)}
     given = {name: value for name, value in vars(method).items() if name in names}
     return Settings(
@@ -169,7 +168,7 @@ def settings_of(method: Any, exemplar: Exemplar, *, seeds_for_guides: bool) -> S
         reach=reach,
         levels=levels,
         rounds=(*[max(1, method.iterations // 2)] * finer, last),
-        seeds_for_guides=seeds_for_guides,
+        by_canvas=by_canvas,
         belt=method.joints or 0,
         seed_spacing=min(scale / method.seed_density, _FARTHEST),
         margin=round(ONE * method.coherence),

@@ -1,49 +1,103 @@
-"""The start of iterative refinement: seed points, or the result of another method."""
+"""The start of iterative refinement where it is the result of another method."""
 
 from __future__ import annotations
 
 import dataclasses
-from typing import TYPE_CHECKING
+import math
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from weftex.methods.refinement.output import NO_GUIDE
-from weftex.methods.refinement.settings import ONE
-from weftex.random import draw
+from weftex.analysis.canvas_lattice import VISIBLE_STRAIN, CanvasLattice, is_sure
+from weftex.analysis.scale import dominant_scale
+from weftex.errors import InvalidInputError
+from weftex.methods.lattices.model import LatticeModel
+from weftex.naming import method_of, text_of
+from weftex.registry import METHODS
 from weftex.seams.belts import seam_belts
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
+    from weftex.canvas import Canvas
+    from weftex.exemplar import Exemplar
     from weftex.method import Model
     from weftex.methods.pixels.growth import Growth
-    from weftex.methods.refinement.levels import Level
-    from weftex.methods.refinement.output import Guide, Output
     from weftex.methods.refinement.settings import Settings
     from weftex.search.windows import Windows
 
 
-def seed_sources(
-    settings: Settings, level: Level, output: Output, guide: Guide, seed: int
-) -> NDArray[np.int32]:
-    """Return sources for a grid of seed points of an output, -1 elsewhere."""
-    step, pyramid = 2**output.number, level.pyramid
-    spacing = max(1, round(settings.seed_spacing / step))
-    places, y, x = plant_seeds(
-        pyramid, output.known.shape, output.wrap, spacing, settings.matches, seed, guide
-    )
-    source = np.full(output.known.shape, -1, np.int32)
-    v, u = np.divmod(pyramid.to_sample(places), pyramid.shape[1])
-    source[np.ix_(y, x)] = level.at(v * step, u * step)
-    return source
+def fitted_starts(method: Any, exemplar: Exemplar) -> dict[str, Model]:
+    """Return the models of the methods to start from; none where seed points are planted.
+
+    Where `init` is left open these are near-regular synthesis, if the sample's lattice is sure,
+    then quilting; the first that fits the sample makes the start, and the next one those of
+    canvases that do not suit the first.
+
+    Raises
+    ------
+    InvalidInputError
+        If the sample is too small for the start.
+    """
+    names, may_fail = [method.init], False
+    if method.init == "auto":
+        usual = method.meant("init")
+        names = ["seeds"] if usual == "seeds" else [*_by_lattice(exemplar), usual]
+        may_fail = not method.joints
+    starts, failure = {}, None
+    for name in names:
+        try:
+            if name != "seeds":
+                starts[name] = method_of(name).fit(exemplar)
+        except InvalidInputError as error:
+            failure = error
+    if failure is not None and not (starts or may_fail):
+        raise InvalidInputError(f"init: {failure}")
+    return starts
 
 
-def result_of(start: Model, growth: Growth) -> NDArray[np.int32]:
-    """Return the sources (H, W, 2) of what another method makes of the canvas."""
-    canvas = growth.canvas
-    if "guide" not in start.method.supports:
-        canvas = dataclasses.replace(canvas, guide=None)
-    return start.sample(canvas, seed=growth.seed, threads=growth.threads).source
+def _by_lattice(exemplar: Exemplar) -> list[str]:
+    """Near-regular synthesis with the sample's lattice, if that is sure."""
+    lattice = dominant_scale(exemplar).lattice
+    mask = exemplar.mask
+    pixels = math.prod(exemplar.shape) if mask is None else int(np.count_nonzero(mask))
+    if lattice is None or not is_sure(lattice, pixels):
+        return []
+    vectors = tuple(part for vector in lattice.vectors for part in vector)
+    return [text_of(METHODS["near-regular"](lattice=vectors))]
+
+
+def starts_for(settings: Settings, starts: dict[str, Model], canvas: Canvas) -> list[str]:
+    """Name the starts for a canvas, the one that suits it best first; none plants seed points."""
+    names = list(starts)
+    if settings.by_canvas and canvas.guide is not None:
+        return []
+    if settings.by_canvas and names and _strained(starts[names[0]], canvas):
+        names.reverse()
+    return names
+
+
+def result_of(
+    settings: Settings, starts: dict[str, Model], growth: Growth
+) -> tuple[str, NDArray[np.int32] | None]:
+    """Return the name of the start, and the sources (H, W, 2) that it makes of the canvas.
+
+    Seed points have none. The next start makes a canvas that one refuses, as near-regular
+    synthesis does with a hole that leaves no whole piece; where `init` is left open and none
+    makes it, seed points are planted.
+    """
+    canvas, failure = growth.canvas, None
+    for name in starts_for(settings, starts, canvas):
+        start = starts[name]
+        if "guide" not in start.method.supports:
+            canvas = dataclasses.replace(canvas, guide=None)
+        try:
+            return name, start.sample(canvas, seed=growth.seed, threads=growth.threads).source
+        except InvalidInputError as error:
+            failure = failure or error
+    if failure is None or (settings.by_canvas and not settings.belt):
+        return "seeds", None
+    raise InvalidInputError(f"init: {failure}")
 
 
 def keep_patches(sources: NDArray[np.int32], belt: int, windows: Windows, growth: Growth) -> None:
@@ -61,108 +115,8 @@ def keep_patches(sources: NDArray[np.int32], belt: int, windows: Windows, growth
     growth.hole = None if not growth.done.any() else growth.done == 0
 
 
-def plant_seeds(
-    pyramid: Windows,
-    shape: tuple[int, ...],
-    wrap: tuple[bool, bool],
-    spacing: int,
-    matches: int,
-    seed: int,
-    guide: Guide = NO_GUIDE,
-) -> tuple[NDArray[np.int32], NDArray[np.intp], NDArray[np.intp]]:
-    """Sample a grid of seed points by stochastic tiling with unit tiles (section 3, Fig. 5).
-
-    The sample is divided into unit tiles, squares between grid points. Slots of the output are
-    tiled in scan order: each takes, among the tiles whose corners best match the colors of the
-    corners that are there, one at random, and from it the corners that are not. So the first
-    slot gives four points, the rest of the first row and column two each, all others one.
-
-    Parameters
-    ----------
-    pyramid : Windows
-        The sample, with windows of one pixel.
-    shape : (int, int)
-        Of the output.
-    wrap : (bool, bool)
-        Axes that go around: their last slots end at the first points, and their points are spread
-        evenly.
-    spacing : int
-        Distance of the grid points in pixels: the dominant scale.
-    matches : int
-        k: one of so many best tiles is taken.
-    seed : int
-        For `weftex.random.draw`.
-    guide : Guide, optional
-        Its pictures are compared at the corners too.
-
-    Returns
-    -------
-    places : int32 array (rows, columns)
-        Flat indices into `pyramid.pixels`. Where the sample has no whole tile, drawn from all.
-    y, x : int arrays (rows,) and (columns,)
-        Where the points lie in the output.
-
-    Examples
-    --------
-    >>> import numpy as np
-    >>> from weftex.exemplar import Exemplar
-    >>> from weftex.search.windows import windows_of
-    >>> sample = windows_of(Exemplar(np.zeros((8, 8), np.uint8)), (0, 0, 0, 0))
-    >>> plant_seeds(sample, (10, 6), (False, True), 4, 5, seed=1)[1:]
-    (array([0, 4, 8]), array([0, 3]))
-    """
-    y, x = (_grid(*axis, spacing) for axis in zip(shape, wrap, strict=True))
-    bits = draw(seed, "seed point", *np.indices((len(y), len(x))))
-    tiles = _unit_tiles(pyramid, spacing)
-    if not len(tiles):
-        return pyramid.centers[bits % np.uint64(len(pyramid.centers))], y, x
-    flat = pyramid.pixels.reshape(-1, pyramid.pixels.shape[2])
-    colors = flat[tiles].astype(np.int64)
-    # Beyond the end of an axis lies one more row of points, or the first one again.
-    rows, columns = (len(n) + (not wraps) for n, wraps in zip((y, x), wrap, strict=True))
-    points = np.full((rows, columns), -1, np.int32)
-    if guide.weight:
-        own = guide.pyramid.reshape(-1, guide.pyramid.shape[2])[tiles].astype(np.int64)
-        ends = [np.append(n, length - 1) for n, length in zip((y, x), shape, strict=True)]
-        shown = guide.output[np.ix_(ends[0][:rows], ends[1][:columns])]
-    for i, j in np.ndindex(bits.shape):
-        corners = [(v % rows, u % columns) for v in (i, i + 1) for u in (j, j + 1)]
-        slot = np.array([points[corner] for corner in corners])
-        there = slot >= 0
-        distance = ((colors - flat[slot]) ** 2).sum(axis=2) @ there
-        if guide.weight:
-            wanted = np.array([shown[corner] for corner in corners], np.int64)
-            apart = ((own - wanted) ** 2).sum(axis=(1, 2))
-            distance = ONE * distance + guide.weight * apart
-        # At the first slot nothing tells tiles apart but the guide; many may be equally good.
-        equal = int((distance == distance.min()).sum())
-        best = np.argsort(distance, kind="stable")[: matches if there.any() else equal]
-        tile = tiles[best[int(bits[i, j] % np.uint64(len(best)))]]
-        for corner, place in zip(corners, tile, strict=True):
-            if points[corner] < 0:
-                points[corner] = place
-    return points[: len(y), : len(x)], y, x
-
-
-def _grid(length: int, wraps: bool, spacing: int) -> NDArray[np.intp]:
-    """Places of the points along an axis."""
-    if not wraps:
-        return np.arange(0, length, spacing)
-    count = max(1, round(length / spacing))
-    return np.arange(count) * length // count
-
-
-def _unit_tiles(pyramid: Windows, spacing: int) -> NDArray[np.int32]:
-    """Corners (n, 4) of the sample's unit tiles: upper left and right, lower left and right."""
-    width = pyramid.usable.shape[1]
-    if spacing >= min(pyramid.usable.shape):  # padding by it may not fit in memory
-        return np.empty((0, 4), np.int32)
-    usable = np.pad(pyramid.usable, (0, spacing))
-    y, x = np.divmod(pyramid.centers, width)
-    on_grid = ((y - y.min()) % spacing == 0) & ((x - x.min()) % spacing == 0)
-    y, x = y[on_grid], x[on_grid]
-    whole = usable[y + spacing, x] & usable[y, x + spacing] & usable[y + spacing, x + spacing]
-    corner = (y * width + x)[whole > 0]
-    steps = np.array([0, spacing, spacing * width, spacing * width + spacing], np.int32)
-    tiles: NDArray[np.int32] = (corner[:, None] + steps).astype(np.int32)
-    return tiles
+def _strained(start: Model, canvas: Canvas) -> bool:
+    """Whether a lattice would have to be stretched to go around the canvas so that it shows."""
+    if not isinstance(start, LatticeModel) or not (start.vectors and any(canvas.wrap)):
+        return False
+    return CanvasLattice(start.vectors, canvas).strain > VISIBLE_STRAIN

@@ -31,13 +31,15 @@ class Sample:
 
     pixels: cython.const[cython.uchar][:, :, ::1]
     usable: cython.const[cython.uchar][:, ::1]
-    inside: cython.const[cython.int][::1]
+    places: cython.const[cython.int][::1]
+    index: cython.const[cython.int][::1]
     centers: cython.const[cython.int][::1]
     period: cython.const[cython.int][::1]
     reach: cython.Py_ssize_t
 
     def __init__(self, level, period):
-        self.pixels, self.usable, self.inside = level.pixels, level.usable, level.inside
+        self.pixels, self.usable = level.pixels, level.usable
+        self.places, self.index = level.places.ravel(), level.index
         self.centers, self.reach = level.centers, level.reach
         self.period = period
 
@@ -117,9 +119,8 @@ def take(
 @cython.cfunc
 @cython.nogil
 @cython.exceptval(check=False)
-def excess(usage: Usage, place: cython.Py_ssize_t) -> cython.longlong:
+def excess(usage: Usage, cell: cython.Py_ssize_t) -> cython.longlong:
     """Factor of a distance, in 1/256: 256 unless the place's cell is used too often."""
-    cell: cython.Py_ssize_t = usage.cells[place]
     over: cython.longlong = usage.used[cell] - usage.capacity[cell]
     if over <= 0:
         return 256
@@ -185,6 +186,30 @@ def gather_coherent(
     )
 
 
+@cython.cfunc
+@cython.nogil
+@cython.exceptval(check=False)
+def gather_similar(
+    sample: Sample, similar: Similar, scratch: Scratch, coherent: cython.Py_ssize_t
+) -> cython.Py_ssize_t:
+    """List the usable places most like the coherent ones after them; return their number in all."""
+    cython.declare(i=cython.Py_ssize_t, k=cython.Py_ssize_t, place=cython.Py_ssize_t)
+    columns: cython.Py_ssize_t = sample.pixels.shape[1]
+    count: cython.Py_ssize_t = coherent
+    for i in range(coherent):
+        if scratch.places[i] < 0:
+            continue
+        for k in range(similar.places.shape[1]):
+            place = similar.places[sample.places[scratch.places[i]], k]
+            if place < 0:
+                continue
+            place = sample.index[place]
+            if sample.usable[place // columns, place % columns]:
+                scratch.places[count] = cython.cast(cython.int, place)
+                count += 1
+    return count
+
+
 def refine_coherently(
     output: Output, sample: Sample, similar: Similar, usage: Usage, guide: GuidePair,
     scratch: Scratch, order: cython.const[cython.int][::1], tried: cython.const[cython.int][::1],
@@ -195,13 +220,13 @@ def refine_coherently(
     `similar` to these, and those `tried`; of equals the first is best. The distance to one of
     the latter two counts `similar.margin` / 256 times, that to a place in a cell used too often
     counts `excess` / 256 times. To this comes the distance between the two guides, over the whole
-    window. A pixel takes the same place `inside` the borders.
+    window. A pixel takes the same place within the borders.
     """
     cython.declare(p=cython.Py_ssize_t, y=cython.Py_ssize_t, x=cython.Py_ssize_t)
     cython.declare(v=cython.Py_ssize_t, u=cython.Py_ssize_t, i=cython.Py_ssize_t)
     cython.declare(count=cython.Py_ssize_t, runs=cython.Py_ssize_t, own=cython.Py_ssize_t)
     cython.declare(place=cython.Py_ssize_t, best=cython.Py_ssize_t, least=cython.longlong)
-    cython.declare(k=cython.Py_ssize_t, coherent=cython.Py_ssize_t)
+    cython.declare(coherent=cython.Py_ssize_t)
     cython.declare(apart=cython.longlong, factor=cython.longlong, distance=cython.longlong)
     reach: cython.Py_ssize_t = sample.reach
     width: cython.Py_ssize_t = output.pixels.shape[1]
@@ -213,12 +238,7 @@ def refine_coherently(
             x = order[p] % width
             own = output.source[y, x]
             coherent = gather_coherent(output, sample, scratch, y, x)
-            count = coherent
-            for i in range(coherent):
-                if scratch.places[i] >= 0:
-                    for k in range(similar.places.shape[1]):
-                        scratch.places[count] = similar.places[scratch.places[i], k]
-                        count += 1
+            count = gather_similar(sample, similar, scratch, coherent)
             runs = known_runs(
                 output.done, y, x, output.wrap_y, output.wrap_x, reach, reach, reach, reach,
                 scratch.runs,
@@ -239,7 +259,7 @@ def refine_coherently(
                     apart = guide_distance(guide, y, x, v, u, least)
                     if best >= 0 and apart >= least:
                         continue
-                factor = excess(usage, place)
+                factor = excess(usage, usage.cells[sample.places[place]])
                 if i >= coherent:
                     factor = factor * similar.margin // 256
                 distance = run_distance(
@@ -251,10 +271,10 @@ def refine_coherently(
                     best = place
             if best < 0:
                 continue
-            best = sample.inside[best]
             if own >= 0:
-                usage.used[usage.cells[own]] -= 1
-            usage.used[usage.cells[best]] += 1
+                usage.used[usage.cells[sample.places[own]]] -= 1
+            usage.used[usage.cells[sample.places[best]]] += 1
+            best = sample.index[sample.places[best]]
             changed += take(output, sample, y, x, best)
     return changed
 

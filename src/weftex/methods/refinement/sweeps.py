@@ -217,13 +217,14 @@ def _scratch(reach: int, channels: int, candidates: int) -> kernels.Scratch:
 
 def _usage(level: CoherentLevel, output: Output, guide: Guide, weight: int) -> kernels.Usage:
     """How often each cell of the sample is used by the start, and may be."""
-    cells, centers = level.cells, level.centers
-    made = output.source[output.wanted & (output.done > 0)]
+    cells, places = level.cells, level.places.ravel()
+    centers = places[level.centers]
+    made = places[output.source[output.wanted & (output.done > 0)]]
     used = np.bincount(cells[made], minlength=cells.max() + 1).astype(np.int32)
     room: NDArray[Any]
     if guide.weight:
         least = max(ONE >> 2 * output.number, 1)
-        demand = guide.demand(output.wanted, centers, least)
+        demand = guide.demand(output.wanted, level.centers, least)
         room = _ROOM * np.bincount(cells[centers], demand, len(used)) // ONE
     else:
         # As often as all others, or once: on a coarse level for all that a pixel stands for.

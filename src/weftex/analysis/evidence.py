@@ -1,0 +1,70 @@
+"""What speaks for a lattice, and how often one is right that as much speaks for: its confidence.
+
+Two figures say it. The contrast is how far the correlation at multiples is above that between
+them; colors and light make some of it by chance. What is clear is the same of the whitened sample
+(see `weftex.analysis.whitening`), less what chance makes there and in units of it; chance falls
+with the root of the number of multiples. A logistic regression puts both together. Its weights are
+those that `python benchmarks/lattices.py --fit` prints; docs/lattice.md has how often each
+confidence is right.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    import numpy as np
+    from numpy.typing import NDArray
+
+#: What 1, the contrast, and what is clear for the number of multiples weigh.
+PAIRS = (-3.69, 4.58, 1.38)
+#: The same of rows, whose contrast says nothing more.
+ROWS = (-4.78, 0.0, 2.51)
+
+#: Of the surest: some tiles pass for lattices that are part of one, whatever is seen.
+SUREST = 0.95
+
+_HALF = 0.05  # contrast that counts half as much as any contrast could
+_MOST = 40.0  # exponents beyond this are no numbers
+
+
+@dataclass(frozen=True, eq=False)
+class Evidence:
+    """Vectors, and what speaks for them.
+
+    Attributes
+    ----------
+    vectors : float64 array (2, 2) or (1, 2)
+        As (x, y), in pixels of the relief: of a lattice, or from one row to the next.
+    contrast : float
+        Of the correlation at multiples, less its standard error.
+    clear : float
+        Of the whitened sample, in units of chance.
+    number : int
+        Of multiples.
+    """
+
+    vectors: NDArray[np.float64]
+    contrast: float
+    clear: float
+    number: int
+
+    @property
+    def figures(self) -> tuple[float, float, float]:
+        """What is weighed; each grows more slowly the larger it is."""
+        contrast, clear = max(self.contrast, 0.0), max(self.clear, 0.0)
+        return 1.0, contrast / (_HALF + contrast), math.asinh(clear * self.number**0.5)
+
+    @property
+    def confidence(self) -> float:
+        """The share of lattices with such figures that are right, from 0 to `SUREST`.
+
+        >>> import numpy as np
+        >>> Evidence(np.eye(2), 0.4, 20.0, 60).confidence > 0.9
+        True
+        """
+        weights = PAIRS if len(self.vectors) == 2 else ROWS
+        total = sum(part * weight for part, weight in zip(self.figures, weights, strict=True))
+        return SUREST / (1 + math.exp(-min(max(total, -_MOST), _MOST)))

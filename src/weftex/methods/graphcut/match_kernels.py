@@ -1,0 +1,157 @@
+# mypy: ignore-errors
+"""Kernels of graph-cut textures: matches on smaller copies, and places that are shown again.
+
+Compiled by Cython, see setup.py.
+"""
+
+import cython
+from cython.cimports.libc.math import INFINITY
+
+
+@cython.cclass
+class Copy:
+    """A picture, and which of its pixels count."""
+
+    pixels: cython.const[cython.uchar][:, :, ::1]
+    mask: cython.const[cython.uchar][:, ::1]
+
+    def __init__(self, pixels, mask):
+        self.pixels = pixels
+        self.mask = mask
+
+
+@cython.cfunc
+@cython.nogil
+@cython.exceptval(check=False)
+def halve(whole: Copy, pixels: cython.uchar[:, :, ::1], mask: cython.uchar[:, ::1]) -> cython.void:
+    """Means of squares of four pixels, rounded; those count all of whose pixels do."""
+    cython.declare(i=cython.Py_ssize_t, j=cython.Py_ssize_t, k=cython.Py_ssize_t, total=cython.int)
+    for i in range(pixels.shape[0]):
+        for j in range(pixels.shape[1]):
+            mask[i, j] = (
+                whole.mask[2 * i, 2 * j]
+                & whole.mask[2 * i, 2 * j + 1]
+                & whole.mask[2 * i + 1, 2 * j]
+                & whole.mask[2 * i + 1, 2 * j + 1]
+            )
+            for k in range(pixels.shape[2]):
+                total = whole.pixels[2 * i, 2 * j, k]
+                total += whole.pixels[2 * i, 2 * j + 1, k]
+                total += whole.pixels[2 * i + 1, 2 * j, k]
+                total += whole.pixels[2 * i + 1, 2 * j + 1, k]
+                pixels[i, j, k] = cython.cast(cython.uchar, (total + 2) >> 2)
+
+
+@cython.cfunc
+@cython.nogil
+@cython.exceptval(check=False)
+def gather(
+    canvas: Copy,
+    rows: cython.const[cython.int][::1],
+    columns: cython.const[cython.int][::1],
+    pixels: cython.uchar[:, :, ::1],
+    mask: cython.uchar[:, ::1],
+) -> cython.void:
+    """Copy a box of a canvas; nothing counts in rows and columns below 0."""
+    cython.declare(i=cython.Py_ssize_t, j=cython.Py_ssize_t, k=cython.Py_ssize_t)
+    for i in range(rows.shape[0]):
+        for j in range(columns.shape[0]):
+            mask[i, j] = 0
+            if rows[i] < 0 or columns[j] < 0:
+                for k in range(pixels.shape[2]):
+                    pixels[i, j, k] = 0
+                continue
+            mask[i, j] = canvas.mask[rows[i], columns[j]]
+            for k in range(pixels.shape[2]):
+                pixels[i, j, k] = canvas.pixels[rows[i], columns[j], k]
+
+
+@cython.cfunc
+@cython.nogil
+@cython.exceptval(check=False)
+def mismatch(
+    box: Copy, sample: Copy, top: cython.Py_ssize_t, left: cython.Py_ssize_t, whole: cython.bint
+) -> cython.double:
+    """Mean squared difference where both count, the box's corner on (top, left) of the sample.
+
+    Infinite where nothing counts in both. `whole`: all pixels of the sample count.
+    """
+    cython.declare(i=cython.Py_ssize_t, j=cython.Py_ssize_t, k=cython.Py_ssize_t)
+    cython.declare(end=cython.Py_ssize_t, d=cython.int, run=cython.int)
+    cython.declare(one=cython.p_const_uchar, other=cython.p_const_uchar)
+    channels: cython.Py_ssize_t = box.pixels.shape[2]
+    first: cython.Py_ssize_t = max(0, -left)
+    last: cython.Py_ssize_t = min(box.pixels.shape[1], sample.pixels.shape[1] - left)
+    total: cython.longlong = 0
+    area: cython.longlong = 0
+    for i in range(max(0, -top), min(box.pixels.shape[0], sample.pixels.shape[0] - top)):
+        j = first
+        while j < last:
+            if not box.mask[i, j] or not (whole or sample.mask[top + i, left + j]):
+                j += 1
+                continue
+            end = j + 1
+            while (
+                end < last
+                and end - j < 4096
+                and box.mask[i, end]
+                and (whole or sample.mask[top + i, left + end])
+            ):
+                end += 1
+            one = cython.address(box.pixels[i, j, 0])
+            other = cython.address(sample.pixels[top + i, left + j, 0])
+            run = 0
+            for k in range((end - j) * channels):
+                d = cython.cast(cython.int, one[k]) - other[k]
+                run += d * d
+            total += run
+            area += end - j
+            j = end
+    if area == 0:
+        return INFINITY
+    return cython.cast(cython.double, total) / area
+
+
+@cython.cfunc
+@cython.nogil
+@cython.exceptval(check=False)
+def nudge(
+    box: Copy,
+    sample: Copy,
+    allowed: cython.const[cython.uchar][:, ::1],
+    offset: cython.const[cython.int][::1],
+    place: cython.int[::1],
+    whole: cython.bint,
+) -> cython.void:
+    """Move a place to the best match among itself and its eight neighbors, the first of them.
+
+    The box's corner lies on (place - offset) of the sample.
+    """
+    cython.declare(y=cython.Py_ssize_t, x=cython.Py_ssize_t, cost=cython.double)
+    middle_y: cython.Py_ssize_t = place[0]
+    middle_x: cython.Py_ssize_t = place[1]
+    best: cython.double = mismatch(box, sample, middle_y - offset[0], middle_x - offset[1], whole)
+    for y in range(max(0, middle_y - 1), min(middle_y + 2, allowed.shape[0])):
+        for x in range(max(0, middle_x - 1), min(middle_x + 2, allowed.shape[1])):
+            if not allowed[y, x] or (y == middle_y and x == middle_x):
+                continue
+            cost = mismatch(box, sample, y - offset[0], x - offset[1], whole)
+            if cost < best:
+                best = cost
+                place[0] = cython.cast(cython.int, y)
+                place[1] = cython.cast(cython.int, x)
+
+
+def make_half(whole: Copy, pixels, mask):
+    """Call `halve`."""
+    halve(whole, pixels, mask)
+
+
+def gather_box(canvas: Copy, rows, columns, pixels, mask):
+    """Call `gather`."""
+    gather(canvas, rows, columns, pixels, mask)
+
+
+def nudge_place(box: Copy, sample: Copy, allowed, offset, place, whole):
+    """Call `nudge`."""
+    nudge(box, sample, allowed, offset, place, whole)

@@ -1,0 +1,138 @@
+# mypy: ignore-errors
+"""Kernels of graph-cut textures: what a patch would show again; compiled by Cython, see setup.py.
+
+A patch whose corner has the place (top, left) of the sample shows there what the canvas shows
+already at some distance. Which places those are is a box for every pixel of the canvas; boxes are
+summed up as differences at their corners.
+"""
+
+import cython
+
+
+@cython.cclass
+class Showing:
+    """What the canvas shows of the sample, and what of it counts as shown again.
+
+    A pixel counts once if both distances, down and across, are up to `near`, and once for each of
+    them that is up to `aligned`.
+    """
+
+    source: cython.const[cython.int][:, ::1]
+    height: cython.int  # of the sample
+    width: cython.int
+    tiles: cython.bint
+    patch: cython.const[cython.int][::1]  # height and width
+    near: cython.const[cython.int][::1]
+    aligned: cython.const[cython.int][::1]
+
+    def __init__(self, source, shape, tiles, patch, near, aligned):
+        self.source = source
+        self.height, self.width = shape
+        self.tiles = tiles
+        self.patch = patch
+        self.near = near
+        self.aligned = aligned
+
+
+@cython.cclass
+class Marks:
+    """The places of patches, every 2**halvings-th both ways; a row and a column more than those."""
+
+    marks: cython.int[:, ::1]
+    halvings: cython.int
+
+    def __init__(self, marks, halvings):
+        self.marks = marks
+        self.halvings = halvings
+
+
+@cython.cfunc
+@cython.nogil
+@cython.exceptval(check=False)
+def mark(
+    places: Marks, top: cython.int, bottom: cython.int, left: cython.int, right: cython.int
+) -> cython.void:
+    """Add 1 to the places of a box; bottom and right belong to it."""
+    rows: cython.int = cython.cast(cython.int, places.marks.shape[0]) - 1
+    columns: cython.int = cython.cast(cython.int, places.marks.shape[1]) - 1
+    if bottom < 0 or right < 0:
+        return
+    top = ((max(top, 0) - 1) >> places.halvings) + 1
+    left = ((max(left, 0) - 1) >> places.halvings) + 1
+    bottom = min((bottom >> places.halvings) + 1, rows)
+    right = min((right >> places.halvings) + 1, columns)
+    if top >= bottom or left >= right:
+        return
+    places.marks[top, left] += 1
+    places.marks[top, right] -= 1
+    places.marks[bottom, left] -= 1
+    places.marks[bottom, right] += 1
+
+
+@cython.cfunc
+@cython.nogil
+@cython.exceptval(check=False)
+def mark_again(
+    showing: Showing,
+    places: Marks,
+    y: cython.int,
+    x: cython.int,
+    away_y: cython.int,
+    away_x: cython.int,
+) -> cython.void:
+    """Mark the places of patches that show (y, x) of the sample again.
+
+    It is shown at (away_y, away_x) from the patch's corner, so a patch of the place (top, left)
+    shows it again (y - away_y - top) lines below and (x - away_x - left) to the right.
+    """
+    top: cython.int = y - showing.patch[0] + 1
+    left: cython.int = x - showing.patch[1] + 1
+    at_y: cython.int = y - away_y
+    at_x: cython.int = x - away_x
+    near_y: cython.int = showing.near[0]
+    near_x: cython.int = showing.near[1]
+    mark(
+        places,
+        max(top, at_y - near_y),
+        min(y, at_y + near_y),
+        max(left, at_x - near_x),
+        min(x, at_x + near_x),
+    )
+    near_y = showing.aligned[0]
+    near_x = showing.aligned[1]
+    mark(places, max(top, at_y - near_y), min(y, at_y + near_y), left, x)
+    mark(places, top, y, max(left, at_x - near_x), min(x, at_x + near_x))
+
+
+@cython.cfunc
+@cython.nogil
+@cython.exceptval(check=False)
+def count(
+    showing: Showing,
+    rows: cython.const[cython.int][:, ::1],
+    columns: cython.const[cython.int][:, ::1],
+    places: Marks,
+) -> cython.void:
+    """See `count_shown`."""
+    cython.declare(i=cython.Py_ssize_t, j=cython.Py_ssize_t, label=cython.int)
+    cython.declare(y=cython.int, x=cython.int, v=cython.int, u=cython.int)
+    around: cython.int = 1 if showing.tiles else 0
+    for i in range(rows.shape[1]):
+        for j in range(columns.shape[1]):
+            label = showing.source[rows[0, i], columns[0, j]]
+            if label < 0:
+                continue
+            for v in range(-around, around + 1):
+                for u in range(-around, around + 1):
+                    y = label // showing.width + v * showing.height
+                    x = label % showing.width + u * showing.width
+                    mark_again(showing, places, y, x, rows[1, i], columns[1, j])
+
+
+def count_shown(showing: Showing, rows, columns, places: Marks):
+    """Count, for each place of a patch, the pixels that it would show again, as differences.
+
+    `rows` and `columns` have the lines of the canvas that are looked at, and their distances from
+    the patch's corner.
+    """
+    count(showing, rows, columns, places)

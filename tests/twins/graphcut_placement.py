@@ -1,0 +1,319 @@
+"""Where patches of graph-cut textures come from, on copies and in full."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from twins.randomness import random_bits
+
+
+def halved(pixels, mask):
+    """Rounded means of four pixels; those count all of which do."""
+    height, width = (n // 2 for n in mask.shape)
+    means = np.zeros((height, width, pixels.shape[2]), int)
+    counts = np.zeros((height, width), bool)
+    for y, x in np.ndindex(height, width):
+        four = pixels[2 * y : 2 * y + 2, 2 * x : 2 * x + 2]
+        means[y, x] = (four.sum(axis=(0, 1)) + 2) // 4
+        counts[y, x] = mask[2 * y : 2 * y + 2, 2 * x : 2 * x + 2].all()
+    return means, counts
+
+
+def copies(pixels, mask, reduction):
+    """A picture and its mask, and halved again and again."""
+    result = [(np.asarray(pixels, int), np.asarray(mask, bool))]
+    while 1 << len(result) <= reduction:
+        result.append(halved(*result[-1]))
+    return result
+
+
+def mismatch(box, sample, top, left):
+    """Mean squared difference where both count, the box's corner on (top, left) of the sample."""
+    total = area = 0
+    for y, x in np.argwhere(box[1]):
+        v, u = y + top, x + left
+        if 0 <= v < sample[1].shape[0] and 0 <= u < sample[1].shape[1] and sample[1][v, u]:
+            total += int(((box[0][y, x] - sample[0][v, u]) ** 2).sum())
+            area += 1
+    return total / area if area else math.inf
+
+
+class Placing:
+    """The part of `GraphCutTwin` that finds places."""
+
+    def reduction(self):
+        """How many times smaller the copies are that matches begin on."""
+        size, least, most = self.size(*self.patch_shape()), 24, 4
+        if self.method.halvings is not None:
+            least, most = 1, self.method.halvings
+        places = set(self.places())
+        result = 1
+        while 2 * result <= 2**most and 2 * result * least <= min(size):
+            if not any(y % (2 * result) == x % (2 * result) == 0 for y, x in places):
+                break
+            result *= 2
+        return result
+
+    def places(self):
+        """Where the corner of a patch may lie; usable pixels, if it is the entire sample."""
+        shape = self.exemplar.shape
+        if self.method.placement != "subpatch":
+            return [at for at in np.ndindex(shape) if self.usable[at]]
+        size, found = self.size(*self.patch_shape()), []
+        for y, x in np.ndindex(shape):
+            if self.exemplar.tileable or (y + size[0] <= shape[0] and x + size[1] <= shape[1]):
+                patch = self.rectangle((y, x), size, shape)
+                if all(self.usable[at] for at in patch):
+                    found.append((y, x))
+        return found
+
+    def chances(self, costs, spread):
+        """Whole numbers in proportion to exp(-cost / spread), of a dict of costs."""
+        best = min(costs.values())
+        result = {}
+        for place, cost in costs.items():
+            if spread > 0:
+                power = 1 + min((cost - best) / spread, 64.0) / 1024
+                for _ in range(10):
+                    power = power * power
+                result[place] = int(2.0**32 / power)
+            else:
+                result[place] = int(cost == best)
+        return result
+
+    def drawn(self, costs, size, copy):
+        """Candidates in the order drawn; near one that was drawn there is no other."""
+        costs = {place: cost for place, cost in costs.items() if cost < math.inf}
+        pixels, mask = copy
+        count, spread = int(mask.sum()), 0
+        for channel in pixels[mask].T:
+            spread += count * int((channel**2).sum()) - int(channel.sum()) ** 2
+        tolerance = self.method.tolerance
+        spread = (0.003 if tolerance is None else tolerance) * (spread / count**2)
+        chances, found = self.chances(costs, spread), []
+        for k in range(self.method.candidates):
+            total = sum(chances.values())
+            if total == 0:
+                left = {place: cost for place, cost in costs.items() if place in chances}
+                if spread > 0 or not left:
+                    break
+                chances = self.chances(left, 0.0)
+                total = sum(chances.values())
+            left = random_bits(self.seed, "patch", self.laid, k) % total
+            for place in sorted(chances):
+                left -= chances[place]
+                if left < 0:
+                    break
+            found.append(place)
+            for y, x in list(chances):
+                if all(abs(a - b) <= n // 16 for a, b, n in zip((y, x), place, size, strict=True)):
+                    del chances[y, x]
+        return found
+
+    def nudged(self, place, boxes, samples, allowed, offset):
+        """A place of the smallest copy on larger and larger ones: the best of nine on each."""
+        for k in range(len(boxes) - 2, -1, -1):
+            y, x = 2 * place[0], 2 * place[1]
+            near = [(y, x), *((y + v, x + u) for v in (-1, 0, 1) for u in (-1, 0, 1))]
+            costs = {}
+            for at in near:
+                if at not in costs and (at[0] << k, at[1] << k) in allowed:
+                    corner = (at[0] - (offset[0] >> k), at[1] - (offset[1] >> k))
+                    costs[at] = mismatch(boxes[k], samples[k], *corner)
+            place = min(costs, key=costs.get)
+        return place
+
+    def smallest(self, boxes, samples, allowed):
+        """The smallest copy that has places, and of the box whatever there is."""
+        k = len(boxes) - 1
+        while not self.on_copy(allowed, samples, k) or (
+            boxes[0][1].any() and not boxes[k][1].any()
+        ):
+            k -= 1
+        return k
+
+    def on_copy(self, places, samples, k):
+        """Those of some places that the k-th copy has, on it."""
+        height, width = samples[k][1].shape
+        found = [(y >> k, x >> k) for y, x in sorted(places) if y % 2**k == x % 2**k == 0]
+        return [(y, x) for y, x in found if y < height and x < width]
+
+    def patches(self, pixel, mend):
+        """Candidates of sub-patch matching: (box, patch, columns, price) of pixels."""
+        boundary = self.method.boundary_width
+        size, corner = self.size(*self.patch_shape()), []
+        for at, n, length, wraps in zip(
+            pixel, size, self.canvas.shape, self.canvas.wrap, strict=True
+        ):
+            start = at - (n // 2 if mend else min(boundary, (n - 1) // 2))
+            corner.append(start if wraps else min(max(start, 0), length - n))
+        box = self.rectangle(corner, size, self.canvas.shape)
+        there = np.reshape([self.label[cell] is not None for cell in box], size)
+        levels = np.zeros((*size, self.pixels.shape[2]), int)
+        for i, cell in enumerate(box):
+            if self.label[cell] is not None:
+                levels[divmod(i, size[1])] = self.level(cell)
+        pads = [(0, n - 1 if self.exemplar.tileable else 0) for n in size]
+        whole = np.pad(self.pixels, (*pads, (0, 0)), mode="wrap")
+        reduction = self.reduction()
+        boxes = copies(levels, there, reduction)
+        samples = copies(whole, np.ones(whole.shape[:2]), reduction)
+        allowed = set(self.places())
+        k = self.smallest(boxes, samples, allowed)
+        costs = dict.fromkeys(self.on_copy(allowed, samples, k), 0.0)
+        shown = dict.fromkeys(costs, 0.0)
+        if boxes[k][1].any():
+            costs = {at: mismatch(boxes[k], samples[k], *at) for at in costs}
+            if self.method.variety > 0:
+                costs, shown = self.varied(costs, k, corner, size, size)
+                costs = self.not_continuing(costs, k, box, size) or costs
+        sample = copies(self.pixels, self.usable, reduction)[: k + 1]
+        copy = next(c for c in reversed(sample) if c[1].any())
+        result = []
+        for place in self.drawn(costs, [n >> k for n in size], copy):
+            at = self.nudged(place, boxes[: k + 1], samples, allowed, (0, 0))
+            patch = self.rectangle(at, size, self.exemplar.shape)
+            result.append((box, patch, size[1], 1 + self.method.variety * shown[place]))
+        return result
+
+    def not_continuing(self, costs, k, box, size):
+        """The places that are not next to one from which the box would just go on."""
+        taken = set()
+        for i, cell in enumerate(box):
+            label = self.label[cell]
+            v, u = divmod(i, size[1])
+            if label is None or label == "known" or v % 2**k or u % 2**k:
+                continue
+            y, x = label[0] - v, label[1] - u
+            if self.exemplar.tileable:
+                y, x = y % self.exemplar.shape[0], x % self.exemplar.shape[1]
+            taken.add(tuple((c + 2**k // 2) // 2**k for c in (y, x)))
+        near = [math.ceil(n // 16 / 2**k) for n in size]
+        return {
+            place: cost
+            for place, cost in costs.items()
+            if not any(
+                abs(place[0] - y) <= near[0] and abs(place[1] - x) <= near[1] for y, x in taken
+            )
+        }
+
+    def varied(self, costs, k, corner, size, near):
+        """Costs plus what a patch would show again, nearby and in its rows and columns; and that."""
+        step = max(4, 2 * self.reduction())
+        seen = dict.fromkeys(costs, 0)
+        for cell in self.cells:
+            label = self.label[cell]
+            if label is None or label == "known" or cell[0] % step or cell[1] % step:
+                continue
+            away = []
+            for at, first, n, length, wraps in zip(
+                cell, corner, size, self.canvas.shape, self.canvas.wrap, strict=True
+            ):
+                before = length // 2 - n // 2
+                away.append((at - first + before) % length - before if wraps else at - first)
+            for place in seen:
+                seen[place] += self.again([c << k for c in place], label, away, size, near)
+        median = sorted(seen.values())[len(seen) // 2]
+        good = min(costs[place] for place in costs if seen[place] <= median)
+        if good == math.inf:
+            good = min(costs.values())
+        once = size[0] * size[1] / step**2
+        variety = self.method.variety
+        shown = {at: count / once for at, count in seen.items()}
+        return {at: cost + shown[at] * (variety * good) for at, cost in costs.items()}, shown
+
+    def again(self, place, label, away, size, near):
+        """How often a patch from a place of the sample shows this label again, at what distance."""
+        shape, count = self.exemplar.shape, 0
+        around = (-1, 0, 1) if self.exemplar.tileable else (0,)
+        for v in around:
+            for u in around:
+                at = label[0] + v * shape[0], label[1] + u * shape[1]
+                if all(p <= a < p + n for p, a, n in zip(place, at, size, strict=True)):
+                    far = [abs(a - b - p) for a, b, p in zip(at, away, place, strict=True)]
+                    in_line = [f <= n // 16 for f, n in zip(far, size, strict=True)]
+                    count += all(f <= n for f, n in zip(far, near, strict=True)) + sum(in_line)
+        return count
+
+    def samples(self, pixel, mend):
+        """Candidates of random placement and entire patches: (box, patch, columns, price) of pixels."""
+        height, width = self.exemplar.shape
+        size, wrap = self.size(height, width), self.canvas.wrap
+        varied = self.method.placement == "entire" and self.method.variety > 0
+        last = 3 if mend or varied else 2
+        rows = range(height // 4, height * last // 4 + 1)
+        columns = range(width // 4, width * last // 4 + 1)
+        usable = self.places()
+        allowed = {at for at in usable if at[0] in rows and at[1] in columns} or set(usable)
+        reduction = self.reduction()
+        reach = [-(-(n - 1) // reduction) * reduction for n in (height, width)]
+        lengths = [2 * n + reduction for n in reach]
+        there = np.zeros(lengths, bool)
+        levels = np.zeros((*lengths, self.pixels.shape[2]), int)
+        for y, x in np.ndindex(*lengths):
+            cell = self.step((pixel[0] - reach[0] + y, pixel[1] - reach[1] + x), 0, 0)
+            if cell is not None and self.label[cell] is not None:
+                there[y, x], levels[y, x] = True, self.level(cell)
+        boxes = copies(levels, there, reduction)
+        samples = copies(self.pixels, self.usable, reduction)
+        k = self.smallest(boxes, samples, allowed)
+        costs = dict.fromkeys(self.on_copy(allowed, samples, k), 0.0)
+        shown = dict.fromkeys(costs, 0.0)
+        if self.method.placement == "entire":
+            corner = [n >> k for n in reach]
+            found = {
+                at: mismatch(boxes[k], samples[k], at[0] - corner[0], at[1] - corner[1])
+                for at in costs
+            }
+            if any(cost < math.inf for cost in found.values()):
+                costs = found
+            if self.method.variety > 0:
+                near = height // 2, width // 2
+                costs, shown = self.varied(costs, k, pixel, (height, width), near)
+        copy = next(c for c in reversed(samples[: k + 1]) if c[1].any())
+        result = []
+        for place in self.drawn(costs, [n >> k for n in size], copy):
+            at = self.nudged(place, boxes[: k + 1], samples, allowed, reach)
+            corner, lengths, source = [], [], []
+            for p, s, n, most, length, wraps in zip(
+                pixel, at, (height, width), size, self.canvas.shape, wrap, strict=True
+            ):
+                first, end = p - s, p - s + n
+                if wraps:
+                    first = max(first, p - most // 2)
+                    end = min(end, first + most)
+                else:
+                    first, end = max(first, 0), min(end, length)
+                corner.append(first)
+                lengths.append(end - first)
+                source.append(first - p + s)
+            box = self.rectangle(corner, lengths, self.canvas.shape)
+            patch = self.rectangle(source, lengths, self.exemplar.shape)
+            result.append((box, patch, lengths[1], 1 + self.method.variety * shown[place]))
+        return result
+
+    def patch_shape(self):
+        """Squares; of a thin sample 0.45 of either side; or the entire sample."""
+        side = self.method.patch_size
+        if side:
+            return side, side
+        if self.method.placement == "subpatch":
+            return tuple(max(1, round(0.45 * n)) for n in self.exemplar.shape)
+        return self.exemplar.shape
+
+    def size(self, height, width):
+        """Of patches: around a wrapped axis they leave a third of the canvas."""
+        return [
+            min(n, max(1, 2 * length // 3) if wraps else length)
+            for n, length, wraps in zip(
+                (height, width), self.canvas.shape, self.canvas.wrap, strict=True
+            )
+        ]
+
+    @staticmethod
+    def rectangle(corner, size, shape):
+        return [
+            ((corner[0] + v) % shape[0], (corner[1] + u) % shape[1]) for v, u in np.ndindex(*size)
+        ]
