@@ -16,6 +16,7 @@ _PIXELS = 2**15
 _QUANTILES = 256
 _DIRECTIONS = 12
 _FLOOR = 1.0  # of 255
+_FEW = 16  # channels, of which a mixture stays within 16 bits
 
 
 def color_distance(sample: View, result: View) -> tuple[float | None, float | None]:
@@ -51,10 +52,13 @@ def _quantiles(view: View) -> NDArray[np.float64]:
     bits = draw(0, "measure colours", np.arange(_DIRECTIONS)[:, None], np.arange(channels))
     mixtures = (bits % np.uint64(17)).astype(np.float32) - 8
     mixtures[~mixtures.any(axis=1)] = 1
-    lengths = np.sqrt((mixtures.astype(np.float64) ** 2).sum(axis=1))
-    # Products of small whole numbers: exact, so the same on every machine.
-    mixed = (pixels @ mixtures.T) / lengths if channels > 1 else pixels
-    values = np.concatenate([pixels, mixed], axis=1) if channels > 1 else mixed
-    ordered = np.sort(np.ascontiguousarray(values.T), axis=1)
+    values, lengths = pixels, np.ones(channels)
+    if channels > 1:
+        # Products of small whole numbers: exact, so the same on every machine.
+        values = np.concatenate([pixels, pixels @ mixtures.T], axis=1)
+        lengths = np.append(lengths, np.sqrt((mixtures.astype(np.float64) ** 2).sum(axis=1)))
+    small = np.int16 if channels <= _FEW else np.int32  # short integers are sorted by radix
+    ordered = np.sort(np.ascontiguousarray(values.T, small), axis=1, kind="stable")
     at = ((np.arange(_QUANTILES) + 0.5) / _QUANTILES * ordered.shape[1]).astype(int)
-    return ordered[:, at].astype(np.float64)
+    found: NDArray[np.float64] = ordered[:, at] / lengths[:, None]
+    return found

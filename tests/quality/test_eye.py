@@ -1,0 +1,174 @@
+"""The score: what it sees, its twin, and what it is defined for."""
+
+from __future__ import annotations
+
+import importlib.util
+import math
+import sys
+import warnings
+from dataclasses import asdict
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import weftex
+from weftex.exemplar import Exemplar
+from weftex.quality.eye import WEIGHTS, Eye, distances, terms, weigh
+from weftex.quality.view import views
+
+ROOT = Path(__file__).parents[2]
+
+
+def judged():
+    """benchmarks/judged/agreement.py as a module."""
+    path = ROOT / "benchmarks" / "judged" / "agreement.py"
+    spec = importlib.util.spec_from_file_location("agreement", path)
+    module = importlib.util.module_from_spec(spec)
+    sys.modules["agreement"] = module
+    spec.loader.exec_module(module)
+    return module
+
+
+def scrambled(pixels, side, rng):
+    """Blocks of the sample in another order, over twice its size."""
+    blocks = [
+        pixels[y : y + side, x : x + side]
+        for y in range(0, pixels.shape[0] - side + 1, side)
+        for x in range(0, pixels.shape[1] - side + 1, side)
+    ]
+    rows = [[blocks[k] for k in rng.integers(0, len(blocks), 2 * 192 // side)] for _ in range(8)]
+    return np.concatenate([np.concatenate(row, axis=1) for row in rows], axis=0)
+
+
+@pytest.mark.parametrize("name", ["bricks", "pebbles", "weave"])
+def test_whole_is_better_than_scrambled(name, rng):
+    sample = weftex.load_exemplar(f"sample:{name}").pixels[:192, :192]
+    eye = Eye(Exemplar(sample))
+    whole = weftex.synthesize(sample, 384, method="quilting", seed=1).image
+    assert eye.score(sample) < eye.score(whole) < eye.score(scrambled(sample, 48, rng))
+
+
+@pytest.mark.parametrize("name", ["pebbles", "wood"])
+def test_variety_is_better_than_tiles(name):
+    sample = weftex.load_exemplar(f"sample:{name}").pixels[:128, :128]
+    eye = Eye(Exemplar(sample))
+    tiled = eye.look(views(eye.exemplar, np.tile(sample[:64, :64], (4, 4, 1)))[1])
+    made = weftex.synthesize(sample, 256, method="quilting", seed=1).image
+    varied = eye.look(views(eye.exemplar, made)[1])
+    assert varied.alike < 0.5 < tiled.alike
+    assert varied.uneven < tiled.uneven and varied.again < tiled.again
+
+
+def test_distances_by_definition(rng):
+    first, second = (rng.integers(0, 64, (n, 300)).astype(np.float32) for n in (7, 11))
+    found = distances(first, second)
+    for i, j in np.ndindex(found.shape):
+        assert found[i, j] == np.float32(((first[i] - second[j]).astype(int) ** 2).sum()) / 300
+
+
+def test_the_nearest_windows_by_definition(rng):
+    """The twin: every window of the picture beside every window of the sample."""
+    sample = rng.integers(0, 256, (30, 33, 3), np.uint8)
+    picture = rng.integers(0, 256, (27, 31, 3), np.uint8)
+    picture[5:19, 4:22] = sample[8:22, 10:28]
+    eye, width = Eye(Exemplar(sample)), 10
+    found = eye.look(views(eye.exemplar, picture)[1])
+
+    def windows(of):
+        return [
+            ((y, x), (of[y : y + width, x : x + width].astype(int) >> eye._shift).ravel())
+            for y in range(of.shape[0] - width + 1)
+            for x in range(of.shape[1] - width + 1)
+        ]
+
+    own, nearest, source = windows(sample), [], []
+    for _, window in windows(picture):
+        apart = [((window - other) ** 2).sum() for _, other in own]
+        nearest.append(min(apart) / window.size)
+        source.append(own[int(np.argmin(apart))][0])
+    assert nearest[5 * 22 + 4] == 0 and source[5 * 22 + 4] == (8, 10)
+    floor = 0.01 * sample.reshape(-1, 3).var(axis=0).mean() / 4**eye._shift + 0.05
+    assert found.broken == pytest.approx(math.log1p(np.quantile(nearest, 0.9) / floor), rel=1e-6)
+    used = np.zeros((4, 4))
+    even = np.zeros((4, 4))
+    for count, places in ((used, source), (even, [at for at, _ in own])):
+        for y, x in places:
+            count[y * 4 // 21, x * 4 // 24] += 1 / len(places)
+    seen = used > 0
+    entropy = (used[seen] * np.log(used[seen] / even[seen])).sum()
+    assert found.uneven == pytest.approx(entropy)
+
+
+def test_the_score_is_the_weighted_sum_and_monotone():
+    assert all(weight >= 0 for weight in WEIGHTS.values())
+    figures = dict.fromkeys(WEIGHTS, 0.25)
+    expected = sum(WEIGHTS[name] * value for name, value in terms(figures).items())
+    assert weigh(figures) == pytest.approx(expected)
+    for name in WEIGHTS:
+        worse = 0.1 if name == "lattice" else 0.5
+        assert weigh(figures | {name: worse}) > weigh(figures)
+    assert weigh({}) is None and weigh({"broken": None}) is None
+
+
+def test_the_same_bits_every_time():
+    sample = weftex.load_exemplar("sample:weave")
+    made = weftex.synthesize(sample, 160, method="quilting", seed=2).image
+    again = Eye(Exemplar(sample.pixels.copy())).score(made.copy())
+    assert again == Eye(sample).score(made)
+
+
+def test_depths_alpha_and_gray():
+    sample = weftex.load_exemplar("sample:pebbles").pixels[:96, :96]
+    made = np.roll(sample, (20, 30), (0, 1))
+    score = Eye(Exemplar(sample)).score(made)
+    assert (
+        Eye(Exemplar(sample.astype(np.uint16) * 257)).score(made.astype(np.uint16) * 257) == score
+    )
+    gray = Eye(Exemplar(sample[..., 0])).score(made[..., 0])
+    assert gray == Eye(Exemplar(sample[..., :1])).score(made[..., :1])
+    clear = np.full((96, 96, 1), 255, np.uint8)
+    both = (np.concatenate([side, clear], axis=2) for side in (sample, made))
+    assert math.isfinite(Eye(Exemplar(next(both))).score(next(both)))
+    floats = (sample / np.float32(255)).astype(np.float32)
+    assert math.isfinite(Eye(Exemplar(floats)).score(np.roll(floats, 20, 0)))
+
+
+@pytest.mark.parametrize("own", [(1, 1), (1, 40), (3, 3), (9, 30), (40, 40)])
+@pytest.mark.parametrize("made", [(1, 1), (2, 2), (50, 3), (64, 50)])
+@pytest.mark.parametrize("colors", [1, 256])
+def test_small_and_flat_pictures(own, made, colors, rng):
+    sample = rng.integers(0, colors, (*own, 3), np.uint8)
+    picture = rng.integers(0, colors, (*made, 3), np.uint8)
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        score = Eye(Exemplar(sample)).score(picture)
+    assert score is None or (math.isfinite(score) and score >= 0)
+    if min(made) < min(own) // 3:
+        assert score is None
+
+
+def test_what_a_mask_hides_does_not_count(rng):
+    pixels = weftex.load_exemplar("sample:pebbles").pixels[:128, :128].copy()
+    mask = np.ones((128, 128), bool)
+    mask[:20, :30] = False
+    hidden = pixels.copy()
+    hidden[~mask] = rng.integers(0, 256, (int((~mask).sum()), 3))
+    made = np.roll(pixels, 40, 0)
+    looks = [Eye(Exemplar(own, mask=mask)).look(views(Exemplar(own, mask=mask), made)[1])
+             for own in (pixels, hidden)]  # fmt: skip
+    assert asdict(looks[0]) == asdict(looks[1])
+    nothing = np.zeros((128, 128), bool)
+    nothing[5, 5] = True
+    assert Eye(Exemplar(pixels, mask=nothing)).score(made) is None
+
+
+def test_the_tables_of_the_judged_pictures_belong_together():
+    module = judged()
+    ordered = module.pairs()
+    assert (
+        len({(p.surface, p.better) for p in ordered} | {(p.surface, p.worse) for p in ordered})
+        == 329
+    )
+    agree = {name: share for name, share, _ in module.judges(ordered)}
+    assert agree["all"] == pytest.approx(0.944, abs=1e-3)
