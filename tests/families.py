@@ -96,7 +96,7 @@ TRIALS = {
         {"candidates": 2},
         {
             "subpatch": {"patch_size": 8, "tolerance": 1.0},
-            "difference": {"patch_size": 7, "seam_cost": "difference"},
+            "difference": {"patch_size": 7, "seam_cost": "difference", "tolerance": 1.0},
             "entire": {"placement": "entire", "tolerance": 1.0},
             "random": {"placement": "random"},
         },
