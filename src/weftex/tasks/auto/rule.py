@@ -10,6 +10,7 @@ from weftex.analysis.canvas_lattice import is_sure as lattice_is_sure
 from weftex.analysis.courses import courses
 from weftex.analysis.lattice import Lattice, find_lattice
 from weftex.analysis.relief import smaller_copy
+from weftex.analysis.scale import dominant_scale
 from weftex.choice import Choice
 from weftex.errors import InvalidInputError
 from weftex.tasks.auto.findings import LOOK, SMALLEST_ANALYZED, Findings
@@ -19,12 +20,14 @@ if TYPE_CHECKING:
     from weftex.exemplar import Exemplar
 
 _ROWS = 0.6  # confidence from which blocks are laid by rows
-_FINE = 1 / 24  # scale over the sample's side: nothing that an eye follows from patch to patch
+_FINE = 1 / 12  # scale over the side: a patch, a quarter of it, holds three things in a row
 _FEW_COLORS = 32  # drawings, labels: no mixtures of colors
-#: Pixels of the output from which `graphcut` takes too long.
+#: Pixels of the output above which patches of the sample do, as all of it takes four times as long.
 PATIENCE = 2**20
+#: Pixels around a hole up to which all of them are laid over it; of more that takes half a minute.
+_QUICKLY_CUT = 2**18
 #: Whole things: the sample as it is, laid where it fits best, and cut around what is in the way.
-WHOLE = {"placement": "entire", "tolerance": 0.0, "candidates": 12}
+WHOLE = {"placement": "entire"}
 
 _LIGHT, _LIGHT_RANGE = 0.25, 40.0  # samples that are lit evenly have up to 0.2 by chance
 _FORMS = 0.45  # samples of many things have up to 0.33
@@ -73,15 +76,13 @@ def choose(findings: Findings, canvas: Canvas) -> Choice:
     else:
         slug, said = "graphcut", f"irregular structure of {findings.scale:.3g} px"
         parameters = dict(WHOLE)
-    if slug == "graphcut" and canvas.height * canvas.width > PATIENCE and shorter >= 3:
-        megapixels = canvas.height * canvas.width / 1e6
-        slug, said = "quilting", f"{said}; {megapixels:.3g} megapixels would take graphcut too long"
-        parameters = {}
+    if parameters == WHOLE and canvas.height * canvas.width > PATIENCE:
+        said, parameters = f"{said}, {canvas.height * canvas.width / 1e6:.3g} megapixels", {}
     return Choice(slug, parameters, f"{said}: {slug}", tuple(warnings))
 
 
 def choose_for_hole(exemplar: Exemplar, canvas: Canvas) -> Choice:
-    """The rule for holes: joints of a sure lattice go on, anything else is laid in patches.
+    """The rule for holes: joints of a sure lattice go on, things stay whole, all else is patches.
 
     Parameters
     ----------
@@ -90,11 +91,17 @@ def choose_for_hole(exemplar: Exemplar, canvas: Canvas) -> Choice:
     canvas : Canvas
         With known pixels.
     """
-    said, lattice = "a hole to fill", None
+    said, lattice, things = "a hole to fill", None, False
     if min(exemplar.shape) >= SMALLEST_ANALYZED and canvas.known_from is not None:
         small, step = smaller_copy(exemplar, LOOK)
         if min(small.shape) >= SMALLEST_ANALYZED:
             lattice = find_lattice(small)
+            scale = dominant_scale(small).scale
+            things = lattice is None and scale > _FINE * min(small.shape)
+            things &= math.prod(exemplar.shape) <= _QUICKLY_CUT
+    if things:
+        found = f"{said}, irregular structure of {scale * step:.3g} px: graphcut"
+        return Choice("graphcut", dict(WHOLE), found)
     if lattice is None or not lattice.area or not is_sure(lattice, small.shape):
         return Choice("patch-sampling", {}, f"{said}: patch-sampling")
     found = Lattice(tuple((x * step, y * step) for x, y in lattice.vectors), lattice.confidence)

@@ -18,11 +18,10 @@ if TYPE_CHECKING:
     from weftex.results.synthesis import Synthesis
     from weftex.tasks.auto.findings import Findings
 
-#: How much better another picture's score must be: less means nothing to an eye.
-MARGIN = 0.1
+#: How much better another picture's score must be: an eye agrees in three of four cases then.
+MARGIN = 1.0
 _LARGEST = 2**20  # pixels of an output of which several are made to keep one
 _WEAK = 0.3  # confidence from which a lattice is worth a trial
-_STRONG_EDGES = {"edge_weight": 1.0}  # so that seams go beside lines
 
 
 def others(first: Choice, findings: Findings, canvas: Canvas, effort: str) -> list[Choice]:
@@ -50,7 +49,7 @@ def others(first: Choice, findings: Findings, canvas: Canvas, effort: str) -> li
     >>> even = Evenness(0.0, 0.0, 0.0, (1.0, 1.0))
     >>> leaves, canvas = Findings((256, 256), None, True, 43.0, 5000, even), Canvas(512, 512)
     >>> [c.method for c in others(choose(leaves, canvas), leaves, canvas, "best")]
-    ['quilting', 'refinement', 'graphcut']
+    ['refinement', 'graphcut']
     """
     large = canvas.height * canvas.width > _LARGEST
     if effort == "quick" or large or first.method not in ("graphcut", "patch-sampling"):
@@ -59,8 +58,6 @@ def others(first: Choice, findings: Findings, canvas: Canvas, effort: str) -> li
     if lattice is not None and not is_sure(lattice, findings.shape) and lattice.confidence >= _WEAK:
         vectors = {"lattice": four_numbers(lattice)} if findings.exact else {}
         found.append(Choice("near-regular", vectors))
-    if first.method == "graphcut" and first.parameters:
-        found.append(Choice("quilting", dict(_STRONG_EDGES)))
     if effort == "best":
         found.append(Choice("refinement"))
         found.append(Choice("graphcut", {} if first.parameters == WHOLE else dict(WHOLE)))
