@@ -31,6 +31,7 @@ WITHOUT_EFFECT = {
     "ashikhmin": {"jumps"},
     "exact-matching": {"tolerance", "nearest_colors"},
     "patch-sampling": {"randomness"},  # patch_size says it
+    "graphcut": {"halvings"},  # each patch has its own
     "quilting": {"randomness"},
     "refinement": {"joints", "seed_scale"},
     "near-regular": {"blend_width"},

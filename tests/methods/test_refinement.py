@@ -158,7 +158,7 @@ def test_it_starts_from_methods_that_are_added_later(monkeypatch):
     with pytest.raises(weftex.InvalidInputError, match="init is 'mine'; known: ashik.*wei-levoy"):
         weftex.Refinement(init="mine")
     monkeypatch.setitem(weftex.METHODS._homes, "mine", "weftex.methods.quilting:Quilting")
-    weftex.Refinement(init="mine", joints=5)
+    weftex.Refinement(init="mine", joints=6)
     with pytest.raises(weftex.InvalidInputError, match="init is 'mina'; did you mean 'mine'"):
         weftex.Refinement(init="mina")
     with pytest.raises(weftex.InvalidInputError, match="init is 'refinement'"):

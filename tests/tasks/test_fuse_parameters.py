@@ -19,7 +19,7 @@ ABLE = [slug for slug in METHODS if slug in supporting("many") and slug in suppo
 SETTINGS = [
     ("refinement", {"window_width": 15, "iterations": 3}),
     ("refinement", {"window_width": 15, "iterations": 3, "init": "seeds"}),
-    ("refinement", {"window_width": 15, "iterations": 3, "init": "graphcut"}),
+    ("refinement", {"window_width": 15, "iterations": 3, "init": "patch-sampling"}),
     ("refinement", {"window_width": 5, "iterations": 4, "search": "nearest"}),
     ("refinement", {"window_width": 5, "iterations": 4, "search": "nearest", "init": "quilting"}),
     ("ashikhmin", {"window_width": 5}),

@@ -212,10 +212,12 @@ def distances(first: Floats, second: Floats) -> Floats:
     """Mean squared differences of all pairs, (n, m), of whole numbers that float32 sums exactly."""
     squares = [np.einsum("nk,nk->n", side, side) for side in (first, second)]
     sums = squares[0][:, None] - 2 * (first @ second.T) + squares[1]
-    return sums / np.float32(first.shape[1])
+    means: Floats = sums / np.float32(first.shape[1])
+    return means
 
 
 def _apart(places: Places, least: int) -> NDArray[np.bool_]:
     """Which pairs of places differ by at least so many lines or columns."""
     y, x = places.astype(np.int32).T
-    return (abs(y[:, None] - y) >= least) | (abs(x[:, None] - x) >= least)
+    apart: NDArray[np.bool_] = (abs(y[:, None] - y) >= least) | (abs(x[:, None] - x) >= least)
+    return apart

@@ -79,8 +79,7 @@ class Refinement(WindowedMethod):
     )
     init: str | Method = parameter(  # noqa: RUF009  (methods are frozen)
         "auto",
-        "seeds or a method, as 'graphcut placement=entire'; auto: near-regular by a sure lattice, "
-        "else quilting; seeds for guides and nearest",
+        "seeds or a method, as 'graphcut placement=entire'; auto: by lattice, near-regular, else quilting",
         choices=Starts("auto", "seeds"),
     )
     joints: int | None = parameter(

@@ -100,8 +100,8 @@ def choose_for_hole(exemplar: Exemplar, canvas: Canvas) -> Choice:
             things = lattice is None and scale > _FINE * min(small.shape)
             things &= math.prod(exemplar.shape) <= _QUICKLY_CUT
     if things:
-        found = f"{said}, irregular structure of {scale * step:.3g} px: graphcut"
-        return Choice("graphcut", dict(WHOLE), found)
+        said = f"{said}, irregular structure of {scale * step:.3g} px"
+        return Choice("graphcut", dict(WHOLE), f"{said}: graphcut")
     if lattice is None or not lattice.area or not is_sure(lattice, small.shape):
         return Choice("patch-sampling", {}, f"{said}: patch-sampling")
     found = Lattice(tuple((x * step, y * step) for x, y in lattice.vectors), lattice.confidence)
