@@ -79,7 +79,7 @@ class Refinement(WindowedMethod):
     )
     init: str | Method = parameter(  # noqa: RUF009  (methods are frozen)
         "auto",
-        "seeds or a method, as 'graphcut placement=entire'; auto: by lattice, near-regular, else quilting",
+        "seeds or a method, as 'graphcut placement=entire'; auto: by the sample's lattice",
         choices=Starts("auto", "seeds"),
     )
     joints: int | None = parameter(
