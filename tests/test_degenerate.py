@@ -124,9 +124,10 @@ def test_huge_boundaries(method, patch_size, width, search):
         ("refinement", {"init": "seeds", "seed_scale": 1e308, "seed_density": 0.5}),
         ("refinement", {"init": "seeds", "seed_scale": 9.3e18}),
         ("wei-levoy", {"leaves": 2**62}),
+        ("graphcut", {"tolerance": 5e-324}),
     ],
 )
-def test_more_than_there_is_means_all_there_is(method, parameters):
+def test_the_ends_of_ranges_work(method, parameters):
     sample = weftex.Exemplar(noise((24, 24)))
     assert attempt(method, sample, weftex.Canvas(30, 30), **parameters)
     hole = np.zeros((24, 24), bool)

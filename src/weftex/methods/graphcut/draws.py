@@ -72,7 +72,8 @@ def chances_of(
     """
     above: NDArray[np.float64] = np.maximum(costs - costs[allowed].min(), 0)
     if spread > 0:
-        power = 1 + np.minimum(above / spread, _LARGEST_EXPONENT) / 1024
+        with np.errstate(over="ignore"):  # a spread may be the least number that there is
+            power = 1 + np.minimum(above / spread, _LARGEST_EXPONENT) / 1024
         for _ in range(10):
             power *= power
         return np.asarray(_BEST_CHANCE / power, np.int64)
