@@ -130,14 +130,14 @@ def _warnings(findings: Findings) -> list[str]:
     elif even.light > _LIGHT and even.light_range > _LIGHT_RANGE:
         found.append(
             f"the light changes by {even.light_range:.0f} of 255 levels across the sample; even "
-            "it out, or crop a part"
+            "it out (--even-light), or crop a part"
         )
     if findings.lattice is None or len(findings.lattice.vectors) == 1:
         times = max(max(growth, 1 / growth) for growth in even.perspective)
         if times > 1:
             found.append(
                 f"things are {times:.2g} times as large at one side as at the other, so it was "
-                "taken at a slant; straighten it first"
+                "taken at a slant; straighten it by four corners first (--straighten)"
             )
     return found
 
