@@ -145,3 +145,30 @@ def sums_along(
     ends, starts = np.minimum(last, values.shape[axis]), np.maximum(first, 0)
     result: NDArray[Any] = running.take(ends, axis) - running.take(starts, axis)
     return result
+
+
+def cell_sums(values: NDArray[Any], side: int) -> NDArray[Any]:
+    """Sum over square cells side by side; the last ones of each axis may be smaller.
+
+    Parameters
+    ----------
+    values : array (H, W)
+        True counts 1.
+    side : int
+        Of a cell, in pixels.
+
+    Returns
+    -------
+    array (ceil(H / side), ceil(W / side))
+        int64, or float64 of floats.
+
+    Examples
+    --------
+    >>> cell_sums(np.ones((3, 5), bool), 2).tolist()
+    [[4, 4, 2], [2, 2, 1]]
+    """
+    kind = np.float64 if values.dtype.kind == "f" else np.int64
+    for axis in (0, 1):
+        starts = np.arange(0, values.shape[axis], side)
+        values = np.add.reduceat(values, starts, axis=axis, dtype=kind)
+    return values

@@ -12,6 +12,7 @@ from weftex.canvas import Canvas
 from weftex.errors import InvalidInputError, shown
 from weftex.exemplar import Exemplar, check_pixels
 from weftex.results import drawing
+from weftex.results.background import background_of
 from weftex.results.files import DamageError, Facts, one_line_errors, read_result, write_result
 from weftex.results.tone import match_tone
 
@@ -266,9 +267,12 @@ class Synthesis(ABC):
                 f"{width * scale}x{height * scale} does not fit in memory; render windows of it"
             ) from None
         if self.canvas.hole is not None:
-            base = self._base(pixels, scale, own, background)
-            rows = slice(top * scale, (top + height) * scale)
-            out[:] = base[rows, left * scale : (left + width) * scale]
+            if background is None and own:
+                background = self.canvas.known
+            size = (self.shape[0] * scale, self.shape[1] * scale)
+            base = background_of(pixels, size, scale, self.known_from, background)
+            base = base[top * scale :, left * scale :][: height * scale, : width * scale]
+            out[:] = base
         self._lay(
             out.reshape(*out.shape[:2], -1),
             pixels.reshape(*pixels.shape[:2], -1),
@@ -278,7 +282,7 @@ class Synthesis(ABC):
         if self.canvas.hole is not None:  # patches may hang over the hole
             known = ~self.canvas.hole[top : top + height, left : left + width]
             known = known.repeat(scale, 0).repeat(scale, 1)
-            out[known] = base[rows, left * scale : (left + width) * scale][known]
+            out[known] = base[known]
             if self.match_tone:
                 planes = out.reshape(*out.shape[:2], -1)
                 wrap = self.canvas.wrap
@@ -286,33 +290,6 @@ class Synthesis(ABC):
         if own and whole and self._picture is None:
             self._picture = out
         return out
-
-    def _base(
-        self,
-        pixels: NDArray[Any],
-        scale: int,
-        own: bool,
-        background: NDArray[Any] | None,
-    ) -> NDArray[Any]:
-        """What is under the patches where pixels were known."""
-        size = (self.shape[0] * scale, self.shape[1] * scale)
-        if background is not None:
-            background = check_pixels(background, "background")
-        elif own and self.canvas.known is not None:
-            background = self.canvas.known
-        elif self.known_from is not None:
-            y, x = (k * scale for k in self.known_from)
-            background = pixels[y : y + size[0], x : x + size[1]]
-        else:
-            raise InvalidInputError(
-                "the known pixels are not part of the sample; give their map as background"
-            )
-        if background.shape != (*size, *pixels.shape[2:]) or background.dtype != pixels.dtype:
-            raise InvalidInputError(
-                f"background is {background.shape} {background.dtype}; it must be "
-                f"{(*size, *pixels.shape[2:])} {pixels.dtype}"
-            )
-        return background
 
     def draw(self, what: str = "sources") -> NDArray[np.uint8]:
         """Draw the result itself.

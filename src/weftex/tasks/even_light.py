@@ -10,6 +10,7 @@ from numpy.polynomial.legendre import leggrid2d, legvander2d
 from weftex.errors import InvalidInputError, shown
 from weftex.exemplar import Exemplar
 from weftex.loading import load_exemplar
+from weftex.raster.boxes import cell_sums
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -80,9 +81,9 @@ def _light(linear: Floats, usable: NDArray[np.bool_], degree: int) -> Floats:
     if not seen.any():
         return np.ones(linear.shape)
     side = -(-max(linear.shape) // _CELLS)
-    count = _sums(seen.astype(np.float64), side)
+    count = cell_sums(seen.astype(np.float64), side)
     there = count > 0
-    means = _sums(np.log(np.where(seen, linear, 1)), side)[there] / count[there]
+    means = cell_sums(np.log(np.where(seen, linear, 1)), side)[there] / count[there]
     y, x = ((np.nonzero(there)[axis] + 0.5) * side for axis in (0, 1))
     terms = legvander2d(_span(y, linear.shape[0]), _span(x, linear.shape[1]), (degree, degree))
     terms = terms[:, _terms(degree).ravel()]
@@ -110,13 +111,6 @@ def _terms(degree: int) -> NDArray[np.bool_]:
 def _span(place: NDArray[np.floating[Any]], side: int) -> Floats:
     """Pixels as numbers from -1 to 1."""
     return 2 * place / side - 1
-
-
-def _sums(values: Floats, side: int) -> Floats:
-    """Sums over squares, of which the last may be smaller."""
-    for axis in (0, 1):
-        values = np.add.reduceat(values, np.arange(0, values.shape[axis], side), axis=axis)
-    return values
 
 
 def _linear(stored: NDArray[Any]) -> Floats:

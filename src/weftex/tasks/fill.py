@@ -14,6 +14,7 @@ from weftex.errors import InvalidInputError, shown
 from weftex.exemplar import Exemplar, as_array
 from weftex.loading import load_exemplar
 from weftex.random import seed_number
+from weftex.raster.boxes import cell_sums
 from weftex.raster.masks import grown
 from weftex.results.pixels import PixelSynthesis
 from weftex.seams.around import cut_around
@@ -265,8 +266,8 @@ class _Region:
         usable: NDArray[np.bool_] | None,
         reach: int,
     ) -> None:
-        cells = _in_cells(hole) > 0
-        supply = np.zeros(cells.shape, np.int64) if usable is None else _in_cells(usable)
+        cells = cell_sums(hole, _CELL) > 0
+        supply = np.zeros(cells.shape, np.int64) if usable is None else cell_sums(usable, _CELL)
         steps = -(-reach // _CELL)
         near = grown(cells, steps, wrap)
         if usable is not None:
@@ -302,14 +303,6 @@ class _Region:
             if not empty.all():
                 part[empty] = part[np.unravel_index(int(empty.argmin()), empty.shape)]
         return part
-
-
-def _in_cells(mask: NDArray[np.bool_]) -> NDArray[np.int64]:
-    """Count the True pixels in each cell."""
-    for axis in (0, 1):
-        starts = np.arange(0, mask.shape[axis], _CELL)
-        mask = np.add.reduceat(mask, starts, axis=axis, dtype=np.int64)
-    return mask  # type: ignore[return-value]
 
 
 def _span(taken: NDArray[np.bool_], wraps: bool) -> tuple[int, int]:

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from weftex.analysis.canvas_lattice import given_lattice
 from weftex.analysis.lattice import Lattice, find_lattice
 from weftex.errors import InvalidInputError
 from weftex.exemplar import Exemplar, tamed
@@ -96,8 +97,7 @@ def _lattice_of(given: Lattice | Sequence[float] | str | None, exemplar: Exempla
     if isinstance(given, Lattice):
         return given
     if given is not None:
-        x1, y1, x2, y2 = numbers_of("lattice", given, 4)
-        return Lattice(((x1, y1), (x2, y2)))
+        return given_lattice(numbers_of("lattice", given, 4))
     found = find_lattice(exemplar)
     if found is None:
         raise InvalidInputError(

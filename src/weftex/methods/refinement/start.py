@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from weftex.analysis.canvas_lattice import VISIBLE_STRAIN, CanvasLattice, is_sure
+from weftex.analysis.canvas_lattice import VISIBLE_STRAIN, CanvasLattice, four_numbers, is_sure
 from weftex.analysis.scale import dominant_scale
 from weftex.errors import InvalidInputError
 from weftex.methods.lattices.model import LatticeModel
@@ -63,8 +63,7 @@ def _by_lattice(exemplar: Exemplar) -> list[str]:
     pixels = math.prod(exemplar.shape) if mask is None else int(np.count_nonzero(mask))
     if lattice is None or not is_sure(lattice, pixels):
         return []
-    vectors = tuple(part for vector in lattice.vectors for part in vector)
-    return [text_of(METHODS["near-regular"](lattice=vectors))]
+    return [text_of(METHODS["near-regular"](lattice=four_numbers(lattice)))]
 
 
 def starts_for(settings: Settings, starts: dict[str, Model], canvas: Canvas) -> list[str]:

@@ -105,7 +105,7 @@ def choose_for_hole(exemplar: Exemplar, canvas: Canvas) -> Choice:
     if lattice is None or not lattice.area or not is_sure(lattice, small.shape):
         return Choice("patch-sampling", {}, f"{said}: patch-sampling")
     found = Lattice(tuple((x * step, y * step) for x, y in lattice.vectors), lattice.confidence)
-    vectors = tuple(part for vector in found.vectors for part in vector)
+    vectors = four_numbers(found)
     if _strained(vectors, canvas):
         return Choice("patch-sampling", {}, f"{said}, {words(found)}: patch-sampling")
     parameters = {"lattice": vectors} if step == 1 else {}

@@ -1,0 +1,61 @@
+"""What is known around a filled hole, in the kind of picture that is rendered."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+from weftex.errors import InvalidInputError
+from weftex.exemplar import check_pixels
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+
+def background_of(
+    pixels: NDArray[Any],
+    size: tuple[int, int],
+    scale: int,
+    known_from: tuple[int, int] | None,
+    given: NDArray[Any] | None,
+) -> NDArray[Any]:
+    """Return what is under the patches where pixels were known.
+
+    Parameters
+    ----------
+    pixels : array (H, W) or (H, W, C)
+        The sample, or a map of it.
+    size : (int, int)
+        Height and width of the picture.
+    scale : int
+        The side of a pixel of the sample.
+    known_from : (int, int) or None
+        Where in the sample the known pixels are, if they are there.
+    given : array, optional
+        The known pixels themselves.
+
+    Raises
+    ------
+    InvalidInputError
+        If the known pixels have nothing to come from, or those given do not fit.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> background_of(np.arange(12).reshape(3, 4), (2, 2), 1, (1, 2), None).tolist()
+    [[6, 7], [10, 11]]
+    """
+    if given is not None:
+        background = check_pixels(given, "background")
+    elif known_from is not None:
+        y, x = (k * scale for k in known_from)
+        background = pixels[y : y + size[0], x : x + size[1]]
+    else:
+        raise InvalidInputError(
+            "the known pixels are not part of the sample; give their map as background"
+        )
+    if background.shape != (*size, *pixels.shape[2:]) or background.dtype != pixels.dtype:
+        raise InvalidInputError(
+            f"background is {background.shape} {background.dtype}; it must be "
+            f"{(*size, *pixels.shape[2:])} {pixels.dtype}"
+        )
+    return background
