@@ -4,16 +4,19 @@ from __future__ import annotations
 
 import os
 from abc import ABC, abstractmethod
+from fractions import Fraction
 from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
 
 from weftex.canvas import Canvas
 from weftex.errors import InvalidInputError, shown
-from weftex.exemplar import Exemplar, check_pixels
+from weftex.exemplar import Exemplar, as_map
+from weftex.raster.levels import scale_between
 from weftex.results import drawing
 from weftex.results.background import background_of
 from weftex.results.files import DamageError, Facts, one_line_errors, read_result, write_result
+from weftex.results.scales import check_window, in_few_pixels
 from weftex.results.tone import match_tone
 
 if TYPE_CHECKING:
@@ -156,7 +159,7 @@ class Synthesis(ABC):
     @property
     def maps(self) -> dict[str, NDArray[Any]]:
         """The sample's maps, replayed at the same coordinates."""
-        return {name: self.render(pixels) for name, pixels in self.sample.maps.items()}
+        return {name: self.render(self.sample.map(name)) for name in self.sample.maps}
 
     @property
     def source(self) -> NDArray[np.int32]:
@@ -211,8 +214,8 @@ class Synthesis(ABC):
         Parameters
         ----------
         other : Exemplar or array, optional
-            Of the sample's size or an integer multiple of it, any dtype and channel count; the
-            sample itself by default.
+            Of the sample's size, an integer multiple or fraction of it, any dtype and channel
+            count; the sample itself by default.
         background : array, optional
             For a filled hole whose surroundings are not part of the sample: the same surroundings
             in `other`'s kind.
@@ -222,7 +225,7 @@ class Synthesis(ABC):
         Returns
         -------
         array
-            In the dtype of `other`, at its multiple of the output's size.
+            In the dtype of `other`, at its multiple or fraction of the output's size.
 
         Raises
         ------
@@ -241,25 +244,29 @@ class Synthesis(ABC):
         top, left, height, width = self.canvas.check_window(window)
         if self.match_tone and not whole:  # what is around the hole must be seen
             made = self.render(other, background=background)
-            side = len(made) // self.shape[0]
-            rows, columns = slice(top * side, (top + height) * side), slice(left * side, None)
-            return made[rows, columns][:, : width * side]
+            side = Fraction(len(made), self.shape[0])
+            ends = ((top, top + height), (left, left + width))
+            rows, columns = (slice(int(start * side), int(end * side)) for start, end in ends)
+            return made[rows, columns]
         own = other is None or other is self.exemplar
         given = self.sample if other is None else other
-        if isinstance(given, Exemplar):
-            pixels, alpha = given.pixels, given.alpha
-        else:
-            pixels = check_pixels(given, "map")
-            alpha = pixels.ndim == 3 and pixels.shape[2] in (2, 4)
-        scale = pixels.shape[0] // self.sample_shape[0]
-        if pixels.shape[:2] != (
-            scale * self.sample_shape[0],
-            scale * self.sample_shape[1],
-        ):
+        if not isinstance(given, Exemplar):
+            given = as_map(given, "map")
+        pixels, alpha = given.pixels, given.alpha
+        ratio = scale_between(pixels.shape, self.sample_shape)
+        if ratio is None:
             raise InvalidInputError(
                 f"map is {pixels.shape[1]}x{pixels.shape[0]}; it must be the sample's "
-                f"{self.sample_shape[1]}x{self.sample_shape[0]} or an integer multiple of it"
+                f"{self.sample_shape[1]}x{self.sample_shape[0]} or an integer multiple or "
+                "fraction of it"
             )
+        if ratio < 1:
+            check_window((top, left, height, width), ratio, given.name)
+            return in_few_pixels(
+                lambda large, around: self.render(large, background=around, window=window),
+                *(given, background, ratio),
+            )
+        scale = int(ratio)
         try:
             out = np.empty((height * scale, width * scale, *pixels.shape[2:]), pixels.dtype)
         except MemoryError:
