@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any
 
 from weftex.errors import InvalidInputError
-from weftex.raster.levels import resized
+from weftex.raster.levels import resized, scale_between
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -16,6 +16,17 @@ if TYPE_CHECKING:
     from weftex.exemplar import Exemplar
 
     Window = tuple[int, int, int, int]
+
+
+def scale_of(shape: tuple[int, ...], sample: tuple[int, int]) -> Fraction:
+    """`scale_between`, or `InvalidInputError` where sizes are no multiples of each other."""
+    scale = scale_between(shape, sample)
+    if scale is None:
+        raise InvalidInputError(
+            f"map is {shape[1]}x{shape[0]}; it must be the sample's {sample[1]}x{sample[0]} or an "
+            "integer multiple or fraction of it"
+        )
+    return scale
 
 
 def check_size(exemplar: Exemplar, shape: tuple[int, int]) -> None:

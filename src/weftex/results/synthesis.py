@@ -12,11 +12,10 @@ import numpy as np
 from weftex.canvas import Canvas
 from weftex.errors import InvalidInputError, shown
 from weftex.exemplar import Exemplar, as_map
-from weftex.raster.levels import scale_between
 from weftex.results import drawing
 from weftex.results.background import background_of
 from weftex.results.files import DamageError, Facts, one_line_errors, read_result, write_result
-from weftex.results.scales import check_window, in_few_pixels
+from weftex.results.scales import check_window, in_few_pixels, scale_of
 from weftex.results.tone import match_tone
 
 if TYPE_CHECKING:
@@ -79,6 +78,8 @@ class Synthesis(ABC):
         self.sample_shape, self.known_from = sample_shape, known_from
         self.provenance = provenance or {}
         self._picture, self.match_tone = picture, match_tone
+        #: Maps of the known pixels, where these are not in the sample.
+        self.known_maps: Mapping[str, NDArray[Any]] = {}
 
     @abstractmethod
     def _layers(self, window: Window) -> tuple[NDArray[np.int32], NDArray[np.float32]]:
@@ -159,7 +160,11 @@ class Synthesis(ABC):
     @property
     def maps(self) -> dict[str, NDArray[Any]]:
         """The sample's maps, replayed at the same coordinates."""
-        return {name: self.render(self.sample.map(name)) for name in self.sample.maps}
+        return {name: self.map(name) for name in self.sample.maps}
+
+    def map(self, name: str) -> NDArray[Any]:
+        """One of the sample's maps, replayed at the same coordinates."""
+        return self.render(self.sample.map(name), background=self.known_maps.get(name))
 
     @property
     def source(self) -> NDArray[np.int32]:
@@ -253,13 +258,7 @@ class Synthesis(ABC):
         if not isinstance(given, Exemplar):
             given = as_map(given, "map")
         pixels, alpha = given.pixels, given.alpha
-        ratio = scale_between(pixels.shape, self.sample_shape)
-        if ratio is None:
-            raise InvalidInputError(
-                f"map is {pixels.shape[1]}x{pixels.shape[0]}; it must be the sample's "
-                f"{self.sample_shape[1]}x{self.sample_shape[0]} or an integer multiple or "
-                "fraction of it"
-            )
+        ratio = scale_of(pixels.shape, self.sample_shape)
         if ratio < 1:
             check_window((top, left, height, width), ratio, given.name)
             return in_few_pixels(
