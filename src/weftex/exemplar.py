@@ -10,6 +10,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from weftex.errors import InvalidInputError, shown
+from weftex.io.map_names import ROLES, role_of
+from weftex.raster.mixing import Mixing, mixing_of
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -44,7 +46,11 @@ class Exemplar:
     icc : bytes, optional
         Color profile, carried along to files.
     name : str, optional
-        What to call it in messages.
+        What to call it in messages. Like the names of maps it says what a picture shows, see
+        `role`.
+    role : str, optional
+        What it shows, one of `weftex.io.map_names.ROLES`; by default what its name says. Vectors
+        of a normal map are mixed as vectors, and labels not at all.
 
     Attributes
     ----------
@@ -75,8 +81,12 @@ class Exemplar:
         alpha: bool | None = None,
         icc: bytes | None = None,
         name: str = "sample",
+        role: str | None = None,
     ) -> None:
         self.name, self.tileable, self.icc = name, bool(tileable), icc
+        if role is not None and role not in ROLES:
+            raise InvalidInputError(f"role is {shown(role)}; known: {', '.join(ROLES)}")
+        self.role = role_of(name) if role is None else role
         if alpha is None:
             _check_layout(pixels, name)
         self.pixels = check_pixels(pixels, name)
@@ -113,8 +123,13 @@ class Exemplar:
 
     def changed(self, **parts: Any) -> Exemplar:
         """Return the same sample but for these parameters of `Exemplar`, such as its guide."""
-        own = ("pixels", "maps", "mask", "guide", "tileable", "alpha", "icc", "name")
+        own = ("pixels", "maps", "mask", "guide", "tileable", "alpha", "icc", "name", "role")
         return Exemplar(**{name: getattr(self, name) for name in own} | parts)
+
+    @cached_property
+    def mixing(self) -> Mixing:
+        """How its pixels are mixed where two patches show."""
+        return mixing_of(self.pixels, self.role, self.alpha)
 
     def matching(self, edge_weight: float = 0.0) -> NDArray[np.uint8]:
         """Return what distances are taken on: bytes, so that they are exact integers.
@@ -211,6 +226,17 @@ class Exemplar:
             )
         same = same[:, -1:] if len(self.labels) <= 2 else same
         return np.ascontiguousarray(255 * same.reshape(*pixels.shape[:2], -1), np.uint8)
+
+
+def as_exemplar(given: Any, role: str | None) -> Exemplar:
+    """Return a picture to be rendered, of which an array does not say what it shows."""
+    if not isinstance(given, Exemplar):
+        pixels = check_pixels(given, "map")
+        alpha = pixels.ndim == 3 and pixels.shape[2] in (2, 4)
+        return Exemplar(pixels, alpha=alpha, name="map", role=role)
+    if role is not None:
+        raise InvalidInputError("an Exemplar knows what it shows; give role to that")
+    return given
 
 
 def _check_layout(pixels: NDArray[Any], name: str) -> None:

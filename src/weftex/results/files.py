@@ -41,7 +41,7 @@ class Facts:
         See `weftex.Canvas`.
     provenance : dict
         Method, parameters and seed.
-    match_tone : bool
+    match_tone, is_window : bool
         See `weftex.results.synthesis.Synthesis`.
     """
 
@@ -52,6 +52,7 @@ class Facts:
     provenance: dict[str, Any]
     origin: tuple[int, int] = (0, 0)  # this and what follows is not in files of the first version
     match_tone: bool = False
+    is_window: bool = False
 
     def __post_init__(self) -> None:
         for name in ("shape", "sample_shape"):
@@ -63,7 +64,7 @@ class Facts:
             raise DamageError("its places are no places")
         if [*map(type, self.wrap)] != [bool, bool] or not isinstance(self.provenance, dict):
             raise DamageError("its facts have other types")
-        if type(self.match_tone) is not bool:
+        if [type(self.match_tone), type(self.is_window)] != [bool, bool]:
             raise DamageError("its facts have other types")
 
     def check_hole(self, bits: NDArray[Any] | None) -> NDArray[np.bool_] | None:

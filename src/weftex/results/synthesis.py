@@ -10,16 +10,21 @@ import numpy as np
 
 from weftex.canvas import Canvas
 from weftex.errors import InvalidInputError, shown
-from weftex.exemplar import Exemplar, check_pixels
+from weftex.exemplar import Exemplar, as_exemplar
+from weftex.io.map_names import role_of
+from weftex.raster.mixing import Kind
 from weftex.results import drawing
-from weftex.results.background import background_of
+from weftex.results.background import background_of, scale_of
 from weftex.results.files import DamageError, Facts, one_line_errors, read_result, write_result
+from weftex.results.heights import HEIGHTS, join_heights
 from weftex.results.tone import match_tone
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
     from numpy.typing import NDArray
+
+    from weftex.raster.mixing import Mixing
 
     #: (top, left, height, width) in output pixels.
     Window = tuple[int, int, int, int]
@@ -51,6 +56,9 @@ class Synthesis(ABC):
         The finished picture, when making it was part of the work.
     match_tone : bool
         Shift the tone inside a filled hole to that around it, see `weftex.results.tone`.
+    is_window : bool
+        It is a part of an endless plane, whose heights are laid as they are: to join them asks for
+        what lies around.
     """
 
     #: The arrays that say where pixels come from, by the name of the parameter, and their types.
@@ -71,18 +79,19 @@ class Synthesis(ABC):
         provenance: dict[str, Any] | None = None,
         picture: NDArray[Any] | None = None,
         match_tone: bool = False,
+        is_window: bool = False,
     ) -> None:
         self.canvas, self.exemplar = canvas, exemplar
         self.sample_shape, self.known_from = sample_shape, known_from
         self.provenance = provenance or {}
-        self._picture, self.match_tone = picture, match_tone
+        self._picture, self.match_tone, self.is_window = picture, match_tone, is_window
 
     @abstractmethod
     def _layers(self, window: Window) -> tuple[NDArray[np.int32], NDArray[np.float32]]:
         """Coordinates and weights as `layers` returns them, -1 and 0 for known pixels."""
 
     @abstractmethod
-    def _lay(self, out: NDArray[Any], pixels: NDArray[Any], window: Window, alpha: bool) -> None:
+    def _lay(self, out: NDArray[Any], pixels: NDArray[Any], window: Window, mixing: Mixing) -> None:
         """Lay the pixels of (H, W, C) over `out`, which is a multiple of the window's size."""
 
     @abstractmethod
@@ -156,7 +165,10 @@ class Synthesis(ABC):
     @property
     def maps(self) -> dict[str, NDArray[Any]]:
         """The sample's maps, replayed at the same coordinates."""
-        return {name: self.render(pixels) for name, pixels in self.sample.maps.items()}
+        return {
+            name: self.render(pixels, role=role_of(name))
+            for name, pixels in self.sample.maps.items()
+        }
 
     @property
     def source(self) -> NDArray[np.int32]:
@@ -205,6 +217,7 @@ class Synthesis(ABC):
         *,
         background: NDArray[Any] | None = None,
         window: Window | None = None,
+        role: str | None = None,
     ) -> NDArray[Any]:
         """Make the same from the pixels of another picture that is aligned with the sample.
 
@@ -218,6 +231,8 @@ class Synthesis(ABC):
             in `other`'s kind.
         window : (top, left, height, width), optional
             Render only this part, in output pixels.
+        role : str, optional
+            What an array shows, as for `Exemplar`, which has its own.
 
         Returns
         -------
@@ -237,29 +252,17 @@ class Synthesis(ABC):
         >>> result.render(np.zeros((128, 128), np.float32)).shape
         (160, 192)
         """
-        whole = window is None
+        whole, own = window is None, other is None or other is self.exemplar
         top, left, height, width = self.canvas.check_window(window)
-        if self.match_tone and not whole:  # what is around the hole must be seen
-            made = self.render(other, background=background)
+        given = as_exemplar(self.sample if other is None else other, role)
+        pixels, mixing = given.pixels, given.mixing
+        joined = given.role in HEIGHTS and not self.is_window
+        if (self.match_tone or joined) and not whole:  # what is around must be seen
+            made = self.render(other, background=background, role=role)
             side = len(made) // self.shape[0]
             rows, columns = slice(top * side, (top + height) * side), slice(left * side, None)
             return made[rows, columns][:, : width * side]
-        own = other is None or other is self.exemplar
-        given = self.sample if other is None else other
-        if isinstance(given, Exemplar):
-            pixels, alpha = given.pixels, given.alpha
-        else:
-            pixels = check_pixels(given, "map")
-            alpha = pixels.ndim == 3 and pixels.shape[2] in (2, 4)
-        scale = pixels.shape[0] // self.sample_shape[0]
-        if pixels.shape[:2] != (
-            scale * self.sample_shape[0],
-            scale * self.sample_shape[1],
-        ):
-            raise InvalidInputError(
-                f"map is {pixels.shape[1]}x{pixels.shape[0]}; it must be the sample's "
-                f"{self.sample_shape[1]}x{self.sample_shape[0]} or an integer multiple of it"
-            )
+        scale = scale_of(pixels, self.sample_shape)
         try:
             out = np.empty((height * scale, width * scale, *pixels.shape[2:]), pixels.dtype)
         except MemoryError:
@@ -277,16 +280,20 @@ class Synthesis(ABC):
             out.reshape(*out.shape[:2], -1),
             pixels.reshape(*pixels.shape[:2], -1),
             (top, left, height, width),
-            alpha,
+            mixing,
         )
+        if joined:
+            out = join_heights(out, pixels, self.layers, self.canvas.wrap, scale)
         if self.canvas.hole is not None:  # patches may hang over the hole
             known = ~self.canvas.hole[top : top + height, left : left + width]
             known = known.repeat(scale, 0).repeat(scale, 1)
             out[known] = base[known]
-            if self.match_tone:
+            if self.match_tone and mixing.kind in (Kind.MEAN, Kind.ALPHA):
                 planes = out.reshape(*out.shape[:2], -1)
                 wrap = self.canvas.wrap
-                out = match_tone(planes, ~known, wrap, alpha=alpha, scale=scale).reshape(out.shape)
+                out = match_tone(planes, ~known, wrap, alpha=given.alpha, scale=scale).reshape(
+                    out.shape
+                )
         if own and whole and self._picture is None:
             self._picture = out
         return out
@@ -345,6 +352,7 @@ class Synthesis(ABC):
             provenance=self.provenance,
             origin=canvas.origin,
             match_tone=self.match_tone,
+            is_window=self.is_window,
         )
         write_result(path, facts, self.arrays(), canvas.hole)
 
@@ -389,5 +397,6 @@ class Synthesis(ABC):
             known_from=facts.known_from,
             provenance=facts.provenance,
             match_tone=facts.match_tone,
+            is_window=facts.is_window,
             exemplar=exemplar,
         )
