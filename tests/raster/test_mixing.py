@@ -29,6 +29,8 @@ def test_what_is_called_a_normal_map_but_stores_no_vectors_is_mixed_as_ever(rng)
     for shape in ((20, 30), (20, 30, 2), (20, 30, 3)):
         dark = rng.integers(100, 150, shape).astype(np.uint8)
         assert mixing_of(dark, "normal", False).kind is Kind.MEAN
+        noise = rng.integers(0, 256, shape).astype(np.uint8)
+        assert mixing_of(noise, "normal", False).kind is Kind.MEAN
     assert mixing_of(dark, None, True).kind is Kind.ALPHA
     assert mixing_of(dark, "labels", False).kind is Kind.LABELS
 

@@ -172,7 +172,7 @@ def test_masks_from_files_and_pil_are_the_same(tmp_path):
 
 def test_all_maps_are_filled_alike():
     rough = noise((70, 90), dtype=np.uint16)
-    exemplar = weftex.Exemplar(noise((70, 90, 3)), maps={"rough": height})
+    exemplar = weftex.Exemplar(noise((70, 90, 3)), maps={"rough": rough})
     hole = HOLES["several"]
     result = weftex.fill(exemplar, hole, seed=1, blend="none")
     filled = result.maps["rough"]

@@ -11,7 +11,8 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
 _SEEN = 4096  # pixels that say whether a picture stores vectors
-_UNIT = (0.75, 1.25)  # the lengths of a normal map's
+_OFF = 0.25  # that the lengths of a normal map's are off 1
+_MOST = 0.8  # of its pixels, at least
 
 
 class Kind(IntEnum):
@@ -72,5 +73,5 @@ def _is_of_units(pixels: NDArray[Any], middle: float) -> bool:
         vectors = some[:, :3] / (full / 2) - 1
     else:
         vectors = (some[:, :3] - middle) / (middle or 1)
-    low, high = _UNIT
-    return bool(low < np.median(np.hypot(np.hypot(*vectors[:, :2].T), vectors[:, 2])) < high)
+    lengths = np.linalg.norm(vectors, axis=1)
+    return bool(np.mean(abs(lengths - 1) < _OFF) > _MOST)
