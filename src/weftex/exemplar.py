@@ -51,6 +51,8 @@ class Exemplar:
     role : str, optional
         What it shows, one of `weftex.io.map_names.ROLES`; by default what its name says. Vectors
         of a normal map are mixed as vectors, and labels not at all.
+    turn : str, optional
+        Which copies of a smaller sample it is made of, see `weftex.turned`.
 
     Attributes
     ----------
@@ -82,11 +84,12 @@ class Exemplar:
         icc: bytes | None = None,
         name: str = "sample",
         role: str | None = None,
+        turn: str | None = None,
     ) -> None:
         self.name, self.tileable, self.icc = name, bool(tileable), icc
         if role is not None and role not in ROLES:
             raise InvalidInputError(f"role is {shown(role)}; known: {', '.join(ROLES)}")
-        self.role = role_of(name) if role is None else role
+        self.role, self.turn = role_of(name) if role is None else role, turn
         if alpha is None:
             _check_layout(pixels, name)
         self.pixels = check_pixels(pixels, name)
@@ -123,7 +126,18 @@ class Exemplar:
 
     def changed(self, **parts: Any) -> Exemplar:
         """Return the same sample but for these parameters of `Exemplar`, such as its guide."""
-        own = ("pixels", "maps", "mask", "guide", "tileable", "alpha", "icc", "name", "role")
+        own = (
+            "pixels",
+            "maps",
+            "mask",
+            "guide",
+            "tileable",
+            "alpha",
+            "icc",
+            "name",
+            "role",
+            "turn",
+        )
         return Exemplar(**{name: getattr(self, name) for name in own} | parts)
 
     @cached_property

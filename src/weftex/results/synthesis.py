@@ -15,9 +15,17 @@ from weftex.io.map_names import role_of
 from weftex.raster.mixing import Kind
 from weftex.results import drawing
 from weftex.results.background import background_of, scale_of
-from weftex.results.files import DamageError, Facts, one_line_errors, read_result, write_result
+from weftex.results.files import (
+    ABOUT,
+    DamageError,
+    Facts,
+    one_line_errors,
+    read_result,
+    write_result,
+)
 from weftex.results.heights import HEIGHTS, join_heights
 from weftex.results.tone import match_tone
+from weftex.turns import as_copies, turned
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -56,6 +64,8 @@ class Synthesis(ABC):
         The finished picture, when making it was part of the work.
     match_tone : bool
         Shift the tone inside a filled hole to that around it, see `weftex.results.tone`.
+    turn : str, optional
+        Which copies its sample is made of, see `weftex.turned`; as the exemplar says, if given.
     is_window : bool
         It is a part of an endless plane, whose heights are laid as they are: to join them asks for
         what lies around.
@@ -80,11 +90,13 @@ class Synthesis(ABC):
         picture: NDArray[Any] | None = None,
         match_tone: bool = False,
         is_window: bool = False,
+        turn: str | None = None,
     ) -> None:
         self.canvas, self.exemplar = canvas, exemplar
         self.sample_shape, self.known_from = sample_shape, known_from
         self.provenance = provenance or {}
         self._picture, self.match_tone, self.is_window = picture, match_tone, is_window
+        self.turn = turn if exemplar is None else exemplar.turn
 
     @abstractmethod
     def _layers(self, window: Window) -> tuple[NDArray[np.int32], NDArray[np.float32]]:
@@ -262,6 +274,8 @@ class Synthesis(ABC):
             side = len(made) // self.shape[0]
             rows, columns = slice(top * side, (top + height) * side), slice(left * side, None)
             return made[rows, columns][:, : width * side]
+        if self.turn is not None:
+            pixels = as_copies(pixels, self.turn, given.role, self.sample_shape)
         scale = scale_of(pixels, self.sample_shape)
         try:
             out = np.empty((height * scale, width * scale, *pixels.shape[2:]), pixels.dtype)
@@ -344,16 +358,8 @@ class Synthesis(ABC):
     def save(self, path: str | os.PathLike[str]) -> None:
         """Write everything but the pictures to a compressed `.npz` file."""
         canvas = self.canvas
-        facts = Facts(
-            shape=self.shape,
-            sample_shape=self.sample_shape,
-            wrap=canvas.wrap,
-            known_from=self.known_from,
-            provenance=self.provenance,
-            origin=canvas.origin,
-            match_tone=self.match_tone,
-            is_window=self.is_window,
-        )
+        about = {name: getattr(self, name) for name in ABOUT}
+        facts = Facts(shape=self.shape, wrap=canvas.wrap, origin=canvas.origin, **about)
         write_result(path, facts, self.arrays(), canvas.hole)
 
     @classmethod
@@ -390,13 +396,8 @@ class Synthesis(ABC):
             kind._check(canvas, facts.sample_shape, arrays)
         if hole is not None:
             canvas = Canvas(*facts.shape, facts.wrap, known, hole)
-        return kind(
-            canvas,
-            **{key: arrays[key] for key in kind.ARRAYS},
-            sample_shape=facts.sample_shape,
-            known_from=facts.known_from,
-            provenance=facts.provenance,
-            match_tone=facts.match_tone,
-            is_window=facts.is_window,
-            exemplar=exemplar,
-        )
+        if exemplar is not None and facts.turn is not None and exemplar.turn is None:
+            exemplar = turned(exemplar, facts.turn)
+        about: dict[str, Any] = {name: getattr(facts, name) for name in ABOUT}
+        about |= {name: arrays[name] for name in kind.ARRAYS}
+        return kind(canvas, exemplar=exemplar, **about)
