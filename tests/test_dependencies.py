@@ -31,10 +31,11 @@ LEVELS = [
     ["results"],
     ["canvas", "turns"],
     ["loading"],
+    ["material"],
     ["exemplar"],
     ["io"],
     ["raster"],
-    ["registry", "choice", "threads", "progress", "random"],
+    ["registry", "choice", "threads", "progress", "random", "roles"],
     ["errors"],
     ["dispatch"],
 ]

@@ -8,9 +8,9 @@ import numpy as np
 
 from weftex.errors import InvalidInputError, shown
 from weftex.exemplar import Exemplar
-from weftex.io.map_names import role_of
 from weftex.loading import load_exemplar
 from weftex.raster.mixing import Kind, mixing_of
+from weftex.roles import COLOR, Role
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -74,10 +74,7 @@ def turned(sample: Sample, turn: str) -> Exemplar:
     own = np.ones(exemplar.shape, bool) if exemplar.mask is None else exemplar.mask
     return exemplar.changed(
         pixels=turned_pixels(exemplar.pixels, turn, exemplar.role),
-        maps={
-            name: turned_pixels(pixels, turn, role_of(name))
-            for name, pixels in exemplar.maps.items()
-        },
+        maps={name: _turned_map(exemplar, name, turn) for name in exemplar.maps},
         mask=turned_pixels(own, turn, between=np.False_),
         guide=None if exemplar.guide is None else turned_pixels(exemplar.guide, turn),
         tileable=False,
@@ -88,7 +85,7 @@ def turned(sample: Sample, turn: str) -> Exemplar:
 def turned_pixels(
     pixels: NDArray[Any],
     turn: str,
-    role: str | None = None,
+    role: Role = COLOR,
     *,
     gap: int = 1,
     between: Any = None,
@@ -100,7 +97,7 @@ def turned_pixels(
     pixels : array (H, W) or (H, W, C)
     turn : str
         One of `TURNS`.
-    role : str, optional
+    role : Role
         What it shows; the vectors of a normal map are turned too.
     gap : int
         The width of the line between copies.
@@ -108,7 +105,7 @@ def turned_pixels(
         The pixel of that line, and of what is left over where copies are not square; by default the
         first one, so that values keep their range.
     """
-    mixing = mixing_of(pixels, role, alpha=False)
+    mixing = mixing_of(pixels, role.kind, alpha=False)
 
     def copy(quarters: int, mirrored: bool) -> NDArray[Any]:
         made = pixels[:, ::-1] if mirrored else pixels
@@ -129,18 +126,26 @@ def turned_pixels(
     return result
 
 
-def as_copies(
-    pixels: NDArray[Any], turn: str, role: str | None, size: tuple[int, int]
-) -> NDArray[Any]:
+def as_copies(given: Exemplar, turn: str, size: tuple[int, int]) -> Exemplar:
     """Return a map of a sample as one of its picture of copies, which has this size.
 
     The map may be at a multiple of the sample's resolution. What is of that picture already, and
     what fits neither, is returned as it is.
     """
-    for scale in range(1, pixels.shape[0] // size[0] * len(TURNS[turn]) + len(TURNS[turn]) + 1):
-        if _size(pixels.shape, turn, scale) == (scale * size[0], scale * size[1]):
-            return turned_pixels(pixels, turn, role, gap=scale)
-    return pixels
+    most = given.shape[0] * len(TURNS[turn]) // size[0] + 1
+    for scale in range(1, most + 1):
+        if _size(given.shape, turn, scale) == (scale * size[0], scale * size[1]):
+            pixels = turned_pixels(given.pixels, turn, given.role, gap=scale)
+            return given.changed(pixels=pixels, maps={}, mask=None, guide=None)
+    return given
+
+
+def _turned_map(exemplar: Exemplar, name: str, turn: str) -> Exemplar:
+    """A map at its own resolution, or where that is a fraction of the sample's, at the sample's."""
+    scale, given = exemplar.scale_of(name), exemplar.map(name)
+    pixels = exemplar.aligned(name) if scale < 1 else given.pixels
+    made = turned_pixels(pixels, turn, given.role, gap=max(1, int(scale)))
+    return given.changed(pixels=made)
 
 
 def _size(shape: tuple[int, ...], turn: str, gap: int) -> tuple[int, int]:
@@ -154,7 +159,7 @@ def _size(shape: tuple[int, ...], turn: str, gap: int) -> tuple[int, int]:
 
 
 def _turned_vectors(
-    pixels: NDArray[Any], quarters: int, mirrored: bool, role: str | None, middle: float
+    pixels: NDArray[Any], quarters: int, mirrored: bool, role: Role, middle: float
 ) -> NDArray[Any]:
     """The vectors of a normal map as they are in a mirrored and turned copy."""
 
@@ -164,7 +169,7 @@ def _turned_vectors(
         return 2 * middle - values
 
     right, up = pixels[..., 0], pixels[..., 1]
-    down = role == "normal (DirectX)"
+    down = role.name == "normal_dx"
     if mirrored:
         right = opposite(right)
     for _ in range(quarters % 4):

@@ -6,6 +6,7 @@ import pytest
 import weftex
 from materials import normal_map
 from weftex.raster.mixing import Kind, mixing_of
+from weftex.roles import ROLES
 
 
 @pytest.mark.parametrize(
@@ -19,7 +20,7 @@ from weftex.raster.mixing import Kind, mixing_of
 )
 def test_normal_maps_are_known_in_every_type(rng, store):
     pixels = store(normal_map(rng, (20, 30)))
-    mixing = mixing_of(pixels, "normal (OpenGL)", False)
+    mixing = mixing_of(pixels, "normal", False)
     assert mixing.kind is Kind.VECTORS
     assert mixing.middle == (0.5 if pixels.dtype == np.float32 else 0)
     assert mixing_of(pixels, "color", False).kind is Kind.MEAN
@@ -31,7 +32,7 @@ def test_what_is_called_a_normal_map_but_stores_no_vectors_is_mixed_as_ever(rng)
         assert mixing_of(dark, "normal", False).kind is Kind.MEAN
         noise = rng.integers(0, 256, shape).astype(np.uint8)
         assert mixing_of(noise, "normal", False).kind is Kind.MEAN
-    assert mixing_of(dark, None, True).kind is Kind.ALPHA
+    assert mixing_of(dark, "color", True).kind is Kind.ALPHA
     assert mixing_of(dark, "labels", False).kind is Kind.LABELS
 
 
@@ -73,10 +74,10 @@ def test_there_is_nothing_between_two_labels(rng):
 
 def test_what_a_picture_shows_is_said_once():
     pixels = np.zeros((24, 24), np.uint8)
-    with pytest.raises(weftex.InvalidInputError, match="role is 'nrml'; known: color,"):
-        weftex.Exemplar(pixels, role="nrml")
     result = weftex.synthesize(pixels, (8, 8))
-    with pytest.raises(weftex.InvalidInputError, match="an Exemplar knows what it shows"):
+    with pytest.raises(weftex.InvalidInputError, match="role is 'nrml'; known: color,"):
+        result.render(pixels, role="nrml")
+    with pytest.raises(weftex.InvalidInputError, match="an Exemplar says what it shows"):
         result.render(weftex.Exemplar(pixels), role="height")
-    assert weftex.Exemplar(pixels, name="rock_disp_2k").role == "height"
-    assert weftex.Exemplar(pixels, name="rock_disp_2k", role="mask").changed().role == "mask"
+    assert weftex.Exemplar(pixels, name="rock_nor_gl_2k").role is ROLES["normal_gl"]
+    assert weftex.Exemplar(pixels, name="rock_disp_2k").role is ROLES["color"]

@@ -36,15 +36,15 @@ class Mixing(NamedTuple):
     """What stands for 0 in vectors that are stored in floats."""
 
 
-def mixing_of(pixels: NDArray[Any], role: str | None, alpha: bool) -> Mixing:
+def mixing_of(pixels: NDArray[Any], shows: str, alpha: bool) -> Mixing:
     """Return how to mix the pixels of a picture.
 
     Parameters
     ----------
     pixels : array (H, W) or (H, W, C)
-    role : str or None
-        What it shows, one of `weftex.io.map_names.ROLES`. What is called a normal map has three
-        channels or more, and vectors about as long as 1; else it is mixed like any other.
+    shows : str
+        One of `weftex.roles.KINDS`. A normal map has three channels or more, and vectors most of
+        which are about as long as 1; what has not is mixed like any other picture.
     alpha : bool
         The last channel is straight alpha.
 
@@ -55,9 +55,9 @@ def mixing_of(pixels: NDArray[Any], role: str | None, alpha: bool) -> Mixing:
     ('VECTORS', 'MEAN')
     """
     middle = 0.5 if pixels.dtype.kind == "f" and pixels.min() >= 0 else 0.0
-    if role == "labels":
+    if shows == "labels":
         return Mixing(Kind.LABELS)
-    if (role or "").startswith("normal") and _is_of_units(pixels, middle):
+    if shows == "normal" and _is_of_units(pixels, middle):
         return Mixing(Kind.VECTORS, middle)
     return Mixing(Kind.ALPHA if alpha else Kind.MEAN)
 

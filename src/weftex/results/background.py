@@ -1,4 +1,4 @@
-"""What a picture has to do with the sample: its scale, and what is known around a hole."""
+"""What is known around a filled hole, in the kind of picture that is rendered."""
 
 from __future__ import annotations
 
@@ -9,23 +9,6 @@ from weftex.exemplar import check_pixels
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
-
-
-def scale_of(pixels: NDArray[Any], sample: tuple[int, int]) -> int:
-    """How many pixels of a map of the sample one of the sample is wide.
-
-    Raises
-    ------
-    InvalidInputError
-        If that is no whole number.
-    """
-    scale: int = pixels.shape[0] // sample[0]
-    if pixels.shape[:2] != (scale * sample[0], scale * sample[1]):
-        raise InvalidInputError(
-            f"map is {pixels.shape[1]}x{pixels.shape[0]}; it must be the sample's "
-            f"{sample[1]}x{sample[0]} or an integer multiple of it"
-        )
-    return scale
 
 
 def background_of(

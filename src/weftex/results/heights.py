@@ -15,9 +15,6 @@ if TYPE_CHECKING:
     #: Coordinates and shares of what shows in a window, as `Synthesis.layers` returns them.
     Layers = Callable[[tuple[int, int, int, int]], tuple[NDArray[Any], NDArray[Any]]]
 
-#: Maps that may be raised or lowered as a whole without a change of shape.
-HEIGHTS = ("height", "bump", "depth")
-
 _REACH = 24  # sample pixels in which what raises an edge falls to a third
 _MARGIN = 8  # reaches from which on nothing is felt
 _BLOCK = 1024  # pixels a side that are solved at once

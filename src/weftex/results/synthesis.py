@@ -10,11 +10,10 @@ import numpy as np
 
 from weftex.canvas import Canvas
 from weftex.errors import InvalidInputError, shown
-from weftex.exemplar import Exemplar, as_exemplar
-from weftex.io.map_names import role_of
+from weftex.exemplar import Exemplar, as_rendered
 from weftex.raster.mixing import Kind
 from weftex.results import drawing
-from weftex.results.background import background_of, scale_of
+from weftex.results.background import background_of
 from weftex.results.files import (
     ABOUT,
     DamageError,
@@ -23,7 +22,8 @@ from weftex.results.files import (
     read_result,
     write_result,
 )
-from weftex.results.heights import HEIGHTS, join_heights
+from weftex.results.heights import join_heights
+from weftex.results.scales import check_window, in_few_pixels, room_for, scale_to
 from weftex.results.tone import match_tone
 from weftex.turns import as_copies, turned
 
@@ -177,10 +177,7 @@ class Synthesis(ABC):
     @property
     def maps(self) -> dict[str, NDArray[Any]]:
         """The sample's maps, replayed at the same coordinates."""
-        return {
-            name: self.render(pixels, role=role_of(name))
-            for name, pixels in self.sample.maps.items()
-        }
+        return {name: self.render(self.sample.map(name)) for name in self.sample.maps}
 
     @property
     def source(self) -> NDArray[np.int32]:
@@ -236,20 +233,20 @@ class Synthesis(ABC):
         Parameters
         ----------
         other : Exemplar or array, optional
-            Of the sample's size or an integer multiple of it, any dtype and channel count; the
-            sample itself by default.
+            Of the sample's size, an integer multiple or fraction of it, any dtype and channel
+            count; the sample itself by default.
         background : array, optional
             For a filled hole whose surroundings are not part of the sample: the same surroundings
             in `other`'s kind.
         window : (top, left, height, width), optional
             Render only this part, in output pixels.
         role : str, optional
-            What an array shows, as for `Exemplar`, which has its own.
+            What an array shows, by a name of `weftex.roles.ROLES`; an `Exemplar` says it itself.
 
         Returns
         -------
         array
-            In the dtype of `other`, at its multiple of the output's size.
+            In the dtype of `other`, at its multiple or fraction of the output's size.
 
         Raises
         ------
@@ -266,23 +263,24 @@ class Synthesis(ABC):
         """
         whole, own = window is None, other is None or other is self.exemplar
         top, left, height, width = self.canvas.check_window(window)
-        given = as_exemplar(self.sample if other is None else other, role)
-        pixels, mixing = given.pixels, given.mixing
-        joined = given.role in HEIGHTS and not self.is_window
-        if (self.match_tone or joined) and not whole:  # what is around must be seen
-            made = self.render(other, background=background, role=role)
-            side = len(made) // self.shape[0]
-            rows, columns = slice(top * side, (top + height) * side), slice(left * side, None)
-            return made[rows, columns][:, : width * side]
+        given = as_rendered(self.sample if other is None else other, role)
         if self.turn is not None:
-            pixels = as_copies(pixels, self.turn, given.role, self.sample_shape)
-        scale = scale_of(pixels, self.sample_shape)
-        try:
-            out = np.empty((height * scale, width * scale, *pixels.shape[2:]), pixels.dtype)
-        except MemoryError:
-            raise InvalidInputError(
-                f"{width * scale}x{height * scale} does not fit in memory; render windows of it"
-            ) from None
+            given = as_copies(given, self.turn, self.sample_shape)
+        ratio = scale_to(given, self.sample_shape)
+        joined = given.role.kind == "height" and not self.is_window
+        if (self.match_tone or joined) and not whole:  # what is around must be seen
+            made = self.render(given, background=background)
+            ends = ((top, top + height), (left, left + width))
+            rows, columns = (slice(int(start * ratio), int(end * ratio)) for start, end in ends)
+            return made[rows, columns]
+        if ratio < 1:
+            check_window((top, left, height, width), ratio, given.name)
+            return in_few_pixels(
+                lambda large, around: self.render(large, background=around, window=window),
+                *(given, background, ratio),
+            )
+        scale, pixels, mixing = int(ratio), given.pixels, given.mixing
+        out = room_for(pixels, height * scale, width * scale)
         if self.canvas.hole is not None:
             if background is None and own:
                 background = self.canvas.known
