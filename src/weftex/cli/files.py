@@ -36,7 +36,16 @@ def load(
     tileable: bool = False,
 ) -> Exemplar:
     """Read a picture, or a folder of maps, as a sample."""
-    return read(path, args, maps).exemplar(tileable=tileable)
+    return with_turns(read(path, args, maps).exemplar(tileable=tileable), args)
+
+
+def with_turns(exemplar: Exemplar, args: argparse.Namespace) -> Exemplar:
+    """The sample with its mirrored and turned copies, where a command was asked for them."""
+    if getattr(args, "turn", None) is None:
+        return exemplar
+    from weftex.turns import turned
+
+    return turned(exemplar, args.turn)
 
 
 def open_sample(
