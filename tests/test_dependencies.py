@@ -29,7 +29,7 @@ LEVELS = [
     ["analysis"],
     ["search", "seams"],
     ["results"],
-    ["canvas"],
+    ["canvas", "turns"],
     ["loading"],
     ["material"],
     ["exemplar"],

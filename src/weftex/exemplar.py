@@ -10,7 +10,8 @@ import numpy as np
 
 from weftex.errors import InvalidInputError, shown
 from weftex.raster.levels import edges_of, resized, scale_between, scale_to_bytes, to_bytes
-from weftex.roles import COLOR, Role, role_of
+from weftex.raster.mixing import Mixing, mixing_of
+from weftex.roles import COLOR, ROLES, Role, role_of
 
 if TYPE_CHECKING:
     from fractions import Fraction
@@ -49,7 +50,10 @@ class Exemplar:
     name : str, optional
         What to call it in messages.
     role : Role, optional
-        What the pixels show, see `weftex.roles`; a color by default.
+        What the pixels show, see `weftex.roles`; by default a normal map if its name says so and
+        else a color.
+    turn : str, optional
+        Which copies of a smaller sample it is made of, see `weftex.turned`.
 
     Attributes
     ----------
@@ -82,10 +86,12 @@ class Exemplar:
         alpha: bool | None = None,
         icc: bytes | None = None,
         name: str = "sample",
-        role: Role = COLOR,
+        role: Role | None = None,
+        turn: str | None = None,
     ) -> None:
-        self.name, self.tileable, self.icc = name, bool(tileable), icc
-        self.role = role
+        self.name, self.tileable, self.icc, self.turn = name, bool(tileable), icc, turn
+        named = role_of(name)
+        self.role = role or (named if named and named.kind == "normal" else COLOR)
         if alpha is None:
             _check_layout(pixels, name)
         self.pixels = check_pixels(pixels, name)
@@ -96,7 +102,8 @@ class Exemplar:
             raise InvalidInputError(f"{name} has one channel, so it cannot be color with alpha")
         if maps is not None and not isinstance(maps, Mapping):
             raise InvalidInputError(f"maps is {shown(maps)}; it must be arrays by their names")
-        self._maps = {key: as_map(value, key) for key, value in (maps or {}).items()}
+        own = {key: as_map(value, key) for key, value in (maps or {}).items()}
+        self._maps = {k: one if one.name == k else one.changed(name=k) for k, one in own.items()}
         self.maps = {key: one.pixels for key, one in self._maps.items()}
         for key in self.maps:
             self.scale_of(key)
@@ -117,7 +124,7 @@ class Exemplar:
 
     def changed(self, **parts: Any) -> Exemplar:
         """Return the same sample but for these parameters of `Exemplar`, such as its guide."""
-        own = ("pixels", "mask", "guide", "tileable", "alpha", "icc", "name", "role")
+        own = ("pixels", "mask", "guide", "tileable", "alpha", "icc", "name", "role", "turn")
         given = {name: getattr(self, name) for name in own} | {"maps": self._maps}
         return Exemplar(**given | parts)
 
@@ -149,6 +156,11 @@ class Exemplar:
     def aligned(self, name: str) -> NDArray[Any]:
         """Return a map at the sample's own size: means of blocks, or pixels repeated."""
         return resized(self.maps[name], 1 / self.scale_of(name))
+
+    @cached_property
+    def mixing(self) -> Mixing:
+        """How its pixels are mixed where two patches show."""
+        return mixing_of(self.pixels, self.role.kind, self.alpha)
 
     def matching(self, edge_weight: float = 0.0) -> NDArray[np.uint8]:
         """Return what distances are taken on: bytes, so that they are exact integers.
@@ -248,6 +260,23 @@ class Exemplar:
             )
         same = same[:, -1:] if len(self.labels) <= 2 else same
         return np.ascontiguousarray(255 * same.reshape(*pixels.shape[:2], -1), np.uint8)
+
+
+def as_rendered(given: Any, role: str | None) -> Exemplar:
+    """Return a picture to be rendered, of which an array does not say what it shows.
+
+    Raises
+    ------
+    InvalidInputError
+        If it cannot be used, or has a role already, or there is no such role.
+    """
+    if role is None:
+        return as_map(given, "map")
+    if isinstance(given, Exemplar):
+        raise InvalidInputError("an Exemplar says what it shows; give role to that")
+    if role not in ROLES:
+        raise InvalidInputError(f"role is {shown(role)}; known: {', '.join(ROLES)}")
+    return as_map(given, role)
 
 
 def as_map(given: Any, name: str) -> Exemplar:

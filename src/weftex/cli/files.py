@@ -13,6 +13,8 @@ if TYPE_CHECKING:
     import argparse
     from collections.abc import Sequence
 
+    from numpy.typing import NDArray
+
     from weftex.cli.terminal import Bar, Outputs
     from weftex.exemplar import Exemplar
     from weftex.material import Material
@@ -35,7 +37,16 @@ def load(
     tileable: bool = False,
 ) -> Exemplar:
     """Read a picture, or a folder of maps, as a sample."""
-    return read(path, args, maps).exemplar(tileable=tileable)
+    return with_turns(read(path, args, maps).exemplar(tileable=tileable), args)
+
+
+def with_turns(exemplar: Exemplar, args: argparse.Namespace) -> Exemplar:
+    """The sample with its mirrored and turned copies, where a command was asked for them."""
+    if getattr(args, "turn", None) is None:
+        return exemplar
+    from weftex.turns import turned
+
+    return turned(exemplar, args.turn)
 
 
 def open_sample(
@@ -96,8 +107,12 @@ def _ways(text: str) -> dict[str, str]:
 
 def write(result: Synthesis, made: Plan, args: argparse.Namespace, outputs: Outputs) -> None:
     """Write the result and, from the same coordinates, each other map of the sample."""
-    main = made.material.main
-    made.write(lambda name: result.image if name == main else result.map(name), outputs)
+
+    def pixels(name: str) -> NDArray[Any]:
+        main = name == made.material.main
+        return result.image if main else result.render(result.sample.map(name))
+
+    made.write(pixels, outputs)
     if args.save_source is not None:
         result.save(outputs.add(args.save_source))
 

@@ -71,6 +71,12 @@ def add_tileable_sample(parser: Parser) -> None:
     parser.add_argument("--tileable-sample", action="store_true", help=f"{text}; see 'analyze'")
 
 
+def add_turn(parser: Parser) -> None:
+    """Add the option of every command that can make more of a sample by mirroring and turning."""
+    text = "use mirrored copies of the sample too (flip), or quarter turns (4), or both (8)"
+    parser.add_argument("--turn", metavar="flip|4|8", help=text)
+
+
 def add_mending(parser: Parser) -> None:
     """Add the options that mend a photo before anything is made from it."""
     text = "straighten the photo, by the lattice or rows seen in it, by vectors x1,y1,x2,y2, or by "

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
+import numpy as np
+
 from weftex.errors import InvalidInputError
 from weftex.raster.levels import resized, scale_between
 
@@ -18,17 +20,6 @@ if TYPE_CHECKING:
     Window = tuple[int, int, int, int]
 
 
-def scale_of(shape: tuple[int, ...], sample: tuple[int, int]) -> Fraction:
-    """`scale_between`, or `InvalidInputError` where sizes are no multiples of each other."""
-    scale = scale_between(shape, sample)
-    if scale is None:
-        raise InvalidInputError(
-            f"map is {shape[1]}x{shape[0]}; it must be the sample's {sample[1]}x{sample[0]} or an "
-            "integer multiple or fraction of it"
-        )
-    return scale
-
-
 def check_size(exemplar: Exemplar, shape: tuple[int, int]) -> None:
     """Refuse an output that maps of fewer pixels than the sample would not fit.
 
@@ -39,6 +30,33 @@ def check_size(exemplar: Exemplar, shape: tuple[int, int]) -> None:
     """
     for name in exemplar.maps:
         check_window((0, 0, *shape), exemplar.scale_of(name), name)
+
+
+def scale_to(given: Exemplar, sample: tuple[int, int]) -> Fraction:
+    """Return how many pixels of a map lie along one of the sample.
+
+    Raises
+    ------
+    InvalidInputError
+        If that is neither an integer nor 1 / integer.
+    """
+    scale = scale_between(given.shape, sample)
+    if scale is None:
+        raise InvalidInputError(
+            f"map is {given.shape[1]}x{given.shape[0]}; it must be the sample's "
+            f"{sample[1]}x{sample[0]} or an integer multiple or fraction of it"
+        )
+    return scale
+
+
+def room_for(pixels: NDArray[Any], height: int, width: int) -> NDArray[Any]:
+    """Return an empty picture of this size, of the kind of another."""
+    try:
+        return np.empty((height, width, *pixels.shape[2:]), pixels.dtype)
+    except MemoryError:
+        raise InvalidInputError(
+            f"{width}x{height} does not fit in memory; render windows of it"
+        ) from None
 
 
 def check_window(window: Window, scale: Fraction, name: str) -> None:

@@ -135,17 +135,17 @@ def fill(
     hole = grown(masked, int(overlap), wrap) if overlap else masked
     whole, source = (whole, whole) if sample is None else _load_sample(sample, whole)
     inside = sample is None
-    known_maps = {} if inside else whole.maps
     canvas = Canvas(
         *whole.shape,
         wrap,
         known=whole.pixels,
         hole=hole,
         known_from=(0, 0) if inside else None,
+        known_maps={} if inside else whole.maps,
     )
     chosen.require(canvas)
     if not hole.any():
-        unchanged = PixelSynthesis(
+        return PixelSynthesis(
             canvas,
             np.full(canvas.shape, -1, np.int32),
             sample_shape=source.shape,
@@ -153,8 +153,6 @@ def fill(
             known_from=canvas.known_from,
             provenance=chosen.describe() | {"seed": seed},
         )
-        unchanged.known_maps = known_maps
-        return unchanged
     if inside and hole.all():
         raise InvalidInputError(
             f"the mask{' and the overlap cover' if overlap else ' covers'} all of {whole.name}, so "
@@ -221,7 +219,6 @@ def fill(
         provenance=made.provenance,
     )
     result.match_tone = by_sample if match_tone is None else match_tone
-    result.known_maps = known_maps
     return result
 
 
