@@ -226,6 +226,35 @@ def add_maps(parser: Parser) -> None:
     parser.add_argument("--maps", metavar="NAME=FILE,...", type=parse_maps, help=text)
 
 
+def add_sets(parser: Parser) -> None:
+    """Add the options of every command that writes sets of maps."""
+    add_maps(parser)
+    add_names(parser)
+
+
+def add_names(parser: Parser) -> None:
+    """Add the options about the files of a set that is written."""
+    names = ("ambientcg", "polyhaven", "substance", "gltf")
+    text = f"call the maps of a set as {', '.join(names)} does; default: as they came"
+    parser.add_argument("--names", choices=names, metavar="NAME", help=text)
+    text = "write a MaterialX file beside the maps of a set, which renderers open"
+    parser.add_argument("--mtlx", action="store_true", help=text)
+
+
+def parse_values(text: str) -> dict[str, float | str]:
+    """Values by maps' names, from 'height=0.5,normal=flat'."""
+    values: dict[str, float | str] = {}
+    for word in text.split(","):
+        name, _, value = (part.strip() for part in word.partition("="))
+        try:
+            values[name] = value if value == "flat" else float(value)
+        except ValueError:
+            raise argparse.ArgumentTypeError(
+                f"'{word.strip()}' must be a map and its value from 0 to 1, or flat: height=0.5"
+            ) from None
+    return values
+
+
 def parse_maps(text: str) -> dict[str, str]:
     """Maps by what they are, from 'color=a.png,normal=b.png'."""
     maps: dict[str, str] = {}

@@ -17,8 +17,8 @@ from weftex.cli.files import (
 )
 from weftex.cli.options import (
     Parser,
-    add_maps,
     add_mending,
+    add_sets,
     add_tileable_sample,
     add_turn,
     parse_best_of,
@@ -49,7 +49,7 @@ def run(argv: list[str]) -> None:
     start = perf_counter()
     parser = Parser("synth", "Make a picture of any size from a sample of a material.", _EXAMPLES)
     parser.add_argument("sample", metavar="SAMPLE", help="picture, folder of maps, or sample:NAME")
-    add_maps(parser)
+    add_sets(parser)
     text = "in pixels; default: the guide's, or twice the sample's"
     parser.add_argument("--size", metavar="WxH|N", help=text)
     parser.add_argument("--guide", metavar="G", help="picture to follow, of the output's size")
@@ -75,9 +75,7 @@ def run(argv: list[str]) -> None:
         from weftex.results.scales import check_size
         from weftex.tasks.synthesize import synthesize
 
-        exemplar, material, targets = open_sample(
-            args.sample, args, outputs, tileable=args.tileable_sample
-        )
+        exemplar, plan = open_sample(args.sample, args, outputs, tileable=args.tileable_sample)
         if args.debug is not None:
             outputs.make_folder(args.debug)
         guide = None if args.guide is None else read(args.guide, args).exemplar()
@@ -89,10 +87,10 @@ def run(argv: list[str]) -> None:
         check_size(exemplar, size_made)
         guides: dict[str, Any] = {"guide": guide, "sample_guide": own, "best_of": best_of}
         result = synthesize(exemplar, size_made, method=chosen, **guides, **settings(args, bar))
-        write(result, material, targets, args, outputs)
+        write(result, plan, args, outputs)
         if args.debug is not None:
             write_debug(result, args.debug, outputs)
         what = f"made {result.shape[1]}x{result.shape[0]}"
-        return report(args, result, what, start, material)
+        return report(args, result, what, start, plan.told)
 
     finish(work, args.quiet)
