@@ -7,6 +7,7 @@ import pytest
 
 import weftex
 from families import METHODS, method_of, noise
+from weftex.method import Model
 
 
 @pytest.mark.parametrize("slug", METHODS)

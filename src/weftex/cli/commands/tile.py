@@ -6,7 +6,7 @@ from time import perf_counter
 from typing import TYPE_CHECKING
 
 from weftex.cli.files import open_sample, report, settings, write
-from weftex.cli.options import Parser, add_maps, parse_task
+from weftex.cli.options import Parser, add_maps, add_names, parse_task
 from weftex.cli.terminal import finish
 
 if TYPE_CHECKING:
@@ -31,6 +31,7 @@ def run(argv: list[str]) -> None:
     parser = Parser("tile", _ABOUT, _EXAMPLES)
     parser.add_argument("photo", metavar="PHOTO", help="picture, folder of maps, or sample:NAME")
     add_maps(parser)
+    add_names(parser)
     text = "so many pixels at each side may change; default: an eighth of the shorter side"
     parser.add_argument("--border", type=int, metavar="PX", help=text)
     args, method, parameters = parse_task(parser, argv, "patch-sampling")
@@ -40,12 +41,12 @@ def run(argv: list[str]) -> None:
         from weftex.tasks.method_names import AUTO
         from weftex.tasks.tile import tile
 
-        photo, material, targets = open_sample(args.photo, args, outputs)
+        photo, made = open_sample(args.photo, args, outputs)
         how = {"method": AUTO if args.by_default else args.method, "border": args.border}
         how |= settings(args, bar)
         axes = how.pop("tileable") or True
         result = tile(photo, axes=axes, **how, **parameters)
-        write(result, material, targets, args, outputs)
-        return report(args, result, "made tileable:", start, material)
+        write(result, made, args, outputs)
+        return report(args, result, "made tileable:", start, made.told)
 
     finish(work, args.quiet)
