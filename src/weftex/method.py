@@ -3,27 +3,30 @@
 from __future__ import annotations
 
 import dataclasses
-import math
+import itertools
 import numbers
 from abc import ABC, abstractmethod
-from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any, ClassVar, Self
 
-from weftex.canvas import Canvas
+import numpy as np
+
+from weftex.canvas import Canvas, as_canvas
 from weftex.errors import InvalidInputError, UnsupportedError, did_you_mean, shown
 from weftex.loading import load_exemplar
+from weftex.parameters import check_value, numbers_of
+from weftex.random import seed_number
 from weftex.registry import supporting
+from weftex.threads import in_turn, thread_count
 
 if TYPE_CHECKING:
-    import numpy as np
+    from collections.abc import Iterator
+
     from numpy.typing import NDArray
 
     from weftex.exemplar import Exemplar
     from weftex.loading import Sample
     from weftex.progress import ProgressCallback
     from weftex.results.synthesis import Synthesis
-
-_MOST_WHOLE = 2**63 - 1  # what an integer of a parameter may be; arrays hold no more
 
 #: Canvas kinds that a method may declare in `supports`, in words for messages.
 CANVAS_KINDS = {
@@ -35,63 +38,6 @@ CANVAS_KINDS = {
 }
 #: The thing that a canvas of a kind has.
 CANVAS_NAMES = {"guide": "a guide", "known": "known pixels", "wrap": "tileable output"}
-
-
-def parameter(
-    default: Any,
-    help: str,
-    *,
-    low: float | None = None,
-    high: float | None = None,
-    unit: str = "",
-    choices: Sequence[str] = (),
-    default_text: str = "",
-    needs: tuple[str, Sequence[str]] | None = None,
-    needs_canvas: str = "",
-    count: int = 0,
-    parity: str = "",
-) -> Any:
-    """Declare a field of a method.
-
-    Parameters
-    ----------
-    default : object
-        None means that it follows from the sample; say how in `default_text`.
-    help : str
-        One line.
-    low, high : float, optional
-        Inclusive bounds.
-    unit : str
-        Of the value, for people.
-    choices : sequence of str
-        The allowed values of a text.
-    default_text : str
-        What None stands for.
-    needs : (field, values), optional
-        The parameter does something only while `field` has one of these values; setting it
-        otherwise is refused, not ignored.
-    needs_canvas : str
-        Likewise for a kind of canvas, see `CANVAS_KINDS`.
-    count : int
-        The value is so many numbers; a text with commas between them is taken too.
-    parity : str
-        "odd" or "even"; 0, where `low` allows it, is both.
-    """
-    return dataclasses.field(
-        default=default,
-        metadata={
-            "help": help,
-            "low": low,
-            "high": high,
-            "unit": unit,
-            "choices": choices,
-            "default_text": default_text,
-            "needs": needs,
-            "needs_canvas": needs_canvas,
-            "count": count,
-            "parity": parity,
-        },
-    )
 
 
 class Model(ABC):
@@ -133,6 +79,58 @@ class Model(ABC):
         progress : callable, optional
             See `weftex.progress.ProgressCallback`.
         """
+
+    def samples(
+        self,
+        count: int | None,
+        size: int | tuple[int, int],
+        *,
+        seed: int | np.random.Generator | None = None,
+        tileable: bool | str = False,
+        channels_first: bool = False,
+        threads: int | None = None,
+    ) -> Iterator[NDArray[Any]]:
+        """Make many pictures, one after the other, for whoever trains on them.
+
+        Parameters
+        ----------
+        count : int or None
+            How many; None goes on for ever.
+        size, tileable
+            As for `sample`.
+        seed : int, numpy Generator or None
+            Picture k is that of `sample` with `seed` + k, at any number of threads.
+        channels_first : bool
+            (C, H, W) as PyTorch takes pictures, and not (H, W, C) as Albumentations and all of
+            weftex do; gray ones are (1, H, W) then.
+        threads : int, optional
+            So many pictures are made at a time.
+
+        Yields
+        ------
+        array
+            In the sample's dtype, contiguous.
+
+        Examples
+        --------
+        >>> import weftex
+        >>> model = weftex.PatchSampling().fit("sample:pebbles")
+        >>> [one.shape for one in model.samples(2, 64, seed=1, channels_first=True)]
+        [(3, 64, 64), (3, 64, 64)]
+        """
+        whole = isinstance(count, numbers.Integral) and not isinstance(count, bool)
+        if count is not None and not (whole and count >= 0):
+            raise InvalidInputError(f"count is {shown(count)}; it must be 0 or more, or None")
+        first, at_once = seed_number(seed), thread_count(threads)
+        canvas = as_canvas(size, tileable)
+
+        def one(k: int) -> NDArray[Any]:
+            image = self.sample(canvas, seed=(first + k) % 2**64, threads=1).image
+            if not channels_first:
+                return image
+            return np.ascontiguousarray(np.moveaxis(np.atleast_3d(image), -1, 0))
+
+        return in_turn(one, range(count) if count is not None else itertools.count(), at_once)
 
     def window(
         self,
@@ -219,7 +217,7 @@ class Method(ABC):
                     self, field.name, numbers_of(field.name, value, field.metadata["count"])
                 )
             else:
-                _check(field, value)
+                check_value(field, value)
             if getattr(self, field.name) != field.default and not self.takes(field.name):
                 other, values = field.metadata["needs"]
                 allowed, found = " or ".join(f"'{v}'" for v in values), self.meant(other)
@@ -344,57 +342,3 @@ class Method(ABC):
         """
         values = dataclasses.asdict(self)
         return {"method": self.slug} | {k: v for k, v in values.items() if v is not None}
-
-
-def _check(field: dataclasses.Field[Any], value: Any) -> None:
-    meta, name = field.metadata, field.name
-    if value is None and field.default is None:
-        return
-    if meta["choices"]:
-        known = meta["choices"]
-        if not isinstance(value, str) or value not in known:
-            raise InvalidInputError(f"{name} is {shown(value)}{did_you_mean(str(value), known)}")
-        return
-    whole = "int" in str(field.type)
-    kind = numbers.Integral if whole else numbers.Real
-    if not isinstance(value, kind) or isinstance(value, bool) or value != value:
-        wanted = "an integer" if whole else "a number"
-        raise InvalidInputError(f"{name} is {shown(value)}; it must be {wanted}")
-    low, high = meta["low"], meta["high"]
-    if (low is not None and value < low) or (high is not None and value > high):
-        raise InvalidInputError(f"{name} is {shown(value)}; it must be {bounds(field)}")
-    if isinstance(value, numbers.Integral) and abs(int(value)) > _MOST_WHOLE:
-        raise InvalidInputError(f"{name} is {shown(value)}; it must be at most 2**63 - 1")
-    if meta["parity"] and value and value % 2 != (meta["parity"] == "odd"):
-        raise InvalidInputError(f"{name} is {shown(value)}; it must be {meta['parity']}")
-
-
-def numbers_of(name: str, value: Any, count: int) -> tuple[float, ...]:
-    """So many numbers, from a sequence or a text with commas.
-
-    Raises
-    ------
-    InvalidInputError
-        That names the value, if it is not that.
-    """
-    try:
-        found = tuple(float(v) for v in (value.split(",") if isinstance(value, str) else value))
-    except (TypeError, ValueError, OverflowError):
-        found = ()
-    if len(found) != count or not all(map(math.isfinite, found)):
-        raise InvalidInputError(f"{name} is {shown(value)}; it must be {count} numbers")
-    return found
-
-
-def bounds(field: dataclasses.Field[Any]) -> str:
-    """The allowed values of a field in words."""
-    low, high, choices = (field.metadata[k] for k in ("low", "high", "choices"))
-    if field.metadata["count"]:
-        return f"{field.metadata['count']} numbers"
-    if choices:
-        return ", ".join(choices)
-    if low is not None and high is not None:
-        return f"from {low:g} to {high:g}"
-    return (
-        f"{low:g} or more" if low is not None else f"at most {high:g}" if high is not None else ""
-    )

@@ -99,20 +99,25 @@ def add_limits(parser: Parser) -> None:
 
 
 def parse_task(
-    parser: Parser, argv: list[str], default: str = "auto"
+    parser: Parser, argv: list[str], default: str = "auto", *, positional: bool = False
 ) -> tuple[argparse.Namespace, type[Method], dict[str, Any]]:
     """Parse what all tasks take, and the parameters of the chosen method.
 
-    A task with another default than "auto" takes that for "auto" too.
+    A task with another default than "auto" takes that for "auto" too. One whose output is a
+    `positional` argument writes a folder of many, and no sources.
     """
     add = parser.add_argument
-    add("-o", "--output", metavar="OUT", required=True, help="file, or folder, to write")
+    if positional:
+        add("output", metavar="OUT", help="folder to write to")
+    else:
+        add("-o", "--output", metavar="OUT", required=True, help="file, or folder, to write")
+        text = "where each pixel comes from, for 'weftex replay'"
+        add("--save-source", metavar="F.npz", help=text)
     text = "chosen by the sample" if default == "auto" else default
     add("--method", default=default, metavar="NAME", help=f"see 'weftex methods'; default: {text}")
     add("--seed", type=int, metavar="N", help="the same seed gives the same bytes")
     text = "repeats without a seam, along both axes or one"
     add("--tileable", nargs="?", choices=("xy", "x", "y"), metavar="x|y", help=text)
-    add("--save-source", metavar="F.npz", help="where each pixel comes from, for 'weftex replay'")
     add("--threads", type=int, metavar="N", help="use at most so many")
     add_limits(parser)
     argv = parser.filled(argv)
@@ -178,7 +183,7 @@ def parameters_of(method: type[Method]) -> Iterator[tuple[Any, str]]:
     """Give each field of a method, and its range and default in words."""
     from dataclasses import fields
 
-    from weftex.method import bounds
+    from weftex.parameters import bounds
 
     for field in fields(method):
         unit = f" {field.metadata['unit']}" if field.metadata["unit"] else ""
