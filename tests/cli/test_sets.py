@@ -310,3 +310,13 @@ def test_report_of_a_set(sets, capsys):
     found = weftex.report("large", weftex.synthesize("large", 128, seed=1, method="quilting"))
     assert [*found.of_maps] == ["ao", "height", "normal_gl"]
     assert set(found.as_dict()["of_maps"]["ao"]) >= {"seams"}
+
+
+def test_maps_in_formats_that_are_only_read_get_another(sets):
+    oiio = pytest.importorskip("OpenImageIO")
+    (sets / "hdr").mkdir()
+    write_image("hdr/a_color.png", noise((40, 40, 3)))
+    buffer = oiio.ImageBuf(np.random.default_rng(1).random((40, 40, 3)).astype(np.float32))
+    assert buffer.write("hdr/a_emission.hdr")
+    assert weft_run("synth", "hdr", "-o", "new", "--size", 40, "--method", "quilting") == 0
+    assert read_image("new/a_emission.exr").pixels.dtype == np.float32
