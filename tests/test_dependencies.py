@@ -34,7 +34,7 @@ LEVELS = [
     ["exemplar"],
     ["io"],
     ["raster"],
-    ["registry", "choice", "threads", "progress", "random"],
+    ["registry", "choice", "values", "threads", "progress", "random"],
     ["errors"],
     ["dispatch"],
 ]

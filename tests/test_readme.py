@@ -8,6 +8,7 @@ import shlex
 import subprocess
 import sys
 import sysconfig
+import tomllib
 from pathlib import Path
 
 import pytest
@@ -171,3 +172,14 @@ def test_the_readme_has_the_two_commands():
                      if line.startswith("python3 -m venv"))  # fmt: skip
     assert " weftex synth sample:" in first.replace(".venv/bin/weftex", "weftex")
     assert second.endswith("-m pytest -n auto")
+
+
+def test_no_other_package_is_told_to_be_installed():
+    """Another one has nearly our name: a text that named it would fetch a stranger's code."""
+    folders = (ROOT / "src" / "weftex", ROOT / "examples", ROOT / "benchmarks")
+    files = [*PAGES, ROOT / "CONTRIBUTING.md", *(f for d in folders for f in d.rglob("*.py"))]
+    text = "\n".join(file.read_text("utf-8") for file in files)
+    told = re.findall(r"pip install (?:-\w+ )*['\"]?([\w.-]+)", text)
+    assert len(told) >= 8 and {*told} <= {"weftex", "."}
+    project = tomllib.loads((ROOT / "pyproject.toml").read_text("utf-8"))["project"]
+    assert [project["name"], *project["scripts"]] == ["weftex", "weftex"]

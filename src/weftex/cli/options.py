@@ -172,7 +172,7 @@ def parameters_of(method: type[Method]) -> Iterator[tuple[Any, str]]:
     """Give each field of a method, and its range and default in words."""
     from dataclasses import fields
 
-    from weftex.method import bounds
+    from weftex.values import bounds
 
     for field in fields(method):
         unit = f" {field.metadata['unit']}" if field.metadata["unit"] else ""

@@ -22,9 +22,9 @@ from weftex.analysis.tiling import SEAMLESS, border_steps
 from weftex.choice import Choice
 from weftex.errors import InvalidInputError
 from weftex.loading import load_exemplar
-from weftex.method import numbers_of
 from weftex.methods import METHODS
 from weftex.tasks.auto import Auto
+from weftex.values import numbers_of
 
 if TYPE_CHECKING:
     from weftex.analysis.lattice import Views

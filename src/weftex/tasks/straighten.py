@@ -15,7 +15,7 @@ from weftex.errors import InvalidInputError
 from weftex.exemplar import Exemplar, tamed
 from weftex.io.formats import image_library
 from weftex.loading import load_exemplar
-from weftex.method import numbers_of
+from weftex.values import numbers_of
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray

@@ -81,6 +81,7 @@ class ExactMatching(WindowedMethod):
         "auto",
         "the band above the first row: random pixels, a structured one, or as the sample asks",
         choices=("auto", "random", "structured"),
+        idle_canvas="known",
     )
     candidates: int = parameter(
         250,
@@ -103,6 +104,7 @@ class ExactMatching(WindowedMethod):
         "pixels",
         "search for each pixel, or not where the sources of all four neighbors go on at one place",
         choices=("pixels", "blocks"),
+        idle_canvas="known",
     )
     levels: int | None = parameter(
         None,
@@ -143,6 +145,8 @@ class ExactMatching(WindowedMethod):
             raise InvalidInputError(
                 "passes has no effect without a hole or output that tiles from top to bottom"
             )
+        if "known" in canvas.kinds and (self.levels or 1) > 1:
+            raise InvalidInputError(f"levels is {self.levels}; holes are filled with 1")
 
     def window_of(self, exemplar: Exemplar) -> int:
         """See `Method.window_of`."""
@@ -224,8 +228,6 @@ def close(
 def fill_hole(prepared: Prepared, growth: Growth) -> None:
     """Beyond the paper: make a hole from its border inwards, at a single resolution."""
     settings, lists = prepared.settings, prepared.levels[0].around
-    if settings.hole_levels != 1:
-        raise InvalidInputError(f"levels is {settings.hole_levels}; holes are filled with 1")
     growth.about["levels"] = 1
     sheet = Sheet(lists, growth.canvas.shape, growth.canvas.wrap)
     sheet.pixels, sheet.done = growth.pixels, growth.done
