@@ -49,6 +49,7 @@ if TYPE_CHECKING:
     from weftex.tasks.report import report
     from weftex.tasks.straighten import straighten
     from weftex.tasks.synthesize import synthesize
+    from weftex.turns import turned
 
 __version__ = "0.1.0"
 
@@ -92,6 +93,7 @@ _PUBLIC = {
     "tasks.report": ["report"],
     "tasks.straighten": ["straighten"],
     "tasks.synthesize": ["synthesize"],
+    "turns": ["turned"],
 }
 _HOME = {name: module for module, names in _PUBLIC.items() for name in names}
 

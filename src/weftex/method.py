@@ -174,7 +174,9 @@ class Model(ABC):
         """
         self.method.require_kind("random_access")
         canvas = Canvas(height, width, origin=(top, left))
-        return self.sample(canvas, seed=seed, threads=threads, progress=progress)
+        found = self.sample(canvas, seed=seed, threads=threads, progress=progress)
+        found.is_window = True
+        return found
 
 
 @dataclasses.dataclass(frozen=True)

@@ -171,13 +171,13 @@ def test_masks_from_files_and_pil_are_the_same(tmp_path):
 
 
 def test_all_maps_are_filled_alike():
-    height = noise((70, 90), dtype=np.uint16)
-    exemplar = weftex.Exemplar(noise((70, 90, 3)), maps={"height": height})
+    rough = noise((70, 90), dtype=np.uint16)
+    exemplar = weftex.Exemplar(noise((70, 90, 3)), maps={"rough": rough})
     hole = HOLES["several"]
     result = weftex.fill(exemplar, hole, seed=1, blend="none")
-    filled = result.maps["height"]
+    filled = result.maps["rough"]
     assert filled.dtype == np.uint16
-    assert (filled == height[result.source[..., 0], result.source[..., 1]]).all()
+    assert (filled == rough[result.source[..., 0], result.source[..., 1]]).all()
     with pytest.raises(weftex.InvalidInputError, match="maps"):
         weftex.fill(exemplar, hole, sample=exemplar.pixels)
 

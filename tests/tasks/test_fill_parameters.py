@@ -31,7 +31,7 @@ def made(slug, given):
     return [result.image.tobytes() + result.source.tobytes() for result in results]
 
 
-#: Blocks of near-regular synthesis are too large for these holes; its own tests say what it refuses.
+#: Blocks of near-regular synthesis are too large for these holes; its tests say what it refuses.
 ABLE = [slug for slug in METHODS if slug in supporting("known") and slug != "near-regular"]
 
 

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import os
-from dataclasses import replace
 from time import perf_counter
 from typing import TYPE_CHECKING, Any
 
@@ -11,14 +10,22 @@ from weftex.errors import InvalidInputError
 
 if TYPE_CHECKING:
     import argparse
-    from collections.abc import Mapping
 
     from numpy.typing import NDArray
 
     from weftex.cli.terminal import Bar, Outputs
     from weftex.exemplar import Exemplar
     from weftex.io.pictures import Picture
+    from weftex.material import Material
     from weftex.results.synthesis import Synthesis
+
+
+def read(path: str, args: argparse.Namespace, maps: dict[str, str] | None = None) -> Material:
+    """Read a picture, or a folder of maps."""
+    from weftex.io.pictures import MAX_PIXELS
+    from weftex.material import read_material
+
+    return read_material(path, maps, max_pixels=None if args.allow_huge else MAX_PIXELS)
 
 
 def load(
@@ -27,58 +34,42 @@ def load(
     maps: dict[str, str] | None = None,
     *,
     tileable: bool = False,
-) -> tuple[Exemplar, dict[str, Picture]]:
-    """Read a picture, or a folder of maps, and what each one was stored as."""
-    from weftex.io.pictures import MAX_PIXELS
-    from weftex.loading import exemplar_of_maps, read_sample
-
-    limit = None if args.allow_huge else MAX_PIXELS
-    pictures = read_sample(path, maps, max_pixels=limit)
-    return exemplar_of_maps(pictures, path, maps, tileable=tileable), pictures
-
-
-def told(pictures: dict[str, Picture], path: str, maps: dict[str, str] | None) -> str:
-    """A line for each map of a folder: what it was taken for."""
-    from weftex.loading import main_picture, roles
-
-    if len(pictures) == 1:
-        return ""
-    taken = roles(pictures, path, maps)
-    main = main_picture(taken)
-    lines = []
-    for name, role in taken.items():
-        use = ", the picture" if name == main else ""
-        lines.append(f"map: {os.path.basename(pictures[name].path)} is {role}{use}\n")
-    return "".join(lines)
+) -> Exemplar:
+    """Read a picture, or a folder of maps, as a sample."""
+    return read(path, args, maps).exemplar(tileable=tileable)
 
 
 def open_sample(
     path: str, args: argparse.Namespace, outputs: Outputs, *, tileable: bool = False
-) -> tuple[Exemplar, dict[str, Picture], dict[str, str]]:
+) -> tuple[Exemplar, Material, dict[str, str]]:
     """Read the sample, and say where each of its pictures goes; all is checked before any work."""
     from weftex.io.pictures import check_output, is_folder
 
-    folder = is_folder(path)
     if args.save_source is not None:
         check_output(args.save_source, suffixes=(".npz",))
-    if folder:
+    if is_folder(path):
         outputs.make_folder(args.output)
     else:
         check_output(args.output)
-    exemplar, pictures = load(path, args, args.maps, tileable=tileable)
-    exemplar, pictures = _mended(exemplar, pictures, args)
+    material = read(path, args, args.maps)
+    exemplar = _mended(material.exemplar(tileable=tileable), args)
+    return exemplar, material, targets_of(material, args)
+
+
+def targets_of(material: Material, args: argparse.Namespace) -> dict[str, str]:
+    """Where each picture of a material goes; checked before any work."""
+    from weftex.io.pictures import check_output
+
     targets = {}
-    for name, picture in pictures.items():
+    for name, picture in material.pictures.items():
         file = os.path.basename(picture.path)
-        targets[name] = os.path.join(args.output, file) if folder else args.output
+        targets[name] = os.path.join(args.output, file) if material.folder else args.output
         check_output(targets[name], picture.pixels, alpha=picture.alpha)
-    return exemplar, pictures, targets
+    return targets
 
 
-def _mended(
-    exemplar: Exemplar, pictures: dict[str, Picture], args: argparse.Namespace
-) -> tuple[Exemplar, dict[str, Picture]]:
-    """Straighten the sample and its pictures, and even its light, where that was asked for."""
+def _mended(exemplar: Exemplar, args: argparse.Namespace) -> Exemplar:
+    """Straighten the sample, and even its light, where that was asked for."""
     if getattr(args, "straighten", None) is not None:
         from weftex.tasks.straighten import straighten
 
@@ -87,8 +78,7 @@ def _mended(
         from weftex.tasks.even_light import even_light
 
         exemplar = even_light(exemplar, args.even_light)
-    pixels = exemplar.maps | {exemplar.name: exemplar.pixels}
-    return exemplar, {name: replace(one, pixels=pixels[name]) for name, one in pictures.items()}
+    return exemplar
 
 
 def _ways(text: str) -> dict[str, str]:
@@ -104,37 +94,25 @@ def _ways(text: str) -> dict[str, str]:
 
 def write(
     result: Synthesis,
-    exemplar: Exemplar,
-    pictures: dict[str, Picture],
+    material: Material,
     targets: dict[str, str],
     args: argparse.Namespace,
     outputs: Outputs,
 ) -> None:
     """Write the result and, from the same coordinates, each other map of the sample."""
-    from weftex.exemplar import Exemplar
-
-    others = {name: one for name, one in pictures.items() if name != exemplar.name}
-    laid = {
-        name: result.render(Exemplar(one.pixels, alpha=one.alpha, name=name))
-        for name, one in others.items()
-    }
-    write_pictures(laid | {exemplar.name: result.image}, pictures, targets, outputs)
+    for name in material.pictures:
+        pixels = result.image if name == material.main else result.render(result.sample.map(name))
+        write_picture(pixels, material.pictures[name], targets[name], outputs)
     if args.save_source is not None:
         result.save(outputs.add(args.save_source))
 
 
-def write_pictures(
-    pixels: Mapping[str, NDArray[Any]],
-    pictures: dict[str, Picture],
-    targets: dict[str, str],
-    outputs: Outputs,
-) -> None:
-    """Write pixels as the pictures of the same names were stored."""
+def write_picture(pixels: NDArray[Any], like: Picture, target: str, outputs: Outputs) -> None:
+    """Write pixels as a picture was stored."""
     from weftex.io.pictures import write_image
 
-    for name, picture in pictures.items():
-        temporary = outputs.add(targets[name])
-        write_image(temporary, pixels[name], alpha=picture.alpha, icc=picture.icc)
+    how: dict[str, Any] = {"alpha": like.alpha, "icc": like.icc, "half": like.half}
+    write_image(outputs.add(target), pixels, **how)
 
 
 #: The pictures of --debug, by what `Synthesis.draw` calls them.
@@ -159,11 +137,11 @@ def report(
     result: Synthesis,
     what: str,
     start: float,
-    maps: str = "",
+    material: Material | None = None,
 ) -> str:
     """Print what was made, how and how fast, after the maps and the reasons if weftex chose."""
     used, took = result.provenance, perf_counter() - start
-    why = maps + (f"auto: {used['reason']}\n" if "reason" in used else "")
+    why = told(material) + (f"auto: {used['reason']}\n" if "reason" in used else "")
     why += "".join(f"note: {warning}\n" for warning in used.get("warnings", ()))
     why += f"best of: {used['best_of']['told']}\n" if "best_of" in used else ""
     hole = result.canvas.hole
@@ -172,6 +150,11 @@ def report(
         f"{what} {args.output} with {used['method']}{_looked_at(result)}, seed {used['seed']}, "
         f"in {took:.2f} s ({area / took / 1e6:.3g} megapixels/s)"
     )
+
+
+def told(material: Material | None) -> str:
+    """Lines about the maps of a set."""
+    return "" if material is None else "".join(f"{line}\n" for line in material.told())
 
 
 def _looked_at(result: Synthesis) -> str:

@@ -63,7 +63,7 @@ def run(argv: list[str]) -> None:
 
         if args.output is not None:
             check_output(args.output, suffixes=(".html",))
-        exemplar = load(args.sample, args, args.maps, tileable=args.tileable_sample)[0]
+        exemplar = load(args.sample, args, args.maps, tileable=args.tileable_sample)
         found = compare(exemplar, size, methods=names, **settings(args, bar))
         if args.output is not None:
             found.save(outputs.add(args.output))

@@ -6,7 +6,7 @@ import argparse
 from time import perf_counter
 from typing import TYPE_CHECKING, Any
 
-from weftex.cli.files import load, report, settings, write
+from weftex.cli.files import read, report, settings, write_picture
 from weftex.cli.options import (
     Parser,
     parse_colors,
@@ -67,17 +67,19 @@ def run(argv: list[str]) -> None:
         from weftex.tasks.fuse import fuse, of_one_kind
 
         check_output(args.output)
-        samples, pictures = zip(*(load(path, args) for path in args.samples), strict=True)
-        first = pictures[0][samples[0].name]
+        materials = [read(path, args) for path in args.samples]
+        samples = [one.exemplar() for one in materials]
+        first = materials[0].pictures[materials[0].main]
         if len(samples) > 1:
-            samples = tuple(of_one_kind(samples))
+            samples = of_one_kind(samples)
         check_output(args.output, samples[0].pixels, alpha=first.alpha)
         label_map = read_image(args.map).pixels if gradient is None else gradient
         named: dict[str, Any] = {"colors": colors, "mixed": mixed, "boundary": args.boundary}
         named["belt_width"] = args.belt_width
         result = fuse(samples, label_map, size, method=chosen, **named, **settings(args, bar))
-        whole = result.sample
-        write(result, whole, {whole.name: first}, {whole.name: args.output}, args, outputs)
+        write_picture(result.image, first, args.output, outputs)
+        if args.save_source is not None:
+            result.save(outputs.add(args.save_source))
         return report(args, result, f"fused {len(samples)} samples in", start)
 
     finish(work, args.quiet)

@@ -5,7 +5,7 @@ from __future__ import annotations
 from time import perf_counter
 from typing import TYPE_CHECKING
 
-from weftex.cli.files import open_sample, told, write_pictures
+from weftex.cli.files import open_sample, told, write_picture
 from weftex.cli.options import Parser, add_limits, add_maps, add_mending
 from weftex.cli.terminal import finish
 from weftex.errors import InvalidInputError
@@ -43,12 +43,12 @@ def run(argv: list[str]) -> None:
     args.save_source = None
 
     def work(bar: Bar, outputs: Outputs) -> str:
-        exemplar, pictures, targets = open_sample(args.sample, args, outputs)
-        pixels = {name: picture.pixels for name, picture in pictures.items()}
-        write_pictures(pixels, pictures, targets, outputs)
+        exemplar, material, targets = open_sample(args.sample, args, outputs)
+        pixels = exemplar.maps | {material.main: exemplar.pixels}
+        for name, picture in material.pictures.items():
+            write_picture(pixels[name], picture, targets[name], outputs)
         height, width = exemplar.shape
         took = perf_counter() - start
-        names = told(pictures, args.sample, args.maps)
-        return f"{names}prepared {width}x{height} {args.output} in {took:.2f} s"
+        return f"{told(material)}prepared {width}x{height} {args.output} in {took:.2f} s"
 
     finish(work, args.quiet)

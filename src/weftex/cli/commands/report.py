@@ -41,7 +41,7 @@ def run(argv: list[str]) -> None:
 
     if args.output is not None:
         check_output(args.output, suffixes=(".html",))
-    sample, result = load(args.sample, args, args.maps)[0], load(args.result, args)[0]
+    sample, result = load(args.sample, args, args.maps), load(args.result, args)
     wrap = None if args.tileable is None else ("y" in args.tileable, "x" in args.tileable)
     found = measure(sample, result, args.source, tileable=wrap)
     if args.output is not None:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from time import perf_counter
 from typing import TYPE_CHECKING, Any
 
-from weftex.cli.files import load, open_sample, report, settings, told, write, write_debug
+from weftex.cli.files import load, open_sample, report, settings, write, write_debug
 from weftex.cli.options import (
     Parser,
     add_maps,
@@ -61,24 +61,26 @@ def run(argv: list[str]) -> None:
         tries(chosen, best_of)  # finds wrong names before anything is read
 
     def work(bar: Bar, outputs: Outputs) -> str:
+        from weftex.results.scales import check_size
         from weftex.tasks.synthesize import synthesize
 
-        exemplar, pictures, targets = open_sample(
+        exemplar, material, targets = open_sample(
             args.sample, args, outputs, tileable=args.tileable_sample
         )
         if args.debug is not None:
             outputs.make_folder(args.debug)
-        guide = None if args.guide is None else load(args.guide, args)[0]
-        own = None if args.sample_guide is None else load(args.sample_guide, args)[0]
+        guide = None if args.guide is None else load(args.guide, args)
+        own = None if args.sample_guide is None else load(args.sample_guide, args)
         size_made = size or (2 * exemplar.shape[0], 2 * exemplar.shape[1])
         if guide is not None:
             size_made = size or guide.shape
+        check_size(exemplar, size_made)
         guides: dict[str, Any] = {"guide": guide, "sample_guide": own, "best_of": best_of}
         result = synthesize(exemplar, size_made, method=chosen, **guides, **settings(args, bar))
-        write(result, exemplar, pictures, targets, args, outputs)
+        write(result, material, targets, args, outputs)
         if args.debug is not None:
             write_debug(result, args.debug, outputs)
         what = f"made {result.shape[1]}x{result.shape[0]}"
-        return report(args, result, what, start, told(pictures, args.sample, args.maps))
+        return report(args, result, what, start, material)
 
     finish(work, args.quiet)

@@ -6,6 +6,7 @@ from abc import abstractmethod
 from typing import TYPE_CHECKING
 
 from weftex.canvas import Canvas, as_canvas
+from weftex.errors import UnsupportedError
 from weftex.method import Method, Model
 from weftex.methods.lattices.mean_tile import MeanTile
 from weftex.random import seed_number
@@ -29,6 +30,11 @@ class LatticeModel(Model):
     exemplar : Exemplar
         The sample.
 
+    Raises
+    ------
+    UnsupportedError
+        If there is a lattice, which copies of a sample that were turned do not share.
+
     Attributes
     ----------
     vectors : tuple of float
@@ -38,6 +44,11 @@ class LatticeModel(Model):
     vectors: tuple[float, ...]
 
     def __init__(self, method: Method, exemplar: Exemplar) -> None:
+        if exemplar.turn is not None and self.vectors:
+            raise UnsupportedError(
+                f"{method.slug} goes by one lattice, which copies of {exemplar.name} that are "
+                "turned or mirrored do not share; leave turn out, or use another method"
+            )
         self.method, self.exemplar = method, exemplar
 
     @abstractmethod
