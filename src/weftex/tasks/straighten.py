@@ -16,12 +16,8 @@ from weftex.errors import InvalidInputError
 from weftex.exemplar import Exemplar
 from weftex.io.formats import image_library
 from weftex.loading import load_exemplar
-<<<<<<< HEAD
-from weftex.values import numbers_of
-=======
-from weftex.method import numbers_of
 from weftex.raster.levels import tamed
->>>>>>> a947398c3a70b91468267f5fb4d7f5239c287ef3
+from weftex.values import numbers_of
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
