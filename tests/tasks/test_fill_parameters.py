@@ -49,7 +49,7 @@ def test_a_parameter_has_an_effect_or_is_refused(slug):
     [
         ("efros-leung", {"seed_size": 5}),
         ("wei-levoy", {"start": "noise", "levels": 2, "window_width": 5}),
-        ("exact-matching", {"init": "random"}),
+        ("exact-matching", {"init": "random", "repeat_distance": 3}),
         ("exact-matching", {"copying": "blocks"}),
         ("patch-sampling", {"variance": 0.5}),
         ("quilting", {"variance": 0.5, "search": "pca"}),

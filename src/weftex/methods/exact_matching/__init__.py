@@ -81,7 +81,6 @@ class ExactMatching(WindowedMethod):
         "auto",
         "the band above the first row: random pixels, a structured one, or as the sample asks",
         choices=("auto", "random", "structured"),
-        idle_canvas="known",
     )
     candidates: int = parameter(
         250,
@@ -132,10 +131,14 @@ class ExactMatching(WindowedMethod):
         """See `Method.takes`: only what lies between known pixels is passed over again."""
         if name == "passes" and canvas is not None:
             return canvas.wrap[0] or canvas.hole is not None
+        if name == "init" and canvas is not None and "known" in canvas.kinds:
+            return self.repeat_distance is None  # which is all that it decides in a hole
         return super().takes(name, canvas)
 
     def for_belt(self, width: int, **parameters: Any) -> Self:
         """See `Method.for_belt`: a belt is a hole, which is filled at a single resolution."""
+        if self.repeat_distance is not None:
+            parameters |= {"init": "auto"}
         return super().for_belt(width, levels=None, **parameters)
 
     def require(self, canvas: Canvas) -> None:
@@ -144,6 +147,10 @@ class ExactMatching(WindowedMethod):
         if self.passes != type(self).passes and not self.takes("passes", canvas):
             raise InvalidInputError(
                 "passes has no effect without a hole or output that tiles from top to bottom"
+            )
+        if self.init != type(self).init and not self.takes("init", canvas):
+            raise InvalidInputError(
+                "init has no effect with known pixels beside repeat_distance; leave one out"
             )
         if "known" in canvas.kinds and (self.levels or 1) > 1:
             raise InvalidInputError(f"levels is {self.levels}; holes are filled with 1")
