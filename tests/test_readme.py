@@ -183,3 +183,10 @@ def test_no_other_package_is_told_to_be_installed():
     assert len(told) >= 8 and {*told} <= {"weftex", "."}
     project = tomllib.loads((ROOT / "pyproject.toml").read_text("utf-8"))["project"]
     assert [project["name"], *project["scripts"]] == ["weftex", "weftex"]
+
+
+def test_nothing_left_over_is_here():
+    """What editors and merges leave behind beside a file."""
+    folders = [ROOT / name for name in ("src", "tests", "docs", "examples", "benchmarks")]
+    files = [file for folder in folders for file in folder.rglob("*")]
+    assert [str(file) for file in files if re.search(r"\.(orig|rej|bak)$|~$", file.name)] == []
