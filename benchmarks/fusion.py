@@ -119,7 +119,7 @@ def sheet(size: tuple[int, int]) -> Image.Image:
     kinds = ("straight", "circular", "diagonal", "circular", "straight", "painted")
     height, width = size
     whole = Image.new("RGB", (4 * width + 3 * _GAP, 3 * height + 2 * _GAP), "white")
-    for number, (pair, kind) in enumerate(zip(PAIRS, kinds, strict=True)):
+    for number, (pair, kind) in enumerate(zip(PAIRS, kinds, strict=False)):
         for right, how in enumerate(({"belt_width": 2}, {})):
             image, _ = row(pair, kind, size, **how)
             x = (number % 2 * 2 + right) * (width + _GAP)
