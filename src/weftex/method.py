@@ -252,7 +252,7 @@ class Method(ABC):
             If its pixels cannot be used, or a parameter does not go with it.
         """
         model = self.fit_exemplar(load_exemplar(sample))
-        model.asked = self
+        object.__setattr__(model, "asked", self)  # models may be frozen
         return model
 
     def meant(self, name: str) -> Any:
