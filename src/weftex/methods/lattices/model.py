@@ -83,7 +83,7 @@ class LatticeModel(Model):
             leaves no whole piece that lies right.
         """
         canvas = as_canvas(size, tileable)
-        self.method.require(canvas)
+        self.require(canvas)
         canvas.check_known(self.exemplar)
         origin = canvas.origin
         if self.vectors:
