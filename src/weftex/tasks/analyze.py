@@ -25,7 +25,6 @@ from weftex.loading import load_exemplar
 from weftex.methods import METHODS
 from weftex.parameters import numbers_of
 from weftex.tasks.auto import Auto
-from weftex.parameters import numbers_of
 
 if TYPE_CHECKING:
     from weftex.analysis.lattice import Views

@@ -18,8 +18,8 @@ from weftex.errors import CancelledError, FileError, InvalidInputError
 
 if TYPE_CHECKING:
     from weftex.cli.batches import Job
-    from weftex.io.manifest import Manifest
     from weftex.cli.terminal import Bar, Outputs
+    from weftex.io.manifest import Manifest
 
 _ABOUT = """\
 Make outputs from every picture and every folder of maps in a folder. manifest.jsonl in the output
