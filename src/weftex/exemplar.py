@@ -11,7 +11,7 @@ import numpy as np
 from weftex.errors import InvalidInputError, shown
 from weftex.raster.levels import edges_of, resized, scale_between, scale_to_bytes, to_bytes
 from weftex.raster.mixing import Mixing, mixing_of
-from weftex.roles import COLOR, ROLES, Role, role_of
+from weftex.roles import COLOR, Role, as_role, role_of
 
 if TYPE_CHECKING:
     from fractions import Fraction
@@ -49,9 +49,9 @@ class Exemplar:
         Color profile, carried along to files.
     name : str, optional
         What to call it in messages.
-    role : Role, optional
-        What the pixels show, see `weftex.roles`; by default a normal map if its name says so and
-        else a color.
+    role : Role or str, optional
+        What the pixels show, or its name in `weftex.roles.ROLES`; by default a normal map if its
+        name says so and else a color.
     turn : str, optional
         Which copies of a smaller sample it is made of, see `weftex.turned`.
     pieces : bool, optional
@@ -88,14 +88,15 @@ class Exemplar:
         alpha: bool | None = None,
         icc: bytes | None = None,
         name: str = "sample",
-        role: Role | None = None,
+        role: Role | str | None = None,
         turn: str | None = None,
         pieces: bool = False,
     ) -> None:
         self.pieces = bool(pieces)
         self.name, self.tileable, self.icc, self.turn = name, bool(tileable), icc, turn
         named = role_of(name)
-        self.role = role or (named if named and named.kind == "normal" else COLOR)
+        by_name = named if named is not None and named.kind == "normal" else COLOR
+        self.role = by_name if role is None else as_role(role)
         if alpha is None:
             _check_layout(pixels, name)
         self.pixels = check_pixels(pixels, name)
@@ -106,6 +107,9 @@ class Exemplar:
             raise InvalidInputError(f"{name} has one channel, so it cannot be color with alpha")
         if maps is not None and not isinstance(maps, Mapping):
             raise InvalidInputError(f"maps is {shown(maps)}; it must be arrays by their names")
+        for key in maps or ():
+            if not isinstance(key, str):
+                raise InvalidInputError(f"maps has the name {shown(key)}; it must be a text")
         own = {key: as_map(value, key) for key, value in (maps or {}).items()}
         self._maps = {k: one if one.name == k else one.changed(name=k) for k, one in own.items()}
         self.maps = {key: one.pixels for key, one in self._maps.items()}
@@ -289,9 +293,7 @@ def as_rendered(given: Any, role: str | None) -> Exemplar:
         return as_map(given, "map")
     if isinstance(given, Exemplar):
         raise InvalidInputError("an Exemplar says what it shows; give role to that")
-    if role not in ROLES:
-        raise InvalidInputError(f"role is {shown(role)}; known: {', '.join(ROLES)}")
-    return as_map(given, role)
+    return as_map(given, as_role(role).name)
 
 
 def as_map(given: Any, name: str) -> Exemplar:

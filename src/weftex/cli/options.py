@@ -258,10 +258,12 @@ def parse_values(text: str) -> dict[str, float | str]:
     for word in text.split(","):
         name, _, value = (part.strip() for part in word.partition("="))
         try:
+            if not name or name in values:
+                raise ValueError
             values[name] = value if value == "flat" else float(value)
         except ValueError:
             raise argparse.ArgumentTypeError(
-                f"'{word.strip()}' must be a map and its value from 0 to 1, or flat: height=0.5"
+                f"'{word.strip()}' must be a map and its value, each once: height=0.5,normal=flat"
             ) from None
     return values
 
