@@ -35,7 +35,7 @@ LEVELS = [
     ["exemplar"],
     ["io"],
     ["raster"],
-    ["registry", "choice", "values", "threads", "progress", "random", "roles"],
+    ["registry", "choice", "threads", "progress", "random", "roles", "parameters"],
     ["errors"],
     ["dispatch"],
 ]

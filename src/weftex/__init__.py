@@ -49,6 +49,7 @@ if TYPE_CHECKING:
     from weftex.tasks.report import report
     from weftex.tasks.straighten import straighten
     from weftex.tasks.synthesize import synthesize
+    from weftex.tasks.tile import tile
     from weftex.turns import turned
 
 __version__ = "0.1.0"
@@ -93,6 +94,7 @@ _PUBLIC = {
     "tasks.report": ["report"],
     "tasks.straighten": ["straighten"],
     "tasks.synthesize": ["synthesize"],
+    "tasks.tile": ["tile"],
     "turns": ["turned"],
 }
 _HOME = {name: module for module, names in _PUBLIC.items() for name in names}

@@ -102,7 +102,8 @@ class Exemplar:
             raise InvalidInputError(f"{name} has one channel, so it cannot be color with alpha")
         if maps is not None and not isinstance(maps, Mapping):
             raise InvalidInputError(f"maps is {shown(maps)}; it must be arrays by their names")
-        self._maps = {key: as_map(value, key) for key, value in (maps or {}).items()}
+        own = {key: as_map(value, key) for key, value in (maps or {}).items()}
+        self._maps = {k: one if one.name == k else one.changed(name=k) for k, one in own.items()}
         self.maps = {key: one.pixels for key, one in self._maps.items()}
         for key in self.maps:
             self.scale_of(key)
@@ -175,18 +176,20 @@ class Exemplar:
             The pixels themselves for plain 8-bit pictures without maps.
         """
         if edge_weight not in self._matching:
-            own = [self.as_matching(self.pixels, edge_weight)]
-            # All maps together weigh as much as the picture.
-            share = (len(self.maps) or 1) ** -0.5
-            for value in map(self.aligned, self.maps):
-                channels = 1 if value.ndim == 2 else value.shape[2]
-                values = to_bytes(value, scale_to_bytes(value)) * (
-                    share * (self.channels / channels) ** 0.5
-                )
-                own.append(np.rint(np.minimum(values, 255)).astype(np.uint8))
-            whole = own[0] if len(own) == 1 else np.concatenate(own, axis=2)
-            self._matching[edge_weight] = np.ascontiguousarray(whole)
+            self._matching[edge_weight] = self.matching_of(self, edge_weight)
         return self._matching[edge_weight]
+
+    def matching_of(self, other: Exemplar, edge_weight: float = 0.0) -> NDArray[np.uint8]:
+        """Return another picture, with maps of the same names, in bytes as the sample's own are."""
+        own = [self.as_matching(other.pixels, edge_weight)]
+        # All maps together weigh as much as the picture.
+        share = (len(self.maps) or 1) ** -0.5
+        for name in self.maps:
+            values = to_bytes(other.aligned(name), scale_to_bytes(self.aligned(name)))
+            values *= share * (self.channels / values.shape[2]) ** 0.5
+            own.append(np.rint(np.minimum(values, 255)).astype(np.uint8))
+        whole = own[0] if len(own) == 1 else np.concatenate(own, axis=2)
+        return np.ascontiguousarray(whole)
 
     def as_matching(self, pixels: NDArray[Any], edge_weight: float = 0.0) -> NDArray[np.uint8]:
         """Map pixels of this sample's dtype and channels to bytes as the sample's own are.

@@ -3,18 +3,24 @@
 from __future__ import annotations
 
 import dataclasses
+import itertools
+import numbers
 from abc import ABC, abstractmethod
-from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any, ClassVar, Self
 
-from weftex.canvas import Canvas
-from weftex.errors import InvalidInputError, UnsupportedError, did_you_mean
+import numpy as np
+
+from weftex.canvas import Canvas, as_canvas
+from weftex.errors import InvalidInputError, UnsupportedError, did_you_mean, shown
 from weftex.loading import load_exemplar
+from weftex.parameters import check_value, numbers_of
+from weftex.random import seed_number
 from weftex.registry import supporting
-from weftex.values import check_value, numbers_of
+from weftex.threads import in_turn, thread_count
 
 if TYPE_CHECKING:
-    import numpy as np
+    from collections.abc import Iterator
+
     from numpy.typing import NDArray
 
     from weftex.exemplar import Exemplar
@@ -32,67 +38,6 @@ CANVAS_KINDS = {
 }
 #: The thing that a canvas of a kind has.
 CANVAS_NAMES = {"guide": "a guide", "known": "known pixels", "wrap": "tileable output"}
-
-
-def parameter(
-    default: Any,
-    help: str,
-    *,
-    low: float | None = None,
-    high: float | None = None,
-    unit: str = "",
-    choices: Sequence[str] = (),
-    default_text: str = "",
-    needs: tuple[str, Sequence[str]] | None = None,
-    needs_canvas: str = "",
-    idle_canvas: str = "",
-    count: int = 0,
-    parity: str = "",
-) -> Any:
-    """Declare a field of a method.
-
-    Parameters
-    ----------
-    default : object
-        None means that it follows from the sample; say how in `default_text`.
-    help : str
-        One line.
-    low, high : float, optional
-        Inclusive bounds.
-    unit : str
-        Of the value, for people.
-    choices : sequence of str
-        The allowed values of a text.
-    default_text : str
-        What None stands for.
-    needs : (field, values), optional
-        The parameter does something only while `field` has one of these values; setting it
-        otherwise is refused, not ignored.
-    needs_canvas : str
-        Likewise for a kind of canvas, see `CANVAS_KINDS`.
-    idle_canvas : str
-        The other way around: a kind of canvas on which the parameter does nothing.
-    count : int
-        The value is so many numbers; a text with commas between them is taken too.
-    parity : str
-        "odd" or "even"; 0, where `low` allows it, is both.
-    """
-    return dataclasses.field(
-        default=default,
-        metadata={
-            "help": help,
-            "low": low,
-            "high": high,
-            "unit": unit,
-            "choices": choices,
-            "default_text": default_text,
-            "needs": needs,
-            "needs_canvas": needs_canvas,
-            "idle_canvas": idle_canvas,
-            "count": count,
-            "parity": parity,
-        },
-    )
 
 
 class Model(ABC):
@@ -141,6 +86,58 @@ class Model(ABC):
     def require(self, canvas: Canvas) -> None:
         """Refuse a canvas that the method does not do, or on which a chosen parameter is idle."""
         (self.asked or self.method).require(canvas)
+
+    def samples(
+        self,
+        count: int | None,
+        size: int | tuple[int, int],
+        *,
+        seed: int | np.random.Generator | None = None,
+        tileable: bool | str = False,
+        channels_first: bool = False,
+        threads: int | None = None,
+    ) -> Iterator[NDArray[Any]]:
+        """Make many pictures, one after the other, for whoever trains on them.
+
+        Parameters
+        ----------
+        count : int or None
+            How many; None goes on for ever.
+        size, tileable
+            As for `sample`.
+        seed : int, numpy Generator or None
+            Picture k is that of `sample` with `seed` + k, at any number of threads.
+        channels_first : bool
+            (C, H, W) as PyTorch takes pictures, and not (H, W, C) as Albumentations and all of
+            weftex do; gray ones are (1, H, W) then.
+        threads : int, optional
+            So many pictures are made at a time.
+
+        Yields
+        ------
+        array
+            In the sample's dtype, contiguous.
+
+        Examples
+        --------
+        >>> import weftex
+        >>> model = weftex.PatchSampling().fit("sample:pebbles")
+        >>> [one.shape for one in model.samples(2, 64, seed=1, channels_first=True)]
+        [(3, 64, 64), (3, 64, 64)]
+        """
+        whole = isinstance(count, numbers.Integral) and not isinstance(count, bool)
+        if count is not None and not (whole and count >= 0):
+            raise InvalidInputError(f"count is {shown(count)}; it must be 0 or more, or None")
+        first, at_once = seed_number(seed), thread_count(threads)
+        canvas = as_canvas(size, tileable)
+
+        def one(k: int) -> NDArray[Any]:
+            image = self.sample(canvas, seed=(first + k) % 2**64, threads=1).image
+            if not channels_first:
+                return image
+            return np.ascontiguousarray(np.moveaxis(np.atleast_3d(image), -1, 0))
+
+        return in_turn(one, range(count) if count is not None else itertools.count(), at_once)
 
     def window(
         self,

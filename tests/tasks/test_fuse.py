@@ -7,7 +7,7 @@ from PIL import Image
 import weftex
 from weftex.cli import main
 from weftex.io.pictures import read_image
-from weftex.tasks.fuse import combined
+from weftex.tasks.combined import combined
 
 SIZE = (70, 80)
 

@@ -23,8 +23,8 @@ from weftex.choice import Choice
 from weftex.errors import InvalidInputError
 from weftex.loading import load_exemplar
 from weftex.methods import METHODS
+from weftex.parameters import numbers_of
 from weftex.tasks.auto import Auto
-from weftex.values import numbers_of
 
 if TYPE_CHECKING:
     from weftex.analysis.lattice import Views

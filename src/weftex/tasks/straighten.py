@@ -16,8 +16,8 @@ from weftex.errors import InvalidInputError
 from weftex.exemplar import Exemplar
 from weftex.io.formats import image_library
 from weftex.loading import load_exemplar
+from weftex.parameters import numbers_of
 from weftex.raster.levels import tamed
-from weftex.values import numbers_of
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray

@@ -11,6 +11,7 @@ from weftex.cli.options import (
     add_limits,
     add_maps,
     add_tileable_sample,
+    add_turn,
     check_numbers,
     parse_names,
     parse_size,
@@ -49,6 +50,7 @@ def run(argv: list[str]) -> None:
     add("--threads", type=int, metavar="N", help="use at most so many")
     add("--json", action="store_true", help="print the figures as JSON")
     add_tileable_sample(parser)
+    add_turn(parser)
     add_limits(parser)
     args = parser.parse(argv)
     if args.output is None and not args.json:

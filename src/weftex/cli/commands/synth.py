@@ -5,12 +5,22 @@ from __future__ import annotations
 from time import perf_counter
 from typing import TYPE_CHECKING, Any
 
-from weftex.cli.files import load, open_sample, report, settings, write, write_debug
+from weftex.cli.files import (
+    load,
+    open_sample,
+    read,
+    report,
+    settings,
+    with_turns,
+    write,
+    write_debug,
+)
 from weftex.cli.options import (
     Parser,
-    add_maps,
     add_mending,
+    add_sets,
     add_tileable_sample,
+    add_turn,
     parse_best_of,
     parse_size,
     parse_task,
@@ -39,7 +49,7 @@ def run(argv: list[str]) -> None:
     start = perf_counter()
     parser = Parser("synth", "Make a picture of any size from a sample of a material.", _EXAMPLES)
     parser.add_argument("sample", metavar="SAMPLE", help="picture, folder of maps, or sample:NAME")
-    add_maps(parser)
+    add_sets(parser)
     text = "in pixels; default: the guide's, or twice the sample's"
     parser.add_argument("--size", metavar="WxH|N", help=text)
     parser.add_argument("--guide", metavar="G", help="picture to follow, of the output's size")
@@ -51,6 +61,7 @@ def run(argv: list[str]) -> None:
     parser.add_argument("--debug", metavar="DIR", help=text)
     add_tileable_sample(parser)
     add_mending(parser)
+    add_turn(parser)
     args, method, parameters = parse_task(parser, argv)
     best_of = parse_best_of(args.best_of)
     size = None if args.size is None else parse_size(args.size, args.allow_huge)
@@ -64,23 +75,22 @@ def run(argv: list[str]) -> None:
         from weftex.results.scales import check_size
         from weftex.tasks.synthesize import synthesize
 
-        exemplar, material, targets = open_sample(
-            args.sample, args, outputs, tileable=args.tileable_sample
-        )
+        exemplar, plan = open_sample(args.sample, args, outputs, tileable=args.tileable_sample)
         if args.debug is not None:
             outputs.make_folder(args.debug)
-        guide = None if args.guide is None else load(args.guide, args)
+        guide = None if args.guide is None else read(args.guide, args).exemplar()
         own = None if args.sample_guide is None else load(args.sample_guide, args)
         size_made = size or (2 * exemplar.shape[0], 2 * exemplar.shape[1])
         if guide is not None:
             size_made = size or guide.shape
+        exemplar = with_turns(exemplar, args)
         check_size(exemplar, size_made)
         guides: dict[str, Any] = {"guide": guide, "sample_guide": own, "best_of": best_of}
         result = synthesize(exemplar, size_made, method=chosen, **guides, **settings(args, bar))
-        write(result, material, targets, args, outputs)
+        write(result, plan, args, outputs)
         if args.debug is not None:
             write_debug(result, args.debug, outputs)
         what = f"made {result.shape[1]}x{result.shape[0]}"
-        return report(args, result, what, start, material)
+        return report(args, result, what, start, plan.told)
 
     finish(work, args.quiet)

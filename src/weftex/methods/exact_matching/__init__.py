@@ -8,7 +8,6 @@ from typing import TYPE_CHECKING, Any, ClassVar, Self
 import numpy as np
 
 from weftex.errors import InvalidInputError
-from weftex.method import parameter
 from weftex.methods.exact_matching.matching import (
     Matching,
     Parents,
@@ -19,6 +18,7 @@ from weftex.methods.exact_matching.matching import (
 from weftex.methods.exact_matching.model import Prepared, prepare
 from weftex.methods.exact_matching.settings import Settings, settle, window_width
 from weftex.methods.pixels.growth import PixelModel, WindowedMethod
+from weftex.parameters import parameter
 
 if TYPE_CHECKING:
     from weftex.canvas import Canvas

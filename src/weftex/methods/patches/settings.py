@@ -8,8 +8,9 @@ from typing import TYPE_CHECKING, Any, ClassVar, Self
 from weftex.canvas import Canvas
 from weftex.errors import InvalidInputError
 from weftex.exemplar import Exemplar
-from weftex.method import Method, parameter
+from weftex.method import Method
 from weftex.methods.patches.sizes import patch_size_for, patch_size_of, patch_size_on
+from weftex.parameters import parameter
 from weftex.search.zone_search import SEARCHES
 
 if TYPE_CHECKING:

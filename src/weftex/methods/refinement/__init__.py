@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, ClassVar, Self
 
 from weftex.errors import InvalidInputError
-from weftex.method import Method, parameter
+from weftex.method import Method
 from weftex.methods.pixels.growth import PixelModel, WindowedMethod
 from weftex.methods.refinement.levels import Prepared, prepare
 from weftex.methods.refinement.output import (
@@ -27,6 +27,7 @@ from weftex.methods.refinement.settings import (
 )
 from weftex.methods.refinement.start import fitted_starts, keep_patches, result_of
 from weftex.methods.refinement.sweeps import Convergence, refine_texture, sweep_of
+from weftex.parameters import parameter
 
 if TYPE_CHECKING:
     from weftex.canvas import Canvas

@@ -6,7 +6,6 @@ from dataclasses import asdict, dataclass, replace
 from typing import TYPE_CHECKING, ClassVar
 
 from weftex.errors import InvalidInputError
-from weftex.method import parameter
 from weftex.methods.pixels.growth import PixelModel, WindowedMethod
 from weftex.methods.wei_levoy.levels import noise, output_pyramid, parents_or_noise
 from weftex.methods.wei_levoy.model import Prepared, prepare
@@ -18,6 +17,7 @@ from weftex.methods.wei_levoy.settings import (
     settle,
     window_width,
 )
+from weftex.parameters import parameter
 
 if TYPE_CHECKING:
     from weftex.exemplar import Exemplar

@@ -1,10 +1,11 @@
-"""Values of parameters: what a field allows, in words and checked."""
+"""Parameters of methods: their bounds, units and help, and how values of them are checked."""
 
 from __future__ import annotations
 
 import dataclasses
 import math
 import numbers
+from collections.abc import Sequence
 from typing import Any
 
 from weftex.errors import InvalidInputError, did_you_mean, shown
@@ -12,8 +13,69 @@ from weftex.errors import InvalidInputError, did_you_mean, shown
 _MOST_WHOLE = 2**63 - 1  # what an integer of a parameter may be; arrays hold no more
 
 
+def parameter(
+    default: Any,
+    help: str,
+    *,
+    low: float | None = None,
+    high: float | None = None,
+    unit: str = "",
+    choices: Sequence[str] = (),
+    default_text: str = "",
+    needs: tuple[str, Sequence[str]] | None = None,
+    needs_canvas: str = "",
+    idle_canvas: str = "",
+    count: int = 0,
+    parity: str = "",
+) -> Any:
+    """Declare a field of a method.
+
+    Parameters
+    ----------
+    default : object
+        None means that it follows from the sample; say how in `default_text`.
+    help : str
+        One line.
+    low, high : float, optional
+        Inclusive bounds.
+    unit : str
+        Of the value, for people.
+    choices : sequence of str
+        The allowed values of a text.
+    default_text : str
+        What None stands for.
+    needs : (field, values), optional
+        The parameter does something only while `field` has one of these values; setting it
+        otherwise is refused, not ignored.
+    needs_canvas : str
+        Likewise for a kind of canvas, see `CANVAS_KINDS`.
+    idle_canvas : str
+        The other way around: a kind of canvas on which the parameter does nothing.
+    count : int
+        The value is so many numbers; a text with commas between them is taken too.
+    parity : str
+        "odd" or "even"; 0, where `low` allows it, is both.
+    """
+    return dataclasses.field(
+        default=default,
+        metadata={
+            "help": help,
+            "low": low,
+            "high": high,
+            "unit": unit,
+            "choices": choices,
+            "default_text": default_text,
+            "needs": needs,
+            "needs_canvas": needs_canvas,
+            "idle_canvas": idle_canvas,
+            "count": count,
+            "parity": parity,
+        },
+    )
+
+
 def check_value(field: dataclasses.Field[Any], value: Any) -> None:
-    """Refuse a value that a field, declared with `weftex.method.parameter`, may not have."""
+    """Raise `InvalidInputError` unless a parameter may have this value."""
     meta, name = field.metadata, field.name
     if value is None and field.default is None:
         return
