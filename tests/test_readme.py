@@ -44,6 +44,8 @@ def test_commands_of_pages(page, tmp_path):
     for block in blocks(page, "sh"):
         for line in block.splitlines():
             words = shlex.split(line, comments=True)
+            if words[:1] == ["mkdir"]:
+                (tmp_path / words[1]).mkdir()
             if words[:1] == ["weftex"]:
                 run([WEFTEX, *words[1:]], tmp_path)
                 if "-o" in words:

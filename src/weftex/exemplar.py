@@ -54,6 +54,8 @@ class Exemplar:
         else a color.
     turn : str, optional
         Which copies of a smaller sample it is made of, see `weftex.turned`.
+    pieces : bool, optional
+        It has pieces that lie apart, which share no lattice, as copies and several samples do.
 
     Attributes
     ----------
@@ -88,7 +90,9 @@ class Exemplar:
         name: str = "sample",
         role: Role | None = None,
         turn: str | None = None,
+        pieces: bool = False,
     ) -> None:
+        self.pieces = bool(pieces)
         self.name, self.tileable, self.icc, self.turn = name, bool(tileable), icc, turn
         named = role_of(name)
         self.role = role or (named if named and named.kind == "normal" else COLOR)
@@ -124,7 +128,18 @@ class Exemplar:
 
     def changed(self, **parts: Any) -> Exemplar:
         """Return the same sample but for these parameters of `Exemplar`, such as its guide."""
-        own = ("pixels", "mask", "guide", "tileable", "alpha", "icc", "name", "role", "turn")
+        own = (
+            "pixels",
+            "mask",
+            "guide",
+            "tileable",
+            "alpha",
+            "icc",
+            "name",
+            "role",
+            "turn",
+            "pieces",
+        )
         given = {name: getattr(self, name) for name in own} | {"maps": self._maps}
         return Exemplar(**given | parts)
 

@@ -238,3 +238,24 @@ def test_what_has_no_effect_or_cannot_be(sets, capsys):
         (["synth", "rock", "-o", "x", "--maps", "color=Rock01.png,albedo=Rock01.png"], "two"),
     ):
         assert says in fails(capsys, sets, *words), words
+
+
+def test_report_of_a_set(sets, capsys):
+    large = {
+        "a_color.png": noise((96, 96, 3)),
+        "a_normal_gl.png": noise((96, 96, 3)),
+        "a_height.png": noise((192, 192), np.uint16),
+        "a_ao.png": noise((48, 48)),
+    }
+    write_set(sets / "large", large)
+    words = ["--size", 128, "--seed", 1, "--method", "quilting", "--names", "gltf", "--quiet"]
+    assert weft_run("synth", "large", "-o", "made", *words) == 0
+    (sets / "made" / "made_occlusion.png").unlink()
+    assert weft_run("report", "large", "made", "-o", "page.html") == 0
+    told = capsys.readouterr().out.splitlines()
+    assert [line.split(":")[0] for line in told[1:]] == ["height", "normal_gl"]
+    page = (sets / "page.html").read_text()
+    assert "<h2>height</h2>" in page and "The result has no ao." in page
+    found = weftex.report("large", weftex.synthesize("large", 128, seed=1, method="quilting"))
+    assert [*found.of_maps] == ["ao", "height", "normal_gl"]
+    assert set(found.as_dict()["of_maps"]["ao"]) >= {"seams"}

@@ -71,6 +71,12 @@ def add_tileable_sample(parser: Parser) -> None:
     parser.add_argument("--tileable-sample", action="store_true", help=f"{text}; see 'analyze'")
 
 
+def add_sample_mask(parser: Parser) -> None:
+    """Add the option of every command that can use a part of its sample."""
+    text = "picture, white where the sample may be used; or alpha: where it is not clear at all"
+    parser.add_argument("--sample-mask", metavar="M", help=text)
+
+
 def add_turn(parser: Parser) -> None:
     """Add the option of every command that can make more of a sample by mirroring and turning."""
     text = "use mirrored copies of the sample too (flip), or quarter turns (4), or both (8)"
