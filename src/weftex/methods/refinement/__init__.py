@@ -57,7 +57,9 @@ class Refinement(WindowedMethod):
         "planting, iterative refinement"
     )
     supports: ClassVar[frozenset[str]] = frozenset({"wrap", "known", "guide", "many"})
-    belt_parameters: ClassVar[frozenset[str]] = frozenset({"seed_scale", "seed_density", "matches"})
+    belt_parameters: ClassVar[frozenset[str]] = frozenset(
+        {"seed_scale", "seed_density", "matches", "coherence"}
+    )
 
     window_width: int | None = parameter(
         None,
