@@ -310,3 +310,24 @@ def test_report_of_a_set(sets, capsys):
     found = weftex.report("large", weftex.synthesize("large", 128, seed=1, method="quilting"))
     assert [*found.of_maps] == ["ao", "height", "normal_gl"]
     assert set(found.as_dict()["of_maps"]["ao"]) >= {"seams"}
+
+
+def test_weights_of_maps(here, capsys):
+    words = ["--method", "quilting", "--patch-size", "24", "--size", "120", "--seed", "1"]
+    assert weft_run("synth", "sample:stone_wall", "-o", "a", *words) == 0
+    assert (
+        weft_run("synth", "sample:stone_wall", "-o", "b", *words, "--map-weights", "height=9,ao=0")
+        == 0
+    )
+    a, b = (read_image(here / k / "albedo.png").pixels for k in "ab")
+    assert not np.array_equal(a, b)
+    sample = weftex.load_exemplar("sample:stone_wall")
+    sample = sample.changed(weights={"height": 9, "ao": 0})
+    made = weftex.synthesize(sample, 120, method=weftex.Quilting(patch_size=24), seed=1)
+    assert np.array_equal(b, made.image)
+    capsys.readouterr()
+    for text in ("height", "height=x", "height=flat"):
+        assert weft_run("synth", "sample:stone_wall", "-o", "c", "--map-weights", text) == 2
+        assert "height" in capsys.readouterr().err
+    assert weft_run("synth", "sample:stone_wall", "-o", "c", "--map-weights", "heigt=2") == 2
+    assert "did you mean 'height'" in capsys.readouterr().err
