@@ -19,7 +19,7 @@ from weftex.progress import Progress
 from weftex.random import seed_number
 from weftex.tasks.auto.findings import Findings, look
 from weftex.tasks.auto.rule import choose, choose_for_hole
-from weftex.tasks.auto.trial import best_of_choices, others
+from weftex.tasks.auto.trial import best_of_choices, others, refined_if_whole
 
 if TYPE_CHECKING:
     from weftex.progress import ProgressCallback
@@ -39,7 +39,7 @@ class Auto(Method):
     >>> import weftex
     >>> made = weftex.Auto().fit(weftex.load_exemplar("sample:tiles")).sample(300, seed=7)
     >>> made.provenance["method"], made.provenance["reason"]
-    ('near-regular', 'near-regular, lattice 31.1 x 102.2 px, confidence 0.95: near-regular')
+    ('refinement', 'near-regular, lattice 31.1 x 102.2 px, confidence 0.95: refinement')
     """
 
     slug: ClassVar[str] = "auto"
@@ -49,8 +49,8 @@ class Auto(Method):
 
     effort: str = parameter(
         "normal",
-        "quick takes what the rule says; normal also tries what is as fast, where the rule is not "
-        "sure; best tries all that may be better",
+        "quick takes what the rule says; normal refines blocks on a lattice and tries what is as "
+        "fast, where the rule is not sure; best tries all that may be better",
         choices=("quick", "normal", "best"),
     )
 
@@ -145,6 +145,10 @@ class AutoModel(Model):
 
         if len(choices) == 1:
             made = make(choice)
+        elif choice.method == "near-regular":
+            lattice = self.findings.lattice
+            assert lattice is not None  # others has found one
+            choice, made = refined_if_whole(choices, lattice, canvas, self.exemplar, make)
         else:
             choice, made = best_of_choices(choices, self.exemplar, make)
         made.provenance["reason"] = choice.reason
