@@ -19,7 +19,7 @@ from weftex.progress import Progress
 from weftex.random import seed_number
 from weftex.tasks.auto.findings import Findings, look
 from weftex.tasks.auto.rule import choose, choose_for_hole
-from weftex.tasks.auto.trial import best_of_choices, others, refined_if_whole
+from weftex.tasks.auto.trial import PREVIEW, best_of_choices, others, refined_if_whole
 
 if TYPE_CHECKING:
     from weftex.progress import ProgressCallback
@@ -127,12 +127,19 @@ class AutoModel(Model):
         canvas = as_canvas(size, tileable)
         self.method.require(canvas)
         choice, _ = self.chosen(canvas)
-        choices = [choice]
+        choices, number = [choice], seed_number(seed)
         if canvas.guide is None and canvas.known is None and self._effort != "quick":
             choices += others(choice, self.findings, canvas, self._effort)
+        lattice = self.findings.lattice if len(choices) > 1 else None
+        if lattice is not None and choice.method == "near-regular":
+
+            def preview(one: Choice) -> Synthesis:
+                return self._fitted(one).sample(PREVIEW, seed=number, threads=threads)
+
+            choice = refined_if_whole(choices, lattice, self.exemplar, preview)
+            choices = [choice]
         done: list[Synthesis] = []
         steps = Progress(progress, len(choices), "choices", lambda: done[-1].image)
-        number = seed_number(seed)
 
         def make(one: Choice) -> Synthesis:
             within = progress if len(choices) == 1 else steps.within()
@@ -145,10 +152,6 @@ class AutoModel(Model):
 
         if len(choices) == 1:
             made = make(choice)
-        elif choice.method == "near-regular":
-            lattice = self.findings.lattice
-            assert lattice is not None  # others has found one
-            choice, made = refined_if_whole(choices, lattice, canvas, self.exemplar, make)
         else:
             choice, made = best_of_choices(choices, self.exemplar, make)
         made.provenance["reason"] = choice.reason

@@ -62,7 +62,8 @@ def like_itself(
 def detail(pixels: NDArray[np.integer]) -> Values:
     """49 times what differs from the mean of 7x7 pixels (H - 6, W - 6, 1), all channels summed."""
     values = pixels.sum(axis=2, dtype=np.int64)
-    return (49 * values[3:-3, 3:-3] - box_sums(values, 7, 7))[..., None]
+    fine: Values = 49 * values[3:-3, 3:-3] - box_sums(values, 7, 7)
+    return fine[..., None]
 
 
 def _variance(first: Values, second: Values) -> int:

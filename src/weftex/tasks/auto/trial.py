@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from weftex.analysis.canvas_lattice import CanvasLattice, four_numbers
+from weftex.analysis.canvas_lattice import four_numbers
 from weftex.choice import Choice
 from weftex.errors import InvalidInputError
 from weftex.methods import make_method
@@ -17,8 +17,6 @@ from weftex.tasks.auto.rule import WHOLE, is_sure
 
 if TYPE_CHECKING:
     from collections.abc import Callable
-
-    from numpy.typing import NDArray
 
     from weftex.analysis.lattice import Lattice
     from weftex.canvas import Canvas
@@ -32,9 +30,11 @@ _LARGEST = 2**20  # pixels of an output of which several are made to keep one
 _WEAK = 0.3  # confidence from which a lattice is worth a trial
 #: Pixels of an output up to which blocks on a lattice are refined, which takes as long as the rest.
 _REFINED = 2**18
+#: Pixels a side of the preview that says whether refinement keeps lines whole.
+PREVIEW = 256
 #: How much of the likeness of fine detail, one vector on, refinement must leave. Where thin joints
-#: and wires broke it left 0.72 and 0.87, elsewhere 0.96 to 1.02 (but 0.72 of pale bricks).
-_KEPT = 0.9
+#: broke it left 0.8, elsewhere 0.88 to 1.02 (but 0.72 of bricks that differ, which were whole).
+_KEPT = 0.85
 _FAINT = 0.1  # likeness from which it says anything; wires before stones have less
 
 
@@ -129,11 +129,10 @@ def best_of_choices(
 def refined_if_whole(
     choices: list[Choice],
     lattice: Lattice,
-    canvas: Canvas,
     exemplar: Exemplar,
-    make: Callable[[Choice], Synthesis],
-) -> tuple[Choice, Synthesis]:
-    """Make blocks on a lattice, and refine them; keep what is refined if its lines stayed whole.
+    preview: Callable[[Choice], Synthesis],
+) -> Choice:
+    """Choose blocks on a lattice, or their refinement if a preview of it keeps the lines whole.
 
     Refinement hides seams and mends steps of tone and of joints, but breaks thin lines where the
     coarse copies that it begins with do not show them.
@@ -144,34 +143,32 @@ def refined_if_whole(
         Blocks, and their refinement.
     lattice : Lattice
         The sample's, of two vectors.
-    canvas : Canvas
-        What is made.
     exemplar : Exemplar
         The sample.
-    make : callable
-        Makes the output of a choice.
+    preview : callable
+        Makes a small output of a choice.
 
     Returns
     -------
-    Choice, Synthesis
-        With the likeness in its reason.
+    Choice
+        With what is kept in its reason.
     """
     laid, refined = choices
-    steps = CanvasLattice(four_numbers(lattice), canvas).canvas
-    blocks = make(laid)
-    before = _likeness(blocks, steps, exemplar)
-    if before < _FAINT:
-        return laid, blocks
-    made = make(refined)
-    left = _likeness(made, steps, exemplar) / before
     head = laid.reason.removesuffix(f": {laid.method}")
+    before = _likeness(preview(laid), lattice, exemplar)
+    if before < _FAINT:
+        return laid
+    try:
+        left = _likeness(preview(refined), lattice, exemplar) / before
+    except InvalidInputError:  # a mask that leaves refinement no window
+        return laid
     if left < _KEPT:
         said = f"{head}, refined it keeps {left:.2f} of its lines: {laid.method}"
-        return Choice(laid.method, laid.parameters, said, laid.warnings), blocks
-    return Choice(refined.method, refined.parameters, f"{head}: refinement", laid.warnings), made
+        return Choice(laid.method, laid.parameters, said, laid.warnings)
+    return Choice(refined.method, refined.parameters, f"{head}: refinement", laid.warnings)
 
 
-def _likeness(made: Synthesis, steps: NDArray[np.float64], exemplar: Exemplar) -> float:
-    """How much fine detail is like that one step of the lattice on; its mean over both."""
+def _likeness(made: Synthesis, lattice: Lattice, exemplar: Exemplar) -> float:
+    """How much fine detail is like that one vector on; its mean over both vectors."""
     fine = detail(exemplar.matching()[made.source[..., 0], made.source[..., 1]])
-    return float(np.mean([like_itself(fine, (x, y)) for y, x in steps]))
+    return float(np.mean([like_itself(fine, vector) for vector in lattice.vectors]))
