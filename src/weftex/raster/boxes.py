@@ -92,7 +92,9 @@ def extended_sums(values: NDArray[Any], radius: int) -> NDArray[np.int64]:
     return result
 
 
-def touching_sums(values: Floats, box: tuple[int, ...]) -> Floats:
+def touching_sums(
+    values: Floats, box: tuple[int, ...], reach: tuple[int, int] | None = None
+) -> Floats:
     """Sums over every position of a box that touches the picture, of what of it lies inside.
 
     Parameters
@@ -100,10 +102,12 @@ def touching_sums(values: Floats, box: tuple[int, ...]) -> Floats:
     values : float64 array (H, W)
     box : (int, int)
         Height and width, h and w.
+    reach : (int, int), optional
+        Its corner lies at most so many rows and columns from the picture's.
 
     Returns
     -------
-    float64 array (H + h - 1, W + w - 1)
+    float64 array (H + h - 1, W + w - 1), or what of it is within reach
 
     Examples
     --------
@@ -112,6 +116,7 @@ def touching_sums(values: Floats, box: tuple[int, ...]) -> Floats:
     """
     for axis in (0, 1):
         at = np.arange(1 - box[axis], values.shape[axis])  # the first row or column in the box
+        at = at if reach is None else at[abs(at) <= reach[axis]]
         values = sums_along(values, axis, at, at + box[axis])
     return values
 
