@@ -49,7 +49,9 @@ def test_within_reach_it_is_the_same(first, second, masked, reach, rng):
     whole, part = correlate(f, g, **masks), correlate(f, g, **masks, reach=reach)
     y, x = (side - 1 for side in second)
     rows = slice(max(0, y - reach[0]), y + reach[0] + 1)
-    np.testing.assert_allclose(part, whole[rows, max(0, x - reach[1]) : x + reach[1] + 1], atol=1e-9)
+    np.testing.assert_allclose(
+        part, whole[rows, max(0, x - reach[1]) : x + reach[1] + 1], atol=1e-9
+    )
 
 
 @given(st.data())

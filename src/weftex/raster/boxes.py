@@ -145,8 +145,11 @@ def sums_along(
     >>> sums_along(np.array([200, 100, 50], np.uint8), 0, np.array([1]), np.array([9])).tolist()
     [150]
     """
-    running = np.cumsum(values, axis=axis, dtype=values.dtype)
-    running = np.concatenate([np.zeros_like(running.take([0], axis)), running], axis)
+    shape = list(values.shape)
+    shape[axis] += 1
+    running = np.zeros(shape, values.dtype)
+    later = tuple(slice(int(a == axis), None) for a in range(values.ndim))
+    np.cumsum(values, axis=axis, dtype=values.dtype, out=running[later])
     ends, starts = np.minimum(last, values.shape[axis]), np.maximum(first, 0)
     result: NDArray[Any] = running.take(ends, axis) - running.take(starts, axis)
     return result
