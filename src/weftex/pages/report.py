@@ -38,6 +38,15 @@ _CAPTIONS = {
 
 
 @dataclass(frozen=True, eq=False)
+class MapReport:
+    """A map of a set: that of the sample and that of the result as they are shown, and figures."""
+
+    sample: Bytes
+    result: Bytes
+    assessment: Assessment
+
+
+@dataclass(frozen=True, eq=False)
 class Report(Page):
     """What `weftex.report` finds.
 
@@ -61,6 +70,8 @@ class Report(Page):
         How the result was made, if its source says so.
     notes : tuple of str
         What is to be kept in mind about the figures.
+    of_maps : dict of str to MapReport
+        The maps that sample and result both have.
     """
 
     sample: Bytes
@@ -72,6 +83,12 @@ class Report(Page):
     maps: dict[str, Bytes]
     provenance: dict[str, Any]
     notes: tuple[str, ...]
+    of_maps: dict[str, MapReport]
+
+    def verdict(self) -> str:
+        """Return the verdict on the picture, and on each map a line."""
+        told = [f"{name}: {one.assessment.verdict()}" for name, one in self.of_maps.items()]
+        return "\n".join([self.assessment.verdict(), *told])
 
     def as_dict(self) -> dict[str, Any]:
         """Return all figures as numbers, texts, lists, dicts and None, as JSON has them."""
@@ -83,6 +100,7 @@ class Report(Page):
             "real": self.real,
             "provenance": self.provenance,
             "notes": list(self.notes),
+            "of_maps": {name: one.assessment.as_dict() for name, one in self.of_maps.items()},
         }
 
     def html(self) -> str:
@@ -107,6 +125,10 @@ def _page(found: Report) -> str:
         show(found.result, "Result", found.result_name),
         "</div>",
     ]
+    for name, one in found.of_maps.items():
+        parts += [f"<h2>{escape(name)}</h2>", f"<p>{escape(one.assessment.verdict())}</p>"]
+        parts += ['<div class="pictures">', show(one.sample, "Sample", name)]
+        parts += [show(one.result, "Result", name), "</div>"]
     if found.maps:
         parts += ["<h2>Where it fails</h2>", '<div class="pictures">']
         parts += [show(picture, *_CAPTIONS[name]) for name, picture in found.maps.items()]
