@@ -74,8 +74,8 @@ class Figure:
 
 
 SCORE = (
-    "0 is the sample itself, and only scores of one sample compare: of two pictures that are 1 "
-    "apart an eye prefers the lower in three of four cases."
+    "0 is the sample itself, and only pictures of one size from one sample compare: of two that "
+    "are 1 apart an eye prefers the lower in three of four cases."
 )
 """What the score means, in one sentence."""
 
