@@ -41,6 +41,7 @@ if TYPE_CHECKING:
     from weftex.results.synthesis import Synthesis
     from weftex.tasks.analyze import analyze
     from weftex.tasks.auto import Auto
+    from weftex.tasks.combined import together
     from weftex.tasks.compare import compare
     from weftex.tasks.even_light import even_light
     from weftex.tasks.fill import fill
@@ -85,6 +86,7 @@ _PUBLIC = {
     "results.synthesis": ["Synthesis"],
     "tasks.analyze": ["analyze"],
     "tasks.auto": ["Auto"],
+    "tasks.combined": ["together"],
     "tasks.compare": ["compare"],
     "tasks.even_light": ["even_light"],
     "tasks.fill": ["fill"],

@@ -124,6 +124,23 @@ class Canvas:
         """Height and width."""
         return self.height, self.width
 
+    @property
+    def kinds(self) -> tuple[str, ...]:
+        """Its kinds, of `weftex.method.CANVAS_KINDS`; "known" only where a pixel is known.
+
+        Examples
+        --------
+        >>> Canvas(3, 4, wrap=(True, False)).kinds
+        ('wrap',)
+        """
+        found = {
+            "wrap": any(self.wrap),
+            "known": self.hole is not None and not self.hole.all(),
+            "guide": self.guide is not None,
+            "random_access": self.origin != (0, 0),
+        }
+        return tuple(kind for kind, is_one in found.items() if is_one)
+
     def check_window(self, window: tuple[int, int, int, int] | None) -> tuple[int, int, int, int]:
         """Return (top, left, height, width) if that lies inside; None is the whole canvas."""
         if window is None:

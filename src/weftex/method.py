@@ -49,10 +49,13 @@ class Model(ABC):
         The sample that was fitted.
     method : Method
         The method with every parameter settled.
+    asked : Method or None
+        The method as `fit` found it, which tells what somebody chose.
     """
 
     exemplar: Exemplar
     method: Method
+    asked: Method | None = None
 
     @abstractmethod
     def sample(
@@ -79,6 +82,10 @@ class Model(ABC):
         progress : callable, optional
             See `weftex.progress.ProgressCallback`.
         """
+
+    def require(self, canvas: Canvas) -> None:
+        """Refuse a canvas that the method does not do, or on which a chosen parameter is idle."""
+        (self.asked or self.method).require(canvas)
 
     def samples(
         self,
@@ -241,7 +248,9 @@ class Method(ABC):
         InvalidInputError
             If its pixels cannot be used, or a parameter does not go with it.
         """
-        return self.fit_exemplar(load_exemplar(sample))
+        model = self.fit_exemplar(load_exemplar(sample))
+        object.__setattr__(model, "asked", self)  # models may be frozen
+        return model
 
     def meant(self, name: str) -> Any:
         """Return the value of a parameter; where that leaves it to another one, what follows."""
@@ -249,8 +258,10 @@ class Method(ABC):
 
     def takes(self, name: str, canvas: Canvas | None = None) -> bool:
         """Whether a parameter has an effect beside what the others are, and on this canvas."""
-        needs = self.__dataclass_fields__[name].metadata["needs"]
-        return not needs or self.meant(needs[0]) in needs[1]
+        meta = self.__dataclass_fields__[name].metadata
+        if canvas is not None and meta["idle_canvas"] in canvas.kinds:
+            return False
+        return not meta["needs"] or self.meant(meta["needs"][0]) in meta["needs"][1]
 
     @abstractmethod
     def fit_exemplar(self, exemplar: Exemplar) -> Model:
@@ -294,8 +305,16 @@ class Method(ABC):
         return proposed
 
     def for_belt(self, width: int, **parameters: Any) -> Self:
-        """Return this method for a belt between two materials, whose windows are so wide."""
-        return dataclasses.replace(self, **parameters)
+        """Return this method for a belt between two materials, whose windows are so wide.
+
+        Belts lie between known pixels; what is idle there is left out.
+        """
+        idle = {
+            field.name: field.default
+            for field in dataclasses.fields(self)
+            if field.metadata["idle_canvas"] == "known"
+        }
+        return dataclasses.replace(self, **idle | parameters)
 
     def window_of(self, exemplar: Exemplar) -> int:
         """Return the width of the window that the method settles on; 0 if it compares none.
@@ -308,24 +327,29 @@ class Method(ABC):
         return 0
 
     def require(self, canvas: Canvas) -> None:
-        """Raise `UnsupportedError` if the canvas is of a kind that the method does not do."""
+        """Refuse a canvas of a kind that the method does not do, or on which a parameter is idle.
+
+        Raises
+        ------
+        UnsupportedError
+            If the method does not do the kind.
+        InvalidInputError
+            If a parameter that is not at its default has no effect on it.
+        """
         if canvas.hole is not None and canvas.known is None:
             raise InvalidInputError("the canvas has a hole but no known pixels around it")
-        wanted = {
-            "wrap": any(canvas.wrap),
-            "known": canvas.known is not None,
-            "guide": canvas.guide is not None,
-            "random_access": canvas.origin != (0, 0),
-        }
-        for kind, want in wanted.items():
-            if want:
-                self.require_kind(kind)
+        for kind in ["known"] * (canvas.known is not None) + list(canvas.kinds):
+            self.require_kind(kind)
         for field in dataclasses.fields(self):
-            needed = field.metadata["needs_canvas"]
-            if needed and not wanted[needed] and getattr(self, field.name) != field.default:
+            if getattr(self, field.name) == field.default:
+                continue
+            needed, idle = (field.metadata[key] for key in ("needs_canvas", "idle_canvas"))
+            if needed and needed not in canvas.kinds:
                 raise InvalidInputError(
                     f"{field.name} has no effect without {CANVAS_NAMES[needed]}"
                 )
+            if idle in canvas.kinds:
+                raise InvalidInputError(f"{field.name} has no effect with {CANVAS_NAMES[idle]}")
 
     def require_kind(self, kind: str) -> None:
         """Raise `UnsupportedError` unless the method supports this kind of canvas."""

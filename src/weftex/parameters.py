@@ -24,6 +24,7 @@ def parameter(
     default_text: str = "",
     needs: tuple[str, Sequence[str]] | None = None,
     needs_canvas: str = "",
+    idle_canvas: str = "",
     count: int = 0,
     parity: str = "",
 ) -> Any:
@@ -48,6 +49,8 @@ def parameter(
         otherwise is refused, not ignored.
     needs_canvas : str
         Likewise for a kind of canvas, see `CANVAS_KINDS`.
+    idle_canvas : str
+        The other way around: a kind of canvas on which the parameter does nothing.
     count : int
         The value is so many numbers; a text with commas between them is taken too.
     parity : str
@@ -64,6 +67,7 @@ def parameter(
             "default_text": default_text,
             "needs": needs,
             "needs_canvas": needs_canvas,
+            "idle_canvas": idle_canvas,
             "count": count,
             "parity": parity,
         },

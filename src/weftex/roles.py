@@ -7,7 +7,9 @@ glTF ``brick_metallicRoughness``; people write ``normal.png``.
 
 from __future__ import annotations
 
+import numbers
 import re
+from collections.abc import Collection, Mapping
 from dataclasses import dataclass
 from functools import cache
 from typing import Any
@@ -54,6 +56,8 @@ class Role:
 def _packed(name: str, channels: str, *files: str) -> Role:
     return Role(name, "data", files, tuple(channels.split()))
 
+
+_HEAVIEST = 100  # weight of a map
 
 #: The role of the picture that a material is known by.
 COLOR = Role(
@@ -189,6 +193,29 @@ def is_name_of(stem: str, maps: list[str]) -> bool:
     words = words_of(stem)
     same = [words_of(other)[: len(words)] == words for other in maps]
     return bool(words) and role_of(stem) is None and len(same) > 0 and all(same)
+
+
+def checked_weights(given: Any, maps: Collection[str]) -> dict[str, float]:
+    """Return how much each map counts in matching, 1 where nothing is said.
+
+    Raises
+    ------
+    InvalidInputError
+        If there is no such map, or a weight is out of range.
+    """
+    weights = dict.fromkeys(maps, 1.0)
+    if given is not None and not isinstance(given, Mapping):
+        raise InvalidInputError(f"weights is {shown(given)}; it must be numbers by maps' names")
+    for name, value in (given or {}).items():
+        if name not in weights:
+            raise InvalidInputError(f"weights has {shown(name)}{did_you_mean(str(name), maps)}")
+        number = isinstance(value, numbers.Real) and not isinstance(value, bool)
+        if not (number and 0 <= value <= _HEAVIEST):
+            raise InvalidInputError(
+                f"the weight of {name} is {shown(value)}; it must be from 0 to {_HEAVIEST}"
+            )
+        weights[name] = float(value)
+    return weights
 
 
 @cache

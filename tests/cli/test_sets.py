@@ -320,3 +320,24 @@ def test_maps_in_formats_that_are_only_read_get_another(sets):
     assert buffer.write("hdr/a_emission.hdr")
     assert weft_run("synth", "hdr", "-o", "new", "--size", 40, "--method", "quilting") == 0
     assert read_image("new/a_emission.exr").pixels.dtype == np.float32
+
+
+def test_weights_of_maps(here, capsys):
+    words = ["--method", "quilting", "--patch-size", "24", "--size", "120", "--seed", "1"]
+    assert weft_run("synth", "sample:stone_wall", "-o", "a", *words) == 0
+    assert (
+        weft_run("synth", "sample:stone_wall", "-o", "b", *words, "--map-weights", "height=9,ao=0")
+        == 0
+    )
+    a, b = (read_image(here / k / "albedo.png").pixels for k in "ab")
+    assert not np.array_equal(a, b)
+    sample = weftex.load_exemplar("sample:stone_wall")
+    sample = sample.changed(weights={"height": 9, "ao": 0})
+    made = weftex.synthesize(sample, 120, method=weftex.Quilting(patch_size=24), seed=1)
+    assert np.array_equal(b, made.image)
+    capsys.readouterr()
+    for text in ("height", "height=x", "height=flat"):
+        assert weft_run("synth", "sample:stone_wall", "-o", "c", "--map-weights", text) == 2
+        assert "height" in capsys.readouterr().err
+    assert weft_run("synth", "sample:stone_wall", "-o", "c", "--map-weights", "heigt=2") == 2
+    assert "did you mean 'height'" in capsys.readouterr().err

@@ -5,7 +5,6 @@ from __future__ import annotations
 import argparse
 import heapq
 import os
-import shutil
 import string
 import threading
 from dataclasses import dataclass
@@ -19,12 +18,13 @@ from weftex.cli.terminal import Outputs
 from weftex.errors import FileError, InvalidInputError, WeftexError, shown
 from weftex.io.folders import map_files
 from weftex.io.formats import READABLE, suffix_of
+from weftex.io.manifest import appearing, remove
 from weftex.quality.assess import assess
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
 
-    from weftex.cli.manifest import Manifest
+    from weftex.io.manifest import Manifest
     from weftex.material import Material
     from weftex.method import Method, Model
     from weftex.results.synthesis import Synthesis
@@ -214,7 +214,7 @@ class Maker:
         kept = {-seed for _, seed, _, _ in best}
         for seed, output in job.outputs.items():
             if job.keep is not None and seed not in kept and output in self.manifest:
-                _remove(os.path.join(self.folder, output))
+                remove(os.path.join(self.folder, output))
 
     def _fitted(self, path: str) -> tuple[Material, Model]:
         """A sample and its model: the same one for all outputs of a sample."""
@@ -243,30 +243,11 @@ class Maker:
     ) -> None:
         """Write under another name, then the record, and then the output appears."""
         target = os.path.join(self.folder, output)
-        temporary = os.path.join(self.folder, f".weftex-{os.getpid()}-{os.urandom(4).hex()}")
-        try:
-            os.mkdir(temporary)
-            inner = os.path.join(temporary, output)
-            options = argparse.Namespace(**vars(self.args) | {"output": inner, "save_source": None})
-            with Outputs() as outputs:
-                if material.folder:
-                    outputs.make_folder(inner)
-                write(result, plan(material, options), options, outputs)
-            self.manifest.add(record)
-            _remove(target)
-            os.replace(inner, target)
-        except OSError as error:
-            raise FileError(f"{target}: cannot write: {error.strerror}") from None
-        finally:
-            shutil.rmtree(temporary, ignore_errors=True)
-
-
-def _remove(path: str) -> None:
-    """Remove a file or a folder, if it is there."""
-    if os.path.isdir(path):
-        shutil.rmtree(path)
-    elif os.path.exists(path):
-        os.remove(path)
+        with appearing(target, lambda: self.manifest.add(record)) as path, Outputs() as outputs:
+            options = argparse.Namespace(**vars(self.args) | {"output": path, "save_source": None})
+            if material.folder:
+                outputs.make_folder(path)
+            write(result, plan(material, options), options, outputs)
 
 
 def _axes(text: str | None) -> bool | str:

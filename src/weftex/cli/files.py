@@ -3,16 +3,18 @@
 from __future__ import annotations
 
 import os
+from dataclasses import replace
 from time import perf_counter
 from typing import TYPE_CHECKING, Any
 
-from weftex.cli.sets import Plan, plan
+from weftex.cli.sets import Plan, plan, plan_of_several
 from weftex.errors import InvalidInputError
 
 if TYPE_CHECKING:
     import argparse
     from collections.abc import Sequence
 
+    import numpy as np
     from numpy.typing import NDArray
 
     from weftex.cli.terminal import Bar, Outputs
@@ -37,7 +39,13 @@ def load(
     tileable: bool = False,
 ) -> Exemplar:
     """Read a picture, or a folder of maps, as a sample."""
-    return with_turns(read(path, args, maps).exemplar(tileable=tileable), args)
+    return with_turns(_weighted(read(path, args, maps).exemplar(tileable=tileable), args), args)
+
+
+def _weighted(exemplar: Exemplar, args: argparse.Namespace) -> Exemplar:
+    """The sample with what was said about the weights of its maps."""
+    weights = getattr(args, "map_weights", None)
+    return exemplar if weights is None else exemplar.changed(weights=weights)
 
 
 def with_turns(exemplar: Exemplar, args: argparse.Namespace) -> Exemplar:
@@ -52,7 +60,10 @@ def with_turns(exemplar: Exemplar, args: argparse.Namespace) -> Exemplar:
 def open_sample(
     path: str, args: argparse.Namespace, outputs: Outputs, *, tileable: bool = False
 ) -> tuple[Exemplar, Plan]:
-    """Read the sample, and say where each of its pictures goes; all is checked before any work."""
+    """Read the sample, and say where each of its pictures goes; all is checked before any work.
+
+    What was asked for is mended, but not turned.
+    """
     from weftex.io.pictures import check_output, is_folder
 
     if args.save_source is not None:
@@ -62,8 +73,28 @@ def open_sample(
     else:
         check_output(args.output)
     material = read(path, args, args.maps)
-    exemplar = _mended(material.exemplar(tileable=tileable), args)
-    return exemplar, plan(material, args)
+    exemplar = _weighted(material.exemplar(tileable=tileable), args)
+    if getattr(args, "sample_mask", None) is not None:
+        exemplar = exemplar.changed(mask=_usable(exemplar, args))
+    return _mended(exemplar, args), plan(material, args)
+
+
+def open_several(
+    paths: Sequence[str], args: argparse.Namespace, outputs: Outputs
+) -> tuple[Exemplar, Plan]:
+    """`open_sample` for several samples of one material, each of which is mended by itself."""
+    from weftex.tasks.combined import combined, of_one_kind, paired
+
+    for name in ("maps", "map_weights", "sample_mask", "sample_guide"):
+        if getattr(args, name) is not None:
+            raise InvalidInputError(f"--{name.replace('_', '-')} needs one sample, not several")
+    if args.tileable_sample:
+        raise InvalidInputError("--tileable-sample needs one sample, not several")
+    materials = open_samples(paths, args, outputs)
+    pairs, notes = paired(of_one_kind([_mended(one.exemplar(), args) for one in materials]))
+    made = plan_of_several(materials, pairs[0], args)
+    told = made.told + "".join(f"map: {note}\n" for note in notes)
+    return combined(pairs, apart=True), replace(made, told=told)
 
 
 def open_samples(
@@ -79,6 +110,17 @@ def open_samples(
     else:
         check_output(args.output)
     return [read(path, args) for path in paths]
+
+
+def _usable(exemplar: Exemplar, args: argparse.Namespace) -> NDArray[np.bool_]:
+    """What of the sample may be used: white in a picture, or what is not clear."""
+    from weftex.io.pictures import MAX_PIXELS, mask_of, read_image
+    from weftex.tasks.fill import hole_of
+
+    if args.sample_mask == "alpha":
+        return ~hole_of(None, exemplar)
+    picture = read_image(args.sample_mask, max_pixels=None if args.allow_huge else MAX_PIXELS)
+    return mask_of(picture.pixels, alpha=picture.alpha)
 
 
 def _mended(exemplar: Exemplar, args: argparse.Namespace) -> Exemplar:

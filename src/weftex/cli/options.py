@@ -71,6 +71,12 @@ def add_tileable_sample(parser: Parser) -> None:
     parser.add_argument("--tileable-sample", action="store_true", help=f"{text}; see 'analyze'")
 
 
+def add_sample_mask(parser: Parser) -> None:
+    """Add the option of every command that can use a part of its sample."""
+    text = "picture, white where the sample may be used; or alpha: where it is not clear at all"
+    parser.add_argument("--sample-mask", metavar="M", help=text)
+
+
 def add_turn(parser: Parser) -> None:
     """Add the option of every command that can make more of a sample by mirroring and turning."""
     text = "use mirrored copies of the sample too (flip), or quarter turns (4), or both (8)"
@@ -231,6 +237,14 @@ def add_maps(parser: Parser) -> None:
     parser.add_argument("--maps", metavar="NAME=FILE,...", type=parse_maps, help=text)
 
 
+def add_map_weights(parser: Parser) -> None:
+    """Add the option of every command that matches on maps."""
+    text = "how much maps count in matching, 1 each by default, together as much as the color; 0: "
+    text += "not at all. With height=3,normal=2 seams rather run where heights and normals fit"
+    add = parser.add_argument
+    add("--map-weights", metavar="NAME=N,...", type=parse_weights, help=text)
+
+
 def add_sets(parser: Parser) -> None:
     """Add the options of every command that writes sets of maps."""
     add_maps(parser)
@@ -244,6 +258,14 @@ def add_names(parser: Parser) -> None:
     parser.add_argument("--names", choices=names, metavar="NAME", help=text)
     text = "write a MaterialX file beside the maps of a set, which renderers open"
     parser.add_argument("--mtlx", action="store_true", help=text)
+
+
+def parse_weights(text: str) -> dict[str, float]:
+    """Numbers by maps' names, from 'height=2,normal=0.5'."""
+    values = {name: k for name, k in parse_values(text).items() if not isinstance(k, str)}
+    if len(values) < text.count(",") + 1:
+        raise argparse.ArgumentTypeError(f"'{text}' must be maps and numbers: height=2,normal=0.5")
+    return values
 
 
 def parse_values(text: str) -> dict[str, float | str]:

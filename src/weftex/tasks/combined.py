@@ -2,13 +2,16 @@
 
 from __future__ import annotations
 
+import math
+import os
 from collections.abc import Mapping
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 
 from weftex.errors import InvalidInputError, did_you_mean, shown
 from weftex.exemplar import Exemplar
+from weftex.loading import load_exemplar
 from weftex.raster.levels import scale_between
 
 if TYPE_CHECKING:
@@ -16,17 +19,52 @@ if TYPE_CHECKING:
 
     from numpy.typing import NDArray
 
+    from weftex.loading import Sample
+
 #: The value of a normal map that is missing.
 FLAT = "flat"
 
 
-def combined(exemplars: Sequence[Exemplar]) -> Exemplar:
+def together(samples: Sequence[Sample]) -> Exemplar:
+    """Make one sample of several photos of a material; methods choose from all of them.
+
+    A masked line lies between any two, so that nothing is taken from two at once.
+
+    Parameters
+    ----------
+    samples : sequence of path, array, PIL image or Exemplar
+        Of one depth and at one scale, as photos from one distance are; gray ones may stand beside
+        color. Maps that all of them have come along, paired by role.
+
+    Returns
+    -------
+    Exemplar
+
+    Raises
+    ------
+    FileError, InvalidInputError
+        If one cannot be read, there are none, or they are of different kinds.
+
+    Examples
+    --------
+    >>> together(["sample:pebbles", "sample:pebbles"]).shape
+    (385, 192)
+    """
+    if isinstance(samples, (str, os.PathLike, Exemplar)) or not len(samples):
+        raise InvalidInputError("samples must be a list of one sample or more")
+    exemplars = of_one_kind([load_exemplar(sample) for sample in samples])
+    return combined(paired(exemplars)[0], apart=True)
+
+
+def combined(exemplars: Sequence[Exemplar], *, apart: bool = False) -> Exemplar:
     """Put samples one under the other, so that one source map can point into all of them.
 
     Parameters
     ----------
     exemplars : sequence of Exemplar
         Of one kind, or gray beside color; maps that all of them have come along.
+    apart : bool
+        With a masked line between any two.
 
     Returns
     -------
@@ -34,21 +72,22 @@ def combined(exemplars: Sequence[Exemplar]) -> Exemplar:
         As wide as the widest; its mask leaves out what lies beside a narrower one.
     """
     exemplars = of_one_kind(exemplars)
-    width = max(e.shape[1] for e in exemplars)
-    inside = [np.arange(width) < np.full((e.shape[0], 1), e.shape[1]) for e in exemplars]
-    mask = np.concatenate(inside)
-    mask[mask] = np.concatenate(
-        [(np.ones(e.shape, bool) if e.mask is None else e.mask).ravel() for e in exemplars]
-    )
     first = exemplars[0]
     shared = [k for k in first.maps if all(k in e.maps for e in exemplars)]
-    maps = {
-        k: first.map(k).changed(pixels=_stacked([e.maps[k] for e in exemplars])) for k in shared
-    }
+    # As high as a pixel of the map that has the fewest.
+    gap = math.lcm(*(first.scale_of(k).denominator for k in shared)) if apart else 0
+    masks = [np.ones(e.shape, bool) if e.mask is None else e.mask for e in exemplars]
+
+    def stacked(name: str) -> Exemplar:
+        lines = int(gap * first.scale_of(name))
+        return first.map(name).changed(pixels=_stacked([e.maps[name] for e in exemplars], lines))
+
     return Exemplar(
-        _stacked([e.pixels for e in exemplars]),
-        maps=maps,
-        mask=mask,
+        _stacked([e.pixels for e in exemplars], gap),
+        maps={name: stacked(name) for name in shared},
+        mask=_stacked(masks, gap, mode="constant"),
+        pieces=apart,
+        weights={name: first.weights[name] for name in shared},
         alpha=first.alpha,
         icc=first.icc,
         role=first.role,
@@ -56,14 +95,17 @@ def combined(exemplars: Sequence[Exemplar]) -> Exemplar:
     )
 
 
-def _stacked(pictures: list[NDArray[Any]]) -> NDArray[Any]:
+def _stacked(
+    pictures: Sequence[NDArray[Any]], gap: int, mode: Literal["edge", "constant"] = "edge"
+) -> NDArray[Any]:
+    """One under the other; what is beside and between them is like their borders, or 0."""
     width = max(p.shape[1] for p in pictures)
-    return np.concatenate(
-        [
-            np.pad(p, [(0, 0), (0, width - p.shape[1]), *[(0, 0)] * (p.ndim - 2)], mode="edge")
-            for p in pictures
-        ]
-    )
+    padded = [
+        np.pad(p, [(0, gap), (0, width - p.shape[1]), *[(0, 0)] * (p.ndim - 2)], mode=mode)
+        for p in pictures
+    ]
+    whole = np.concatenate(padded)
+    return np.ascontiguousarray(whole[: len(whole) - gap])
 
 
 def of_one_kind(exemplars: Sequence[Exemplar], what: str = "sample") -> list[Exemplar]:

@@ -18,8 +18,8 @@ from weftex.errors import CancelledError, FileError, InvalidInputError
 
 if TYPE_CHECKING:
     from weftex.cli.batches import Job
-    from weftex.cli.manifest import Manifest
     from weftex.cli.terminal import Bar, Outputs
+    from weftex.io.manifest import Manifest
 
 _ABOUT = """\
 Make outputs from every picture and every folder of maps in a folder. manifest.jsonl in the output
@@ -66,7 +66,7 @@ def run(argv: list[str]) -> None:
 
     def work(bar: Bar, outputs: Outputs) -> str:
         from weftex.cli.batches import Maker, entries_of, jobs_of
-        from weftex.cli.manifest import Manifest
+        from weftex.io.manifest import Manifest
         from weftex.random import seed_number
         from weftex.threads import in_turn, thread_count
 

@@ -44,6 +44,7 @@ def run(argv: list[str]) -> None:
     args = parser.parse(argv)
 
     def work(bar: Bar, outputs: Outputs) -> str:
+        from weftex.raster.levels import scale_between
         from weftex.results.synthesis import Synthesis
         from weftex.tasks.combined import combined, of_one_kind, paired
 
@@ -54,6 +55,8 @@ def run(argv: list[str]) -> None:
         else:
             pairs, _ = paired(of_one_kind([one.exemplar() for one in materials]))
             made, whole = plan_of_several(materials, pairs[0], args), combined(pairs)
+            if scale_between(whole.shape, result.sample_shape) is None:  # of one material
+                whole = combined(pairs, apart=True)
             maps = {name: whole.map(name) for name in whole.maps} | {made.material.main: whole}
         around: dict[str, Exemplar] = {}
         if args.background is not None:

@@ -80,6 +80,7 @@ class EfrosLeung(WindowedMethod):
         low=1,
         unit="px",
         default_text="3, or the window if that is smaller",
+        idle_canvas="known",
     )
 
     search: str = parameter(

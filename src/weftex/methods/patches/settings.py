@@ -132,6 +132,20 @@ class PatchMethod(Method):
         """How many times the paper's distance a patch may have and match."""
         return 1.0
 
+    def takes(self, name: str, canvas: Canvas | None = None) -> bool:
+        """See `Method.takes`: a zone of a hole is met once, which repays no components."""
+        if name == "variance" and canvas is not None and "known" in canvas.kinds:
+            return self.search == "kdtree-pca"
+        return super().takes(name, canvas)
+
+    def require(self, canvas: Canvas) -> None:
+        """See `Method.require`."""
+        super().require(canvas)
+        if self.variance != type(self).variance and not self.takes("variance", canvas):
+            raise InvalidInputError(
+                "variance has no effect with known pixels unless search is 'kdtree-pca'"
+            )
+
     def candidates_for(self, usual: int) -> int:
         """Return m: that many candidates, or more, so that those that match are among them."""
         wider = min(max(self.looseness, 1.0), 4.0) ** _MATCHING_POWER

@@ -104,10 +104,13 @@ class WeiLevoy(WindowedMethod):
         "parent",
         "a finer level before its pixels are chosen: copied like its parent, or the noise",
         choices=("parent", "noise"),
+        idle_canvas="known",
     )
 
     def __post_init__(self) -> None:
         super().__post_init__()
+        if self.levels == 1 and self.start != type(self).start:
+            raise InvalidInputError("start has no effect unless levels is 2 or more")
         width = self.parent_width
         if not width:
             return

@@ -4,10 +4,14 @@ from __future__ import annotations
 
 import json
 import os
+import shutil
 import threading
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from typing import Any
 
 from weftex.errors import FileError
+from weftex.io.pictures import atomic
 
 MANIFEST = "manifest.jsonl"
 
@@ -76,11 +80,39 @@ class Manifest:
         return found
 
     def _rewrite(self) -> None:
-        from weftex.io.pictures import atomic
-
         with atomic(self._path) as temporary, open(temporary, "w", encoding="utf-8") as file:
             file.writelines(map(_line, self._records.values()))
 
 
 def _line(record: dict[str, Any]) -> str:
     return json.dumps(record, ensure_ascii=False, default=str) + "\n"
+
+
+@contextmanager
+def appearing(target: str, before: Callable[[], None]) -> Iterator[str]:
+    """Give a path in a folder of its own beside `target`, which replaces it when the block ends.
+
+    That may be a file or a folder. `before` is called when it is whole; on any exception `target`
+    is as it was.
+    """
+    folder, name = os.path.split(target)
+    temporary = os.path.join(folder, f".weftex-{os.getpid()}-{os.urandom(4).hex()}")
+    try:
+        os.mkdir(temporary)
+        inner = os.path.join(temporary, name)
+        yield inner
+        before()
+        remove(target)
+        os.replace(inner, target)
+    except OSError as error:
+        raise FileError(f"{target}: cannot write: {error.strerror}") from None
+    finally:
+        shutil.rmtree(temporary, ignore_errors=True)
+
+
+def remove(path: str) -> None:
+    """Remove a file or a folder, if it is there."""
+    if os.path.isdir(path):
+        shutil.rmtree(path)
+    elif os.path.exists(path):
+        os.remove(path)
