@@ -230,14 +230,65 @@ def test_materialx_that_is_not_installed(sets, capsys, monkeypatch):
 
 def test_what_has_no_effect_or_cannot_be(sets, capsys):
     write_image("one.png", noise((40, 40, 3)))
+    write_set(sets / "dark", {"a_color.png": noise((40, 40, 3))})
+    write_image("dark/a_height.exr", np.full((40, 40), np.nan, np.float32))
+    (sets / "empty").mkdir()
+    write_image("empty/a_color.png", noise((40, 40, 3)))
+    (sets / "empty" / "a_height.png").touch()
+    write_set(sets / "lods", {f"a_normal_LOD{k}.png": noise((40, 40, 3)) for k in range(3)})
+    gradient = ["--map", "gradient", "--size", 40]
     for words, says in (
         (["synth", "one.png", "-o", "x.png", "--names", "gltf"], "--names has no effect"),
         (["synth", "one.png", "-o", "x.png", "--mtlx"], "--mtlx has no effect"),
         (["synth", "rock", "-o", "x", "--names", "unity"], "invalid choice: 'unity'"),
         (["synth", "one.png", "-o", "x.png", "--maps", "color=one.png"], "is no folder"),
         (["synth", "rock", "-o", "x", "--maps", "color=Rock01.png,albedo=Rock01.png"], "two"),
+        (["synth", "dark", "-o", "x"], "height contains NaN"),
+        (["synth", "empty", "-o", "x"], "the file is empty"),
+        (["synth", "lods", "-o", "x"], "two pictures that are named normal"),
+        (["synth", "rock", "-o", "one.png"], "it is a file"),
+        (["fuse", "rock", "moss", "-o", "x", *gradient, "--missing", "=1"], "each once"),
+        (["replay", "rock", "rock", "-o", "x"], "rock"),
+        (["report", "rock", "nowhere", "--json"], "nowhere"),
     ):
         assert says in fails(capsys, sets, *words), words
+
+
+def test_pictures_of_one_name_are_not_written_over_each_other(sets, capsys):
+    write_set(sets / "moss2", {"a.png": noise((40, 40, 3)), "a_ao.png": noise((40, 40))})
+    write_image("a_ao.png", noise((40, 40, 3)))
+    words = ["fuse", "a_ao.png", "moss2", "-o", "x", "--map", "gradient", "--size", 40]
+    message = fails(capsys, sets, *words, "--missing", "ao=1")
+    assert "would both be written to a_ao.png" in message
+
+
+def test_the_api_says_what_is_wrong():
+    pixels = noise((20, 20, 3))
+    for call, says in (
+        (lambda: weftex.Exemplar(pixels, maps={1: pixels}), "maps has the name 1"),
+        (lambda: weftex.Exemplar(pixels, role="normals"), "did you mean 'normal'"),
+        (lambda: weftex.Exemplar(pixels, role=7), "role is 7"),
+        (lambda: weftex.load_exemplar("sample:stone_wall", files={}), "names no maps"),
+        (lambda: weftex.load_exemplar("sample:stone_wall", files={2: "ao.png"}), "the name 2"),
+        (lambda: weftex.fuse([pixels, pixels], "gradient", 20, missing=3), "missing is 3"),
+        (lambda: weftex.fuse([pixels, pixels], "gradient", 20, missing={"ao": np.nan}), "nan"),
+        (lambda: weftex.fuse([pixels, pixels], "gradient", 20, missing={"ao": True}), "True"),
+    ):
+        with pytest.raises(weftex.InvalidInputError, match=says):
+            call()
+    assert weftex.Exemplar(pixels, role="normal_dx").role is ROLES["normal_dx"]
+
+
+def test_tile_of_a_set(sets):
+    words = ["--seed", 1, "--border", 8, "--names", "polyhaven", "--quiet"]
+    assert weft_run("tile", "rock", "-o", "tile", *words) == 0
+    made = read_maps("tile")
+    assert {stem: one.pixels.shape[:2] for stem, one in made.items()} == {
+        "tile_diff": (40, 48), "tile_disp": (40, 48), "tile_nor_gl": (80, 96),
+        "tile_rough": (20, 24),
+    }  # fmt: skip
+    rough = ROCK["Rock01_1K_Roughness.png"]
+    assert np.array_equal(made["tile_rough"].pixels[4:16, 4:20], rough[4:16, 4:20])
 
 
 def test_report_of_a_set(sets, capsys):
@@ -259,3 +310,24 @@ def test_report_of_a_set(sets, capsys):
     found = weftex.report("large", weftex.synthesize("large", 128, seed=1, method="quilting"))
     assert [*found.of_maps] == ["ao", "height", "normal_gl"]
     assert set(found.as_dict()["of_maps"]["ao"]) >= {"seams"}
+
+
+def test_weights_of_maps(here, capsys):
+    words = ["--method", "quilting", "--patch-size", "24", "--size", "120", "--seed", "1"]
+    assert weft_run("synth", "sample:stone_wall", "-o", "a", *words) == 0
+    assert (
+        weft_run("synth", "sample:stone_wall", "-o", "b", *words, "--map-weights", "height=9,ao=0")
+        == 0
+    )
+    a, b = (read_image(here / k / "albedo.png").pixels for k in "ab")
+    assert not np.array_equal(a, b)
+    sample = weftex.load_exemplar("sample:stone_wall")
+    sample = sample.changed(weights={"height": 9, "ao": 0})
+    made = weftex.synthesize(sample, 120, method=weftex.Quilting(patch_size=24), seed=1)
+    assert np.array_equal(b, made.image)
+    capsys.readouterr()
+    for text in ("height", "height=x", "height=flat"):
+        assert weft_run("synth", "sample:stone_wall", "-o", "c", "--map-weights", text) == 2
+        assert "height" in capsys.readouterr().err
+    assert weft_run("synth", "sample:stone_wall", "-o", "c", "--map-weights", "heigt=2") == 2
+    assert "did you mean 'height'" in capsys.readouterr().err

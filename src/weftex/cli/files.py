@@ -39,7 +39,13 @@ def load(
     tileable: bool = False,
 ) -> Exemplar:
     """Read a picture, or a folder of maps, as a sample."""
-    return with_turns(read(path, args, maps).exemplar(tileable=tileable), args)
+    return with_turns(_weighted(read(path, args, maps).exemplar(tileable=tileable), args), args)
+
+
+def _weighted(exemplar: Exemplar, args: argparse.Namespace) -> Exemplar:
+    """The sample with what was said about the weights of its maps."""
+    weights = getattr(args, "map_weights", None)
+    return exemplar if weights is None else exemplar.changed(weights=weights)
 
 
 def with_turns(exemplar: Exemplar, args: argparse.Namespace) -> Exemplar:
@@ -67,7 +73,7 @@ def open_sample(
     else:
         check_output(args.output)
     material = read(path, args, args.maps)
-    exemplar = material.exemplar(tileable=tileable)
+    exemplar = _weighted(material.exemplar(tileable=tileable), args)
     if getattr(args, "sample_mask", None) is not None:
         exemplar = exemplar.changed(mask=_usable(exemplar, args))
     return _mended(exemplar, args), plan(material, args)
@@ -79,7 +85,7 @@ def open_several(
     """`open_sample` for several samples of one material, each of which is mended by itself."""
     from weftex.tasks.combined import combined, of_one_kind, paired
 
-    for name in ("maps", "sample_mask", "sample_guide"):
+    for name in ("maps", "map_weights", "sample_mask", "sample_guide"):
         if getattr(args, name) is not None:
             raise InvalidInputError(f"--{name.replace('_', '-')} needs one sample, not several")
     if args.tileable_sample:

@@ -100,7 +100,7 @@ def plan_of_several(
     for name, pixels in {first.main: made.pixels, **made.maps}.items():
         like = next(one.pictures[name] for one in materials if name in one.pictures)
         pictures[name] = replace(like, pixels=pixels)
-    roles = {**made.roles, first.main: first.roles[first.main]}
+    roles = {first.main: first.roles[first.main], **made.roles}
     whole = Material(first.name, pictures, roles, folder=any(one.folder for one in materials))
     several = len(materials) > 1
     told = [

@@ -87,6 +87,7 @@ def combined(exemplars: Sequence[Exemplar], *, apart: bool = False) -> Exemplar:
         maps={name: stacked(name) for name in shared},
         mask=_stacked(masks, gap, mode="constant"),
         pieces=apart,
+        weights={name: first.weights[name] for name in shared},
         alpha=first.alpha,
         icc=first.icc,
         role=first.role,

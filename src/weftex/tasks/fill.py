@@ -171,6 +171,7 @@ def fill(
     place = Exemplar(
         region.crop(whole.pixels, blank=masked),
         maps={key: region.crop(whole.aligned(key), blank=masked) for key in whole.maps},
+        weights=whole.weights,
         alpha=whole.alpha,
     )
     # On bytes, which distances are taken on anyway, the maps have a say about known pixels too.

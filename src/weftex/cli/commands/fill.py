@@ -7,7 +7,7 @@ from time import perf_counter
 from typing import TYPE_CHECKING
 
 from weftex.cli.files import load, open_sample, report, settings, write
-from weftex.cli.options import Parser, add_sets, add_tileable_sample, parse_task
+from weftex.cli.options import Parser, add_map_weights, add_sets, add_tileable_sample, parse_task
 from weftex.cli.terminal import finish
 from weftex.errors import InvalidInputError
 
@@ -35,6 +35,7 @@ def run(argv: list[str]) -> None:
     parser = Parser("fill", _ABOUT, _EXAMPLES)
     parser.add_argument("photo", metavar="PHOTO", help="picture, folder of maps, or sample:NAME")
     add_sets(parser)
+    add_map_weights(parser)
     text = "picture, white where to fill; default: where the photo is clear, by its alpha"
     parser.add_argument("--mask", metavar="M", help=text)
     parser.add_argument("--sample", metavar="S", help="learn from this picture, not from the photo")

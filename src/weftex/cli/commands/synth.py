@@ -18,6 +18,7 @@ from weftex.cli.files import (
 )
 from weftex.cli.options import (
     Parser,
+    add_map_weights,
     add_mending,
     add_sample_mask,
     add_sets,
@@ -54,6 +55,7 @@ def run(argv: list[str]) -> None:
     text = "picture, folder of maps, or sample:NAME; of several, all of one material, all are used"
     parser.add_argument("sample", metavar="SAMPLE", nargs="+", help=text)
     add_sets(parser)
+    add_map_weights(parser)
     text = "in pixels; default: the guide's, or twice the sample's"
     parser.add_argument("--size", metavar="WxH|N", help=text)
     parser.add_argument("--guide", metavar="G", help="picture to follow, of the output's size")
