@@ -7,7 +7,7 @@ from html import escape
 from typing import TYPE_CHECKING, Any
 
 from weftex.pages.html import Page, document, number, parameters, show
-from weftex.quality.figures import FIGURES
+from weftex.quality.figures import FIGURES, SCORE
 
 if TYPE_CHECKING:
     import numpy as np
@@ -112,7 +112,7 @@ def _page(found: Report) -> str:
     """Return the whole page."""
     title = f"{found.result_name} from {found.name}"
     score = found.assessment.score
-    shown = "" if score is None else f" Score {score:.2f}; 0 is perfect, 1 is at a limit."
+    shown = "" if score is None else f" Score {score:.2f}: {SCORE}"
     kind = "" if score is None else "bad" if found.assessment.flags else "good"
     verdict = f'{escape(found.assessment.verdict())}<br><span class="small">{shown}</span>'
     parts = [
@@ -140,7 +140,7 @@ def _page(found: Report) -> str:
 
 
 def _figures(found: Report) -> str:
-    head = ("Figure", "Result", "Real", "Limit", "", "What it says")
+    head = ("Figure", "Result", "Real", "Limit", "", "Eye", "What it says")
     rows = ["".join(f'<th scope="col">{text}</th>' for text in head)]
     for name, figure in FIGURES.items():
         value = getattr(found.assessment, name)
@@ -149,17 +149,19 @@ def _figures(found: Report) -> str:
         about = (
             f'{escape(figure.meaning)} <span class="small">Blind to {escape(figure.blind)}.</span>'
         )
+        agrees = "–" if figure.agrees is None else f"{figure.agrees:.0%}"
         rows.append(
             f'<th scope="row">{escape(figure.title)}<br>'
             f'<span class="small">{escape(figure.unit)}</span></th>'
             f'<td class="number">{number(value, figure)}</td>'
             f'<td class="number">{number(found.real.get(name), figure)}</td>'
             f'<td class="number">{escape(limit)}</td><td class="{mark}">{mark}</td>'
-            f"<td>{about}</td>"
+            f'<td class="number">{agrees}</td><td>{about}</td>'
         )
     body = "\n".join(f"<tr>{row}</tr>" for row in rows)
     return (
         f'<div class="table"><table>\n{body}\n</table></div>\n<p class="small">Real: the halves of '
-        "the sample, each measured as if it had been made from the other. A dash is what cannot be "
-        "measured.</p>"
+        "the sample, each measured as if it had been made from the other. Eye: of pairs of judged "
+        "pictures, the share in which it says the same alone; 50% is a coin. A dash is what cannot "
+        "be measured.</p>"
     )
