@@ -117,6 +117,17 @@ def test_the_deeper_of_two_is_taken(tmp_path):
         read_material(folder)
 
 
+def test_the_bare_name_is_the_color_where_no_map_is(tmp_path):
+    files = ["rock.png", "rock_normal.png", "rock_height.png", "rock_preview.png"]
+    material = read_material(folder_of(tmp_path / "rock", files))
+    assert material.main == "color" and [*material.roles] == ["color", "height", "normal"]
+    assert [*material.notes] == ["rock_preview.png is left out: a preview"]
+    with pytest.raises(weftex.InvalidInputError, match=r"of no map \(moss\)"):
+        read_material(folder_of(tmp_path / "both", ["rock.png", "moss.png", "rock_ao.png"]))
+    alone = read_material(folder_of(tmp_path / "one", ["rock_preview.png"]))
+    assert [*alone.roles] == ["rock_preview"]
+
+
 def test_maps_in_a_folder_of_textures(tmp_path):
     (tmp_path / "rock.blend").mkdir()
     (tmp_path / "rock.blend" / "rock.blend").write_text("x")

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from weftex.roles import ROLES, Role, is_preview, role_of
+from weftex.roles import ROLES, Role, is_name_of, is_preview, role_of
 
 SETS = {
     "ambientCG": {
@@ -112,8 +112,9 @@ def test_what_roles_are():
 
 def test_previews():
     maps = ["Rock01_1K_Color", "Rock01_1K_NormalGL"]
-    for stem in ("Rock01", "Rock01_PREVIEW", "preview", "tlrkcbjn_thumb", "Rock01_Color_Thumb"):
-        assert is_preview(stem, maps), stem
+    for stem in ("Rock01_PREVIEW", "preview", "tlrkcbjn_thumb", "Rock01_Color_Thumb"):
+        assert is_preview(stem) and not is_preview(f"{stem}s2"), stem
+    assert is_name_of("Rock01", maps) and is_name_of("Rock01_1K", maps)
     for stem in ("Rock02", "Rock01_Color", "Rock01_more", "", "4k"):
-        assert not is_preview(stem, maps), stem
-    assert not is_preview("Rock01", [])
+        assert not is_preview(stem) and not is_name_of(stem, maps), stem
+    assert not is_name_of("Rock01", [])

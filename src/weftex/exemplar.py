@@ -11,7 +11,7 @@ import numpy as np
 from weftex.errors import InvalidInputError, shown
 from weftex.raster.levels import edges_of, resized, scale_between, scale_to_bytes, to_bytes
 from weftex.raster.mixing import Mixing, mixing_of
-from weftex.roles import COLOR, ROLES, Role, role_of
+from weftex.roles import COLOR, Role, as_role, checked_weights, role_of
 
 if TYPE_CHECKING:
     from fractions import Fraction
@@ -20,6 +20,7 @@ if TYPE_CHECKING:
 
 _DTYPES = ("uint8", "uint16", "float32", "float64")
 _MOST_CHANNELS = 32  # of a picture of four rows or fewer
+_PARTS = ("pixels", "mask", "guide", "tileable", "alpha", "icc", "name", "role", "turn", "pieces")
 _LABELS = 32  # a sample's guide with at most so many colors is a map of labels
 
 
@@ -49,11 +50,15 @@ class Exemplar:
         Color profile, carried along to files.
     name : str, optional
         What to call it in messages.
-    role : Role, optional
-        What the pixels show, see `weftex.roles`; by default a normal map if its name says so and
-        else a color.
+    role : Role or str, optional
+        What the pixels show, or its name in `weftex.roles.ROLES`; by default a normal map if its
+        name says so and else a color.
     turn : str, optional
         Which copies of a smaller sample it is made of, see `weftex.turned`.
+    pieces : bool, optional
+        It has pieces that lie apart, which share no lattice, as copies and several samples do.
+    weights : mapping of str to float, optional
+        Of maps in matching; 1 each by default, together as much as the pixels. 0 is not at all.
 
     Attributes
     ----------
@@ -86,12 +91,16 @@ class Exemplar:
         alpha: bool | None = None,
         icc: bytes | None = None,
         name: str = "sample",
-        role: Role | None = None,
+        role: Role | str | None = None,
         turn: str | None = None,
+        pieces: bool = False,
+        weights: Mapping[str, float] | None = None,
     ) -> None:
+        self.pieces = bool(pieces)
         self.name, self.tileable, self.icc, self.turn = name, bool(tileable), icc, turn
         named = role_of(name)
-        self.role = role or (named if named and named.kind == "normal" else COLOR)
+        by_name = named if named is not None and named.kind == "normal" else COLOR
+        self.role = by_name if role is None else as_role(role)
         if alpha is None:
             _check_layout(pixels, name)
         self.pixels = check_pixels(pixels, name)
@@ -102,10 +111,15 @@ class Exemplar:
             raise InvalidInputError(f"{name} has one channel, so it cannot be color with alpha")
         if maps is not None and not isinstance(maps, Mapping):
             raise InvalidInputError(f"maps is {shown(maps)}; it must be arrays by their names")
-        self._maps = {key: as_map(value, key) for key, value in (maps or {}).items()}
+        for key in maps or ():
+            if not isinstance(key, str):
+                raise InvalidInputError(f"maps has the name {shown(key)}; it must be a text")
+        own = {key: as_map(value, key) for key, value in (maps or {}).items()}
+        self._maps = {k: one if one.name == k else one.changed(name=k) for k, one in own.items()}
         self.maps = {key: one.pixels for key, one in self._maps.items()}
         for key in self.maps:
             self.scale_of(key)
+        self.weights = checked_weights(weights, self.maps)
         self.mask = None if mask is None else as_mask(mask, "mask")
         if self.mask is not None and self.mask.shape != self.shape:
             raise InvalidInputError(
@@ -123,9 +137,9 @@ class Exemplar:
 
     def changed(self, **parts: Any) -> Exemplar:
         """Return the same sample but for these parameters of `Exemplar`, such as its guide."""
-        own = ("pixels", "mask", "guide", "tileable", "alpha", "icc", "name", "role", "turn")
-        given = {name: getattr(self, name) for name in own} | {"maps": self._maps}
-        return Exemplar(**given | parts)
+        given = {name: getattr(self, name) for name in _PARTS} | {"maps": self._maps} | parts
+        weights = {name: k for name, k in self.weights.items() if name in (given["maps"] or ())}
+        return Exemplar(**{"weights": weights} | given)
 
     def map(self, name: str) -> Exemplar:
         """Return one of the maps as a picture of its own, with its role."""
@@ -175,18 +189,27 @@ class Exemplar:
             The pixels themselves for plain 8-bit pictures without maps.
         """
         if edge_weight not in self._matching:
-            own = [self.as_matching(self.pixels, edge_weight)]
-            # All maps together weigh as much as the picture.
-            share = (len(self.maps) or 1) ** -0.5
-            for value in map(self.aligned, self.maps):
-                channels = 1 if value.ndim == 2 else value.shape[2]
-                values = to_bytes(value, scale_to_bytes(value)) * (
-                    share * (self.channels / channels) ** 0.5
-                )
-                own.append(np.rint(np.minimum(values, 255)).astype(np.uint8))
-            whole = own[0] if len(own) == 1 else np.concatenate(own, axis=2)
-            self._matching[edge_weight] = np.ascontiguousarray(whole)
+            self._matching[edge_weight] = self.matching_of(self, edge_weight)
         return self._matching[edge_weight]
+
+    def matching_of(self, other: Exemplar, edge_weight: float = 0.0) -> NDArray[np.uint8]:
+        """Return another picture, with maps of the same names, in bytes as the sample's own are."""
+        own = [self.as_matching(other.pixels, edge_weight)]
+        # All maps of weight 1 together weigh as much as the picture.
+        factors = {
+            name: (len(self.maps) / w) ** -0.5 * (self.channels / self._maps[name].channels) ** 0.5
+            for name, w in self.weights.items()
+            if w > 0
+        }
+        largest = max(factors.values(), default=0)
+        if largest > 1 and max(self.weights.values()) > 1:  # all of them are to fit into bytes
+            own = [np.rint(own[0] / largest).astype(np.uint8)]
+            factors = {name: factor / largest for name, factor in factors.items()}
+        for name, factor in factors.items():
+            values = to_bytes(other.aligned(name), scale_to_bytes(self.aligned(name)))
+            own.append(np.rint(np.minimum(values * factor, 255)).astype(np.uint8))
+        whole = own[0] if len(own) == 1 else np.concatenate(own, axis=2)
+        return np.ascontiguousarray(whole)
 
     def as_matching(self, pixels: NDArray[Any], edge_weight: float = 0.0) -> NDArray[np.uint8]:
         """Map pixels of this sample's dtype and channels to bytes as the sample's own are.
@@ -271,9 +294,7 @@ def as_rendered(given: Any, role: str | None) -> Exemplar:
         return as_map(given, "map")
     if isinstance(given, Exemplar):
         raise InvalidInputError("an Exemplar says what it shows; give role to that")
-    if role not in ROLES:
-        raise InvalidInputError(f"role is {shown(role)}; known: {', '.join(ROLES)}")
-    return as_map(given, role)
+    return as_map(given, as_role(role).name)
 
 
 def as_map(given: Any, name: str) -> Exemplar:

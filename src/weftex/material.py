@@ -6,9 +6,9 @@ import os
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
-from weftex.errors import InvalidInputError
+from weftex.errors import InvalidInputError, shown
 from weftex.exemplar import Exemplar
-from weftex.roles import COLOR, Role, is_preview, role_of
+from weftex.roles import COLOR, Role, is_name_of, is_preview, role_of
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -142,28 +142,39 @@ def _by_role(
     found = {stem: role_of(stem) for stem in paths}
     if len(paths) == 1:
         return dict(paths), {stem: role or COLOR for stem, role in found.items()}
-    named = [stem for stem, role in found.items() if role is not None]
-    previews = [s for s in paths if is_preview(s, [other for other in named if other != s])]
-    known = [stem for stem in named if stem not in previews]
-    unknown = [stem for stem in paths if stem not in known and not (known and stem in previews)]
+    previews = [stem for stem in paths if is_preview(stem)]
+    if len(previews) < len(paths):
+        notes += [f"{os.path.basename(paths[stem])} is left out: a preview" for stem in previews]
+        found = {stem: role for stem, role in found.items() if stem not in previews}
+    known = {stem: role for stem, role in found.items() if role is not None}
+    for stem in [stem for stem in found if is_name_of(stem, [*known])]:
+        if COLOR in known.values():  # ambientCG shows the material under its bare name
+            notes.append(f"{os.path.basename(paths[stem])} is left out: a preview")
+            del found[stem]
+        else:
+            found[stem] = known[stem] = COLOR
+    unknown = [stem for stem in found if stem not in known]
     if unknown:
         raise InvalidInputError(
             f"{folder} has pictures whose names are of no map ({_some(unknown)}), and a folder "
             f"is taken for the maps of one material; {_FIX}"
         )
-    notes += [f"{os.path.basename(paths[stem])} is left out: a preview" for stem in previews]
-    roles = {stem: role for stem, role in found.items() if role is not None and stem in known}
-    _refuse_twins(roles, folder)
-    return {roles[k].name: paths[k] for k in known}, {role.name: role for role in roles.values()}
+    _refuse_twins(known, folder)
+    order = sorted(known)
+    return {known[k].name: paths[k] for k in order}, {known[k].name: known[k] for k in order}
 
 
 def _as_named(
     files: Mapping[str, str], place: str, given: str
 ) -> tuple[dict[str, str], dict[str, Role]]:
     """The paths, and the roles, by the names that maps were given."""
-    for file in files.values():
-        if not isinstance(file, str) or os.path.basename(file) != file:
+    for name, file in files.items():
+        if not isinstance(file, str) or os.path.basename(file) != file or not file:
             raise InvalidInputError(f"{file!r} is no name of a file in {given}")
+        if not isinstance(name, str) or not name:
+            raise InvalidInputError(f"files has the name {shown(name)}; it must say what a map is")
+    if not files:
+        raise InvalidInputError(f"files names no maps of {given}")
     roles = {name: role_of(name) or Role(name) for name in sorted(files)}
     _refuse_twins(roles, given)
     return {name: os.path.join(place, files[name]) for name in roles}, roles

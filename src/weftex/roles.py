@@ -7,9 +7,14 @@ glTF ``brick_metallicRoughness``; people write ``normal.png``.
 
 from __future__ import annotations
 
+import numbers
 import re
+from collections.abc import Collection, Mapping
 from dataclasses import dataclass
 from functools import cache
+from typing import Any
+
+from weftex.errors import InvalidInputError, did_you_mean, shown
 
 #: What the values of a map are, which decides how they are blended: light, vectors, a surface,
 #: names without an order, or plain numbers.
@@ -51,6 +56,8 @@ class Role:
 def _packed(name: str, channels: str, *files: str) -> Role:
     return Role(name, "data", files, tuple(channels.split()))
 
+
+_HEAVIEST = 100  # weight of a map
 
 #: The role of the picture that a material is known by.
 COLOR = Role(
@@ -110,6 +117,22 @@ _ABOUT_FILE = re.compile(
 _PREVIEW = re.compile(r"previews?|thumb|thumbs|thumbnails?|render|renders|icon")
 
 
+def as_role(role: Any) -> Role:
+    """Return a role, which may be given by its name.
+
+    Raises
+    ------
+    InvalidInputError
+        If there is no such role.
+    """
+    if isinstance(role, Role):
+        return role
+    if not isinstance(role, str) or role not in ROLES:
+        near = did_you_mean(role, ROLES) if isinstance(role, str) else ""
+        raise InvalidInputError(f"role is {shown(role)}; known: {', '.join(ROLES)}{near}")
+    return ROLES[role]
+
+
 def words_of(stem: str) -> list[str]:
     """Return the words of a file's name in small letters, less those about the file.
 
@@ -146,22 +169,53 @@ def role_of(stem: str) -> Role | None:
     return None
 
 
-def is_preview(stem: str, others: list[str]) -> bool:
-    """Return whether a picture shows the material, beside maps of it.
+def is_preview(stem: str) -> bool:
+    """Return whether a picture's name says that it shows the material.
 
-    It says so, or it has the bare name of the material, as those of ambientCG have.
+    Examples
+    --------
+    >>> is_preview("Bricks_Preview"), is_preview("Bricks_Color"), is_preview("thumb_4k")
+    (True, False, True)
+    """
+    words = words_of(stem)
+    return bool(words) and any(_PREVIEW.fullmatch(word) for word in (words[0], words[-1]))
+
+
+def is_name_of(stem: str, maps: list[str]) -> bool:
+    """Return whether a picture has the bare name of the material that these are maps of.
 
     Examples
     --------
     >>> maps = ["Bricks_1K_Color", "Bricks_1K_NormalGL"]
-    >>> is_preview("Bricks", maps), is_preview("Bricks_Preview", maps), is_preview("a", maps)
-    (True, True, False)
+    >>> is_name_of("Bricks", maps), is_name_of("Tiles", maps), is_name_of("Bricks_1K_Color", maps)
+    (True, False, False)
     """
     words = words_of(stem)
-    if words and (_PREVIEW.fullmatch(words[-1]) or _PREVIEW.fullmatch(words[0])):
-        return True
-    starts = [words_of(other)[: len(words)] == words for other in others]
-    return bool(words) and role_of(stem) is None and len(starts) > 0 and all(starts)
+    same = [words_of(other)[: len(words)] == words for other in maps]
+    return bool(words) and role_of(stem) is None and len(same) > 0 and all(same)
+
+
+def checked_weights(given: Any, maps: Collection[str]) -> dict[str, float]:
+    """Return how much each map counts in matching, 1 where nothing is said.
+
+    Raises
+    ------
+    InvalidInputError
+        If there is no such map, or a weight is out of range.
+    """
+    weights = dict.fromkeys(maps, 1.0)
+    if given is not None and not isinstance(given, Mapping):
+        raise InvalidInputError(f"weights is {shown(given)}; it must be numbers by maps' names")
+    for name, value in (given or {}).items():
+        if name not in weights:
+            raise InvalidInputError(f"weights has {shown(name)}{did_you_mean(str(name), maps)}")
+        number = isinstance(value, numbers.Real) and not isinstance(value, bool)
+        if not (number and 0 <= value <= _HEAVIEST):
+            raise InvalidInputError(
+                f"the weight of {name} is {shown(value)}; it must be from 0 to {_HEAVIEST}"
+            )
+        weights[name] = float(value)
+    return weights
 
 
 @cache

@@ -79,6 +79,7 @@ def turned(sample: Sample, turn: str) -> Exemplar:
         guide=None if exemplar.guide is None else turned_pixels(exemplar.guide, turn),
         tileable=False,
         turn=turn,
+        pieces=True,
     )
 
 

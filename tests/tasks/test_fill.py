@@ -11,7 +11,7 @@ from PIL import Image
 import families
 import weftex
 from families import noise
-from weftex.tasks import fill as fill_module
+from weftex.tasks import region
 
 METHODS = [slug for slug in families.METHODS if "hole" in families.kinds_of(slug)]
 
@@ -214,7 +214,7 @@ def test_usable_pixels_of_the_photo_are_respected():
 
 @pytest.mark.parametrize("wrap", [False, True])
 def test_a_large_photo_is_filled_from_nearby(monkeypatch, wrap):
-    monkeypatch.setattr(fill_module, "NEIGHBORHOOD", 40_000)
+    monkeypatch.setattr(region, "NEIGHBORHOOD", 40_000)
     photo = noise((900, 1000))
     hole = box(photo.shape, (0, 980, 30, 1000))
     result = weftex.fill(photo, hole, seed=1, tileable=wrap, patch_size=16)

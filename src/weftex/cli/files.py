@@ -3,19 +3,22 @@
 from __future__ import annotations
 
 import os
+from dataclasses import replace
 from time import perf_counter
 from typing import TYPE_CHECKING, Any
 
+from weftex.cli.sets import Plan, plan, plan_of_several
 from weftex.errors import InvalidInputError
 
 if TYPE_CHECKING:
     import argparse
+    from collections.abc import Sequence
 
+    import numpy as np
     from numpy.typing import NDArray
 
     from weftex.cli.terminal import Bar, Outputs
     from weftex.exemplar import Exemplar
-    from weftex.io.pictures import Picture
     from weftex.material import Material
     from weftex.results.synthesis import Synthesis
 
@@ -36,7 +39,13 @@ def load(
     tileable: bool = False,
 ) -> Exemplar:
     """Read a picture, or a folder of maps, as a sample."""
-    return with_turns(read(path, args, maps).exemplar(tileable=tileable), args)
+    return with_turns(_weighted(read(path, args, maps).exemplar(tileable=tileable), args), args)
+
+
+def _weighted(exemplar: Exemplar, args: argparse.Namespace) -> Exemplar:
+    """The sample with what was said about the weights of its maps."""
+    weights = getattr(args, "map_weights", None)
+    return exemplar if weights is None else exemplar.changed(weights=weights)
 
 
 def with_turns(exemplar: Exemplar, args: argparse.Namespace) -> Exemplar:
@@ -50,8 +59,11 @@ def with_turns(exemplar: Exemplar, args: argparse.Namespace) -> Exemplar:
 
 def open_sample(
     path: str, args: argparse.Namespace, outputs: Outputs, *, tileable: bool = False
-) -> tuple[Exemplar, Material, dict[str, str]]:
-    """Read the sample, and say where each of its pictures goes; all is checked before any work."""
+) -> tuple[Exemplar, Plan]:
+    """Read the sample, and say where each of its pictures goes; all is checked before any work.
+
+    What was asked for is mended, but not turned.
+    """
     from weftex.io.pictures import check_output, is_folder
 
     if args.save_source is not None:
@@ -61,20 +73,54 @@ def open_sample(
     else:
         check_output(args.output)
     material = read(path, args, args.maps)
-    exemplar = _mended(material.exemplar(tileable=tileable), args)
-    return exemplar, material, targets_of(material, args)
+    exemplar = _weighted(material.exemplar(tileable=tileable), args)
+    if getattr(args, "sample_mask", None) is not None:
+        exemplar = exemplar.changed(mask=_usable(exemplar, args))
+    return _mended(exemplar, args), plan(material, args)
 
 
-def targets_of(material: Material, args: argparse.Namespace) -> dict[str, str]:
-    """Where each picture of a material goes; checked before any work."""
-    from weftex.io.pictures import check_output
+def open_several(
+    paths: Sequence[str], args: argparse.Namespace, outputs: Outputs
+) -> tuple[Exemplar, Plan]:
+    """`open_sample` for several samples of one material, each of which is mended by itself."""
+    from weftex.tasks.combined import combined, of_one_kind, paired
 
-    targets = {}
-    for name, picture in material.pictures.items():
-        file = os.path.basename(picture.path)
-        targets[name] = os.path.join(args.output, file) if material.folder else args.output
-        check_output(targets[name], picture.pixels, alpha=picture.alpha)
-    return targets
+    for name in ("maps", "map_weights", "sample_mask", "sample_guide"):
+        if getattr(args, name) is not None:
+            raise InvalidInputError(f"--{name.replace('_', '-')} needs one sample, not several")
+    if args.tileable_sample:
+        raise InvalidInputError("--tileable-sample needs one sample, not several")
+    materials = open_samples(paths, args, outputs)
+    pairs, notes = paired(of_one_kind([_mended(one.exemplar(), args) for one in materials]))
+    made = plan_of_several(materials, pairs[0], args)
+    told = made.told + "".join(f"map: {note}\n" for note in notes)
+    return combined(pairs, apart=True), replace(made, told=told)
+
+
+def open_samples(
+    paths: Sequence[str], args: argparse.Namespace, outputs: Outputs
+) -> list[Material]:
+    """Read several samples for one output: a folder if one of them is a folder."""
+    from weftex.io.pictures import check_output, is_folder
+
+    if getattr(args, "save_source", None) is not None:
+        check_output(args.save_source, suffixes=(".npz",))
+    if any(map(is_folder, paths)):
+        outputs.make_folder(args.output)
+    else:
+        check_output(args.output)
+    return [read(path, args) for path in paths]
+
+
+def _usable(exemplar: Exemplar, args: argparse.Namespace) -> NDArray[np.bool_]:
+    """What of the sample may be used: white in a picture, or what is not clear."""
+    from weftex.io.pictures import MAX_PIXELS, mask_of, read_image
+    from weftex.tasks.fill import hole_of
+
+    if args.sample_mask == "alpha":
+        return ~hole_of(None, exemplar)
+    picture = read_image(args.sample_mask, max_pixels=None if args.allow_huge else MAX_PIXELS)
+    return mask_of(picture.pixels, alpha=picture.alpha)
 
 
 def _mended(exemplar: Exemplar, args: argparse.Namespace) -> Exemplar:
@@ -101,27 +147,16 @@ def _ways(text: str) -> dict[str, str]:
     return {names[count]: text} if text else {}
 
 
-def write(
-    result: Synthesis,
-    material: Material,
-    targets: dict[str, str],
-    args: argparse.Namespace,
-    outputs: Outputs,
-) -> None:
+def write(result: Synthesis, made: Plan, args: argparse.Namespace, outputs: Outputs) -> None:
     """Write the result and, from the same coordinates, each other map of the sample."""
-    for name in material.pictures:
-        pixels = result.image if name == material.main else result.render(result.sample.map(name))
-        write_picture(pixels, material.pictures[name], targets[name], outputs)
+
+    def pixels(name: str) -> NDArray[Any]:
+        main = name == made.material.main
+        return result.image if main else result.render(result.sample.map(name))
+
+    made.write(pixels, outputs)
     if args.save_source is not None:
         result.save(outputs.add(args.save_source))
-
-
-def write_picture(pixels: NDArray[Any], like: Picture, target: str, outputs: Outputs) -> None:
-    """Write pixels as a picture was stored."""
-    from weftex.io.pictures import write_image
-
-    how: dict[str, Any] = {"alpha": like.alpha, "icc": like.icc, "half": like.half}
-    write_image(outputs.add(target), pixels, **how)
 
 
 #: The pictures of --debug, by what `Synthesis.draw` calls them.
@@ -146,11 +181,11 @@ def report(
     result: Synthesis,
     what: str,
     start: float,
-    material: Material | None = None,
+    told: str = "",
 ) -> str:
     """Print what was made, how and how fast, after the maps and the reasons if weftex chose."""
     used, took = result.provenance, perf_counter() - start
-    why = told(material) + (f"auto: {used['reason']}\n" if "reason" in used else "")
+    why = told + (f"auto: {used['reason']}\n" if "reason" in used else "")
     why += "".join(f"note: {warning}\n" for warning in used.get("warnings", ()))
     why += f"best of: {used['best_of']['told']}\n" if "best_of" in used else ""
     hole = result.canvas.hole
@@ -159,11 +194,6 @@ def report(
         f"{what} {args.output} with {used['method']}{_looked_at(result)}, seed {used['seed']}, "
         f"in {took:.2f} s ({area / took / 1e6:.3g} megapixels/s)"
     )
-
-
-def told(material: Material | None) -> str:
-    """Lines about the maps of a set."""
-    return "" if material is None else "".join(f"{line}\n" for line in material.told())
 
 
 def _looked_at(result: Synthesis) -> str:

@@ -266,6 +266,8 @@ class Synthesis(ABC):
         given = as_rendered(self.sample if other is None else other, role)
         if self.turn is not None:
             given = as_copies(given, self.turn, self.sample_shape)
+        if background is None:
+            background = self.canvas.known if own else self.canvas.known_maps.get(given.name)
         ratio = scale_to(given, self.sample_shape)
         joined = given.role.kind == "height" and not self.is_window
         if (self.match_tone or joined) and not whole:  # what is around must be seen
@@ -282,8 +284,6 @@ class Synthesis(ABC):
         scale, pixels, mixing = int(ratio), given.pixels, given.mixing
         out = room_for(pixels, height * scale, width * scale)
         if self.canvas.hole is not None:
-            if background is None and own:
-                background = self.canvas.known
             size = (self.shape[0] * scale, self.shape[1] * scale)
             base = background_of(pixels, size, scale, self.known_from, background)
             base = base[top * scale :, left * scale :][: height * scale, : width * scale]
@@ -303,9 +303,8 @@ class Synthesis(ABC):
             if self.match_tone and mixing.kind in (Kind.MEAN, Kind.ALPHA):
                 planes = out.reshape(*out.shape[:2], -1)
                 wrap = self.canvas.wrap
-                out = match_tone(planes, ~known, wrap, alpha=given.alpha, scale=scale).reshape(
-                    out.shape
-                )
+                even = match_tone(planes, ~known, wrap, alpha=given.alpha, scale=scale)
+                out = even.reshape(out.shape)
         if own and whole and self._picture is None:
             self._picture = out
         return out

@@ -16,7 +16,7 @@ from weftex.errors import InvalidInputError
 from weftex.exemplar import Exemplar
 from weftex.io.formats import image_library
 from weftex.loading import load_exemplar
-from weftex.method import numbers_of
+from weftex.parameters import numbers_of
 from weftex.raster.levels import tamed
 
 if TYPE_CHECKING:

@@ -9,6 +9,7 @@ from weftex.cli.files import load, settings
 from weftex.cli.options import (
     Parser,
     add_limits,
+    add_map_weights,
     add_maps,
     add_tileable_sample,
     add_turn,
@@ -41,6 +42,7 @@ def run(argv: list[str]) -> None:
     add = parser.add_argument
     add("sample", metavar="SAMPLE", help="picture, folder of maps, or sample:NAME")
     add_maps(parser)
+    add_map_weights(parser)
     add("-o", "--output", metavar="OUT.html", help="the page to write")
     add("--methods", metavar="A,B,...", help="these only; see 'weftex methods'")
     add("--size", metavar="WxH|N", help="in pixels; default: twice the sample's, at most 512")

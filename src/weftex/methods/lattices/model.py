@@ -33,7 +33,7 @@ class LatticeModel(Model):
     Raises
     ------
     UnsupportedError
-        If there is a lattice, which copies of a sample that were turned do not share.
+        If there is a lattice, which pieces that lie apart do not share.
 
     Attributes
     ----------
@@ -44,10 +44,10 @@ class LatticeModel(Model):
     vectors: tuple[float, ...]
 
     def __init__(self, method: Method, exemplar: Exemplar) -> None:
-        if exemplar.turn is not None and self.vectors:
+        if exemplar.pieces and self.vectors:
             raise UnsupportedError(
-                f"{method.slug} goes by one lattice, which copies of {exemplar.name} that are "
-                "turned or mirrored do not share; leave turn out, or use another method"
+                f"{method.slug} goes by one lattice, which several samples, or copies that "
+                "are turned, do not share; use one sample as it is, or another method"
             )
         self.method, self.exemplar = method, exemplar
 
@@ -83,7 +83,7 @@ class LatticeModel(Model):
             leaves no whole piece that lies right.
         """
         canvas = as_canvas(size, tileable)
-        self.method.require(canvas)
+        self.require(canvas)
         canvas.check_known(self.exemplar)
         origin = canvas.origin
         if self.vectors:

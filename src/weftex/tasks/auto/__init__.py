@@ -13,8 +13,9 @@ from weftex.canvas import Canvas, as_canvas
 from weftex.choice import Choice
 from weftex.errors import InvalidInputError
 from weftex.exemplar import Exemplar
-from weftex.method import Method, Model, parameter
+from weftex.method import Method, Model
 from weftex.methods import make_method
+from weftex.parameters import parameter
 from weftex.progress import Progress
 from weftex.random import seed_number
 from weftex.tasks.auto.findings import Findings, look
