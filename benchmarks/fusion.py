@@ -2,6 +2,7 @@
 
     python benchmarks/fusion.py                     # six pairs of materials, four maps
     python benchmarks/fusion.py --pictures FOLDER   # and every picture
+    python benchmarks/fusion.py --sheet FILE        # only docs/img/fuse_pairs.webp
 
 For each picture three figures. `edge`: the share of rows in which the boundary of the materials
 lies within a pixel of a belt's edge. `line`: the share of the boundary that lies within a pixel of
@@ -15,6 +16,7 @@ import argparse
 from pathlib import Path
 
 import numpy as np
+from PIL import Image
 
 import weftex
 from weftex.analysis.scale import dominant_scale
@@ -29,6 +31,7 @@ PAIRS = (
     ("grass", "leaves"),
     ("pebbles", "bricks"),
 )
+_GAP, _SHEET, _QUALITY = 4, 700, 46  # pixels between pictures of the sheet, and its width
 MAPS = ("straight", "diagonal", "circular", "painted")
 
 
@@ -111,14 +114,32 @@ def row(pair: tuple[str, str], kind: str, size: tuple[int, int], **how: object) 
     return result.image, figures
 
 
+def sheet(size: tuple[int, int]) -> Image.Image:
+    """Six pairs, two in a row: along the map's boundary, in the narrowest belts, and by default."""
+    kinds = ("straight", "circular", "diagonal", "circular", "straight", "painted")
+    height, width = size
+    whole = Image.new("RGB", (4 * width + 3 * _GAP, 3 * height + 2 * _GAP), "white")
+    for number, (pair, kind) in enumerate(zip(PAIRS, kinds, strict=False)):
+        for right, how in enumerate(({"belt_width": 2}, {})):
+            image, _ = row(pair, kind, size, **how)
+            x = (number % 2 * 2 + right) * (width + _GAP)
+            whole.paste(Image.fromarray(image), (x, number // 2 * (height + _GAP)))
+    whole.thumbnail((_SHEET, whole.height), Image.Resampling.LANCZOS)
+    return whole
+
+
 def main() -> None:
     parser = argparse.ArgumentParser(
         description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
     )
     parser.add_argument("--pictures", type=Path, metavar="FOLDER")
+    parser.add_argument("--sheet", type=Path, metavar="FILE")
     parser.add_argument("--boundary", default="cut", metavar="HOW", help="as of weftex fuse")
     parser.add_argument("--size", type=int, nargs=2, default=(200, 240), metavar=("H", "W"))
     args = parser.parse_args()
+    if args.sheet:
+        sheet(tuple(args.size)).save(args.sheet, quality=_QUALITY, method=6)
+        return
     if args.pictures:
         args.pictures.mkdir(parents=True, exist_ok=True)
     print("| materials | map | edge | line | step |\n|---|---|---|---|---|")

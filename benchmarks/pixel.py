@@ -5,7 +5,7 @@ from __future__ import annotations
 import dataclasses
 import statistics
 from collections.abc import Iterator
-from time import perf_counter
+from time import process_time
 from typing import Any
 
 import numpy as np
@@ -101,11 +101,11 @@ def one_search(levels: np.ndarray, width: int, causal: bool) -> float:
     out = np.zeros(windows.centers.size, np.int64)
     times = []
     for x in range(2 * half + 1, 2 * half + 1 + _STRIP):
-        start = perf_counter()
+        start = process_time()
         y = 2 * half + 1
         count = kernels.runs_of(done, y, x, (False, False), reach, runs, causal)
         kernels.distances(canvas, y, x, windows.pixels, windows.centers, runs, count, query, out)
-        times.append(perf_counter() - start)
+        times.append(process_time() - start)
     return statistics.median(times)
 
 
@@ -161,9 +161,9 @@ def pixel(scale: float = 1.0) -> Table:
         pixels = sample_for(case)
         fit = fitting(pixels, case.method, **case.parameters)
         sample = sampling(pixels, case.size, case.method, **case.parameters)
-        start = perf_counter()
+        start = process_time()
         sample()
-        once = perf_counter() - start
+        once = process_time() - start
         repeats = 7 if once < 1 else 3 if once < 20 else 1
         took = medians({"fit": fit, "sample": sample}, repeats)
         model = fit()

@@ -2,10 +2,14 @@
 
 from __future__ import annotations
 
+import os
+import shutil
 import statistics
 import subprocess
 import sys
 import tempfile
+from dataclasses import fields
+from time import perf_counter, process_time
 
 from shared import PATCH_METHODS, Table, child, medians, ms, sample_of, sized, some
 
@@ -93,4 +97,72 @@ def memory() -> Table:
     return notes, ["method", "", "picture", "before", "peak"], rows
 
 
-TABLES = (kernels, startup, memory)
+def rivals() -> Table:
+    """Whole processes of `weftex synth` beside G'MIC's syntexturize_matchpatch."""
+    rows, gmic = [], shutil.which("gmic")
+    with tempfile.TemporaryDirectory() as folder:
+        for name in some(("pebbles", "stone_wall", "bricks", "weave")):
+            for side, size in some(((128, 200), (200, 800), (256, 1024), (512, 2048))):
+                source, edge = f"{folder}/{name}{side}.png", str(sized(size))
+                weftex.write_image(source, sample_of(side, name))
+                ours = [*(sys.executable, "-m", "weftex", "synth", source, "--quiet")]
+                ours += ["-o", f"{folder}/a.png", "--size", edge, "--seed", "7"]
+                theirs = [gmic or "", source, "srand", "7", "syntexturize_matchpatch"]
+                theirs += [f"{edge},{edge}", "-o", f"{folder}/b.png"]
+                took = [_process(ours), _process(theirs) if gmic else None]
+                cells = [ms(t) for pair in took if pair for t in pair]
+                cells += [] if gmic else ["not here"] * 2
+                share = f"{took[0][0] / took[1][0]:.2f} x" if took[1] else ""
+                rows.append([name, f"{side} to {size}", *cells, share])
+    notes = (
+        "One process each, auto. Processor time of all threads, elapsed time, ratio of the first."
+    )
+    return notes, ["", "", "weftex", "elapsed", "G'MIC", "elapsed", "ratio"], rows
+
+
+def _process(command: list[str]) -> tuple[float, float]:
+    """Seconds of processor, and elapsed, of a process."""
+    before, start = os.times(), perf_counter()
+    subprocess.run(command, check=True, capture_output=True)
+    after, elapsed = os.times(), perf_counter() - start
+    used = after.children_user + after.children_system
+    return used - before.children_user - before.children_system, elapsed
+
+
+def efforts() -> Table:
+    """What `auto` takes beside the method that it chooses, by the effort."""
+    rows = []
+    for name in some(("bricks", "tiles", "weave", "grass", "pebbles", "wood", "leaves")):
+        pixels, found = sample_of(256, name), {}
+        for effort in ("quick", "normal", "best"):
+            runs = []
+            for _ in some(range(3)):
+                start = process_time()
+                made = (
+                    weftex.Auto(effort=effort)
+                    .fit(weftex.Exemplar(pixels))
+                    .sample(sized(512), seed=7, threads=1)
+                )
+                runs.append(process_time() - start)
+            found[effort] = statistics.median(runs)
+            if effort == "normal":
+                chosen = made.provenance["method"]
+                given = {field.name for field in fields(weftex.METHODS[chosen])}
+                given = {key: made.provenance[key] for key in given if key in made.provenance}
+        runs = []
+        for _ in some(range(3)):
+            start = process_time()
+            model = weftex.METHODS[chosen](**given).fit(weftex.Exemplar(pixels))
+            model.sample(sized(512), seed=7, threads=1)
+            runs.append(process_time() - start)
+        alone = statistics.median(runs)
+        limit = ms(2 * alone + 0.3)
+        rows.append([name, chosen, ms(alone), limit, *(ms(took) for took in found.values())])
+    notes = (
+        "256 to 512, one thread, medians of 3, processor time. The limit is that of normal: twice "
+    )
+    notes += "the method alone, named with its parameters, and 0.3 s."
+    return notes, ["", "normal chooses", "alone", "limit", "quick", "normal", "best"], rows
+
+
+TABLES = (kernels, startup, memory, rivals, efforts)

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 from weftex import cli
+from weftex.io.folders import map_files
+from weftex.io.pictures import read_image
 
 
 def listing(folder):
@@ -25,3 +27,9 @@ def fails(capsys, folder, *words):
     assert err.startswith("weftex: error: ") and err.count("\n") == 1, err
     assert listing(folder) == before
     return err
+
+
+def read_maps(folder, **limits):
+    """All pictures of a folder by their names without suffix."""
+    paths = map_files(folder)[0]
+    return {stem: read_image(path, **limits) for stem, path in sorted(paths.items())}

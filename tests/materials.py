@@ -53,3 +53,9 @@ def states(rng, exemplar, windows, shape, wrap):
     done = (rng.random(shape) < rng.choice([0.1, 0.5, 0.9])).astype(np.uint8)
     source[done == 0] = -1
     return np.ascontiguousarray(levels * done[..., None]), done, source
+
+
+def normal_map(rng, shape, steep=0.8):
+    """Unit vectors, float64 (H, W, 3), that point up on the whole."""
+    vectors = np.dstack([*rng.uniform(-steep, steep, (2, *shape)), np.ones(shape)])
+    return vectors / np.linalg.norm(vectors, axis=2, keepdims=True)

@@ -72,6 +72,11 @@ def test_boundaries_are_measured(monkeypatch, tmp_path, capsys):
     fusion.main()
     assert len(capsys.readouterr().out.splitlines()) == 4
     assert len(list(tmp_path.glob("*.png"))) == 2
+    file = tmp_path / "sheet.webp"
+    monkeypatch.setattr(sys, "argv", ["fusion.py", "--size", "60", "72", "--sheet", str(file)])
+    fusion.main()
+    with Image.open(file) as made:
+        assert made.size == (4 * 72 + 3 * 4, 3 * 60 + 2 * 4)
 
 
 def test_lattices_are_counted(capsys):

@@ -29,12 +29,13 @@ LEVELS = [
     ["analysis"],
     ["search", "seams"],
     ["results"],
-    ["canvas"],
+    ["canvas", "turns"],
     ["loading"],
+    ["material"],
     ["exemplar"],
     ["io"],
     ["raster"],
-    ["registry", "choice", "threads", "progress", "random"],
+    ["registry", "choice", "threads", "progress", "random", "roles", "parameters"],
     ["errors"],
     ["dispatch"],
 ]
@@ -294,6 +295,7 @@ def test_public_names_are_all_there():
     import weftex
 
     assert set(weftex.__all__) == set(weftex._HOME)
+    assert len(dir(weftex)) == len(set(dir(weftex)))
     for name in weftex.__all__:
         assert getattr(weftex, name) is not None
         assert name in dir(weftex)

@@ -5,6 +5,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+import weftex
 from weftex import Exemplar
 from weftex.errors import InvalidInputError
 
@@ -243,3 +244,38 @@ def test_either_byte_order(rng, dtype):
     one = weftex.synthesize(pixels, 40, seed=1, method="patch-sampling", patch_size=8)
     other = weftex.synthesize(native, 40, seed=1, method="patch-sampling", patch_size=8)
     assert np.array_equal(one.image, other.image)
+
+
+def test_weights_of_maps(rng):
+    pixels = rng.integers(0, 256, (12, 14, 3)).astype(np.uint8)
+    maps = {"height": rng.random((12, 14)), "ao": rng.random((12, 14))}
+    plain = weftex.Exemplar(pixels, maps=maps)
+    assert plain.weights == {"height": 1, "ao": 1}
+    same = weftex.Exemplar(pixels, maps=maps, weights={"ao": 1})
+    assert np.array_equal(same.matching(), plain.matching())
+    without = weftex.Exemplar(pixels, maps=maps, weights={"ao": 0})
+    assert np.array_equal(without.matching(), plain.matching()[..., :4])
+    # Four times the weight is twice the values; where they would not fit, all others have less.
+    heavy = weftex.Exemplar(pixels, maps=maps, weights={"height": 4}).matching().astype(float)
+    spread = heavy.reshape(-1, 5).std(axis=0) / plain.matching().reshape(-1, 5).std(axis=0)
+    assert np.allclose(spread[3] / spread[[0, 1, 2, 4]], 2, rtol=0.1)  # some were cut off
+    assert heavy.max() <= 255
+    kept = without.changed(maps={"ao": maps["ao"]})
+    assert kept.weights == {"ao": 0}
+
+
+@pytest.mark.parametrize(
+    "weights, message",
+    [
+        ({"hieght": 1}, "did you mean 'height'"),
+        ({"height": -1}, "the weight of height is -1; it must be from 0 to 100"),
+        ({"height": float("nan")}, "from 0 to 100"),
+        ({"height": True}, "from 0 to 100"),
+        ({"height": "2"}, "from 0 to 100"),
+        ([1], "must be numbers by maps' names"),
+    ],
+)
+def test_weights_that_are_none(weights, message):
+    pixels = np.zeros((4, 4), np.uint8)
+    with pytest.raises(weftex.InvalidInputError, match=message):
+        weftex.Exemplar(pixels, maps={"height": pixels}, weights=weights)

@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 
 import weftex
-from commands import fails, weft_run
+from commands import fails, read_maps, weft_run
 from families import METHODS, TRIALS, every, method_of, noise
-from weftex.io.pictures import read_maps, write_image
+from weftex.io.pictures import write_image
 
 
 @pytest.fixture
@@ -43,7 +43,7 @@ def test_maps_can_be_named(photos, capsys):
     assert "map: leaves.png is height\n" in err
     files = {"color": "wood.png", "height": "leaves.png"}
     exemplar = weftex.load_exemplar("photos", files=files)
-    assert exemplar.name == "color" and list(exemplar.maps) == ["height"]
+    assert exemplar.name == "photos" and list(exemplar.maps) == ["height"]
     expected = weftex.synthesize(exemplar, 50, seed=1)
     made = read_maps("out")
     assert sorted(made) == ["leaves", "wood"]
@@ -75,8 +75,8 @@ def test_a_set_says_what_was_taken_for_what(tmp_path, monkeypatch, capsys):
     assert told == [
         "weftex: map: Rock_1K_Color.png is color, the picture",
         "weftex: map: Rock_1K_Displacement.png is height",
-        "weftex: map: Rock_1K_NormalDX.png is normal (DirectX)",
-        "weftex: map: Rock_1K_NormalGL.png is normal (OpenGL)",
+        "weftex: map: Rock_1K_NormalDX.png is normal_dx (y down)",
+        "weftex: map: Rock_1K_NormalGL.png is normal_gl (y up)",
     ]
 
 

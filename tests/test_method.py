@@ -9,8 +9,9 @@ import pytest
 
 import weftex
 from weftex.errors import InvalidInputError, UnsupportedError
-from weftex.method import CANVAS_KINDS, Method, bounds, parameter
+from weftex.method import CANVAS_KINDS, Method
 from weftex.methods import METHODS
+from weftex.parameters import bounds, parameter
 from weftex.tasks.method_names import make_method
 
 EVERY = list(METHODS)

@@ -7,6 +7,7 @@ import pytest
 
 import weftex
 from families import METHODS, method_of, noise
+from weftex.method import Model
 
 
 @pytest.mark.parametrize("slug", METHODS)
@@ -80,3 +81,44 @@ def test_a_window_of_a_plane_neither_wraps_nor_has_holes():
     hole = np.ones((4, 4), bool)
     with pytest.raises(weftex.InvalidInputError, match="neither wraps nor has known pixels"):
         weftex.Canvas(4, 4, known=noise((4, 4)), hole=hole, origin=(3, 3))
+
+
+@pytest.mark.parametrize("threads", [1, 2])
+def test_samples_are_those_of_the_seeds_that_follow(threads):
+    model = weftex.PatchSampling(patch_size=12, boundary_width=3).fit("sample:pebbles")
+    found = list(model.samples(7, (20, 30), seed=5, tileable=True, threads=threads))
+    assert len(found) == 7
+    for k, one in enumerate(found):
+        assert np.array_equal(one, model.sample((20, 30), seed=5 + k, tileable=True).image)
+    first = list(model.samples(2, (20, 30), seed=5, tileable=True, channels_first=True))
+    assert np.array_equal(first[1], found[1].transpose(2, 0, 1)) and first[1].flags["C_CONTIGUOUS"]
+
+
+def test_samples_of_gray_have_a_channel_when_it_is_first():
+    model = weftex.Quilting(patch_size=9).fit(np.arange(400, dtype=np.uint8).reshape(20, 20) % 97)
+    assert [one.shape for one in model.samples(1, 16, seed=1)] == [(16, 16)]
+    assert [one.shape for one in model.samples(1, 16, seed=1, channels_first=True)] == [(1, 16, 16)]
+
+
+@pytest.mark.parametrize("threads", [1, 2])
+def test_samples_without_end_are_made_as_they_are_asked_for(threads):
+    asked = []
+
+    class Counting:
+        def sample(self, canvas, *, seed, threads):
+            asked.append(seed)
+            return type("Result", (), {"image": np.full(canvas.shape, seed % 256)})()
+
+    endless = Model.samples(Counting(), None, 4, seed=2**64 - 1, threads=threads)
+    assert [int(next(endless)[0, 0]) for _ in range(3)] == [255, 0, 1]
+    endless.close()
+    assert len(asked) <= 3 + 2 * threads
+
+
+@pytest.mark.parametrize("count", [-1, 2.5, True, "3"])
+def test_bad_counts_of_samples_are_refused_at_once(count):
+    model = weftex.PatchSampling(patch_size=12).fit("sample:pebbles")
+    with pytest.raises(weftex.InvalidInputError, match="count is"):
+        model.samples(count, 20)
+    with pytest.raises(weftex.InvalidInputError, match="threads is 0"):
+        model.samples(1, 20, threads=0)

@@ -17,7 +17,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from weftex.canvas import as_canvas
-from weftex.method import Method, Model, parameter
+from weftex.method import Method, Model
+from weftex.parameters import parameter
 from weftex.random import seed_number
 from weftex.results.pixels import PixelSynthesis
 

@@ -8,6 +8,7 @@ import shlex
 import subprocess
 import sys
 import sysconfig
+import tomllib
 from pathlib import Path
 
 import pytest
@@ -43,6 +44,8 @@ def test_commands_of_pages(page, tmp_path):
     for block in blocks(page, "sh"):
         for line in block.splitlines():
             words = shlex.split(line, comments=True)
+            if words[:1] == ["mkdir"]:
+                (tmp_path / words[1]).mkdir()
             if words[:1] == ["weftex"]:
                 run([WEFTEX, *words[1:]], tmp_path)
                 if "-o" in words:
@@ -171,3 +174,21 @@ def test_the_readme_has_the_two_commands():
                      if line.startswith("python3 -m venv"))  # fmt: skip
     assert " weftex synth sample:" in first.replace(".venv/bin/weftex", "weftex")
     assert second.endswith("-m pytest -n auto")
+
+
+def test_no_other_package_is_told_to_be_installed():
+    """Another one has nearly our name: a text that named it would fetch a stranger's code."""
+    folders = (ROOT / "src" / "weftex", ROOT / "examples", ROOT / "benchmarks")
+    files = [*PAGES, ROOT / "CONTRIBUTING.md", *(f for d in folders for f in d.rglob("*.py"))]
+    text = "\n".join(file.read_text("utf-8") for file in files)
+    told = re.findall(r"pip install (?:-\w+ )*['\"]?([\w.-]+)", text)
+    assert len(told) >= 8 and {*told} <= {"weftex", "."}
+    project = tomllib.loads((ROOT / "pyproject.toml").read_text("utf-8"))["project"]
+    assert [project["name"], *project["scripts"]] == ["weftex", "weftex"]
+
+
+def test_nothing_left_over_is_here():
+    """What editors and merges leave behind beside a file."""
+    folders = [ROOT / name for name in ("src", "tests", "docs", "examples", "benchmarks")]
+    files = [file for folder in folders for file in folder.rglob("*")]
+    assert [str(file) for file in files if re.search(r"\.(orig|rej|bak)$|~$", file.name)] == []

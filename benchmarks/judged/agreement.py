@@ -1,6 +1,15 @@
-"""How well do two judges agree on pairs of pictures of one surface that both put in an order?
+"""How well do the judges agree with each other, and the figures with the judges?
 
-python benchmarks/judged/agreement.py
+    python benchmarks/judged/agreement.py           # tables
+    python benchmarks/judged/agreement.py FOLDER    # write figures.csv first, of what draw.py drew
+
+A figure agrees on a pair of pictures of one surface if it puts them in the judge's order; a tie
+counts half. Pairs that the judge holds to be equal are left out. The weights of the score are
+fitted to five sixths of the surfaces and tried on the last, six times; those in
+`weftex.quality.eye` are fitted to all.
+
+A judge has seen nothing but what programs make of a sample. So the fit also has pairs that need no
+judge: the lower half of a sample as if it had been made from the upper one, and that half spoiled.
 """
 
 from __future__ import annotations
@@ -9,12 +18,28 @@ import argparse
 import csv
 import itertools
 from collections import defaultdict
+from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
+from draw import table
+from PIL import Image
+
+import weftex
+from weftex.quality.eye import WEIGHTS, terms
+from weftex.quality.figures import FIGURES
+from weftex.random import draw
 
 HERE = Path(__file__).resolve().parent
+MEASURED = [name for name, figure in FIGURES.items() if figure.agrees is not None]
+REAL = "real"
+FOLDS = 6
+_RIDGE = 3.0  # on the weights of terms in units of their spread
+_SURE = 4.0  # ranks apart that a pair without a judge stands for
+_BLOCK = 32  # pixels
+
+Known = dict[tuple[str, str], dict[str, float]]
 
 
 @dataclass(frozen=True)
@@ -25,17 +50,16 @@ class Pair:
     judge: str
     better: str
     worse: str
-    ranks: int
+    ranks: float
     marks: int
 
 
 def pairs() -> list[Pair]:
     """Every pair that a judge put in an order."""
     given: dict[tuple[str, str], dict[str, tuple[int, int]]] = defaultdict(dict)
-    with (HERE / "judgements.csv").open(newline="", encoding="utf-8") as file:
-        for line in csv.DictReader(file):
-            of = given[line["surface"], line["judge"]]
-            of[line["picture"]] = int(line["rank"]), int(line["mark"])
+    for line in table("judgements.csv"):
+        of = given[line["surface"], line["judge"]]
+        of[line["picture"]] = int(line["rank"]), int(line["mark"])
     found = []
     for (surface, judge), of in given.items():
         for first, second in itertools.combinations(sorted(of), 2):
@@ -61,11 +85,179 @@ def judges(ordered: list[Pair]) -> list[tuple[str, float, int]]:
     ]
 
 
+def spoiled(real: np.ndarray, sample: np.ndarray) -> Iterator[tuple[str, np.ndarray]]:
+    """Pictures of the size of a real one that are worse than it to any eye."""
+    height, width = real.shape[:2]
+    blurred = np.pad(real.astype(np.float64), ((2, 2), (2, 2), (0, 0)), mode="edge")
+    for axis in (0, 1):
+        blurred = np.lib.stride_tricks.sliding_window_view(blurred, 5, axis).mean(-1)
+    yield "blurred", np.rint(blurred).astype(np.uint8)
+    pixels = real.reshape(-1, 3)
+    yield "noise", pixels[np.argsort(draw(0, "pixels", np.arange(len(pixels))))].reshape(real.shape)
+    side = min(sample.shape[:2]) // 2
+    yield (
+        "tiled",
+        np.tile(sample[:side, :side], (-(-height // side), -(-width // side), 1))[:height, :width],
+    )
+    rows, columns = height // _BLOCK, width // _BLOCK
+    bits = draw(0, "blocks", np.arange(rows * columns)[:, None], np.arange(3))
+    places = [divmod(int(k), columns) for k in np.argsort(bits[:, 0])]
+    room = np.array(sample.shape[:2]) - _BLOCK + 1
+    for name, whole, corners in (
+        ("shuffled", real, np.array(places) * _BLOCK),
+        ("patched", sample, (bits[:, 1:] % room.astype(np.uint64)).astype(int)),
+    ):
+        blocks = np.stack([whole[y : y + _BLOCK, x : x + _BLOCK] for y, x in corners])
+        blocks = blocks.reshape(rows, columns, _BLOCK, _BLOCK, 3).swapaxes(1, 2)
+        yield name, blocks.reshape(rows * _BLOCK, columns * _BLOCK, 3)
+
+
+def sure(figures: Known) -> list[Pair]:
+    """Pairs that need no judge: a real picture before what is spoiled of it."""
+    return [
+        Pair(surface, "", REAL, name, _SURE, 4)
+        for surface, name in figures
+        if not name.isdigit() and name != REAL
+    ]
+
+
+def measure(folder: Path) -> None:
+    """Write figures.csv: what `weftex.assess` finds in each picture, without a source."""
+    with (HERE / "figures.csv").open("w", newline="", encoding="utf-8") as file:
+        lines = csv.writer(file, lineterminator="\n")
+        lines.writerow(("surface", "picture", *MEASURED))
+        for surface in sorted({pair.surface for pair in pairs()}):
+            for name, sample, picture in pictures(folder / surface):
+                found = weftex.assess(sample, picture).as_dict()
+                values = ("" if found[m] is None else found[m] for m in MEASURED)
+                lines.writerow((surface, name, *values))
+            print(surface, flush=True)
+
+
+def pictures(folder: Path) -> Iterator[tuple[str, weftex.Exemplar, np.ndarray]]:
+    """What was made of a sample, and of its upper half."""
+    sample = weftex.load_exemplar(folder / "sample.png")
+    names = [line["picture"] for line in table("recipes.csv") if line["surface"] == folder.name]
+    for name in names:
+        yield name, sample, np.array(Image.open(folder / f"{name}.png"))
+    upper, lower = np.split(sample.pixels, 2)
+    half = weftex.Exemplar(upper)
+    yield REAL, half, lower
+    for name, worse in spoiled(lower, upper):
+        yield name, half, worse
+
+
+def known() -> Known:
+    """The figures of each picture; those that could not be measured are left out."""
+    return {
+        (line.pop("surface"), line.pop("picture")): {
+            name: float(value) for name, value in line.items() if value
+        }
+        for line in table("figures.csv")
+    }
+
+
+def limits(found: dict[str, float]) -> float:
+    """The score that was: the fourth root of the sum of fourth powers, each figure to its limit."""
+    return float(sum(FIGURES[name].badness(found[name]) ** 4 for name in found))
+
+
+def share(differences: np.ndarray) -> float:
+    """How many are above 0; ties count half."""
+    return float(((differences > 0) + 0.5 * (differences == 0)).mean())
+
+
+def agreement(figure: str, figures: Known, ordered: list[Pair]) -> tuple[float, int]:
+    """The share of pairs that a figure orders as the judge did, and how many have it."""
+    differences = []
+    for pair in ordered:
+        better, worse = (figures[pair.surface, name] for name in (pair.better, pair.worse))
+        if figure in better and figure in worse:
+            off = FIGURES[figure].off
+            differences.append(off(worse[figure]) - off(better[figure]))
+    return share(np.array(differences)), len(differences)
+
+
+def steps(figures: Known, ordered: list[Pair]) -> np.ndarray:
+    """By how much the terms of the worse picture are above those of the better, (pairs, terms)."""
+    made = {at: terms(found) for at, found in figures.items()}
+    return np.array(
+        [
+            [
+                made[pair.surface, pair.worse].get(name, 0)
+                - made[pair.surface, pair.better].get(name, 0)
+                for name in WEIGHTS
+            ]
+            for pair in ordered
+        ]
+    )
+
+
+def fit(apart: np.ndarray, heavy: np.ndarray) -> np.ndarray:
+    """Weights of at least 0 of a logistic regression without intercept, (terms,).
+
+    Projected Newton steps: a weight that would fall below 0 stays there.
+    """
+    spread = np.sqrt((apart**2).mean(axis=0))
+    unit, weights = apart / spread, np.full(apart.shape[1], 0.1)
+    for _ in range(100):
+        miss = 1 / (1 + np.exp(unit @ weights))
+        slope = 2 * _RIDGE * weights - (heavy * miss) @ unit
+        free = (weights > 0) | (slope < 0)
+        curve = (unit * (heavy * miss * (1 - miss))[:, None]).T @ unit
+        curve += 2 * _RIDGE * np.eye(len(weights))
+        step = np.zeros_like(weights)
+        step[free] = np.linalg.solve(curve[np.ix_(free, free)], slope[free])
+        weights = np.maximum(weights - step, 0)
+    return weights / spread
+
+
+def fitted(figures: Known, ordered: list[Pair]) -> np.ndarray:
+    """Weights for all of these pairs; each judge is half of what is known of a pair."""
+    heavy = np.array([pair.ranks for pair in ordered])
+    return fit(steps(figures, ordered), heavy / 2 / heavy.mean())
+
+
+def left_out(figures: Known, ordered: list[Pair], more: list[Pair]) -> np.ndarray:
+    """By how much the worse picture's score is above, by weights fitted to other surfaces."""
+    names = sorted({pair.surface for pair in ordered})
+    turn = np.argsort(draw(0, "folds of surfaces", np.arange(len(names))))
+    fold = {name: int(turn[k]) % FOLDS for k, name in enumerate(names)}
+    apart, said = steps(figures, ordered), np.zeros(len(ordered))
+    for k in range(FOLDS):
+        part = np.array([fold[pair.surface] == k for pair in ordered])
+        others = [pair for pair in ordered + more if fold[pair.surface] != k]
+        said[part] = apart[part] @ fitted(figures, others)
+    return said
+
+
 def main() -> None:
-    argparse.ArgumentParser(description=(__doc__ or "").splitlines()[0]).parse_args()
+    parser = argparse.ArgumentParser(description=(__doc__ or "").splitlines()[0])
+    parser.add_argument("folder", type=Path, nargs="?")
+    given = parser.parse_args()
+    if given.folder:
+        measure(given.folder)
+    ordered, figures = pairs(), known()
+    more = sure(figures)
     print("two judges, by the lesser difference of their marks")
-    for name, agrees, count in judges(pairs()):
-        print(f"  {name:4} {agrees:.3f} of {count}")
+    for name, agrees, count in judges(ordered):
+        print(f"  {name:16} {agrees:.3f} of {count}")
+    print("figures with a judge")
+    for name in MEASURED:
+        agrees, count = agreement(name, figures, ordered)
+        print(f"  {name:16} {agrees:.3f} of {count}")
+    old = {at: limits(found) for at, found in figures.items()}
+    apart = [old[p.surface, p.worse] - old[p.surface, p.better] for p in ordered]
+    print(f"  {'sum of limits':16} {share(np.array(apart)):.3f} of {len(ordered)}")
+    said = left_out(figures, ordered, more)
+    print("score with a judge, on surfaces that were not fitted")
+    print(f"  {'all':16} {share(said):.3f} of {len(ordered)}")
+    for least in range(4):
+        part = np.array([min(pair.marks, 3) == least for pair in ordered])
+        print(f"  {f'{least} marks apart':16} {share(said[part]):.3f} of {part.sum()}")
+    found = fitted(figures, ordered + more)
+    print(f"real before spoiled: {share(steps(figures, more) @ found):.3f} of {len(more)}")
+    print("weights:", {name: round(float(w), 2) for name, w in zip(WEIGHTS, found, strict=True)})
 
 
 if __name__ == "__main__":

@@ -41,6 +41,7 @@ if TYPE_CHECKING:
     from weftex.results.synthesis import Synthesis
     from weftex.tasks.analyze import analyze
     from weftex.tasks.auto import Auto
+    from weftex.tasks.combined import together
     from weftex.tasks.compare import compare
     from weftex.tasks.even_light import even_light
     from weftex.tasks.fill import fill
@@ -49,6 +50,8 @@ if TYPE_CHECKING:
     from weftex.tasks.report import report
     from weftex.tasks.straighten import straighten
     from weftex.tasks.synthesize import synthesize
+    from weftex.tasks.tile import tile
+    from weftex.turns import turned
 
 __version__ = "0.1.0"
 
@@ -83,6 +86,7 @@ _PUBLIC = {
     "results.synthesis": ["Synthesis"],
     "tasks.analyze": ["analyze"],
     "tasks.auto": ["Auto"],
+    "tasks.combined": ["together"],
     "tasks.compare": ["compare"],
     "tasks.even_light": ["even_light"],
     "tasks.fill": ["fill"],
@@ -92,6 +96,8 @@ _PUBLIC = {
     "tasks.report": ["report"],
     "tasks.straighten": ["straighten"],
     "tasks.synthesize": ["synthesize"],
+    "tasks.tile": ["tile"],
+    "turns": ["turned"],
 }
 _HOME = {name: module for module, names in _PUBLIC.items() for name in names}
 

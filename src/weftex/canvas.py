@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import numbers
 import operator
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -39,6 +40,8 @@ class Canvas:
         known pixels are not at hand.
     known_from : (int, int), optional
         Row and column of the canvas's corner in the sample, when the known pixels are part of it.
+    known_maps : mapping of str to array
+        Maps of the known pixels, by the names of the sample's, when they are not part of it.
     origin : (int, int)
         Where in an endless plane the canvas's corner is, from -2**40 to 2**40.
     guide : array (H, W) or (H, W, C), optional
@@ -64,6 +67,7 @@ class Canvas:
     known_from: tuple[int, int] | None = None
     guide: NDArray[Any] | None = None
     origin: tuple[int, int] = (0, 0)
+    known_maps: Mapping[str, NDArray[Any]] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
         for name in ("height", "width"):
@@ -119,6 +123,23 @@ class Canvas:
     def shape(self) -> tuple[int, int]:
         """Height and width."""
         return self.height, self.width
+
+    @property
+    def kinds(self) -> tuple[str, ...]:
+        """Its kinds, of `weftex.method.CANVAS_KINDS`; "known" only where a pixel is known.
+
+        Examples
+        --------
+        >>> Canvas(3, 4, wrap=(True, False)).kinds
+        ('wrap',)
+        """
+        found = {
+            "wrap": any(self.wrap),
+            "known": self.hole is not None and not self.hole.all(),
+            "guide": self.guide is not None,
+            "random_access": self.origin != (0, 0),
+        }
+        return tuple(kind for kind, is_one in found.items() if is_one)
 
     def check_window(self, window: tuple[int, int, int, int] | None) -> tuple[int, int, int, int]:
         """Return (top, left, height, width) if that lies inside; None is the whole canvas."""

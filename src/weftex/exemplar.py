@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Mapping
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
@@ -10,13 +9,18 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from weftex.errors import InvalidInputError, shown
+from weftex.raster.levels import edges_of, resized, scale_between, scale_to_bytes, to_bytes
+from weftex.raster.mixing import Mixing, mixing_of
+from weftex.roles import COLOR, Role, as_role, checked_weights, role_of
 
 if TYPE_CHECKING:
+    from fractions import Fraction
+
     from numpy.typing import NDArray
 
 _DTYPES = ("uint8", "uint16", "float32", "float64")
 _MOST_CHANNELS = 32  # of a picture of four rows or fewer
-_ORDINARY = 100  # powers of two: float32, too, subtracts and divides such numbers
+_PARTS = ("pixels", "mask", "guide", "tileable", "alpha", "icc", "name", "role", "turn", "pieces")
 _LABELS = 32  # a sample's guide with at most so many colors is a map of labels
 
 
@@ -27,9 +31,10 @@ class Exemplar:
     ----------
     pixels : array (H, W) or (H, W, C)
         uint8, uint16, float32 or float64; any number of channels. Kept as it is, never rescaled.
-    maps : mapping of str to array, optional
-        Aligned maps (normal, roughness, height …) of the same height and width, of any dtype and
-        channel count. They take part in matching, so that seams show in none of them.
+    maps : mapping of str to array or Exemplar, optional
+        Aligned maps (normal, roughness, height …), of any dtype and channel count; of the same
+        height and width, or an integer multiple or fraction of both. They take part in matching,
+        so that seams show in none of them. An array's role follows from its name.
     mask : bool array (H, W), optional
         True where a pixel may be used; everywhere by default.
     guide : array (H, W) or (H, W, C), optional
@@ -45,17 +50,28 @@ class Exemplar:
         Color profile, carried along to files.
     name : str, optional
         What to call it in messages.
+    role : Role or str, optional
+        What the pixels show, or its name in `weftex.roles.ROLES`; by default a normal map if its
+        name says so and else a color.
+    turn : str, optional
+        Which copies of a smaller sample it is made of, see `weftex.turned`.
+    pieces : bool, optional
+        It has pieces that lie apart, which share no lattice, as copies and several samples do.
+    weights : mapping of str to float, optional
+        Of maps in matching; 1 each by default, together as much as the pixels. 0 is not at all.
 
     Attributes
     ----------
     shape : tuple of int
         Height and width in pixels.
+    maps : dict of str to array
+        The pixels of its maps.
 
     Raises
     ------
     InvalidInputError
-        For an empty picture, an unsupported dtype, NaN or infinity, or a mask or map of another
-        size.
+        For an empty picture, an unsupported dtype, NaN or infinity, or a mask or map of a size
+        that does not fit.
 
     Examples
     --------
@@ -68,15 +84,23 @@ class Exemplar:
         self,
         pixels: NDArray[Any],
         *,
-        maps: Mapping[str, NDArray[Any]] | None = None,
+        maps: Mapping[str, NDArray[Any] | Exemplar] | None = None,
         mask: NDArray[np.bool_] | None = None,
         guide: NDArray[Any] | None = None,
         tileable: bool = False,
         alpha: bool | None = None,
         icc: bytes | None = None,
         name: str = "sample",
+        role: Role | str | None = None,
+        turn: str | None = None,
+        pieces: bool = False,
+        weights: Mapping[str, float] | None = None,
     ) -> None:
-        self.name, self.tileable, self.icc = name, bool(tileable), icc
+        self.pieces = bool(pieces)
+        self.name, self.tileable, self.icc, self.turn = name, bool(tileable), icc, turn
+        named = role_of(name)
+        by_name = named if named is not None and named.kind == "normal" else COLOR
+        self.role = by_name if role is None else as_role(role)
         if alpha is None:
             _check_layout(pixels, name)
         self.pixels = check_pixels(pixels, name)
@@ -87,15 +111,15 @@ class Exemplar:
             raise InvalidInputError(f"{name} has one channel, so it cannot be color with alpha")
         if maps is not None and not isinstance(maps, Mapping):
             raise InvalidInputError(f"maps is {shown(maps)}; it must be arrays by their names")
-        for key, value in (maps or {}).items():
-            _check_layout(value, f"map '{key}'")
-        self.maps = {key: check_pixels(value, key) for key, value in (maps or {}).items()}
-        for key, value in self.maps.items():
-            if value.shape[:2] != self.shape:
-                raise InvalidInputError(
-                    f"map '{key}' is {_size(value)}, {name} is {_size(self.pixels)}; "
-                    "aligned maps must have one size"
-                )
+        for key in maps or ():
+            if not isinstance(key, str):
+                raise InvalidInputError(f"maps has the name {shown(key)}; it must be a text")
+        own = {key: as_map(value, key) for key, value in (maps or {}).items()}
+        self._maps = {k: one if one.name == k else one.changed(name=k) for k, one in own.items()}
+        self.maps = {key: one.pixels for key, one in self._maps.items()}
+        for key in self.maps:
+            self.scale_of(key)
+        self.weights = checked_weights(weights, self.maps)
         self.mask = None if mask is None else as_mask(mask, "mask")
         if self.mask is not None and self.mask.shape != self.shape:
             raise InvalidInputError(
@@ -113,8 +137,43 @@ class Exemplar:
 
     def changed(self, **parts: Any) -> Exemplar:
         """Return the same sample but for these parameters of `Exemplar`, such as its guide."""
-        own = ("pixels", "maps", "mask", "guide", "tileable", "alpha", "icc", "name")
-        return Exemplar(**{name: getattr(self, name) for name in own} | parts)
+        given = {name: getattr(self, name) for name in _PARTS} | {"maps": self._maps} | parts
+        weights = {name: k for name, k in self.weights.items() if name in (given["maps"] or ())}
+        return Exemplar(**{"weights": weights} | given)
+
+    def map(self, name: str) -> Exemplar:
+        """Return one of the maps as a picture of its own, with its role."""
+        return self._maps[name]
+
+    @property
+    def roles(self) -> dict[str, Role]:
+        """What each of the maps shows."""
+        return {name: one.role for name, one in self._maps.items()}
+
+    def scale_of(self, name: str) -> Fraction:
+        """Return how many pixels of a map lie along one of the sample: an integer or 1 / integer.
+
+        Raises
+        ------
+        InvalidInputError
+            If sizes are no multiples of each other.
+        """
+        scale = scale_between(self._maps[name].shape, self.shape)
+        if scale is None:
+            raise InvalidInputError(
+                f"map '{name}' is {_size(self.maps[name])}, {self.name} is {_size(self.pixels)}; "
+                "both sides must be equal, or the same integer multiple or fraction"
+            )
+        return scale
+
+    def aligned(self, name: str) -> NDArray[Any]:
+        """Return a map at the sample's own size: means of blocks, or pixels repeated."""
+        return resized(self.maps[name], 1 / self.scale_of(name))
+
+    @cached_property
+    def mixing(self) -> Mixing:
+        """How its pixels are mixed where two patches show."""
+        return mixing_of(self.pixels, self.role.kind, self.alpha)
 
     def matching(self, edge_weight: float = 0.0) -> NDArray[np.uint8]:
         """Return what distances are taken on: bytes, so that they are exact integers.
@@ -130,18 +189,27 @@ class Exemplar:
             The pixels themselves for plain 8-bit pictures without maps.
         """
         if edge_weight not in self._matching:
-            own = [self.as_matching(self.pixels, edge_weight)]
-            # All maps together weigh as much as the picture.
-            share = (len(self.maps) or 1) ** -0.5
-            for value in self.maps.values():
-                channels = 1 if value.ndim == 2 else value.shape[2]
-                values = _to_bytes(value, _scale(value)) * (
-                    share * (self.channels / channels) ** 0.5
-                )
-                own.append(np.rint(np.minimum(values, 255)).astype(np.uint8))
-            whole = own[0] if len(own) == 1 else np.concatenate(own, axis=2)
-            self._matching[edge_weight] = np.ascontiguousarray(whole)
+            self._matching[edge_weight] = self.matching_of(self, edge_weight)
         return self._matching[edge_weight]
+
+    def matching_of(self, other: Exemplar, edge_weight: float = 0.0) -> NDArray[np.uint8]:
+        """Return another picture, with maps of the same names, in bytes as the sample's own are."""
+        own = [self.as_matching(other.pixels, edge_weight)]
+        # All maps of weight 1 together weigh as much as the picture.
+        factors = {
+            name: (len(self.maps) / w) ** -0.5 * (self.channels / self._maps[name].channels) ** 0.5
+            for name, w in self.weights.items()
+            if w > 0
+        }
+        largest = max(factors.values(), default=0)
+        if largest > 1 and max(self.weights.values()) > 1:  # all of them are to fit into bytes
+            own = [np.rint(own[0] / largest).astype(np.uint8)]
+            factors = {name: factor / largest for name, factor in factors.items()}
+        for name, factor in factors.items():
+            values = to_bytes(other.aligned(name), scale_to_bytes(self.aligned(name)))
+            own.append(np.rint(np.minimum(values * factor, 255)).astype(np.uint8))
+        whole = own[0] if len(own) == 1 else np.concatenate(own, axis=2)
+        return np.ascontiguousarray(whole)
 
     def as_matching(self, pixels: NDArray[Any], edge_weight: float = 0.0) -> NDArray[np.uint8]:
         """Map pixels of this sample's dtype and channels to bytes as the sample's own are.
@@ -154,15 +222,15 @@ class Exemplar:
         if self.alpha:
             top = {"u": 255 if pixels.dtype == np.uint8 else 65535, "f": 1}[pixels.dtype.kind]
             clear = np.clip(pixels[..., -1:] / top, 0, 1)
-            values = _to_bytes(pixels[..., :-1], _scale(self.pixels[..., :-1])) * clear
+            values = to_bytes(pixels[..., :-1], scale_to_bytes(self.pixels[..., :-1])) * clear
             values = np.concatenate([values, clear * 255], axis=2)
             result = np.rint(values).astype(np.uint8)
         elif pixels.dtype == np.uint8:
             result = pixels
         else:
-            result = np.rint(_to_bytes(pixels, _scale(self.pixels))).astype(np.uint8)
+            result = np.rint(to_bytes(pixels, scale_to_bytes(self.pixels))).astype(np.uint8)
         if edge_weight > 0:
-            result = np.concatenate([result, _edges(result, edge_weight)], axis=2)
+            result = np.concatenate([result, edges_of(result, edge_weight)], axis=2)
         return np.ascontiguousarray(result)
 
     @cached_property
@@ -199,7 +267,8 @@ class Exemplar:
         if self.guide is None:
             return self.as_matching(pixels)
         if self.labels is None:
-            return np.ascontiguousarray(np.rint(_to_bytes(pixels, _scale(self.guide))), np.uint8)
+            values = to_bytes(pixels, scale_to_bytes(self.guide))
+            return np.ascontiguousarray(np.rint(values), np.uint8)
         flat = pixels.reshape(pixels.shape[0] * pixels.shape[1], -1)
         same = np.stack([(flat == label).all(axis=1) for label in self.labels], axis=1)
         unknown = np.flatnonzero(~same.any(axis=1))
@@ -211,6 +280,31 @@ class Exemplar:
             )
         same = same[:, -1:] if len(self.labels) <= 2 else same
         return np.ascontiguousarray(255 * same.reshape(*pixels.shape[:2], -1), np.uint8)
+
+
+def as_rendered(given: Any, role: str | None) -> Exemplar:
+    """Return a picture to be rendered, of which an array does not say what it shows.
+
+    Raises
+    ------
+    InvalidInputError
+        If it cannot be used, or has a role already, or there is no such role.
+    """
+    if role is None:
+        return as_map(given, "map")
+    if isinstance(given, Exemplar):
+        raise InvalidInputError("an Exemplar says what it shows; give role to that")
+    return as_map(given, as_role(role).name)
+
+
+def as_map(given: Any, name: str) -> Exemplar:
+    """Return a map with the role that its name gives; plain numbers where it gives none."""
+    if isinstance(given, Exemplar):
+        return given
+    _check_layout(given, f"map '{name}'")
+    pixels, role = check_pixels(given, name), role_of(name) or Role(name)
+    alpha = pixels.ndim == 3 and pixels.shape[2] in (2, 4) and not role.channels
+    return Exemplar(pixels, alpha=alpha, name=name, role=role)
 
 
 def _check_layout(pixels: NDArray[Any], name: str) -> None:
@@ -290,52 +384,3 @@ def _size(pixels: NDArray[Any]) -> str:
 def _color(values: NDArray[Any]) -> str:
     text = ", ".join(f"{v:g}" for v in values)
     return f"({text})" if len(values) > 1 else text
-
-
-def _scale(pixels: NDArray[Any]) -> tuple[float, float]:
-    """The values that become 0 and 255."""
-    if pixels.dtype == np.uint8:
-        return 0.0, 255.0
-    if pixels.dtype == np.uint16:
-        low, high = float(pixels.min()), float(pixels.max())
-        full = 65535.0
-    else:
-        # A few specular pixels of an HDR picture must not turn the rest black.
-        numbers, exponent = tamed(pixels)
-        low, high = (math.ldexp(float(q), exponent) for q in np.quantile(numbers, (0.001, 0.999)))
-        full = 1.0
-    if low >= 0 and high <= full and high - low >= full / 8:
-        return 0.0, full  # the same bytes as the 8-bit version of the picture
-    if 0 <= low < 0.75 * high:
-        low = 0.0
-    return low, high if high > low else low + max(1.0, abs(low))
-
-
-def _to_bytes(pixels: NDArray[Any], scale: tuple[float, float]) -> NDArray[np.float64]:
-    low, high = scale
-    pixels = np.clip(pixels.reshape(*pixels.shape[:2], -1).astype(np.float64), low, high)
-    exponent = _exponent(max(abs(low), abs(high)))
-    if exponent:
-        pixels = np.ldexp(pixels, -exponent)
-        low, high = math.ldexp(low, -exponent), math.ldexp(high, -exponent)
-    return np.clip((pixels - low) * (255 / (high - low)), 0, 255)
-
-
-def tamed(pixels: NDArray[Any]) -> tuple[NDArray[Any], int]:
-    """Divide numbers so large or small that arithmetic fails by a power of two, and return it."""
-    exponent = _exponent(float(np.abs(pixels).max()))
-    return (np.ldexp(pixels.astype(np.float64), -exponent) if exponent else pixels), exponent
-
-
-def _exponent(largest: float) -> int:
-    """0 for ordinary numbers, whose differences and quotients are numbers too."""
-    exponent = math.frexp(largest)[1]
-    return 0 if abs(exponent) < _ORDINARY or largest == math.inf else exponent
-
-
-def _edges(values: NDArray[np.uint8], weight: float) -> NDArray[np.uint8]:
-    """Gradient magnitude of the brightness: it is what an interrupted outline differs in."""
-    gray = values.mean(axis=2)
-    dy, dx = (np.gradient(gray, axis=a) if gray.shape[a] > 1 else 0 * gray for a in (0, 1))
-    edges: NDArray[np.uint8] = np.rint(np.minimum(weight * np.hypot(dy, dx), 255)).astype(np.uint8)
-    return edges[..., None]

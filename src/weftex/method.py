@@ -3,27 +3,30 @@
 from __future__ import annotations
 
 import dataclasses
-import math
+import itertools
 import numbers
 from abc import ABC, abstractmethod
-from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any, ClassVar, Self
 
-from weftex.canvas import Canvas
+import numpy as np
+
+from weftex.canvas import Canvas, as_canvas
 from weftex.errors import InvalidInputError, UnsupportedError, did_you_mean, shown
 from weftex.loading import load_exemplar
+from weftex.parameters import check_value, numbers_of
+from weftex.random import seed_number
 from weftex.registry import supporting
+from weftex.threads import in_turn, thread_count
 
 if TYPE_CHECKING:
-    import numpy as np
+    from collections.abc import Iterator
+
     from numpy.typing import NDArray
 
     from weftex.exemplar import Exemplar
     from weftex.loading import Sample
     from weftex.progress import ProgressCallback
     from weftex.results.synthesis import Synthesis
-
-_MOST_WHOLE = 2**63 - 1  # what an integer of a parameter may be; arrays hold no more
 
 #: Canvas kinds that a method may declare in `supports`, in words for messages.
 CANVAS_KINDS = {
@@ -37,63 +40,6 @@ CANVAS_KINDS = {
 CANVAS_NAMES = {"guide": "a guide", "known": "known pixels", "wrap": "tileable output"}
 
 
-def parameter(
-    default: Any,
-    help: str,
-    *,
-    low: float | None = None,
-    high: float | None = None,
-    unit: str = "",
-    choices: Sequence[str] = (),
-    default_text: str = "",
-    needs: tuple[str, Sequence[str]] | None = None,
-    needs_canvas: str = "",
-    count: int = 0,
-    parity: str = "",
-) -> Any:
-    """Declare a field of a method.
-
-    Parameters
-    ----------
-    default : object
-        None means that it follows from the sample; say how in `default_text`.
-    help : str
-        One line.
-    low, high : float, optional
-        Inclusive bounds.
-    unit : str
-        Of the value, for people.
-    choices : sequence of str
-        The allowed values of a text.
-    default_text : str
-        What None stands for.
-    needs : (field, values), optional
-        The parameter does something only while `field` has one of these values; setting it
-        otherwise is refused, not ignored.
-    needs_canvas : str
-        Likewise for a kind of canvas, see `CANVAS_KINDS`.
-    count : int
-        The value is so many numbers; a text with commas between them is taken too.
-    parity : str
-        "odd" or "even"; 0, where `low` allows it, is both.
-    """
-    return dataclasses.field(
-        default=default,
-        metadata={
-            "help": help,
-            "low": low,
-            "high": high,
-            "unit": unit,
-            "choices": choices,
-            "default_text": default_text,
-            "needs": needs,
-            "needs_canvas": needs_canvas,
-            "count": count,
-            "parity": parity,
-        },
-    )
-
-
 class Model(ABC):
     """What `Method.fit` returns: immutable, picklable, good for any number of outputs.
 
@@ -103,10 +49,13 @@ class Model(ABC):
         The sample that was fitted.
     method : Method
         The method with every parameter settled.
+    asked : Method or None
+        The method as `fit` found it, which tells what somebody chose.
     """
 
     exemplar: Exemplar
     method: Method
+    asked: Method | None = None
 
     @abstractmethod
     def sample(
@@ -133,6 +82,62 @@ class Model(ABC):
         progress : callable, optional
             See `weftex.progress.ProgressCallback`.
         """
+
+    def require(self, canvas: Canvas) -> None:
+        """Refuse a canvas that the method does not do, or on which a chosen parameter is idle."""
+        (self.asked or self.method).require(canvas)
+
+    def samples(
+        self,
+        count: int | None,
+        size: int | tuple[int, int],
+        *,
+        seed: int | np.random.Generator | None = None,
+        tileable: bool | str = False,
+        channels_first: bool = False,
+        threads: int | None = None,
+    ) -> Iterator[NDArray[Any]]:
+        """Make many pictures, one after the other, for whoever trains on them.
+
+        Parameters
+        ----------
+        count : int or None
+            How many; None goes on for ever.
+        size, tileable
+            As for `sample`.
+        seed : int, numpy Generator or None
+            Picture k is that of `sample` with `seed` + k, at any number of threads.
+        channels_first : bool
+            (C, H, W) as PyTorch takes pictures, and not (H, W, C) as Albumentations and all of
+            weftex do; gray ones are (1, H, W) then.
+        threads : int, optional
+            So many pictures are made at a time.
+
+        Yields
+        ------
+        array
+            In the sample's dtype, contiguous.
+
+        Examples
+        --------
+        >>> import weftex
+        >>> model = weftex.PatchSampling().fit("sample:pebbles")
+        >>> [one.shape for one in model.samples(2, 64, seed=1, channels_first=True)]
+        [(3, 64, 64), (3, 64, 64)]
+        """
+        whole = isinstance(count, numbers.Integral) and not isinstance(count, bool)
+        if count is not None and not (whole and count >= 0):
+            raise InvalidInputError(f"count is {shown(count)}; it must be 0 or more, or None")
+        first, at_once = seed_number(seed), thread_count(threads)
+        canvas = as_canvas(size, tileable)
+
+        def one(k: int) -> NDArray[Any]:
+            image = self.sample(canvas, seed=(first + k) % 2**64, threads=1).image
+            if not channels_first:
+                return image
+            return np.ascontiguousarray(np.moveaxis(np.atleast_3d(image), -1, 0))
+
+        return in_turn(one, range(count) if count is not None else itertools.count(), at_once)
 
     def window(
         self,
@@ -166,7 +171,9 @@ class Model(ABC):
         """
         self.method.require_kind("random_access")
         canvas = Canvas(height, width, origin=(top, left))
-        return self.sample(canvas, seed=seed, threads=threads, progress=progress)
+        found = self.sample(canvas, seed=seed, threads=threads, progress=progress)
+        found.is_window = True
+        return found
 
 
 @dataclasses.dataclass(frozen=True)
@@ -217,7 +224,7 @@ class Method(ABC):
                     self, field.name, numbers_of(field.name, value, field.metadata["count"])
                 )
             else:
-                _check(field, value)
+                check_value(field, value)
             if getattr(self, field.name) != field.default and not self.takes(field.name):
                 other, values = field.metadata["needs"]
                 allowed, found = " or ".join(f"'{v}'" for v in values), self.meant(other)
@@ -241,7 +248,9 @@ class Method(ABC):
         InvalidInputError
             If its pixels cannot be used, or a parameter does not go with it.
         """
-        return self.fit_exemplar(load_exemplar(sample))
+        model = self.fit_exemplar(load_exemplar(sample))
+        object.__setattr__(model, "asked", self)  # models may be frozen
+        return model
 
     def meant(self, name: str) -> Any:
         """Return the value of a parameter; where that leaves it to another one, what follows."""
@@ -249,8 +258,10 @@ class Method(ABC):
 
     def takes(self, name: str, canvas: Canvas | None = None) -> bool:
         """Whether a parameter has an effect beside what the others are, and on this canvas."""
-        needs = self.__dataclass_fields__[name].metadata["needs"]
-        return not needs or self.meant(needs[0]) in needs[1]
+        meta = self.__dataclass_fields__[name].metadata
+        if canvas is not None and meta["idle_canvas"] in canvas.kinds:
+            return False
+        return not meta["needs"] or self.meant(meta["needs"][0]) in meta["needs"][1]
 
     @abstractmethod
     def fit_exemplar(self, exemplar: Exemplar) -> Model:
@@ -294,8 +305,16 @@ class Method(ABC):
         return proposed
 
     def for_belt(self, width: int, **parameters: Any) -> Self:
-        """Return this method for a belt between two materials, whose windows are so wide."""
-        return dataclasses.replace(self, **parameters)
+        """Return this method for a belt between two materials, whose windows are so wide.
+
+        Belts lie between known pixels; what is idle there is left out.
+        """
+        idle = {
+            field.name: field.default
+            for field in dataclasses.fields(self)
+            if field.metadata["idle_canvas"] == "known"
+        }
+        return dataclasses.replace(self, **idle | parameters)
 
     def window_of(self, exemplar: Exemplar) -> int:
         """Return the width of the window that the method settles on; 0 if it compares none.
@@ -308,24 +327,29 @@ class Method(ABC):
         return 0
 
     def require(self, canvas: Canvas) -> None:
-        """Raise `UnsupportedError` if the canvas is of a kind that the method does not do."""
+        """Refuse a canvas of a kind that the method does not do, or on which a parameter is idle.
+
+        Raises
+        ------
+        UnsupportedError
+            If the method does not do the kind.
+        InvalidInputError
+            If a parameter that is not at its default has no effect on it.
+        """
         if canvas.hole is not None and canvas.known is None:
             raise InvalidInputError("the canvas has a hole but no known pixels around it")
-        wanted = {
-            "wrap": any(canvas.wrap),
-            "known": canvas.known is not None,
-            "guide": canvas.guide is not None,
-            "random_access": canvas.origin != (0, 0),
-        }
-        for kind, want in wanted.items():
-            if want:
-                self.require_kind(kind)
+        for kind in ["known"] * (canvas.known is not None) + list(canvas.kinds):
+            self.require_kind(kind)
         for field in dataclasses.fields(self):
-            needed = field.metadata["needs_canvas"]
-            if needed and not wanted[needed] and getattr(self, field.name) != field.default:
+            if getattr(self, field.name) == field.default:
+                continue
+            needed, idle = (field.metadata[key] for key in ("needs_canvas", "idle_canvas"))
+            if needed and needed not in canvas.kinds:
                 raise InvalidInputError(
                     f"{field.name} has no effect without {CANVAS_NAMES[needed]}"
                 )
+            if idle in canvas.kinds:
+                raise InvalidInputError(f"{field.name} has no effect with {CANVAS_NAMES[idle]}")
 
     def require_kind(self, kind: str) -> None:
         """Raise `UnsupportedError` unless the method supports this kind of canvas."""
@@ -342,57 +366,3 @@ class Method(ABC):
         """
         values = dataclasses.asdict(self)
         return {"method": self.slug} | {k: v for k, v in values.items() if v is not None}
-
-
-def _check(field: dataclasses.Field[Any], value: Any) -> None:
-    meta, name = field.metadata, field.name
-    if value is None and field.default is None:
-        return
-    if meta["choices"]:
-        known = meta["choices"]
-        if not isinstance(value, str) or value not in known:
-            raise InvalidInputError(f"{name} is {shown(value)}{did_you_mean(str(value), known)}")
-        return
-    whole = "int" in str(field.type)
-    kind = numbers.Integral if whole else numbers.Real
-    if not isinstance(value, kind) or isinstance(value, bool) or value != value:
-        wanted = "an integer" if whole else "a number"
-        raise InvalidInputError(f"{name} is {shown(value)}; it must be {wanted}")
-    low, high = meta["low"], meta["high"]
-    if (low is not None and value < low) or (high is not None and value > high):
-        raise InvalidInputError(f"{name} is {shown(value)}; it must be {bounds(field)}")
-    if isinstance(value, numbers.Integral) and abs(int(value)) > _MOST_WHOLE:
-        raise InvalidInputError(f"{name} is {shown(value)}; it must be at most 2**63 - 1")
-    if meta["parity"] and value and value % 2 != (meta["parity"] == "odd"):
-        raise InvalidInputError(f"{name} is {shown(value)}; it must be {meta['parity']}")
-
-
-def numbers_of(name: str, value: Any, count: int) -> tuple[float, ...]:
-    """So many numbers, from a sequence or a text with commas.
-
-    Raises
-    ------
-    InvalidInputError
-        That names the value, if it is not that.
-    """
-    try:
-        found = tuple(float(v) for v in (value.split(",") if isinstance(value, str) else value))
-    except (TypeError, ValueError, OverflowError):
-        found = ()
-    if len(found) != count or not all(map(math.isfinite, found)):
-        raise InvalidInputError(f"{name} is {shown(value)}; it must be {count} numbers")
-    return found
-
-
-def bounds(field: dataclasses.Field[Any]) -> str:
-    """The allowed values of a field in words."""
-    low, high, choices = (field.metadata[k] for k in ("low", "high", "choices"))
-    if field.metadata["count"]:
-        return f"{field.metadata['count']} numbers"
-    if choices:
-        return ", ".join(choices)
-    if low is not None and high is not None:
-        return f"from {low:g} to {high:g}"
-    return (
-        f"{low:g} or more" if low is not None else f"at most {high:g}" if high is not None else ""
-    )

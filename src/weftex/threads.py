@@ -5,7 +5,7 @@ from __future__ import annotations
 import numbers
 import os
 import sys
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from contextlib import contextmanager
 from typing import Any
 
@@ -53,3 +53,34 @@ def thread_map(threads: int) -> Iterator[Callable[..., Any]]:
 
     with ThreadPoolExecutor(threads) as pool:
         yield pool.map
+
+
+def in_turn(work: Callable[[int], Any], over: Iterable[int], threads: int) -> Iterator[Any]:
+    """Yield `work` of each number in their order, a few of them made ahead in threads.
+
+    Unlike `map` of a pool it takes numbers without end, and holds no more than two a thread.
+
+    Examples
+    --------
+    >>> from itertools import count, islice
+    >>> list(islice(in_turn(abs, count(-2), threads=2), 4))
+    [2, 1, 0, 1]
+    """
+    if threads == 1:
+        yield from map(work, over)
+        return
+    from collections import deque
+    from concurrent.futures import Future, ThreadPoolExecutor
+
+    with ThreadPoolExecutor(threads) as pool:
+        ahead: deque[Future[Any]] = deque()
+        try:
+            for number in over:
+                ahead.append(pool.submit(work, number))
+                if len(ahead) > 2 * threads:
+                    yield ahead.popleft().result()
+            while ahead:
+                yield ahead.popleft().result()
+        finally:  # also where nobody asks for more
+            for future in ahead:
+                future.cancel()

@@ -40,6 +40,20 @@ def test_a_picture_with_itself(shape, masked, rng):
         assert found[shape[0] - 1, shape[1] - 1] == pytest.approx(1)
 
 
+@pytest.mark.parametrize("masked", [False, True])
+@pytest.mark.parametrize("first, second", SIZES)
+@pytest.mark.parametrize("reach", [(0, 0), (2, 1), (1, 6), (20, 20)])
+def test_within_reach_it_is_the_same(first, second, masked, reach, rng):
+    f, g = rng.integers(0, 256, first, np.uint8), rng.integers(0, 256, second, np.uint8)
+    masks = {"first_mask": rng.random(first) < 0.7} if masked else {}
+    whole, part = correlate(f, g, **masks), correlate(f, g, **masks, reach=reach)
+    y, x = (side - 1 for side in second)
+    rows = slice(max(0, y - reach[0]), y + reach[0] + 1)
+    np.testing.assert_allclose(
+        part, whole[rows, max(0, x - reach[1]) : x + reach[1] + 1], atol=1e-9
+    )
+
+
 @given(st.data())
 def test_any_sizes_and_few_levels(data):
     """Few levels make many overlaps constant."""

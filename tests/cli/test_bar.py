@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+import io
+import time
+
 import pytest
 
 from weftex.cli import terminal
@@ -32,3 +35,18 @@ def test_stages_begin_anew(shown):
     assert shown(40, 40, "refinements") == (40, 40, "refinements")
     assert shown(2, 40, "refinements") == (2, 40, "refinements")  # the same again
     assert shown(3, 8, "refinements") == (3, 8, "refinements")
+
+
+def test_a_slow_stage_after_a_fast_one_is_shown(monkeypatch):
+    """Its steps are few, and each is to be seen."""
+    screen = io.StringIO()
+    monkeypatch.setattr(screen, "isatty", lambda: True)
+    monkeypatch.setattr(terminal.sys, "stderr", screen)
+    monkeypatch.setattr(terminal, "_BAR_AFTER", -1)
+    bar = terminal.Bar(quiet=False)
+    for done, total, stage in ((0, 9**6, "pixels"), (9**6, 9**6, "pixels"), (1, 40, "repairs")):
+        bar(done, total, stage, lambda: None)
+        time.sleep(0.15)  # tqdm shows ten steps a second
+    bar(7, 40, "repairs", lambda: None)
+    bar.close()
+    assert "7/40" in screen.getvalue()

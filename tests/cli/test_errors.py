@@ -60,7 +60,7 @@ WRONG = [
     (["synth", "nan.tif", "-o", "x.tif"], "NaN or infinity"),
     (["synth", "void", "-o", "x"], "has no pictures"),
     (["synth", "uneven", "-o", "x"], "names are of no map"),
-    (["synth", "uneven", "-o", "x", "--maps", "color=a.png,height=b.png"], "one size"),
+    (["synth", "uneven", "-o", "x", "--maps", "color=a.png,height=b.png"], "multiple or fraction"),
     (["synth", "sample.png", "-o", "x.png", "--guide", "nowhere.png"], "nowhere.png"),
     (
         [*PATCHES, "--guide", "photo.png"],

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 import weftex
-from commands import fails, weft_run
-from weftex.io.pictures import read_image, read_maps, write_image
+from commands import fails, read_maps, weft_run
+from weftex.io.pictures import read_image, write_image
 
 
 def test_fill(here, capsys):

@@ -9,9 +9,9 @@ import numpy as np
 import pytest
 
 import weftex
-from commands import weft_run
+from commands import read_maps, weft_run
 from families import TRIALS, every, method_of, noise
-from weftex.io.pictures import read_image, read_maps, write_image
+from weftex.io.pictures import read_image, write_image
 
 
 def test_synth_makes_what_the_library_makes(here, capsys):

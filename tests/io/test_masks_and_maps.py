@@ -7,6 +7,7 @@ import os
 import numpy as np
 import pytest
 
+from commands import read_maps
 from picture_files import fails, noise
 from weftex.errors import FileError
 from weftex.io import pictures as io
@@ -71,23 +72,26 @@ def test_maps(tmp_path):
     (tmp_path / "readme.txt").write_text("x")
     (tmp_path / ".hidden.png").write_text("x")
     (tmp_path / "folder.png").mkdir()
-    maps = io.read_maps(tmp_path)
+    maps = read_maps(tmp_path)
     assert list(maps) == ["albedo", "albedo.2", "height", "normal"]
     assert maps["height"].pixels.dtype == np.uint16
     assert maps["normal"].path == str(tmp_path / "normal.PNG")
     fails(tmp_path / "albedo.2.exr", "4 x 5 pixels are more than max_pixels = 16",
-          lambda p: io.read_maps(tmp_path, max_pixels=16))  # fmt: skip
-    io.write_image(tmp_path / "height.png", noise((4, 4)))
-    fails(tmp_path, "two pictures named 'height'", io.read_maps)
-    (tmp_path / "height.png").write_text("x")
+          lambda p: read_maps(tmp_path, max_pixels=16))  # fmt: skip
+    io.write_image(tmp_path / "height.bmp", noise((4, 4)))
+    assert read_maps(tmp_path)["height"].pixels.dtype == np.uint16  # the deeper of the two
     os.unlink(tmp_path / "height.tif")
-    fails(tmp_path / "height.png", "not a picture", lambda p: io.read_maps(tmp_path))
+    io.write_image(tmp_path / "height.png", noise((4, 4)))
+    fails(tmp_path, "two pictures named 'height'", read_maps)
+    os.unlink(tmp_path / "height.bmp")
+    (tmp_path / "height.png").write_text("x")
+    fails(tmp_path / "height.png", "not a picture", lambda p: read_maps(tmp_path))
 
 
 def test_maps_that_are_not_there(tmp_path):
-    fails(tmp_path, r"has no pictures \(\.png", io.read_maps)
-    fails(tmp_path / "no", "No such file", io.read_maps)
+    fails(tmp_path, r"has no pictures \(\.png", read_maps)
+    fails(tmp_path / "no", "No such file", read_maps)
     (tmp_path / "file").write_text("x")
-    fails(tmp_path / "file", "Not a directory", io.read_maps)
+    fails(tmp_path / "file", "Not a directory", read_maps)
     with pytest.raises(FileError, match="null"):
-        io.read_maps("a\0b")
+        read_maps("a\0b")

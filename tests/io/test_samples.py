@@ -8,6 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from commands import read_maps
 from picture_files import fails
 from weftex.errors import FileError
 from weftex.io import pictures as io
@@ -28,7 +29,7 @@ def test_samples():
         assert not io.is_folder(f"sample:{name}")
         assert io.sample_path(name) == io.sample_path(f"sample:{name}")
     assert io.is_folder("sample:stone_wall")
-    maps = io.read_maps("sample:stone_wall")
+    maps = read_maps("sample:stone_wall")
     assert list(maps) == ["albedo", "ao", "height", "normal", "roughness"]
     one = io.read_image("sample:stone_wall/normal")
     np.testing.assert_array_equal(one.pixels, maps["normal"].pixels)
@@ -44,9 +45,9 @@ def test_samples_that_are_not_there(tmp_path):
             io.read_image(name)
         assert not io.is_folder(name)
     with pytest.raises(FileError, match="did you mean 'stone_wall'"):
-        io.read_maps("sample:stonewall")
+        read_maps("sample:stonewall")
     fails("sample:stone_wall", "is a folder")
-    fails("sample:bricks", "Not a directory", io.read_maps)
+    fails("sample:bricks", "Not a directory", read_maps)
     assert io.is_folder(tmp_path)
     assert not io.is_folder(tmp_path / "no")
     assert not io.is_folder("a\0b")

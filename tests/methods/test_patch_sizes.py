@@ -1,5 +1,7 @@
 """The sizes of patches and boundaries, and what is refused."""
 
+import re
+
 import numpy as np
 import pytest
 
@@ -173,6 +175,28 @@ def test_a_mask_without_room_for_a_patch_is_refused():
         weftex.PatchSampling(patch_size=10).fit(
             weftex.Exemplar(np.zeros((60, 100), np.uint8), mask=mask)
         )
+
+
+@every("method", family="patch")
+@pytest.mark.parametrize(
+    ("side", "parameters", "said"),
+    [
+        (9, {}, "patch_size may be at most 9 (now 18)"),
+        (2, {"patch_size": 3}, "patch_size may be at most 2 (now 3)"),
+        (3, {"patch_size": 1}, "boundary_width may be at most 1 (now 4)"),
+        (1, {"patch_size": 2}, "it has room for 1x1; a patch takes 2x2, a pixel and its zone 3x3"),
+        (2, {"patch_size": 1}, "it has room for 2x2; a patch takes 2x2, a pixel and its zone 3x3"),
+    ],
+)
+def test_what_would_fit_under_a_mask_is_named(method, side, parameters, said):
+    mask = np.zeros((60, 100), bool)
+    mask[5 : 5 + side, 7 : 7 + side] = True
+    exemplar = weftex.Exemplar(np.zeros((60, 100), np.uint8), mask=mask)
+    with pytest.raises(weftex.InvalidInputError, match=re.escape(said)):
+        weftex.METHODS[method](**parameters).fit(exemplar)
+    fitting = {"patch_size": side} if side > 1 else None
+    if fitting and "boundary" not in said:
+        weftex.METHODS[method](**fitting).fit(exemplar)
 
 
 @pytest.mark.parametrize("threads", [0, -1, 1.5, "2", True])

@@ -449,3 +449,45 @@ def test_seed_points_lie_a_scale_apart():
     assert weftex.Refinement().fit(exemplar).method.seed_scale is None
     given = weftex.Refinement(init="seeds", seed_scale=20.0).fit(exemplar)
     assert given.prepared.settings.seed_spacing == 20
+
+
+def test_a_margin_for_places_that_nothing_looks_for_is_refused():
+    """Without similar places only seed points, holes and guides have any that continue nothing."""
+    pixels = weftex.load_exemplar("sample:pebbles").pixels[:64, :64].copy()
+    hole = np.pad(np.ones((20, 20), bool), 22)
+    guide = np.pad(np.zeros((64, 32), bool), ((0, 0), (0, 32)), constant_values=True)
+
+    def made(coherence, task=weftex.synthesize, on=40, **more):
+        given = {"similar": 0, "coherence": coherence, "iterations": 2}
+        result = task(pixels, on, method="refinement", seed=1, **given, **more)
+        return result.source.tolist()
+
+    for more in ({}, {"joints": 8}, {"joints": 8, "task": weftex.fill, "on": hole}):
+        with pytest.raises(weftex.InvalidInputError, match="coherence has no effect where similar"):
+            made(9.0, **more)
+    guided = {"guide": guide, "sample_guide": pixels[..., 0] > 120, "on": (64, 64)}
+    for more in ({"init": "seeds"}, {"task": weftex.fill, "on": hole}, guided):
+        assert made(9.0, **more) != made(1.0, **more)
+
+
+def test_more_matches_than_there_are_tiles_are_all():
+    exemplar = weftex.Exemplar(noise((40, 40)))
+    sources = [
+        weftex.Refinement(init="seeds", seed_scale=8.0, matches=matches, window_width=7)
+        .fit(exemplar)
+        .sample(24, seed=1)
+        .source.tolist()
+        for matches in (25, 10**9, 5)
+    ]
+    assert sources[0] == sources[1] != sources[2]
+
+
+def test_a_guide_takes_the_parameters_of_seeds_where_these_are_named():
+    pixels = weftex.load_exemplar("sample:pebbles").pixels[:48, :48].copy()
+
+    def made(**how):
+        method = weftex.Refinement(iterations=2, **how)
+        guide = pixels[::-1].copy()
+        return weftex.synthesize(pixels, 48, method=method, guide=guide, seed=1).source.tolist()
+
+    assert made() == made(init="seeds") != made(init="seeds", matches=40)

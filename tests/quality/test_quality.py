@@ -88,7 +88,7 @@ def test_a_real_picture_is_better_than_degraded_ones(name, what):
 def test_hardly_any_degraded_picture_passes():
     passed = [(n, what) for n in SURFACES for what in DEGRADED if not measured(n, what).flags]
     assert len(passed) <= 2, passed
-    assert [n for n in SURFACES if measured(n, "real").score > 1.5] == []
+    assert [n for n in SURFACES if measured(n, "real").flags] == []
 
 
 @pytest.mark.parametrize("name", SURFACES)
@@ -122,15 +122,17 @@ def test_colors(rng):
     assert other.color > 2 * real.color and 15 < other.color_difference < 25
     assert "color" in other.flags and "other colors" in other.verdict()
     gray = assess(first[..., 0], second[..., 0])
-    assert gray.color is not None and gray.score < 3
+    noise = assess(first[..., 0], rng.permutation(second[..., 0].ravel()).reshape(128, 256))
+    assert gray.color is not None and gray.score < noise.score
 
 
-def test_made_by_weft_is_good_and_says_where_from():
+def test_made_by_weft_is_good_and_says_where_from(rng):
     sample = weftex.load_exemplar("sample:pebbles")
     made = weftex.synthesize(sample, 192, method="quilting", seed=1, tileable=True)
     found = assess(sample, made)
     assert found == assess(sample, made.image, made.source, tileable=True)
-    assert found.flags == () and found.score < 1 and found.verdict().startswith("Good")
+    assert found.flags == () and found.verdict().startswith("Good")
+    assert found.score < assess(sample, hard_patches(sample.pixels, rng)).score
     assert found.copied > 0.9 and found.distinct > 0.7 and found.joints < 1.5
     assert found.wrap < 0.1
     whole = assess(sample, sample.pixels, np.indices(sample.shape).transpose(1, 2, 0))

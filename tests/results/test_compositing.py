@@ -6,6 +6,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from twins import compositing as reference
+from weftex.raster.mixing import Kind
 from weftex.results import paste_kernels
 from weftex.results.paste_kernels import Layout, View
 
@@ -70,6 +71,44 @@ def test_pasting_is_the_slow_twin(dtype, channels, cut, alpha, scale, seed):
     source = picture(rng, (sample[0] * scale, sample[1] * scale, channels), dtype)
     out = picture(rng, (canvas[0] * scale, canvas[1] * scale, channels), dtype)
     check(out, source, 0, 0, canvas, layout(rng, canvas, sample, 5, 4, 6, cut), scale, alpha)
+
+
+@given(st.sampled_from(DTYPES), st.integers(3, 5), st.booleans(), st.integers(0, 2**30))
+def test_vectors_and_labels_are_the_slow_twin(dtype, channels, signed, seed):
+    rng = np.random.default_rng(seed)
+    middle = 0.0 if signed else 0.5
+    source = picture(rng, (6, 7, channels), dtype)
+    if np.dtype(dtype).kind == "f":
+        source -= 0.5 - middle
+    plan = layout(rng, (9, 11), (6, 7), 5, 4, 6, False)
+    for kind, blend in (
+        (Kind.VECTORS, lambda *of: reference.blend_vectors(*of, middle)),
+        (Kind.LABELS, reference.take_label),
+    ):
+        out = np.ascontiguousarray(np.resize(source[::-1], (9, 11, channels)))
+        expected = out.copy()
+        reference.paste_all(expected, source, 0, 0, (9, 11), *plan, blend=blend)
+        view = View(0, 0, 1, kind, middle)
+        paste_kernels.paste_all(out, source, Layout(*plan, 9, 11), view)
+        if np.dtype(dtype).kind == "f" or kind is Kind.VECTORS:
+            # Sums in another order may round a half to the other side.
+            step = 2 if np.dtype(dtype).kind == "u" else 1e-5
+            assert np.allclose(out.astype(float), expected.astype(float), rtol=0, atol=step)
+        else:
+            assert np.array_equal(out, expected)
+
+
+def test_opposite_vectors_are_not_mixed_to_nothing():
+    up, down = np.array([0, 0, 1], np.float64), np.array([0, 0, -1], np.float64)
+    one, none = np.array([[0, 0, 0, 0, 0]], np.int32), np.zeros((0, 0), np.uint16)
+    for weight, expected in ((128, down), (127, up)):
+        out = up.reshape(1, 1, 3).copy()
+        layout = Layout(one, np.full((1, 1, 1), weight, np.uint16), none, 1, 1)
+        paste_kernels.paste_all(out, down.reshape(1, 1, 3), layout, View(0, 0, 1, Kind.VECTORS))
+        if weight == 128:
+            assert np.array_equal(out[0, 0], expected)
+        else:  # a shade nearer to the old one
+            assert np.allclose(out[0, 0] / np.linalg.norm(out), expected)
 
 
 @given(st.sampled_from(DTYPES), st.booleans(), st.integers(1, 2), st.data())

@@ -73,8 +73,8 @@ def test_alpha_goes_with_its_pixel():
 
 
 def test_maps_are_replayed():
-    height = np.arange(99, dtype=np.uint16).reshape(9, 11)
-    assert np.array_equal(make(maps={"height": height}).maps["height"], make().index)
+    own = np.arange(99, dtype=np.uint16).reshape(9, 11)
+    assert np.array_equal(make(maps={"roughness": own}).maps["roughness"], make().index)
 
 
 def test_saved_results_are_the_same_again(tmp_path):

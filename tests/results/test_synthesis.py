@@ -175,7 +175,7 @@ def test_known_pixels_from_elsewhere():
 
 
 @pytest.mark.parametrize(
-    "shape", [(29, 34), (15, 17), (60, 34), (30, 68), (61, 68), (30, 35), (1, 1)]
+    "shape", [(29, 34), (15, 18), (60, 34), (30, 68), (61, 68), (30, 35), (1, 1)]
 )
 def test_maps_of_another_size_are_refused(shape):
     with pytest.raises(InvalidInputError, match="integer multiple"):
@@ -189,10 +189,11 @@ def test_maps_that_cannot_be_used_are_refused():
 
 
 def test_maps_come_along():
-    height = np.arange(30 * 34, dtype=np.uint16).reshape(30, 34)
-    result = make(maps={"height": height})
-    assert set(result.maps) == {"height"}
-    assert np.array_equal(result.maps["height"], result.render(height))
+    values = np.arange(30 * 34, dtype=np.uint16).reshape(30, 34)
+    result = make(maps={"height": values, "roughness": values})
+    assert set(result.maps) == {"height", "roughness"}
+    assert np.array_equal(result.maps["roughness"], result.render(values))
+    assert np.array_equal(result.maps["height"], result.render(values, role="height"))
     assert make().maps == {}
 
 

@@ -16,10 +16,11 @@ from weftex.choice import Choice
 from weftex.errors import InvalidInputError
 from weftex.tasks.auto import Findings, choose, look
 from weftex.tasks.auto.findings import count_colors
-from weftex.tasks.auto.trial import best_of_choices, others
+from weftex.tasks.auto.likeness import like_itself
+from weftex.tasks.auto.trial import best_of_choices, others, refined_if_whole
 
 EVEN = Evenness(0.0, 0.0, 0.0, (1.0, 1.0))
-GRASS = Findings((256, 256), None, True, 9.5, 5000, EVEN)
+GRASS = Findings((256, 256), None, True, 12.5, 5000, EVEN)
 TILES = Lattice(((31.05, 0.0), (-0.25, 102.17)), 0.87)
 ROWS = Lattice(((0.0, 46.0),), 0.95)
 
@@ -29,7 +30,10 @@ def with_(**changes):
 
 
 RULE = [
-    (GRASS, Canvas(512, 512), "patch-sampling", "fine structure, 9.5 px of 256"),
+    (GRASS, Canvas(512, 512), "patch-sampling", "fine structure, 12.5 px of 256"),
+    (with_(scale=9.5), Canvas(512, 512), "graphcut", "fine structure, 9.5 px of 256"),
+    (with_(scale=9.5), Canvas(1024, 1025), "patch-sampling", "fine structure, 9.5 px of 256"),
+    (with_(scale=9.5, colors=2), Canvas(512, 512), "quilting", r"few colors \(2\)"),
     (with_(scale=21.3), Canvas(512, 512), "patch-sampling", "fine"),
     (with_(scale=21.4), Canvas(512, 512), "graphcut", "irregular structure of 21.4 px"),
     (with_(scale=40.0), Canvas(1024, 1024), "graphcut", "irregular"),
@@ -37,6 +41,10 @@ RULE = [
     (with_(scale=40.0), Canvas(8192, 8192), "graphcut", "67.1 megapixels"),
     (with_(colors=2), Canvas(512, 512), "quilting", r"few colors \(2\)"),
     (with_(lattice=ROWS), Canvas(512, 512), "near-regular", "rows, distance 46 px"),
+    (with_(lattice=ROWS, along=0.3), Canvas(512, 512), "graphcut", "rows of things, distance 46"),
+    (with_(lattice=ROWS, along=0.3), Canvas(466, 99, (True, True)), "near-regular", "rows, dist"),
+    (with_(lattice=ROWS, along=0.3), Canvas(2048, 512), "graphcut", "rows of things"),
+    (with_(lattice=ROWS, along=0.3), Canvas(2048, 513), "near-regular", "rows, distance"),
     (with_(lattice=ROWS), Canvas(466, 99, (True, True)), "near-regular", "rows, distance 46 px"),
     (with_(lattice=Lattice(((0.0, 46.0),), 0.5)), Canvas(512, 512), "patch-sampling", "fine"),
     (with_(lattice=TILES), Canvas(9999, 9999), "near-regular", "lattice 31.1 x 102.2 px.* 0.87"),
@@ -93,14 +101,14 @@ WEAK = Lattice(((31.05, 0.0), (-0.25, 102.17)), 0.4)
     [
         ({}, [[], ["refinement", "graphcut"]]),
         ({"scale": 40.0}, [[], ["refinement", "graphcut"]]),
-        ({"lattice": TILES}, [[], []]),
+        ({"lattice": TILES}, [["refinement"], ["refinement"]]),
         ({"lattice": ROWS}, [[], []]),
         ({"lattice": WEAK}, [["near-regular"], ["near-regular", "refinement", "graphcut"]]),
         ({"colors": 2}, [[], []]),
     ],
 )
 def test_what_is_tried(changes, tried):
-    """Nothing against a sure lattice, nothing in a hurry."""
+    """Against a sure lattice only what begins with it, nothing in a hurry."""
     findings = with_(**changes)
     first = choose(findings, Canvas(512, 512))
     for effort, names in zip(("quick", "normal", "best"), ([], *tried), strict=True):
@@ -122,6 +130,50 @@ def test_another_picture_is_kept_only_if_it_is_clearly_better():
         choices = [Choice(first, {}, f"so: {first}"), Choice(second)]
         kept, picture = best_of_choices(choices, exemplar, lambda choice: made[choice.method])
         assert kept.method == first and picture is made[first]
+
+
+def test_refinement_is_kept_where_it_leaves_lines_whole():
+    exemplar = weftex.load_exemplar("sample:tiles")
+    laid = weftex.synthesize(exemplar, 200, method="near-regular", seed=1)
+    broken = weftex.synthesize(exemplar, 200, method="patch-sampling", patch_size=9, seed=1)
+    choices = [Choice("near-regular", {}, "tiles: near-regular"), Choice("refinement")]
+    for made, kept in ((laid, "refinement"), (broken, "near-regular")):
+        pictures = {"near-regular": laid, "refinement": made}
+        choice = refined_if_whole(
+            choices, TILES, exemplar, lambda one, all_=pictures: all_[one.method]
+        )
+        assert choice.method == kept
+        assert re.fullmatch(
+            rf"tiles(, refined it keeps 0.\d\d of its lines)?: {kept}", choice.reason
+        )
+
+
+def test_likeness_is_the_correlation_of_what_may_be_used():
+    levels = noise((30, 40, 3)).astype(np.int64)
+    levels[:, 7:] += levels[:, :-7]
+    mask = noise((30, 40, 1))[..., 0] < 200
+    for x, y in ((7, 0), (-7, 0), (3, -2), (0, 5)):
+        there = np.roll(levels, (-y, -x), (0, 1))
+        both = mask & np.roll(mask, (-y, -x), (0, 1))
+        both &= np.pad(
+            np.ones((30 - abs(y), 40 - abs(x)), bool),
+            ((max(0, -y), max(0, y)), (max(0, -x), max(0, x))),
+        )
+        here, there = (one[both] - one[both].mean(0) for one in (levels, there))
+        expected = 2 * (here * there).sum() / ((here**2).sum() + (there**2).sum())
+        assert like_itself(levels, (x, y), mask) == pytest.approx(expected)
+    assert like_itself(np.full((9, 9, 1), 7), (1, 1)) == like_itself(levels, (40, 0)) == 0
+
+
+def test_courses_of_things_are_told_from_boards():
+    """Boards go on along a row, shingles and bricks begin anew."""
+    boards = noise((6, 1, 3)).repeat(40, 0).repeat(240, 1)
+    boards[::40] = 0
+    courses = np.concatenate(
+        [np.roll(noise((1, 12, 3)).repeat(40, 0).repeat(20, 1), 7 * k, 1) for k in range(6)]
+    )
+    for pixels, least, most in ((boards, 0.9, 1), (courses, -0.5, 0.4)):
+        assert least <= like_itself(pixels, (40, 0)) <= most
 
 
 def test_effort_is_a_parameter_of_auto():
@@ -249,7 +301,8 @@ def test_a_mask_that_leaves_little_gets_a_method_that_takes_it():
     mask = np.random.default_rng(0).random(grass.shape[:2]) < 0.7  # no patch is whole
     made = weftex.synthesize(weftex.Exemplar(grass, mask=mask), 40, seed=1)
     assert made.provenance["method"] in ("graphcut", "ashikhmin")
-    fine = weftex.Exemplar(noise((120, 120, 3)), mask=mask[:120, :120])
+    grains = noise((40, 40, 3)).repeat(3, 0).repeat(3, 1)
+    fine = weftex.Exemplar(grains, mask=mask[:120, :120])
     made = weftex.synthesize(fine, 40, seed=1)
     assert made.provenance["method"] in ("graphcut", "ashikhmin")
     assert "which this sample does not do" in made.provenance["reason"]

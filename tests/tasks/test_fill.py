@@ -11,7 +11,7 @@ from PIL import Image
 import families
 import weftex
 from families import noise
-from weftex.tasks import fill as fill_module
+from weftex.tasks import region
 
 METHODS = [slug for slug in families.METHODS if "hole" in families.kinds_of(slug)]
 
@@ -171,13 +171,13 @@ def test_masks_from_files_and_pil_are_the_same(tmp_path):
 
 
 def test_all_maps_are_filled_alike():
-    height = noise((70, 90), dtype=np.uint16)
-    exemplar = weftex.Exemplar(noise((70, 90, 3)), maps={"height": height})
+    rough = noise((70, 90), dtype=np.uint16)
+    exemplar = weftex.Exemplar(noise((70, 90, 3)), maps={"rough": rough})
     hole = HOLES["several"]
     result = weftex.fill(exemplar, hole, seed=1, blend="none")
-    filled = result.maps["height"]
+    filled = result.maps["rough"]
     assert filled.dtype == np.uint16
-    assert (filled == height[result.source[..., 0], result.source[..., 1]]).all()
+    assert (filled == rough[result.source[..., 0], result.source[..., 1]]).all()
     with pytest.raises(weftex.InvalidInputError, match="maps"):
         weftex.fill(exemplar, hole, sample=exemplar.pixels)
 
@@ -214,7 +214,7 @@ def test_usable_pixels_of_the_photo_are_respected():
 
 @pytest.mark.parametrize("wrap", [False, True])
 def test_a_large_photo_is_filled_from_nearby(monkeypatch, wrap):
-    monkeypatch.setattr(fill_module, "NEIGHBORHOOD", 40_000)
+    monkeypatch.setattr(region, "NEIGHBORHOOD", 40_000)
     photo = noise((900, 1000))
     hole = box(photo.shape, (0, 980, 30, 1000))
     result = weftex.fill(photo, hole, seed=1, tileable=wrap, patch_size=16)

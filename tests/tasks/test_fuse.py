@@ -7,7 +7,8 @@ from PIL import Image
 import weftex
 from weftex.cli import main
 from weftex.io.pictures import read_image
-from weftex.tasks.fuse import combined
+from weftex.roles import ROLES
+from weftex.tasks.combined import combined
 
 SIZE = (70, 80)
 
@@ -206,7 +207,8 @@ def test_progress_can_cancel():
 def test_the_command(tmp_path, capsys):
     for name, picture in (("a", A), ("b", B)):
         Image.fromarray(picture).save(tmp_path / f"{name}.png")
-        Image.fromarray(picture[..., 0].copy()).save(tmp_path / f"{name}_height.png")
+        for what in ("height", "red"):
+            Image.fromarray(picture[..., 0].copy()).save(tmp_path / f"{name}_{what}.png")
     painted = np.array([(255, 0, 0), (0, 0, 255)], np.uint8)[HALVES]
     Image.fromarray(painted).save(tmp_path / "map.png")
     path = {p.name: str(p) for p in tmp_path.iterdir()}
@@ -217,9 +219,13 @@ def test_the_command(tmp_path, capsys):
     expected = weftex.fuse([A, B], HALVES, seed=1, **FAST)
     assert np.array_equal(read_image(out).pixels, expected.image)
     assert "fused 2 samples in" in capsys.readouterr().err
-    heights = [path["a_height.png"], path["b_height.png"]]
-    assert main(["replay", source, *heights, "-o", str(tmp_path / "h.png")]) == 0
-    assert np.array_equal(read_image(tmp_path / "h.png").pixels, expected.image[..., 0])
+    for what in ("red", "height"):
+        maps = [path[f"a_{what}.png"], path[f"b_{what}.png"]]
+        assert main(["replay", source, *maps, "-o", str(tmp_path / f"{what}.png")]) == 0
+    assert np.array_equal(read_image(tmp_path / "red.png").pixels, expected.image[..., 0])
+    stacked = combined([weftex.Exemplar(p[..., 0].copy(), role=ROLES["height"]) for p in (A, B)])
+    joined = expected.render(stacked)  # heights join without cliffs
+    assert np.array_equal(read_image(tmp_path / "height.png").pixels, joined)
     colors = ["--colors", "#0000ff,#ff0000"]
     assert main([*command, "--map", path["map.png"], *colors]) == 0
     assert (read_image(out).pixels[:, 50:] < 60).all()

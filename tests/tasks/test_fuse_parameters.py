@@ -1,11 +1,10 @@
 """In fusion a parameter changes the picture of one map at least, or it is refused."""
 
-import dataclasses
-
 import numpy as np
 import pytest
 
 import weftex
+from parameters import idle
 from weftex.methods.refinement import Refinement
 from weftex.registry import METHODS, supporting
 
@@ -37,24 +36,6 @@ def made(number, slug, boundary, given):
     return weftex.fuse(SAMPLES, labels, method=slug, boundary=boundary, seed=3, **given).index
 
 
-def values_of(field, given):
-    """Values that a parameter may have: its bounds, or some around what it is."""
-    now = given.get(field.name, field.default)
-    low, high = field.metadata["low"], field.metadata["high"]
-    if field.metadata["choices"]:
-        found = [v for v in field.metadata["choices"] if v != "auto"][:3]
-    elif "int" in str(field.type):
-        base = now or 8
-        found = [base + 2, 2, 3 * base + 6, base // 25, low]
-    else:
-        base = now or 4.0
-        found = [5.0 * base, 0.2 * base, low, high, 100.0]
-    allowed = [v for v in found if v is not None and v != now]
-    if field.metadata["choices"]:
-        return allowed
-    return [v for v in allowed if (low is None or v >= low) and (high is None or v <= high)]
-
-
 def test_all_methods_that_fuse_are_tried():
     assert {slug for slug, _ in SETTINGS} == set(ABLE)
 
@@ -71,26 +52,17 @@ def test_all_methods_that_fuse_are_tried():
 )
 def test_a_parameter_has_an_effect_or_is_refused(slug, given, boundary):
     plain = [made(number, slug, boundary, given) for number in range(len(MAPS))]
-    idle = []
-    for field in dataclasses.fields(METHODS[slug]):
-        tried = {}
-        for value in values_of(field, given):
-            try:
-                more = given | {field.name: value}
-                tried[value] = any(
-                    not np.array_equal(made(number, slug, boundary, more), plain[number])
-                    for number in range(len(MAPS))
-                )
-            except weftex.InvalidInputError as error:
-                tried[value] = str(error)
-            if tried[value] is True:
-                break
-        if True not in tried.values() and False in tried.values():
-            idle.append((field.name, tried))
-    assert not idle
+
+    def changes(more):
+        return any(
+            not np.array_equal(made(number, slug, boundary, more), plain[number])
+            for number in range(len(MAPS))
+        )
+
+    assert not idle(slug, given, changes)
 
 
-@pytest.mark.parametrize("name", sorted(Refinement.belt_parameters))
+@pytest.mark.parametrize("name", sorted(Refinement.belt_parameters - {"coherence"}))
 def test_what_only_belts_take(name):
     """Belts of merged samples start from seeds, also where regions start from quilting."""
     given = {"window_width": 15, "iterations": 2}
@@ -108,3 +80,14 @@ def test_what_only_belts_take(name):
             method = Refinement(init="graphcut", **given)
             weftex.fuse(SAMPLES, MAPS[0].astype(int), method=method, boundary=boundary,
                         **{name: value})  # fmt: skip
+
+
+def test_a_margin_that_only_belts_have_a_use_for():
+    """Without similar places only what starts from seed points asks for it, and belts do."""
+    given = {"window_width": 15, "iterations": 2, "similar": 0}
+    one, other = (
+        made(0, "refinement", "merged", given | {"coherence": value}) for value in (1.0, 50.0)
+    )
+    assert not np.array_equal(one, other)
+    with pytest.raises(weftex.InvalidInputError, match="coherence has no effect where similar"):
+        made(0, "refinement", "cut", given | {"coherence": 50.0})

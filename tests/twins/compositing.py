@@ -37,8 +37,36 @@ def blend_pixel(old, new, weight, alpha=False):
     return result
 
 
-def paste_all(out, source, top, left, shape, placements, weights, cuts, scale=1, alpha=False):
+def blend_vectors(old, new, weight, middle=0.0):
+    """Mix two pixels whose first three channels are a vector: its length is mixed by itself."""
+    result = blend_pixel(old, new, weight)
+    if weight in (0, 256):
+        return result
+    if old.dtype.kind == "u":
+        middle = np.iinfo(old.dtype).max / 2
+    a, b, share = old[:3].astype(float) - middle, new[:3].astype(float) - middle, weight / 256
+    between, (long, short) = (1 - share) * a + share * b, map(np.linalg.norm, (a, b))
+    length = (1 - share) * long + share * short
+    if np.linalg.norm(between) <= 1e-3 * length:
+        result[:3] = new[:3] if weight >= 128 else old[:3]
+        return result
+    vector = middle + between / np.linalg.norm(between) * length
+    if old.dtype.kind == "u":
+        vector = np.clip(np.floor(vector + 0.5), 0, 2 * middle)
+    result[:3] = vector
+    return result
+
+
+def take_label(old, new, weight):
+    """The label that has the larger share."""
+    return (new if weight >= 128 else old).copy()
+
+
+def paste_all(
+    out, source, top, left, shape, placements, weights, cuts, scale=1, alpha=False, blend=None
+):
     """Replay placements over `out`, (rows, columns, channels), in place."""
+    blend = blend or (lambda old, new, weight: blend_pixel(old, new, weight, alpha))
     height, width = shape
     sample_height, sample_width = source.shape[0] // scale, source.shape[1] // scale
     for p, (y, x, sy, sx, zone) in enumerate(placements.tolist()):
@@ -52,7 +80,7 @@ def paste_all(out, source, top, left, shape, placements, weights, cuts, scale=1,
                 row, column = cy * scale + r, cx * scale + q
                 if 0 <= row < out.shape[0] and 0 <= column < out.shape[1]:
                     new = source[fy * scale + r, fx * scale + q]
-                    out[row, column] = blend_pixel(out[row, column], new, int(mask[v, u]), alpha)
+                    out[row, column] = blend(out[row, column], new, int(mask[v, u]))
 
 
 def layers(window, shape, placements, weights, cuts, most=4):

@@ -30,6 +30,7 @@ def correlate(
     *,
     first_mask: NDArray[np.bool_] | None = None,
     second_mask: NDArray[np.bool_] | None = None,
+    reach: tuple[int, int] | None = None,
 ) -> Floats:
     """Correlate two pictures of any sizes at every shift, normalized over what overlaps.
 
@@ -43,10 +44,12 @@ def correlate(
         `second`, `first` is correlated with itself.
     first_mask, second_mask : bool array (H, W), optional
         True where a pixel counts. Without `second`, the first mask holds for both.
+    reach : (int, int), optional
+        Shift by at most so many rows and columns.
 
     Returns
     -------
-    float64 array (H + h - 1, W + w - 1)
+    float64 array (H + h - 1, W + w - 1), or what of it is within reach
         From -1 to 1. At [y + h - 1, x + w - 1] the second picture, of h x w pixels, is shifted by
         (x, y) against the first; no shift of a picture with itself is in the middle. 0 where
         less than two pixels overlap, or one of the overlaps is constant.
@@ -72,7 +75,7 @@ def correlate(
         g, g_mask = _checked(second, second_mask, "second")
     if f.shape[0] != g.shape[0]:
         raise InvalidInputError(f"first has {f.shape[0]} channels and second {g.shape[0]}")
-    sums = _Sums(f.shape[1:], g.shape[1:], f_mask, g_mask)
+    sums = _Sums(f.shape[1:], g.shape[1:], f_mask, g_mask, reach)
     alike = g is f
     above, below = np.zeros(sums.shape), np.zeros(sums.shape)
     spectrum = np.zeros((), np.complex128)
@@ -126,7 +129,7 @@ def _spread(count: Floats, sums: Floats, squares: Floats) -> Floats:
 
 
 class _Sums:
-    """Sums over the overlap of two pictures at every shift."""
+    """Sums over the overlap of two pictures at every shift, or at those within reach."""
 
     def __init__(
         self,
@@ -134,10 +137,17 @@ class _Sums:
         second: tuple[int, ...],
         first_mask: NDArray[np.bool_] | None,
         second_mask: NDArray[np.bool_] | None,
+        reach: tuple[int, int] | None = None,
     ) -> None:
-        self.first, self.second = first, second
-        self.shape = first[0] + second[0] - 1, first[1] + second[1] - 1
-        self.padded = wrapped_length(self.shape[0]), wrapped_length(self.shape[1])
+        self.first, self.second, self.reach = first, second, reach or (max(first + second),) * 2
+        sides = list(zip(first, second, self.reach, strict=True))
+        shifts = [np.arange(max(1 - g, -r), min(f - 1, r) + 1) for f, g, r in sides]
+        self.shape = len(shifts[0]), len(shifts[1])
+        self.least = -int(shifts[0][0]), -int(shifts[1][0])
+        self.padded = tuple(  # nothing wraps around into a shift that is asked for
+            wrapped_length(max(f - shift[0], g + shift[-1]))
+            for (f, g, _), shift in zip(sides, shifts, strict=True)
+        )
         self.masked = first_mask is not None or second_mask is not None
         if self.masked:
             masks = (
@@ -148,15 +158,16 @@ class _Sums:
             count = self.cut(np.fft.irfft2(self.f_mask * self.g_mask.conj(), self.padded))
             self.count = np.rint(count)
         else:  # eq. 3.9, with the first picture's side inside the minimum
-            sides = []
-            for f, g in zip(first, second, strict=True):
-                shift = np.arange(1 - g, f)
-                sides.append(np.minimum(np.minimum(f, g), np.minimum(shift + g, f - shift)))
-            self.count = np.outer(*sides).astype(np.float64)
+            overlap = (
+                np.minimum(min(f, g), np.minimum(shift + g, f - shift))
+                for (f, g, _), shift in zip(sides, shifts, strict=True)
+            )
+            self.count = np.outer(*overlap).astype(np.float64)
 
     def cut(self, wrapped: Floats) -> Floats:
         """Shifts in rising order, from the wrapped ones of a transform."""
-        (top, left), (height, width) = (self.second[0] - 1, self.second[1] - 1), self.first
+        top, left = self.least
+        height, width = self.shape[0] - top, self.shape[1] - left
         result = np.empty(self.shape)
         result[top:, left:] = wrapped[:height, :width]
         if top:
@@ -172,7 +183,7 @@ class _Sums:
         if self.masked:
             spectrum = np.fft.rfft2(values, self.padded) * self.g_mask.conj()
             return self.cut(np.fft.irfft2(spectrum, self.padded))
-        return touching_sums(values, self.second)
+        return touching_sums(values, self.second, self.reach)
 
     def over_second(self, values: Floats) -> Floats:
         """S_g of eq. 3.8: of the second picture, over what the first covers."""
@@ -180,7 +191,7 @@ class _Sums:
             spectrum = self.f_mask * np.fft.rfft2(values, self.padded).conj()
             return self.cut(np.fft.irfft2(spectrum, self.padded))
         # The second picture turned by 180 degrees (eq. 3.7), as the first one is seen from it.
-        return touching_sums(values, self.first)[::-1, ::-1]
+        return touching_sums(values, self.first, self.reach)[::-1, ::-1]
 
 
 def wrapped_length(at_least: int) -> int:

@@ -179,7 +179,8 @@ def find_lattice(
     -------
     Lattice or None
         Its shortest vectors, rounded to hundredths of a pixel; one vector where a sample repeats
-        along one direction only, as boards do, and None where it does not repeat.
+        along one direction only, as boards do, and None where it does not repeat or has
+        pieces that lie apart.
 
     Raises
     ------
@@ -195,6 +196,8 @@ def find_lattice(
     """
     check_rule(goodness, alpha, significant)
     rule = (goodness, alpha, significant)
+    if exemplar.pieces:
+        return None
     known = _FOUND.setdefault(exemplar, {})
     if rule not in known:
         known[rule] = lattice_in(views(exemplar, alpha, significant), goodness)

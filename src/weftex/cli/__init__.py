@@ -14,6 +14,8 @@ from weftex.errors import InvalidInputError, WeftexError, did_you_mean
 _COMMANDS = (
     "synth",
     "fill",
+    "tile",
+    "batch",
     "fuse",
     "replay",
     "analyze",
@@ -29,6 +31,8 @@ usage: weftex COMMAND ...      (weftex COMMAND --help says more)
 
   synth     make a picture of any size from a sample of a material
   fill      fill holes of a photo
+  tile      make a photo repeat without a seam, its middle untouched
+  batch     many outputs from all samples of a folder
   fuse      merge several materials where a map says
   replay    lay a saved result again with another map of the same sample
   analyze   say what a sample is like: its scale, its lattice, whether it tiles

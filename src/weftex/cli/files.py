@@ -7,18 +7,28 @@ from dataclasses import replace
 from time import perf_counter
 from typing import TYPE_CHECKING, Any
 
+from weftex.cli.sets import Plan, plan, plan_of_several
 from weftex.errors import InvalidInputError
 
 if TYPE_CHECKING:
     import argparse
-    from collections.abc import Mapping
+    from collections.abc import Sequence
 
+    import numpy as np
     from numpy.typing import NDArray
 
     from weftex.cli.terminal import Bar, Outputs
     from weftex.exemplar import Exemplar
-    from weftex.io.pictures import Picture
+    from weftex.material import Material
     from weftex.results.synthesis import Synthesis
+
+
+def read(path: str, args: argparse.Namespace, maps: dict[str, str] | None = None) -> Material:
+    """Read a picture, or a folder of maps."""
+    from weftex.io.pictures import MAX_PIXELS
+    from weftex.material import read_material
+
+    return read_material(path, maps, max_pixels=None if args.allow_huge else MAX_PIXELS)
 
 
 def load(
@@ -27,58 +37,94 @@ def load(
     maps: dict[str, str] | None = None,
     *,
     tileable: bool = False,
-) -> tuple[Exemplar, dict[str, Picture]]:
-    """Read a picture, or a folder of maps, and what each one was stored as."""
-    from weftex.io.pictures import MAX_PIXELS
-    from weftex.loading import exemplar_of_maps, read_sample
-
-    limit = None if args.allow_huge else MAX_PIXELS
-    pictures = read_sample(path, maps, max_pixels=limit)
-    return exemplar_of_maps(pictures, path, maps, tileable=tileable), pictures
+) -> Exemplar:
+    """Read a picture, or a folder of maps, as a sample."""
+    return with_turns(_weighted(read(path, args, maps).exemplar(tileable=tileable), args), args)
 
 
-def told(pictures: dict[str, Picture], path: str, maps: dict[str, str] | None) -> str:
-    """A line for each map of a folder: what it was taken for."""
-    from weftex.loading import main_picture, roles
+def _weighted(exemplar: Exemplar, args: argparse.Namespace) -> Exemplar:
+    """The sample with what was said about the weights of its maps."""
+    weights = getattr(args, "map_weights", None)
+    return exemplar if weights is None else exemplar.changed(weights=weights)
 
-    if len(pictures) == 1:
-        return ""
-    taken = roles(pictures, path, maps)
-    main = main_picture(taken)
-    lines = []
-    for name, role in taken.items():
-        use = ", the picture" if name == main else ""
-        lines.append(f"map: {os.path.basename(pictures[name].path)} is {role}{use}\n")
-    return "".join(lines)
+
+def with_turns(exemplar: Exemplar, args: argparse.Namespace) -> Exemplar:
+    """The sample with its mirrored and turned copies, where a command was asked for them."""
+    if getattr(args, "turn", None) is None:
+        return exemplar
+    from weftex.turns import turned
+
+    return turned(exemplar, args.turn)
 
 
 def open_sample(
     path: str, args: argparse.Namespace, outputs: Outputs, *, tileable: bool = False
-) -> tuple[Exemplar, dict[str, Picture], dict[str, str]]:
-    """Read the sample, and say where each of its pictures goes; all is checked before any work."""
+) -> tuple[Exemplar, Plan]:
+    """Read the sample, and say where each of its pictures goes; all is checked before any work.
+
+    What was asked for is mended, but not turned.
+    """
     from weftex.io.pictures import check_output, is_folder
 
-    folder = is_folder(path)
     if args.save_source is not None:
         check_output(args.save_source, suffixes=(".npz",))
-    if folder:
+    if is_folder(path):
         outputs.make_folder(args.output)
     else:
         check_output(args.output)
-    exemplar, pictures = load(path, args, args.maps, tileable=tileable)
-    exemplar, pictures = _mended(exemplar, pictures, args)
-    targets = {}
-    for name, picture in pictures.items():
-        file = os.path.basename(picture.path)
-        targets[name] = os.path.join(args.output, file) if folder else args.output
-        check_output(targets[name], picture.pixels, alpha=picture.alpha)
-    return exemplar, pictures, targets
+    material = read(path, args, args.maps)
+    exemplar = _weighted(material.exemplar(tileable=tileable), args)
+    if getattr(args, "sample_mask", None) is not None:
+        exemplar = exemplar.changed(mask=_usable(exemplar, args))
+    return _mended(exemplar, args), plan(material, args)
 
 
-def _mended(
-    exemplar: Exemplar, pictures: dict[str, Picture], args: argparse.Namespace
-) -> tuple[Exemplar, dict[str, Picture]]:
-    """Straighten the sample and its pictures, and even its light, where that was asked for."""
+def open_several(
+    paths: Sequence[str], args: argparse.Namespace, outputs: Outputs
+) -> tuple[Exemplar, Plan]:
+    """`open_sample` for several samples of one material, each of which is mended by itself."""
+    from weftex.tasks.combined import combined, of_one_kind, paired
+
+    for name in ("maps", "map_weights", "sample_mask", "sample_guide"):
+        if getattr(args, name) is not None:
+            raise InvalidInputError(f"--{name.replace('_', '-')} needs one sample, not several")
+    if args.tileable_sample:
+        raise InvalidInputError("--tileable-sample needs one sample, not several")
+    materials = open_samples(paths, args, outputs)
+    pairs, notes = paired(of_one_kind([_mended(one.exemplar(), args) for one in materials]))
+    made = plan_of_several(materials, pairs[0], args)
+    told = made.told + "".join(f"map: {note}\n" for note in notes)
+    return combined(pairs, apart=True), replace(made, told=told)
+
+
+def open_samples(
+    paths: Sequence[str], args: argparse.Namespace, outputs: Outputs
+) -> list[Material]:
+    """Read several samples for one output: a folder if one of them is a folder."""
+    from weftex.io.pictures import check_output, is_folder
+
+    if getattr(args, "save_source", None) is not None:
+        check_output(args.save_source, suffixes=(".npz",))
+    if any(map(is_folder, paths)):
+        outputs.make_folder(args.output)
+    else:
+        check_output(args.output)
+    return [read(path, args) for path in paths]
+
+
+def _usable(exemplar: Exemplar, args: argparse.Namespace) -> NDArray[np.bool_]:
+    """What of the sample may be used: white in a picture, or what is not clear."""
+    from weftex.io.pictures import MAX_PIXELS, mask_of, read_image
+    from weftex.tasks.fill import hole_of
+
+    if args.sample_mask == "alpha":
+        return ~hole_of(None, exemplar)
+    picture = read_image(args.sample_mask, max_pixels=None if args.allow_huge else MAX_PIXELS)
+    return mask_of(picture.pixels, alpha=picture.alpha)
+
+
+def _mended(exemplar: Exemplar, args: argparse.Namespace) -> Exemplar:
+    """Straighten the sample, and even its light, where that was asked for."""
     if getattr(args, "straighten", None) is not None:
         from weftex.tasks.straighten import straighten
 
@@ -87,8 +133,7 @@ def _mended(
         from weftex.tasks.even_light import even_light
 
         exemplar = even_light(exemplar, args.even_light)
-    pixels = exemplar.maps | {exemplar.name: exemplar.pixels}
-    return exemplar, {name: replace(one, pixels=pixels[name]) for name, one in pictures.items()}
+    return exemplar
 
 
 def _ways(text: str) -> dict[str, str]:
@@ -102,39 +147,16 @@ def _ways(text: str) -> dict[str, str]:
     return {names[count]: text} if text else {}
 
 
-def write(
-    result: Synthesis,
-    exemplar: Exemplar,
-    pictures: dict[str, Picture],
-    targets: dict[str, str],
-    args: argparse.Namespace,
-    outputs: Outputs,
-) -> None:
+def write(result: Synthesis, made: Plan, args: argparse.Namespace, outputs: Outputs) -> None:
     """Write the result and, from the same coordinates, each other map of the sample."""
-    from weftex.exemplar import Exemplar
 
-    others = {name: one for name, one in pictures.items() if name != exemplar.name}
-    laid = {
-        name: result.render(Exemplar(one.pixels, alpha=one.alpha, name=name))
-        for name, one in others.items()
-    }
-    write_pictures(laid | {exemplar.name: result.image}, pictures, targets, outputs)
+    def pixels(name: str) -> NDArray[Any]:
+        main = name == made.material.main
+        return result.image if main else result.render(result.sample.map(name))
+
+    made.write(pixels, outputs)
     if args.save_source is not None:
         result.save(outputs.add(args.save_source))
-
-
-def write_pictures(
-    pixels: Mapping[str, NDArray[Any]],
-    pictures: dict[str, Picture],
-    targets: dict[str, str],
-    outputs: Outputs,
-) -> None:
-    """Write pixels as the pictures of the same names were stored."""
-    from weftex.io.pictures import write_image
-
-    for name, picture in pictures.items():
-        temporary = outputs.add(targets[name])
-        write_image(temporary, pixels[name], alpha=picture.alpha, icc=picture.icc)
 
 
 #: The pictures of --debug, by what `Synthesis.draw` calls them.
@@ -159,11 +181,11 @@ def report(
     result: Synthesis,
     what: str,
     start: float,
-    maps: str = "",
+    told: str = "",
 ) -> str:
     """Print what was made, how and how fast, after the maps and the reasons if weftex chose."""
     used, took = result.provenance, perf_counter() - start
-    why = maps + (f"auto: {used['reason']}\n" if "reason" in used else "")
+    why = told + (f"auto: {used['reason']}\n" if "reason" in used else "")
     why += "".join(f"note: {warning}\n" for warning in used.get("warnings", ()))
     why += f"best of: {used['best_of']['told']}\n" if "best_of" in used else ""
     hole = result.canvas.hole

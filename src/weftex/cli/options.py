@@ -71,6 +71,18 @@ def add_tileable_sample(parser: Parser) -> None:
     parser.add_argument("--tileable-sample", action="store_true", help=f"{text}; see 'analyze'")
 
 
+def add_sample_mask(parser: Parser) -> None:
+    """Add the option of every command that can use a part of its sample."""
+    text = "picture, white where the sample may be used; or alpha: where it is not clear at all"
+    parser.add_argument("--sample-mask", metavar="M", help=text)
+
+
+def add_turn(parser: Parser) -> None:
+    """Add the option of every command that can make more of a sample by mirroring and turning."""
+    text = "use mirrored copies of the sample too (flip), or quarter turns (4), or both (8)"
+    parser.add_argument("--turn", metavar="flip|4|8", help=text)
+
+
 def add_mending(parser: Parser) -> None:
     """Add the options that mend a photo before anything is made from it."""
     text = "straighten the photo, by the lattice or rows seen in it, by vectors x1,y1,x2,y2, or by "
@@ -93,20 +105,25 @@ def add_limits(parser: Parser) -> None:
 
 
 def parse_task(
-    parser: Parser, argv: list[str], default: str = "auto"
+    parser: Parser, argv: list[str], default: str = "auto", *, positional: bool = False
 ) -> tuple[argparse.Namespace, type[Method], dict[str, Any]]:
     """Parse what all tasks take, and the parameters of the chosen method.
 
-    A task with another default than "auto" takes that for "auto" too.
+    A task with another default than "auto" takes that for "auto" too. One whose output is a
+    `positional` argument writes a folder of many, and no sources.
     """
     add = parser.add_argument
-    add("-o", "--output", metavar="OUT", required=True, help="file, or folder, to write")
+    if positional:
+        add("output", metavar="OUT", help="folder to write to")
+    else:
+        add("-o", "--output", metavar="OUT", required=True, help="file, or folder, to write")
+        text = "where each pixel comes from, for 'weftex replay'"
+        add("--save-source", metavar="F.npz", help=text)
     text = "chosen by the sample" if default == "auto" else default
     add("--method", default=default, metavar="NAME", help=f"see 'weftex methods'; default: {text}")
     add("--seed", type=int, metavar="N", help="the same seed gives the same bytes")
     text = "repeats without a seam, along both axes or one"
     add("--tileable", nargs="?", choices=("xy", "x", "y"), metavar="x|y", help=text)
-    add("--save-source", metavar="F.npz", help="where each pixel comes from, for 'weftex replay'")
     add("--threads", type=int, metavar="N", help="use at most so many")
     add_limits(parser)
     argv = parser.filled(argv)
@@ -172,7 +189,7 @@ def parameters_of(method: type[Method]) -> Iterator[tuple[Any, str]]:
     """Give each field of a method, and its range and default in words."""
     from dataclasses import fields
 
-    from weftex.method import bounds
+    from weftex.parameters import bounds
 
     for field in fields(method):
         unit = f" {field.metadata['unit']}" if field.metadata["unit"] else ""
@@ -218,6 +235,53 @@ def add_maps(parser: Parser) -> None:
     """Add the option of every command whose sample may be a folder of maps."""
     text = "files of the folder that are its maps, where their names do not say so"
     parser.add_argument("--maps", metavar="NAME=FILE,...", type=parse_maps, help=text)
+
+
+def add_map_weights(parser: Parser) -> None:
+    """Add the option of every command that matches on maps."""
+    text = "how much maps count in matching, 1 each by default, together as much as the color; 0: "
+    text += "not at all. With height=3,normal=2 seams rather run where heights and normals fit"
+    add = parser.add_argument
+    add("--map-weights", metavar="NAME=N,...", type=parse_weights, help=text)
+
+
+def add_sets(parser: Parser) -> None:
+    """Add the options of every command that writes sets of maps."""
+    add_maps(parser)
+    add_names(parser)
+
+
+def add_names(parser: Parser) -> None:
+    """Add the options about the files of a set that is written."""
+    names = ("ambientcg", "polyhaven", "substance", "gltf")
+    text = f"call the maps of a set as {', '.join(names)} does; default: as they came"
+    parser.add_argument("--names", choices=names, metavar="NAME", help=text)
+    text = "write a MaterialX file beside the maps of a set, which renderers open"
+    parser.add_argument("--mtlx", action="store_true", help=text)
+
+
+def parse_weights(text: str) -> dict[str, float]:
+    """Numbers by maps' names, from 'height=2,normal=0.5'."""
+    values = {name: k for name, k in parse_values(text).items() if not isinstance(k, str)}
+    if len(values) < text.count(",") + 1:
+        raise argparse.ArgumentTypeError(f"'{text}' must be maps and numbers: height=2,normal=0.5")
+    return values
+
+
+def parse_values(text: str) -> dict[str, float | str]:
+    """Values by maps' names, from 'height=0.5,normal=flat'."""
+    values: dict[str, float | str] = {}
+    for word in text.split(","):
+        name, _, value = (part.strip() for part in word.partition("="))
+        try:
+            if not name or name in values:
+                raise ValueError
+            values[name] = value if value == "flat" else float(value)
+        except ValueError:
+            raise argparse.ArgumentTypeError(
+                f"'{word.strip()}' must be a map and its value, each once: height=0.5,normal=flat"
+            ) from None
+    return values
 
 
 def parse_maps(text: str) -> dict[str, str]:

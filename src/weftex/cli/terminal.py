@@ -46,7 +46,9 @@ class Bar:
             try:
                 from tqdm import tqdm
 
-                self._bar = tqdm(leave=False, file=sys.stderr)
+                # By itself tqdm waits for as many steps as the fastest stage took in a tenth of a
+                # second, which a slow one never reaches.
+                self._bar = tqdm(leave=False, file=sys.stderr, miniters=1)
             except ImportError:
                 self._quiet = True
         if self._bar is not None:

@@ -140,6 +140,18 @@ def check_png(file: IO[bytes], given: str) -> None:
         raise file_error(given, "the file is damaged")
 
 
+def bits_of(path: str) -> int:
+    """Return how many bits of a stored number count, by the header; 0 if it cannot be read."""
+    oiio = image_library()
+    file = oiio.ImageInput.open(path)
+    if file is None:
+        complaint(oiio)
+        return 0
+    return {"half": 11, "float": 24, "double": 53}.get(str(file.spec().format)) or int(
+        8 * file.spec().format.size()
+    )
+
+
 def check_spec(spec: Any, given: str, max_pixels: int | None) -> None:
     """Refuse a picture that is too large, or of a kind that weftex does not read, by its header."""
     # A reader takes memory for a whole tile, which a header may claim to be larger than the rest.
@@ -242,11 +254,15 @@ def reserve(path: str, size: int) -> None:
             size -= file.write(block[:size])
 
 
-def encode(path: str, form: Format, pixels: NDArray[Any], alpha: bool, icc: bytes | None) -> str:
+def encode(
+    path: str, form: Format, pixels: NDArray[Any], alpha: bool, icc: bytes | None, half: bool
+) -> str:
     """Write with OpenImageIO and return what went wrong, or nothing."""
     oiio = image_library()
     height, width, channels = pixels.shape
-    spec = oiio.ImageSpec(width, height, channels, READ_AS.get(pixels.dtype.name, "float"))
+    kind = READ_AS.get(pixels.dtype.name, "float")
+    kind = "half" if half and kind == "float" and form.name == "openexr" else kind
+    spec = oiio.ImageSpec(width, height, channels, kind)
     colors = channels - alpha
     names = ["Y"] if colors == 1 else ["R", "G", "B"] if colors >= 3 else []
     names += [f"channel{k:04}" for k in range(len(names), colors)]
@@ -255,8 +271,8 @@ def encode(path: str, form: Format, pixels: NDArray[Any], alpha: bool, icc: byte
     for key, value in (("oiio:UnassociatedAlpha", 1), *form.options):
         spec[key] = value
     if icc is not None:
-        kind = oiio.TypeDesc(oiio.UINT8, oiio.SCALAR, oiio.NOSEMANTICS, len(icc))
-        spec.attribute("ICCProfile", kind, np.frombuffer(icc, np.uint8))
+        bytes_of = oiio.TypeDesc(oiio.UINT8, oiio.SCALAR, oiio.NOSEMANTICS, len(icc))
+        spec.attribute("ICCProfile", bytes_of, np.frombuffer(icc, np.uint8))
     file = oiio.ImageOutput.create(form.name)
     done = file.open(path, spec) and file.write_image(pixels) and file.close()
     return "" if done else complaint(file) or "the encoder failed"

@@ -22,7 +22,7 @@ from __future__ import annotations
 
 import numbers
 import os
-from collections.abc import Collection, Iterator, Mapping
+from collections.abc import Collection, Iterator
 from contextlib import contextmanager, suppress
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
@@ -33,7 +33,6 @@ from weftex.errors import FileError, InvalidInputError, did_you_mean, shown
 from weftex.io.formats import (
     FORMATS,
     READ_AS,
-    READABLE,
     as_pixels,
     check_fit,
     check_spec,
@@ -77,12 +76,15 @@ class Picture:
         The color profile of the file.
     path : str
         The path that it was read from, as given.
+    half : bool
+        Whether its floats have 16 bits there.
     """
 
     pixels: NDArray[Any] = field(repr=False)
     alpha: bool
     icc: bytes | None = field(repr=False)
     path: str
+    half: bool = field(default=False, repr=False)
 
 
 def read_image(path: StrPath, *, max_pixels: int | None = MAX_PIXELS) -> Picture:
@@ -108,7 +110,7 @@ def read_image(path: StrPath, *, max_pixels: int | None = MAX_PIXELS) -> Picture
     whole = isinstance(max_pixels, numbers.Integral) and not isinstance(max_pixels, bool)
     if max_pixels is not None and not (whole and max_pixels >= 1):
         raise InvalidInputError(f"max_pixels is {shown(max_pixels)}; it must be 1 or more, or None")
-    name, given = _locate(path)
+    name, given = locate(path)
     kind = kind_of(name, given)
     oiio = image_library()
     # Some readers decode while they open, so the library must know the limit before. Four floats
@@ -142,7 +144,9 @@ def read_image(path: StrPath, *, max_pixels: int | None = MAX_PIXELS) -> Picture
     pixels, alpha = straight(pixels, spec, kind)
     pixels = upright(pixels, spec.get_int_attribute("Orientation", 1))
     icc = spec.getattribute("ICCProfile")
-    return Picture(np.ascontiguousarray(pixels), alpha, None if icc is None else bytes(icc), given)
+    profile = None if icc is None else bytes(icc)
+    half = str(spec.format) == "half"
+    return Picture(np.ascontiguousarray(pixels), alpha, profile, given, half)
 
 
 def write_image(
@@ -151,6 +155,7 @@ def write_image(
     *,
     alpha: bool = False,
     icc: bytes | None = None,
+    half: bool = False,
 ) -> None:
     """Write a picture; the file appears whole or not at all.
 
@@ -169,6 +174,8 @@ def write_image(
     icc : bytes or None
         A color profile. It is left out where the format holds none (BMP, EXR), and where it is
         broken or made for another number of channels, such as an RGB profile for a gray picture.
+    half : bool
+        Round floats to 16 bits where the format holds them, which EXR does.
 
     Raises
     ------
@@ -194,9 +201,9 @@ def write_image(
         # made sure of first. Noise can grow by an eighth.
         reserve(temporary, pixels.nbytes * 5 // 4 + len(icc or b"") + 2**16)
         profile = icc if fits(icc, pixels.shape[2] - alpha) else None
-        problem = encode(temporary, form, pixels, alpha, profile)
+        problem = encode(temporary, form, pixels, alpha, profile, half)
         if problem and profile is not None:  # libpng is stricter about them than we are
-            problem = encode(temporary, form, pixels, alpha, None)
+            problem = encode(temporary, form, pixels, alpha, None, half)
         if problem:
             raise file_error(path, "cannot write", problem)
 
@@ -272,45 +279,6 @@ def mask_of(pixels: NDArray[Any], alpha: bool) -> NDArray[np.bool_]:
     return np.asarray((pixels >= half).any(axis=2))
 
 
-def read_maps(
-    folder: StrPath,
-    *,
-    files: Mapping[str, str] | None = None,
-    max_pixels: int | None = MAX_PIXELS,
-) -> dict[str, Picture]:
-    """Read all pictures of a folder, or of ``sample:NAME``: the maps of one material.
-
-    They are sorted by their names without suffix. Hidden files, folders and files of other suffixes
-    are passed over. Sizes are not compared; `max_pixels` holds for each (see `read_image`). With
-    `files` only these files of the folder are read, and get the names that they have there.
-    """
-    if files is None:
-        paths = map_files(folder)
-    else:
-        paths = {what: os.path.join(_locate(folder)[0], file) for what, file in files.items()}
-    return {what: read_image(paths[what], max_pixels=max_pixels) for what in sorted(paths)}
-
-
-def map_files(folder: StrPath) -> dict[str, str]:
-    """Return the paths of the pictures that `read_maps` reads, by their names without suffix."""
-    name, given = _locate(folder)
-    try:
-        found = sorted(os.listdir(name))
-    except (OSError, ValueError) as error:
-        raise file_error(given, "cannot read the folder", error) from None
-    paths: dict[str, str] = {}
-    for file in found:
-        stem, full = os.path.splitext(file)[0], os.path.join(name, file)
-        if file.startswith(".") or suffix_of(file) not in READABLE or os.path.isdir(full):
-            continue
-        if stem in paths:
-            raise file_error(given, f"has two pictures named '{show(stem)}'; keep one")
-        paths[stem] = full
-    if not paths:
-        raise file_error(given, f"has no pictures ({', '.join(READABLE)})")
-    return paths
-
-
 @contextmanager
 def atomic(path: StrPath) -> Iterator[str]:
     """Give a temporary path beside `path` that replaces it when the block ends well.
@@ -358,7 +326,7 @@ def is_folder(path: StrPath) -> bool:
     """Return whether the path is a folder, or names a sample that is a folder of maps."""
     given = path_text(path)
     known = not given.startswith("sample:") or given.removeprefix("sample:") in _samples()
-    return known and os.path.isdir(_locate(given)[0])
+    return known and os.path.isdir(locate(given)[0])
 
 
 def _samples() -> dict[str, str]:
@@ -368,8 +336,8 @@ def _samples() -> dict[str, str]:
     return {os.path.splitext(file)[0]: file for file in names}
 
 
-def _locate(path: StrPath) -> tuple[str, str]:
-    """Return the path on disk, and the path as it was given."""
+def locate(path: StrPath) -> tuple[str, str]:
+    """Return the path on disk of a file or of ``sample:NAME``, and the path as it was given."""
     given = path_text(path)
     return (sample_path(given) if given.startswith("sample:") else given), given
 

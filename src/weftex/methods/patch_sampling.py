@@ -7,12 +7,12 @@ from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, ClassVar, Self
 
 from weftex.exemplar import Exemplar
-from weftex.method import parameter
 from weftex.methods.patches import patch_kernels as _kernels
 from weftex.methods.patches.model import PatchModel
 from weftex.methods.patches.pasting import Output
 from weftex.methods.patches.scan_order import Run
 from weftex.methods.patches.settings import PatchMethod, settle
+from weftex.parameters import parameter
 
 if TYPE_CHECKING:
     import numpy as np

@@ -8,7 +8,7 @@ from html import escape
 from typing import TYPE_CHECKING, Any
 
 from weftex.pages.html import Page, as_shown, document, number, parameters, show
-from weftex.quality.figures import FIGURES
+from weftex.quality.figures import FIGURES, SCORE
 
 if TYPE_CHECKING:
     from weftex.choice import Choice
@@ -137,9 +137,9 @@ def _table(found: Comparison) -> str:
     limits = "; ".join(f"{figure.title} {figure.within()}" for figure in limited.values())
     body = "\n".join(f"<tr>{row}</tr>" for row in rows)
     return (
-        f'<div class="table"><table>\n{body}\n</table></div>\n<p class="small">Score: 0 is '
-        "perfect, 1 is at a limit. Figures beyond their limits stand out. Limits: "
-        f"{escape(limits)}. A dash is what cannot be measured.</p>"
+        f'<div class="table"><table>\n{body}\n</table></div>\n<p class="small">Score: '
+        f"{SCORE} Figures beyond their limits stand out. Limits: {escape(limits)}. A dash is what "
+        "cannot be measured.</p>"
     )
 
 

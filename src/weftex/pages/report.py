@@ -7,7 +7,7 @@ from html import escape
 from typing import TYPE_CHECKING, Any
 
 from weftex.pages.html import Page, document, number, parameters, show
-from weftex.quality.figures import FIGURES
+from weftex.quality.figures import FIGURES, SCORE
 
 if TYPE_CHECKING:
     import numpy as np
@@ -38,6 +38,15 @@ _CAPTIONS = {
 
 
 @dataclass(frozen=True, eq=False)
+class MapReport:
+    """A map of a set: that of the sample and that of the result as they are shown, and figures."""
+
+    sample: Bytes
+    result: Bytes
+    assessment: Assessment
+
+
+@dataclass(frozen=True, eq=False)
 class Report(Page):
     """What `weftex.report` finds.
 
@@ -61,6 +70,8 @@ class Report(Page):
         How the result was made, if its source says so.
     notes : tuple of str
         What is to be kept in mind about the figures.
+    of_maps : dict of str to MapReport
+        The maps that sample and result both have.
     """
 
     sample: Bytes
@@ -72,6 +83,12 @@ class Report(Page):
     maps: dict[str, Bytes]
     provenance: dict[str, Any]
     notes: tuple[str, ...]
+    of_maps: dict[str, MapReport]
+
+    def verdict(self) -> str:
+        """Return the verdict on the picture, and on each map a line."""
+        told = [f"{name}: {one.assessment.verdict()}" for name, one in self.of_maps.items()]
+        return "\n".join([self.assessment.verdict(), *told])
 
     def as_dict(self) -> dict[str, Any]:
         """Return all figures as numbers, texts, lists, dicts and None, as JSON has them."""
@@ -83,6 +100,7 @@ class Report(Page):
             "real": self.real,
             "provenance": self.provenance,
             "notes": list(self.notes),
+            "of_maps": {name: one.assessment.as_dict() for name, one in self.of_maps.items()},
         }
 
     def html(self) -> str:
@@ -94,7 +112,7 @@ def _page(found: Report) -> str:
     """Return the whole page."""
     title = f"{found.result_name} from {found.name}"
     score = found.assessment.score
-    shown = "" if score is None else f" Score {score:.2f}; 0 is perfect, 1 is at a limit."
+    shown = "" if score is None else f" Score {score:.2f}: {SCORE}"
     kind = "" if score is None else "bad" if found.assessment.flags else "good"
     verdict = f'{escape(found.assessment.verdict())}<br><span class="small">{shown}</span>'
     parts = [
@@ -107,6 +125,10 @@ def _page(found: Report) -> str:
         show(found.result, "Result", found.result_name),
         "</div>",
     ]
+    for name, one in found.of_maps.items():
+        parts += [f"<h2>{escape(name)}</h2>", f"<p>{escape(one.assessment.verdict())}</p>"]
+        parts += ['<div class="pictures">', show(one.sample, "Sample", name)]
+        parts += [show(one.result, "Result", name), "</div>"]
     if found.maps:
         parts += ["<h2>Where it fails</h2>", '<div class="pictures">']
         parts += [show(picture, *_CAPTIONS[name]) for name, picture in found.maps.items()]
@@ -118,7 +140,7 @@ def _page(found: Report) -> str:
 
 
 def _figures(found: Report) -> str:
-    head = ("Figure", "Result", "Real", "Limit", "", "What it says")
+    head = ("Figure", "Result", "Real", "Limit", "", "Eye", "What it says")
     rows = ["".join(f'<th scope="col">{text}</th>' for text in head)]
     for name, figure in FIGURES.items():
         value = getattr(found.assessment, name)
@@ -127,17 +149,19 @@ def _figures(found: Report) -> str:
         about = (
             f'{escape(figure.meaning)} <span class="small">Blind to {escape(figure.blind)}.</span>'
         )
+        agrees = "–" if figure.agrees is None else f"{figure.agrees:.0%}"
         rows.append(
             f'<th scope="row">{escape(figure.title)}<br>'
             f'<span class="small">{escape(figure.unit)}</span></th>'
             f'<td class="number">{number(value, figure)}</td>'
             f'<td class="number">{number(found.real.get(name), figure)}</td>'
             f'<td class="number">{escape(limit)}</td><td class="{mark}">{mark}</td>'
-            f"<td>{about}</td>"
+            f'<td class="number">{agrees}</td><td>{about}</td>'
         )
     body = "\n".join(f"<tr>{row}</tr>" for row in rows)
     return (
         f'<div class="table"><table>\n{body}\n</table></div>\n<p class="small">Real: the halves of '
-        "the sample, each measured as if it had been made from the other. A dash is what cannot be "
-        "measured.</p>"
+        "the sample, each measured as if it had been made from the other. Eye: of pairs of judged "
+        "pictures, the share in which it says the same alone; 50% is a coin. A dash is what cannot "
+        "be measured.</p>"
     )

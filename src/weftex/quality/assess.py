@@ -9,18 +9,16 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from weftex.analysis.lattice import find_lattice
 from weftex.errors import InvalidInputError
 from weftex.exemplar import Exemplar
 from weftex.quality.color import color_distance
 from weftex.quality.copying import check_source, copying
+from weftex.quality.eye import Eye, weigh
 from weftex.quality.figures import FIGURES
-from weftex.quality.lattice import lattice_kept
 from weftex.quality.patches import patch_distance
 from weftex.quality.repetition import repetition
-from weftex.quality.seams import Seams, seams
 from weftex.quality.sharpness import sharpness
-from weftex.quality.spectrum import autocorrelation_distance, spectrum_distance
+from weftex.quality.spectrum import spectrum_distance
 from weftex.quality.view import middle, views
 from weftex.quality.wrap import wrap_seam
 from weftex.results.synthesis import Synthesis
@@ -32,7 +30,6 @@ LARGEST_MEASURED = 2048
 """Of a result of more pixels a side only the middle is looked at, but for the wrap."""
 
 _DIGITS = 3
-_POWER = 4  # of the mean that is the score: the worst figures decide
 
 
 @dataclass(frozen=True)
@@ -44,6 +41,8 @@ class Assessment:
 
     Attributes
     ----------
+    broken, uneven, alike : float or None
+        See `weftex.quality.eye.Look`.
     patches : float or None
         See `weftex.quality.patches.patch_distance`; `patch_scales` has each scale, finest first.
     color, color_difference : float or None
@@ -67,10 +66,14 @@ class Assessment:
     flags : tuple of str
         Names of the figures that pass their limits, the worst first.
     score : float or None
-        0 is perfect, 1 about where one figure reaches its limit; less is better. None if no figure
-        could be measured.
+        In which order an eye would put pictures of one sample; less is better, 0 is the sample
+        itself. Of two pictures whose scores differ by d it prefers the better one in a share of
+        1 / (1 + exp(-d)). None where too little could be measured. See `weftex.quality.eye`.
     """
 
+    broken: float | None = None
+    uneven: float | None = None
+    alike: float | None = None
     patches: float | None = None
     patch_scales: tuple[float, ...] = ()
     color: float | None = None
@@ -161,7 +164,7 @@ def assess(
     >>> good = assess(sample, weftex.synthesize(sample, 256, method="quilting", seed=1))
     >>> noise = np.random.default_rng(0).integers(0, 255, (256, 256, 3), np.uint8)
     >>> bad = assess(sample, noise)
-    >>> good.score < 1 < bad.score, bad.patches > 5 * good.patches
+    >>> good.score < bad.score, bad.patches > 5 * good.patches
     (True, True)
     """
     exemplar = sample if isinstance(sample, Exemplar) else Exemplar(sample)
@@ -180,37 +183,36 @@ def assess(
             tileable = result.canvas.wrap
         result = result.image if result.exemplar is not None else result.render(exemplar)
     wrap = tileable if isinstance(tileable, tuple) else (bool(tileable),) * 2
-    own, whole = views(exemplar, result)
+    whole = views(exemplar, result)[1]
     made = whole.center(LARGEST_MEASURED)
-    model, used = Seams(own), None
+    eye, used = Eye(exemplar), None
+    own = eye.own
     if source is not None:
         source = check_source(source, own.shape, whole.shape)
         used = copying(own, made, middle(source, made.shape))
-    lattice = find_lattice(exemplar)
-    came_back = repetition(own, made, lattice)
+    came_back = repetition(own, made, eye.lattice)
     patches, scales = patch_distance(own, made)
     color_difference, color = color_distance(own, made)
     decibels, spectrum = spectrum_distance(own, made)
     sharp, soft = sharpness(own, made)
-    figures: dict[str, Any] = {
+    seen = eye.figures(made)
+    figures: dict[str, Any] = seen | {
         "patches": patches,
         "patch_scales": scales,
         "color": color,
         "color_difference": color_difference,
         "spectrum": spectrum,
         "spectrum_decibels": decibels,
-        "autocorrelation": autocorrelation_distance(own, made),
-        "lattice": lattice_kept(own, made, lattice),
-        "seams": seams(model, made),
         "sharpness": sharp,
         "soft": soft,
         "period": None if came_back is None else came_back.period,
         "repeats": None if came_back is None else came_back.repeats,
-        "wrap": wrap_seam(model, whole, wrap),
+        "wrap": wrap_seam(eye.seams, whole, wrap),
     }
     if used is not None:
         figures |= dataclasses.asdict(used)
-    return _concluded({name: _rounded(value) for name, value in figures.items()})
+    figures = {name: _rounded(value) for name, value in (figures | {"score": weigh(seen)}).items()}
+    return Assessment(**figures, flags=_flags(figures))
 
 
 def made_from(result: Synthesis) -> NDArray[np.int32]:
@@ -227,16 +229,8 @@ def _rounded(value: Any) -> Any:
     return None if value is None or not math.isfinite(value) else round(float(value), _DIGITS)
 
 
-def _concluded(figures: dict[str, Any]) -> Assessment:
-    """Add the flags and the score."""
-    measured = {
-        name: FIGURES[name].badness(figures[name])
-        for name in FIGURES
-        if figures.get(name) is not None and FIGURES[name].limit is not None
-    }
-    over = sorted((name for name in measured if measured[name] > 1), key=lambda n: -measured[n])
-    score = None
-    if measured:
-        total = np.sum([measured[name] ** _POWER for name in sorted(measured)])
-        score = round(float(total) ** (1 / _POWER), _DIGITS)
-    return Assessment(**figures, flags=tuple(over), score=score)
+def _flags(figures: dict[str, Any]) -> tuple[str, ...]:
+    """Names of the figures that pass their limits, the worst first."""
+    known = [name for name in FIGURES if figures.get(name) is not None]
+    off = {name: FIGURES[name].badness(figures[name]) for name in known}
+    return tuple(sorted((name for name in known if off[name] > 1), key=lambda name: -off[name]))

@@ -12,7 +12,8 @@ import numpy as np
 from weftex.analysis.lattice import find_lattice
 from weftex.exemplar import Exemplar
 from weftex.quality.lattice import lattice_kept
-from weftex.quality.spectrum import spectrum_distance
+from weftex.quality.seams import Seams, seams
+from weftex.quality.spectrum import autocorrelation_distance
 from weftex.quality.view import View, views, window_corners
 
 if TYPE_CHECKING:
@@ -28,11 +29,12 @@ if TYPE_CHECKING:
 _SIDE = 32  # pixels, about, of the sample's shorter side on the coarse copy
 _MOST = 1600  # windows of a picture
 _EXACT = 2**23  # float32 holds sums of whole numbers up to twice this
-_QUANTILE = 0.9
-_FLOOR = 0.01  # of the sample's contrast: a distance that nobody sees
+_QUANTILE = 0.97
+_SEEN = 0.05  # of the sample's contrast: a distance that an eye sees, and half of it
+_ROUNDING = 0.05  # what rounding to so few bits adds to a distance
 _CELLS = 4  # a side, for how evenly the sample was used
-_COPY = 0.3  # of the distance of the sample's own nearest pairs
-_NEAREST = 0.1  # quantile of the sample's own nearest distances
+_KIN = 0.5  # as much nearer to each other are the windows of a larger photo at most
+_RHYTHM = 10.0  # so many times the autocorrelation is what an eye sees twice as much of
 
 
 @dataclass(frozen=True)
@@ -42,48 +44,51 @@ class Look:
     Attributes
     ----------
     broken : float
-        How far the worst windows are from all of the sample's: the logarithm of the 90 % quantile
-        of the distances to the nearest, 0 where nobody sees them.
-    again : float
-        How often two windows show the same part of the sample, over even use of all of it; the
-        logarithm.
+        The 97 % quantile of the windows' distances to the nearest of the sample; 1 is as far as the
+        windows of one half of the sample are from those of the other, in the mean.
     uneven : float
         How unevenly the parts of the sample are used: relative entropy over 4x4 cells.
     alike : float
-        Share of the windows that have a copy elsewhere, nearer than any two of the sample's are.
+        By how much nearer than the sample's windows are to others, beyond what is so in a larger
+        photo; mean logarithm.
     """
 
     broken: float
-    again: float
     uneven: float
     alike: float
 
 
 WEIGHTS = {
-    "broken": 2.1,
-    "again": 1.5,
-    "uneven": 2.8,
-    "alike": 1.8,
-    "lattice": 5.9,
-    "spectrum": 1.1,
+    "broken": 3.75,
+    "uneven": 3.56,
+    "alike": 1.11,
+    "lattice": 3.83,
+    "autocorrelation": 1.67,
+    "seams": 0.75,
 }
-"""Of the terms of the score, fitted to judged pictures; see benchmarks/judged/README.md."""
+"""Of the terms of the score, as benchmarks/judged/agreement.py fits them to judged pictures."""
 
 
 def terms(figures: Mapping[str, Any]) -> dict[str, float]:
     """What the score adds up, before weights: 0 is perfect; what is not known adds nothing."""
     known = {name: float(figures[name]) for name in WEIGHTS if figures.get(name) is not None}
+    if "broken" in known:
+        known["broken"] = math.log1p(known["broken"])
     if "lattice" in known:  # more regular than the sample is no fault
         known["lattice"] = max(1 - known["lattice"], 0.0)
-    if "spectrum" in known:
-        known["spectrum"] = math.log1p(known["spectrum"])
+    if "autocorrelation" in known:
+        known["autocorrelation"] = math.log1p(_RHYTHM * known["autocorrelation"])
+    if "seams" in known:  # nor are fewer seams than the sample's own
+        known["seams"] = math.log(max(known["seams"], 1.0))
     return known
 
 
 def weigh(figures: Mapping[str, Any]) -> float | None:
-    """Return the score of a picture with these figures, or None if none of them is known."""
+    """Return the score of a picture with these figures; None if it is too small to be looked at."""
+    if figures.get("broken") is None:
+        return None
     found = terms(figures)
-    return math.fsum(WEIGHTS[name] * found[name] for name in found) if found else None
+    return math.fsum(WEIGHTS[name] * found[name] for name in found)
 
 
 class Eye:
@@ -108,25 +113,27 @@ class Eye:
         self.exemplar = exemplar
         side = min(exemplar.shape)
         self._levels = max(1, 1 + round(math.log2(side / _SIDE)))
-        own = self._coarse(views(exemplar, exemplar.pixels)[0])
-        channels = own.values.shape[2]
+        self.own = views(exemplar, exemplar.pixels)[0]
+        own = self._coarse(self.own)
         self._width = max(2, min(own.shape) // 3)
-        values = self._width**2 * channels
+        values = self._width**2 * own.values.shape[2]
         self._shift = next(s for s in range(9) if values * (255 >> s) ** 2 < _EXACT)
         self._own, self._places = self._windows(own)
         if len(self._own):
-            bytes_ = own.values[own.usable].astype(np.float64)
-            self._floor = _FLOOR * float(bytes_.var(axis=0).mean()) / 4**self._shift + 0.05
-            apart = distances(self._own, self._own)
-            apart[~_apart(self._places, self._width)] = np.inf
-            nearest = apart.min(axis=1)
-            known = nearest[np.isfinite(nearest)]
-            self._copy = _COPY * float(np.quantile(known, _NEAREST)) if len(known) else 0.0
+            contrast = own.values[own.usable].astype(np.float64).var(axis=0).mean()
+            self._seen = _SEEN * float(contrast) / 4**self._shift + _ROUNDING
+            self._usual = self._between_halves(own.shape)
+            self._alone = self._closeness(self._own, self._places)
 
     @cached_property
     def lattice(self) -> Lattice | None:
         """That of the sample."""
         return find_lattice(self.exemplar)
+
+    @cached_property
+    def seams(self) -> Seams:
+        """What its steps are like."""
+        return Seams(self.own)
 
     def look(self, made: View) -> Look | None:
         """Return the figures of a picture as `views` has it; None where it is too small."""
@@ -135,15 +142,22 @@ class Eye:
             return None
         windows, places = self._windows(made)
         apart = distances(windows, self._own)
-        nearest = apart.min(axis=1)
-        worst = float(np.quantile(nearest, _QUANTILE))
+        worst = float(np.quantile(apart.min(axis=1), _QUANTILE))
         source = self._places[apart.argmin(axis=1)]
         return Look(
-            broken=math.log1p(worst / self._floor),
-            again=self._again(source, places),
+            broken=worst / (self._usual + self._seen),
             uneven=self._uneven(source),
-            alike=self._alike(windows, places),
+            alike=max(0.0, self._closeness(windows, places) - self._alone - _KIN),
         )
+
+    def figures(self, made: View) -> dict[str, float | None]:
+        """Return all that the score is made of, of a picture as `views` has it."""
+        seen = self.look(made)
+        return ({} if seen is None else asdict(seen)) | {
+            "lattice": lattice_kept(self.own, made, self.lattice),
+            "autocorrelation": autocorrelation_distance(self.own, made),
+            "seams": seams(self.seams, made),
+        }
 
     def score(self, picture: NDArray[Any]) -> float | None:
         """How bad a picture looks beside others of this sample; less is better.
@@ -160,12 +174,7 @@ class Eye:
             1 / (1 + exp(-d)) of cases, by the judged pictures. None where the picture is smaller
             than a third of the sample, and where a mask leaves no such window.
         """
-        own, made = views(self.exemplar, picture)
-        found = self.look(made)
-        if found is None:
-            return None
-        kept, spectrum = lattice_kept(own, made, self.lattice), spectrum_distance(own, made)[1]
-        return weigh(asdict(found) | {"lattice": kept, "spectrum": spectrum})
+        return weigh(self.figures(views(self.exemplar, picture)[1]))
 
     def _coarse(self, view: View) -> View:
         return view.pyramid(self._levels)[-1]
@@ -184,13 +193,6 @@ class Eye:
         values = width**2 * view.values.shape[2]
         return found[places[:, 0], places[:, 1]].reshape(len(places), values), places
 
-    def _again(self, source: Places, places: Places) -> float:
-        """Pairs of windows that do not touch and have one source, over chance."""
-        far = _apart(places, self._width // 2)
-        same = ~_apart(source, 2)
-        chance = float((~_apart(self._places, 2)).mean())
-        return math.log1p(float((far & same).mean()) / chance)
-
     def _uneven(self, source: Places) -> float:
         """Relative entropy of the use of cells to an even one."""
         sides = self._places.max(axis=0) + 1
@@ -202,10 +204,29 @@ class Eye:
         seen = used > 0
         return max(0.0, float((used[seen] * np.log(used[seen] / even[seen])).sum()))
 
-    def _alike(self, windows: Floats, places: Places) -> float:
-        """Share of windows with a copy that they do not touch."""
-        near = distances(windows, windows) < self._copy
-        return float((near & _apart(places, self._width)).any(axis=1).mean())
+    def _between_halves(self, shape: tuple[int, int]) -> float:
+        """The mean distance of windows of one half of the sample to the nearest of the other.
+
+        Of upper and lower, and left and right half the larger; 0 where no window fits a half.
+        """
+        found = [0.0]
+        for axis, side in enumerate(shape):
+            at = self._places[:, axis]
+            apart = distances(
+                self._own[at + self._width <= side // 2], self._own[at >= side - side // 2]
+            )
+            if apart.size:
+                nearest = np.concatenate([apart.min(axis=0), apart.min(axis=1)])
+                found.append(float(nearest.mean(dtype=np.float64)))
+        return max(found)
+
+    def _closeness(self, windows: Floats, places: Places) -> float:
+        """Of windows to the nearest that they do not touch: minus the mean logarithm."""
+        apart = distances(windows, windows)
+        apart[~_apart(places, self._width)] = np.inf
+        nearest = apart.min(axis=1)
+        known = nearest[np.isfinite(nearest)].astype(np.float64)
+        return -float(np.log(known + self._seen / 2).mean()) if len(known) else 0.0
 
 
 def distances(first: Floats, second: Floats) -> Floats:

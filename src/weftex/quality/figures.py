@@ -29,7 +29,10 @@ class Figure:
     wrong : str
         What a result that passes the limit does, to go on after "it".
     base : float
-        The value of a perfect result, for "low".
+        What is no fault yet, for "low".
+    agrees : float or None
+        In how many of the judged pairs it is further off for the picture that looks worse, ties as
+        half; 0.5 is a coin. None for what needs more than the two pictures.
     """
 
     title: str
@@ -40,18 +43,21 @@ class Figure:
     blind: str
     wrong: str = ""
     base: float = 0.0
+    agrees: float | None = None
+
+    def off(self, value: float) -> float:
+        """How far a value is from a perfect one; in its unit, and for "one" a logarithm."""
+        if self.good == "high":
+            return max(1 - value, 0.0)
+        if self.good == "one":
+            return abs(math.log(max(value, 1e-6)))
+        return max(value - self.base, 0.0)
 
     def badness(self, value: float) -> float:
         """0 for a perfect value, 1 at the limit, 16 at most."""
         if self.limit is None:
             return 0.0
-        if self.good == "low":
-            off = (value - self.base) / (self.limit - self.base)
-        elif self.good == "high":
-            off = (1 - value) / (1 - self.limit)
-        else:
-            off = abs(math.log(max(value, 1e-6))) / math.log(self.limit)
-        return min(max(off, 0.0), _WORST)
+        return min(self.off(value) / self.off(self.limit), _WORST)
 
     def fault(self, value: float) -> str:
         """What is wrong with a result that passes the limit."""
@@ -67,68 +73,102 @@ class Figure:
         return f"{'at most' if self.good == 'low' else 'at least'} {self.limit:g}"
 
 
+SCORE = (
+    "0 is the sample itself, and only pictures of one size from one sample compare: of two that "
+    "are 1 apart an eye prefers the lower in three of four cases."
+)
+"""What the score means, in one sentence."""
+
 _HALVES = "1 = as the sample's halves"
 
 FIGURES: dict[str, Figure] = {
+    "broken": Figure(
+        "broken", _HALVES, "", None,
+        "How far its worst windows, a third of the sample wide, are from all of the sample's.",
+        "detail finer than a thirtieth of the sample",
+        agrees=0.56,
+    ),
+    "uneven": Figure(
+        "uneven", "relative entropy", "", None,
+        "How unevenly the parts of the sample come up.",
+        "where they come up",
+        agrees=0.67,
+    ),
+    "alike": Figure(
+        "alike", "logarithm", "", None,
+        "How much nearer to each other its windows are than the sample's.",
+        "how far apart, and how striking, they are",
+        agrees=0.51,
+    ),
     "patches": Figure(
         "patches", _HALVES, "low", 1.6,
         "Whether small patches, at four scales, look as they do in the sample.",
         "where in the picture they are; repetition; structure above 50 pixels",
         "has patches that the sample has not",
+        agrees=0.67,
     ),
     "color": Figure(
         "color", _HALVES, "low", 3.0,
         "Whether colors occur as often as in the sample.",
         "where the colors are",
         "has other colors than the sample",
+        agrees=0.60,
     ),
     "spectrum": Figure(
         "spectrum", _HALVES, "low", 1.3,
         "Whether each period and direction has as much power as in the sample.",
         "phase: edges and noise can have one spectrum",
         "varies more or less than the sample at some periods",
+        agrees=0.60,
     ),
     "autocorrelation": Figure(
         "autocorrelation", _HALVES, "low", 1.6,
         "Whether it is as similar to itself at short shifts as the sample.",
         "the content that is similar",
         "has another rhythm than the sample",
+        agrees=0.67,
     ),
     "lattice": Figure(
         "lattice kept", "share", "high", 0.7,
         "How much of the sample's repetition is left in the result.",
         "order over more than three repetitions",
         "loses the sample's regular order",
+        agrees=0.80,
     ),
     "seams": Figure(
         "seams", "1 = as the sample's own", "low", 1.75,
         "Steps between neighboring lines that their surroundings do not explain.",
         "feathered seams; joints that end",
-        "has visible seams",
+        "has visible seams", 1.0,
+        agrees=0.52,
     ),
     "sharpness": Figure(
         "sharpness", "ratio", "one", 1.15,
         "The strength of the finest detail, relative to the sample's.",
         "the form of the detail",
         "is blurred|is noisier than the sample",
+        agrees=0.58,
     ),
     "soft": Figure(
         "soft areas", "share", "low", 0.12,
         "How much of it is softer than the softest twentieth of the sample.",
         "the form of the detail",
         "is blurred in places", 0.05,
+        agrees=0.52,
     ),
     "period": Figure(
-        "period", "share", "low", 0.12,
+        "period", "share", "low", 0.25,
         "The largest part that repeats at one shift.",
         "copies that are turned, scaled or blended",
-        "repeats itself at one distance",
+        "repeats itself at one distance", 0.12,
+        agrees=0.51,
     ),
     "repeats": Figure(
-        "near repeats", "share", "low", 0.2,
+        "near repeats", "share", "low", 0.5,
         "How much repeats within half the sample's side, beyond the repetition of the lattice.",
         "copies that are turned, scaled or blended",
-        "shows the same things side by side",
+        "shows the same things side by side", 0.2,
+        agrees=0.53,
     ),
     "copied": Figure(
         "copied", "share", "", None,

@@ -77,7 +77,7 @@ class Seams:
         """The share of the border along an axis that is a seam; see `weftex.quality.wrap`."""
         usual = np.quantile(self._along(result.center(_LONGEST_BORDER), axis), _USUAL)
         across = np.take(result.values, np.arange(-_BORDER, _BORDER), axis)
-        beside = View(across, np.ones(across.shape[:2], bool), result.axis, result.side)
+        beside = View(across, np.ones(across.shape[:2], bool), result.axis, result.sample)
         found = self._along(beside, axis)
         return float((np.take(found, found.shape[axis] // 2, axis) > usual).mean())
 

@@ -26,6 +26,7 @@ if TYPE_CHECKING:
 Kind = TypeVar("Kind", bound=np.generic)
 
 _LARGEST_TRANSFORM = 640  # pixels a side that measures which need transforms look at
+_ROOM = 2  # pixels around a shift in which the correlation there is looked for
 _SMOOTH = 4  # the mean over a square of this share of the side is slow lighting
 
 
@@ -41,19 +42,24 @@ class View:
         Where the sample may be used; everywhere in a result.
     axis : int64 array (K,)
         The color direction in which the sample varies most, in whole numbers.
-    side : int
-        The sample's shorter side, which says what slow lighting is.
+    sample : (int, int)
+        The sample's height and width.
     """
 
     values: NDArray[np.uint8]
     usable: NDArray[np.bool_]
     axis: NDArray[np.int64]
-    side: int
+    sample: tuple[int, int]
 
     @property
     def shape(self) -> tuple[int, int]:
         """Height and width."""
         return self.values.shape[0], self.values.shape[1]
+
+    @property
+    def side(self) -> int:
+        """The sample's shorter side, which says what slow lighting is."""
+        return min(self.sample)
 
     @cached_property
     def masked(self) -> bool:
@@ -78,21 +84,25 @@ class View:
 
     @cached_property
     def correlation(self) -> Floats:
-        """`flat` correlated with itself, no shift in the middle; of a large picture, its center."""
+        """`flat` correlated with itself at shifts of up to half the sample, none in the middle.
+
+        Of a large picture, its center.
+        """
         part = self.center(_LARGEST_TRANSFORM)
-        return correlate(part.flat, first_mask=part.usable if part.masked else None)
+        mask, (y, x) = part.usable if part.masked else None, self.sample
+        return correlate(part.flat, first_mask=mask, reach=(y // 2 + _ROOM, x // 2 + _ROOM))
 
     def part(self, top: int, left: int, height: int, width: int) -> View:
         """A part of the picture."""
         box = slice(top, top + height), slice(left, left + width)
-        return View(self.values[box], self.usable[box], self.axis, self.side)
+        return View(self.values[box], self.usable[box], self.axis, self.sample)
 
     def center(self, widest: int) -> View:
         """The middle of a picture with longer sides than this."""
         if max(self.shape) <= widest:
             return self
         shape = (min(self.shape[0], widest), min(self.shape[1], widest))
-        return View(middle(self.values, shape), middle(self.usable, shape), self.axis, self.side)
+        return View(middle(self.values, shape), middle(self.usable, shape), self.axis, self.sample)
 
     @cached_property
     def halves(self) -> tuple[tuple[View, View], ...]:
@@ -109,7 +119,7 @@ class View:
         levels = gaussian_pyramid(self.values, count)
         masks = mask_pyramid(self.usable, count)
         return [
-            View(level, mask, self.axis, max(1, self.side >> k))
+            View(level, mask, self.axis, (max(1, self.sample[0] >> k), max(1, self.sample[1] >> k)))
             for k, (level, mask) in enumerate(zip(levels, masks, strict=True))
         ]
 
@@ -145,11 +155,11 @@ def views(sample: Exemplar, result: NDArray[Any]) -> tuple[View, View]:
         )
     values = sample.as_matching(own)
     usable = np.ones(sample.shape, bool) if sample.mask is None else sample.mask
-    axis, side = _axis(values[usable]), min(sample.shape)
+    axis = _axis(values[usable])
     made = sample.as_matching(pixels)
     return (
-        View(values, usable, axis, side),
-        View(made, np.ones(made.shape[:2], bool), axis, side),
+        View(values, usable, axis, sample.shape),
+        View(made, np.ones(made.shape[:2], bool), axis, sample.shape),
     )
 
 

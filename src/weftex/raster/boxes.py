@@ -92,7 +92,9 @@ def extended_sums(values: NDArray[Any], radius: int) -> NDArray[np.int64]:
     return result
 
 
-def touching_sums(values: Floats, box: tuple[int, ...]) -> Floats:
+def touching_sums(
+    values: Floats, box: tuple[int, ...], reach: tuple[int, int] | None = None
+) -> Floats:
     """Sums over every position of a box that touches the picture, of what of it lies inside.
 
     Parameters
@@ -100,10 +102,12 @@ def touching_sums(values: Floats, box: tuple[int, ...]) -> Floats:
     values : float64 array (H, W)
     box : (int, int)
         Height and width, h and w.
+    reach : (int, int), optional
+        Its corner lies at most so many rows and columns from the picture's.
 
     Returns
     -------
-    float64 array (H + h - 1, W + w - 1)
+    float64 array (H + h - 1, W + w - 1), or what of it is within reach
 
     Examples
     --------
@@ -112,6 +116,7 @@ def touching_sums(values: Floats, box: tuple[int, ...]) -> Floats:
     """
     for axis in (0, 1):
         at = np.arange(1 - box[axis], values.shape[axis])  # the first row or column in the box
+        at = at if reach is None else at[abs(at) <= reach[axis]]
         values = sums_along(values, axis, at, at + box[axis])
     return values
 
@@ -140,8 +145,11 @@ def sums_along(
     >>> sums_along(np.array([200, 100, 50], np.uint8), 0, np.array([1]), np.array([9])).tolist()
     [150]
     """
-    running = np.cumsum(values, axis=axis, dtype=values.dtype)
-    running = np.concatenate([np.zeros_like(running.take([0], axis)), running], axis)
+    shape = list(values.shape)
+    shape[axis] += 1
+    running = np.zeros(shape, values.dtype)
+    later = tuple(slice(int(a == axis), None) for a in range(values.ndim))
+    np.cumsum(values, axis=axis, dtype=values.dtype, out=running[later])
     ends, starts = np.minimum(last, values.shape[axis]), np.maximum(first, 0)
     result: NDArray[Any] = running.take(ends, axis) - running.take(starts, axis)
     return result

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from weftex.exemplar import tamed
+from weftex.raster.levels import tamed
 
 if TYPE_CHECKING:
     from collections.abc import Callable

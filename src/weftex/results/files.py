@@ -14,6 +14,7 @@ import numpy as np
 from weftex.canvas import MAX_PIXELS
 from weftex.errors import FileError
 from weftex.io.formats import path_text, show
+from weftex.turns import TURNS
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping
@@ -29,6 +30,10 @@ class DamageError(ValueError):
     """A saved file contains something that was never written so."""
 
 
+#: What a result is given beside its canvas, arrays and exemplar.
+ABOUT = ("sample_shape", "known_from", "provenance", "match_tone", "is_window", "turn")
+
+
 @dataclass(frozen=True)
 class Facts:
     """What a saved result says of itself beside its arrays.
@@ -41,7 +46,8 @@ class Facts:
         See `weftex.Canvas`.
     provenance : dict
         Method, parameters and seed.
-    match_tone : bool
+    match_tone, is_window : bool
+    turn : str or None
         See `weftex.results.synthesis.Synthesis`.
     """
 
@@ -52,6 +58,8 @@ class Facts:
     provenance: dict[str, Any]
     origin: tuple[int, int] = (0, 0)  # this and what follows is not in files of the first version
     match_tone: bool = False
+    is_window: bool = False
+    turn: str | None = None
 
     def __post_init__(self) -> None:
         for name in ("shape", "sample_shape"):
@@ -63,8 +71,10 @@ class Facts:
             raise DamageError("its places are no places")
         if [*map(type, self.wrap)] != [bool, bool] or not isinstance(self.provenance, dict):
             raise DamageError("its facts have other types")
-        if type(self.match_tone) is not bool:
+        if [type(self.match_tone), type(self.is_window)] != [bool, bool]:
             raise DamageError("its facts have other types")
+        if self.turn is not None and self.turn not in TURNS:
+            raise DamageError("its sample was turned in no known way")
 
     def check_hole(self, bits: NDArray[Any] | None) -> NDArray[np.bool_] | None:
         """Unpack the hole, after a look at whether it and the known pixels fit the shapes."""

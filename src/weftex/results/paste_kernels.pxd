@@ -10,6 +10,8 @@ ctypedef fused real:
     float
     double
 
+cdef int FULL, ALPHA, VECTORS, LABELS
+
 cdef class Layout:
     cdef const int[:, ::1] placements
     cdef const unsigned short[:, :, ::1] weights
@@ -21,7 +23,12 @@ cdef class View:
     cdef Py_ssize_t top
     cdef Py_ssize_t left
     cdef Py_ssize_t scale
-    cdef bint alpha
+    cdef int mixing
+    cdef double middle
+
+cdef bint stretch(double* vector, double to, double middle, value* out) noexcept nogil
+cdef double length(const value* vector, double middle) noexcept nogil
+cdef double middle_of(value* sort, double given) noexcept nogil
 
 cdef void paste(value[:, :, ::1] out, const value[:, :, ::1] source, Layout layout,
                 Py_ssize_t k, Py_ssize_t zone, View view) noexcept nogil

@@ -7,9 +7,11 @@ a multiple of its resolution and the buffer that matching looks at all pass thro
 """
 
 import cython
+from cython.cimports.libc.math import floor, sqrt
 from cython.cimports.libc.string import memcpy
 
-FULL = cython.declare(cython.int, 256)
+FULL = 256
+ALPHA, VECTORS, LABELS = 1, 2, 3  # of `weftex.raster.mixing.Kind`
 
 
 class Layout:
@@ -44,15 +46,18 @@ class View:
         The first row and column, in sample pixels.
     scale : int
         The side of a sample pixel.
-    alpha : bool
-        The last channel is straight alpha.
+    mixing : int
+        A `weftex.raster.mixing.Kind`.
+    middle : float
+        What stands for 0 in a vector that is stored in floats.
     """
 
-    def __init__(self, top, left, scale, alpha):
+    def __init__(self, top, left, scale, mixing, middle=0.0):
         self.top = top
         self.left = left
         self.scale = scale
-        self.alpha = alpha
+        self.mixing = mixing
+        self.middle = middle
 
 
 @cython.cfunc
@@ -103,24 +108,102 @@ def opacity(alpha: real) -> real:
 @cython.cfunc
 @cython.nogil
 @cython.exceptval(check=False)
+def length(vector: cython.pointer(cython.const[value]), middle: cython.double) -> cython.double:
+    """How long a vector is, stored in three channels around `middle`."""
+    x: cython.double = vector[0] - middle
+    y: cython.double = vector[1] - middle
+    z: cython.double = vector[2] - middle
+    return sqrt(x * x + y * y + z * z)
+
+
+@cython.cfunc
+@cython.nogil
+@cython.exceptval(check=False)
+def stretch(
+    vector: cython.pointer(cython.double),
+    to: cython.double,
+    middle: cython.double,
+    out: cython.pointer(value),
+) -> cython.bint:
+    """Write a vector of this direction and length; false, and nothing, if it has no direction."""
+    k: cython.Py_ssize_t
+    number: cython.double
+    largest: cython.double = 2 * middle
+    own: cython.double = sqrt(vector[0] * vector[0] + vector[1] * vector[1] + vector[2] * vector[2])
+    if not own > 1e-3 * to:
+        return False
+    for k in range(3):
+        number = middle + vector[k] * (to / own)
+        if value is cython.uchar or value is cython.ushort:
+            out[k] = cython.cast(cython.int, min(max(floor(number + 0.5), 0.0), largest))
+        else:
+            out[k] = number
+    return True
+
+
+@cython.cfunc
+@cython.nogil
+@cython.exceptval(check=False)
+def blend_vectors(
+    new: cython.pointer(cython.const[value]),
+    old: cython.pointer(value),
+    weight: cython.int,
+    middle: cython.double,
+) -> cython.void:
+    """Mix directions and lengths apart, so that no vector is shorter than those it is made of."""
+    k: cython.Py_ssize_t
+    share: cython.double = weight * 0.00390625
+    to: cython.double = (1 - share) * length(old, middle) + share * length(new, middle)
+    mixed = cython.declare(cython.double[3])
+    for k in range(3):
+        mixed[k] = (1 - share) * (old[k] - middle) + share * (new[k] - middle)
+    if not stretch(mixed, to, middle, old) and weight >= 128:  # opposite ones
+        for k in range(3):
+            old[k] = new[k]
+
+
+@cython.cfunc
+@cython.inline
+@cython.nogil
+@cython.exceptval(check=False)
+def middle_of(sort: cython.pointer(value), given: cython.double) -> cython.double:
+    """What stands for 0 in a vector of these numbers."""
+    if value is cython.uchar:
+        return 127.5
+    elif value is cython.ushort:
+        return 32767.5
+    else:
+        return given
+
+
+@cython.cfunc
+@cython.nogil
+@cython.exceptval(check=False)
 def blend(
     new: cython.pointer(cython.const[value]),
     old: cython.pointer(value),
     channels: cython.Py_ssize_t,
     weight: cython.int,
-    alpha: cython.bint,
+    view: View,
 ) -> cython.void:
     """Mix one pixel into `old`; straight alpha weighs colors, so clear pixels bleed nothing."""
     cython.declare(k=cython.Py_ssize_t, mixed=cython.int, share=cython.double)
     cython.declare(num=cython.longlong, den=cython.longlong)
     cython.declare(part_old=cython.longlong, part_new=cython.longlong)
-    if not alpha:
-        for k in range(channels):
+    if view.mixing == LABELS:
+        if weight >= 128:
+            for k in range(channels):
+                old[k] = new[k]
+        return
+    if view.mixing != ALPHA:
+        for k in range(3 if view.mixing == VECTORS else 0, channels):
             if value is cython.uchar or value is cython.ushort:
                 mixed = old[k] * (256 - weight) + new[k] * weight + 128
                 old[k] = mixed >> 8
             else:
                 old[k] = between(old[k], new[k], weight * 0.00390625)
+        if view.mixing == VECTORS:
+            blend_vectors(new, old, weight, middle_of(old, view.middle))
         return
     if value is cython.uchar or value is cython.ushort:
         part_old = (256 - weight) * cython.cast(cython.longlong, old[channels - 1])
@@ -157,7 +240,6 @@ def paste(out, source, layout, k, zone, view):
     top: cython.Py_ssize_t = view.top
     left: cython.Py_ssize_t = view.left
     scale: cython.Py_ssize_t = view.scale
-    alpha: cython.bint = view.alpha
     rows: cython.Py_ssize_t = layout.weights.shape[1]
     columns: cython.Py_ssize_t = layout.weights.shape[2]
     channels: cython.Py_ssize_t = out.shape[2]
@@ -193,7 +275,7 @@ def paste(out, source, layout, k, zone, view):
                     for q in range(scale):
                         to = cython.address(out[row, cx * scale + q, 0])
                         origin = cython.address(source[fy * scale + r, fx * scale + q, 0])
-                        blend(origin, to, channels, w, alpha)
+                        blend(origin, to, channels, w, view)
                 u += 1
                 continue
             limit = min(

@@ -16,6 +16,7 @@ from weftex.results.synthesis import Synthesis
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
+    from weftex.raster.mixing import Mixing
     from weftex.results.synthesis import Place, Window
 
 _MOST_LAYERS = 4  # of patches that show at one pixel
@@ -81,11 +82,11 @@ class PatchSynthesis(Synthesis):
         """Which pixel of its patch is shown at each pixel of it."""
         return y, x
 
-    def _lay(self, out: NDArray[Any], pixels: NDArray[Any], window: Window, alpha: bool) -> None:
+    def _lay(self, out: NDArray[Any], pixels: NDArray[Any], window: Window, mixing: Mixing) -> None:
         top, left, height, _ = window
         scale = out.shape[0] // height
         layout = paste_kernels.Layout(self.placements, self.weights, self.cuts, *self.shape)
-        paste_kernels.paste_all(out, pixels, layout, paste_kernels.View(top, left, scale, alpha))
+        paste_kernels.paste_all(out, pixels, layout, paste_kernels.View(top, left, scale, *mixing))
 
     def _error(self) -> NDArray[np.int16]:
         """The difference in the overlaps as they were before they were cut."""
@@ -153,8 +154,8 @@ class RectifiedSynthesis(PatchSynthesis):
         moved = blocks[y, :, x].transpose(0, 2, 1, 3, 4).reshape(pixels.shape)
         return np.ascontiguousarray(moved)
 
-    def _lay(self, out: NDArray[Any], pixels: NDArray[Any], window: Window, alpha: bool) -> None:
-        super()._lay(out, self._rectified(pixels), window, alpha)
+    def _lay(self, out: NDArray[Any], pixels: NDArray[Any], window: Window, mixing: Mixing) -> None:
+        super()._lay(out, self._rectified(pixels), window, mixing)
 
     def _moved_arrays(
         self, shape: tuple[int, int], sample: tuple[int, int], to: Place, source_to: Place

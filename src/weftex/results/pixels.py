@@ -14,6 +14,7 @@ from weftex.results.synthesis import Synthesis
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
+    from weftex.raster.mixing import Mixing
     from weftex.results.synthesis import Place, Window
 
 
@@ -44,8 +45,8 @@ class PixelSynthesis(Synthesis):
         coordinates[~made] = -1
         return coordinates[:, :, None], made[..., None].astype(np.float32)
 
-    def _lay(self, out: NDArray[Any], pixels: NDArray[Any], window: Window, alpha: bool) -> None:
-        """Copy; alpha goes with its pixel."""
+    def _lay(self, out: NDArray[Any], pixels: NDArray[Any], window: Window, mixing: Mixing) -> None:
+        """Copy: nothing is mixed."""
         top, left, height, width = window
         scale = out.shape[0] // height
         rows, columns = self.sample_shape

@@ -10,16 +10,29 @@ import numpy as np
 
 from weftex.canvas import Canvas
 from weftex.errors import InvalidInputError, shown
-from weftex.exemplar import Exemplar, check_pixels
+from weftex.exemplar import Exemplar, as_rendered
+from weftex.raster.mixing import Kind
 from weftex.results import drawing
 from weftex.results.background import background_of
-from weftex.results.files import DamageError, Facts, one_line_errors, read_result, write_result
+from weftex.results.files import (
+    ABOUT,
+    DamageError,
+    Facts,
+    one_line_errors,
+    read_result,
+    write_result,
+)
+from weftex.results.heights import join_heights
+from weftex.results.scales import check_window, in_few_pixels, room_for, scale_to
 from weftex.results.tone import match_tone
+from weftex.turns import as_copies, turned
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
     from numpy.typing import NDArray
+
+    from weftex.raster.mixing import Mixing
 
     #: (top, left, height, width) in output pixels.
     Window = tuple[int, int, int, int]
@@ -51,6 +64,11 @@ class Synthesis(ABC):
         The finished picture, when making it was part of the work.
     match_tone : bool
         Shift the tone inside a filled hole to that around it, see `weftex.results.tone`.
+    turn : str, optional
+        Which copies its sample is made of, see `weftex.turned`; as the exemplar says, if given.
+    is_window : bool
+        It is a part of an endless plane, whose heights are laid as they are: to join them asks for
+        what lies around.
     """
 
     #: The arrays that say where pixels come from, by the name of the parameter, and their types.
@@ -71,18 +89,21 @@ class Synthesis(ABC):
         provenance: dict[str, Any] | None = None,
         picture: NDArray[Any] | None = None,
         match_tone: bool = False,
+        is_window: bool = False,
+        turn: str | None = None,
     ) -> None:
         self.canvas, self.exemplar = canvas, exemplar
         self.sample_shape, self.known_from = sample_shape, known_from
         self.provenance = provenance or {}
-        self._picture, self.match_tone = picture, match_tone
+        self._picture, self.match_tone, self.is_window = picture, match_tone, is_window
+        self.turn = turn if exemplar is None else exemplar.turn
 
     @abstractmethod
     def _layers(self, window: Window) -> tuple[NDArray[np.int32], NDArray[np.float32]]:
         """Coordinates and weights as `layers` returns them, -1 and 0 for known pixels."""
 
     @abstractmethod
-    def _lay(self, out: NDArray[Any], pixels: NDArray[Any], window: Window, alpha: bool) -> None:
+    def _lay(self, out: NDArray[Any], pixels: NDArray[Any], window: Window, mixing: Mixing) -> None:
         """Lay the pixels of (H, W, C) over `out`, which is a multiple of the window's size."""
 
     @abstractmethod
@@ -156,7 +177,7 @@ class Synthesis(ABC):
     @property
     def maps(self) -> dict[str, NDArray[Any]]:
         """The sample's maps, replayed at the same coordinates."""
-        return {name: self.render(pixels) for name, pixels in self.sample.maps.items()}
+        return {name: self.render(self.sample.map(name)) for name in self.sample.maps}
 
     @property
     def source(self) -> NDArray[np.int32]:
@@ -205,24 +226,27 @@ class Synthesis(ABC):
         *,
         background: NDArray[Any] | None = None,
         window: Window | None = None,
+        role: str | None = None,
     ) -> NDArray[Any]:
         """Make the same from the pixels of another picture that is aligned with the sample.
 
         Parameters
         ----------
         other : Exemplar or array, optional
-            Of the sample's size or an integer multiple of it, any dtype and channel count; the
-            sample itself by default.
+            Of the sample's size, an integer multiple or fraction of it, any dtype and channel
+            count; the sample itself by default.
         background : array, optional
             For a filled hole whose surroundings are not part of the sample: the same surroundings
             in `other`'s kind.
         window : (top, left, height, width), optional
             Render only this part, in output pixels.
+        role : str, optional
+            What an array shows, by a name of `weftex.roles.ROLES`; an `Exemplar` says it itself.
 
         Returns
         -------
         array
-            In the dtype of `other`, at its multiple of the output's size.
+            In the dtype of `other`, at its multiple or fraction of the output's size.
 
         Raises
         ------
@@ -237,38 +261,29 @@ class Synthesis(ABC):
         >>> result.render(np.zeros((128, 128), np.float32)).shape
         (160, 192)
         """
-        whole = window is None
+        whole, own = window is None, other is None or other is self.exemplar
         top, left, height, width = self.canvas.check_window(window)
-        if self.match_tone and not whole:  # what is around the hole must be seen
-            made = self.render(other, background=background)
-            side = len(made) // self.shape[0]
-            rows, columns = slice(top * side, (top + height) * side), slice(left * side, None)
-            return made[rows, columns][:, : width * side]
-        own = other is None or other is self.exemplar
-        given = self.sample if other is None else other
-        if isinstance(given, Exemplar):
-            pixels, alpha = given.pixels, given.alpha
-        else:
-            pixels = check_pixels(given, "map")
-            alpha = pixels.ndim == 3 and pixels.shape[2] in (2, 4)
-        scale = pixels.shape[0] // self.sample_shape[0]
-        if pixels.shape[:2] != (
-            scale * self.sample_shape[0],
-            scale * self.sample_shape[1],
-        ):
-            raise InvalidInputError(
-                f"map is {pixels.shape[1]}x{pixels.shape[0]}; it must be the sample's "
-                f"{self.sample_shape[1]}x{self.sample_shape[0]} or an integer multiple of it"
+        given = as_rendered(self.sample if other is None else other, role)
+        if self.turn is not None:
+            given = as_copies(given, self.turn, self.sample_shape)
+        if background is None:
+            background = self.canvas.known if own else self.canvas.known_maps.get(given.name)
+        ratio = scale_to(given, self.sample_shape)
+        joined = given.role.kind == "height" and not self.is_window
+        if (self.match_tone or joined) and not whole:  # what is around must be seen
+            made = self.render(given, background=background)
+            ends = ((top, top + height), (left, left + width))
+            rows, columns = (slice(int(start * ratio), int(end * ratio)) for start, end in ends)
+            return made[rows, columns]
+        if ratio < 1:
+            check_window((top, left, height, width), ratio, given.name)
+            return in_few_pixels(
+                lambda large, around: self.render(large, background=around, window=window),
+                *(given, background, ratio),
             )
-        try:
-            out = np.empty((height * scale, width * scale, *pixels.shape[2:]), pixels.dtype)
-        except MemoryError:
-            raise InvalidInputError(
-                f"{width * scale}x{height * scale} does not fit in memory; render windows of it"
-            ) from None
+        scale, pixels, mixing = int(ratio), given.pixels, given.mixing
+        out = room_for(pixels, height * scale, width * scale)
         if self.canvas.hole is not None:
-            if background is None and own:
-                background = self.canvas.known
             size = (self.shape[0] * scale, self.shape[1] * scale)
             base = background_of(pixels, size, scale, self.known_from, background)
             base = base[top * scale :, left * scale :][: height * scale, : width * scale]
@@ -277,16 +292,19 @@ class Synthesis(ABC):
             out.reshape(*out.shape[:2], -1),
             pixels.reshape(*pixels.shape[:2], -1),
             (top, left, height, width),
-            alpha,
+            mixing,
         )
+        if joined:
+            out = join_heights(out, pixels, self.layers, self.canvas.wrap, scale)
         if self.canvas.hole is not None:  # patches may hang over the hole
             known = ~self.canvas.hole[top : top + height, left : left + width]
             known = known.repeat(scale, 0).repeat(scale, 1)
             out[known] = base[known]
-            if self.match_tone:
+            if self.match_tone and mixing.kind in (Kind.MEAN, Kind.ALPHA):
                 planes = out.reshape(*out.shape[:2], -1)
                 wrap = self.canvas.wrap
-                out = match_tone(planes, ~known, wrap, alpha=alpha, scale=scale).reshape(out.shape)
+                even = match_tone(planes, ~known, wrap, alpha=given.alpha, scale=scale)
+                out = even.reshape(out.shape)
         if own and whole and self._picture is None:
             self._picture = out
         return out
@@ -337,15 +355,8 @@ class Synthesis(ABC):
     def save(self, path: str | os.PathLike[str]) -> None:
         """Write everything but the pictures to a compressed `.npz` file."""
         canvas = self.canvas
-        facts = Facts(
-            shape=self.shape,
-            sample_shape=self.sample_shape,
-            wrap=canvas.wrap,
-            known_from=self.known_from,
-            provenance=self.provenance,
-            origin=canvas.origin,
-            match_tone=self.match_tone,
-        )
+        about = {name: getattr(self, name) for name in ABOUT}
+        facts = Facts(shape=self.shape, wrap=canvas.wrap, origin=canvas.origin, **about)
         write_result(path, facts, self.arrays(), canvas.hole)
 
     @classmethod
@@ -382,12 +393,8 @@ class Synthesis(ABC):
             kind._check(canvas, facts.sample_shape, arrays)
         if hole is not None:
             canvas = Canvas(*facts.shape, facts.wrap, known, hole)
-        return kind(
-            canvas,
-            **{key: arrays[key] for key in kind.ARRAYS},
-            sample_shape=facts.sample_shape,
-            known_from=facts.known_from,
-            provenance=facts.provenance,
-            match_tone=facts.match_tone,
-            exemplar=exemplar,
-        )
+        if exemplar is not None and facts.turn is not None and exemplar.turn is None:
+            exemplar = turned(exemplar, facts.turn)
+        about: dict[str, Any] = {name: getattr(facts, name) for name in ABOUT}
+        about |= {name: arrays[name] for name in kind.ARRAYS}
+        return kind(canvas, exemplar=exemplar, **about)

@@ -7,6 +7,16 @@ numbers, so that the same bytes come out everywhere.
 """
 
 import cython
+from cython.cimports.weftex.results.paste_kernels import (
+    ALPHA,
+    LABELS,
+    VECTORS,
+    View,
+    length,
+    middle_of,
+    stretch,
+    value,
+)
 
 PART = cython.declare(cython.longlong, 16)  # of a pixel
 ROUND = cython.declare(cython.longlong, 4096)  # pixels that keep quotients above 0
@@ -196,13 +206,13 @@ def warp_into(
     columns: cython.Py_ssize_t,
     warps: Warps,
     k: cython.Py_ssize_t,
-    scale: cython.Py_ssize_t,
-    alpha: cython.bint,
+    view: View,
 ):
     """Fill the first `columns` of `piece` with the patch whose source is (y, x), warped.
 
-    `source` and `piece` are at `scale`, all else is in pixels of the sample.
+    `source` and `piece` are at the scale of the view, all else is in pixels of the sample.
     """
+    scale: cython.Py_ssize_t = view.scale
     cython.declare(v=cython.Py_ssize_t, u=cython.Py_ssize_t, r=cython.Py_ssize_t)
     cython.declare(q=cython.Py_ssize_t, c=cython.Py_ssize_t)
     channels: cython.Py_ssize_t = source.shape[2]
@@ -219,6 +229,11 @@ def warp_into(
     along = cython.declare(cython.longlong[4])
     at_y = cython.declare(cython.Py_ssize_t[4])
     at_x = cython.declare(cython.Py_ssize_t[4])
+    mixed = cython.declare(cython.double[3])
+    middle: cython.double
+    whole: cython.bint
+    nearest: cython.pointer(cython.const[value])
+    to: cython.pointer(value)
     with cython.nogil:
         for v in range(piece.shape[0] // scale):
             for u in range(columns):
@@ -233,13 +248,28 @@ def warp_into(
                             PART * (scale * (warps.within[k, 1] + u) + q) + scale * shift[1],
                             width, left, source.shape[1], along, at_x,
                         )  # fmt: skip
+                        nearest = cython.address(
+                            source[
+                                at_y[1 if down[1] >= down[2] else 2],
+                                at_x[1 if along[1] >= along[2] else 2],
+                                0,
+                            ]
+                        )
+                        to = cython.address(piece[scale * v + r, scale * u + q, 0])
+                        whole = down[1] == 8192 and along[1] == 8192
                         for c in range(channels):
-                            if down[1] == 8192 and along[1] == 8192:
-                                piece[scale * v + r, scale * u + q, c] = source[at_y[1], at_x[1], c]
+                            if whole or view.mixing == LABELS:
+                                to[c] = nearest[c]
                             else:
-                                piece[scale * v + r, scale * u + q, c] = resampled(
-                                    source, at_y, at_x, down, along, c, alpha and c < channels - 1
-                                )
+                                to[c] = resampled(
+                                    source, at_y, at_x, down, along, c,
+                                    view.mixing == ALPHA and c < channels - 1,
+                                )  # fmt: skip
+                        if view.mixing == VECTORS and not whole:
+                            middle = middle_of(to, view.middle)
+                            for c in range(3):
+                                mixed[c] = to[c] - middle
+                            stretch(mixed, length(nearest, middle), middle, to)
 
 
 def displace(

@@ -14,6 +14,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from weftex.canvas import Canvas
+    from weftex.raster.mixing import Mixing
     from weftex.results.synthesis import Window
 
 _LARGEST_BLOCK = 1 << 24  # px; no sample is as large
@@ -53,7 +54,7 @@ class WarpedSynthesis(RectifiedSynthesis):
         warp_kernels.displace(np.ravel(patch), v, u, first, warps)
         return v.reshape(patch.shape), u.reshape(patch.shape)
 
-    def _lay(self, out: NDArray[Any], pixels: NDArray[Any], window: Window, alpha: bool) -> None:
+    def _lay(self, out: NDArray[Any], pixels: NDArray[Any], window: Window, mixing: Mixing) -> None:
         top, left, height, width = window
         scale = out.shape[0] // height
         pixels = self._rectified(pixels)
@@ -70,7 +71,7 @@ class WarpedSynthesis(RectifiedSynthesis):
             (place[:, 1] - left) % self.shape[1] + columns > self.shape[1]
         )
 
-        view = paste_kernels.View(top, left, scale, alpha)
+        view = paste_kernels.View(top, left, scale, *mixing)
 
         def lay(source: NDArray[Any], placements: NDArray[np.int32], k: slice) -> None:
             layout = paste_kernels.Layout(placements, self.weights, self.cuts[k], *self.shape)
@@ -83,7 +84,7 @@ class WarpedSynthesis(RectifiedSynthesis):
                 lay(pixels, place[here], here)
                 continue
             y, x = place[first + k, 2:4].tolist()
-            warp_kernels.warp_into(piece, pixels, y, x, columns, warps, k, scale, alpha)
+            warp_kernels.warp_into(piece, pixels, y, x, columns, warps, k, view)
             at = place[here].copy()
             at[:, 2:4] = 0
             lay(piece, at, here)

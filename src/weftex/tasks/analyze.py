@@ -22,8 +22,8 @@ from weftex.analysis.tiling import SEAMLESS, border_steps
 from weftex.choice import Choice
 from weftex.errors import InvalidInputError
 from weftex.loading import load_exemplar
-from weftex.method import numbers_of
 from weftex.methods import METHODS
+from weftex.parameters import numbers_of
 from weftex.tasks.auto import Auto
 
 if TYPE_CHECKING:

@@ -1,4 +1,4 @@
-"""The best of several outputs, by the measures of `weftex.quality`."""
+"""The best of several outputs, by the score of `weftex.quality.eye`."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 from weftex.errors import InvalidInputError, shown
 from weftex.progress import Progress
-from weftex.quality.assess import assess
+from weftex.quality.eye import Eye
 from weftex.quality.view import middle
 from weftex.random import seed_number
 from weftex.tasks.method_names import AUTO, make_method
@@ -23,6 +23,7 @@ if TYPE_CHECKING:
 
 _MOST_TRIES = 1000
 _JUDGED = 1024  # pixels a side of the middle by which a larger output is judged
+_DIGITS = 3  # of a score, as in a report
 
 
 def tries(method: Method, count: int | Sequence[str | Method]) -> list[tuple[Method, int]]:
@@ -104,6 +105,7 @@ def best_of(
     made_by: dict[str, Synthesis] = {}  # the best so far
     scores: dict[str, float | None] = {}
     fitted: Method | None = None
+    eye = Eye(exemplar)
     steps = Progress(
         progress, len(tried), "outputs", lambda: made_by[kept].image if made_by else None
     )
@@ -111,7 +113,7 @@ def best_of(
         if method is not fitted:
             model, fitted = method.fit(exemplar), method
         made = model.sample(canvas, seed=number, threads=threads, progress=steps.within())
-        scores[name] = _score(made)
+        scores[name] = _score(eye, made)
         if not made_by or _key(scores[name]) < _key(scores[kept]):
             kept, made_by = name, {name: made}
         steps.advance(1)
@@ -127,11 +129,10 @@ def _distinct(names: list[str]) -> list[str]:
     return [f"{name} {k + 1}" if k else name for name, k in zip(names, count, strict=True)]
 
 
-def _score(made: Synthesis) -> float | None:
-    if max(made.shape) <= _JUDGED:
-        return assess(made.sample, made).score
+def _score(eye: Eye, made: Synthesis) -> float | None:
     shape = min(made.shape[0], _JUDGED), min(made.shape[1], _JUDGED)
-    return assess(made.sample, middle(made.image, shape), middle(made.source, shape)).score
+    found = eye.score(middle(made.image, shape))
+    return None if found is None else round(found, _DIGITS)
 
 
 def _key(score: float | None) -> float:

@@ -14,11 +14,12 @@ from weftex.errors import InvalidInputError, shown
 from weftex.exemplar import Exemplar, as_array
 from weftex.loading import load_exemplar
 from weftex.random import seed_number
-from weftex.raster.boxes import cell_sums
 from weftex.raster.masks import grown
 from weftex.results.pixels import PixelSynthesis
 from weftex.seams.around import cut_around
+from weftex.tasks.combined import paired
 from weftex.tasks.method_names import AUTO, is_auto, make_method
+from weftex.tasks.region import Region
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -36,11 +37,6 @@ if TYPE_CHECKING:
 
 #: The method for holes, but for those that "auto" finds a better one for.
 DEFAULT = "patch-sampling"
-
-#: Usable pixels around the holes that patches are taken from. More make it slower, and what is
-#: further away looks less like the place.
-NEIGHBORHOOD = 2**20
-_CELL = 16  # pixels a side; the neighborhood grows by whole cells
 
 #: Around a hole at least so many pixels are looked at, or those that the method asks for.
 _LEAST_REACH = 256
@@ -74,7 +70,8 @@ def fill(
         True, in a picture white, where the photo is to be filled. By default, and where it is the
         photo itself with its hole cut out, every pixel that its alpha says is not quite there.
     sample : path, array, PIL image or Exemplar, optional
-        Take patches from this instead of the photo; of the photo's dtype and channels.
+        Take patches from this instead of the photo; of the photo's dtype and channels, with maps
+        of the same roles.
     method : str or Method
         A name in `weftex.METHODS`, or a method with its parameters. By default `near-regular` where
         the photo around the holes surely has a lattice, as tiles and bricks have, `graphcut` in a
@@ -136,7 +133,7 @@ def fill(
     masked = hole_of(mask, whole)
     wrap = as_canvas(whole.shape, tileable).wrap
     hole = grown(masked, int(overlap), wrap) if overlap else masked
-    source = whole if sample is None else _load_sample(sample, whole)
+    whole, source = (whole, whole) if sample is None else _load_sample(sample, whole)
     inside = sample is None
     canvas = Canvas(
         *whole.shape,
@@ -144,6 +141,7 @@ def fill(
         known=whole.pixels,
         hole=hole,
         known_from=(0, 0) if inside else None,
+        known_maps={} if inside else whole.maps,
     )
     chosen.require(canvas)
     if not hole.any():
@@ -166,13 +164,14 @@ def fill(
     given = frozenset(parameters) if isinstance(method, str) else None
     chosen = chosen.for_part(source)
     reach = max(_LEAST_REACH, chosen.hole_reach)
-    region = _Region(hole, canvas.wrap, usable if inside else None, reach)
+    region = Region(hole, canvas.wrap, usable if inside else None, reach)
     if inside:
         usable = region.crop(usable) & region.near
 
     place = Exemplar(
         region.crop(whole.pixels, blank=masked),
-        maps={key: region.crop(value, blank=masked) for key, value in whole.maps.items()},
+        maps={key: region.crop(whole.aligned(key), blank=masked) for key in whole.maps},
+        weights=whole.weights,
         alpha=whole.alpha,
     )
     # On bytes, which distances are taken on anyway, the maps have a say about known pixels too.
@@ -186,10 +185,9 @@ def fill(
             name=whole.name,
         )
     else:
-        plain = Exemplar(source.pixels, alpha=source.alpha)
-        features = plain.as_matching(place.pixels)
+        features = source.matching_of(place)
         near = Exemplar(
-            plain.matching(),
+            source.matching(),
             mask=usable,
             tileable=source.tileable,
             alpha=False,
@@ -243,78 +241,6 @@ def _made(choice: Choice, near: Exemplar, part: Canvas, how: dict[str, Any]) -> 
         return None
     made.provenance["reason"] = choice.reason
     return made
-
-
-class _Region:
-    """The part of a photo that filling its holes looks at.
-
-    Parameters
-    ----------
-    hole : bool array (H, W)
-    wrap : (bool, bool)
-        Axes along which the photo repeats.
-    usable : bool array (H, W) or None
-        Pixels to learn from; None if that is somewhere else.
-    reach : int
-        Look at least so far around the holes, in pixels.
-    """
-
-    def __init__(
-        self,
-        hole: NDArray[np.bool_],
-        wrap: tuple[bool, bool],
-        usable: NDArray[np.bool_] | None,
-        reach: int,
-    ) -> None:
-        cells = cell_sums(hole, _CELL) > 0
-        supply = np.zeros(cells.shape, np.int64) if usable is None else cell_sums(usable, _CELL)
-        steps = -(-reach // _CELL)
-        near = grown(cells, steps, wrap)
-        if usable is not None:
-            while not near.all():
-                wider = grown(near, max(1, steps // 8), wrap)
-                if supply[wider].sum() > NEIGHBORHOOD:
-                    break
-                near = wider
-        near = near.repeat(_CELL, 0).repeat(_CELL, 1)[: hole.shape[0], : hole.shape[1]]
-        spans = [_span(np.any(near, axis=1 - axis), wrap[axis]) for axis in (0, 1)]
-        self._rows, self._columns = (
-            np.arange(start, start + length) % full
-            for (start, length), full in zip(spans, hole.shape, strict=True)
-        )
-        full = [length == side for (_, length), side in zip(spans, hole.shape, strict=True)]
-        self.whole = all(full)
-        self.wrap = (wrap[0] and full[0], wrap[1] and full[1])
-        self.corner = (int(self._rows[0]), int(self._columns[0]))
-        self.near = self.crop(near)
-
-    def put(self, part: NDArray[np.bool_], shape: tuple[int, int]) -> NDArray[np.bool_]:
-        """The mask of the whole photo that is `part` here and False elsewhere."""
-        whole = np.zeros(shape, bool)
-        whole[self._rows[:, None], self._columns] = part
-        return whole
-
-    def crop(self, pixels: NDArray[Any], blank: NDArray[np.bool_] | None = None) -> NDArray[Any]:
-        """Cut the region out; `blank` pixels get the value of another one."""
-        part: NDArray[Any] = pixels[self._rows[:, None], self._columns]
-        if blank is not None:
-            # What marks a hole, such as white, must not stretch the range of values.
-            empty = self.crop(blank)
-            if not empty.all():
-                part[empty] = part[np.unravel_index(int(empty.argmin()), empty.shape)]
-        return part
-
-
-def _span(taken: NDArray[np.bool_], wraps: bool) -> tuple[int, int]:
-    """Start and length of the shortest stretch that holds everything taken."""
-    at = np.flatnonzero(taken)
-    if not wraps:
-        return int(at[0]), int(at[-1] - at[0] + 1)
-    gaps = np.diff(at, append=at[0] + len(taken))
-    widest = int(gaps.argmax())
-    if gaps[widest] == 1:
-        return 0, len(taken)
-    return int(at[(widest + 1) % len(at)]), int(len(taken) - gaps[widest] + 1)
 
 
 def hole_of(mask: Mask | Picture | None, photo: Exemplar) -> NDArray[np.bool_]:
@@ -376,11 +302,8 @@ def _clear(pixels: NDArray[Any]) -> NDArray[np.bool_]:
     return clear
 
 
-def _load_sample(sample: Sample, photo: Exemplar) -> Exemplar:
-    if photo.maps:
-        raise InvalidInputError(
-            f"{photo.name} has maps, and they can be filled from itself alone; leave out sample"
-        )
+def _load_sample(sample: Sample, photo: Exemplar) -> tuple[Exemplar, Exemplar]:
+    """The photo and what fills it, with the same maps."""
     source = load_exemplar(sample)
     kinds = [f"{e.pixels.dtype} with {e.channels} channels" for e in (source, photo)]
     if kinds[0] != kinds[1]:
@@ -388,4 +311,11 @@ def _load_sample(sample: Sample, photo: Exemplar) -> Exemplar:
             f"the sample {source.name} is {kinds[0]}, the photo {photo.name} is {kinds[1]}; "
             "they must be equal"
         )
-    return source
+    pair, _ = paired([photo, source])
+    lacking = [name for name in photo.maps if name not in pair[1].maps]
+    if lacking:
+        raise InvalidInputError(
+            f"{photo.name} has maps, and the sample {source.name} has no {', '.join(lacking)} to "
+            "fill them with"
+        )
+    return pair[0], pair[1]

@@ -17,6 +17,7 @@ from weftex.loading import load_exemplar
 from weftex.method import Method
 from weftex.random import seed_number
 from weftex.results.pixels import PixelSynthesis
+from weftex.tasks.combined import combined, of_one_kind, paired
 from weftex.tasks.fusion import Fusion
 from weftex.tasks.gradient import Gradient
 from weftex.tasks.label_map import labels_of, map_picture
@@ -44,6 +45,7 @@ def fuse(
     *,
     colors: Sequence[Any] | None = None,
     mixed: Mapping[Any, tuple[int, int]] | None = None,
+    missing: Mapping[str, float | str] | None = None,
     boundary: str = "cut",
     belt_width: int | None = None,
     method: str | Method = DEFAULT,
@@ -63,6 +65,7 @@ def fuse(
     ----------
     samples : sequence of path, array, PIL image or Exemplar
         Two or more, of one dtype, all with alpha or none. Gray ones become color beside color.
+        Their maps are paired by role.
     label_map : path, array, PIL image, Gradient or "gradient"
         A picture with one color for each sample; an integer array (H, W) of labels from 0; or a
         `weftex.Gradient`, which goes over from one sample to the next; "gradient" is
@@ -72,6 +75,9 @@ def fuse(
     colors : sequence of colors, optional
         The map's color for each sample; by default in order of appearance, from the upper left
         corner row by row.
+    missing : mapping of str to float or "flat", optional
+        Values, from 0 to 1, of maps for samples that lack them; a normal map is flat. By default
+        maps that not all samples have are left out, and `provenance` says so.
     mixed : mapping of color to (int, int), optional
         Further colors, or labels, whose regions are made of two samples merged: their numbers.
     boundary : {"cut", "merged"}
@@ -98,7 +104,7 @@ def fuse(
     Returns
     -------
     PixelSynthesis
-        Its exemplar is the samples one under the other, see `combined`.
+        Its exemplar is the samples one under the other, see `weftex.tasks.combined`.
 
     Raises
     ------
@@ -137,7 +143,7 @@ def fuse(
         raise InvalidInputError(
             f"belt_width is {shown(belt_width)}; it must be an integer of 2 or more"
         )
-    exemplars = of_one_kind(_load(samples))
+    exemplars, notes = paired(of_one_kind(_load(samples)), missing)
     scales = [dominant_scale(exemplar).window_width for exemplar in exemplars]
     labels, materials = _labels(label_map, size, scales, (colors, mixed), number)
     shape = labels.shape[0], labels.shape[1]
@@ -161,6 +167,7 @@ def fuse(
         {"threads": threads, "progress": progress},
     )
     about = {"seed": number, "samples": [e.name for e in exemplars], "boundary": boundary}
+    about |= {"warnings": notes} if notes else {}
     return PixelSynthesis(
         canvas,
         fusion.run(labels, materials),
@@ -181,88 +188,6 @@ def _parted(
     taken = {k: v for k, v in of_belts.items() if regions.takes(k, canvas)}
     alone = {k: v for k, v in of_belts.items() if k not in taken and v != defaults[k]}
     return make_method(regions, taken), alone
-
-
-def combined(exemplars: Sequence[Exemplar]) -> Exemplar:
-    """Put samples one under the other, so that one source map can point into all of them.
-
-    Parameters
-    ----------
-    exemplars : sequence of Exemplar
-        Of one kind, or gray beside color; maps that all of them have come along.
-
-    Returns
-    -------
-    Exemplar
-        As wide as the widest; its mask leaves out what lies beside a narrower one.
-    """
-    exemplars = of_one_kind(exemplars)
-    width = max(e.shape[1] for e in exemplars)
-
-    def joined(pictures: list[NDArray[Any]]) -> NDArray[Any]:
-        padded = [
-            np.pad(p, [(0, 0), (0, width - p.shape[1]), *[(0, 0)] * (p.ndim - 2)], mode="edge")
-            for p in pictures
-        ]
-        return np.concatenate(padded)
-
-    inside = [np.arange(width) < np.full((e.shape[0], 1), e.shape[1]) for e in exemplars]
-    mask = np.concatenate(inside)
-    mask[mask] = np.concatenate(
-        [(np.ones(e.shape, bool) if e.mask is None else e.mask).ravel() for e in exemplars]
-    )
-    shared = [k for k in exemplars[0].maps if all(k in e.maps for e in exemplars)]
-    return Exemplar(
-        joined([e.pixels for e in exemplars]),
-        maps={k: joined([e.maps[k] for e in exemplars]) for k in shared},
-        mask=mask,
-        alpha=exemplars[0].alpha,
-        icc=exemplars[0].icc,
-        name="samples",
-    )
-
-
-def of_one_kind(exemplars: Sequence[Exemplar]) -> list[Exemplar]:
-    """Make gray samples color beside color ones.
-
-    Raises
-    ------
-    InvalidInputError
-        If they still differ in dtype, channels or alpha.
-    """
-    most = max(e.channels for e in exemplars)
-    same = [_as_color(e, most) for e in exemplars]
-    first = same[0]
-    for number, exemplar in enumerate(same[1:], 2):
-        mine, other = (_kind(e) for e in (exemplar, first))
-        if mine != other:
-            raise InvalidInputError(
-                f"sample {number} ({exemplar.name}) is {mine}, sample 1 ({first.name}) is {other}; "
-                "save one of them as the other is"
-            )
-    return same
-
-
-def _as_color(exemplar: Exemplar, channels: int) -> Exemplar:
-    clear = int(exemplar.alpha)
-    if exemplar.channels - clear != 1 or channels - clear != 3:
-        return exemplar
-    pixels = exemplar.pixels.reshape(*exemplar.shape, -1)
-    return Exemplar(
-        np.concatenate([*[pixels[..., :1]] * 3, pixels[..., 1:]], axis=2),
-        maps=exemplar.maps,
-        mask=exemplar.mask,
-        tileable=exemplar.tileable,
-        alpha=exemplar.alpha,
-        icc=exemplar.icc,
-        name=exemplar.name,
-    )
-
-
-def _kind(exemplar: Exemplar) -> str:
-    clear = " and alpha" if exemplar.alpha else ""
-    count = exemplar.channels - exemplar.alpha
-    return f"{exemplar.pixels.dtype} with {count} channel{'s' * (count > 1)}{clear}"
 
 
 def _load(samples: Any) -> list[Exemplar]:

@@ -41,7 +41,7 @@ class Fusion:
     Attributes
     ----------
     whole : Exemplar
-        The samples one under the other, see `weftex.tasks.fuse.combined`.
+        The samples one under the other, see `weftex.tasks.combined.combined`.
     exemplars : sequence of Exemplar
     scales : sequence of int
         The window that follows from each one's dominant scale, in pixels.

@@ -12,7 +12,7 @@ from weftex.errors import InvalidInputError, shown
 from weftex.exemplar import Exemplar, check_pixels
 from weftex.loading import load_exemplar
 from weftex.pages.html import as_shown
-from weftex.pages.report import Report
+from weftex.pages.report import MapReport, Report
 from weftex.quality.assess import LARGEST_MEASURED, assess, made_from
 from weftex.quality.copying import check_source
 from weftex.quality.repetition import repetition, repetition_map
@@ -22,6 +22,8 @@ from weftex.quality.yardstick import real_crops
 from weftex.results.synthesis import Synthesis
 
 if TYPE_CHECKING:
+    from collections.abc import Collection, Mapping
+
     from numpy.typing import NDArray
 
     from weftex.loading import Sample
@@ -44,9 +46,9 @@ def report(
     Parameters
     ----------
     sample : path, array, PIL image or Exemplar
-        What the result was made from; see `weftex.load_exemplar`. Of a folder of maps, the picture.
+        What the result was made from; see `weftex.load_exemplar`.
     result : path, array, PIL image, Exemplar or Synthesis
-        The result, of the sample's dtype and channels.
+        The result, of the sample's dtype and channels. Maps that both have are measured too.
     source : Synthesis, path or array (H, W, 2), optional
         Where each pixel comes from: what `Synthesis.save` wrote, or `Synthesis.source`.
     tileable : bool or (bool, bool), optional
@@ -77,12 +79,14 @@ def report(
     if isinstance(source, (str, os.PathLike)):
         source = Synthesis.load(source)
     named = "result"
+    made_maps: Mapping[str, NDArray[Any]] = {}
     if isinstance(result, Synthesis):
         source = result if source is None else source
         pixels = result.image if result.exemplar is not None else result.render(exemplar)
+        made_maps = {} if result.exemplar is None else result.maps
     else:
         made = load_exemplar(result)
-        pixels, named = made.pixels, made.name
+        pixels, named, made_maps = made.pixels, made.name, made.maps
     pixels = check_pixels(pixels, "result")
     provenance: dict[str, Any] = {}
     notes: list[str] = []
@@ -96,15 +100,17 @@ def report(
             )
         notes += _another(source, exemplar, pixels)
         source = made_from(source)
-    found = assess(
-        exemplar, pixels, source, tileable=bool(tileable) if tileable is None else tileable
-    )
+    wraps = False if tileable is None else tileable
+    found = assess(exemplar, pixels, source, tileable=wraps)
+    same = {name: _same_map(name, made_maps) for name in exemplar.maps}
     if source is None:
         notes.append("Without a source it is not known what was copied from where.")
     if max(pixels.shape[:2]) > LARGEST_MEASURED:
         notes.append(
             f"Of this large result the middle, {LARGEST_MEASURED} pixels a side, was looked at."
         )
+    if made_maps:
+        notes += [f"The result has no {name}." for name, other in same.items() if other is None]
     if min(exemplar.shape) < 64:
         notes.append("The sample is so small that its halves say little.")
     return Report(
@@ -117,7 +123,24 @@ def report(
         maps=_maps(exemplar, pixels, source),
         provenance=provenance,
         notes=tuple(notes),
+        of_maps={
+            name: _of_map(exemplar.map(name), made_maps[other], wraps)
+            for name, other in same.items()
+            if other is not None
+        },
     )
+
+
+def _same_map(name: str, made: Collection[str]) -> str | None:
+    """The name that a map has in the result: its own, or of normals that of any normals."""
+    normals = [other for other in made if {name, other} <= {"normal", "normal_gl", "normal_dx"}]
+    return name if name in made else next(iter(normals), None)
+
+
+def _of_map(own: Exemplar, made: NDArray[Any], tileable: bool | tuple[bool, bool]) -> MapReport:
+    """A map of the result beside that of the sample; what was copied is said of the picture."""
+    found = assess(own, made, tileable=tileable)
+    return MapReport(as_shown(own, own.pixels), as_shown(own, made), found)
 
 
 def _size(shape: tuple[int, ...]) -> str:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from itertools import product
+from math import lcm
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -12,10 +13,11 @@ import numpy as np
 from weftex.analysis.canvas_lattice import given_lattice
 from weftex.analysis.lattice import Lattice, find_lattice
 from weftex.errors import InvalidInputError
-from weftex.exemplar import Exemplar, tamed
+from weftex.exemplar import Exemplar
 from weftex.io.formats import image_library
 from weftex.loading import load_exemplar
-from weftex.method import numbers_of
+from weftex.parameters import numbers_of
+from weftex.raster.levels import tamed
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -84,13 +86,26 @@ def straighten(
         matrix, size = _by_corners(np.reshape(numbers_of("corners", corners, 8), (4, 2)), exemplar)
     else:
         matrix, size = _by_lattice(_lattice_of(lattice, exemplar), exemplar)
+    whole = lcm(*(exemplar.scale_of(name).denominator for name in exemplar.maps))
+    size = size[0] - size[0] % whole, size[1] - size[1] % whole
     return exemplar.changed(
         pixels=_warped(exemplar.pixels, matrix, size, alpha=exemplar.alpha),
-        maps={name: _warped(value, matrix, size) for name, value in exemplar.maps.items()},
+        maps={name: _warped_map(exemplar, name, matrix, size) for name in exemplar.maps},
         mask=None if exemplar.mask is None else _nearest(exemplar.mask, matrix, size),
         guide=None if exemplar.guide is None else _nearest(exemplar.guide, matrix, size),
         tileable=False,
     )
+
+
+def _warped_map(exemplar: Exemplar, name: str, matrix: Floats, size: tuple[int, int]) -> Exemplar:
+    """A map at its own scale, with the same corners."""
+    one, scale = exemplar.map(name), exemplar.scale_of(name)
+    unit = np.diag([float(scale), float(scale), 1.0])
+    own = np.linalg.inv(unit) @ matrix @ unit
+    sides = int(size[0] * scale), int(size[1] * scale)
+    if one.role.kind == "labels":
+        return one.changed(pixels=_nearest(one.pixels, own, sides))
+    return one.changed(pixels=_warped(one.pixels, own, sides, alpha=one.alpha))
 
 
 def _lattice_of(given: Lattice | Sequence[float] | str | None, exemplar: Exemplar) -> Lattice:

@@ -58,7 +58,7 @@ def run(argv: list[str]) -> None:
     for path in (args.overlay, args.correlation):
         if path is not None:
             check_output(path)
-    exemplar = load(args.sample, args, args.maps)[0]
+    exemplar = load(args.sample, args, args.maps)
     numbers = {name: getattr(args, name) for name in ("alpha", "significant")}
     found = analyze(
         exemplar,

@@ -9,8 +9,10 @@ from weftex.cli.files import load, settings
 from weftex.cli.options import (
     Parser,
     add_limits,
+    add_map_weights,
     add_maps,
     add_tileable_sample,
+    add_turn,
     check_numbers,
     parse_names,
     parse_size,
@@ -40,6 +42,7 @@ def run(argv: list[str]) -> None:
     add = parser.add_argument
     add("sample", metavar="SAMPLE", help="picture, folder of maps, or sample:NAME")
     add_maps(parser)
+    add_map_weights(parser)
     add("-o", "--output", metavar="OUT.html", help="the page to write")
     add("--methods", metavar="A,B,...", help="these only; see 'weftex methods'")
     add("--size", metavar="WxH|N", help="in pixels; default: twice the sample's, at most 512")
@@ -49,6 +52,7 @@ def run(argv: list[str]) -> None:
     add("--threads", type=int, metavar="N", help="use at most so many")
     add("--json", action="store_true", help="print the figures as JSON")
     add_tileable_sample(parser)
+    add_turn(parser)
     add_limits(parser)
     args = parser.parse(argv)
     if args.output is None and not args.json:
@@ -63,7 +67,7 @@ def run(argv: list[str]) -> None:
 
         if args.output is not None:
             check_output(args.output, suffixes=(".html",))
-        exemplar = load(args.sample, args, args.maps, tileable=args.tileable_sample)[0]
+        exemplar = load(args.sample, args, args.maps, tileable=args.tileable_sample)
         found = compare(exemplar, size, methods=names, **settings(args, bar))
         if args.output is not None:
             found.save(outputs.add(args.output))

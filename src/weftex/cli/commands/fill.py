@@ -6,8 +6,8 @@ import argparse
 from time import perf_counter
 from typing import TYPE_CHECKING
 
-from weftex.cli.files import load, open_sample, report, settings, told, write
-from weftex.cli.options import Parser, add_maps, add_tileable_sample, parse_task
+from weftex.cli.files import load, open_sample, report, settings, write
+from weftex.cli.options import Parser, add_map_weights, add_sets, add_tileable_sample, parse_task
 from weftex.cli.terminal import finish
 from weftex.errors import InvalidInputError
 
@@ -34,7 +34,8 @@ def run(argv: list[str]) -> None:
     start = perf_counter()
     parser = Parser("fill", _ABOUT, _EXAMPLES)
     parser.add_argument("photo", metavar="PHOTO", help="picture, folder of maps, or sample:NAME")
-    add_maps(parser)
+    add_sets(parser)
+    add_map_weights(parser)
     text = "picture, white where to fill; default: where the photo is clear, by its alpha"
     parser.add_argument("--mask", metavar="M", help=text)
     parser.add_argument("--sample", metavar="S", help="learn from this picture, not from the photo")
@@ -55,21 +56,20 @@ def run(argv: list[str]) -> None:
         from weftex.tasks.fill import fill, hole_of
         from weftex.tasks.method_names import AUTO
 
-        photo, pictures, targets = open_sample(args.photo, args, outputs)
+        photo, plan = open_sample(args.photo, args, outputs)
         mask = None
         if args.mask is not None:
             mask = read_image(args.mask, max_pixels=None if args.allow_huge else MAX_PIXELS)
         hole = hole_of(mask, photo)
         sample = None
         if args.sample is not None:
-            sample = load(args.sample, args, tileable=args.tileable_sample)[0]
+            sample = load(args.sample, args, tileable=args.tileable_sample)
         how = {"method": AUTO if args.by_default else args.method, "overlap": args.overlap}
         how["match_tone"] = args.match_tone
         result = fill(photo, hole, sample=sample, **how, **settings(args, bar), **parameters)
-        write(result, photo, pictures, targets, args, outputs)
+        write(result, plan, args, outputs)
         if not hole.any():
             return f"the mask covers nothing; {args.output} is the photo unchanged"
-        maps = told(pictures, args.photo, args.maps)
-        return report(args, result, f"filled {int(hole.sum())} pixels of", start, maps)
+        return report(args, result, f"filled {int(hole.sum())} pixels of", start, plan.told)
 
     finish(work, args.quiet)

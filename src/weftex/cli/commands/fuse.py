@@ -6,15 +6,18 @@ import argparse
 from time import perf_counter
 from typing import TYPE_CHECKING, Any
 
-from weftex.cli.files import load, report, settings, write
+from weftex.cli.files import open_samples, report, settings, write
 from weftex.cli.options import (
     Parser,
+    add_names,
     parse_colors,
     parse_mixed,
     parse_shares,
     parse_size,
     parse_task,
+    parse_values,
 )
+from weftex.cli.sets import plan_of_several
 from weftex.cli.terminal import finish
 from weftex.errors import InvalidInputError
 
@@ -32,6 +35,7 @@ examples:
   weftex fuse clover.png grape.png plum.png --map map.png -o field.png
   weftex fuse clover.png grape.png --map map.png --colors '#ff0000,#0000ff' -o field.png
   weftex fuse purple.png yellow.png --map gradient --size 400x400 -o beans.png
+  weftex fuse stone_wall/ bark/ --map map.png --missing metallic=0 -o both/      folders of maps
   weftex fuse sand.png grass.png rock.png --map gradient --center 0.5,0.5 --size 400 -o island.png
 """
 
@@ -43,7 +47,12 @@ def run(argv: list[str]) -> None:
     """Run the command; `argv` is what follows its name."""
     start = perf_counter()
     parser = Parser("fuse", _ABOUT, _EXAMPLES)
-    parser.add_argument("samples", metavar="SAMPLE", nargs="+", help="pictures, or sample:NAME")
+    text = "pictures, folders of maps, or sample:NAME"
+    parser.add_argument("samples", metavar="SAMPLE", nargs="+", help=text)
+    text = "values, 0 to 1, or flat of normals, of maps for samples that lack them; default: maps "
+    text += "that not all samples have are left out"
+    parser.add_argument("--missing", metavar="NAME=VALUE,...", type=parse_values, help=text)
+    add_names(parser)
     parser.add_argument("--map", metavar="M", required=True, help="picture, or 'gradient'")
     text = "the map's color for each sample, as #rrggbb or a gray level"
     parser.add_argument("--colors", metavar="C,C,...", help=text)
@@ -63,22 +72,24 @@ def run(argv: list[str]) -> None:
     chosen = method(**parameters)
 
     def work(bar: Bar, outputs: Outputs) -> str:
-        from weftex.io.pictures import check_output, read_image
-        from weftex.tasks.fuse import fuse, of_one_kind
+        from weftex.io.pictures import read_image
+        from weftex.results.scales import check_size
+        from weftex.tasks.combined import of_one_kind, paired
+        from weftex.tasks.fuse import fuse
 
-        check_output(args.output)
-        samples, pictures = zip(*(load(path, args) for path in args.samples), strict=True)
-        first = pictures[0][samples[0].name]
-        if len(samples) > 1:
-            samples = tuple(of_one_kind(samples))
-        check_output(args.output, samples[0].pixels, alpha=first.alpha)
+        materials = open_samples(args.samples, args, outputs)
+        samples = [one.exemplar() for one in materials]
+        pairs = paired(of_one_kind(samples), args.missing)[0]
+        made = plan_of_several(materials, pairs[0], args)
         label_map = read_image(args.map).pixels if gradient is None else gradient
         named: dict[str, Any] = {"colors": colors, "mixed": mixed, "boundary": args.boundary}
         named["belt_width"] = args.belt_width
+        named["missing"] = args.missing
+        if size is not None or gradient is None:
+            check_size(pairs[0], size or label_map.shape[:2])
         result = fuse(samples, label_map, size, method=chosen, **named, **settings(args, bar))
-        whole = result.sample
-        write(result, whole, {whole.name: first}, {whole.name: args.output}, args, outputs)
-        return report(args, result, f"fused {len(samples)} samples in", start)
+        write(result, made, args, outputs)
+        return report(args, result, f"fused {len(samples)} samples in", start, made.told)
 
     finish(work, args.quiet)
 

@@ -5,8 +5,8 @@ from __future__ import annotations
 from time import perf_counter
 from typing import TYPE_CHECKING
 
-from weftex.cli.files import open_sample, told, write_pictures
-from weftex.cli.options import Parser, add_limits, add_maps, add_mending
+from weftex.cli.files import open_sample
+from weftex.cli.options import Parser, add_limits, add_mending, add_sets
 from weftex.cli.terminal import finish
 from weftex.errors import InvalidInputError
 
@@ -32,7 +32,7 @@ def run(argv: list[str]) -> None:
     start = perf_counter()
     parser = Parser("prepare", _ABOUT, _EXAMPLES)
     parser.add_argument("sample", metavar="PHOTO", help="picture, folder of maps, or sample:NAME")
-    add_maps(parser)
+    add_sets(parser)
     text = "file, or folder, to write"
     parser.add_argument("-o", "--output", metavar="OUT", required=True, help=text)
     add_mending(parser)
@@ -43,12 +43,11 @@ def run(argv: list[str]) -> None:
     args.save_source = None
 
     def work(bar: Bar, outputs: Outputs) -> str:
-        exemplar, pictures, targets = open_sample(args.sample, args, outputs)
-        pixels = {name: picture.pixels for name, picture in pictures.items()}
-        write_pictures(pixels, pictures, targets, outputs)
+        exemplar, plan = open_sample(args.sample, args, outputs)
+        pixels = exemplar.maps | {plan.material.main: exemplar.pixels}
+        plan.write(pixels.__getitem__, outputs)
         height, width = exemplar.shape
         took = perf_counter() - start
-        names = told(pictures, args.sample, args.maps)
-        return f"{names}prepared {width}x{height} {args.output} in {took:.2f} s"
+        return f"{plan.told}prepared {width}x{height} {args.output} in {took:.2f} s"
 
     finish(work, args.quiet)

@@ -3,18 +3,25 @@
 from __future__ import annotations
 
 import os
+from dataclasses import replace
 from time import perf_counter
 from typing import TYPE_CHECKING
 
-from weftex.cli.options import Parser, add_limits
+from weftex.cli.files import open_samples, read
+from weftex.cli.options import Parser, add_limits, add_names
+from weftex.cli.sets import plan, plan_of_several
 from weftex.cli.terminal import finish
+from weftex.roles import role_of
 
 if TYPE_CHECKING:
     from weftex.cli.terminal import Bar, Outputs
+    from weftex.exemplar import Exemplar
+    from weftex.material import Material
 
 _EXAMPLES = """\
 examples:
   weftex replay wall.npz normal_16bit.png -o wall_normal.png
+  weftex replay wall.npz stone_wall/ -o wall/          a folder of maps
   weftex replay filled.npz height.exr -o filled_height.exr --background photo_height.exr
   weftex replay field.npz clover_height.png grape_height.png plum_height.png -o field_height.png
 """
@@ -23,44 +30,49 @@ examples:
 def run(argv: list[str]) -> None:
     """Run the command; `argv` is what follows its name."""
     start = perf_counter()
-    parser = Parser("replay", "Lay a saved result again with another map of its sample.", _EXAMPLES)
+    parser = Parser("replay", "Lay a saved result again with other maps of its sample.", _EXAMPLES)
     add = parser.add_argument
     add("source", metavar="F.npz", help="what --save-source saved")
-    text = "of the sample's size, or an integer multiple of it; of a fusion one for each sample"
+    text = "picture of the sample's size, or an integer multiple or fraction of it, or a folder of "
+    text += "such maps; of a fusion one for each sample"
     add("maps", metavar="MAP", nargs="+", help=text)
-    add("-o", "--output", metavar="OUT", required=True, help="file to write")
-    add("--background", metavar="PHOTO", help="this map of a photo that another sample filled")
+    add("-o", "--output", metavar="OUT", required=True, help="file, or folder, to write")
+    text = "this map, or folder of maps, of a photo that another sample filled"
+    add("--background", metavar="PHOTO", help=text)
+    add_names(parser)
     add_limits(parser)
     args = parser.parse(argv)
 
     def work(bar: Bar, outputs: Outputs) -> str:
-        from weftex.exemplar import Exemplar
-        from weftex.io.pictures import MAX_PIXELS, check_output, read_image, write_image
+        from weftex.raster.levels import scale_between
         from weftex.results.synthesis import Synthesis
+        from weftex.tasks.combined import combined, of_one_kind, paired
 
-        check_output(args.output)
+        materials = [_as_map(one) for one in open_samples(args.maps, args, outputs)]
         result = Synthesis.load(args.source)
-        limit = None if args.allow_huge else MAX_PIXELS
-        read = [read_image(path, max_pixels=limit) for path in args.maps]
-        picture = read[0]
-        check_output(args.output, picture.pixels, alpha=picture.alpha)
-        given = Exemplar(picture.pixels, alpha=picture.alpha, name=os.path.basename(args.maps[0]))
-        if len(read) > 1:
-            from weftex.tasks.fuse import combined
-
-            names = [os.path.basename(path) for path in args.maps]
-            given = combined(
-                [
-                    Exemplar(p.pixels, alpha=p.alpha, name=name)
-                    for p, name in zip(read, names, strict=True)
-                ]
-            )
-        around = None
+        if len(materials) == 1:
+            made, maps = plan(materials[0], args), materials[0].maps
+        else:
+            pairs, _ = paired(of_one_kind([one.exemplar() for one in materials]))
+            made, whole = plan_of_several(materials, pairs[0], args), combined(pairs)
+            if scale_between(whole.shape, result.sample_shape) is None:  # of one material
+                whole = combined(pairs, apart=True)
+            maps = {name: whole.map(name) for name in whole.maps} | {made.material.main: whole}
+        around: dict[str, Exemplar] = {}
         if args.background is not None:
-            around = read_image(args.background, max_pixels=limit).pixels
-        pixels = result.render(given, background=around)
-        write_image(outputs.add(args.output), pixels, alpha=picture.alpha, icc=picture.icc)
+            given = read(args.background, args)
+            around = given.maps if given.folder else {made.material.main: given.exemplar()}
+        kept = {name: around[name].pixels if name in around else None for name in maps}
+        made.write(lambda name: result.render(maps[name], background=kept[name]), outputs)
         took = perf_counter() - start
-        return f"made {pixels.shape[1]}x{pixels.shape[0]} {args.output} in {took:.2f} s"
+        size = f"{result.shape[1]}x{result.shape[0]}"
+        return f"{made.told}made {size} {args.output} in {took:.2f} s"
 
     finish(work, args.quiet)
+
+
+def _as_map(material: Material) -> Material:
+    """A picture alone is here what its name says."""
+    stem = os.path.splitext(os.path.basename(material.pictures[material.main].path))[0]
+    role = None if material.folder else role_of(stem)
+    return material if role is None else replace(material, roles={material.main: role})

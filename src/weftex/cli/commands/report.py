@@ -16,6 +16,7 @@ examples:
   weftex report brick.png wall.png -o report.html
   weftex report brick.png wall.png --source wall.npz -o report.html
   weftex report brick.png tile.png --tileable --json
+  weftex report stone_wall/ big/ -o report.html      a folder of maps, and what was made from it
 """
 
 
@@ -25,7 +26,7 @@ def run(argv: list[str]) -> None:
     add = parser.add_argument
     add("sample", metavar="SAMPLE", help="picture, folder of maps, or sample:NAME")
     add_maps(parser)
-    add("result", metavar="RESULT", help="what was made from it")
+    add("result", metavar="RESULT", help="what was made from it: a picture, or a folder of maps")
     text = "what --save-source saved: says what was copied from where, and the parameters"
     add("--source", metavar="F.npz", help=text)
     text = "look at the border as well; x or y for one axis (default: what the source says)"
@@ -41,7 +42,7 @@ def run(argv: list[str]) -> None:
 
     if args.output is not None:
         check_output(args.output, suffixes=(".html",))
-    sample, result = load(args.sample, args, args.maps)[0], load(args.result, args)[0]
+    sample, result = load(args.sample, args, args.maps), load(args.result, args)
     wrap = None if args.tileable is None else ("y" in args.tileable, "x" in args.tileable)
     found = measure(sample, result, args.source, tileable=wrap)
     if args.output is not None:
@@ -51,4 +52,4 @@ def run(argv: list[str]) -> None:
 
         print(json.dumps(found.as_dict(), indent=1))
     else:
-        print(found.assessment.verdict())
+        print(found.verdict())

@@ -5,12 +5,25 @@ from __future__ import annotations
 from time import perf_counter
 from typing import TYPE_CHECKING, Any
 
-from weftex.cli.files import load, open_sample, report, settings, told, write, write_debug
+from weftex.cli.files import (
+    load,
+    open_sample,
+    open_several,
+    read,
+    report,
+    settings,
+    with_turns,
+    write,
+    write_debug,
+)
 from weftex.cli.options import (
     Parser,
-    add_maps,
+    add_map_weights,
     add_mending,
+    add_sample_mask,
+    add_sets,
     add_tileable_sample,
+    add_turn,
     parse_best_of,
     parse_size,
     parse_task,
@@ -24,6 +37,7 @@ _EXAMPLES = """\
 examples:
   weftex synth brick.png -o wall.png --size 1024x768 --save-source wall.npz
   weftex synth brick.png -o tile.png --size 512 --tileable --seed 7
+  weftex synth near.jpg far.jpg -o wall.png           several photos of one material
   weftex synth stone_wall/ -o big/ --size 2048        a folder of aligned maps
   weftex synth brick.png -o wall.png --method quilting --patch-size 48
   weftex synth brick.png -o wall.png --best-of 8      the best of eight seeds
@@ -38,8 +52,10 @@ def run(argv: list[str]) -> None:
     """Run the command; `argv` is what follows its name."""
     start = perf_counter()
     parser = Parser("synth", "Make a picture of any size from a sample of a material.", _EXAMPLES)
-    parser.add_argument("sample", metavar="SAMPLE", help="picture, folder of maps, or sample:NAME")
-    add_maps(parser)
+    text = "picture, folder of maps, or sample:NAME; of several, all of one material, all are used"
+    parser.add_argument("sample", metavar="SAMPLE", nargs="+", help=text)
+    add_sets(parser)
+    add_map_weights(parser)
     text = "in pixels; default: the guide's, or twice the sample's"
     parser.add_argument("--size", metavar="WxH|N", help=text)
     parser.add_argument("--guide", metavar="G", help="picture to follow, of the output's size")
@@ -49,8 +65,10 @@ def run(argv: list[str]) -> None:
     parser.add_argument("--best-of", metavar="N|NAME,...", default="1", help=text)
     text = "write how it was put together: coordinates, patches, seams, uncertainty"
     parser.add_argument("--debug", metavar="DIR", help=text)
+    add_sample_mask(parser)
     add_tileable_sample(parser)
     add_mending(parser)
+    add_turn(parser)
     args, method, parameters = parse_task(parser, argv)
     best_of = parse_best_of(args.best_of)
     size = None if args.size is None else parse_size(args.size, args.allow_huge)
@@ -61,24 +79,30 @@ def run(argv: list[str]) -> None:
         tries(chosen, best_of)  # finds wrong names before anything is read
 
     def work(bar: Bar, outputs: Outputs) -> str:
+        from weftex.results.scales import check_size
         from weftex.tasks.synthesize import synthesize
 
-        exemplar, pictures, targets = open_sample(
-            args.sample, args, outputs, tileable=args.tileable_sample
-        )
+        if len(args.sample) > 1:
+            exemplar, plan = open_several(args.sample, args, outputs)
+        else:
+            how = {"tileable": args.tileable_sample}
+            exemplar, plan = open_sample(args.sample[0], args, outputs, **how)
         if args.debug is not None:
             outputs.make_folder(args.debug)
-        guide = None if args.guide is None else load(args.guide, args)[0]
-        own = None if args.sample_guide is None else load(args.sample_guide, args)[0]
-        size_made = size or (2 * exemplar.shape[0], 2 * exemplar.shape[1])
+        guide = None if args.guide is None else read(args.guide, args).exemplar()
+        own = None if args.sample_guide is None else load(args.sample_guide, args)
+        height, width = plan.material.pictures[plan.material.main].pixels.shape[:2]
+        size_made = size or (2 * height, 2 * width)
         if guide is not None:
             size_made = size or guide.shape
+        exemplar = with_turns(exemplar, args)
+        check_size(exemplar, size_made)
         guides: dict[str, Any] = {"guide": guide, "sample_guide": own, "best_of": best_of}
         result = synthesize(exemplar, size_made, method=chosen, **guides, **settings(args, bar))
-        write(result, exemplar, pictures, targets, args, outputs)
+        write(result, plan, args, outputs)
         if args.debug is not None:
             write_debug(result, args.debug, outputs)
         what = f"made {result.shape[1]}x{result.shape[0]}"
-        return report(args, result, what, start, told(pictures, args.sample, args.maps))
+        return report(args, result, what, start, plan.told)
 
     finish(work, args.quiet)

@@ -7,11 +7,11 @@ from typing import TYPE_CHECKING, ClassVar
 
 import numpy as np
 
-from weftex.method import parameter
 from weftex.methods.ashikhmin.choice import Choice, random_places
 from weftex.methods.ashikhmin.model import Prepared, prepare
 from weftex.methods.ashikhmin.settings import settle
 from weftex.methods.pixels.growth import PixelModel, WindowedMethod
+from weftex.parameters import parameter
 from weftex.raster.masks import peeled
 
 if TYPE_CHECKING:

@@ -7,11 +7,12 @@ from typing import TYPE_CHECKING, ClassVar
 
 from weftex.analysis.canvas_lattice import CanvasLattice
 from weftex.errors import InvalidInputError
-from weftex.method import Method, parameter
+from weftex.method import Method
 from weftex.methods.best_tile.repetition import repeated
 from weftex.methods.best_tile.settings import settle
 from weftex.methods.best_tile.tiles import best_tiles, tile_errors, tile_rows
 from weftex.methods.lattices.model import LatticeModel
+from weftex.parameters import parameter
 from weftex.results.pixels import PixelSynthesis
 
 if TYPE_CHECKING:

@@ -7,7 +7,6 @@ from typing import TYPE_CHECKING, ClassVar
 
 import numpy as np
 
-from weftex.method import parameter
 from weftex.methods.efros_leung.layers import (
     Waves,
     seed_piece,
@@ -17,6 +16,7 @@ from weftex.methods.efros_leung.layers import (
 from weftex.methods.efros_leung.model import Prepared, prepare
 from weftex.methods.efros_leung.settings import check_seed_size, settle
 from weftex.methods.pixels.growth import PixelModel, WindowedMethod
+from weftex.parameters import parameter
 
 if TYPE_CHECKING:
     from weftex.exemplar import Exemplar
@@ -80,6 +80,7 @@ class EfrosLeung(WindowedMethod):
         low=1,
         unit="px",
         default_text="3, or the window if that is smaller",
+        idle_canvas="known",
     )
 
     search: str = parameter(

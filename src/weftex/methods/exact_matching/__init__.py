@@ -8,7 +8,6 @@ from typing import TYPE_CHECKING, Any, ClassVar, Self
 import numpy as np
 
 from weftex.errors import InvalidInputError
-from weftex.method import parameter
 from weftex.methods.exact_matching.matching import (
     Matching,
     Parents,
@@ -19,6 +18,7 @@ from weftex.methods.exact_matching.matching import (
 from weftex.methods.exact_matching.model import Prepared, prepare
 from weftex.methods.exact_matching.settings import Settings, settle, window_width
 from weftex.methods.pixels.growth import PixelModel, WindowedMethod
+from weftex.parameters import parameter
 
 if TYPE_CHECKING:
     from weftex.canvas import Canvas
@@ -103,6 +103,7 @@ class ExactMatching(WindowedMethod):
         "pixels",
         "search for each pixel, or not where the sources of all four neighbors go on at one place",
         choices=("pixels", "blocks"),
+        idle_canvas="known",
     )
     levels: int | None = parameter(
         None,
@@ -130,10 +131,14 @@ class ExactMatching(WindowedMethod):
         """See `Method.takes`: only what lies between known pixels is passed over again."""
         if name == "passes" and canvas is not None:
             return canvas.wrap[0] or canvas.hole is not None
+        if name == "init" and canvas is not None and "known" in canvas.kinds:
+            return self.repeat_distance is None  # which is all that it decides in a hole
         return super().takes(name, canvas)
 
     def for_belt(self, width: int, **parameters: Any) -> Self:
         """See `Method.for_belt`: a belt is a hole, which is filled at a single resolution."""
+        if self.repeat_distance is not None:
+            parameters |= {"init": "auto"}
         return super().for_belt(width, levels=None, **parameters)
 
     def require(self, canvas: Canvas) -> None:
@@ -143,6 +148,12 @@ class ExactMatching(WindowedMethod):
             raise InvalidInputError(
                 "passes has no effect without a hole or output that tiles from top to bottom"
             )
+        if self.init != type(self).init and not self.takes("init", canvas):
+            raise InvalidInputError(
+                "init has no effect with known pixels beside repeat_distance; leave one out"
+            )
+        if "known" in canvas.kinds and (self.levels or 1) > 1:
+            raise InvalidInputError(f"levels is {self.levels}; holes are filled with 1")
 
     def window_of(self, exemplar: Exemplar) -> int:
         """See `Method.window_of`."""
@@ -224,8 +235,6 @@ def close(
 def fill_hole(prepared: Prepared, growth: Growth) -> None:
     """Beyond the paper: make a hole from its border inwards, at a single resolution."""
     settings, lists = prepared.settings, prepared.levels[0].around
-    if settings.hole_levels != 1:
-        raise InvalidInputError(f"levels is {settings.hole_levels}; holes are filled with 1")
     growth.about["levels"] = 1
     sheet = Sheet(lists, growth.canvas.shape, growth.canvas.wrap)
     sheet.pixels, sheet.done = growth.pixels, growth.done

@@ -44,7 +44,6 @@ class Settings:
     repeat_distance: int
     copying: str
     levels: int
-    hole_levels: int  # that are asked for where a hole is filled, which takes 1 only
     passes: int
 
 
@@ -80,7 +79,6 @@ def settle(method: Any, exemplar: Exemplar) -> Settings:
         repeat_distance=repeat_distance,
         copying=method.copying,
         levels=levels,
-        hole_levels=method.levels or 1,
         passes=method.passes,
     )
 

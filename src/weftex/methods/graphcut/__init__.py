@@ -5,13 +5,14 @@ from __future__ import annotations
 from dataclasses import asdict, dataclass, replace
 from typing import TYPE_CHECKING, ClassVar, Self
 
-from weftex.method import Method, parameter
+from weftex.method import Method
 from weftex.methods.graphcut.cutting import Picture
 from weftex.methods.graphcut.placement import placement_of
 from weftex.methods.graphcut.seams import CanvasSeams
 from weftex.methods.graphcut.settings import Settings, check_boundary, settle
 from weftex.methods.patches.sizes import patch_size_for
 from weftex.methods.pixels.growth import PixelModel
+from weftex.parameters import parameter
 from weftex.threads import thread_map
 
 if TYPE_CHECKING:

@@ -6,6 +6,7 @@ from abc import abstractmethod
 from typing import TYPE_CHECKING
 
 from weftex.canvas import Canvas, as_canvas
+from weftex.errors import UnsupportedError
 from weftex.method import Method, Model
 from weftex.methods.lattices.mean_tile import MeanTile
 from weftex.random import seed_number
@@ -29,6 +30,11 @@ class LatticeModel(Model):
     exemplar : Exemplar
         The sample.
 
+    Raises
+    ------
+    UnsupportedError
+        If there is a lattice, which pieces that lie apart do not share.
+
     Attributes
     ----------
     vectors : tuple of float
@@ -38,6 +44,11 @@ class LatticeModel(Model):
     vectors: tuple[float, ...]
 
     def __init__(self, method: Method, exemplar: Exemplar) -> None:
+        if exemplar.pieces and self.vectors:
+            raise UnsupportedError(
+                f"{method.slug} goes by one lattice, which several samples, or copies that "
+                "are turned, do not share; use one sample as it is, or another method"
+            )
         self.method, self.exemplar = method, exemplar
 
     @abstractmethod
@@ -72,7 +83,7 @@ class LatticeModel(Model):
             leaves no whole piece that lies right.
         """
         canvas = as_canvas(size, tileable)
-        self.method.require(canvas)
+        self.require(canvas)
         canvas.check_known(self.exemplar)
         origin = canvas.origin
         if self.vectors:

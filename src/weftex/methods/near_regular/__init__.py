@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any, ClassVar
 
-from weftex.method import Method, parameter
+from weftex.method import Method
 from weftex.methods.lattices.model import LatticeModel
 from weftex.methods.near_regular.blocks import draw_constrained_blocks, fill_gaps
 from weftex.methods.near_regular.holes import find_hole, known_places
@@ -19,6 +19,7 @@ from weftex.methods.near_regular.seams import (
 )
 from weftex.methods.near_regular.settings import blend_of, check_border, settle
 from weftex.methods.near_regular.warps import warp_gaps
+from weftex.parameters import parameter
 from weftex.threads import thread_count, thread_map
 
 if TYPE_CHECKING:

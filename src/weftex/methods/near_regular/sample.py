@@ -138,13 +138,7 @@ def prepare(settings: Settings, exemplar: Exemplar) -> BlockSample:
 
 def _windows(settings: Settings, exemplar: Exemplar) -> Windows:
     if exemplar.tileable and not settings.tiles:
-        exemplar = Exemplar(
-            exemplar.pixels,
-            maps=exemplar.maps,
-            mask=exemplar.mask,
-            alpha=exemplar.alpha,
-            name=exemplar.name,
-        )
+        exemplar = exemplar.changed(tileable=False)
     return windows_of(exemplar, (0, settings.side - 1, 0, settings.side - 1))
 
 

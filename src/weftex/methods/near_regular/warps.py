@@ -11,6 +11,7 @@ import numpy as np
 from weftex.methods.near_regular import warp_kernels as kernels
 from weftex.raster.boxes import extended_sums
 from weftex.results import warp_kernels as result_kernels
+from weftex.results.paste_kernels import View
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -67,7 +68,7 @@ class Warps:
             about = (0, 0, layout.rows.sizes[i], layout.columns.sizes[j], layout.rows.margin)
             warps = result_kernels.Warps(self.nodes[i, j][None], np.array([about], np.int32))
             piece = pixels[top : top + side]
-            result_kernels.warp_into(piece, sample.pixels, y, x, side, warps, 0, 1, False)
+            result_kernels.warp_into(piece, sample.pixels, y, x, side, warps, 0, View(0, 0, 1, 0))
             visibility[top : top + side, :side] = sample.visibility[y : y + side, x : x + side]
             place[i, j] = top * width
         return pixels, visibility, place

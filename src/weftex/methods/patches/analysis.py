@@ -101,10 +101,25 @@ class PatchAnalysis:
             if not usable.any():
                 raise InvalidInputError(
                     f"no {columns}x{rows} window lies in the usable part of {self.exemplar.name}; "
-                    f"use a smaller patch_size (now {self.settings.patch_size})"
+                    f"{self._what_fits()}"
                 )
             self._windows[rows, columns] = usable, np.flatnonzero(usable).astype(np.int32)
         return self._windows[rows, columns]
+
+    def _what_fits(self) -> str:
+        """Name the largest patches, or zones around single pixels, that lie in the usable part."""
+        widest, too_wide = 1, min(self.mask.shape) + 1
+        while too_wide - widest > 1:
+            side = (widest + too_wide) // 2
+            fits = (box_sums(~self.mask, side, side) == 0).any()
+            widest, too_wide = (side, too_wide) if fits else (widest, side)
+        settings = self.settings
+        if settings.pixelwise and widest >= 3:
+            now = settings.boundary_width
+            return f"boundary_width may be at most {(widest - 1) // 2} (now {now})"
+        if widest >= 2 and not settings.pixelwise:
+            return f"patch_size may be at most {widest} (now {settings.patch_size})"
+        return f"it has room for {widest}x{widest}; a patch takes 2x2, a pixel and its zone 3x3"
 
     def structure(
         self,

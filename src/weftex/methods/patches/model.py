@@ -77,7 +77,7 @@ class PatchModel(Model):
     ) -> PatchSynthesis:
         """See `Model.sample`."""
         canvas = as_canvas(size, tileable)
-        self.method.require(canvas)
+        self.require(canvas)
         number, count = seed_number(seed), thread_count(threads)
         canvas.check_known(self.exemplar)
         settings = settle_on(canvas, self._given, self.analysis.settings)

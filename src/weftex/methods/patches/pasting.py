@@ -151,7 +151,7 @@ class Output:
     def picture(self) -> NDArray[np.uint8] | None:
         """The matched pixels where they are the picture itself, so that it need not be rendered."""
         exemplar = self.analysis.exemplar
-        if self.pixels.dtype != exemplar.pixels.dtype or exemplar.alpha:
+        if self.pixels.dtype != exemplar.pixels.dtype or exemplar.mixing.kind:
             return None
         if self.pixels.shape[2] != exemplar.channels:
             return None

@@ -285,7 +285,7 @@ def lay_patches(
     Steps 1 to 4 of section 2.2 in Liang et al., and the cut of Efros and Freeman.
     """
     layout: Layout = patches.layout
-    whole: View = View(0, 0, 1, False)
+    whole: View = View(0, 0, 1, 0)
     width: cython.Py_ssize_t = search.usable.shape[1]
     chosen: cython.Py_ssize_t
     energy: cython.longlong

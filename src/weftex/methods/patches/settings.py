@@ -8,8 +8,9 @@ from typing import TYPE_CHECKING, Any, ClassVar, Self
 from weftex.canvas import Canvas
 from weftex.errors import InvalidInputError
 from weftex.exemplar import Exemplar
-from weftex.method import Method, parameter
+from weftex.method import Method
 from weftex.methods.patches.sizes import patch_size_for, patch_size_of, patch_size_on
+from weftex.parameters import parameter
 from weftex.search.zone_search import SEARCHES
 
 if TYPE_CHECKING:
@@ -130,6 +131,20 @@ class PatchMethod(Method):
     def looseness(self) -> float:
         """How many times the paper's distance a patch may have and match."""
         return 1.0
+
+    def takes(self, name: str, canvas: Canvas | None = None) -> bool:
+        """See `Method.takes`: a zone of a hole is met once, which repays no components."""
+        if name == "variance" and canvas is not None and "known" in canvas.kinds:
+            return self.search == "kdtree-pca"
+        return super().takes(name, canvas)
+
+    def require(self, canvas: Canvas) -> None:
+        """See `Method.require`."""
+        super().require(canvas)
+        if self.variance != type(self).variance and not self.takes("variance", canvas):
+            raise InvalidInputError(
+                "variance has no effect with known pixels unless search is 'kdtree-pca'"
+            )
 
     def candidates_for(self, usual: int) -> int:
         """Return m: that many candidates, or more, so that those that match are among them."""

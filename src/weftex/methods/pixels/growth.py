@@ -136,7 +136,7 @@ class PixelModel(Model):
     ) -> PixelSynthesis:
         """See `Model.sample`."""
         canvas = as_canvas(size, tileable)
-        self.method.require(canvas)
+        self.require(canvas)
         canvas.check_known(self.exemplar)
         canvas.check_guide(self.exemplar)
         number, windows = seed_number(seed), self.prepared.windows

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, ClassVar, Self
 
 from weftex.errors import InvalidInputError
-from weftex.method import Method, parameter
+from weftex.method import Method
 from weftex.methods.pixels.growth import PixelModel, WindowedMethod
 from weftex.methods.refinement.levels import Prepared, prepare
 from weftex.methods.refinement.output import (
@@ -27,6 +27,7 @@ from weftex.methods.refinement.settings import (
 )
 from weftex.methods.refinement.start import fitted_starts, keep_patches, result_of
 from weftex.methods.refinement.sweeps import Convergence, refine_texture, sweep_of
+from weftex.parameters import parameter
 
 if TYPE_CHECKING:
     from weftex.canvas import Canvas
@@ -56,7 +57,9 @@ class Refinement(WindowedMethod):
         "planting, iterative refinement"
     )
     supports: ClassVar[frozenset[str]] = frozenset({"wrap", "known", "guide", "many"})
-    belt_parameters: ClassVar[frozenset[str]] = frozenset({"seed_scale", "seed_density", "matches"})
+    belt_parameters: ClassVar[frozenset[str]] = frozenset(
+        {"seed_scale", "seed_density", "matches", "coherence"}
+    )
 
     window_width: int | None = parameter(
         None,
@@ -107,7 +110,10 @@ class Refinement(WindowedMethod):
         needs=("init", ("seeds",)),
     )
     matches: int = parameter(
-        5, "k: a seed point is drawn from so many best tiles", low=1, needs=("init", ("seeds",))
+        5,
+        "k: a seed point is drawn from so many best tiles, or from all where there are fewer",
+        low=1,
+        needs=("init", ("seeds",)),
     )
     similar: int = parameter(
         2,
@@ -167,9 +173,20 @@ class Refinement(WindowedMethod):
         prepared = prepare(exemplar, settings, starts)  # step 2: SearchTree
         return PixelModel(settled, exemplar, prepared, texture_synthesis)
 
+    def takes(self, name: str, canvas: Canvas | None = None) -> bool:
+        """See `Method.takes`: the margin is for places like coherent ones, and for seeds' first."""
+        if name == "coherence" and canvas is not None and not self.similar:
+            free = self.joints is None and {"known", "guide"} & {*canvas.kinds}
+            return self.init == "seeds" or bool(free)
+        return super().takes(name, canvas)
+
     def require(self, canvas: Canvas) -> None:
         """See `Method.require`."""
         super().require(canvas)
+        if self.coherence != type(self).coherence and not self.takes("coherence", canvas):
+            raise InvalidInputError(
+                "coherence has no effect where similar is 0, unless init is 'seeds'"
+            )
         if canvas.guide is not None and self.search == "nearest":
             raise InvalidInputError("search is 'nearest', which follows no guide; use 'coherent'")
         if canvas.guide is not None and self.joints is not None:

@@ -6,7 +6,6 @@ from dataclasses import asdict, dataclass, replace
 from typing import TYPE_CHECKING, ClassVar
 
 from weftex.errors import InvalidInputError
-from weftex.method import parameter
 from weftex.methods.pixels.growth import PixelModel, WindowedMethod
 from weftex.methods.wei_levoy.levels import noise, output_pyramid, parents_or_noise
 from weftex.methods.wei_levoy.model import Prepared, prepare
@@ -18,6 +17,7 @@ from weftex.methods.wei_levoy.settings import (
     settle,
     window_width,
 )
+from weftex.parameters import parameter
 
 if TYPE_CHECKING:
     from weftex.exemplar import Exemplar
@@ -104,10 +104,13 @@ class WeiLevoy(WindowedMethod):
         "parent",
         "a finer level before its pixels are chosen: copied like its parent, or the noise",
         choices=("parent", "noise"),
+        idle_canvas="known",
     )
 
     def __post_init__(self) -> None:
         super().__post_init__()
+        if self.levels == 1 and self.start != type(self).start:
+            raise InvalidInputError("start has no effect unless levels is 2 or more")
         width = self.parent_width
         if not width:
             return

@@ -13,13 +13,14 @@ from weftex.canvas import Canvas, as_canvas
 from weftex.choice import Choice
 from weftex.errors import InvalidInputError
 from weftex.exemplar import Exemplar
-from weftex.method import Method, Model, parameter
+from weftex.method import Method, Model
 from weftex.methods import make_method
+from weftex.parameters import parameter
 from weftex.progress import Progress
 from weftex.random import seed_number
 from weftex.tasks.auto.findings import Findings, look
 from weftex.tasks.auto.rule import choose, choose_for_hole
-from weftex.tasks.auto.trial import best_of_choices, others
+from weftex.tasks.auto.trial import PREVIEW, best_of_choices, others, refined_if_whole
 
 if TYPE_CHECKING:
     from weftex.progress import ProgressCallback
@@ -39,7 +40,7 @@ class Auto(Method):
     >>> import weftex
     >>> made = weftex.Auto().fit(weftex.load_exemplar("sample:tiles")).sample(300, seed=7)
     >>> made.provenance["method"], made.provenance["reason"]
-    ('near-regular', 'near-regular, lattice 31.1 x 102.2 px, confidence 0.95: near-regular')
+    ('refinement', 'near-regular, lattice 31.1 x 102.2 px, confidence 0.95: refinement')
     """
 
     slug: ClassVar[str] = "auto"
@@ -49,8 +50,8 @@ class Auto(Method):
 
     effort: str = parameter(
         "normal",
-        "quick takes what the rule says; normal also tries what is as fast, where the rule is not "
-        "sure; best tries all that may be better",
+        "quick takes what the rule says; normal refines blocks on a lattice and tries what is as "
+        "fast, where the rule is not sure; best tries all that may be better",
         choices=("quick", "normal", "best"),
     )
 
@@ -127,12 +128,19 @@ class AutoModel(Model):
         canvas = as_canvas(size, tileable)
         self.method.require(canvas)
         choice, _ = self.chosen(canvas)
-        choices = [choice]
+        choices, number = [choice], seed_number(seed)
         if canvas.guide is None and canvas.known is None and self._effort != "quick":
             choices += others(choice, self.findings, canvas, self._effort)
+        lattice = self.findings.lattice if len(choices) > 1 else None
+        if lattice is not None and choice.method == "near-regular":
+
+            def preview(one: Choice) -> Synthesis:
+                return self._fitted(one).sample(PREVIEW, seed=number, threads=threads)
+
+            choice = refined_if_whole(choices, lattice, self.exemplar, preview)
+            choices = [choice]
         done: list[Synthesis] = []
         steps = Progress(progress, len(choices), "choices", lambda: done[-1].image)
-        number = seed_number(seed)
 
         def make(one: Choice) -> Synthesis:
             within = progress if len(choices) == 1 else steps.within()

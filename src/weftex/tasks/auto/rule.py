@@ -21,6 +21,10 @@ if TYPE_CHECKING:
 
 _ROWS = 0.6  # confidence from which blocks are laid by rows
 _FINE = 1 / 12  # scale over the side: a patch, a quarter of it, holds three things in a row
+#: Scale over the side up to which the border of a patch has several grains in it, and feathering
+#: them makes soft lines.
+_FINEST = 1 / 24
+_CONTINUES = 0.45  # how much rows are like themselves along; boards 0.57 and more, courses to 0.27
 _FEW_COLORS = 32  # drawings, labels: no mixtures of colors
 #: Pixels of the output above which patches of the sample do, as all of it takes four times as long.
 PATIENCE = 2**20
@@ -48,15 +52,17 @@ def choose(findings: Findings, canvas: Canvas) -> Choice:
     >>> from weftex.analysis.evenness import Evenness
     >>> from weftex.canvas import Canvas
     >>> flat = Evenness(0.0, 0.0, 0.0, (1.0, 1.0))
-    >>> grass = Findings((256, 256), None, True, 9.5, 5000, flat)
+    >>> grass = Findings((256, 256), None, True, 12.5, 5000, flat)
     >>> str(choose(grass, Canvas(512, 512)))
-    'fine structure, 9.5 px of 256: patch-sampling'
+    'fine structure, 12.5 px of 256: patch-sampling'
     """
     shorter, lattice = min(findings.shape), findings.lattice
     warnings = _warnings(findings)
     parameters: dict[str, Any] = {}
     if shorter < SMALLEST_ANALYZED:
         slug, said = "graphcut", f"too small to be analyzed, {_size(findings.shape)}"
+    elif lattice is not None and is_sure(lattice, findings.shape) and _of_things(findings, canvas):
+        slug, said, parameters = "graphcut", f"rows of things, {words(lattice)}", dict(WHOLE)
     elif lattice is not None and is_sure(lattice, findings.shape):
         slug, said = (
             "near-regular",
@@ -73,12 +79,28 @@ def choose(findings: Findings, canvas: Canvas) -> Choice:
         slug, said = "patch-sampling", f"fine structure, {findings.scale:.3g} px of {shorter}"
         if findings.colors <= _FEW_COLORS:
             slug, said = "quilting", f"{said}, few colors ({findings.colors}), not to be mixed"
+        elif findings.scale <= _FINEST * shorter and _quickly_cut(canvas):
+            slug, parameters = "graphcut", dict(WHOLE)
     else:
         slug, said = "graphcut", f"irregular structure of {findings.scale:.3g} px"
         parameters = dict(WHOLE)
-    if parameters == WHOLE and canvas.height * canvas.width > PATIENCE:
+    if parameters == WHOLE and not _quickly_cut(canvas):
         said, parameters = f"{said}, {canvas.height * canvas.width / 1e6:.3g} megapixels", {}
     return Choice(slug, parameters, f"{said}: {slug}", tuple(warnings))
+
+
+def _quickly_cut(canvas: Canvas) -> bool:
+    return canvas.height * canvas.width <= PATIENCE
+
+
+def _of_things(findings: Findings, canvas: Canvas) -> bool:
+    """Whether rows are courses of stones or shingles, which a row of pieces would cut.
+
+    A canvas that goes around needs whole rows, and a large one takes too long.
+    """
+    lattice = findings.lattice
+    rows = lattice is not None and not lattice.area
+    return rows and findings.along < _CONTINUES and _quickly_cut(canvas) and not any(canvas.wrap)
 
 
 def choose_for_hole(exemplar: Exemplar, canvas: Canvas) -> Choice:

@@ -1,0 +1,34 @@
+"""A material in light from the side: where normals and heights do not fit together, it shows.
+
+python examples/light.py -o FOLDER
+"""
+
+import argparse
+from pathlib import Path
+
+import numpy as np
+
+import weftex
+from weftex.raster.lighting import lit
+
+parser = argparse.ArgumentParser(description=__doc__)
+parser.add_argument("-o", "--output", type=Path, default=Path(), metavar="FOLDER")
+folder = parser.parse_args().output
+folder.mkdir(parents=True, exist_ok=True)
+
+stone = weftex.load_exemplar("sample:stone_wall")
+result = weftex.synthesize(stone, (512, 512), method="graphcut", seed=2)
+height = stone.maps["height"]
+laid, joined = result.render(height), result.maps["height"]  # as an array it shows nothing
+
+plaster = np.full(result.shape, 190, np.uint8)
+weftex.write_image(folder / "light_color.png", lit(result.image, normal=result.maps["normal"]))
+weftex.write_image(folder / "light_laid.png", lit(plaster, height=laid))
+weftex.write_image(folder / "light_joined.png", lit(plaster, height=joined))
+
+# Steps across the border of two pieces, over the mean step of the sample.
+across = (np.diff(result.source.astype(int), axis=1) != (0, 1)).any(axis=2)
+own = abs(np.diff(height.astype(float), axis=1)).mean()
+for name, values in (("laid", laid), ("joined", joined)):
+    steps = abs(np.diff(values.reshape(result.shape).astype(float), axis=1)) / own
+    print(f"{name}: {steps[across].mean():.2f} at borders, {steps[~across].mean():.2f} elsewhere")

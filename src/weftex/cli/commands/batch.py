@@ -1,0 +1,139 @@
+"""weftex batch: many outputs from the samples of a folder."""
+
+from __future__ import annotations
+
+import os
+from time import perf_counter
+from typing import TYPE_CHECKING
+
+from weftex.cli.options import (
+    Parser,
+    add_names,
+    add_turn,
+    parse_size,
+    parse_task,
+)
+from weftex.cli.terminal import finish, say
+from weftex.errors import CancelledError, FileError, InvalidInputError
+
+if TYPE_CHECKING:
+    from weftex.cli.batches import Job
+    from weftex.cli.terminal import Bar, Outputs
+    from weftex.io.manifest import Manifest
+
+_ABOUT = """\
+Make outputs from every picture and every folder of maps in a folder. manifest.jsonl in the output
+folder says of each how it was made. What was stopped or killed goes on with --skip-existing.\
+"""
+
+_EXAMPLES = """\
+examples:
+  weftex batch samples/ out/ --size 1024 --tileable --seed 1
+  weftex batch samples/ out/ --count 20 --keep-best 3 --seed 1
+  weftex batch samples/ out/ --count 1000 --seed 1 --skip-existing     go on where it stopped
+"""
+_MOST = 10**6
+
+
+def run(argv: list[str]) -> None:
+    """Run the command; `argv` is what follows its name."""
+    start = perf_counter()
+    parser = Parser("batch", _ABOUT, _EXAMPLES)
+    add = parser.add_argument
+    add("folder", metavar="IN", help="folder of pictures and of folders of maps")
+    text = "outputs of each sample, with the seeds from --seed on; default: 1"
+    add("--count", type=int, default=1, metavar="N", help=text)
+    text = "what outputs are called; default: {name}_{seed}, or {name} if there is one of each"
+    add("--template", metavar="TEXT", help=text)
+    add("--size", metavar="WxH|N", help="in pixels; default: twice the sample's")
+    add("--keep-best", type=int, metavar="K", help="keep the K of each sample that score best")
+    add("--score", action="store_true", help="write the score of each output into the manifest")
+    add("--skip-existing", action="store_true", help="make only what is not there yet")
+    add("--force", action="store_true", help="make outputs anew that are there")
+    add_names(parser)
+    add_turn(parser)
+    args, method, parameters = parse_task(parser, argv, positional=True)
+    size = None if args.size is None else parse_size(args.size, args.allow_huge)
+    if not 1 <= args.count <= _MOST:
+        raise InvalidInputError(f"--count is {args.count}; it must be from 1 to {_MOST}")
+    if args.keep_best is not None and not 1 <= args.keep_best <= args.count:
+        raise InvalidInputError(
+            f"--keep-best is {args.keep_best}; it must be from 1 to --count, {args.count}"
+        )
+    if args.skip_existing and args.force:
+        raise InvalidInputError("give --skip-existing or --force, not both")
+    chosen = method(**parameters)
+
+    def work(bar: Bar, outputs: Outputs) -> str:
+        from weftex.cli.batches import Maker, entries_of, jobs_of
+        from weftex.io.manifest import Manifest
+        from weftex.random import seed_number
+        from weftex.threads import in_turn, thread_count
+
+        first = seed_number(args.seed) if args.seed is not None else 0
+        entries = entries_of(args.folder)
+        seeds = [(first + k) % 2**64 for k in range(args.count)]
+        template = args.template or ("{name}" if args.count == 1 else "{name}_{seed}")
+        jobs = jobs_of(entries, template, seeds, args.keep_best)
+        try:
+            os.makedirs(args.output, exist_ok=True)
+        except OSError as error:
+            raise FileError(f"{args.output}: cannot make this folder: {error.strerror}") from None
+        manifest = Manifest(args.output)
+        left = _left(jobs, manifest, args.output, args.skip_existing, args.force)
+        maker = Maker(args.output, manifest, chosen, size, args)
+        failures = []
+        stopped = [False]
+
+        def show(done: int) -> None:
+            if bar(done, len(left), "jobs", lambda: None) is False:
+                stopped[0] = True
+
+        if left:
+            show(0)
+        made = in_turn(
+            lambda k: maker.do(left[k], lambda: stopped[0]),
+            range(len(left)),
+            thread_count(args.threads),
+        )
+        for done, failure in enumerate(made, start=1):
+            if stopped[0]:
+                raise CancelledError(f"cancelled after {done} of {len(left)} jobs")
+            if failure is not None:
+                failures.append(failure)
+                if not args.quiet:
+                    say(failure)
+            show(done)
+        took = perf_counter() - start
+        if failures:
+            raise InvalidInputError(
+                f"{len(failures)} of {len(left)} jobs failed, the first: {failures[0]}"
+            )
+        skipped = f", {len(jobs) - len(left)} were there" if len(left) < len(jobs) else ""
+        return f"did {len(left)} jobs of {len(entries)} samples{skipped}, in {took:.2f} s"
+
+    finish(work, args.quiet)
+
+
+def _left(jobs: list[Job], manifest: Manifest, folder: str, skip: bool, force: bool) -> list[Job]:
+    """The jobs that are to be done.
+
+    Raises
+    ------
+    FileError
+        If an output is there, and nobody said what is to become of it.
+    """
+    left = []
+    for job in jobs:
+        there = [one for one in job.outputs.values() if os.path.exists(os.path.join(folder, one))]
+        most = len(job.outputs) if job.keep is None else job.keep
+        if skip and len(there) >= most:
+            continue
+        foreign = [one for one in there if one not in manifest]
+        if there and not force and (not skip or foreign):
+            raise FileError(
+                f"{os.path.join(folder, there[0])} is there; give --skip-existing to go on, or "
+                "--force to make it anew"
+            )
+        left.append(job)
+    return left

@@ -1,0 +1,53 @@
+"""weftex tile: make an existing photo repeat without a seam."""
+
+from __future__ import annotations
+
+from time import perf_counter
+from typing import TYPE_CHECKING
+
+from weftex.cli.files import open_sample, report, settings, write
+from weftex.cli.options import Parser, add_map_weights, add_maps, add_names, parse_task
+from weftex.cli.terminal import finish
+
+if TYPE_CHECKING:
+    from weftex.cli.terminal import Bar, Outputs
+
+_ABOUT = """\
+Make a photo repeat without a seam, at the size that it has. A border of it changes, its middle
+stays byte for byte. --tileable x or y does it along one axis.\
+"""
+
+_EXAMPLES = """\
+examples:
+  weftex tile photo.jpg -o tile.png
+  weftex tile photo.jpg -o strip.png --tileable x --border 40
+  weftex tile stone_wall/ -o tile/                    a folder of aligned maps
+"""
+
+
+def run(argv: list[str]) -> None:
+    """Run the command; `argv` is what follows its name."""
+    start = perf_counter()
+    parser = Parser("tile", _ABOUT, _EXAMPLES)
+    parser.add_argument("photo", metavar="PHOTO", help="picture, folder of maps, or sample:NAME")
+    add_maps(parser)
+    add_map_weights(parser)
+    add_names(parser)
+    text = "so many pixels at each side may change; default: an eighth of the shorter side"
+    parser.add_argument("--border", type=int, metavar="PX", help=text)
+    args, method, parameters = parse_task(parser, argv, "patch-sampling")
+    method(**parameters)  # finds wrong values before anything is read
+
+    def work(bar: Bar, outputs: Outputs) -> str:
+        from weftex.tasks.method_names import AUTO
+        from weftex.tasks.tile import tile
+
+        photo, made = open_sample(args.photo, args, outputs)
+        how = {"method": AUTO if args.by_default else args.method, "border": args.border}
+        how |= settings(args, bar)
+        axes = how.pop("tileable") or True
+        result = tile(photo, axes=axes, **how, **parameters)
+        write(result, made, args, outputs)
+        return report(args, result, "made tileable:", start, made.told)
+
+    finish(work, args.quiet)

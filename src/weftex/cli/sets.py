@@ -1,0 +1,148 @@
+"""Where the pictures of a material go, by which names, and the lines that are said about them."""
+
+from __future__ import annotations
+
+import os
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING, Any
+
+from weftex.errors import InvalidInputError
+from weftex.material import Material
+
+if TYPE_CHECKING:
+    import argparse
+    from collections.abc import Callable, Sequence
+
+    from numpy.typing import NDArray
+
+    from weftex.cli.terminal import Outputs
+    from weftex.exemplar import Exemplar
+    from weftex.io.pictures import Picture
+
+
+@dataclass(frozen=True)
+class Plan:
+    """What will be written.
+
+    Attributes
+    ----------
+    material : Material
+        The set, or the picture, whose files are like those that are written.
+    targets : dict of str to str
+        Paths by the names of its maps.
+    documents : dict of str to str
+        Texts by their paths.
+    told : str
+        What was taken for what, a line each.
+    """
+
+    material: Material
+    targets: dict[str, str]
+    documents: dict[str, str]
+    told: str
+
+    def write(self, pixels: Callable[[str], NDArray[Any]], outputs: Outputs) -> None:
+        """Write pixels, asked for by the names of maps, as these were stored."""
+        from weftex.io.pictures import write_text
+
+        for name, picture in self.material.pictures.items():
+            write_picture(pixels(name), picture, self.targets[name], outputs)
+        for path, text in self.documents.items():
+            write_text(outputs.add(path), text)
+
+
+def write_picture(pixels: NDArray[Any], like: Picture, target: str, outputs: Outputs) -> None:
+    """Write pixels as a picture was stored."""
+    from weftex.io.pictures import write_image
+
+    how: dict[str, Any] = {"alpha": like.alpha, "icc": like.icc, "half": like.half}
+    write_image(outputs.add(target), pixels, **how)
+
+
+def plan(material: Material, args: argparse.Namespace, told: list[str] | None = None) -> Plan:
+    """Say where everything goes; whatever can be wrong with it is found here, before any work."""
+    from weftex.io.pictures import check_output
+
+    lines, documents = material.told() if told is None else told, {}
+    if not material.folder:
+        for option, value in (("--names", args.names), ("--mtlx", args.mtlx)):
+            if value:
+                raise InvalidInputError(f"{option} has no effect: {material.name} is no folder")
+        targets = {material.main: args.output}
+    else:
+        files = _files(material, args)
+        targets = {name: os.path.join(args.output, file) for name, file in files.items()}
+        if args.names is not None:
+            lines += [f"map: {material.roles[name]} goes to {files[name]}" for name in files]
+        if args.mtlx:
+            path, text, left = _document(material, files, args)
+            documents[path] = text
+            lines += [f"map: {name} has no place in {os.path.basename(path)}" for name in left]
+    for name, picture in material.pictures.items():
+        check_output(targets[name], picture.pixels, alpha=picture.alpha)
+    return Plan(material, targets, documents, "".join(f"{line}\n" for line in lines))
+
+
+def plan_of_several(
+    materials: Sequence[Material], made: Exemplar, args: argparse.Namespace
+) -> Plan:
+    """`plan` for maps of several materials: each map is stored as the first that has it.
+
+    Parameters
+    ----------
+    materials : sequence of Material
+    made : Exemplar
+        One of the samples as it is used: its pixels, and the maps that all of them have.
+    args : Namespace
+    """
+    first = materials[0]
+    pictures = {}
+    for name, pixels in {first.main: made.pixels, **made.maps}.items():
+        like = next(one.pictures[name] for one in materials if name in one.pictures)
+        pictures[name] = replace(like, pixels=pixels)
+    roles = {first.main: first.roles[first.main], **made.roles}
+    whole = Material(first.name, pictures, roles, folder=any(one.folder for one in materials))
+    several = len(materials) > 1
+    told = [
+        line.replace("map: ", f"map of {one.name}: ") if several else line
+        for one in materials
+        for line in one.told()
+    ]
+    return plan(whole, args, told)
+
+
+def _files(material: Material, args: argparse.Namespace) -> dict[str, str]:
+    """The names of the files, each of them once."""
+    files = {name: os.path.basename(one.path) for name, one in material.pictures.items()}
+    if args.names is not None:
+        from weftex.io.map_names import file_stem
+
+        own = _own_name(args)
+        files = {
+            name: file_stem(args.names, own, material.roles[name]) + os.path.splitext(file)[1]
+            for name, file in files.items()
+        }
+    for file in files.values():
+        twins = [other for other in files if files[other] == file]
+        if len(twins) > 1:
+            raise InvalidInputError(
+                f"{' and '.join(twins)} would both be written to {file}; rename one of them"
+            )
+    return files
+
+
+def _document(
+    material: Material, files: dict[str, str], args: argparse.Namespace
+) -> tuple[str, str, list[str]]:
+    from weftex.io.materialx import materialx_document
+    from weftex.io.pictures import check_output
+
+    path = os.path.join(args.output, f"{_own_name(args)}.mtlx")
+    check_output(path, suffixes=(".mtlx",))
+    linear = [k for k, one in material.pictures.items() if one.pixels.dtype.kind == "f"]
+    return path, *materialx_document(_own_name(args), files, material.roles, linear)
+
+
+def _own_name(args: argparse.Namespace) -> str:
+    """What the set that is written is called: as its folder."""
+    return os.path.basename(os.path.abspath(str(args.output)))

@@ -1,0 +1,72 @@
+"""Which files of a folder are its pictures."""
+
+from __future__ import annotations
+
+import os
+from typing import TYPE_CHECKING
+
+from weftex.io.formats import READABLE, bits_of, file_error, show, suffix_of
+from weftex.io.pictures import locate
+
+if TYPE_CHECKING:
+    from weftex.io.formats import StrPath
+
+#: Where libraries keep the maps beside a scene file.
+_INNER = "textures"
+#: Pictures that weftex does not read, so that nobody misses one without a word.
+_UNREAD = (".tga", ".psd", ".dds", ".gif", ".jp2", ".ktx", ".ktx2", ".sgi", ".pic", ".tx")
+_LOSSY = (".jpg", ".jpeg")
+
+
+def map_files(folder: StrPath) -> tuple[dict[str, str], list[str]]:
+    """Return the paths of a folder's pictures by their names without suffix, and what is left out.
+
+    Hidden files, folders and files of other suffixes are passed over. Of two pictures with one name
+    the deeper is taken, of equally deep ones that which is not a JPEG. A folder without pictures
+    may have them in one named ``textures``.
+
+    Raises
+    ------
+    FileError
+        If there are none, or two that are alike.
+    """
+    name, given = locate(folder)
+    paths, notes = _listed(name, given)
+    inner = os.path.join(name, _INNER)
+    if not paths and os.path.isdir(inner):
+        paths, notes = _listed(inner, given)
+        notes.insert(0, f"maps are those in {show(os.path.join(given, _INNER))}")
+    if not paths:
+        raise file_error(given, f"has no pictures ({', '.join(READABLE)})")
+    return paths, notes
+
+
+def _listed(name: str, given: str) -> tuple[dict[str, str], list[str]]:
+    try:
+        found = sorted(os.listdir(name))
+    except (OSError, ValueError) as error:
+        raise file_error(given, "cannot read the folder", error) from None
+    paths: dict[str, str] = {}
+    notes = []
+    for file in found:
+        stem, full = os.path.splitext(file)[0], os.path.join(name, file)
+        if file.startswith(".") or os.path.isdir(full):
+            continue
+        if suffix_of(file) in _UNREAD:
+            notes.append(f"{show(file)} is left out: weftex does not read {suffix_of(file)}")
+        if suffix_of(file) not in READABLE:
+            continue
+        if stem in paths:
+            pair = sorted((full, paths[stem]), key=_depth)
+            if _depth(pair[0]) == _depth(pair[1]):
+                raise file_error(given, f"has two pictures named '{show(stem)}'; keep one")
+            left, kept = (show(os.path.basename(path)) for path in pair)
+            why = "is deeper" if _depth(pair[0])[0] < _depth(pair[1])[0] else "is no JPEG"
+            notes.append(f"{left} is left out: {kept} {why}")
+            full = pair[1]
+        paths[stem] = full
+    return paths, notes
+
+
+def _depth(path: str) -> tuple[int, bool]:
+    return bits_of(path), suffix_of(path) not in _LOSSY

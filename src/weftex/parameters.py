@@ -1,0 +1,129 @@
+"""Parameters of methods: their bounds, units and help, and how values of them are checked."""
+
+from __future__ import annotations
+
+import dataclasses
+import math
+import numbers
+from collections.abc import Sequence
+from typing import Any
+
+from weftex.errors import InvalidInputError, did_you_mean, shown
+
+_MOST_WHOLE = 2**63 - 1  # what an integer of a parameter may be; arrays hold no more
+
+
+def parameter(
+    default: Any,
+    help: str,
+    *,
+    low: float | None = None,
+    high: float | None = None,
+    unit: str = "",
+    choices: Sequence[str] = (),
+    default_text: str = "",
+    needs: tuple[str, Sequence[str]] | None = None,
+    needs_canvas: str = "",
+    idle_canvas: str = "",
+    count: int = 0,
+    parity: str = "",
+) -> Any:
+    """Declare a field of a method.
+
+    Parameters
+    ----------
+    default : object
+        None means that it follows from the sample; say how in `default_text`.
+    help : str
+        One line.
+    low, high : float, optional
+        Inclusive bounds.
+    unit : str
+        Of the value, for people.
+    choices : sequence of str
+        The allowed values of a text.
+    default_text : str
+        What None stands for.
+    needs : (field, values), optional
+        The parameter does something only while `field` has one of these values; setting it
+        otherwise is refused, not ignored.
+    needs_canvas : str
+        Likewise for a kind of canvas, see `CANVAS_KINDS`.
+    idle_canvas : str
+        The other way around: a kind of canvas on which the parameter does nothing.
+    count : int
+        The value is so many numbers; a text with commas between them is taken too.
+    parity : str
+        "odd" or "even"; 0, where `low` allows it, is both.
+    """
+    return dataclasses.field(
+        default=default,
+        metadata={
+            "help": help,
+            "low": low,
+            "high": high,
+            "unit": unit,
+            "choices": choices,
+            "default_text": default_text,
+            "needs": needs,
+            "needs_canvas": needs_canvas,
+            "idle_canvas": idle_canvas,
+            "count": count,
+            "parity": parity,
+        },
+    )
+
+
+def check_value(field: dataclasses.Field[Any], value: Any) -> None:
+    """Raise `InvalidInputError` unless a parameter may have this value."""
+    meta, name = field.metadata, field.name
+    if value is None and field.default is None:
+        return
+    if meta["choices"]:
+        known = meta["choices"]
+        if not isinstance(value, str) or value not in known:
+            raise InvalidInputError(f"{name} is {shown(value)}{did_you_mean(str(value), known)}")
+        return
+    whole = "int" in str(field.type)
+    kind = numbers.Integral if whole else numbers.Real
+    if not isinstance(value, kind) or isinstance(value, bool) or value != value:
+        wanted = "an integer" if whole else "a number"
+        raise InvalidInputError(f"{name} is {shown(value)}; it must be {wanted}")
+    low, high = meta["low"], meta["high"]
+    if (low is not None and value < low) or (high is not None and value > high):
+        raise InvalidInputError(f"{name} is {shown(value)}; it must be {bounds(field)}")
+    if isinstance(value, numbers.Integral) and abs(int(value)) > _MOST_WHOLE:
+        raise InvalidInputError(f"{name} is {shown(value)}; it must be at most 2**63 - 1")
+    if meta["parity"] and value and value % 2 != (meta["parity"] == "odd"):
+        raise InvalidInputError(f"{name} is {shown(value)}; it must be {meta['parity']}")
+
+
+def numbers_of(name: str, value: Any, count: int) -> tuple[float, ...]:
+    """So many numbers, from a sequence or a text with commas.
+
+    Raises
+    ------
+    InvalidInputError
+        That names the value, if it is not that.
+    """
+    try:
+        found = tuple(float(v) for v in (value.split(",") if isinstance(value, str) else value))
+    except (TypeError, ValueError, OverflowError):
+        found = ()
+    if len(found) != count or not all(map(math.isfinite, found)):
+        raise InvalidInputError(f"{name} is {shown(value)}; it must be {count} numbers")
+    return found
+
+
+def bounds(field: dataclasses.Field[Any]) -> str:
+    """The allowed values of a field in words."""
+    low, high, choices = (field.metadata[k] for k in ("low", "high", "choices"))
+    if field.metadata["count"]:
+        return f"{field.metadata['count']} numbers"
+    if choices:
+        return ", ".join(choices)
+    if low is not None and high is not None:
+        return f"from {low:g} to {high:g}"
+    return (
+        f"{low:g} or more" if low is not None else f"at most {high:g}" if high is not None else ""
+    )

@@ -1,0 +1,97 @@
+"""Pixels of any type as bytes, which distances are taken on; pixels at other sizes."""
+
+from __future__ import annotations
+
+import math
+from fractions import Fraction
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+_ORDINARY = 100  # powers of two: float32, too, subtracts and divides such numbers
+
+
+def scale_to_bytes(pixels: NDArray[Any]) -> tuple[float, float]:
+    """Return the values that become 0 and 255."""
+    if pixels.dtype == np.uint8:
+        return 0.0, 255.0
+    if pixels.dtype == np.uint16:
+        low, high = float(pixels.min()), float(pixels.max())
+        full = 65535.0
+    else:
+        # A few specular pixels of an HDR picture must not turn the rest black.
+        numbers, exponent = tamed(pixels)
+        low, high = (math.ldexp(float(q), exponent) for q in np.quantile(numbers, (0.001, 0.999)))
+        full = 1.0
+    if low >= 0 and high <= full and high - low >= full / 8:
+        return 0.0, full  # the same bytes as the 8-bit version of the picture
+    if 0 <= low < 0.75 * high:
+        low = 0.0
+    return low, high if high > low else low + max(1.0, abs(low))
+
+
+def to_bytes(pixels: NDArray[Any], scale: tuple[float, float]) -> NDArray[np.float64]:
+    """Return (H, W, C) in bytes that are not rounded yet, by what becomes 0 and 255."""
+    low, high = scale
+    pixels = np.clip(pixels.reshape(*pixels.shape[:2], -1).astype(np.float64), low, high)
+    exponent = _exponent(max(abs(low), abs(high)))
+    if exponent:
+        pixels = np.ldexp(pixels, -exponent)
+        low, high = math.ldexp(low, -exponent), math.ldexp(high, -exponent)
+    return np.clip((pixels - low) * (255 / (high - low)), 0, 255)
+
+
+def tamed(pixels: NDArray[Any]) -> tuple[NDArray[Any], int]:
+    """Divide numbers so large or small that arithmetic fails by a power of two, and return it."""
+    exponent = _exponent(float(np.abs(pixels).max()))
+    return (np.ldexp(pixels.astype(np.float64), -exponent) if exponent else pixels), exponent
+
+
+def _exponent(largest: float) -> int:
+    """0 for ordinary numbers, whose differences and quotients are numbers too."""
+    exponent = math.frexp(largest)[1]
+    return 0 if abs(exponent) < _ORDINARY or largest == math.inf else exponent
+
+
+def edges_of(values: NDArray[np.uint8], weight: float) -> NDArray[np.uint8]:
+    """Return how steep the brightness is: an interrupted outline differs in it."""
+    gray = values.mean(axis=2)
+    dy, dx = (np.gradient(gray, axis=a) if gray.shape[a] > 1 else 0 * gray for a in (0, 1))
+    edges: NDArray[np.uint8] = np.rint(np.minimum(weight * np.hypot(dy, dx), 255)).astype(np.uint8)
+    return edges[..., None]
+
+
+def scale_between(shape: tuple[int, ...], other: tuple[int, ...]) -> Fraction | None:
+    """Return how many pixels of a picture lie along one of another: an integer or 1 / integer.
+
+    Examples
+    --------
+    >>> scale_between((20, 30), (10, 15)), scale_between((5, 5), (10, 10))
+    (Fraction(2, 1), Fraction(1, 2))
+    >>> scale_between((15, 15), (10, 10)), scale_between((20, 10), (10, 10))
+    (None, None)
+    """
+    scale, same = (Fraction(a, b) for a, b in zip(shape[:2], other[:2], strict=True))
+    return scale if scale == same and 1 in (scale.numerator, scale.denominator) else None
+
+
+def resized(pixels: NDArray[Any], scale: Fraction | int) -> NDArray[Any]:
+    """Return pixels at an integer multiple of their size, repeated, or a fraction of it, as means.
+
+    Examples
+    --------
+    >>> resized(np.array([[1, 2], [4, 4]], np.uint8), 1 / Fraction(2)).tolist()
+    [[3]]
+    >>> resized(np.array([[1, 2]], np.uint8), 2).tolist()
+    [[1, 1, 2, 2], [1, 1, 2, 2]]
+    """
+    if scale >= 1:
+        return pixels if scale == 1 else pixels.repeat(int(scale), 0).repeat(int(scale), 1)
+    side = round(1 / scale)
+    numbers, exponent = tamed(pixels) if pixels.dtype.kind == "f" else (pixels, 0)
+    blocks = numbers.reshape(len(pixels) // side, side, -1, side, *pixels.shape[2:])
+    means = np.ldexp(blocks.mean(axis=(1, 3), dtype=np.float64), exponent)
+    return np.asarray(means if pixels.dtype.kind == "f" else np.rint(means), pixels.dtype)

@@ -1,0 +1,96 @@
+"""A material under a light from the side, in which faults of its normals and heights show."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from weftex.errors import InvalidInputError
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    Floats = NDArray[np.float64]
+
+
+def lit(
+    color: NDArray[Any],
+    *,
+    normal: NDArray[Any] | None = None,
+    height: NDArray[Any] | None = None,
+    light: tuple[float, float, float] = (-1.0, 1.0, 0.7),
+    depth: float = 16.0,
+    directx: bool = False,
+) -> NDArray[np.uint8]:
+    """Return a matte surface in parallel light.
+
+    Parameters
+    ----------
+    color : array (H, W) or (H, W, C)
+        uint8, uint16 or floats of 0 to 1, in sRGB; three channels or one, others are left out.
+    normal : array (H, W, 3), optional
+        A normal map, y up (OpenGL).
+    height : array (H, W), optional
+        A height map, from which normals are taken where none are given.
+    light : (x, y, z)
+        Where the light comes from: right, up, out of the surface.
+    depth : float
+        How many pixels high the height map's largest number stands.
+    directx : bool
+        The normal map has y down.
+
+    Returns
+    -------
+    uint8 array (H, W, 3)
+        In sRGB. What faces the light is as bright as the color.
+
+    Raises
+    ------
+    InvalidInputError
+        If neither normals nor heights are given, or their size is not the color's.
+
+    Examples
+    --------
+    >>> gray, ramp = np.full((8, 8), 128, np.uint8), np.arange(8.0) * np.ones((8, 1)) / 8
+    >>> left, right = (lit(gray, height=ramp, light=(x, 0, 1)).mean() for x in (-1, 1))
+    >>> bool(left > right)
+    True
+    """
+    given = normal if normal is not None else height
+    if given is None:
+        raise InvalidInputError("there is nothing to light: give normal or height")
+    if given.shape[:2] != color.shape[:2]:
+        raise InvalidInputError(
+            f"the map is {given.shape[1]}x{given.shape[0]}, the color {color.shape[1]}x"
+            f"{color.shape[0]}; they must be equal"
+        )
+    if normal is not None:
+        vectors = 2 * _unit(normal)[..., :3] - 1
+        if directx:
+            vectors[..., 1] *= -1
+    else:
+        down, across = np.gradient(depth * _unit(given)[..., 0])
+        vectors = np.dstack([-across, down, np.ones(down.shape)])
+    vectors /= np.maximum(np.linalg.norm(vectors, axis=2, keepdims=True), 1e-6)
+    toward = np.array(light, np.float64) / np.linalg.norm(light)
+    shade = np.maximum(vectors @ toward, 0)[..., None]
+    base = _unit(color)
+    base = base[..., :3] if base.shape[2] >= 3 else base[..., :1].repeat(3, axis=2)
+    found: NDArray[np.uint8] = np.rint(255 * _coded(_linear(base) * shade)).astype(np.uint8)
+    return found
+
+
+def _unit(pixels: NDArray[Any]) -> Floats:
+    """As (H, W, C) in 0 to 1."""
+    top = np.iinfo(pixels.dtype).max if pixels.dtype.kind == "u" else 1
+    return np.clip(pixels.reshape(*pixels.shape[:2], -1) / top, 0, 1)
+
+
+def _linear(coded: Floats) -> Floats:
+    """IEC 61966-2-1, from values as stored to amounts of light."""
+    return np.where(coded <= 0.04045, coded / 12.92, ((coded + 0.055) / 1.055) ** 2.4)
+
+
+def _coded(light: Floats) -> Floats:
+    return np.where(light <= 0.0031308, light * 12.92, 1.055 * light ** (1 / 2.4) - 0.055)

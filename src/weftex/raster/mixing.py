@@ -1,0 +1,77 @@
+"""How the values of two patches are mixed where both show, by what a picture stores."""
+
+from __future__ import annotations
+
+from enum import IntEnum
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+import numpy as np
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+_SEEN = 4096  # pixels that say whether a picture stores vectors
+_OFF = 0.25  # that the lengths of a normal map's are off 1
+_MOST = 0.8  # of its pixels, at least
+
+
+class Kind(IntEnum):
+    """What becomes of two pixels of which one has a share."""
+
+    MEAN = 0
+    """Their mean."""
+    ALPHA = 1
+    """Their mean, in which the last channel, straight alpha, says how much each counts."""
+    VECTORS = 2
+    """The direction between two, and the length: the first three channels are a normal."""
+    LABELS = 3
+    """The one with the larger share: there is nothing between two labels."""
+
+
+class Mixing(NamedTuple):
+    """How to mix the pixels of a picture."""
+
+    kind: Kind
+    middle: float = 0.0
+    """What stands for 0 in vectors that are stored in floats."""
+
+
+def mixing_of(pixels: NDArray[Any], shows: str, alpha: bool) -> Mixing:
+    """Return how to mix the pixels of a picture.
+
+    Parameters
+    ----------
+    pixels : array (H, W) or (H, W, C)
+    shows : str
+        One of `weftex.roles.KINDS`. A normal map has three channels or more, and vectors most of
+        which are about as long as 1; what has not is mixed like any other picture.
+    alpha : bool
+        The last channel is straight alpha.
+
+    Examples
+    --------
+    >>> up = np.broadcast_to(np.array([128, 128, 255], np.uint8), (8, 8, 3))
+    >>> mixing_of(up, "normal", False).kind.name, mixing_of(up, "color", False).kind.name
+    ('VECTORS', 'MEAN')
+    """
+    middle = 0.5 if pixels.dtype.kind == "f" and pixels.min() >= 0 else 0.0
+    if shows == "labels":
+        return Mixing(Kind.LABELS)
+    if shows == "normal" and _is_of_units(pixels, middle):
+        return Mixing(Kind.VECTORS, middle)
+    return Mixing(Kind.ALPHA if alpha else Kind.MEAN)
+
+
+def _is_of_units(pixels: NDArray[Any], middle: float) -> bool:
+    if pixels.ndim < 3 or pixels.shape[2] < 3:
+        return False
+    some = pixels.reshape(-1, pixels.shape[2])[
+        :: max(1, pixels.shape[0] * pixels.shape[1] // _SEEN)
+    ]
+    if pixels.dtype.kind == "u":
+        full = np.iinfo(pixels.dtype).max
+        vectors = some[:, :3] / (full / 2) - 1
+    else:
+        vectors = (some[:, :3] - middle) / (middle or 1)
+    lengths = np.linalg.norm(vectors, axis=1)
+    return bool(np.mean(abs(lengths - 1) < _OFF) > _MOST)

@@ -1,0 +1,87 @@
+"""Maps that have more pixels than the sample, or fewer."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from weftex.errors import InvalidInputError
+from weftex.raster.levels import resized, scale_between
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+    from fractions import Fraction
+
+    from numpy.typing import NDArray
+
+    from weftex.exemplar import Exemplar
+
+    Window = tuple[int, int, int, int]
+
+
+def check_size(exemplar: Exemplar, shape: tuple[int, int]) -> None:
+    """Refuse an output that maps of fewer pixels than the sample would not fit.
+
+    Raises
+    ------
+    InvalidInputError
+        If a side is no multiple of the pixels that one of a map covers.
+    """
+    for name in exemplar.maps:
+        check_window((0, 0, *shape), exemplar.scale_of(name), name)
+
+
+def scale_to(given: Exemplar, sample: tuple[int, int]) -> Fraction:
+    """Return how many pixels of a map lie along one of the sample.
+
+    Raises
+    ------
+    InvalidInputError
+        If that is neither an integer nor 1 / integer.
+    """
+    scale = scale_between(given.shape, sample)
+    if scale is None:
+        raise InvalidInputError(
+            f"map is {given.shape[1]}x{given.shape[0]}; it must be the sample's "
+            f"{sample[1]}x{sample[0]} or an integer multiple or fraction of it"
+        )
+    return scale
+
+
+def room_for(pixels: NDArray[Any], height: int, width: int) -> NDArray[Any]:
+    """Return an empty picture of this size, of the kind of another."""
+    try:
+        return np.empty((height, width, *pixels.shape[2:]), pixels.dtype)
+    except MemoryError:
+        raise InvalidInputError(
+            f"{width}x{height} does not fit in memory; render windows of it"
+        ) from None
+
+
+def check_window(window: Window, scale: Fraction, name: str) -> None:
+    """`check_size` for a part of the output."""
+    if any(side * scale % 1 for side in window):
+        raise InvalidInputError(
+            f"map '{name}' has a pixel for {scale.denominator}x{scale.denominator} of the sample, "
+            f"so the output's {window[3]}x{window[2]} must be multiples of {scale.denominator}"
+        )
+
+
+def in_few_pixels(
+    lay: Callable[[Exemplar, NDArray[Any] | None], NDArray[Any]],
+    given: Exemplar,
+    background: NDArray[Any] | None,
+    scale: Fraction,
+) -> NDArray[Any]:
+    """Lay a map of fewer pixels than the sample, at its own size.
+
+    It is laid with its pixels repeated, and then each block becomes one pixel: its mean, or for
+    vectors, labels and colors with alpha, which have no such means, the pixel in its middle.
+    """
+    large = given.changed(pixels=resized(given.pixels, 1 / scale), maps={}, mask=None, guide=None)
+    made = lay(large, None if background is None else resized(background, 1 / scale))
+    if given.alpha or given.role.kind in ("normal", "labels"):
+        middle, step = scale.denominator // 2, scale.denominator
+        return made[middle::step, middle::step]
+    return resized(made, scale)

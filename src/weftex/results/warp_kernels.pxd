@@ -1,5 +1,0 @@
-ctypedef fused value:
-    unsigned char
-    unsigned short
-    float
-    double

@@ -1,0 +1,280 @@
+"""Several samples as one: of one kind, their maps paired by role, one under the other."""
+
+from __future__ import annotations
+
+import math
+import os
+from collections.abc import Mapping
+from typing import TYPE_CHECKING, Any, Literal
+
+import numpy as np
+
+from weftex.errors import InvalidInputError, did_you_mean, shown
+from weftex.exemplar import Exemplar
+from weftex.loading import load_exemplar
+from weftex.raster.levels import scale_between
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from numpy.typing import NDArray
+
+    from weftex.loading import Sample
+
+#: The value of a normal map that is missing.
+FLAT = "flat"
+
+
+def together(samples: Sequence[Sample]) -> Exemplar:
+    """Make one sample of several photos of a material; methods choose from all of them.
+
+    A masked line lies between any two, so that nothing is taken from two at once.
+
+    Parameters
+    ----------
+    samples : sequence of path, array, PIL image or Exemplar
+        Of one depth and at one scale, as photos from one distance are; gray ones may stand beside
+        color. Maps that all of them have come along, paired by role.
+
+    Returns
+    -------
+    Exemplar
+
+    Raises
+    ------
+    FileError, InvalidInputError
+        If one cannot be read, there are none, or they are of different kinds.
+
+    Examples
+    --------
+    >>> together(["sample:pebbles", "sample:pebbles"]).shape
+    (385, 192)
+    """
+    if isinstance(samples, (str, os.PathLike, Exemplar)) or not len(samples):
+        raise InvalidInputError("samples must be a list of one sample or more")
+    exemplars = of_one_kind([load_exemplar(sample) for sample in samples])
+    return combined(paired(exemplars)[0], apart=True)
+
+
+def combined(exemplars: Sequence[Exemplar], *, apart: bool = False) -> Exemplar:
+    """Put samples one under the other, so that one source map can point into all of them.
+
+    Parameters
+    ----------
+    exemplars : sequence of Exemplar
+        Of one kind, or gray beside color; maps that all of them have come along.
+    apart : bool
+        With a masked line between any two.
+
+    Returns
+    -------
+    Exemplar
+        As wide as the widest; its mask leaves out what lies beside a narrower one.
+    """
+    exemplars = of_one_kind(exemplars)
+    first = exemplars[0]
+    shared = [k for k in first.maps if all(k in e.maps for e in exemplars)]
+    # As high as a pixel of the map that has the fewest.
+    gap = math.lcm(*(first.scale_of(k).denominator for k in shared)) if apart else 0
+    masks = [np.ones(e.shape, bool) if e.mask is None else e.mask for e in exemplars]
+
+    def stacked(name: str) -> Exemplar:
+        lines = int(gap * first.scale_of(name))
+        return first.map(name).changed(pixels=_stacked([e.maps[name] for e in exemplars], lines))
+
+    return Exemplar(
+        _stacked([e.pixels for e in exemplars], gap),
+        maps={name: stacked(name) for name in shared},
+        mask=_stacked(masks, gap, mode="constant"),
+        pieces=apart,
+        weights={name: first.weights[name] for name in shared},
+        alpha=first.alpha,
+        icc=first.icc,
+        role=first.role,
+        name="samples",
+    )
+
+
+def _stacked(
+    pictures: Sequence[NDArray[Any]], gap: int, mode: Literal["edge", "constant"] = "edge"
+) -> NDArray[Any]:
+    """One under the other; what is beside and between them is like their borders, or 0."""
+    width = max(p.shape[1] for p in pictures)
+    padded = [
+        np.pad(p, [(0, gap), (0, width - p.shape[1]), *[(0, 0)] * (p.ndim - 2)], mode=mode)
+        for p in pictures
+    ]
+    whole = np.concatenate(padded)
+    return np.ascontiguousarray(whole[: len(whole) - gap])
+
+
+def of_one_kind(exemplars: Sequence[Exemplar], what: str = "sample") -> list[Exemplar]:
+    """Make gray samples color beside color ones.
+
+    Raises
+    ------
+    InvalidInputError
+        If they still differ in dtype, channels or alpha.
+    """
+    most = max(e.channels for e in exemplars)
+    same = [_as_color(e, most) for e in exemplars]
+    first = same[0]
+    for number, exemplar in enumerate(same[1:], 2):
+        mine, other = (_kind(e) for e in (exemplar, first))
+        if mine != other:
+            raise InvalidInputError(
+                f"{what} {number} ({exemplar.name}) is {mine}, {what} 1 ({first.name}) is {other}; "
+                "save one of them as the other is"
+            )
+    return same
+
+
+def paired(
+    exemplars: Sequence[Exemplar], missing: Mapping[str, float | str] | None = None
+) -> tuple[list[Exemplar], list[str]]:
+    """Give all samples the same maps, by role.
+
+    Normal maps are one role, whichever way their y points, and are turned as those of the first
+    sample that has one.
+
+    Parameters
+    ----------
+    exemplars : sequence of Exemplar
+    missing : mapping of str to float or "flat", optional
+        Values of maps for samples that lack them; "flat" is that of normals.
+
+    Returns
+    -------
+    exemplars : list of Exemplar
+    notes : list of str
+        A line for each map that not all of them have.
+
+    Raises
+    ------
+    InvalidInputError
+        If a value is out of range or nobody needs it, or maps of one role differ in kind or scale.
+
+    Examples
+    --------
+    >>> gray = np.zeros((4, 4), np.uint8)
+    >>> stone, moss = Exemplar(gray, maps={"ao": gray}), Exemplar(gray, name="moss")
+    >>> paired([stone, moss])[1]
+    ['ao is left out: moss has none']
+    >>> paired([stone, moss], {"ao": 1.0})[0][1].maps["ao"].max()
+    np.uint8(255)
+    """
+    values = _checked(missing)
+    owned = [_slots(exemplar) for exemplar in exemplars]
+    wanted: dict[str, list[str]] = {}
+    for slots in owned:
+        wanted |= {slot: keys for slot, keys in slots.items() if slot not in wanted}
+    maps: list[dict[str, Exemplar]] = [{} for _ in exemplars]
+    notes = []
+    for slot, keys in wanted.items():
+        lacking = [e.name for e, slots in zip(exemplars, owned, strict=True) if slot not in slots]
+        if lacking and slot not in values:
+            notes.append(f"{slot} is left out: {' and '.join(lacking)} has none")
+            continue
+        value = values.pop(slot) if lacking else 0.0
+        for key in keys:
+            like = next(e for e in exemplars if key in e.maps)
+            found = [
+                _constant(e, like, key, value)
+                if slot not in slots
+                else _turned(e, slots[slot], key)
+                for e, slots in zip(exemplars, owned, strict=True)
+            ]
+            _check_scales(exemplars, found, like, key)
+            notes += [
+                f"the {slots[slot][0]} of {e.name} is taken for {key}, which its name does not say"
+                for e, slots in zip(exemplars, owned, strict=True)
+                if slot in slots and key not in slots[slot] and "normal" in (key, slots[slot][0])
+            ]
+            for one, own in zip(of_one_kind(found, f"the {key} of sample"), maps, strict=True):
+                own[key] = one
+    for name in values:
+        near = "; all samples have it" if name in wanted else did_you_mean(name, wanted)
+        raise InvalidInputError(f"missing has '{name}', which no sample lacks{near}")
+    return [e.changed(maps=own) for e, own in zip(exemplars, maps, strict=True)], notes
+
+
+def _slots(exemplar: Exemplar) -> dict[str, list[str]]:
+    """The names of maps that stand for each other: normals of both conventions; else the map."""
+    slots: dict[str, list[str]] = {}
+    for name, role in exemplar.roles.items():
+        slots.setdefault("normal" if role.kind == "normal" else name, []).append(name)
+    return slots
+
+
+def _turned(exemplar: Exemplar, names: list[str], key: str) -> Exemplar:
+    """The map of this name, or another normal map with its y turned as that name says."""
+    if key in names:
+        return exemplar.map(key)
+    one = exemplar.map(names[0])
+    if one.channels > 1 and {key, names[0]} == {"normal_gl", "normal_dx"}:
+        pixels = one.pixels.copy()
+        top = 1 if pixels.dtype.kind == "f" else np.iinfo(pixels.dtype).max
+        pixels[..., 1] = top - pixels[..., 1]
+        one = one.changed(pixels=pixels)
+    return one
+
+
+def _constant(exemplar: Exemplar, like: Exemplar, key: str, value: float | str) -> Exemplar:
+    """A map of one value, of the kind of that which another sample has."""
+    given, scale = like.map(key), like.scale_of(key)
+    shape = tuple(int(side * scale) for side in exemplar.shape)
+    if (value == FLAT) != (given.role.kind == "normal"):
+        right = f"'{FLAT}'" if given.role.kind == "normal" else "a number from 0 to 1"
+        raise InvalidInputError(f"missing['{key}'] is {shown(value)}; it must be {right}")
+    levels = [0.5, 0.5, 1.0, 1.0][: given.channels] if value == FLAT else [value] * given.channels
+    if given.alpha:
+        levels[-1] = 1.0
+    full = 1.0 if given.pixels.dtype.kind == "f" else float(np.iinfo(given.pixels.dtype).max)
+    pixels = np.empty((*shape, given.channels), given.pixels.dtype)
+    pixels[:] = np.array(levels) * full if full == 1 else np.rint(np.array(levels) * full)
+    return given.changed(pixels=pixels.reshape(*shape, *given.pixels.shape[2:]))
+
+
+def _check_scales(
+    exemplars: Sequence[Exemplar], found: Sequence[Exemplar], like: Exemplar, key: str
+) -> None:
+    """Refuse maps of one role that have other resolutions beside their samples."""
+    scale = like.scale_of(key)
+    for exemplar, one in zip(exemplars, found, strict=True):
+        if scale_between(one.shape, exemplar.shape) != scale:
+            size, own = (f"{e.shape[1]}x{e.shape[0]}" for e in (one, exemplar))
+            raise InvalidInputError(
+                f"the {key} of {exemplar.name} is {size} beside {own}, that of {like.name} has "
+                f"{scale} times as many pixels a side as its sample; scale one of them"
+            )
+
+
+def _checked(missing: Mapping[str, float | str] | None) -> dict[str, float | str]:
+    """The values, by what stands for each other."""
+    if missing is not None and not isinstance(missing, Mapping):
+        raise InvalidInputError(f"missing is {shown(missing)}; it must be values by maps' names")
+    for name, value in (missing or {}).items():
+        number = isinstance(value, (int, float, np.number)) and not isinstance(value, bool)
+        inside = number and 0 <= float(value) <= 1
+        if not isinstance(name, str) or not (inside or value == FLAT):
+            raise InvalidInputError(
+                f"missing[{shown(name)}] is {shown(value)}; it must be from 0 to 1, or '{FLAT}'"
+            )
+    normals = ("normal_gl", "normal_dx")
+    return {"normal" if k in normals else k: v for k, v in (missing or {}).items()}
+
+
+def _as_color(exemplar: Exemplar, channels: int) -> Exemplar:
+    clear = int(exemplar.alpha)
+    if exemplar.channels - clear != 1 or channels - clear != 3:
+        return exemplar
+    pixels = exemplar.pixels.reshape(*exemplar.shape, -1)
+    return exemplar.changed(
+        pixels=np.concatenate([*[pixels[..., :1]] * 3, pixels[..., 1:]], axis=2)
+    )
+
+
+def _kind(exemplar: Exemplar) -> str:
+    clear = " and alpha" if exemplar.alpha else ""
+    count = exemplar.channels - exemplar.alpha
+    return f"{exemplar.pixels.dtype} with {count} channel{'s' * (count > 1)}{clear}"

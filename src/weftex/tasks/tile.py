@@ -1,0 +1,122 @@
+"""Make an existing photo tileable by changing a border of it."""
+
+from __future__ import annotations
+
+import numbers
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from weftex.analysis.canvas_lattice import CanvasLattice
+from weftex.analysis.lattice import find_lattice
+from weftex.canvas import Canvas, as_canvas
+from weftex.errors import InvalidInputError, shown
+from weftex.loading import load_exemplar
+from weftex.tasks.fill import fill
+from weftex.tasks.method_names import AUTO
+
+if TYPE_CHECKING:
+    from weftex.exemplar import Exemplar
+    from weftex.loading import Sample
+    from weftex.method import Method
+    from weftex.progress import ProgressCallback
+    from weftex.random import Seed
+    from weftex.results.synthesis import Synthesis
+
+_SHARE = 8  # of the shorter side: the border that is made anew
+_LEAST = 3  # borders that must fit into a side, so that more is kept than made
+_SURE = 0.6  # confidence of a lattice that is believed
+_STRAIN = 0.015  # that a lattice takes without a fault that is seen
+_ANEW = 8  # pixels at each side that are surely made anew, or half a narrow border
+
+
+def tile(
+    photo: Sample,
+    *,
+    axes: bool | str = True,
+    border: int | None = None,
+    method: str | Method = AUTO,
+    seed: Seed = None,
+    threads: int | None = None,
+    progress: ProgressCallback | None = None,
+    **parameters: Any,
+) -> Synthesis:
+    """Make a photo repeat without a seam; its middle stays byte for byte.
+
+    A narrow frame is filled from the rest, as a hole that goes around the photo's edges is, and the
+    boundary between photo and filling is cut within the border where they differ least, see
+    `weftex.fill`. Maps are filled alike. What has a lattice repeats without a fault only at a size
+    that whole tiles fit into; `provenance["warnings"]` names one if it is another.
+
+    Parameters
+    ----------
+    photo : path, array, PIL image or Exemplar
+        What is to repeat, at the size that it has.
+    axes : True or {"x", "y"}
+        Along which it is to repeat.
+    border : int, optional
+        Pixels at each side that may change; an eighth of the shorter side by default, at most a
+        third of a side.
+    method, seed, threads, progress, **parameters
+        As for `weftex.fill`.
+
+    Returns
+    -------
+    Synthesis
+        Of the photo's size.
+
+    Raises
+    ------
+    InvalidInputError
+        If the border leaves less than it changes, or no axis is named.
+    FileError
+        If the photo cannot be read.
+
+    Examples
+    --------
+    >>> import weftex
+    >>> photo = weftex.load_exemplar("sample:pebbles")
+    >>> made = tile(photo, border=32, seed=1).image
+    >>> bool((made[32:-32, 32:-32] == photo.pixels[32:-32, 32:-32]).all())
+    True
+    """
+    exemplar = load_exemplar(photo)
+    wrap = as_canvas(exemplar.shape, axes).wrap
+    if not any(wrap):
+        raise InvalidInputError(f"axes is {shown(axes)}; it must be True, 'x' or 'y'")
+    sides = [side for side, wraps in zip(exemplar.shape, wrap, strict=True) if wraps]
+    most = min(sides) // _LEAST
+    if border is None:
+        border = max(1, min(exemplar.shape) // _SHARE)
+    elif not isinstance(border, numbers.Integral) or isinstance(border, bool):
+        raise InvalidInputError(f"border is {shown(border)}; it must be a whole number of pixels")
+    if not 1 <= border <= most:
+        raise InvalidInputError(
+            f"border is {shown(border)}; for {exemplar.shape[1]}x{exemplar.shape[0]} it must be "
+            f"from 1 to {most}"
+        )
+    anew = min(_ANEW, (border + 1) // 2)
+    frame = np.zeros(exemplar.shape, bool)
+    for axis in (0, 1):
+        if wrap[axis]:
+            lines = np.moveaxis(frame, axis, 0)
+            lines[:anew] = lines[-anew:] = True
+    how: dict[str, Any] = {"seed": seed, "threads": threads, "progress": progress}
+    how |= {"method": method, "tileable": axes, "overlap": border - anew}
+    result = fill(exemplar, frame, **how, **parameters)
+    warning = _ill_fitting(exemplar, Canvas(*exemplar.shape, wrap))
+    if warning is not None:
+        result.provenance["warnings"] = [*result.provenance.get("warnings", ()), warning]
+    return result
+
+
+def _ill_fitting(exemplar: Exemplar, canvas: Canvas) -> str | None:
+    """Why whole tiles of what is surely a lattice do not fit into the photo; None if they do."""
+    found = find_lattice(exemplar)
+    if found is None or len(found.vectors) < 2 or found.confidence < _SURE:
+        return None
+    try:
+        CanvasLattice(tuple(k for vector in found.vectors for k in vector), canvas, _STRAIN)
+    except InvalidInputError as error:
+        return f"crop the photo first: {error}"
+    return None

@@ -1,0 +1,207 @@
+"""weftex batch: many outputs from the samples of a folder."""
+
+import json
+import os
+import random
+import shutil
+import signal
+import subprocess
+import sys
+import time
+
+import numpy as np
+import pytest
+
+import weftex
+from commands import fails, weft_run
+from families import noise
+from weftex.io.pictures import read_image, write_image
+
+
+@pytest.fixture
+def samples(here):
+    folder = here / "samples"
+    (folder / "wall").mkdir(parents=True)
+    (folder / "empty").mkdir()
+    write_image(folder / "grass.png", noise((40, 44, 3)))
+    write_image(folder / "sand.jpg", noise((40, 44, 3), seed=2))
+    write_image(folder / "wall" / "wall_color.png", noise((40, 40, 3), seed=3))
+    write_image(folder / "wall" / "wall_height.png", noise((40, 40), dtype=np.uint16, seed=4))
+    (folder / "readme.txt").write_text("not a picture")
+    return folder
+
+
+WORDS = ("--method", "quilting", "--patch-size", "12", "--size", "50x48", "--seed", "7")
+
+
+def records(folder):
+    lines = (folder / "manifest.jsonl").read_text().splitlines()
+    return {one["output"]: one for one in map(json.loads, lines)}
+
+
+def contents(folder):
+    return {
+        str(p.relative_to(folder)): p.read_bytes()
+        for p in folder.rglob("*")
+        if p.is_file() and p.name != "manifest.jsonl"
+    }
+
+
+def test_pictures_and_sets(here, samples):
+    assert weft_run("batch", "samples", "out", *WORDS, "--count", "2") == 0
+    expected = {f"{name}_{seed}.png" for name in ("grass", "sand") for seed in (7, 8)}
+    expected |= {f"wall_{s}/wall_{m}.png" for s in (7, 8) for m in ("color", "height")}
+    assert set(contents(here / "out")) == expected
+    method = weftex.Quilting(patch_size=12)
+    made = weftex.synthesize("samples/grass.png", (48, 50), method=method, seed=8)
+    assert np.array_equal(read_image("out/grass_8.png").pixels, made.image)
+    made = weftex.synthesize("samples/wall", (48, 50), method=method, seed=7)
+    assert np.array_equal(read_image("out/wall_7/wall_height.png").pixels, made.maps["height"])
+    found = records(here / "out")
+    assert set(found) == {
+        "grass_7.png",
+        "grass_8.png",
+        "sand_7.png",
+        "sand_8.png",
+        "wall_7",
+        "wall_8",
+    }
+    one = found["grass_8.png"]
+    assert one["seed"] == 8 and one["method"] == "quilting" and one["size"] == [50, 48]
+    assert one["parameters"]["patch_size"] == 12 and one["seconds"] >= 0
+    assert one["sample"] == os.path.join("samples", "grass.png")
+
+
+def test_auto_gives_its_reason(here, samples):
+    assert weft_run("batch", "samples", "out", "--size", "48") == 0
+    assert "grass.png" in records(here / "out")
+    assert all("reason" in one for one in records(here / "out").values())
+
+
+def test_nothing_is_overwritten_unless_told(here, samples, capsys):
+    weft_run("batch", "samples", "out", *WORDS)
+    before = contents(here / "out")
+    capsys.readouterr()
+    assert "is there; give --skip-existing" in fails(
+        capsys, here, "batch", "samples", "out", *WORDS
+    )
+    (here / "out" / "grass.png").unlink()
+    assert weft_run("batch", "samples", "out", *WORDS, "--skip-existing") == 0
+    assert contents(here / "out") == before
+    other = [*WORDS[:-1], "9"]
+    assert weft_run("batch", "samples", "out", *other, "--force") == 0
+    assert contents(here / "out") != before
+    assert records(here / "out")["grass.png"]["seed"] == 9
+
+
+def test_a_file_of_somebody_else_is_kept(here, samples, capsys):
+    (here / "out").mkdir()
+    (here / "out" / "sand.png").write_text("mine")
+    fails(capsys, here, "batch", "samples", "out", *WORDS)
+    assert weft_run("batch", "samples", "out", *WORDS, "--skip-existing") == 0
+    assert (here / "out" / "sand.png").read_text() == "mine"
+    assert "sand.png" not in records(here / "out")
+
+
+def test_the_best_are_kept(here, samples):
+    for folder in ("wall", "sand.jpg"):
+        path = samples / folder
+        shutil.rmtree(path) if path.is_dir() else path.unlink()
+    write_image(samples / "grass.png", read_image("sample:pebbles").pixels[:90, :90])
+    words = ["--method", "quilting", "--size", "100", "--count", "4"]
+    assert weft_run("batch", "samples", "all", *words, "--score") == 0
+    assert weft_run("batch", "samples", "best", *words, "--keep-best", "2") == 0
+    scores = {one["output"]: one["score"] for one in records(here / "all").values()}
+    kept = contents(here / "best")
+    assert sorted(kept) == sorted(sorted(scores, key=scores.get)[:2])
+    assert all(kept[name] == contents(here / "all")[name] for name in kept)
+    assert weft_run("batch", "samples", "best", *words, "--keep-best", "2", "--skip-existing") == 0
+    assert weft_run("batch", "samples", "best", *words, "--keep-best", "1", "--force") == 0
+    assert sorted(contents(here / "best")) == [min(scores, key=scores.get)]
+
+
+def test_threads_change_no_byte(here, samples):
+    for threads in (1, 3):
+        words = ["--count", "3", "--threads", threads]
+        assert weft_run("batch", "samples", f"out{threads}", *WORDS, *words) == 0
+    assert contents(here / "out1") == contents(here / "out3")
+
+
+def test_names_of_a_scheme_and_of_a_template(here, samples):
+    words = ["--template", "{seed}-{name}", "--names", "ambientcg"]
+    (samples / "grass.png").unlink()
+    (samples / "sand.jpg").unlink()
+    assert weft_run("batch", "samples", "out", *WORDS, *words) == 0
+    assert set(contents(here / "out")) == {
+        "7-wall/7-wall_Color.png",
+        "7-wall/7-wall_Displacement.png",
+    }
+
+
+def test_one_bad_sample_does_not_stop_the_others(here, samples, capsys):
+    (samples / "broken.png").write_bytes(b"\x89PNG\r\n\x1a\n and then nothing")
+    assert weft_run("batch", "samples", "out", *WORDS) == 2
+    err = capsys.readouterr().err
+    assert "1 of 4 jobs failed" in err and "broken.png" in err
+    assert len(records(here / "out")) == 3
+
+
+@pytest.mark.parametrize(
+    "words, message",
+    [
+        (["--count", "0"], "--count is 0"),
+        (["--keep-best", "2"], "--keep-best is 2; it must be from 1 to --count, 1"),
+        (["--template", "{other}"], "it may have {name} and {seed}"),
+        (["--template", "{name"], "it may have {name} and {seed}"),
+        (["--template", "{name.__class__}"], "it may have {name} and {seed}"),
+        (["--template", "same"], "two outputs would be named 'same'"),
+        (["--template", "../{name}"], "is no name of a file"),
+        (["--count", "2", "--template", "{name}"], "two outputs would be named"),
+        (["--skip-existing", "--force"], "not both"),
+        (["--save-source", "a.npz"], "unknown option '--save-source'"),
+    ],
+)
+def test_bad_words(here, samples, capsys, words, message):
+    assert message in fails(capsys, here, "batch", "samples", "out", *words)
+
+
+def test_folders_that_hold_nothing(here, samples, capsys):
+    assert "has no pictures" in fails(capsys, here, "batch", "samples/empty", "out")
+    assert "cannot read the folder" in fails(capsys, here, "batch", "nowhere", "out")
+    write_image(samples / "wall.png", noise((40, 40, 3)))
+    assert "would both make wall" in fails(capsys, here, "batch", "samples", "out")
+
+
+def test_a_cut_off_manifest_is_read(here, samples):
+    weft_run("batch", "samples", "out", *WORDS, "--count", "2")
+    before, whole = contents(here / "out"), records(here / "out")
+    text = (here / "out" / "manifest.jsonl").read_text()
+    (here / "out" / "manifest.jsonl").write_text(text[:-20])
+    lost = text.splitlines()[-1]
+    shutil.rmtree(here / "out" / json.loads(lost)["output"])
+    assert weft_run("batch", "samples", "out", *WORDS, "--count", "2", "--skip-existing") == 0
+    assert contents(here / "out") == before and set(records(here / "out")) == set(whole)
+
+
+@pytest.mark.skipif(os.name == "nt", reason="needs SIGKILL")
+def test_killed_at_random_moments_it_goes_on(here, samples):
+    """Ten times; what is there at the end is what one run makes, and no other file."""
+    words = [*WORDS[:4], "--size", "150", "--seed", "1", "--count", "15"]
+    assert weft_run("batch", "samples", "whole", *words) == 0
+    command = [sys.executable, "-m", "weftex", "batch", "samples", "out", *words, "--skip-existing"]
+    chance, killed = random.Random(1), 0
+    for _ in range(10):
+        process = subprocess.Popen(command, stderr=subprocess.DEVNULL)
+        deadline = time.monotonic() + 60
+        while not (here / "out" / "manifest.jsonl").exists() and time.monotonic() < deadline:
+            time.sleep(0.01)
+            if process.poll() is not None:
+                break
+        time.sleep(chance.uniform(0, 0.5))
+        process.send_signal(signal.SIGKILL)
+        killed += process.wait() == -signal.SIGKILL
+    assert killed > 0
+    subprocess.run(command, check=True, stderr=subprocess.DEVNULL)
+    own = {k: v for k, v in contents(here / "out").items() if not k.startswith(".weftex-")}
+    assert own == contents(here / "whole")
+    assert set(records(here / "out")) == set(records(here / "whole"))

@@ -1,0 +1,50 @@
+"""Several samples as one."""
+
+import numpy as np
+import pytest
+
+import weftex
+from families import noise
+
+
+def test_nothing_is_taken_from_two_samples_at_once():
+    one, other = noise((20, 30, 3)), noise((26, 24, 3), seed=5)
+    whole = weftex.together([one, other])
+    assert whole.shape == (47, 30)
+    assert np.array_equal(whole.pixels[:20], one) and np.array_equal(whole.pixels[21:, :24], other)
+    assert not whole.mask[20].any() and not whole.mask[:, 24:][21:].any()
+    assert whole.mask[:20].all() and whole.mask[21:, :24].all()
+    result = weftex.Quilting(patch_size=8).fit(whole).sample((60, 60), seed=1)
+    rows = result.source[..., 0]
+    assert (rows < 20).any() and (rows > 20).any() and not (rows == 20).any()
+
+
+def test_maps_are_paired_by_role_at_any_scale(rng):
+    one = weftex.Exemplar(
+        noise((20, 30)), maps={"height": rng.random((40, 60)), "ao": rng.random((10, 15))}
+    )
+    other = weftex.Exemplar(
+        noise((24, 30)), maps={"ao": rng.random((12, 15)), "height": rng.random((48, 60))}
+    )
+    whole = weftex.together([one, other])
+    assert whole.shape == (46, 30)  # two lines between: one pixel of the coarser map
+    assert whole.maps["height"].shape == (92, 60) and whole.maps["ao"].shape == (23, 15)
+    assert np.array_equal(whole.maps["height"][44:], other.maps["height"])
+    assert np.array_equal(whole.maps["ao"][11:], other.maps["ao"])
+
+
+def test_samples_share_no_lattice():
+    tiles = np.tile(noise((8, 8)), (5, 5))
+    with pytest.raises(weftex.UnsupportedError, match="goes by one lattice"):
+        weftex.NearRegular(lattice=(8, 0, 0, 8)).fit(weftex.together([tiles, tiles]))
+
+
+@pytest.mark.parametrize("samples", [[], "sample:pebbles", weftex.Exemplar(noise((9, 9)))])
+def test_it_must_be_a_list(samples):
+    with pytest.raises(weftex.InvalidInputError, match="must be a list"):
+        weftex.together(samples)
+
+
+def test_samples_of_other_kinds_are_refused():
+    with pytest.raises(weftex.InvalidInputError, match="sample 2 .* is uint16"):
+        weftex.together([noise((9, 9)), noise((9, 9), dtype=np.uint16)])

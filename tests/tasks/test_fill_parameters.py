@@ -1,0 +1,71 @@
+"""In a hole a parameter changes what lies there, or it is refused."""
+
+import numpy as np
+import pytest
+
+import weftex
+from parameters import idle
+from weftex.methods import METHODS
+from weftex.registry import supporting
+
+Y, X = np.indices((48, 56))
+HOLE = ((Y - 21) / 11) ** 2 + ((X - 27) / 14) ** 2 < 1
+PHOTOS = [
+    weftex.load_exemplar(f"sample:{name}").pixels[60:108, 60:116].copy()
+    for name in ("pebbles", "bricks", "leaves")
+]
+PHOTOS.append(PHOTOS[-1] // 48 * 48)
+#: The parameters beside which each other one is tried.
+SETTINGS = {
+    "patch-sampling": {"epsilon": 0.5},
+    "refinement": {"iterations": 3},
+    "wei-levoy": {"window_width": 5, "levels": 2},
+}
+
+
+def made(slug, given):
+    """What lies where, and what a method blends."""
+    results = [
+        weftex.fill(photo, HOLE, method=slug, seed=3, threads=1, **given) for photo in PHOTOS
+    ]
+    return [result.image.tobytes() + result.source.tobytes() for result in results]
+
+
+#: Blocks of near-regular synthesis are too large for these holes; its tests say what it refuses.
+ABLE = [slug for slug in METHODS if slug in supporting("known") and slug != "near-regular"]
+
+
+@pytest.mark.parametrize("slug", ABLE)
+def test_a_parameter_has_an_effect_or_is_refused(slug):
+    given = SETTINGS.get(slug, {})
+    plain = made(slug, given)
+    found = dict(idle(slug, given, lambda more: made(slug, more) != plain))
+    found.pop("levels" if slug == "exact-matching" else "", None)  # 1, as it is in any hole
+    assert not found
+
+
+@pytest.mark.parametrize(
+    ("slug", "parameters"),
+    [
+        ("efros-leung", {"seed_size": 5}),
+        ("wei-levoy", {"start": "noise", "levels": 2, "window_width": 5}),
+        ("exact-matching", {"init": "random", "repeat_distance": 3}),
+        ("exact-matching", {"copying": "blocks"}),
+        ("patch-sampling", {"variance": 0.5}),
+        ("quilting", {"variance": 0.5, "search": "pca"}),
+    ],
+)
+def test_what_is_idle_in_a_hole_is_refused_by_task_and_model(slug, parameters):
+    """Not where nothing is known, nor where it was settled and not chosen."""
+    photo, (name, *_) = PHOTOS[0], parameters
+    method = METHODS[slug](**parameters)
+    said = f"{name} has no effect with known pixels"
+    with pytest.raises(weftex.InvalidInputError, match=said):
+        weftex.fill(photo, HOLE, method=method, seed=1)
+    canvas = weftex.Canvas(48, 56, known=photo, hole=HOLE)
+    exemplar = weftex.Exemplar(photo, mask=~HOLE)
+    with pytest.raises(weftex.InvalidInputError, match=said):
+        method.fit(exemplar).sample(canvas, seed=1)
+    METHODS[slug]().fit(exemplar).sample(canvas, seed=1)
+    everything = np.ones((20, 20), bool)
+    weftex.fill(photo[:20, :20], everything, sample=photo, method=method, seed=1)

@@ -1,0 +1,45 @@
+"""Heights that are joined, as one system of linear equations."""
+
+import numpy as np
+
+REACH = 24
+
+
+def joined(made, sample, coordinates, shares, wrap, scale=1):
+    """The heights (H, W) with the least sum of (f' - g)^2 + ((f - h) / reach)^2."""
+    height, width = made.shape
+    made = made.astype(float)
+    matrix = np.eye(made.size) / (REACH * scale) ** 2
+    right = made.ravel() / (REACH * scale) ** 2
+
+    def told(v, u, step):
+        """What the sources of pixel (v, u) say of a step from there: the sum, and its shares."""
+        total = share = 0.0
+        for at, part in zip(
+            coordinates[v // scale, u // scale], shares[v // scale, u // scale], strict=True
+        ):
+            y, x = at[0] * scale + v % scale, at[1] * scale + u % scale
+            b, a = y + step[0], x + step[1]
+            if part > 0 and 0 <= b < sample.shape[0] and 0 <= a < sample.shape[1]:
+                total += part * (float(sample[b, a]) - float(sample[y, x]))
+                share += part
+        return total, share
+
+    for v in range(height):
+        for u in range(width):
+            for step in ((1, 0), (0, 1)):
+                b, a = v + step[0], u + step[1]
+                if (b == height and not wrap[0]) or (a == width and not wrap[1]):
+                    continue
+                b, a = b % height, a % width
+                ahead, one = told(v, u, step)
+                behind, other = told(b, a, (-step[0], -step[1]))
+                slope = made[b, a] - made[v, u]
+                if one + other > 0:
+                    slope = (ahead - behind) / (one + other)
+                p, q = v * width + u, b * width + a
+                for k, sign in ((p, -1), (q, 1)):
+                    matrix[k, q] += sign
+                    matrix[k, p] -= sign
+                    right[k] += sign * slope
+    return np.linalg.solve(matrix, right).reshape(made.shape)
