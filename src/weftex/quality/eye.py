@@ -84,11 +84,9 @@ def terms(figures: Mapping[str, Any]) -> dict[str, float]:
 
 
 def weigh(figures: Mapping[str, Any]) -> float | None:
-    """Return the score of a picture with these figures; None if it is too small to be looked at."""
-    if figures.get("broken") is None:
-        return None
+    """Return the score of a picture with these figures, or None if none of them is known."""
     found = terms(figures)
-    return math.fsum(WEIGHTS[name] * found[name] for name in found)
+    return math.fsum(WEIGHTS[name] * found[name] for name in found) if found else None
 
 
 class Eye:
@@ -151,7 +149,12 @@ class Eye:
         )
 
     def figures(self, made: View) -> dict[str, float | None]:
-        """Return all that the score is made of, of a picture as `views` has it."""
+        """Return all that the score is made of, of a picture as `views` has it.
+
+        Nothing where a mask leaves no whole window of the sample.
+        """
+        if not len(self._own):
+            return {}
         seen = self.look(made)
         return ({} if seen is None else asdict(seen)) | {
             "lattice": lattice_kept(self.own, made, self.lattice),
@@ -171,8 +174,9 @@ class Eye:
         -------
         float or None
             0 for the sample itself. An eye prefers the picture whose score is less by d in a share
-            1 / (1 + exp(-d)) of cases, by the judged pictures. None where the picture is smaller
-            than a third of the sample, and where a mask leaves no such window.
+            1 / (1 + exp(-d)) of cases, by the judged pictures. What cannot be
+            measured adds nothing, as windows of a picture smaller than a third of the sample. None
+            where nothing can, and where a mask leaves no such window.
         """
         return weigh(self.figures(views(self.exemplar, picture)[1]))
 
