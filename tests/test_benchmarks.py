@@ -5,6 +5,7 @@ import shutil
 import sys
 from pathlib import Path
 
+import numpy as np
 import pytest
 from PIL import Image
 
@@ -14,6 +15,7 @@ import digests  # noqa: E402
 import fusion  # noqa: E402
 import lattices  # noqa: E402
 import pictures  # noqa: E402
+import repeats  # noqa: E402
 import run  # noqa: E402
 from shared import papers  # noqa: E402
 
@@ -77,14 +79,31 @@ def test_boundaries_are_measured(monkeypatch, tmp_path, capsys):
         assert made.size == (4 * 72 + 3 * 4, 3 * 60 + 2 * 4)
 
 
-def test_lattices_are_counted(capsys):
+def test_lattices_are_counted(capsys, tmp_path):
     """A few small surfaces: every table is there, and what is right is never more than all."""
-    lattices.main(["--small", "--fit"])
+    lattices.main(["--small", "--fit", "--update", str(tmp_path / "page.md")])
     out = capsys.readouterr().out
-    assert "PAIRS = " in out and "ROWS = " in out and "| 256 |" in out and "| whole |" in out
+    assert all(f'"{kind}": ' in out for kind in ("pairs", "rows", "bonds"))
+    assert (tmp_path / "page.md").read_text("utf-8") in out
     shares = [cell.split(" of ") for line in out.splitlines() for cell in line.split(" | ")]
     counts = [tuple(map(int, one)) for one in shares if len(one) == 2 and one[1].isdigit()]
     assert counts and all(good <= number for good, number in counts)
+
+
+def test_repeats_are_measured(capsys):
+    repeats.main(["80", "graphcut placement=entire", "--crop", "48", "--surfaces", "bark"])
+    cells = capsys.readouterr().out.splitlines()[-1].strip("| ").split(" | ")
+    assert cells[0] == "`graphcut placement=entire`" and all(float(cell) >= 0 for cell in cells[1:])
+
+
+def test_figures_of_repeats():
+    """Two copies side by side are in line and use all places alike; their seam is a border."""
+    sample = np.zeros((32, 32, 1), np.uint8)
+    sample[:, :16] = 100
+    once = np.stack(np.mgrid[:32, :32], axis=2)
+    source = np.hstack([once, once])
+    assert repeats.seams(once, sample) == 0 and repeats.use(source, sample.shape) == (0, 0)
+    assert repeats.again(source, 32)[0] > 1.5
 
 
 def test_the_first_picture_of_a_page(monkeypatch, tmp_path):

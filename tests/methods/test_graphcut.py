@@ -1,6 +1,8 @@
 """Graph-cut textures against their slow twin, and what seams and placement are to do."""
 
 import itertools
+import sys
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -11,10 +13,14 @@ import weftex
 from families import canvas_of, noise
 from twins import graphcut as reference
 from weftex.methods.graphcut import GraphCut, placement
+from weftex.methods.graphcut.cutting import Picture
 from weftex.methods.graphcut.draws import chances_of, variance
 from weftex.methods.graphcut.placement import SubPatchMatching
 from weftex.methods.graphcut.seams import CanvasSeams
 from weftex.search.translation import Spectra, fast_size, overlap_mismatch, window_mismatch
+
+sys.path.insert(0, str(Path(__file__).parents[2] / "benchmarks"))
+import repeats
 
 KINDS = ("plain", "x", "y", "xy", "hole", "wrapped hole")
 WAYS = {
@@ -316,6 +322,44 @@ def test_variety_keeps_repeats_apart():
 
     assert distinct(1.0) > 0.9
     assert largest(1.0) < 0.5 * largest(0.0)
+
+
+def test_entire_patches_show_all_of_the_sample():
+    """Its places are shown more evenly than in the paper's way, and less often in line."""
+    exemplar = weftex.Exemplar(weftex.load_exemplar("sample:pebbles").pixels[:128, :128])
+    uneven, in_line = np.zeros(2), np.zeros(2)
+    for seed in range(3):
+        for i, variety in enumerate((0.0, 1.0)):
+            model = GraphCut(placement="entire", variety=variety).fit(exemplar)
+            source = model.sample(320, seed=seed).source
+            uneven[i] += repeats.use(source, (128, 128))[0]
+            in_line[i] += repeats.again(source, 128)[0]
+    assert uneven[1] < 0.9 * uneven[0]
+    assert in_line[1] < 0.7 * in_line[0]
+
+
+def test_in_a_photo_only_what_is_around_a_hole_counts(monkeypatch):
+    """Entire patches are cut where the hole is, and far pixels do not change what fills it."""
+    pixels = np.tile(material("pebbles", 60, 60), (3, 3, 1))
+    hole = np.zeros((180, 180), bool)
+    hole[80:100, 90:104] = True
+    laid, price = [], Picture.price
+
+    def priced(self, place, number):
+        laid.append(place)
+        return price(self, place, number)
+
+    monkeypatch.setattr(Picture, "price", priced)
+    sample = weftex.Exemplar(pixels[:60, :60])
+    method, filled = GraphCut(placement="entire"), []
+    for shade in (0, 90):
+        photo = pixels.copy()
+        photo[:40, :] = shade
+        canvas = weftex.Canvas(180, 180, hole=hole, known=photo)
+        filled.append(method.fit(sample).sample(canvas, seed=2).image[hole])
+    assert laid and all(p.top >= 80 and p.top + p.height <= 100 for p in laid)
+    assert all(p.left >= 90 and p.left + p.width <= 104 for p in laid)
+    assert np.array_equal(*filled)
 
 
 # Parameters

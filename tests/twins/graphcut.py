@@ -90,7 +90,7 @@ class GraphCutTwin(Placing):
         return may
 
     def cut(self, box, patch, block=1, may=None):
-        """Which pixels a patch replaces, and what the seams cost then: SciPy's minimum cut.
+        """Which pixels a patch replaces, what seams cost then, and before: SciPy's minimum cut.
 
         `box` lists the pixels of the canvas, `patch` for each of them that of the sample. Pixels
         that may be both are in blocks, all of which are old or new.
@@ -102,7 +102,7 @@ class GraphCutTwin(Placing):
         blocks = {key: i for i, key in enumerate(blocks)}
         number = {cell: blocks[self.block(box, cell, block)] for cell in free}
         # cost = constant + sum of unary[i] * x_i + sum of arc[i, j] * x_i * (1 - x_j)
-        constant, unary, arc = 0, [0] * len(blocks), {}
+        constant, unary, arc, before = 0, [0] * len(blocks), {}, 0
         for p in box:
             for step in ARCS:
                 q = self.step(p, *step)
@@ -117,6 +117,8 @@ class GraphCutTwin(Placing):
                 if not of_q:
                     continue
                 table = {(i, j): self.pair(p, q, step, i, j, new) for i in may[p] for j in of_q}
+                if len(may[p]) == 2 or len(of_q) == 2:
+                    before += table.get((0, 0), 0)
                 both = len(may[p]) == 2 and len(of_q) == 2
                 if both:
                     table[1, 0] = max(table[1, 0], table[0, 0] - table[0, 1])
@@ -136,7 +138,7 @@ class GraphCutTwin(Placing):
                     constant += table[may[p][0], of_q[0]]
         taken, value = least_labelling(unary, arc)
         side = [may[c] == (1,) or (len(may[c]) == 2 and taken[number[c]]) for c in box]
-        return side, value + constant
+        return side, value + constant, before
 
     def block(self, box, cell, block):
         """Row and column of the block that a pixel of a box is in."""
@@ -183,16 +185,19 @@ class GraphCutTwin(Placing):
         block = self.reduction()
         for box, patch, columns, price in kind(pixel, mend):
             self.columns = columns
-            cost = price * self.cut(box, patch, block)[1]
+            _, after, before = self.cut(box, patch, block)
+            missing = sum(may == (1,) for may in self.choices(box, patch).values())
+            cost = (after - before) / max(missing, 1)
+            cost = cost * price if cost > 0 else cost / price
             if best is None or cost < best[0]:
                 best = cost, box, patch, columns
         _, box, patch, self.columns = best
         may, block = self.choices(box, patch), max(1, block // 2)
-        side, _ = self.cut(box, patch, block)
+        side, *_ = self.cut(box, patch, block)
         while block > 1:
             may = self.narrowed(box, may, side, block)
             block = max(1, block // 4)
-            side, _ = self.cut(box, patch, block, may)
+            side, *_ = self.cut(box, patch, block, may)
         for cell, at, new in zip(box, patch, side, strict=True):
             if new:
                 self.label[cell] = at

@@ -108,7 +108,7 @@ class Placing:
                     break
             found.append(place)
             for y, x in list(chances):
-                if all(abs(a - b) <= n // 16 for a, b, n in zip((y, x), place, size, strict=True)):
+                if all(abs(a - b) <= n // 32 for a, b, n in zip((y, x), place, size, strict=True)):
                     del chances[y, x]
         return found
 
@@ -163,19 +163,22 @@ class Placing:
         allowed = set(self.places())
         k = self.smallest(boxes, samples, allowed)
         costs = dict.fromkeys(self.on_copy(allowed, samples, k), 0.0)
-        shown = dict.fromkeys(costs, 0.0)
+        prices = dict.fromkeys(costs, 1.0)
         if boxes[k][1].any():
             costs = {at: mismatch(boxes[k], samples[k], *at) for at in costs}
             if self.method.variety > 0:
-                costs, shown = self.varied(costs, k, corner, size, size)
+                shown = self.shown(costs, k, corner, size, size)
+                missing = list(np.ndindex(*(max(1, n >> k) for n in size)))
+                used = self.used(costs, k, missing)
+                prices = self.priced({at: (*each, used[at]) for at, each in shown.items()})
                 costs = self.not_continuing(costs, k, box, size) or costs
         sample = copies(self.pixels, self.usable, reduction)[: k + 1]
         copy = next(c for c in reversed(sample) if c[1].any())
-        result = []
+        result, costs = [], {at: cost * prices[at] for at, cost in costs.items()}
         for place in self.drawn(costs, [n >> k for n in size], copy):
             at = self.nudged(place, boxes[: k + 1], samples, allowed, (0, 0))
             patch = self.rectangle(at, size, self.exemplar.shape)
-            result.append((box, patch, size[1], 1 + self.method.variety * 0.25 * shown[place]))
+            result.append((box, patch, size[1], prices[place]))
         return result
 
     def not_continuing(self, costs, k, box, size):
@@ -199,10 +202,10 @@ class Placing:
             )
         }
 
-    def varied(self, costs, k, corner, size, near):
-        """Costs plus what a patch would show again, nearby or in its rows or columns; and that."""
+    def shown(self, places, k, corner, size, near):
+        """How much of a patch from each place is shown already, nearby and in rows or columns."""
         step = max(4, 2 * self.reduction())
-        seen, lined = dict.fromkeys(costs, 0), dict.fromkeys(costs, 0)
+        seen, lined = dict.fromkeys(places, 0), dict.fromkeys(places, 0)
         for cell in self.cells:
             label = self.label[cell]
             if label is None or label == "known" or cell[0] % step or cell[1] % step:
@@ -217,15 +220,40 @@ class Placing:
                 nearby, in_line = self.again([c << k for c in place], label, away, size, near)
                 seen[place] += nearby
                 lined[place] += in_line
-        median = sorted(seen.values())[len(seen) // 2]
-        good = min(costs[place] for place in costs if seen[place] <= median)
-        best = min(costs.values())
-        good = best if good == math.inf else good
         once = size[0] * size[1] / step**2
-        variety = self.method.variety
-        shown = {at: min(count / once, 1.0) for at, count in lined.items()}
-        again = {at: seen[at] / once * good + shown[at] * (0.25 * best) for at in costs}
-        return {at: cost + variety * again[at] for at, cost in costs.items()}, shown
+        return {at: (seen[at] / once, lined[at] / once) for at in places}
+
+    def priced(self, shown):
+        """By what the costs of places are multiplied: nearby, in line, at all."""
+        weights, variety = (1.0, 0.25, 0.25), self.method.variety
+        if self.method.placement == "entire":
+            weights = (0.05, 0.025, 0.025)
+        prices = dict.fromkeys(shown, 1.0)
+        for at, each in shown.items():
+            for weight, once in zip(weights, each, strict=False):
+                prices[at] += variety * (weight * min(once, 4.0))
+        return prices
+
+    def used(self, places, k, missing):
+        """How often the canvas shows what a patch would show, over the mean.
+
+        `missing` lists those pixels of the k-th copy as seen from each place.
+        """
+        step, side = max(4, 2 * self.reduction()), 2**k
+        counts = {(y // side, x // side): 0 for y, x in np.ndindex(self.exemplar.shape)}
+        for cell in self.cells:
+            label = self.label[cell]
+            if label not in (None, "known") and not cell[0] % step and not cell[1] % step:
+                counts[label[0] // side, label[1] // side] += 1
+        mean, result = sum(counts.values()) / len(counts), {}
+        last = [1 + at for at in max(counts)]
+        for place in places:
+            found = [(place[0] + y, place[1] + x) for y, x in missing]
+            if self.exemplar.tileable and self.method.placement == "subpatch":
+                found = [tuple(np.mod(at, last)) for at in found]
+            found = [counts[at] for at in found if at in counts]
+            result[place] = sum(found) / (max(len(found) * mean, mean) or 1.0)
+        return result
 
     def again(self, place, label, away, size, near):
         """How often a patch from a place of the sample shows this label again, at what distance."""
@@ -244,11 +272,20 @@ class Placing:
     def samples(self, pixel, mend):
         """Candidates of random placement and entire patches, as of `patches`."""
         height, width = self.exemplar.shape
-        size, wrap = self.size(height, width), self.canvas.wrap
+        size, wrap, holes = self.size(height, width), self.canvas.wrap, []
+        for axis, length in enumerate(self.canvas.shape):
+            lines = [cell[axis] for cell in self.cells if cell not in self.known]
+            holes.append((0, length) if wrap[axis] else (min(lines), max(lines) + 1))
+        pixel = [min(max(p, low), high - 1) for p, (low, high) in zip(pixel, holes, strict=True)]
+        around = [
+            range(low - max((high - low) // 2, 32), high + max((high - low) // 2, 32))
+            if not wraps else range(length)
+            for (low, high), wraps, length in zip(holes, wrap, self.canvas.shape, strict=True)
+        ]  # fmt: skip
         varied = self.method.placement == "entire" and self.method.variety > 0
-        last = 3 if mend or varied else 2
-        rows = range(height // 4, height * last // 4 + 1)
-        columns = range(width // 4, width * last // 4 + 1)
+        low, high = (2, 6) if mend else (1, 6) if varied else (2, 4)
+        rows = range(height * low // 8, height * high // 8 + 1)
+        columns = range(width * low // 8, width * high // 8 + 1)
         usable = self.places()
         allowed = {at for at in usable if at[0] in rows and at[1] in columns} or set(usable)
         reduction = self.reduction()
@@ -258,13 +295,15 @@ class Placing:
         levels = np.zeros((*lengths, self.pixels.shape[2]), int)
         for y, x in np.ndindex(*lengths):
             cell = self.step((pixel[0] - reach[0] + y, pixel[1] - reach[1] + x), 0, 0)
-            if cell is not None and self.label[cell] is not None:
+            if cell is None or any(c not in r for c, r in zip(cell, around, strict=True)):
+                continue
+            if self.label[cell] is not None:
                 there[y, x], levels[y, x] = True, self.level(cell)
         boxes = copies(levels, there, reduction)
         samples = copies(self.pixels, self.usable, reduction)
         k = self.smallest(boxes, samples, allowed)
         costs = dict.fromkeys(self.on_copy(allowed, samples, k), 0.0)
-        shown = dict.fromkeys(costs, 0.0)
+        prices = dict.fromkeys(costs, 1.0)
         if self.method.placement == "entire":
             corner = [n >> k for n in reach]
             found = {
@@ -275,27 +314,39 @@ class Placing:
                 costs = found
             if self.method.variety > 0:
                 near = height // 2, width // 2
-                costs, shown = self.varied(costs, k, pixel, (height, width), near)
+                shown = self.shown(costs, k, pixel, (height, width), near)
+                missing = []
+                for y in range(0, lengths[0], 2**k):
+                    for x in range(0, lengths[1], 2**k):
+                        cell = self.step((pixel[0] - reach[0] + y, pixel[1] - reach[1] + x), 0, 0)
+                        if (
+                            cell is not None
+                            and self.label[cell] is None
+                            and all(c in r for c, r in zip(cell, around, strict=True))
+                        ):
+                            missing.append(((y - reach[0]) >> k, (x - reach[1]) >> k))
+                used = self.used(costs, k, missing)
+                prices = self.priced({at: (*each, used[at]) for at, each in shown.items()})
         copy = next(c for c in reversed(samples[: k + 1]) if c[1].any())
-        result = []
+        result, costs = [], {at: cost * prices[at] for at, cost in costs.items()}
         for place in self.drawn(costs, [n >> k for n in size], copy):
             at = self.nudged(place, boxes[: k + 1], samples, allowed, reach)
             corner, lengths, source = [], [], []
-            for p, s, n, most, length, wraps in zip(
-                pixel, at, (height, width), size, self.canvas.shape, wrap, strict=True
+            for p, s, n, most, (low, high), wraps in zip(
+                pixel, at, (height, width), size, holes, wrap, strict=True
             ):
                 first, end = p - s, p - s + n
                 if wraps:
                     first = max(first, p - most // 2)
                     end = min(end, first + most)
                 else:
-                    first, end = max(first, 0), min(end, length)
+                    first, end = max(first, low), min(end, high)
                 corner.append(first)
                 lengths.append(end - first)
                 source.append(first - p + s)
             box = self.rectangle(corner, lengths, self.canvas.shape)
             patch = self.rectangle(source, lengths, self.exemplar.shape)
-            result.append((box, patch, lengths[1], 1 + self.method.variety * 0.25 * shown[place]))
+            result.append((box, patch, lengths[1], prices[place]))
         return result
 
     def patch_shape(self):

@@ -96,5 +96,17 @@ def overlap_mismatch(
     return _rounded(product, picture.size), area
 
 
+def correlation(picture: NDArray[Any], other: NDArray[Any], size: list[int]) -> NDArray[np.int64]:
+    """Sum of products of whole numbers for each place of the other picture's corner.
+
+    Examples
+    --------
+    >>> correlation(np.array([[3, 1, 2]]), np.array([[1, 10]]), [1, 3])[0, :2].tolist()
+    [13, 21]
+    """
+    first, second = (np.fft.rfft2(each, size) for each in (picture, other))
+    return _rounded(first * second.conj(), tuple(size))
+
+
 def _rounded(product: NDArray[np.complex128], size: tuple[int, ...]) -> NDArray[np.int64]:
     return np.rint(np.fft.irfft2(product, size)).astype(np.int64)

@@ -85,7 +85,7 @@ class GraphCut(Method):
         "places of a patch that are drawn and cut; the one with the cheapest seam is kept",
         low=1,
         high=1000,
-        default_text="4, of entire patches 12",
+        default_text="4, of entire patches 24",
     )
     seam_cost: str = parameter(
         "gradient",

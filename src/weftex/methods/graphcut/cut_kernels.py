@@ -57,6 +57,7 @@ class Graph:
     along: cython.uchar[:, ::1]  # likewise of it and of those beside it
     capacities: Capacities
     trees: Trees
+    before: cython.longlong  # the cost of the seams that a patch may change, before it
 
     def __init__(self, arcs, old, new, choice, side, shown, along, trees):
         self.arcs = arcs
@@ -68,6 +69,7 @@ class Graph:
         self.along = along
         self.capacities = Capacities(arcs, old, new)
         self.trees = trees
+        self.before = 0
 
 
 @cython.cfunc
@@ -110,8 +112,8 @@ def choose(
     sample: Sample,
     patch: Patch,
     graph: Graph,
-) -> cython.void:
-    """Fill in the choice that each pixel of the box has."""
+) -> cython.Py_ssize_t:
+    """Fill in the choice that each pixel of the box has; return how many missing become new."""
     cython.declare(i=cython.Py_ssize_t, j=cython.Py_ssize_t, p=cython.int, row=cython.int)
     cython.declare(may=cython.p_uchar, new=cython.p_const_uchar, from_row=cython.int)
     columns: cython.p_const_int = cython.address(patch.columns[0])
@@ -119,6 +121,7 @@ def choose(
     done: cython.p_uchar = cython.address(picture.done[0])
     known: cython.p_const_uchar = cython.address(picture.known[0])
     width: cython.Py_ssize_t = patch.columns.shape[0]
+    missing: cython.Py_ssize_t = 0
     new = cython.address(usable[0])
     for i in range(patch.rows.shape[0]):
         may = cython.address(graph.choice[i, 0])
@@ -130,6 +133,8 @@ def choose(
                 may[j] = OLD if done[p] else NOTHING
             else:
                 may[j] = EITHER if done[p] else NEW
+                missing += not done[p]
+    return missing
 
 
 @cython.cfunc
@@ -149,20 +154,20 @@ def add_outside(
 
     Returns its cost if the pixel has no choice.
     """
-    cython.declare(q_old=cython.longlong)
+    cython.declare(p_old=cython.longlong, q_old=cython.longlong)
     may: cython.int = graph.choice[i, j]
     p: cython.int = on_canvas(picture, patch, i, j)
-    sign: cython.int = 1 - d // 2 * 2
-    q: cython.int = beside(picture, p, d % 2 * sign, (1 - d % 2) * sign)
+    way: cython.int = 1 - d // 2 * 2
+    q: cython.int = beside(picture, p, d % 2 * way, (1 - d % 2) * way)
     if q < 0 or q == p or not picture.done[q] or may == OLD:
         return 0
     q_old = seam_cost(picture, sample, p, q, d, in_sample(sample, patch, i, j), picture.source[q])
     if may == NEW:
         return q_old
     graph.new[i >> halvings, j >> halvings] += cython.cast(cython.int, q_old)
-    graph.old[i >> halvings, j >> halvings] += cython.cast(
-        cython.int, seam_cost(picture, sample, p, q, d, picture.source[p], picture.source[q])
-    )
+    p_old = seam_cost(picture, sample, p, q, d, picture.source[p], picture.source[q])
+    graph.old[i >> halvings, j >> halvings] += cython.cast(cython.int, p_old)
+    graph.before += p_old
     return 0
 
 
@@ -209,6 +214,7 @@ def add_pair(
     inside: cython.bint = together and bi == bv and bj == bu
     if not go_on and p_may & OLD and q_may & OLD:
         both_old = seam_cost(picture, sample, p, q, d, label_p, label_q)
+        graph.before += both_old
     if inside:
         graph.old[bi, bj] += cython.cast(cython.int, both_old)
         return 0
@@ -260,6 +266,7 @@ def build(
     source: cython.p_int = cython.address(picture.source[0])
     mask: cython.Py_ssize_t = (1 << halvings) - 1
     fixed: cython.longlong = 0
+    graph.before = 0
     for i in range(blocks(rows, halvings)):
         for j in range(blocks(width, halvings)):
             graph.old[i, j] = 0
@@ -283,11 +290,7 @@ def build(
                 if may[j] == other and (i + 1 if d else j + 1) & mask:
                     # In one block, and mostly in one old patch.
                     p = row + columns[j]
-                    q = (
-                        patch.rows[i + 1] * picture.width + columns[j]
-                        if d
-                        else row + columns[j + 1]
-                    )
+                    q = patch.rows[i + d] * picture.width + columns[j + 1 - d]
                     label = continued(sample, source[p], d)
                     if label >= 0 and label == source[q]:
                         continue
@@ -375,14 +378,14 @@ def paste(picture: Picture, sample: Sample, patch: Patch, graph: Graph) -> cytho
 
 
 def cost_in_blocks(picture: Picture, sample: Sample, usable, patch: Patch, graph: Graph, halvings):
-    """The cost of all seams in the box after a cut in blocks; made beside other threads."""
-    cython.declare(cost=cython.longlong, size=cython.int)
+    """By how much a cut in blocks makes seams dearer, and how many missing pixels become new."""
+    cython.declare(cost=cython.longlong, covered=cython.Py_ssize_t, size=cython.int)
     pixels: cython.const[cython.uchar][::1] = usable
     size = halvings
     with cython.nogil:
-        choose(picture, pixels, sample, patch, graph)
-        cost = cut(picture, sample, patch, graph, size)
-    return cost
+        covered = choose(picture, pixels, sample, patch, graph)
+        cost = cut(picture, sample, patch, graph, size) - graph.before  # beside other threads
+    return cost, covered
 
 
 def paste_patch(picture: Picture, sample: Sample, usable, patch: Patch, graph: Graph, halvings):

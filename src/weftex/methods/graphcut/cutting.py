@@ -64,12 +64,12 @@ class Picture:
             yield divmod(first, self.shape[1])
 
     def price(self, place: Place, number: int) -> float:
-        """What the seams in a patch's box cost once it is pasted, times what repeats cost.
+        """By how much a patch makes seams dearer, for each missing pixel, times what repeats cost.
 
         Cut out along the seam of least cost, new and old seams counted (section 3.1), in blocks.
         `number` is that of the candidate.
         """
-        cost: int = cut_kernels.cost_in_blocks(
+        more, covered = cut_kernels.cost_in_blocks(
             self._picture,
             self._sample,
             self.usable,
@@ -77,7 +77,8 @@ class Picture:
             self._graphs[number],
             self.halvings,
         )
-        return cost * place.price
+        each: float = more / max(covered, 1)
+        return each * place.price if each > 0 else each / place.price
 
     def paste(self, place: Place) -> int:
         """Cut a patch out in smaller and smaller blocks, and copy it.

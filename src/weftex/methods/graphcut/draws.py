@@ -13,7 +13,7 @@ if TYPE_CHECKING:
 
 _LARGEST_EXPONENT = 64.0  # e**-64 is no chance at all
 _BEST_CHANCE = 2.0**32  # the chance of the best match, as a whole number
-_APART = 16  # candidates lie more than 1/16 of a patch from each other
+_APART = 32  # candidates lie more than 1/32 of a patch from each other
 
 
 def drawn_places(
@@ -36,7 +36,7 @@ def drawn_places(
     draws : (int, int, int)
         Seed, the number of the patch, and how many places to draw.
     size : (int, int)
-        Height and width of the patch; no two places are within 1/16 of it.
+        Height and width of the patch; no two places are within 1/32 of it.
 
     Returns
     -------

@@ -24,7 +24,11 @@ _MOST_PIXELS = 2**20  # of a sample that is searched as a whole
 _PART = 2**19  # pixels of the part of a larger one that is searched
 _CONTINUING = 16  # a patch that lies 1/16 of itself off the place that continues, continues too
 _NEAR = 1  # patch; what is shown again within this distance costs
-_LINE = 0.25  # matches; what all of a patch that is shown again in line costs, or boards break
+_MOST = 4.0  # times that a patch is shown already count; more are no worse
+# Matches: what it costs to show all of a patch again once nearby, in line, and anywhere as often as
+# the mean. Entire patches must not be shifted for that, or courses and boards break.
+_AGAIN = {"subpatch": (1.0, 0.25, 0.25), "entire": (0.05, 0.025, 0.025)}
+_AROUND = 32  # pixels around a hole that are matched, or half as many as it is wide
 _LOOK = 2  # pixels of the smallest copy; so many apart what is shown is looked at
 
 
@@ -37,7 +41,7 @@ class Place(NamedTuple):
     width: int
     source_top: int
     source_left: int
-    price: float = 1.0  # by which the cost of its seam is multiplied, as it shows places again
+    price: float = 1.0  # by which the cost of its seam is multiplied for what it shows again
 
 
 class Placement(Protocol):
@@ -130,7 +134,7 @@ class SubPatchMatching:
         boxes = copies_of(box_of(self.on_canvas, y, x), self.reduction)
         k = _smallest(boxes, part.corners)
         allowed = part.corners[k] != 0
-        costs, shown = np.zeros(allowed.shape), np.zeros((2, *allowed.shape))
+        costs, prices = np.zeros(allowed.shape), np.ones(allowed.shape)
         if boxes[k].mask.any():
             spectra = part.copies[k].spectra
             total = window_mismatch(spectra, boxes[k].spectra_of(spectra.size))  # section 5
@@ -139,17 +143,19 @@ class SubPatchMatching:
                 rows, columns = (first >> k for first in (part.top, part.left))
                 shown = self.repeats.shown(top, left, k)[:, rows:, columns:]
                 shown = shown[:, : allowed.shape[0], : allowed.shape[1]]
-                costs = varied(costs, shown, allowed, self.settings.variety)
+                used = self.repeats.used(k)[rows:, columns:]
+                used = used[: allowed.shape[0], : allowed.shape[1]]
+                prices = prices_of(self.settings, *shown, used)
                 apart = allowed & ~self._continuing(part, y, x, k)
                 allowed = apart if apart.any() else allowed
         spread = self.settings.tolerance * variance_of(self.sample[: k + 1])
         draws = self.growth.seed, number, self.settings.candidates
-        drawn = drawn_places(costs, allowed, spread, draws, tuple(n >> k for n in self.size))
+        size = tuple(n >> k for n in self.size)
+        drawn = drawn_places(costs * prices, allowed, spread, draws, size)
         found = places_in_full(drawn, boxes[: k + 1], part.copies, part.corners, (0, 0))
-        prices = _prices(shown[1], drawn, self.settings.variety)
         return [
-            Place(top, left, *self.size, part.top + v, part.left + u, price)
-            for (v, u), price in zip(found, prices, strict=True)
+            Place(top, left, *self.size, part.top + v, part.left + u, float(prices[at]))
+            for (v, u), at in zip(found, drawn, strict=True)
         ]
 
     def _corner(self, pixel: tuple[int, int], centered: bool) -> list[int]:
@@ -198,6 +204,12 @@ class EntirePatchMatching:
         shape = settings.exemplar.shape
         # How far the sample reaches from a pixel that it covers, in whole pixels of all copies.
         self.reach = [-(-(n - 1) // self.reduction) * self.reduction for n in shape]
+        # What is missing, and what around it is matched: not all of a photo that has a hole.
+        missing = growth.done == 0
+        self.holes = [
+            (0, n) if wraps else _ends(missing.any(axis=1 - axis))
+            for axis, (n, wraps) in enumerate(zip(self.canvas.shape, self.canvas.wrap, strict=True))
+        ]
         self.repeats: Repeats | None = None
         if settings.variety > 0 and not random:
             near = shape[0] // 2, shape[1] // 2
@@ -205,39 +217,64 @@ class EntirePatchMatching:
 
     def candidates(self, pixel: tuple[int, int], number: int, centered: bool) -> list[Place]:
         """See `Placement.candidates`."""
-        # Quarters of the sample that cover the pixel; without repeats it needs more of them.
-        low, high = (1, 3) if centered or self.repeats is not None else (1, 2)
+        y, x = (
+            min(max(at, low), high - 1) for at, (low, high) in zip(pixel, self.holes, strict=True)
+        )
+        pixel = y, x
+        # Eighths of the sample that cover the pixel. With fewer, little of it is on what is there
+        # already, and it matches worse; with more, it covers little that is missing.
+        low, high = (2, 6) if centered else (2, 4) if self.repeats is None else (1, 6)
         middle = np.zeros_like(self.usable)
-        rows, columns = (slice(n * low // 4, n * high // 4 + 1) for n in self.usable.shape)
+        rows, columns = (slice(n * low // 8, n * high // 8 + 1) for n in self.usable.shape)
         middle[rows, columns] = self.usable[rows, columns]
         places = _on_copies(middle if middle.any() else self.usable, self.copies)
         boxes = self._around(pixel)
         k = _smallest(boxes, places)
         allowed = places[k] != 0
-        costs, shown = np.zeros(allowed.shape), np.zeros((2, *allowed.shape))
+        costs, prices = np.zeros(allowed.shape), np.ones(allowed.shape)
         if not self.random:
             costs = self._mismatch(boxes[k], allowed, k)
             if self.repeats is not None:
                 shown = self.repeats.shown(*pixel, k)
                 shown = shown[:, : allowed.shape[0], : allowed.shape[1]]
-                costs = varied(costs, shown, allowed, self.settings.variety)
+                # From the place of the box's corner to that of the pixel.
+                first = [-(reach >> k) for reach in self.reach]
+                used = self.repeats.used_where(self._missing(pixel, k), k, first)
+                used = used[: allowed.shape[0], : allowed.shape[1]]
+                prices = prices_of(self.settings, *shown, used)
         spread = self.settings.tolerance * variance_of(self.copies[: k + 1])
         draws = self.growth.seed, number, self.settings.candidates
-        drawn = drawn_places(costs, allowed, spread, draws, tuple(n >> k for n in self.size))
+        size = tuple(n >> k for n in self.size)
+        drawn = drawn_places(costs * prices, allowed, spread, draws, size)
         found = places_in_full(drawn, boxes[: k + 1], self.copies, places, self.reach)
-        prices = _prices(shown[1], drawn, self.settings.variety)
-        return [self._clipped(pixel, *each) for each in zip(found, prices, strict=True)]
+        return [
+            self._clipped(pixel, at, float(prices[place]))
+            for at, place in zip(found, drawn, strict=True)
+        ]
 
     def _around(self, pixel: tuple[int, int]) -> list[Copy]:
-        """All of the canvas that the sample may cover with this pixel."""
+        """All of the canvas that the sample may cover with this pixel, and copies of it."""
+        return copies_of(box_of(self.on_canvas, *self._lines(pixel)), self.reduction)
+
+    def _lines(self, pixel: tuple[int, int]) -> list[NDArray[np.int32]]:
+        """Its rows and columns on the canvas, -1 beyond it."""
         lines = []
-        for at, reach, n, wraps in zip(
-            pixel, self.reach, self.canvas.shape, self.canvas.wrap, strict=True
+        for at, reach, (low, high), n, wraps in zip(
+            pixel, self.reach, self.holes, self.canvas.shape, self.canvas.wrap, strict=True
         ):
             line = np.arange(at - reach, at + reach + self.reduction)
-            line = line % n if wraps else np.where((line >= 0) & (line < n), line, -1)
+            around = max((high - low) // 2, _AROUND)
+            low, high = max(low - around, 0), min(high + around, n)
+            line = line % n if wraps else np.where((line >= low) & (line < high), line, -1)
             lines.append(line.astype(np.int32))
-        return copies_of(box_of(self.on_canvas, *lines), self.reduction)
+        return lines
+
+    def _missing(self, pixel: tuple[int, int], k: int) -> NDArray[np.bool_]:
+        """Which pixels of the k-th copy of that are missing."""
+        rows, columns = (line[:: 1 << k] for line in self._lines(pixel))
+        missing: NDArray[np.bool_] = self.growth.done[np.ix_(rows, columns)] == 0
+        missing &= (rows >= 0)[:, None] & (columns >= 0)
+        return missing
 
     def _mismatch(self, box: Copy, allowed: NDArray[np.bool_], k: int) -> NDArray[np.float64]:
         """C(t) over the overlap, for each pixel of the sample that may come to lie on this one."""
@@ -257,8 +294,8 @@ class EntirePatchMatching:
     def _clipped(self, pixel: tuple[int, int], at: tuple[int, int], price: float) -> Place:
         """The part of the sample that is on the canvas if its pixel `at` lies on this one."""
         tops, lengths, sources = [], [], []
-        for p, s, side, size, n, wraps in zip(
-            pixel, at, self.usable.shape, self.size, self.canvas.shape, self.canvas.wrap,
+        for p, s, side, size, (low, high), wraps in zip(
+            pixel, at, self.usable.shape, self.size, self.holes, self.canvas.wrap,
             strict=True,
         ):  # fmt: skip
             first, last = p - s, p - s + side
@@ -266,7 +303,7 @@ class EntirePatchMatching:
                 first = max(first, p - size // 2)
                 last = min(last, first + size)
             else:
-                first, last = max(first, 0), min(last, n)
+                first, last = max(first, low), min(last, high)
             tops.append(first)
             lengths.append(last - first)
             sources.append(first - (p - s))
@@ -303,34 +340,21 @@ def _smallest(boxes: list[Copy], places: list[NDArray[np.uint8]]) -> int:
     )
 
 
-def _prices(
-    in_line: NDArray[np.float64], places: list[tuple[int, int]], variety: float
-) -> list[float]:
-    """By what the costs of seams are multiplied for what is shown again in line."""
-    return [1 + variety * _LINE * min(1.0, float(in_line[at])) for at in places]
+def prices_of(settings: Settings, *shown: NDArray[np.float64]) -> NDArray[np.float64]:
+    """By what the costs of places are multiplied for what they show again: nearby, in line, at all.
 
-
-def varied(
-    costs: NDArray[np.float64],
-    shown: NDArray[np.float64],
-    allowed: NDArray[np.bool_],
-    variety: float,
-) -> NDArray[np.float64]:
-    """Add to the cost of each place for what it would show again.
-
-    All of a patch shown nearby adds, at a variety of 1, the cost of the best match among the half
-    of the places that would show least: a cost that is good enough in this material. All of it in
-    line adds a quarter of the cost of the best match, and no more, or boards would break.
+    These are shares of the cost of a match, so a match that is clearly better is never given up.
     """
-    nearby, in_line = shown
-    seen, here = nearby[allowed], costs[allowed]
-    median = np.partition(seen, len(seen) // 2)[len(seen) // 2]
-    best, good = float(here.min()), float(here[seen <= median].min())
-    if not np.isfinite(good):  # they lie apart from everything
-        good = best
-    again = nearby * good + np.minimum(in_line, 1) * (_LINE * best)
-    result: NDArray[np.float64] = costs + variety * again
-    return result
+    prices = np.ones(shown[0].shape)
+    for weight, each in zip(_AGAIN[settings.placement], shown, strict=True):
+        prices += settings.variety * (weight * np.minimum(each, _MOST))
+    return prices
+
+
+def _ends(some: NDArray[np.bool_]) -> tuple[int, int]:
+    """The first that is true, and one after the last; all if none is."""
+    found = np.flatnonzero(some)
+    return (int(found[0]), int(found[-1]) + 1) if len(found) else (0, len(some))
 
 
 def _sides_of_part(shape: tuple[int, int], patch: tuple[int, int]) -> tuple[int, int]:

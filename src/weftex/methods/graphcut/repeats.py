@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from weftex.methods.graphcut import repeat_kernels as kernels
+from weftex.raster.boxes import box_sums
+from weftex.search.translation import correlation, fast_size
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -15,6 +18,7 @@ if TYPE_CHECKING:
     from weftex.methods.pixels.growth import Growth
 
 _STEP = 4  # every fourth pixel of the canvas or fewer, both ways, are looked at
+_ENOUGH = 2**14  # pixels of the canvas tell how evenly the sample is shown
 _ALIGNED = 16  # copies are in line if they are less than 1/16 of a patch off
 
 
@@ -45,6 +49,9 @@ class Repeats:
     ) -> None:
         self.exemplar, self.growth, self.size, self.near = exemplar, growth, size, near
         self.aligned, self.step = [n // _ALIGNED for n in size], max(_STEP, step)
+        self.sparse = self.step
+        while growth.source.size > _ENOUGH * self.sparse**2:
+            self.sparse *= 2
         three = (np.array(k, np.int32) for k in (size, near, self.aligned))
         self._showing = kernels.Showing(growth.source, exemplar.shape, exemplar.tileable, *three)
 
@@ -71,6 +78,51 @@ class Repeats:
         once = self.size[0] * self.size[1] / self.step**2
         result: NDArray[np.float64] = marks.cumsum(axis=1).cumsum(axis=2)[:, :-1, :-1] / once
         return result
+
+    def used(self, halvings: int) -> NDArray[np.float64]:
+        """How often the canvas shows what a patch from each place has, 1 as often as the mean.
+
+        Every 2**halvings-th place both ways.
+        """
+        counts, sides = self._counts(halvings), [max(1, n >> halvings) for n in self.size]
+        mean = float(counts.mean()) * sides[0] * sides[1]
+        around = "wrap" if self.exemplar.tileable else "constant"
+        counts = np.pad(counts, [(0, n - 1) for n in sides], mode=around)  # type: ignore[call-overload]
+        result: NDArray[np.float64] = box_sums(counts, *sides) / (mean or 1)
+        return result
+
+    def used_where(
+        self, missing: NDArray[np.bool_], halvings: int, first: Sequence[int]
+    ) -> NDArray[np.float64]:
+        """How often the canvas shows what each place would newly show, 1 as often as the mean.
+
+        Parameters
+        ----------
+        missing : bool array (H, W)
+            Every 2**halvings-th pixel of a box of the canvas: whether it is missing.
+        halvings : int
+            Every 2**halvings-th place both ways.
+        first : (int, int)
+            The place of the box's corner that the first element is of.
+        """
+        counts = self._counts(halvings)
+        size = [fast_size(n + m) for n, m in zip(counts.shape, missing.shape, strict=True)]
+        shown, area = (
+            np.roll(correlation(a, missing, size), [-at for at in first], (0, 1))
+            for a in (counts, np.ones_like(counts))
+        )
+        mean = counts.mean()
+        result: NDArray[np.float64] = shown / np.maximum(area * mean, mean or 1)
+        return result
+
+    def _counts(self, halvings: int) -> NDArray[np.int64]:
+        """How often the canvas shows each square of 2**halvings a side of the sample."""
+        height, width = self.exemplar.shape
+        source = self.growth.source[:: self.sparse, :: self.sparse]
+        y, x = np.divmod(source[source >= 0], width)
+        rows, columns = ((n - 1 >> halvings) + 1 for n in (height, width))
+        flat = (y >> halvings) * columns + (x >> halvings)
+        return np.bincount(flat, minlength=rows * columns).reshape(rows, columns)
 
     def _lines(self, axis: int, first: int) -> list[NDArray[np.int32]]:
         """The lines near a patch, the others, and those that it covers or nearly covers.

@@ -117,7 +117,7 @@ def settle(
     if tolerance is None:
         tolerance = 0.0 if placement == "entire" else 0.003
     if candidates is None:
-        candidates = 12 if placement == "entire" else 4
+        candidates = 24 if placement == "entire" else 4
     if refinements is None:
         refinements = 1.0 if placement == "random" else 0.0
     shape, boundary = exemplar.shape, 0
