@@ -154,7 +154,7 @@ def write(result: Synthesis, made: Plan, args: argparse.Namespace, outputs: Outp
         main = name == made.material.main
         return result.image if main else result.render(result.sample.map(name))
 
-    made.write(pixels, outputs)
+    made.write(pixels, outputs, args.threads)
     if args.save_source is not None:
         result.save(outputs.add(args.save_source))
 

@@ -17,7 +17,6 @@ if TYPE_CHECKING:
 
     from weftex.cli.terminal import Outputs
     from weftex.exemplar import Exemplar
-    from weftex.io.pictures import Picture
 
 
 @dataclass(frozen=True)
@@ -41,22 +40,25 @@ class Plan:
     documents: dict[str, str]
     told: str
 
-    def write(self, pixels: Callable[[str], NDArray[Any]], outputs: Outputs) -> None:
+    def write(
+        self, pixels: Callable[[str], NDArray[Any]], outputs: Outputs, threads: int | None = None
+    ) -> None:
         """Write pixels, asked for by the names of maps, as these were stored."""
-        from weftex.io.pictures import write_text
+        from weftex.io.pictures import write_image, write_text
+        from weftex.threads import thread_count, thread_map
 
-        for name, picture in self.material.pictures.items():
-            write_picture(pixels(name), picture, self.targets[name], outputs)
+        pictures = self.material.pictures
+        temporary = {name: outputs.add(self.targets[name]) for name in pictures}
+
+        def write_one(name: str) -> None:
+            like = pictures[name]
+            how: dict[str, Any] = {"alpha": like.alpha, "icc": like.icc, "half": like.half}
+            write_image(temporary[name], pixels(name), **how)
+
+        with thread_map(thread_count(threads)) as map_:
+            list(map_(write_one, pictures))
         for path, text in self.documents.items():
             write_text(outputs.add(path), text)
-
-
-def write_picture(pixels: NDArray[Any], like: Picture, target: str, outputs: Outputs) -> None:
-    """Write pixels as a picture was stored."""
-    from weftex.io.pictures import write_image
-
-    how: dict[str, Any] = {"alpha": like.alpha, "icc": like.icc, "half": like.half}
-    write_image(outputs.add(target), pixels, **how)
 
 
 def plan(material: Material, args: argparse.Namespace, told: list[str] | None = None) -> Plan:
@@ -113,7 +115,13 @@ def plan_of_several(
 
 def _files(material: Material, args: argparse.Namespace) -> dict[str, str]:
     """The names of the files, each of them once."""
-    files = {name: os.path.basename(one.path) for name, one in material.pictures.items()}
+    from weftex.io.formats import FORMATS, suffix_of
+
+    files = {}
+    for name, one in material.pictures.items():
+        stem, suffix = os.path.splitext(os.path.basename(one.path))
+        other = ".exr" if one.pixels.dtype.kind == "f" else ".png"  # for what is only read
+        files[name] = stem + (suffix if suffix_of(one.path) in FORMATS else other)
     if args.names is not None:
         from weftex.io.map_names import file_stem
 

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from weftex.analysis.correlation import wrapped_length
 from weftex.quality.spectrum import mean_power
 from weftex.quality.view import View
 from weftex.raster.boxes import centered_sums
@@ -88,9 +89,9 @@ def repetition(sample: View, result: View, lattice: Lattice | None = None) -> Re
     if found is None:
         return None
     shares = found[1]
-    height, width = (side // 2 for side in shares.shape)
-    share = shares[height:].copy()  # the rest mirrors it
-    share[0, : width + 1] = 0
+    height, width = shares.shape[0] - 1, shares.shape[1] // 2
+    share = shares.copy()
+    share[0, : width + 1] = 0  # mirrors the rest of the line
     y, x = np.nonzero((share > 0) & _local_maxima(share))
     values, shifts = share[y, x], np.stack([y, x - width], axis=1)
     reach = sample.side // 2
@@ -219,27 +220,31 @@ def _whitened(view: View, width: int) -> Floats | None:
 
 
 def _alike(white: Floats, usable: NDArray[np.bool_]) -> tuple[Floats, Floats]:
-    """Correlation at every shift, less 6 standard errors, and the share that overlaps."""
+    """Correlation at every shift downwards, less 6 standard errors, and the share that overlaps.
+
+    Shifts upwards, which mirror those, are left out.
+    """
     height, width = white.shape
-    size = (2 * height, 2 * width)
-    products = _middle(np.fft.irfft2(np.abs(np.fft.rfft2(white, size)) ** 2, size), height, width)
+    size = wrapped_length(2 * height - 1), wrapped_length(2 * width - 1)
+    products = np.fft.irfft2(np.abs(np.fft.rfft2(white, size)) ** 2, size)
+    products = _downwards(products, height, width)
     if usable.all():
-        sides = (side - abs(np.arange(1 - side, side)) for side in (height, width))
-        count = np.outer(*sides).astype(np.float64)
+        across = width - abs(np.arange(1 - width, width))
+        count = np.outer(np.arange(height, 0, -1), across).astype(np.float64)
     else:
         count = np.fft.irfft2(np.abs(np.fft.rfft2(usable.astype(float), size)) ** 2, size)
-        count = np.rint(_middle(count, height, width))
+        count = np.rint(_downwards(count, height, width))
     some = np.maximum(count, 1)
     alike = np.clip(products / some - _ERRORS / np.sqrt(some), 0, 1)
     # At short shifts the correlation says how smooth the picture is.
-    y, x = np.ogrid[1 - height : height, 1 - width : width]
+    y, x = np.ogrid[:height, 1 - width : width]
     alike[(np.maximum(abs(y), abs(x)) <= _NEAR) | (count < _FEWEST)] = 0
     return alike, count / usable.sum()
 
 
-def _middle(wrapped: Floats, height: int, width: int) -> Floats:
-    rows = np.arange(1 - height, height)
-    return wrapped[np.ix_(rows, np.arange(1 - width, width))]
+def _downwards(wrapped: Floats, height: int, width: int) -> Floats:
+    left = wrapped[:height, wrapped.shape[1] - width + 1 :]
+    return np.concatenate([left, wrapped[:height, :width]], axis=1)
 
 
 def _local_maxima(values: Floats) -> NDArray[np.bool_]:

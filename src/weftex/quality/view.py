@@ -77,10 +77,14 @@ class View:
     def flat(self) -> NDArray[np.float32]:
         """`gray` less slow lighting: the mean around each pixel; 0 where it may not be used."""
         radius = max(1, self.side // (2 * _SMOOTH))
-        share = self.usable.astype(np.float64)
-        total = centered_sums(self.gray * share, radius)
-        slow = total / np.maximum(centered_sums(share, radius), 1)
-        return np.where(self.usable, self.gray - slow, 0).astype(np.float32)
+        if self.masked:
+            share = self.usable.astype(np.float64)
+            count = np.maximum(centered_sums(share, radius), 1)
+            slow = centered_sums(self.gray * share, radius) / count
+            return np.where(self.usable, self.gray - slow, 0).astype(np.float32)
+        down, across = (centered_sums(np.ones((n, 1)), radius, (0,)) for n in self.shape)
+        slow = centered_sums(self.gray, radius) / (down * across.T)
+        return (self.gray - slow).astype(np.float32)
 
     @cached_property
     def correlation(self) -> Floats:

@@ -6,6 +6,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from weftex.results import height_kernels as kernels
+
 if TYPE_CHECKING:
     from collections.abc import Callable
 
@@ -91,7 +93,7 @@ def _divergence(
 ) -> Floats:
     """At each pixel the sum of g - h' over the edges that lead to it, less that over the others."""
     height, width = made.shape[0] // scale, made.shape[1] // scale
-    total = np.zeros(made.shape)
+    total, numbers = np.zeros(made.shape), sample.astype(np.float64)
     band = max(1, _BAND // width)
     for top in range(0, height, band):
         count = min(band, height - top)
@@ -101,26 +103,20 @@ def _divergence(
         coordinates, shares = (np.concatenate(part) for part in zip(*shown, strict=True))
         coordinates, shares = _finer(coordinates, shares, scale)
         rows = np.arange(top * scale, top * scale + len(shares)) % len(made)
-        values = made[rows].astype(np.float64)
-        for axis, before in (
-            (0, min(count * scale, len(rows) - 1)),
-            (1, made.shape[1] - 1 + wrap[1]),
-        ):
-            i = np.arange(before)
-            j = (i + 1) % shares.shape[axis]
-            ahead, sure_ahead = _slopes(sample, coordinates, shares, axis, 1)
-            behind, sure_behind = _slopes(sample, coordinates, shares, axis, -1)
-            sure = sure_ahead.take(i, axis) + sure_behind.take(j, axis)
-            step = (ahead.take(i, axis) + behind.take(j, axis)) / np.where(sure > 0, sure, 1)
-            step -= values.take(j, axis) - values.take(i, axis)
-            step *= sure > 0
-            if axis == 0:
-                total[rows[j]] += step
-                total[rows[i]] -= step
-            else:
-                own = rows[: count * scale]
-                total[own[:, None], j] += step[: len(own)]
-                total[own[:, None], i] -= step[: len(own)]
+        steps = np.zeros((len(rows), *made.shape[1:]))
+        kernels.compare_slopes(
+            steps,
+            made[rows].astype(np.float64),
+            numbers,
+            coordinates,
+            shares,
+            count * scale,
+            wrap[1],
+            np.zeros(made.shape[2]),
+        )
+        own = count * scale
+        total[rows[:own]] += steps[:own]
+        total[rows[own:]] += steps[own:]  # which may be the first ones again
     return total
 
 
@@ -131,41 +127,14 @@ def _finer(
     there = int((shares > 0).any(axis=(0, 1)).sum()) or 1
     coordinates, shares = coordinates[:, :, :there], shares[:, :, :there]
     if scale == 1:
-        return coordinates, shares
+        return np.ascontiguousarray(coordinates), np.ascontiguousarray(shares)
     for axis in (0, 1):
         coordinates, shares = coordinates.repeat(scale, axis), shares.repeat(scale, axis)
     within = [np.arange(side) % scale for side in shares.shape[:2]]
     fine = coordinates * scale
     fine[..., 0] += within[0][:, None, None]
     fine[..., 1] += within[1][None, :, None]
-    return fine, shares
-
-
-def _slopes(
-    sample: NDArray[Any],
-    coordinates: NDArray[np.int32],
-    shares: NDArray[np.float32],
-    axis: int,
-    way: int,
-) -> tuple[Floats, Floats]:
-    """The slopes that lead on from each pixel's sources (way 1) or to them (-1), and their share.
-
-    Sources at the sample's border lead nowhere.
-    """
-    total, sure = np.zeros((*shares.shape[:2], sample.shape[2])), np.zeros((*shares.shape[:2], 1))
-    for layer in range(shares.shape[2]):
-        here = coordinates[:, :, layer]
-        beside = here.copy()
-        beside[..., axis] += way
-        inside = (shares[:, :, layer] > 0) & (beside[..., axis] >= 0)
-        inside &= beside[..., axis] < sample.shape[axis]
-        share = (shares[:, :, layer] * inside)[..., None]
-        beside[~inside] = 0
-        steps = sample[beside[..., 0], beside[..., 1]].astype(np.float64)
-        steps -= sample[here[..., 0], here[..., 1]]
-        total += way * share * steps
-        sure += share
-    return total, sure
+    return fine, np.ascontiguousarray(shares)
 
 
 def _spread(steps: Floats, wrap: tuple[bool, bool], reach: float) -> Floats:

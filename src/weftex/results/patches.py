@@ -62,16 +62,13 @@ class PatchSynthesis(Synthesis):
         share = np.zeros((height, width, _MOST_LAYERS), np.float32)
         layout = paste_kernels.Layout(self.placements, self.weights, self.cuts, *self.shape)
         paste_kernels.layer_all(patch, share, top, left, layout)
-        y = np.arange(top, top + height)[:, None, None]
-        x = np.arange(left, left + width)[None, :, None]
-        # There is always a row to point at, though nothing shows of it.
-        at = np.resize(self.placements, (max(len(self.placements), 1), 5))[patch]
-        v, u = (y - at[..., 0]) % self.shape[0], (x - at[..., 1]) % self.shape[1]
-        v, u = self._within(patch, v, u)
-        source_y = (v + at[..., 2]) % self.sample_shape[0]
-        source_x = (u + at[..., 3]) % self.sample_shape[1]
-        coordinates = np.stack([source_y, source_x], axis=-1).astype(np.int32)
-        coordinates[(patch < 0) | (share == 0)] = -1
+        y, x, _ = there = np.nonzero((patch >= 0) & (share > 0))
+        shown = patch[there]
+        at = self.placements[shown].astype(np.int64)
+        v, u = (y + top - at[:, 0]) % self.shape[0], (x + left - at[:, 1]) % self.shape[1]
+        v, u = self._within(shown, v, u)
+        coordinates = np.full((*patch.shape, 2), -1, np.int32)
+        coordinates[there] = np.stack([v + at[:, 2], u + at[:, 3]], axis=1) % self.sample_shape
         total = share.sum(axis=2, keepdims=True)  # below 1 where more patches meet than are kept
         share /= np.where(total > 0, total, 1)
         return coordinates, share

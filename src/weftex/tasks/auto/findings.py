@@ -11,7 +11,6 @@ from weftex.analysis.lattice import Lattice, find_lattice
 from weftex.analysis.relief import smaller_copy
 from weftex.analysis.scale import dominant_scale
 from weftex.exemplar import Exemplar
-from weftex.tasks.auto.likeness import like_itself
 
 LOOK = 320  #: pixels a side; of larger samples a smaller copy and a part are looked at
 SMALLEST_ANALYZED = 32  #: pixels a side of a sample that has something to be analyzed
@@ -35,9 +34,6 @@ class Findings:
         Different colors; many of more than some thousand.
     evenness : Evenness
         See `weftex.analysis.evenness`.
-    along : float
-        Where the lattice is rows: how much the sample is like itself one distance on along them;
-        boards and ribs 0.5 and more, courses of bricks and shingles 0.3 and less.
     """
 
     shape: tuple[int, int]
@@ -46,7 +42,6 @@ class Findings:
     scale: float
     colors: int
     evenness: Evenness
-    along: float = 1.0
 
 
 def look(exemplar: Exemplar) -> Findings:
@@ -67,13 +62,11 @@ def look(exemplar: Exemplar) -> Findings:
         )
     lattice, exact = find_lattice(small), step == 1
     scale = dominant_scale(small, lattice).scale
-    seen, found = small, lattice
     if lattice is not None and step > 1:
         vectors = tuple((x * step, y * step) for x, y in lattice.vectors)
         lattice = Lattice(vectors, lattice.confidence)
     elif step > 1:
-        seen = _part(exemplar)
-        lattice = found = find_lattice(seen)
+        lattice = find_lattice(_part(exemplar))
     return Findings(
         shape=exemplar.shape,
         lattice=lattice,
@@ -81,16 +74,7 @@ def look(exemplar: Exemplar) -> Findings:
         scale=round(scale * step, 2),
         colors=count_colors(small if step == 1 else _part(exemplar)),
         evenness=evenness(small),
-        along=_along(seen, found),
     )
-
-
-def _along(exemplar: Exemplar, lattice: Lattice | None) -> float:
-    """How much the sample is like itself along its rows; 1 where it has none."""
-    if lattice is None or lattice.area:
-        return 1.0
-    ((x, y),) = lattice.vectors
-    return like_itself(exemplar.matching(), (-y, x), exemplar.mask)
 
 
 def _part(exemplar: Exemplar) -> Exemplar:

@@ -24,7 +24,6 @@ _FINE = 1 / 12  # scale over the side: a patch, a quarter of it, holds three thi
 #: Scale over the side up to which the border of a patch has several grains in it, and feathering
 #: them makes soft lines.
 _FINEST = 1 / 24
-_CONTINUES = 0.45  # how much rows are like themselves along; boards 0.57 and more, courses to 0.27
 _FEW_COLORS = 32  # drawings, labels: no mixtures of colors
 #: Pixels of the output above which patches of the sample do, as all of it takes four times as long.
 PATIENCE = 2**20
@@ -61,8 +60,6 @@ def choose(findings: Findings, canvas: Canvas) -> Choice:
     parameters: dict[str, Any] = {}
     if shorter < SMALLEST_ANALYZED:
         slug, said = "graphcut", f"too small to be analyzed, {_size(findings.shape)}"
-    elif lattice is not None and is_sure(lattice, findings.shape) and _of_things(findings, canvas):
-        slug, said, parameters = "graphcut", f"rows of things, {words(lattice)}", dict(WHOLE)
     elif lattice is not None and is_sure(lattice, findings.shape):
         slug, said = (
             "near-regular",
@@ -91,16 +88,6 @@ def choose(findings: Findings, canvas: Canvas) -> Choice:
 
 def _quickly_cut(canvas: Canvas) -> bool:
     return canvas.height * canvas.width <= PATIENCE
-
-
-def _of_things(findings: Findings, canvas: Canvas) -> bool:
-    """Whether rows are courses of stones or shingles, which a row of pieces would cut.
-
-    A canvas that goes around needs whole rows, and a large one takes too long.
-    """
-    lattice = findings.lattice
-    rows = lattice is not None and not lattice.area
-    return rows and findings.along < _CONTINUES and _quickly_cut(canvas) and not any(canvas.wrap)
 
 
 def choose_for_hole(exemplar: Exemplar, canvas: Canvas) -> Choice:

@@ -30,6 +30,8 @@ _LARGEST = 2**20  # pixels of an output of which several are made to keep one
 _WEAK = 0.3  # confidence from which a lattice is worth a trial
 #: Pixels of an output up to which blocks on a lattice are refined, which takes as long as the rest.
 _REFINED = 2**18
+#: Pixels across the belts that are refined alone where refinement broke lines.
+BELT = 24
 #: Pixels a side of the preview that says whether refinement keeps lines whole.
 PREVIEW = 256
 #: How much of the likeness of fine detail, one vector on, refinement must leave. Where thin joints
@@ -132,7 +134,7 @@ def refined_if_whole(
     exemplar: Exemplar,
     preview: Callable[[Choice], Synthesis],
 ) -> Choice:
-    """Choose blocks on a lattice, or their refinement if a preview of it keeps the lines whole.
+    """Choose blocks on a lattice, their refinement, or that of their joints, by a preview.
 
     Refinement hides seams and mends steps of tone and of joints, but breaks thin lines where the
     coarse copies that it begins with do not show them.
@@ -151,7 +153,7 @@ def refined_if_whole(
     Returns
     -------
     Choice
-        With what is kept in its reason.
+        Where lines broke, all but belts along the seams stays; the reason says how much was kept.
     """
     laid, refined = choices
     head = laid.reason.removesuffix(f": {laid.method}")
@@ -163,8 +165,9 @@ def refined_if_whole(
     except InvalidInputError:  # a mask that leaves refinement no window
         return laid
     if left < _KEPT:
-        said = f"{head}, refined it keeps {left:.2f} of its lines: {laid.method}"
-        return Choice(laid.method, laid.parameters, said, laid.warnings)
+        said = f"{head}, joints alone, as {left:.2f} of its lines would be left: refinement"
+        belts = dict(refined.parameters, joints=BELT)
+        return Choice(refined.method, belts, said, laid.warnings)
     return Choice(refined.method, refined.parameters, f"{head}: refinement", laid.warnings)
 
 
