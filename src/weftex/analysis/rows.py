@@ -106,25 +106,37 @@ def find_rows(joints: Joints) -> Rows | None:
         return None
     sums = [coarse.lines(angle) for angle in _COARSE]
     best, angle, distance, closest = 0.0, 0.0, 0.0, max(_CLOSEST / step, _FINEST)
-    for turn, line in zip(_COARSE, sums, strict=True):
-        profile = _profile(line)
-        far = (len(profile) - 1) / _FEWEST
-        found, rated = _nearest_best(profile, len(line), np.arange(closest, far, _STEP))
-        if rated > best:
-            best, angle, distance = rated, float(turn), found * step
+    kind = 0
+    for turn, first in zip(_COARSE, sums, strict=True):
+        for which, line in enumerate((first, _tones(coarse, float(turn)))):
+            profile = _profile(line)
+            far = (len(profile) - 1) / _FEWEST
+            found, rated = _nearest_best(profile, len(line), np.arange(closest, far, _STEP))
+            if rated > best:
+                best, angle, distance, kind = rated, float(turn), found * step, which
     if best <= 0:
         return None
     near = distance * np.linspace(1 - _NEAR, 1 + _NEAR, 41)
     # Sums along lines that are a little off are blurred, and then correlate more and are less.
     for offs in _FINE:
-        angle = max((angle + off for off in offs), key=lambda a: _sharpness(joints.lines(a), near))
+        turns = [angle + off for off in offs]
+        angle = max(turns, key=lambda turn: _sharpness(_sums(joints, turn)[kind], near))
     edges, tones = _sums(joints, angle)
+    edges = tones if kind else edges
     profile = _profile(edges)
     distance = float(near[np.argmax(_stands(profile, len(edges), near)[0])])
     distance = _divided(profile, _profile(tones), len(edges), distance)
     by_chance = _ERRORS * math.sqrt(distance / len(edges))  # rows of any tone come in turn, too
-    if _alternates(profile, distance, 0.0) or _alternates(_profile(tones), distance, by_chance):
+    doubled = _alternates(profile, distance, 0.0)
+    doubled |= _alternates(_profile(tones), distance, by_chance)
+    if doubled and not kind:
         distance *= 2
+    # A grating has its edges at half of its period, or closer than rows can be; tones tell it.
+    waves, far = _profile(tones), (len(profile) - 1) / _FEWEST
+    other, rated = _nearest_best(waves, len(tones), np.arange(_CLOSEST, far, _STEP / 2))
+    (contrast,), (chance,), _ = _stands(profile, len(edges), np.array([distance]))
+    if rated > contrast - chance:
+        distance, profile = _divided(waves, waves, len(tones), other), waves
     near = distance * np.linspace(0.98, 1.02, 33)
     distance = float(near[np.argmax([_height(profile, one) for one in near])])
     down = distance * np.array([-np.sin(angle), np.cos(angle)])
@@ -178,8 +190,13 @@ def lines_seen(joints: Joints, vectors: Floats) -> tuple[float, float]:
 
 def _sums(joints: Joints, angle: float) -> tuple[Floats, Floats]:
     """Edges, and steps of tone, of lines of a direction."""
+    return joints.lines(angle), _tones(joints, angle)
+
+
+def _tones(joints: Joints, angle: float) -> Floats:
+    """Steps of tone from line to line."""
     tones = joints.lines(angle, joints.levels * joints.inner)
-    return joints.lines(angle), np.diff(tones) if len(tones) > 1 else tones
+    return np.diff(tones) if len(tones) > 1 else tones
 
 
 def _profile(line: Floats) -> Floats:
