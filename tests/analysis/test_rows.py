@@ -8,7 +8,6 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-import weftex
 from analysis.test_lattice import smooth
 from weftex.analysis.bonds import find_bond, rated_bond
 from weftex.analysis.joints import Joints, alike
@@ -107,16 +106,6 @@ def test_courses_of_any_length_have_no_bond(rng):
     joints = joints_of(courses(rng))
     bond = find_bond(joints, rated_rows(joints, np.array([0.0, 24.0])))
     assert bond is None or bond.contrast < 0.2
-
-
-@pytest.mark.parametrize("corner", [(0, 0), (64, 0), (64, 64)])
-def test_a_few_bricks_are_more_than_rows(corner):
-    """192 pixels of the bricks hold two courses and a half of one and a half bricks."""
-    pixels = weftex.load_exemplar("sample:bricks").pixels
-    y, x = corner
-    part = pixels[y : y + 192, x : x + 192]
-    found = find_lattice(Exemplar(np.ascontiguousarray(part)))
-    assert found is not None and found.same_as(Lattice(((127, 0.2), (63, 41.7))), 0.05)
 
 
 @pytest.mark.parametrize(("kind", "seed"), [("basket", 21), ("basket", 22), ("herringbone", 23)])

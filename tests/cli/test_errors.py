@@ -155,8 +155,11 @@ def test_a_map_that_cannot_be_written_leaves_no_map(here, capsys, monkeypatch):
         real(*words, **options)
 
     monkeypatch.setattr(weftex.io.pictures, "write_image", fail_third)
-    fails(capsys, here, "synth", "sample:stone_wall", "-o", "new", "--size", 80)
+    words = ["synth", "sample:stone_wall", "-o", "new", "--size", 80]
+    fails(capsys, here, *words, "--threads", 1)
     assert len(seen) == 3
+    seen.clear()
+    fails(capsys, here, *words, "--threads", 3)
     (here / "old").mkdir()
     real("old/albedo.png", noise((9, 9)))
     seen.clear()

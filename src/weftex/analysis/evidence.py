@@ -6,8 +6,8 @@ is clear: the same of the whitened sample (see `weftex.analysis.whitening`), les
 there and in units of it; chance falls with the root of the number of multiples. Of a bond under
 rows they are its contrast, and that in standard errors; of rows these two, and how far sums along
 them differ from sums along other lines. A logistic regression puts them together. Its weights are
-those that `python benchmarks/lattices.py --fit` prints; docs/measured/lattices.md has how often
-each confidence is right.
+those that `python benchmarks/lattices.py --fit` prints; docs/lattice.md has how often each
+confidence is right.
 """
 
 from __future__ import annotations
@@ -22,9 +22,9 @@ if TYPE_CHECKING:
 
 #: What 1 and the figures weigh, of each kind of evidence.
 WEIGHTS = {
-    "pairs": (-5.24, 5.78, 0.82, -1.17, 2.99),
-    "rows": (-8.00, 2.31, 1.11, 1.63),
-    "bonds": (-7.36, 5.96, 1.52),
+    "pairs": (-5.56, 4.47, 1.06, 0.31, 0.97),
+    "rows": (-8.42, 2.39, 1.11, 1.57),
+    "bonds": (-6.67, 8.00, 1.11),
 }
 
 #: Of the surest: some tiles pass for lattices that are part of one, whatever is seen.

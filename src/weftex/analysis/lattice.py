@@ -44,6 +44,7 @@ Vector = tuple[float, float]
 
 _LONGEST = 1e9  # pixels; no picture is as large, and products of vectors stay numbers
 _LEAST = 0.5  # confidence of what is reported
+_LEAST_ROWS = 0.7  # the same of rows: packed stones have some, too
 _CLEAR = 0.97  # the same, of a pair that is looked at no more
 _JOINTS = 3.0  # standard errors by which joints tell a pair that rows are part of
 _OFF = 0.15  # of a vector, that multiples of smaller tiles may be off a larger one
@@ -338,7 +339,7 @@ def among_rows(seen: Views, pair: Evidence | None) -> Evidence | None:
     rows = find_rows(seen.joints)
     own = rows_seen(rows)
     sure = pair if pair is not None and pair.confidence >= _LEAST else None
-    if rows is None or own is None or own.confidence < _LEAST:
+    if rows is None or own is None or own.confidence < _LEAST_ROWS:
         return sure
     if sure is not None:
         claimed = rated_bond(seen.joints, rows, sure.vectors)

@@ -45,18 +45,18 @@ class Plan:
     ) -> None:
         """Write pixels, asked for by the names of maps, as these were stored."""
         from weftex.io.pictures import write_image, write_text
-        from weftex.threads import thread_count, thread_map
+        from weftex.threads import in_turn, thread_count
 
         pictures = self.material.pictures
         temporary = {name: outputs.add(self.targets[name]) for name in pictures}
 
-        def write_one(name: str) -> None:
-            like = pictures[name]
+        def write_one(number: int) -> None:
+            name, like = [*pictures.items()][number]
             how: dict[str, Any] = {"alpha": like.alpha, "icc": like.icc, "half": like.half}
             write_image(temporary[name], pixels(name), **how)
 
-        with thread_map(thread_count(threads)) as map_:
-            list(map_(write_one, pictures))
+        for _ in in_turn(write_one, range(len(pictures)), thread_count(threads)):
+            pass  # the first that fails ends it
         for path, text in self.documents.items():
             write_text(outputs.add(path), text)
 
