@@ -15,6 +15,7 @@ if TYPE_CHECKING:
 _CONFIDENCE = 0.5  # a lattice of less is not looked for in the result
 _MULTIPLES = 3
 _STEADY = 0.4  # of the sample's contrast, which its halves must have
+_ROWS = 3  # rows that the sample must hold: fewer are no order
 _FAINT = 0.08  # contrast of correlations, which the sample must have
 
 
@@ -39,11 +40,15 @@ def lattice_kept(sample: View, result: View, lattice: Lattice | None) -> float |
     Returns
     -------
     float or None
-        None without a lattice of confidence 0.5, or where the sample's halves hardly have it, and
-        for results that are smaller than its vectors.
+        None without a lattice of confidence 0.5, for rows of which the sample holds fewer than
+        three, where the sample's halves hardly have it, and for results smaller than its vectors.
     """
     if lattice is None or lattice.confidence < _CONFIDENCE:
         return None
+    if len(lattice.vectors) == 1:
+        (x, y), (height, width) = lattice.vectors[0], sample.shape
+        if abs(_ROWS * x) > width or abs(_ROWS * y) > height:
+            return None
     halves = [half for pair in sample.halves for half in pair]
     own, made = (_contrast(view, lattice, sample.shape) for view in (sample, result))
     if own is None or made is None or own < _FAINT:
