@@ -10,20 +10,9 @@ from collections.abc import Callable
 
 import numpy as np
 from numpy.typing import NDArray
-from scattered import any_courses, blobs, clouds, cracks, disks, leaves, scratches, stones, wood
-from shapes import (
-    MANY,
-    Drawn,
-    Floats,
-    Vectors,
-    between,
-    cells,
-    fibers,
-    grain,
-    nearest,
-    smooth,
-    tones,
-)
+from shapes import MANY, Floats, Vectors, Whole, between, cells, grain, nearest, smooth, tones
+
+Drawn = tuple[Floats, Vectors]  # levels of a spread of about 1, and the truth
 
 # What repeats along two directions.
 
@@ -173,76 +162,6 @@ def mesh(x: Floats, y: Floats, rng: np.random.Generator) -> Drawn:
     return levels, vectors
 
 
-def thirds(x: Floats, y: Floats, rng: np.random.Generator) -> Drawn:
-    """Bricks or planks, each course a third of a piece on."""
-    high = rng.uniform(12, 36)
-    wide, shift = high * rng.uniform(2, 4), rng.choice([-1, 1]) / 3
-    k, row, off = cells(x, y, wide, high, shift, rng.uniform(0, 0.05), rng)
-    levels = tones(rng, k, row, spread=rng.uniform(0.1, 0.7))
-    levels[off < rng.uniform(0.8, 0.1 * high)] = rng.choice([-2, 2])
-    return levels, ((wide, 0), (shift * wide, high))
-
-
-def herringbone(x: Floats, y: Floats, rng: np.random.Generator) -> Drawn:
-    """Blocks two or three times as long as wide, each set against the side of the next."""
-    wide, long = rng.uniform(12, 26), int(rng.choice([2, 2, 3]))
-    c = s = 0.5**0.5
-    if rng.random() < 0.5:
-        c, s = 1.0, 0.0
-    x, y = c * x + s * y, c * y - s * x
-    i, j = np.floor(x / wide).astype(np.int64), np.floor(y / wide).astype(np.int64)
-    part = (i - j) % (2 * long)  # those below `long` lie, the others stand
-    lying = part < long
-    first = np.where(lying, i - part, j + part - 2 * long + 1)  # cell that the block begins in
-    along = np.where(lying, x, y) - first * wide
-    across = np.where(lying, y, x) % wide
-    off = np.minimum(np.minimum(along, long * wide - along), np.minimum(across, wide - across))
-    levels = tones(rng, first, np.where(lying, j, i + MANY // 2), spread=rng.uniform(0.1, 0.6))
-    levels[off < rng.uniform(0.8, 0.1 * wide)] = rng.choice([-2, 2])
-    return levels, tuple(
-        (c * a - s * b, s * a + c * b) for a, b in ((wide, wide), (2 * long * wide, 0))
-    )
-
-
-def checker(x: Floats, y: Floats, rng: np.random.Generator) -> Drawn:
-    """Two colors in turn, as of a floor or a board."""
-    wide, high = rng.uniform(14, 60) * np.array([1, rng.choice([1, 1, rng.uniform(0.7, 1.4)])])
-    k, row, off = cells(x, y, wide, high, 0, rng.uniform(0, 0.04), rng)
-    levels = tones(rng, k, row, spread=rng.uniform(0.05, 0.6))
-    colors = rng.uniform(-1.5, 1.5, (2, 3))
-    levels = levels + colors[(k + row) % 2]
-    if rng.random() < 0.5:
-        levels[off < rng.uniform(0.8, 2)] = rng.choice([-2, 2])
-    return levels, ((wide, high), (wide, -high))
-
-
-def faint_turns(x: Floats, y: Floats, rng: np.random.Generator) -> Drawn:
-    """A pattern of which every second or third column has a little of another."""
-    wide, high, times = rng.uniform(12, 34), rng.uniform(12, 34), int(rng.choice([2, 2, 3]))
-    i = np.floor(x / wide).astype(np.int64)
-    picture = [smooth(rng.standard_normal((16, 16)), 1.5) for _ in range(times + 1)]
-    a, b = (np.floor(c % 1 * 16).astype(np.int64) for c in (y / high, x / wide))
-    levels, amount = picture[0][a, b], rng.uniform(0.15, 0.5)
-    for k in range(times):
-        levels = levels + amount * (i % times == k) * picture[k + 1][a, b]
-    return levels[..., None] * np.ones(3), ((times * wide, 0), (0, high))
-
-
-def few(x: Floats, y: Floats, rng: np.random.Generator) -> Drawn:
-    """A picture, or pieces of any tone, three to five times along a side of 256 pixels."""
-    length = 256 / rng.uniform(3, 5)
-    vectors = ((length, 0.0), (rng.choice([0, 0.5]) * length, length * rng.uniform(0.8, 1.0)))
-    if rng.random() < 0.5:
-        i, j, first, second = nearest(x, y, vectors, rng.uniform(0, 0.03), rng)
-        levels = tones(rng, i, j, spread=rng.uniform(0.1, 0.6))
-        levels[second - first < rng.uniform(2, 6)] = rng.choice([-2, 2])
-        return levels, vectors
-    a, b = np.tensordot(np.linalg.inv(np.array(vectors)).T, np.stack([x, y]), 1)
-    tile = smooth(rng.standard_normal((96, 96)), rng.uniform(3, 12))
-    i, j = (np.floor(c % 1 * 96).astype(np.int64) for c in (b, a))
-    return tile[i, j][..., None] * rng.uniform(0.5, 1.5, 3), vectors
-
-
 # What repeats along one.
 
 
@@ -253,7 +172,7 @@ def boards(x: Floats, y: Floats, rng: np.random.Generator) -> Drawn:
     start = rng.uniform(0, 1, MANY)[row % MANY]
     length = rng.uniform(180, 500)
     k, aside = between(x + 9 * length * start, length, row, 0.15 * length, rng)
-    levels = tones(rng, k, row, spread=rng.uniform(0.2, 0.7)) + 0.5 * fibers(x, y, rng, row)
+    levels = tones(rng, k, row, spread=rng.uniform(0.2, 0.7)) + 0.5 * _fibers(x, y, rng, row)
     levels[np.minimum(above, aside) < rng.uniform(0.7, 2)] -= rng.uniform(1, 3)
     return levels, ((0, high),)
 
@@ -295,13 +214,85 @@ def shingles(x: Floats, y: Floats, rng: np.random.Generator) -> Drawn:
     return levels, ((0, high),)
 
 
+# What does not repeat.
+
+
+def stones(x: Floats, y: Floats, rng: np.random.Generator) -> Drawn:
+    size = rng.uniform(10, 70)
+    i, j, first, second = nearest(x, y, ((size, 0), (0, size)), 0.5, rng)
+    levels = tones(rng, i, j, spread=rng.uniform(0.3, 0.9))
+    gap = second - first < rng.uniform(0.03, 0.2) * size
+    levels[gap] -= rng.uniform(0.5, 2)
+    return levels - 0.5 * (first / size)[..., None], ()
+
+
+def clouds(x: Floats, y: Floats, rng: np.random.Generator) -> Drawn:
+    """Noise of any grain: sand, plaster, rust, stains."""
+    made = smooth(rng.standard_normal(x.shape), rng.choice([0.3, 1, 3, 8, 20]))
+    return (made + rng.uniform(0, 1) * grain(rng, x.shape))[..., None] * np.ones(3), ()
+
+
+def leaves(x: Floats, y: Floats, rng: np.random.Generator) -> Drawn:
+    """Ellipses over one another in any direction; blades of grass if they are thin."""
+    levels = np.zeros((*x.shape, 3))
+    size, thin = rng.uniform(10, 45), rng.uniform(0.1, 0.8)
+    number = int(2 * x.size / 4 / (np.pi / 4 * thin * size**2))
+    side = np.array(x.shape)  # places are of the picture here, two to a pixel
+    for _ in range(min(number, 6000)):
+        center, angle = rng.uniform(0, 1, 2) * side, rng.uniform(0, np.pi)
+        low = np.maximum(center - size, 0).astype(int)
+        part = tuple(slice(k, int(c + size) + 1) for k, c in zip(low, center, strict=True))
+        dy, dx = np.mgrid[part] - center[:, None, None]
+        dy, dx = (d[: levels[part].shape[0], : levels[part].shape[1]] for d in (dy, dx))
+        along, off = (
+            np.cos(angle) * dx + np.sin(angle) * dy,
+            np.cos(angle) * dy - np.sin(angle) * dx,
+        )
+        far = (along / size) ** 2 + (off / (thin * size)) ** 2
+        levels[part][far < 1] = rng.standard_normal() + 0.3 * rng.standard_normal(3)
+    return levels, ()
+
+
+def wood(x: Floats, y: Floats, rng: np.random.Generator) -> Drawn:
+    """Figured grain: rings of any width."""
+    bent = smooth(rng.standard_normal(x.shape), (30, 120))
+    phase = y / rng.uniform(6, 30) + rng.uniform(0.3, 3) * bent
+    rings = np.interp(phase, np.arange(-50, 250), rng.standard_normal(300))
+    return rings[..., None] + 0.6 * _fibers(x, y, rng), ()
+
+
+def any_courses(x: Floats, y: Floats, rng: np.random.Generator) -> Drawn:
+    """Rubble or boards of any height."""
+    size = rng.uniform(16, 60)
+    ends = np.cumsum(rng.uniform(0.4, 2.0, MANY) * size) - 20 * size
+    row = np.searchsorted(ends, y)
+    above = np.minimum(ends[row] - y, y - ends[row - 1])
+    k, aside = between(x, 1.8 * size, row, 0.5 * size, rng)
+    levels = tones(rng, k, row, spread=rng.uniform(0.2, 0.8))
+    levels[np.minimum(above, aside) < rng.uniform(1, 0.08 * size)] = -2
+    return levels, ()
+
+
+def cracks(x: Floats, y: Floats, rng: np.random.Generator) -> Drawn:
+    """Bark, cracked mud and rock: level lines of noise, longer in one direction."""
+    made = smooth(rng.standard_normal(x.shape), (rng.uniform(4, 20), rng.uniform(4, 60)))
+    return np.minimum(abs(made), 0.8)[..., None] * 3 * np.ones(3), ()
+
+
+def _fibers(x: Floats, y: Floats, rng: np.random.Generator, row: Whole | int = 0) -> Floats:
+    """Fine lines along x, each board with its own."""
+    made = smooth(rng.standard_normal((1024, 1024)), (1, rng.uniform(20, 80)))
+    i, j = (np.rint(2 * c).astype(np.int64) for c in (y, x))
+    found: Floats = made[(i + 97 * row) % 1024, (j + 389 * row) % 1024][..., None] * np.ones(3)
+    return found
+
+
 KINDS: dict[str, Callable[[Floats, Floats, np.random.Generator], Drawn]] = {
     one.__name__.replace("_", " "): one
     for one in (
         bricks, uneven_bricks, tiles, panels, hexagons, dots, scales, weave, checks, pattern,
         in_turn, basket, mesh, boards, courses, ribs, shingles,
         stones, clouds, leaves, wood, any_courses, cracks,
-        thirds, herringbone, checker, faint_turns, few, disks, scratches, blobs,
     )
 }  # fmt: skip
 

@@ -17,10 +17,10 @@ from weftex.exemplar import Exemplar
 #: What the estimate is for the samples that ship with weftex: pixels, confidence and source.
 REAL = {
     "pebbles": (15.66, 0.95, "things"),  # they measure 10 to 20, and are strewn
-    "bricks": (41.77, 0.96, "lattice"),  # six courses to 256 pixels are 42.7
+    "bricks": (41.77, 0.94, "lattice"),  # six courses to 256 pixels are 42.7
     "grass": (14.22, 0.95, "things"),  # blades are 5 to 15 wide
-    "weave": (12.37, 0.98, "lattice"),  # a thread is 12.5 wide
-    "tiles": (31.05, 0.97, "lattice"),  # eight joints to 256 pixels
+    "weave": (12.37, 0.95, "lattice"),  # a thread is 12.5 wide
+    "tiles": (31.05, 0.95, "lattice"),  # eight joints to 256 pixels
     "wood": (20.57, 0.3, "things"),  # grain of 5 to 10 in figures of 100
     "leaves": (42.99, 0.79, "things"),  # they measure 30 to 50
 }

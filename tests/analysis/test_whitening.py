@@ -10,9 +10,10 @@ import pytest
 
 from analysis.test_lattice import smooth
 from weftex.analysis.correlation import correlate
-from weftex.analysis.evidence import SUREST, WEIGHTS, Evidence
+from weftex.analysis.evidence import PAIRS, SUREST, Evidence
 from weftex.analysis.lattice import Lattice, better, find_lattice, pairs_seen, views
 from weftex.analysis.relief import Relief, relief
+from weftex.analysis.rows import find_rows, ridges
 from weftex.analysis.whitening import whitened
 from weftex.exemplar import Exemplar
 
@@ -73,6 +74,12 @@ def test_courses_of_any_height_are_no_rows(seed):
     assert find_lattice(Exemplar(np.ascontiguousarray(pixels[:256, 256:]))) is None
 
 
+def test_rows_are_the_closest_that_stand_out_as_much():
+    pixels, truth = draw("ribs", 0)
+    found = find_rows(relief(Exemplar(np.ascontiguousarray(pixels[:256, 256:]))))
+    assert found is not None and abs(abs(found[0]) - np.abs(truth[0])).max() < 0.2
+
+
 def test_a_copy_is_no_lattice(rng):
     """A part of a picture that is pasted once gives one high multiple."""
     pixels = rng.integers(0, 256, (160, 160), np.uint8)
@@ -80,11 +87,18 @@ def test_a_copy_is_no_lattice(rng):
     assert find_lattice(Exemplar(pixels)) is None
 
 
+def test_ridges_leave_out_the_highest():
+    correlation = np.zeros((127, 127))
+    for k, height in ((10, 0.2), (20, 0.9), (30, 0.3), (40, 0.1)):
+        correlation[63 + k] = correlation[63 - k] = height
+    assert ridges(correlation, np.array([0.0, 10.0])) == (pytest.approx(0.2), 4)
+
+
 def test_confidence_grows_with_either_figure():
     def of(contrast, clear, number=30):
         return Evidence(np.eye(2), contrast, clear, number).confidence
 
-    assert of(-0.1, -2) == of(0, 0) < 0.1 and WEIGHTS["pairs"][0] < 0
+    assert of(-0.1, -2) == of(0, 0) < 0.1 and PAIRS[0] < 0
     for low, high in ((of(0, 1), of(0, 3)), (of(0.02, 1), of(0.1, 1)), (of(0, 2, 4), of(0, 2, 40))):
         assert low < high
     assert of(1, 1e9) == pytest.approx(SUREST) and of(0, -1e300) > 0

@@ -21,17 +21,15 @@ if TYPE_CHECKING:
     Floats = NDArray[np.float64]
 
 _LEAST = 8  # tiles of each kind
-_INDICES = (2, 3), (4,), (6,), (8,)  # kinds of tile that are looked for, the fewest first
-_SOME = 600  # tiles, from which on more than three kinds are found step by step
 _TURNS = 3  # times that each kind must come
 _MOST = 12  # places along a side that a tile is looked at
-FAINT = 2.5e-4  # of the sample's variance: what sampling makes kinds differ by
+_FAINT = 2.5e-4  # of the sample's variance: what sampling makes kinds differ by
 _SLOPES = 100  # tiles whose mean says how it changes when moved
 _ALIKE = 0.85  # correlation of the difference between halves, from which it is one
 
 
-def alternating(flat: Relief, vectors: Floats, faint: float = FAINT) -> Floats | None:
-    """A few times the tile, of tiles that differ in turn, as whole numbers.
+def alternating(flat: Relief, vectors: Floats) -> Floats | None:
+    """Two or three times the tile whose kinds of tile differ most surely, as whole numbers.
 
     Parameters
     ----------
@@ -39,8 +37,6 @@ def alternating(flat: Relief, vectors: Floats, faint: float = FAINT) -> Floats |
         The sample without slow lighting.
     vectors : float64 array (2, 2)
         Its lattice, as (x, y).
-    faint : float
-        What sampling makes kinds differ by, of the sample's variance.
 
     Returns
     -------
@@ -54,27 +50,17 @@ def alternating(flat: Relief, vectors: Floats, faint: float = FAINT) -> Floats |
     # than a pixel or blurred: such differences are left out.
     basis = np.linalg.qr(moves.T)[0]
     tiles = tiles - (tiles @ basis) @ basis.T
-    rounding = faint * float((flat.levels**2).mean()) * tiles.shape[1]
-    total = float(np.einsum("ij,ij->", tiles, tiles))
-    for indices in _INDICES if len(cells) <= _SOME else _INDICES[:1]:
-        best, highest = None, _ALIKE
-        for index in indices:
-            for whole, kinds in _kinds(cells, index):
-                alike = halves_agree(tiles, kinds, index, rounding, total)
-                if alike > highest:
-                    best, highest = whole, alike
-        if best is not None:
-            return best
-    return None
+    rounding = _FAINT * float((flat.levels**2).mean()) * tiles.shape[1]
+    best, highest = None, _ALIKE
+    for index in (2, 3):
+        for whole, kinds in _kinds(cells, index):
+            alike = halves_agree(tiles, kinds, index, rounding)
+            if alike > highest:
+                best, highest = whole, alike
+    return best
 
 
-def halves_agree(
-    tiles: Floats,
-    kinds: NDArray[np.int64],
-    number: int,
-    least: float = 0.0,
-    total: float | None = None,
-) -> float:
+def halves_agree(tiles: Floats, kinds: NDArray[np.int64], number: int, least: float = 0.0) -> float:
     """How the differences of the kinds' means correlate between random halves of the tiles.
 
     Parameters
@@ -87,8 +73,6 @@ def halves_agree(
         2 or more.
     least : float
         The least that chance makes the means differ by, as a sum of squares.
-    total : float, optional
-        The sum of the squares of `tiles`, if it is at hand.
 
     Returns
     -------
@@ -111,33 +95,21 @@ def halves_agree(
     starts = np.cumsum(counts) - counts
     sums = np.add.reduceat(tiles[order], starts, axis=0)
     means = sums / counts[:, None]
-    total = float(np.einsum("ij,ij->", tiles, tiles)) if total is None else total
-    within = total - float(np.einsum("ij,ij->", sums, means))
+    within = float(np.einsum("ij,ij->", tiles, tiles) - (sums * means).sum())
     chance = within / (len(tiles) - number) * float((1 / counts).mean()) * (number - 1)
-    means -= means.mean(axis=0)
-    between = float(np.einsum("ij,ij->", means, means))
+    between = float(((means - means.mean(axis=0)) ** 2).sum())
     chance += least
     real = max(between - chance, 0.0)
     return real / max(real + 2 * chance, 1e-9)
 
 
 def _kinds(cells: NDArray[np.int64], index: int) -> list[tuple[Floats, NDArray[np.int64]]]:
-    """Every sublattice of an index, and which of its cosets each cell is in."""
-    found = []
-    for across in (n for n in range(1, index + 1) if index % n == 0):
-        down = index // across
-        # Sums of (across, 0) and (slant, down).
-        row, turn = np.divmod(cells[:, 1], down)
-        # Tiles of one row may all be alike, so each kind must come back.
-        if down > 1 and np.ptp(cells[:, 1]) + 1 < _TURNS * down:
-            continue
-        for slant in range(across):
-            place = cells[:, 0] - slant * row
-            if across > 1 and np.ptp(place) + 1 < _TURNS * across:
-                continue
-            whole = np.array([[across, 0.0], [slant, down]])
-            found.append((whole, place % across * down + turn))
-    return found
+    """Every sublattice of an index that is prime, and which of its cosets each cell is in."""
+    turns = [(np.array([[1.0, 0.0], [0.0, index]]), cells[:, 1])]
+    for slant in range(index):
+        turns.append((np.array([[index, 0.0], [-slant, 1.0]]), cells[:, 0] + slant * cells[:, 1]))
+    # Tiles of one row may all be alike, so each kind must come back.
+    return [(whole, turn % index) for whole, turn in turns if np.ptp(turn) + 1 >= _TURNS * index]
 
 
 def _tiles(flat: Relief, vectors: Floats) -> tuple[Floats, NDArray[np.int64], Floats]:

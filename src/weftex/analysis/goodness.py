@@ -11,7 +11,6 @@ from __future__ import annotations
 
 import numbers
 from dataclasses import dataclass
-from functools import lru_cache
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -274,13 +273,11 @@ def reach_of(field: Field, vectors: Floats, most: int) -> int:
     return max(1, min(most, int(np.ceil(far.max()))))
 
 
-@lru_cache(maxsize=256)
 def _multiples(reach: int, phase: tuple[float, float]) -> Floats:
     """Times of each vector: whole ones in the right half but (0, 0), or those off by a phase."""
     b, a = np.mgrid[-reach : reach + 1, -reach : reach + 1].reshape(2, -1)
     times = np.stack([a, b], axis=1).astype(np.float64)
     chosen: Floats = times + phase if any(phase) else times[(b > 0) | ((b == 0) & (a > 0))]
-    chosen.flags.writeable = False  # it is kept
     return chosen
 
 

@@ -4,14 +4,12 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, replace
-from functools import cached_property
 from typing import TYPE_CHECKING
 from weakref import WeakKeyDictionary
 
 import numpy as np
 
-from weftex.analysis.alternation import FAINT, alternating
-from weftex.analysis.bonds import find_bond, rated_bond
+from weftex.analysis.alternation import alternating
 from weftex.analysis.correlation import correlate
 from weftex.analysis.evidence import Evidence
 from weftex.analysis.goodness import (
@@ -24,11 +22,10 @@ from weftex.analysis.goodness import (
     reach_of,
     stand_out,
 )
-from weftex.analysis.joints import Joints
 from weftex.analysis.pairs import MOST_MULTIPLES, best_pair, fitted, reduced
 from weftex.analysis.peaks import find_peaks
 from weftex.analysis.relief import Relief, relief
-from weftex.analysis.rows import Rows, find_rows, lines_seen
+from weftex.analysis.rows import find_rows, ridges
 from weftex.analysis.whitening import whitened
 from weftex.errors import InvalidInputError
 from weftex.exemplar import Exemplar
@@ -44,13 +41,8 @@ Vector = tuple[float, float]
 
 _LONGEST = 1e9  # pixels; no picture is as large, and products of vectors stay numbers
 _LEAST = 0.5  # confidence of what is reported
-_LEAST_ROWS = 0.7  # the same of rows: packed stones have some, too
-_CLEAR = 0.97  # the same, of a pair that is looked at no more
-_JOINTS = 3.0  # standard errors by which joints tell a pair that rows are part of
 _OFF = 0.15  # of a vector, that multiples of smaller tiles may be off a larger one
 _ERRORS = 4.0  # standard errors by which a larger tile's multiples stand out
-_FAINT_EDGES = 0.005  # of the variance of edges: what sampling makes kinds differ by
-_STEPS = 4  # times that cells are looked at for turns
 _SIGMAS = 3.0  # of what chance makes of one multiple, that do not count
 
 
@@ -221,11 +213,6 @@ class Views:
     white: Field
     chance: float
 
-    @cached_property
-    def joints(self) -> Joints:
-        """Its edges, which only some samples are asked for."""
-        return Joints(self.flat)
-
 
 def views(exemplar: Exemplar, alpha: float = ALPHA, significant: float = SIGNIFICANT) -> Views:
     """What lattices of a sample are looked for in; alpha and significant as for `find_lattice`."""
@@ -237,25 +224,17 @@ def views(exemplar: Exemplar, alpha: float = ALPHA, significant: float = SIGNIFI
 
 
 def lattice_in(seen: Views, goodness: str = "contrast") -> Lattice | None:
-    """The better pair of vectors, or else rows and their bond; see `find_lattice`."""
-    best = pair_seen(seen, goodness)
-    if best is None or best.confidence < (_CLEAR if goodness == "contrast" else _LEAST):
-        best = among_rows(seen, best)
-    if best is None or best.confidence < _LEAST:
-        return None
-    if goodness == "contrast" and len(best.vectors) == 2:
-        best = in_turn(seen, best)
+    """The better pair of vectors, or else rows; see `find_lattice`."""
+    best = better(seen, pairs_seen(seen, goodness))
+    if best is not None and best.confidence >= _LEAST:
+        best = in_turn(seen, best) if goodness == "contrast" else best
+    else:
+        best = rows_seen(seen)
+        if best is None or best.confidence < _LEAST:
+            return None
     lattice = Lattice(tuple((float(x), float(y)) for x, y in best.vectors * seen.flat.step))
     plain = [(round(x, 2) + 0.0, round(y, 2) + 0.0) for x, y in lattice.reduced().vectors]
     return Lattice(tuple(plain), round(best.confidence, 2))
-
-
-def pair_seen(seen: Views, goodness: str = "contrast") -> Evidence | None:
-    """The better pair of vectors, and all that speaks for it."""
-    best = better(seen, pairs_seen(seen, goodness))
-    if best is None:
-        return None
-    return replace(best, lines=lines_seen(seen.joints, reduced(best.vectors)))
 
 
 def pairs_seen(seen: Views, goodness: str = "contrast") -> list[Evidence]:
@@ -302,21 +281,11 @@ def _made_of(larger: Evidence, smaller: Evidence) -> Floats | None:
 
 
 def in_turn(seen: Views, one: Evidence) -> Evidence:
-    """The larger tile, where cells alternate; as sure as the smaller one is.
-
-    Pieces that lie and stand in turn, as those of basket weave, may be of any tone: they differ by
-    their edges. Some tiles are found only by tiles that are part of them.
-    """
-    edges = seen.joints.relief()
-    for _ in range(_STEPS):
-        for view, faint in ((seen.flat, FAINT), (edges, _FAINT_EDGES)):
-            whole = alternating(view, one.vectors, faint)
-            if whole is not None:
-                break
-        else:
-            break
-        one = replace(one, vectors=fitted(seen.field, reduced(whole @ one.vectors)))
-    return one
+    """The larger tile, where cells alternate; as sure as the smaller one is."""
+    whole = alternating(seen.flat, one.vectors)
+    if whole is None:
+        return one
+    return replace(one, vectors=fitted(seen.field, reduced(whole @ one.vectors)))
 
 
 def evidence_of(seen: Views, vectors: Floats) -> Evidence:
@@ -330,44 +299,10 @@ def evidence_of(seen: Views, vectors: Floats) -> Evidence:
     )
 
 
-def among_rows(seen: Views, pair: Evidence | None) -> Evidence | None:
-    """A pair of vectors, if it is right rather than not; or else rows or their bond.
-
-    Rows make peaks along one line. A pair that has one, and no joints at the other's multiples, is
-    a pair of rows and chance.
-    """
-    rows = find_rows(seen.joints)
-    own = rows_seen(rows)
-    sure = pair if pair is not None and pair.confidence >= _LEAST else None
-    if rows is None or own is None or own.confidence < _LEAST_ROWS:
-        return sure
-    if sure is not None:
-        claimed = rated_bond(seen.joints, rows, sure.vectors)
-        if sure.confidence >= own.confidence if claimed is None else claimed.sure > _JOINTS:
-            return sure
-    bond = bond_seen(seen, rows, pair)
-    return bond if bond is not None and bond.confidence >= _LEAST else own
-
-
-def rows_seen(rows: Rows | None) -> Evidence | None:
-    """What speaks for rows."""
+def rows_seen(seen: Views) -> Evidence | None:
+    """The best rows, and what speaks for them."""
+    rows = find_rows(seen.flat)
     if rows is None:
         return None
-    return Evidence(rows.vector[None], rows.contrast, rows.sure, kind="rows", apart=rows.apart)
-
-
-def bond_seen(seen: Views, rows: Rows, pair: Evidence | None) -> Evidence | None:
-    """The best bond of rows, and what speaks for it.
-
-    The joints within rows may come twice as often as pieces do; a pair of vectors that is made of
-    the bond's tile is taken for it.
-    """
-    bond = find_bond(seen.joints, rows)
-    if bond is None:
-        return None
-    vectors = fitted(seen.field, reduced(bond.vectors))
-    own = Evidence(vectors, bond.contrast, bond.sure, kind="bonds")
-    if pair is None or _made_of(pair, own) is None:
-        return own
-    known = pair.contrast > 0 or pair.confidence >= _LEAST
-    return replace(own, vectors=pair.vectors) if known else own
+    clear, number = ridges(seen.white.correlation, rows[0])
+    return Evidence(rows[0][None], rows[1], clear / max(seen.chance, 1e-12), number)

@@ -25,7 +25,6 @@ _FEWEST = 3.0  # pixels; a shorter vector is grain
 _DOMINANT = 0.25  # of the shorter vector: the region that both peaks must dominate
 _PAIRS = 24  # pairs that are fitted, and rated by all their multiples
 MOST_MULTIPLES = 24  # multiples of each vector that are rated
-_MULTIPLES = 12  # the same, while pairs are compared
 _INDEX = 7  # smaller tiles that a tile is divided into, at most
 # A gap is the share by which a larger tile's multiples are above the smaller tile's others.
 _LOWER = 0.1  # a gap below which the smaller tile is as good
@@ -57,7 +56,6 @@ def best_pair(field: Field, goodness: str) -> Floats | None:
             best, highest = vectors, rated
     if best is None:
         return None
-    best = fitted(field, best)
     return _multiply(field, _divide(field, best)) if goodness == "contrast" else best
 
 
@@ -71,10 +69,10 @@ def rated_pairs(field: Field, goodness: str) -> list[tuple[Floats, float]]:
     for k in np.argsort(-first, kind="stable")[:_PAIRS]:
         if first[k] <= 0:
             break
-        found = fitted(field, pairs[k], _MULTIPLES)
+        found = fitted(field, pairs[k])
         if any(abs(found - other).max() < 0.5 for other, _ in tried):
             continue
-        reach = reach_of(field, found, _MULTIPLES)
+        reach = reach_of(field, found, MOST_MULTIPLES)
         rated = rate(field, found[None], reach, goodness, exact=True)
         tried.append((found, float(rated.goodness[0])))
     return tried
@@ -117,7 +115,7 @@ def _candidates(peaks: Peaks) -> Floats:
 
 def _divide(field: Field, vectors: Floats) -> Floats:
     """The smallest tile that makes up this one and is as good at all its multiples."""
-    own = contrast_of(field, vectors, reach_of(field, vectors, _MULTIPLES))
+    own = contrast_of(field, vectors, reach_of(field, vectors, MOST_MULTIPLES))
     for index in range(_INDEX, 1, -1):
         for across in (n for n in range(1, index + 1) if index % n == 0):
             for slant in range(index // across):
@@ -127,7 +125,7 @@ def _divide(field: Field, vectors: Floats) -> Floats:
                 if np.hypot(*basis[0]) < _FEWEST:
                     continue
                 whole = np.rint(vectors @ np.linalg.inv(basis))
-                reach = reach_of(field, basis, _MULTIPLES)
+                reach = reach_of(field, basis, MOST_MULTIPLES)
                 # Multiples that fall between pixels are lower, the more the closer they are.
                 lower = _LOWER + 0.5 / float(np.hypot(*basis[0]))
                 gap, errors, count = stand_out(field, basis, whole, reach)
@@ -141,9 +139,9 @@ def _divide(field: Field, vectors: Floats) -> Floats:
     return vectors
 
 
-def fitted(field: Field, vectors: Floats, most: int = MOST_MULTIPLES) -> Floats:
+def fitted(field: Field, vectors: Floats) -> Floats:
     """The vectors below a pixel; as they are, where a fit to a small sample folds them together."""
-    found = fit_vectors(field.correlation, vectors, most)[0]
+    found = fit_vectors(field.correlation, vectors, MOST_MULTIPLES)[0]
     areas = [abs(np.linalg.det(pair)) for pair in (found, vectors)]
     return found if areas[0] > areas[1] / 2 else vectors
 

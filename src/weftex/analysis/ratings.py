@@ -8,11 +8,11 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from weftex.analysis.correlation import correlate
-from weftex.analysis.goodness import ALPHA, SIGNIFICANT, check_rule, rate, reach_of
+from weftex.analysis.goodness import ALPHA, SIGNIFICANT, Field, check_rule, rate, reach_of
 from weftex.analysis.lattice import Lattice, Views, views
 from weftex.analysis.pairs import MOST_MULTIPLES, rated_pairs
 from weftex.analysis.relief import relief
-from weftex.analysis.rows import rated_rows
+from weftex.analysis.rows import ridges
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -37,8 +37,8 @@ class Rated:
 
     Notes
     -----
-    Of rows the mean is how far sums of edges along them, which joints make high, correlate at
-    multiples above what is between these, and n is the number of multiples.
+    Of rows the mean is how far the ridges of the correlation are above what is between them,
+    without the highest, and n is the number of ridges.
     """
 
     vectors: tuple[tuple[float, float], ...]
@@ -121,7 +121,7 @@ def rate_lattices(
     own = None
     if lattice is not None:
         vectors = np.array(lattice.reduced().vectors) / step
-        own = rated(vectors) if len(vectors) == 2 else _rated_rows(lattice, seen, vectors[0])
+        own = rated(vectors) if len(vectors) == 2 else _rated_rows(lattice, field, vectors[0])
     if not runners_up:
         return own, ()
     others = [rated(vectors) for vectors, _ in rated_pairs(field, goodness)]
@@ -135,8 +135,7 @@ def rate_lattices(
     return own, tuple(shown[:runners_up])
 
 
-def _rated_rows(lattice: Lattice, seen: Views, vector: NDArray[np.float64]) -> Rated:
-    rows, alpha = rated_rows(seen.joints, vector), seen.field.alpha
-    goodness = max(rows.contrast, 0.0) ** alpha * rows.number ** (alpha - 1)
-    shortest = lattice.reduced().vectors
-    return Rated(shortest, round(goodness, 4), round(rows.contrast, 4), rows.number)
+def _rated_rows(lattice: Lattice, field: Field, vector: NDArray[np.float64]) -> Rated:
+    mean, number = ridges(field.correlation, vector)
+    goodness = max(mean, 0.0) ** field.alpha * number ** (field.alpha - 1)
+    return Rated(lattice.reduced().vectors, round(goodness, 4), round(mean, 4), number)
