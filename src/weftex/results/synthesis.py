@@ -96,7 +96,7 @@ class Synthesis(ABC):
         self.sample_shape, self.known_from = sample_shape, known_from
         self.provenance = provenance or {}
         self._picture, self.match_tone, self.is_window = picture, match_tone, is_window
-        self.turn = turn if exemplar is None else exemplar.turn
+        self.turn = exemplar.turn if isinstance(exemplar, Exemplar) else turn
 
     @abstractmethod
     def _layers(self, window: Window) -> tuple[NDArray[np.int32], NDArray[np.float32]]:
@@ -393,7 +393,7 @@ class Synthesis(ABC):
             kind._check(canvas, facts.sample_shape, arrays)
         if hole is not None:
             canvas = Canvas(*facts.shape, facts.wrap, known, hole)
-        if exemplar is not None and facts.turn is not None and exemplar.turn is None:
+        if isinstance(exemplar, Exemplar) and exemplar.turn != facts.turn is not None:
             exemplar = turned(exemplar, facts.turn)
         about: dict[str, Any] = {name: getattr(facts, name) for name in ABOUT}
         about |= {name: arrays[name] for name in kind.ARRAYS}
