@@ -43,6 +43,7 @@ if TYPE_CHECKING:
     from weftex.tasks.auto import Auto
     from weftex.tasks.combined import together
     from weftex.tasks.compare import compare
+    from weftex.tasks.estimate_maps import estimate_maps
     from weftex.tasks.even_light import even_light
     from weftex.tasks.fill import fill
     from weftex.tasks.fuse import fuse
@@ -88,6 +89,7 @@ _PUBLIC = {
     "tasks.auto": ["Auto"],
     "tasks.combined": ["together"],
     "tasks.compare": ["compare"],
+    "tasks.estimate_maps": ["estimate_maps"],
     "tasks.even_light": ["even_light"],
     "tasks.fill": ["fill"],
     "tasks.fuse": ["fuse"],

@@ -20,6 +20,7 @@ _COMMANDS = (
     "replay",
     "analyze",
     "prepare",
+    "estimate",
     "report",
     "compare",
     "methods",
@@ -37,6 +38,7 @@ usage: weftex COMMAND ...      (weftex COMMAND --help says more)
   replay    lay a saved result again with another map of the same sample
   analyze   say what a sample is like: its scale, its lattice, whether it tiles
   prepare   straighten a photo and even its light, before it is a sample
+  estimate  guess height and normals of a photo that has none
   compare   every method on one sample, side by side: pictures, figures, times
   report    say how good a result is, in figures and maps of where it fails
   methods   list the methods, or the parameters of one

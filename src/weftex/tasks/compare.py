@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from time import perf_counter
 from typing import TYPE_CHECKING, Any
 
@@ -14,7 +15,7 @@ from weftex.progress import Progress
 from weftex.quality.assess import assess
 from weftex.random import seed_number
 from weftex.tasks.auto import Auto, AutoModel
-from weftex.tasks.method_names import make_method, method_class
+from weftex.tasks.method_names import AUTO, make_method, method_class
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -107,6 +108,10 @@ def compare(
             done.append(Entry(name, result, took, assess(exemplar, result), note))
         count.advance(1)
     choice = AutoModel(Auto(), exemplar).choose(canvas)
+    for entry in done:
+        if entry.method == AUTO and entry.result is not None:  # which may have tried more than one
+            used = entry.result.provenance
+            choice = replace(choice, method=used["method"], reason=used["reason"])
     ranked = sorted(done, key=lambda entry: (entry.result is None, entry.rank))
     return Comparison(exemplar, canvas.shape, number, choice, tuple(ranked))
 

@@ -1,0 +1,115 @@
+"""Height and normals of a photo that has none: guesses, by brightness."""
+
+from __future__ import annotations
+
+import numbers
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from weftex.errors import InvalidInputError, shown
+from weftex.exemplar import Exemplar
+from weftex.loading import load_exemplar
+from weftex.raster.levels import tamed
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    from weftex.loading import Sample
+
+    Floats = NDArray[np.float64]
+
+_GRAIN = 1.0  # pixels, the deviation of what is taken for the photo's noise
+_LIGHT = 8  # of the shorter side: what is wider is taken for light
+_ENDS = (0.01, 0.99)  # quantiles of the relief that become black and white
+_DEEPEST = 1000  # pixels
+
+
+def estimate_maps(sample: Sample, *, depth: float = 6.0, invert: bool = False) -> Exemplar:
+    """Guess height and normals of a photo: what is dark lies deep.
+
+    Brightness, without what is finer than a pixel (noise) and wider than an eighth of the photo
+    (light), is taken for height, and normals are those of that surface. This is right for pits and
+    joints in the shade and wrong for paint, stains, and light joints between dark bricks, for which
+    there is `invert`; a photo does not say more. So they are estimates, and made when asked for
+    only.
+
+    Parameters
+    ----------
+    sample : path, array, PIL image or Exemplar
+        A photo without height and normals. If it is tileable, so are the maps.
+    depth : float
+        From the deepest to the highest place, in pixels; up to 1000.
+    invert : bool
+        What is bright lies deep.
+
+    Returns
+    -------
+    Exemplar
+        The same with the maps "height" (uint16, white is high) and "normal_gl" (uint8, y up).
+
+    Raises
+    ------
+    FileError
+        If the photo cannot be read.
+    InvalidInputError
+        If it has such a map, or a number is out of range.
+
+    Examples
+    --------
+    >>> pit = 200 - 120 * (np.hypot(*np.mgrid[-16:16, -16:16]) < 6)
+    >>> maps = estimate_maps(pit.astype(np.uint8)).maps
+    >>> bool(maps["height"][16, 16] < maps["height"][4, 4]), maps["normal_gl"].shape
+    (True, (32, 32, 3))
+    """
+    exemplar = load_exemplar(sample)
+    if not isinstance(depth, numbers.Real) or isinstance(depth, bool) or not 0 < depth <= _DEEPEST:
+        raise InvalidInputError(f"depth is {shown(depth)}; it must be above 0, at most {_DEEPEST}")
+    if not isinstance(invert, bool):
+        raise InvalidInputError(f"invert is {shown(invert)}; it must be True or False")
+    there = [name for name, role in exemplar.roles.items() if role.kind in ("height", "normal")]
+    if there:
+        raise InvalidInputError(f"{exemplar.name} has {' and '.join(there)}; nothing to estimate")
+    relief = _relief(exemplar) * (-1 if invert else 1)
+    low, high = np.quantile(relief, _ENDS)
+    # A flat photo is a flat surface.
+    height = (
+        np.clip((relief - low) / (high - low), 0, 1) if high > low else np.full_like(relief, 0.5)
+    )
+    maps: dict[str, Any] = {name: exemplar.map(name) for name in exemplar.maps}
+    maps["height"] = np.rint(height * 65535).astype(np.uint16)
+    maps["normal_gl"] = _normals(depth * height, exemplar.tileable)
+    return exemplar.changed(maps=maps)
+
+
+def _relief(exemplar: Exemplar) -> Floats:
+    """Brightness between the finest and the widest."""
+    colors = exemplar.pixels.reshape(*exemplar.shape, -1)
+    colors = tamed(colors[..., : exemplar.channels - exemplar.alpha])[0].astype(np.float64)
+    bright = colors.mean(axis=2)
+    wide = min(exemplar.shape) / _LIGHT
+    return _blurred(bright, _GRAIN, exemplar.tileable) - _blurred(bright, wide, exemplar.tileable)
+
+
+def _blurred(values: Floats, deviation: float, wraps: bool) -> Floats:
+    """Under a Gaussian; beyond the borders the picture goes around or back."""
+    margins = [min(int(3 * deviation) + 1, side) for side in values.shape]
+    pads = [(margin, margin) for margin in margins]
+    padded = np.pad(values, pads, "wrap" if wraps else "symmetric")
+    spectrum = np.fft.rfft2(padded)
+    for axis, side in enumerate(padded.shape):
+        turns = np.fft.fftfreq(side) if axis == 0 else np.fft.rfftfreq(side)
+        weight = np.exp(-2 * (np.pi * deviation * turns) ** 2)
+        spectrum *= weight[:, None] if axis == 0 else weight
+    found: Floats = np.fft.irfft2(spectrum, padded.shape)
+    return found[margins[0] : -margins[0], margins[1] : -margins[1]]
+
+
+def _normals(height: Floats, wraps: bool) -> NDArray[np.uint8]:
+    """Of a surface in pixels, y up."""
+    padded = np.pad(height, 1, "wrap" if wraps else "edge")
+    right = (padded[1:-1, 2:] - padded[1:-1, :-2]) / 2
+    down = (padded[2:, 1:-1] - padded[:-2, 1:-1]) / 2
+    vectors = np.dstack([-right, down, np.ones(height.shape)])
+    vectors /= np.linalg.norm(vectors, axis=2, keepdims=True)
+    return np.rint((vectors + 1) * 127.5).astype(np.uint8)
