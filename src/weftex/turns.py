@@ -9,7 +9,7 @@ import numpy as np
 from weftex.errors import InvalidInputError, shown
 from weftex.exemplar import Exemplar
 from weftex.loading import load_exemplar
-from weftex.raster.mixing import Kind, mixing_of
+from weftex.raster.mixing import Kind, mixing_of, opposite
 from weftex.roles import COLOR, Role
 
 if TYPE_CHECKING:
@@ -163,16 +163,10 @@ def _turned_vectors(
     pixels: NDArray[Any], quarters: int, mirrored: bool, role: Role, middle: float
 ) -> NDArray[Any]:
     """The vectors of a normal map as they are in a mirrored and turned copy."""
-
-    def opposite(values: NDArray[Any]) -> NDArray[Any]:
-        if values.dtype.kind == "u":
-            return np.iinfo(values.dtype).max - values
-        return 2 * middle - values
-
     right, up = pixels[..., 0], pixels[..., 1]
     down = role.name == "normal_dx"
     if mirrored:
-        right = opposite(right)
+        right = opposite(right, middle)
     for _ in range(quarters % 4):
-        right, up = (up, opposite(right)) if down else (opposite(up), right)
+        right, up = (up, opposite(right, middle)) if down else (opposite(up, middle), right)
     return np.concatenate([right[..., None], up[..., None], pixels[..., 2:]], axis=2)

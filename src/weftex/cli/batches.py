@@ -12,7 +12,7 @@ from time import perf_counter
 from typing import TYPE_CHECKING, Any
 
 from weftex.canvas import as_canvas
-from weftex.cli.files import read, with_turns, write
+from weftex.cli.files import axes_of, read, with_turns, write
 from weftex.cli.sets import plan
 from weftex.cli.terminal import Outputs
 from weftex.errors import FileError, InvalidInputError, WeftexError, shown
@@ -191,7 +191,7 @@ class Maker:
     def _do(self, job: Job, cancelled: Callable[[], bool]) -> None:
         material, model = self._fitted(job.entry.path)
         height, width = material.pictures[material.main].pixels.shape[:2]
-        canvas = as_canvas(self.size or (2 * height, 2 * width), _axes(self.args.tileable))
+        canvas = as_canvas(self.size or (2 * height, 2 * width), axes_of(self.args))
         best: list[tuple[float, int, Synthesis, dict[str, Any]]] = []
         for seed, output in job.outputs.items():
             if cancelled():
@@ -248,7 +248,3 @@ class Maker:
             if material.folder:
                 outputs.make_folder(path)
             write(result, plan(material, options), options, outputs)
-
-
-def _axes(text: str | None) -> bool | str:
-    return True if text == "xy" else text or False

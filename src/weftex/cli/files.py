@@ -211,5 +211,9 @@ def _looked_at(result: Synthesis) -> str:
 def settings(args: argparse.Namespace, bar: Bar) -> dict[str, Any]:
     """Arguments of all tasks; a seed that is drawn here is short enough to be typed again."""
     seed = int.from_bytes(os.urandom(4), "little") if args.seed is None else args.seed
-    tileable = True if args.tileable == "xy" else args.tileable or False
-    return {"seed": seed, "tileable": tileable, "threads": args.threads, "progress": bar}
+    return {"seed": seed, "tileable": axes_of(args), "threads": args.threads, "progress": bar}
+
+
+def axes_of(args: argparse.Namespace) -> bool | str:
+    """The axes of --tileable, as tasks take them."""
+    return True if args.tileable == "xy" else args.tileable or False

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from weftex.errors import InvalidInputError
+from weftex.raster.srgb import to_light, to_stored
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -77,7 +78,7 @@ def lit(
     shade = np.maximum(vectors @ toward, 0)[..., None]
     base = _unit(color)
     base = base[..., :3] if base.shape[2] >= 3 else base[..., :1].repeat(3, axis=2)
-    found: NDArray[np.uint8] = np.rint(255 * _coded(_linear(base) * shade)).astype(np.uint8)
+    found: NDArray[np.uint8] = np.rint(255 * to_stored(to_light(base) * shade)).astype(np.uint8)
     return found
 
 
@@ -85,12 +86,3 @@ def _unit(pixels: NDArray[Any]) -> Floats:
     """As (H, W, C) in 0 to 1."""
     top = np.iinfo(pixels.dtype).max if pixels.dtype.kind == "u" else 1
     return np.clip(pixels.reshape(*pixels.shape[:2], -1) / top, 0, 1)
-
-
-def _linear(coded: Floats) -> Floats:
-    """IEC 61966-2-1, from values as stored to amounts of light."""
-    return np.where(coded <= 0.04045, coded / 12.92, ((coded + 0.055) / 1.055) ** 2.4)
-
-
-def _coded(light: Floats) -> Floats:
-    return np.where(light <= 0.0031308, light * 12.92, 1.055 * light ** (1 / 2.4) - 0.055)

@@ -11,6 +11,7 @@ from weftex.errors import InvalidInputError, shown
 from weftex.exemplar import Exemplar
 from weftex.loading import load_exemplar
 from weftex.raster.boxes import cell_sums
+from weftex.raster.srgb import to_light, to_stored
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -23,7 +24,6 @@ _CELLS = 32  # along the longer side, whose means the light is fitted to
 _HIGHEST = 8  # degree of the light
 _ROUNDS = 8  # of fitting, each with less weight on what lies off the last
 _DARKEST = 1e-4  # of the brightest; darker than that is black, whose light nobody can tell
-_KNEE = 0.04045  # of sRGB's curve, below which it is a line
 
 
 def even_light(sample: Sample, degree: int = 2) -> Exemplar:
@@ -118,9 +118,7 @@ def _linear(stored: NDArray[Any]) -> Floats:
     if stored.dtype.kind == "f":
         return stored.astype(np.float64)
     top = np.iinfo(stored.dtype).max
-    share = np.arange(top + 1) / top
-    curve = np.where(share <= _KNEE, share / 12.92, ((share + 0.055) / 1.055) ** 2.4)
-    linear: Floats = curve[stored]
+    linear: Floats = to_light(np.arange(top + 1) / top)[stored]
     return linear
 
 
@@ -129,7 +127,6 @@ def _stored(linear: Floats, dtype: np.dtype[Any]) -> NDArray[Any]:
     if dtype.kind == "f":
         most = np.finfo(dtype).max
         return np.clip(linear, -most, most).astype(dtype)
-    share = np.clip(linear, 0, 1)
-    curve = np.where(share <= _KNEE / 12.92, share * 12.92, 1.055 * share ** (1 / 2.4) - 0.055)
-    stored: NDArray[Any] = np.rint(curve * np.iinfo(dtype).max).astype(dtype)
+    shares = to_stored(np.clip(linear, 0, 1))
+    stored: NDArray[Any] = np.rint(shares * np.iinfo(dtype).max).astype(dtype)
     return stored

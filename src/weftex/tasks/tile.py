@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from weftex.analysis.canvas_lattice import CanvasLattice
+from weftex.analysis.canvas_lattice import CanvasLattice, four_numbers
 from weftex.analysis.lattice import find_lattice
 from weftex.canvas import Canvas, as_canvas
 from weftex.errors import InvalidInputError, shown
@@ -116,7 +116,7 @@ def _ill_fitting(exemplar: Exemplar, canvas: Canvas) -> str | None:
     if found is None or len(found.vectors) < 2 or found.confidence < _SURE:
         return None
     try:
-        CanvasLattice(tuple(k for vector in found.vectors for k in vector), canvas, _STRAIN)
+        CanvasLattice(four_numbers(found), canvas, _STRAIN)
     except InvalidInputError as error:
         return f"crop the photo first: {error}"
     return None

@@ -6,7 +6,7 @@ from time import perf_counter
 from typing import TYPE_CHECKING
 
 from weftex.cli.files import open_sample, report, settings, write
-from weftex.cli.options import Parser, add_map_weights, add_maps, add_names, parse_task
+from weftex.cli.options import Parser, add_map_weights, add_sets, parse_task
 from weftex.cli.terminal import finish
 
 if TYPE_CHECKING:
@@ -30,9 +30,8 @@ def run(argv: list[str]) -> None:
     start = perf_counter()
     parser = Parser("tile", _ABOUT, _EXAMPLES)
     parser.add_argument("photo", metavar="PHOTO", help="picture, folder of maps, or sample:NAME")
-    add_maps(parser)
+    add_sets(parser)
     add_map_weights(parser)
-    add_names(parser)
     text = "so many pixels at each side may change; default: an eighth of the shorter side"
     parser.add_argument("--border", type=int, metavar="PX", help=text)
     args, method, parameters = parse_task(parser, argv, "patch-sampling")
