@@ -5,6 +5,7 @@ import pytest
 
 import weftex
 from families import noise
+from materials import normal_map
 
 
 def test_nothing_is_taken_from_two_samples_at_once():
@@ -48,3 +49,16 @@ def test_it_must_be_a_list(samples):
 def test_samples_of_other_kinds_are_refused():
     with pytest.raises(weftex.InvalidInputError, match="sample 2 .* is uint16"):
         weftex.together([noise((9, 9)), noise((9, 9), dtype=np.uint16)])
+
+
+@pytest.mark.parametrize("store", [lambda v: v, lambda v: (v + 1) / 2])
+def test_normals_are_turned_to_the_first_convention_however_they_are_stored(rng, store):
+    vectors = normal_map(rng, (12, 14))
+    one, other = noise((12, 14)), noise((12, 14), seed=5)
+    whole = weftex.together(
+        [
+            weftex.Exemplar(one, maps={"normal_gl": store(vectors)}),
+            weftex.Exemplar(other, maps={"normal_dx": store(vectors * [1, -1, 1])}),
+        ]
+    )
+    assert np.allclose(whole.maps["normal_gl"][:12], whole.maps["normal_gl"][13:])

@@ -13,6 +13,7 @@ from weftex.errors import InvalidInputError, did_you_mean, shown
 from weftex.exemplar import Exemplar
 from weftex.loading import load_exemplar
 from weftex.raster.levels import scale_between
+from weftex.raster.mixing import middle_of, opposite
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -213,8 +214,7 @@ def _turned(exemplar: Exemplar, names: list[str], key: str) -> Exemplar:
     one = exemplar.map(names[0])
     if one.channels > 1 and {key, names[0]} == {"normal_gl", "normal_dx"}:
         pixels = one.pixels.copy()
-        top = 1 if pixels.dtype.kind == "f" else np.iinfo(pixels.dtype).max
-        pixels[..., 1] = top - pixels[..., 1]
+        pixels[..., 1] = opposite(pixels[..., 1], middle_of(pixels))
         one = one.changed(pixels=pixels)
     return one
 
