@@ -299,8 +299,11 @@ def show(path: str) -> str:
     return "".join(c if c.isprintable() else ascii(c)[1:-1] for c in path) or "''"
 
 
-def png(pixels: NDArray[np.uint8]) -> bytes:
-    """Return a gray or RGB picture as a PNG file in memory, to be put into a page."""
+def png(pixels: NDArray[np.uint8], level: int = 6) -> bytes:
+    """Return a gray, RGB or RGBA picture as a PNG file in memory, to be put into a page.
+
+    `level` is zlib's: 1 is the quickest, 9 makes the smallest files.
+    """
     import struct
     import zlib
 
@@ -316,6 +319,6 @@ def png(pixels: NDArray[np.uint8]) -> bytes:
         body = kind + data
         return struct.pack(">I", len(data)) + body + struct.pack(">I", zlib.crc32(body))
 
-    about = struct.pack(">IIBBBBB", width, height, 8, 2 if channels == 3 else 0, 0, 0, 0)
-    parts = ((b"IHDR", about), (b"IDAT", zlib.compress(lines.tobytes(), 6)), (b"IEND", b""))
+    about = struct.pack(">IIBBBBB", width, height, 8, {1: 0, 3: 2, 4: 6}[channels], 0, 0, 0)
+    parts = ((b"IHDR", about), (b"IDAT", zlib.compress(lines.data, level)), (b"IEND", b""))
     return b"\x89PNG\r\n\x1a\n" + b"".join(chunk(*part) for part in parts)
