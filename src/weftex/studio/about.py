@@ -52,6 +52,7 @@ def method_of(slug: str) -> dict[str, Any]:
         "title": method.title,
         "paper": method.paper,
         "supports": sorted(method.supports),
+        "fast": "many" not in method.supports,  # that is what copying single pixels allows
         "parameters": [_parameter(field) for field in dataclasses.fields(method)],
     }
 

@@ -15,9 +15,9 @@ from starlette.routing import Route
 
 from weftex.errors import WeftexError
 from weftex.studio import routes_results, routes_start
+from weftex.studio.answers import answer_of
 from weftex.studio.guard import Guard
 from weftex.studio.pages import static_files
-from weftex.studio.refusals import answer_of
 from weftex.studio.requests import Call, as_plain
 
 if TYPE_CHECKING:

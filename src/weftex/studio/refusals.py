@@ -2,9 +2,6 @@
 
 from __future__ import annotations
 
-import re
-from functools import cache
-
 from weftex.errors import WeftexError
 
 
@@ -24,41 +21,3 @@ class Refusal(WeftexError):
     def __init__(self, status: int, message: str, parameter: str | None = None) -> None:
         super().__init__(message)
         self.status, self.parameter = status, parameter
-
-
-def answer_of(error: Exception) -> tuple[int, dict[str, str | None]]:
-    """Return the status and the JSON of an error.
-
-    Examples
-    --------
-    >>> from weftex.errors import InvalidInputError
-    >>> answer_of(InvalidInputError("patch_size is 3; it must be from 8 to 256"))[1]["parameter"]
-    'patch_size'
-    """
-    status, parameter = 422, None
-    if isinstance(error, Refusal):
-        status, parameter = error.status, error.parameter
-    elif isinstance(error, MemoryError):
-        status, error = 413, Refusal(413, "not enough memory; make it smaller")
-    elif not isinstance(error, WeftexError):
-        status, error = 500, Refusal(500, f"a fault of the studio: {type(error).__name__}")
-    line = " ".join(str(error).split())
-    return status, {"error": line, "parameter": parameter or parameter_of(line)}
-
-
-def parameter_of(line: str) -> str | None:
-    """Return the field of a recipe, or of a method, that a message names first."""
-    words = re.findall(r"[a-z]\w+", line)[:4]
-    return next((word for word in words if word in _names()), None)
-
-
-@cache
-def _names() -> frozenset[str]:
-    """All fields; those that are everyday words only where they stand alone in messages."""
-    from dataclasses import fields
-
-    from weftex.methods import METHODS
-    from weftex.studio.recipes import FIELDS
-
-    own = {field.name for slug in METHODS for field in fields(METHODS[slug])}
-    return frozenset(own | {"effort", "height", "width"} | FIELDS)

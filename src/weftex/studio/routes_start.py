@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+from importlib.metadata import version
 from typing import TYPE_CHECKING, Any
 
 from starlette.concurrency import run_in_threadpool
 from starlette.responses import FileResponse, Response
 
 from weftex.errors import InvalidInputError, shown
+from weftex.io.pictures import sample_names
+from weftex.material import read_material
 from weftex.studio import looks, materials
 from weftex.studio.about import about
 from weftex.studio.pictures import Part, encoded
@@ -33,14 +36,12 @@ async def session(call: Call) -> Any:
     opened = None
     if studio.opened is not None:
         opened = await call.work(studio.opened.give, found, limits)
-    from weftex import __version__
-
     known = ("upload_bytes", "upload_pixels", "output_pixels")
     bounds = {name: getattr(limits, name) for name in known} | {"jobs": limits.session_jobs}
     return {
         "session": found.id,
         "resumed": resumed,
-        "version": __version__,
+        "version": version("weftex"),
         "opened": opened,
         "kept": found.shelf.kept,
         "limits": bounds,
@@ -56,6 +57,15 @@ async def leave(call: Call) -> Any:
 async def tell(call: Call) -> Any:
     """GET /api/about."""
     return await call.work(about)
+
+
+async def sample_picture(call: Call) -> Any:
+    """GET /api/samples/NAME/picture: of a bundled sample."""
+    name = call.part("name")
+    if name not in sample_names():
+        raise Refusal(404, "there is no such sample", "sample")
+    found = (await call.work(read_material, f"sample:{name}")).exemplar()
+    return await picture_answer(call, found.shape, lambda: as_shown(found, found.pixels))
 
 
 async def upload(call: Call) -> Any:
@@ -173,6 +183,7 @@ ROUTES = [
     ("POST", "/session", session),
     ("POST", "/leave", leave),
     ("GET", "/about", tell),
+    ("GET", "/samples/{name}/picture", sample_picture),
     ("POST", "/uploads", upload),
     ("GET", "/uploads", all_uploads),
     ("GET", "/uploads/{id}", one_upload),

@@ -18,6 +18,7 @@ if TYPE_CHECKING:
 
     Names = Mapping[str, str]
 
+_PACKAGE = "weftex"
 _GRADIENT = ("direction", "center", "radii", "width", "circles")
 
 
@@ -182,22 +183,22 @@ def python_of(made: Made, names: Names) -> str:
     how["seed"] = str(recipe.seed)
     if asked["method"] == "auto" and asked["parameters"]:
         arguments = ", ".join(f"{k}={v!r}" for k, v in asked["parameters"].items())
-        how["method"] = f"weftex.Auto({arguments})"
+        how["method"] = f"{_PACKAGE}.Auto({arguments})"
     else:
         how |= {k: repr(v) for k, v in asked["parameters"].items()}
     first = variables[0]
     if recipe.task == "synth":
         if len(variables) > 1:
-            first = f"weftex.together([{', '.join(variables)}])"
-        call = ["weftex.synthesize", first, repr(options["size"])]
+            first = f"{_PACKAGE}.together([{', '.join(variables)}])"
+        call = [f"{_PACKAGE}.synthesize", first, repr(options["size"])]
     elif recipe.task == "tile":
-        call = ["weftex.tile", first]
+        call = [f"{_PACKAGE}.tile", first]
     elif recipe.task == "fill":
-        call = ["weftex.fill", first]
+        call = [f"{_PACKAGE}.fill", first]
         call += [repr(names[options["mask"]])] if options["mask"] != "alpha" else []
         how |= {"sample": variables[1]} if len(variables) > 1 else {}
     else:
-        call = ["weftex.fuse", f"[{', '.join(variables)}]", _map_python(options, names)]
+        call = [f"{_PACKAGE}.fuse", f"[{', '.join(variables)}]", _map_python(options, names)]
         if not isinstance(options["map"], str):
             call.append(repr(options["size"]))
         if options["colors"] is not None:
@@ -207,7 +208,7 @@ def python_of(made: Made, names: Names) -> str:
     arguments = ", ".join([*call[1:], *(f"{name}={value}" for name, value in how.items())])
     lines += [f"made = {call[0]}({arguments})"]
     suffix = os.path.splitext(output_of(made))[1] or ".png"
-    lines += [f'weftex.write_image("out{suffix}", made.image{_alpha(made)})']
+    lines += [f'{_PACKAGE}.write_image("out{suffix}", made.image{_alpha(made)})']
     if len(made.pictures) > 1:
         lines += [
             "for name, pixels in made.maps.items():",
@@ -253,4 +254,4 @@ def _map_python(options: Mapping[str, Any], names: Names) -> str:
     if isinstance(given, str):
         return repr(names[given])
     values = fields_of_gradient(given)
-    return f"weftex.Gradient({', '.join(f'{k}={v!r}' for k, v in values.items())})"
+    return f"{_PACKAGE}.Gradient({', '.join(f'{k}={v!r}' for k, v in values.items())})"

@@ -9,8 +9,8 @@ from typing import TYPE_CHECKING, Any
 
 from weftex.errors import CancelledError, InvalidInputError, WeftexError, shown
 from weftex.studio import results
+from weftex.studio.answers import answer_of
 from weftex.studio.exports import Wanted, pack, write
-from weftex.studio.refusals import answer_of
 
 if TYPE_CHECKING:
     from collections.abc import Callable
