@@ -2,9 +2,6 @@ import { Api, StudioError } from "./api.js";
 import { fromAddress, History, toAddress } from "./history.js";
 import { t } from "./strings.js";
 
-/** Methods that lay whole patches: a preview of 512 x 512 takes a blink; the others go pixel by pixel. */
-const PATCHES = new Set(["auto", "patch-sampling", "quilting", "graphcut", "near-regular", "best-tile"]);
-
 /**
  * What the person has: materials on the shelf, the recipe as it stands, the result that is seen, the steps
  * so far. Screens read it and call it; it tells them by events: "material", "recipe", "result", "job".
@@ -265,7 +262,7 @@ export class App extends EventTarget {
 
   /** The recipe at a size that takes a blink. */
   smaller(recipe) {
-    const most = PATCHES.has(recipe.method) ? 512 : 192;
+    const most = this.method(recipe.method).fast ? 512 : 192; // the others go pixel by pixel
     const shrink = Math.min(1, most / Math.max(...recipe.size));
     const parameters = recipe.method === "auto" ? { effort: "quick" } : recipe.parameters;
     return { ...recipe, parameters, size: recipe.size.map((side) => Math.max(1, Math.round(side * shrink))) };

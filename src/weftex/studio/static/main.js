@@ -83,7 +83,7 @@ function mark() {
 function buildStrip() {
   const { entries, index } = app.history;
   const strip = byId("strip");
-  strip.hidden = entries.length < 2;
+  strip.hidden = entries.length === 0;
   fill(
     strip,
     entries.map((entry, k) => {
@@ -93,8 +93,8 @@ function buildStrip() {
         drawSquare(canvas, picture);
         entry.thumb = canvas;
       }
-      const { method, seed, size } = entry.state;
-      const about = entry.result ? `${entry.result.method} · ${seed}` : method && method !== "auto" ? method : size ? `${size[1]} × ${size[0]}` : "";
+      const { seed } = entry.state;
+      const about = entry.result ? `${entry.result.method} · ${seed}` : entry.state.materials[0].sample ?? entry.state.materials[0].name;
       return h(
         "button",
         { type: "button", class: k > index ? "later" : "", "aria-current": k === index ? "true" : null, onclick: () => app.guard(() => app.travel(app.history.go(k))) },

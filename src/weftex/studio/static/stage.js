@@ -189,12 +189,13 @@ export class Stage {
     try {
       const { id, maps } = await app.api.post("planes", recipe);
       const side = 256;
-      const get = async (column, row, signal) =>
-        (await app.api.picture(`planes/${id}/window`, { top: row * side, left: column * side, height: side, width: side, map: maps[0]?.name ?? maps[0] }, signal)).bitmap;
+      const get = async ({ top, left, side: length, reduce }, signal) =>
+        (await app.api.picture(`planes/${id}/window`, { top, left, height: length, width: length, reduce, map: maps[0]?.name ?? maps[0] }, signal)).bitmap;
       if (this.plane !== plane) return;
       plane.view = new Plane(get, { side, onchange: (one) => one.failed && this.say(one.failed.message) });
       main.show({ background: (context, view) => plane.view.draw(context, view), repeat: 1 });
-      this.camera.set(side, side, Math.max(0.5, 1 / window.devicePixelRatio));
+      this.camera.least = 0.12;
+      this.camera.set(side, side, 1 / window.devicePixelRatio);
     } catch (error) {
       if (this.plane === plane) this.say(error.message);
     }
@@ -203,6 +204,7 @@ export class Stage {
   closePlane() {
     this.plane?.view?.close();
     this.plane = null;
+    this.camera.least = Camera.LEAST;
     if (this.main.background) this.main.show({ background: null, repeat: this.main.repeat });
   }
 
@@ -273,8 +275,8 @@ export class Stage {
       h("button", { type: "button", class: "mode number-mode", "data-key": `repeat${n}`, "aria-pressed": String(n === this.main.repeat), "aria-label": t("stage.repeat", { n }), title: t("stage.repeat", { n }), onclick: () => this.setRepeat(n) }, `${n}×${n}`),
     );
     this.zoomText = h("output", { class: "zoom-text" });
-    const [width, height] = seen.size;
-    const about = [t("stage.size", { width, height }), seen.seconds && duration(seen.seconds)].filter(Boolean).join(" · ");
+    const [width, height] = this.custom === "paint" ? this.main.size : seen.size;
+    const about = [`${width} × ${height}`, !this.custom && seen.seconds && duration(seen.seconds)].filter(Boolean).join(" · ");
     fill(
       this.bar,
       h("div", { class: "about" }, h("strong", {}, this.title ?? seen.title), h("span", {}, about)),

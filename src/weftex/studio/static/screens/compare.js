@@ -131,7 +131,7 @@ export class CompareScreen {
 
   table() {
     if (!this.rows.length || this.hidden()) return null;
-    const best = Math.max(...this.rows.map((row) => row.measured?.score ?? -Infinity));
+    const best = Math.min(...this.rows.map((row) => row.measured?.score ?? Infinity));
     return h(
       "table",
       {},
@@ -142,7 +142,7 @@ export class CompareScreen {
         this.rows.map((row) =>
           row.error
             ? h("tr", {}, h("th", { scope: "row" }, row.method), h("td", { colspan: 2 }, row.error))
-            : h("tr", {}, h("th", { scope: "row" }, row.method, row === this.picked ? ` · ${t("compare.picked")}` : ""), h("td", { class: "number-cell" }, row.measured?.score === best ? h("strong", {}, number(best, 2)) : row.measured ? number(row.measured.score, 2) : "…"), h("td", { class: "number-cell" }, duration(row.seconds))),
+            : h("tr", {}, h("th", { scope: "row" }, row.method, row === this.picked ? ` · ${t("compare.picked")}` : ""), h("td", { class: "number-cell" }, row.measured?.score === best ? h("strong", {}, number(best, 1)) : row.measured ? number(row.measured.score, 1) : "…"), h("td", { class: "number-cell" }, duration(row.seconds))),
         ),
       ),
       h("caption", { class: "hint" }, t("compare.score.help")),
@@ -152,5 +152,5 @@ export class CompareScreen {
 
 function noteOf(row) {
   const score = row.measured?.score;
-  return [duration(row.seconds), typeof score === "number" && t("see.score", { n: number(score, 2) })].filter(Boolean).join(" · ");
+  return [duration(row.seconds), typeof score === "number" && t("see.score", { n: number(score, 1) })].filter(Boolean).join(" · ");
 }

@@ -63,6 +63,7 @@ export class PaintScreen {
     if (!this.panel) return;
     this.label = Math.max(1, Math.min(this.label, this.labels() - 1));
     stage.main.repeat = 1;
+    stage.closeExtras(null);
     stage.main.show({ picture: canvas ? blank(size) : material.bitmap, size, before: null, overlay: null, background: null });
     stage.main.element.classList.add("painting");
     stage.title = t(`paint.${this.purpose}`);
@@ -119,7 +120,7 @@ export class PaintScreen {
         h("button", { type: "button", onclick: () => this.mask.undo() }, icon("undo"), t("paint.undo")),
         h("button", { type: "button", onclick: () => this.mask.redo() }, icon("redo"), t("paint.redo")),
         h("button", { type: "button", onclick: () => this.every(() => 0) }, t("paint.clear")),
-        this.labels() === 2 ? h("button", { type: "button", onclick: () => this.every((one) => 1 - one) }, t("paint.invert")) : null,
+        this.purpose === "hole" || this.purpose === "use" ? h("button", { type: "button", onclick: () => this.every((one) => 1 - one) }, t("paint.invert")) : null,
       ),
       this.count,
       this.action(),
@@ -193,7 +194,7 @@ export class PaintScreen {
       await this.add((await app.api.post("sets", { uploads })).materials);
     }) });
     const side = (k, name) => {
-      const box = h("input", { type: "number", min: 16, value: this.size[k], "aria-label": t(name), onchange: () => { this.size[k] = Math.max(16, Math.trunc(Number(box.value))); this.begin(); } });
+      const box = h("input", { type: "number", min: 16, value: this.size[k], "aria-label": t(name), onchange: () => { this.size = this.size.with(k, Math.max(16, Math.trunc(Number(box.value)))); this.begin(); } });
       return box;
     };
     return [
@@ -267,7 +268,7 @@ export class PaintScreen {
     if (used.length < 2) throw new Error(t("paint.fuse.none"));
     const colors = app.shelf.map((_, k) => LABELS[k] ?? [k, 255 - k, 128]);
     const map = await this.upload(mask, colors, "map.png");
-    await this.done({ task: "fuse", materials: used.map((k) => app.shelf[k]), map, colors: used.map((k) => colors[k]), seed: app.recipe.seed }, t("history.fused"));
+    await this.done({ task: "fuse", materials: used.map((k) => app.shelf[k]), map, colors: used.map((k) => [...colors[k], 255]), seed: app.recipe.seed }, t("history.fused"));
   }
 
   async follow() {
@@ -286,7 +287,12 @@ export class PaintScreen {
   async done(recipe, label) {
     const { app } = this;
     app.tell("go", { screen: "see", wait: true });
-    await app.guard(() => app.make(recipe, label));
+    try {
+      await app.make(recipe, label);
+    } catch (error) {
+      app.tell("go", { screen: "paint" });
+      throw error;
+    }
   }
 }
 

@@ -37,7 +37,7 @@ export class SeeScreen {
       fill(this.panel, h("h2", {}, t("see.title")), h("p", {}, t("see.nothing")), this.goMake());
       return;
     }
-    this.spot = h("dl", { class: "facts", "aria-live": "off" });
+    this.spot = h("dl", { class: "facts" }, h("dd", { class: "hint wide" }, t("see.hover")));
     this.lightBox = h("section", { class: "section", hidden: true });
     this.figures = h("section", { class: "section" }, h("h3", {}, t("see.figures")), h("p", { class: "hint" }, t("see.measuring")));
     const overlays = [["", t("overlay.none")], ...app.about.drawings.filter((one) => one !== "error" || result.task === "fill").map((one) => [one, t(`overlay.${one}`)]), ...["seams", "repetition"].map((one) => [`fault:${one}`, t(`fault.${one}`)])];
@@ -60,7 +60,7 @@ export class SeeScreen {
         this.said,
         field(t("see.opacity"), strength),
       ),
-      h("section", { class: "section" }, h("h3", {}, t("see.spot")), this.spot, h("p", { class: "hint" }, t("see.hover"))),
+      h("section", { class: "section" }, h("h3", {}, t("see.spot")), this.spot),
       this.figures,
     );
     if (this.overlay) this.lay(this.overlay);
@@ -115,7 +115,7 @@ export class SeeScreen {
       this.figures,
       h("h3", {}, t("see.figures")),
       h("p", {}, verdict),
-      score === null ? null : h("p", { class: "hint" }, t("see.score", { n: number(score, 2) })),
+      score === null ? null : h("p", { class: "hint" }, t("see.score.help", { n: number(score, 1) })),
       h("details", {}, h("summary", {}, t("see.all", { n: rows.length })), h("div", {}, h("table", {}, h("tbody", {}, rows)))),
     );
   }

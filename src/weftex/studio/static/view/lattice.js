@@ -87,7 +87,6 @@ export class LatticeLayer {
     const ratio = view.ratio;
     const [x, y] = view.onCanvas(...this.origin);
     const [tx, ty] = view.onCanvas(this.origin[0] + vector[0], this.origin[1] + vector[1]);
-    const angle = Math.atan2(ty - y, tx - x);
     context.lineCap = "round";
     for (const [color, width] of [["#000c", 6], ["#fff", 2.5]]) {
       context.strokeStyle = color;
@@ -95,10 +94,6 @@ export class LatticeLayer {
       context.beginPath();
       context.moveTo(x, y);
       context.lineTo(tx, ty);
-      for (const turn of [2.6, -2.6]) {
-        context.moveTo(tx, ty);
-        context.lineTo(tx + 12 * ratio * Math.cos(angle + turn), ty + 12 * ratio * Math.sin(angle + turn));
-      }
       context.stroke();
     }
     context.beginPath();

@@ -76,10 +76,13 @@ export class LightView {
     canvas.height = Math.max(1, Math.round(canvas.clientHeight * ratio));
     gl.viewport(0, 0, canvas.width, canvas.height);
     gl.useProgram(program);
+    const edge = view.repeat > 1 ? gl.REPEAT : gl.CLAMP_TO_EDGE;
     const at = (name) => gl.getUniformLocation(program, name);
     ROLES.forEach((role, unit) => {
       gl.activeTexture(gl.TEXTURE0 + unit);
       gl.bindTexture(gl.TEXTURE_2D, this.textures[role] ?? this.textures.color);
+      gl.texParameteri(gl.TEXTURE_2D, gl.TEXTURE_WRAP_S, edge);
+      gl.texParameteri(gl.TEXTURE_2D, gl.TEXTURE_WRAP_T, edge);
       gl.uniform1i(at(`${role}Map`), unit);
       gl.uniform1i(at(`has_${role}`), role in this.textures ? 1 : 0);
     });
@@ -116,7 +119,5 @@ function makeTexture(gl, picture, color) {
   gl.texImage2D(gl.TEXTURE_2D, 0, color ? gl.SRGB8_ALPHA8 : gl.RGBA8, gl.RGBA, gl.UNSIGNED_BYTE, picture);
   gl.generateMipmap(gl.TEXTURE_2D);
   gl.texParameteri(gl.TEXTURE_2D, gl.TEXTURE_MIN_FILTER, gl.LINEAR_MIPMAP_LINEAR);
-  gl.texParameteri(gl.TEXTURE_2D, gl.TEXTURE_WRAP_S, gl.REPEAT);
-  gl.texParameteri(gl.TEXTURE_2D, gl.TEXTURE_WRAP_T, gl.REPEAT);
   return texture;
 }

@@ -77,7 +77,7 @@ void main() {
   vec3 f0 = mix(vec3(0.04), base.rgb, metal);
   vec3 mirrored = f0 + (1.0 - f0) * pow(1.0 - max(dot(v, m), 0.0), 5.0);
   vec3 matte = base.rgb * (1.0 - metal) / PI;
-  float power = 2.6 * PI / (0.55 + reach) * lit(uv, l);
+  float power = 2.2 * PI / (0.55 + reach) * lit(uv, l);
   vec3 sky = (base.rgb * (1.0 - metal) + f0 * 0.6) * mix(0.16, 0.3, n.z * 0.5 + 0.5) * open;
   vec3 sum = sky * 0.7 + (matte * (1.0 - mirrored) + min(facets * masked, 24.0) * mirrored) * nl * power * mix(1.0, open, 0.5);
   sum = sum / (1.0 + max(sum - 0.8, 0.0) * 0.6);
