@@ -3,11 +3,17 @@
 from __future__ import annotations
 
 import re
-from functools import cache
 
 from weftex.errors import WeftexError
-from weftex.studio.recipes import FIELDS
+from weftex.studio.materials import FIELDS as SPEC_FIELDS
+from weftex.studio.recipes import FIELDS, GRADIENT
 from weftex.studio.refusals import Refusal
+
+#: Fields of requests beside recipes, and of `auto`.
+_OWN = {"height", "width", "effort", "recipe", "count", "methods", "lane", "leave", "seeds", "keep"}
+_OWN |= {"format", "names", *GRADIENT}
+#: What the library calls what a recipe calls otherwise.
+_ALIASES = {"degree": "even_light"}
 
 
 def answer_of(error: Exception) -> tuple[int, dict[str, str | None]]:
@@ -33,15 +39,15 @@ def answer_of(error: Exception) -> tuple[int, dict[str, str | None]]:
 def parameter_of(line: str) -> str | None:
     """Return the field of a recipe, or of a method, that a message names first."""
     words = re.findall(r"[a-z]\w+", line)[:4]
-    return next((word for word in words if word in _names()), None)
+    known, words = _names(), [_ALIASES.get(word, word) for word in words]
+    return next((word for word in words if word in known), None)
 
 
-@cache
 def _names() -> frozenset[str]:
-    """All fields; those that are everyday words only where they stand alone in messages."""
+    """All fields, of methods, recipes, materials and requests."""
     from dataclasses import fields
 
     from weftex.methods import METHODS
 
     own = {field.name for slug in METHODS for field in fields(METHODS[slug])}
-    return frozenset(own | {"effort", "height", "width"} | FIELDS)
+    return frozenset(own | _OWN | SPEC_FIELDS | FIELDS)

@@ -64,7 +64,9 @@ def make_app(studio: Studio, hosts: Collection[str]) -> ASGIApp:
                 if not isinstance(error, (WeftexError, MemoryError)):
                     _log.exception("a request failed")
                 status, line = answer_of(error)
-                return JSONResponse(line, status)
+                # What is too large need not come to its end; the line is not used again.
+                close = {"connection": "close"} if status == 413 else None
+                return JSONResponse(line, status, headers=close)
             return found if isinstance(found, Response) else JSONResponse(as_plain(found))
 
         return answer

@@ -26,6 +26,8 @@ if TYPE_CHECKING:
 BESIDE = ("mtlx", "source", "report", "debug", "recipe")
 FIELDS = ("maps", "format", "names", "name", *BESIDE)
 _NAME = 60  # characters
+#: Of all files in a zip, as they have none of their own.
+DATE = (1980, 1, 1, 0, 0, 0)
 
 
 @dataclass(frozen=True)
@@ -173,7 +175,7 @@ def _material_file(made: Made, wanted: Wanted, files: dict[str, str], folder: Pa
 
 def pack(packed: zipfile.ZipFile, file: Path, name: str) -> None:
     """Put a file into a zip; pictures are packed already, and the date is no file's own."""
-    about = zipfile.ZipInfo(name, (1980, 1, 1, 0, 0, 0))
+    about = zipfile.ZipInfo(name, DATE)
     about.external_attr = 0o644 << 16
     with file.open("rb") as source, packed.open(about, "w", force_zip64=True) as target:
         while chunk := source.read(2**20):

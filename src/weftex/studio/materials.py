@@ -22,7 +22,8 @@ if TYPE_CHECKING:
 
 #: What is done to a material before anything is made from it.
 CHANGES = ("mask", "straighten", "even_light", "turn", "repeats", "map_weights")
-_FIELDS = {"sample", "name", "maps", *CHANGES}
+#: Every field of a description.
+FIELDS = frozenset({"sample", "name", "maps", *CHANGES})
 
 
 @dataclass(frozen=True)
@@ -75,7 +76,7 @@ def checked(given: Any) -> dict[str, Any]:
         name: value for name, value in given.items() if value is not None and value is not False
     }
     for name in spec:
-        if name not in _FIELDS:
+        if name not in FIELDS:
             raise InvalidInputError(f"materials has {shown(name)}, which is not known")
     if ("sample" in spec) == ("maps" in spec):
         raise InvalidInputError("materials must have a sample or maps, and not both")

@@ -2,14 +2,17 @@
 
 from __future__ import annotations
 
+import dataclasses
 import os
 from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
+from weftex.canvas import as_canvas
 from weftex.errors import InvalidInputError, did_you_mean, shown
 from weftex.studio import materials
 from weftex.studio.materials import id_of
+from weftex.tasks.auto import Auto
 from weftex.tasks.method_names import AUTO, make_method
 
 if TYPE_CHECKING:
@@ -38,7 +41,8 @@ FIELDS = frozenset(_ALL) | {name for fields in TASKS.values() for name in fields
 _USUAL = {"synth": AUTO, "tile": AUTO, "fill": AUTO, "fuse": "refinement"}
 #: How many materials there may be.
 _COUNTS = {"synth": (1, 8), "tile": (1, 1), "fill": (1, 2), "fuse": (2, 8)}
-_GRADIENT = ("direction", "center", "radii", "width", "circles")
+#: What a gradient takes.
+GRADIENT = ("direction", "center", "radii", "width", "circles")
 
 
 @dataclass(frozen=True)
@@ -116,6 +120,9 @@ class Recipe:
         for name in ("guide", "sample_guide", "mask"):
             if not isinstance(options.get(name, ""), (str, type(None))):
                 raise InvalidInputError(f"{name} is {shown(options[name])}; it must be an upload")
+        as_canvas(1, options.get("tileable", False))
+        if self.task in ("tile", "fill") and self.method != Auto() and self.method.slug == AUTO:
+            raise InvalidInputError(f"effort has no effect on {self.task}")
         if self.task == "fuse":
             _check_map(options["map"])
         count = options.get("best_of", 1)
@@ -129,12 +136,12 @@ class Recipe:
     def as_json(self) -> dict[str, Any]:
         """Return what is shared: no field that has its usual value."""
         asked = self.method.describe()
-        usual = {name: f.default for name, f in self.method.__dataclass_fields__.items()}
-        parameters = {k: v for k, v in asked.items() if k != "method" and v != usual[k]}
+        usual = {field.name: field.default for field in dataclasses.fields(self.method)}
+        parameters = {k: _as_list(v) for k, v in asked.items() if k != "method" and v != usual[k]}
         found: dict[str, Any] = {"task": self.task, "materials": list(self.materials)}
         found |= {k: v for k, v in self.options.items() if v != TASKS[self.task][k]}
         found |= {"method": self.method.slug, "parameters": parameters, "seed": self.seed}
-        return {k: list(v) if isinstance(v, tuple) else v for k, v in found.items()}
+        return {name: _as_list(value) for name, value in found.items()}
 
     def changed(self, **fields: Any) -> Recipe:
         """Return the same but for some fields."""
@@ -151,6 +158,10 @@ class Recipe:
         found = [name for spec in self.materials for name in materials.uploads_of(spec)]
         own = [self.options.get(name) for name in ("guide", "sample_guide", "mask", "map")]
         return found + [name for name in own if isinstance(name, str) and name != "alpha"]
+
+
+def _as_list(value: Any) -> Any:
+    return list(value) if isinstance(value, tuple) else value
 
 
 def _materials(task: str, given: Any) -> tuple[dict[str, Any], ...]:
@@ -188,8 +199,8 @@ def _check_map(given: Any) -> None:
     if not isinstance(given, Mapping):
         raise InvalidInputError(f"map is {shown(given)}; it must be an upload or a gradient")
     for name in given:
-        if name not in _GRADIENT:
-            raise InvalidInputError(f"map has {shown(name)}{did_you_mean(str(name), _GRADIENT)}")
+        if name not in GRADIENT:
+            raise InvalidInputError(f"map has {shown(name)}{did_you_mean(str(name), GRADIENT)}")
     from weftex.tasks.gradient import Gradient
 
     Gradient(**fields_of_gradient(given))

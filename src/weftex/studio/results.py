@@ -136,10 +136,11 @@ def figures_of(made: Made, bench: Bench) -> dict[str, Any]:
 
 def faults_of(made: Made, bench: Bench) -> dict[str, Bytes]:
     """Return maps of where a result fails, those of its report."""
-    from weftex.tasks.report import report
+    from weftex.quality.assess import made_from
+    from weftex.tasks.report import fault_maps
 
     def look() -> tuple[dict[str, Bytes], int]:
-        found = report(made.result.sample, made.result).maps
+        found = fault_maps(made.result.sample, made.result.image, made_from(made.result))
         return found, sum(one.nbytes for one in found.values())
 
     key = (bench.session.key, "faults", made.recipe.id)

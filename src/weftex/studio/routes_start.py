@@ -19,6 +19,8 @@ from weftex.studio.refusals import Refusal
 from weftex.studio.uploads import label_of, receive
 
 if TYPE_CHECKING:
+    from collections.abc import AsyncIterator
+
     import numpy as np
     from numpy.typing import NDArray
 
@@ -75,7 +77,21 @@ async def upload(call: Call) -> Any:
     most = call.studio.limits.upload_bytes
     if not length.isdigit() or int(length) > most:  # it need not come at all
         raise Refusal(413, f"{name} has more than {most / 2**20:g} MiB, the most for one file")
-    return _told(await receive(call.body(), name, call.session, call.studio.limits))
+    body = call.body()
+    try:
+        return _told(await receive(body, name, call.session, call.studio.limits))
+    except Refusal:
+        await _drain(body, most)
+        raise
+
+
+async def _drain(body: AsyncIterator[bytes], most: int) -> None:
+    """Read on for a while: browsers show no answer that comes before they have sent all."""
+    count = 0
+    async for chunk in body:
+        count += len(chunk)
+        if count > most:
+            break
 
 
 async def all_uploads(call: Call) -> Any:

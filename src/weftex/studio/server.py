@@ -6,16 +6,15 @@ import socket
 import threading
 from typing import TYPE_CHECKING, Any
 
+import uvicorn
+
 from weftex.errors import FileError
 from weftex.studio.app import make_app
-from weftex.studio.studio import Studio
 
 if TYPE_CHECKING:
     from collections.abc import Callable
-    from pathlib import Path
 
-    from weftex.studio.limits import Limits
-    from weftex.studio.opened import Opened
+    from weftex.studio.studio import Studio
 
 #: Tried first, so that a page that is open finds the server again after a restart.
 PORT = 8427
@@ -77,15 +76,8 @@ def _addresses() -> set[str]:
         return set()
 
 
-def serve(
-    listener: socket.socket,
-    host: str,
-    folder: Path,
-    limits: Limits,
-    opened: Opened | None,
-    ready: Callable[[str], None],
-) -> None:
-    """Serve until Ctrl-C or SIGTERM.
+class Server(uvicorn.Server):
+    """A studio that serves; `run` ends with Ctrl-C or SIGTERM, or once `should_exit` is set.
 
     Parameters
     ----------
@@ -93,39 +85,41 @@ def serve(
         From `listen`.
     host : str
         Its address.
-    folder : Path
-        Where sessions keep their uploads.
-    limits : Limits
-    opened : Opened or None
-        What the command was given.
+    studio : Studio
+        It is closed in the end.
     ready : callable
         Called with the address to open, in a thread, once the server answers.
+
+    Attributes
+    ----------
+    address : str
+        To be opened; with the token.
     """
-    import uvicorn
 
-    studio = Studio(folder, limits, opened)
-    port = listener.getsockname()[1]
-    app = make_app(studio, hosts_of(host, port))
-    config = uvicorn.Config(
-        app,
-        loop="asyncio",
-        http="h11",
-        ws="none",
-        lifespan="on",
-        log_level="error",
-        access_log=False,
-        proxy_headers=False,
-        server_header=False,
-        limit_concurrency=limits.requests,
-        timeout_graceful_shutdown=_GRACE,
-    )
-    shown = "127.0.0.1" if host in ("0.0.0.0", "::", "localhost") else host
-    shown = f"[{shown}]" if ":" in shown else shown
-    address = f"http://{shown}:{port}/#token={studio.token}"
+    def __init__(
+        self, listener: socket.socket, host: str, studio: Studio, ready: Callable[[str], None]
+    ) -> None:
+        self.listener, self.ready = listener, ready
+        port = listener.getsockname()[1]
+        shown = "127.0.0.1" if host in ("0.0.0.0", "::", "localhost") else host
+        shown = f"[{shown}]" if ":" in shown else shown
+        self.address = f"http://{shown}:{port}/#token={studio.token}"
+        config = uvicorn.Config(
+            make_app(studio, hosts_of(host, port)),
+            loop="asyncio",
+            http="h11",
+            ws="none",
+            lifespan="on",
+            log_level="error",
+            access_log=False,
+            proxy_headers=False,
+            server_header=False,
+            limit_concurrency=studio.limits.requests,
+            timeout_graceful_shutdown=_GRACE,
+        )
+        super().__init__(config)
 
-    class Server(uvicorn.Server):
-        async def startup(self, sockets: Any = None) -> None:
-            await super().startup(sockets)
-            threading.Thread(target=ready, args=(address,), daemon=True).start()
-
-    Server(config).run([listener])
+    async def startup(self, sockets: Any = None) -> None:
+        """Begin to answer, and say so."""
+        await super().startup([self.listener])
+        threading.Thread(target=self.ready, args=(self.address,), daemon=True).start()

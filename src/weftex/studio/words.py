@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
+import dataclasses
 import os
 import shlex
 from typing import TYPE_CHECKING, Any
 
 from weftex.studio.materials import ways_to_straighten
-from weftex.studio.recipes import fields_of_gradient
+from weftex.studio.recipes import GRADIENT, fields_of_gradient
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -19,7 +20,6 @@ if TYPE_CHECKING:
     Names = Mapping[str, str]
 
 _PACKAGE = "weftex"
-_GRADIENT = ("direction", "center", "radii", "width", "circles")
 
 
 def path_of(spec: Mapping[str, Any], names: Names) -> str:
@@ -130,7 +130,7 @@ def _map_words(options: Mapping[str, Any], names: Names) -> list[str]:
             words += ["--colors", ",".join(_color(color) for color in options["colors"])]
     else:
         words = ["--map", "gradient"]
-        for name in _GRADIENT:
+        for name in GRADIENT:
             if name in given:
                 values = given[name] if isinstance(given[name], (list, tuple)) else [given[name]]
                 values = values[::-1] if name == "center" else values
@@ -150,8 +150,8 @@ def _parameters(method: Method, task: str) -> list[str]:
     """The method's name, if it is not the usual one, and its parameters."""
     usual = "refinement" if task == "fuse" else "auto"
     words = [] if method.slug == usual else ["--method", method.slug]
-    for name, field in method.__dataclass_fields__.items():
-        value = getattr(method, name)
+    for field in dataclasses.fields(method):
+        name, value = field.name, getattr(method, field.name)
         if value != field.default:
             text = ",".join(map(str, value)) if field.metadata["count"] else str(value)
             words.append(f"--{name.replace('_', '-')}={text}")

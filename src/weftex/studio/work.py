@@ -2,18 +2,24 @@
 
 from __future__ import annotations
 
+import json
+import os
 import zipfile
 from dataclasses import dataclass
 from time import perf_counter
 from typing import TYPE_CHECKING, Any
 
 from weftex.errors import CancelledError, InvalidInputError, WeftexError, shown
+from weftex.io.manifest import MANIFEST
+from weftex.progress import Progress
 from weftex.studio import results
 from weftex.studio.answers import answer_of
-from weftex.studio.exports import Wanted, pack, write
+from weftex.studio.exports import DATE, Wanted, pack, write
+from weftex.studio.uploads import label_of
 
 if TYPE_CHECKING:
     from collections.abc import Callable
+    from pathlib import Path
 
     from weftex.studio.downloads import Downloads
     from weftex.studio.jobs import Job
@@ -137,66 +143,48 @@ class Batch:
         recipes = [
             [recipe.changed(materials=whole, seed=seed) for seed in seeds] for whole in wholes
         ]
-        return cls(recipes, keep, Wanted.of(given, "batch"))
+        files = {name: given.get(name) for name in ("format", "names", "name", "mtlx")}
+        return cls(recipes, keep, Wanted.of(files, "batch"))
 
     def work(self, bench: Bench, downloads: Downloads) -> Callable[[Job], None]:
         """Return what makes it; the page is told of one file."""
 
         def run(job: Job) -> None:
-            folder, files = downloads.new_folder(), 0
-            total, written = sum(map(len, self.recipes)), 0
+            folder = downloads.new_folder()
+            total, lines = sum(map(len, self.recipes)), list[str]()
+            count = Progress(job, total, "outputs", lambda: None)
             with zipfile.ZipFile(folder / "batch.zip", "w") as packed:
                 for number, recipes in enumerate(self.recipes, 1):
-                    kept: list[tuple[float, Made]] = []
+                    best: list[tuple[float, Made]] = []
                     for recipe in recipes:
-                        job(files, total, "outputs", lambda: None)
-                        job.check()
-                        made = bench.make(bench.sized(recipe), _asking(job))
-                        files += 1
-                        score = _score(made) if self.keep is not None else 0.0
-                        kept = sorted([*kept, (score, made)], key=lambda one: one[0])
-                        kept = kept[: self.keep] if self.keep is not None else kept
+                        made = bench.make(bench.sized(recipe), count.within() or job)
+                        count.advance(1)
                         if self.keep is None:
-                            written += self._pack(packed, made, number, folder)
-                            kept = []
-                    for _, made in kept:
-                        written += self._pack(packed, made, number, folder)
-            job(files, total, "outputs", lambda: None)
-            owner = bench.session.key
-            job.more = downloads.add(folder / "batch.zip", f"{self.wanted.name}.zip", owner)
-            job.more["files"] = written
+                            lines += self._pack(packed, made, number, folder)
+                        else:
+                            best = sorted([*best, (_score(made), made)], key=lambda one: one[0])
+                            best = best[: self.keep]
+                    for _, made in best:
+                        lines += self._pack(packed, made, number, folder)
+                packed.writestr(zipfile.ZipInfo(MANIFEST, DATE), "".join(lines))
+            name = f"{self.wanted.name}.zip"
+            job.more = downloads.add(folder / "batch.zip", name, bench.session.key)
 
         return run
 
-    def _pack(self, packed: zipfile.ZipFile, made: Made, number: int, folder: Any) -> int:
-        """Put the files of one output into the zip."""
+    def _pack(self, packed: zipfile.ZipFile, made: Made, number: int, folder: Path) -> list[str]:
+        """Put the files of one output into the zip; its line of the manifest."""
         own = folder / "one"
         own.mkdir()
-        seed = made.recipe.seed
-        name = (
-            made.materials[0].name.removeprefix("sample:").rpartition(".")[0]
-            or made.materials[0].name
-        )
-        files = write(made, self.wanted.named(f"{name}_{seed}"), own)
-        for file in files:
-            pack(
-                packed,
-                file,
-                f"{number:03}_{name}/{file.name}" if len(self.recipes) > 1 else file.name,
-            )
+        stem = os.path.splitext(label_of(made.materials[0].name))[0]
+        inner = f"{number:03}_{stem}/" if len(self.recipes) > 1 else ""
+        names = []
+        for file in write(made, self.wanted.named(f"{stem}_{made.recipe.seed}"), own):
+            names.append(inner + file.name)
+            pack(packed, file, names[-1])
             file.unlink()
         own.rmdir()
-        return len(files)
-
-
-def _asking(job: Job) -> Callable[..., bool]:
-    """A callback that only asks whether to go on."""
-
-    def ask(*_: Any) -> bool:
-        job.check()
-        return True
-
-    return ask
+        return [json.dumps({"files": names, "recipe": made.recipe.as_json()}) + "\n"]
 
 
 def _score(made: Made) -> float:

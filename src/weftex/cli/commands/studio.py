@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import sys
 from pathlib import Path
 
 from weftex.cli.options import Parser
@@ -57,6 +56,7 @@ def run(argv: list[str]) -> None:
     from weftex.studio.limits import usual_limits
     from weftex.studio.opened import Opened
     from weftex.studio.store import default_folder
+    from weftex.studio.studio import Studio
 
     limits = usual_limits()
     if args.memory is not None:
@@ -75,5 +75,4 @@ def run(argv: list[str]) -> None:
                 say("no browser was found; open that address")
 
     folder = default_folder() if args.data is None else Path(args.data)
-    server.serve(listener, args.host, folder, limits, opened, ready)
-    sys.stderr.flush()
+    server.Server(listener, args.host, Studio(folder, limits, opened), ready).run()
