@@ -2,6 +2,8 @@ import { Api, StudioError } from "./api.js";
 import { fromAddress, History, toAddress } from "./history.js";
 import { t } from "./strings.js";
 
+const PICTURES_KEPT = 12; // steps whose pictures stay at hand
+
 /**
  * What the person has: materials on the shelf, the recipe as it stands, the result that is seen, the steps
  * so far. Screens read it and call it; it tells them by events: "material", "recipe", "result", "job".
@@ -21,6 +23,7 @@ export class App extends EventTarget {
     this.job = null;
     this.stop = null;
     this.kept = [];
+    this.goOn = false; // work goes on when the page is left
   }
 
   tell(type, detail = null) {
@@ -34,15 +37,30 @@ export class App extends EventTarget {
     this.about = await this.api.get("about");
     window.addEventListener("pagehide", () => this.api.post("leave", {}, { keepalive: true }).catch(() => {}));
     window.addEventListener("hashchange", () => this.openAddress(location.hash));
+    if (found.resumed && (await this.resume())) return;
     if (await this.openAddress(location.hash)) return;
     if (found.opened) await this.open([found.opened]);
+  }
+
+  /** Take up work that went on while the page was away; false where there is none. */
+  async resume() {
+    const jobs = (await this.api.get("jobs")).filter((job) => job.leave === "keep" && job.state !== "failed" && job.state !== "cancelled");
+    const job = jobs.at(-1);
+    const recipe = job?.recipe ?? job?.results[0]?.recipe;
+    if (!recipe) return false;
+    await this.take(recipe, t("history.made"));
+    this.tell("go", { screen: "see" });
+    const done = await this.watch(job, recipe, new AbortController(), {});
+    const result = done?.results[0];
+    if (result && !result.error) await this.step(result, t("history.made"));
+    return true;
   }
 
   /** Follow a state in an address; false where there is none. */
   async openAddress(hash) {
     const recipe = fromAddress(hash);
-    if (!recipe || JSON.stringify(recipe) === JSON.stringify(this.history.present?.state)) return false;
-    await this.openRecipe(recipe, t("history.shared"));
+    if (!recipe || sameJson(recipe, this.history.present?.state)) return false;
+    await this.openRecipe(recipe, t("history.shared"), !/[#&]sample&/.test(hash));
     return true;
   }
 
@@ -78,6 +96,7 @@ export class App extends EventTarget {
     for (const spec of specs) if (!this.shelf.some((one) => sameJson(one, spec))) this.shelf.push(spec);
     this.notes = notes;
     await this.choose(specs[0]);
+    this.tell("go", { screen: "sample" });
   }
 
   /** Begin anew with a material of the shelf. */
@@ -95,10 +114,11 @@ export class App extends EventTarget {
   }
 
   /** A recipe from elsewhere: its picture is made again. */
-  async openRecipe(recipe, label) {
+  async openRecipe(recipe, label, make = true) {
     for (const spec of recipe.materials) if (!this.shelf.some((one) => sameJson(one, spec))) this.shelf.push(spec);
-    await this.take(recipe, label);
-    await this.make(recipe, label);
+    await this.take(recipe, make ? label : t("history.sample"));
+    this.tell("go", { screen: make ? "see" : "sample" });
+    if (make) await this.make(recipe, label);
   }
 
   usualSize() {
@@ -140,7 +160,7 @@ export class App extends EventTarget {
     this.recipe = structuredClone(entry.state);
     this.result = entry.result;
     this.preview = null;
-    history.replaceState(null, "", toAddress(entry.state));
+    history.replaceState(null, "", toAddress(entry.state, Boolean(entry.result)));
     this.tell("recipe");
     this.tell("result");
   }
@@ -149,6 +169,7 @@ export class App extends EventTarget {
     if (!entry) return;
     this.cancel();
     await this.useMaterial(entry.state.materials[0]);
+    if (entry.result && !entry.result.bitmap) Object.assign(entry.result, await this.pictureOf(entry.result));
     this.see(entry);
   }
 
@@ -177,20 +198,23 @@ export class App extends EventTarget {
   async run(body, { quiet = false, onresults = () => {}, path = "jobs" } = {}) {
     this.cancel();
     const control = new AbortController();
+    const posted = this.api.post(path, body, { signal: control.signal });
+    return this.watch(posted, body.recipe, control, { quiet, onresults });
+  }
+
+  async watch(posted, recipe, control, { quiet = false, onresults = () => {} }) {
     this.stop = control;
-    const started = performance.now();
     let seen = 0;
     try {
-      const posted = await this.api.post(path, body, { signal: control.signal });
       return await this.api.follow(
-        posted,
+        await posted,
         (job) => {
           this.job = { ...job, quiet };
           this.tell("job");
           if (job.results.length) onresults(job);
           if (job.preview && job.preview !== seen && job.state === "running") {
             seen = job.preview;
-            this.grow(job, body.recipe, control.signal);
+            this.grow(job, recipe, control.signal);
           }
         },
         control.signal,
@@ -199,7 +223,6 @@ export class App extends EventTarget {
       if (error.name === "AbortError") return null;
       throw error;
     } finally {
-      this.took = performance.now() - started;
       if (this.stop === control) {
         this.stop = null;
         this.job = null;
@@ -230,20 +253,45 @@ export class App extends EventTarget {
 
   /** Make the picture of a recipe, and a step of it. */
   async make(recipe, label) {
-    const job = await this.run({ recipe, leave: "cancel" });
+    const job = await this.run({ recipe, leave: this.goOn ? "keep" : "cancel" });
     if (!job) return null;
     const [result] = job.results;
     if (result.error) throw new StudioError(result.error, { parameter: result.parameter });
     return this.step(result, label);
   }
 
-  /** Make a result the present step. A step that only waited for its picture gets it. */
-  async step(result, label) {
-    const picture = await this.api.picture(`results/${result.id}/picture`, { map: result.main, most: 4096 });
-    const whole = { ...result, ...picture };
+  async pictureOf(result) {
+    return this.ask(result, (id) => this.api.picture(`results/${id}/picture`, { map: result.main, most: 4096 }));
+  }
+
+  /** Ask about a result; one that the server has forgotten is made again, to the same bytes. */
+  async ask(result, question) {
+    try {
+      return await question(result.id);
+    } catch (error) {
+      if (error.status !== 410) throw error;
+    }
+    const job = await this.run({ recipe: result.recipe, leave: "cancel" });
+    if (!job) throw new DOMException("cancelled", "AbortError");
+    result.id = job.results[0].id;
+    return question(result.id);
+  }
+
+  /**
+   * Make a result the present step. A step of the same recipe gets its picture; one that is `passing`, such as
+   * a place of a slider, gives way to the next.
+   */
+  async step(result, label, passing = false) {
+    const whole = { ...result, ...(await this.pictureOf(result)) };
     const present = this.history.present;
-    if (present && !present.result && sameJson(present.state, result.recipe)) present.result = whole;
-    else this.history.push({ ...result.recipe }, label, whole);
+    if (present && sameJson(present.state, result.recipe)) this.history.complete(label, whole);
+    else if (passing && present?.passing) this.history.replace(result.recipe, label, whole);
+    else this.history.push(result.recipe, label, whole);
+    this.history.present.passing = passing;
+    for (const { result: old } of this.history.entries.slice(0, -PICTURES_KEPT)) {
+      old?.bitmap?.close();
+      for (const key of ["bitmap", "pictures", "overlays"]) if (old) delete old[key];
+    }
     this.see(this.history.present);
     return whole;
   }
@@ -255,13 +303,14 @@ export class App extends EventTarget {
     const result = job?.results[0];
     if (!result) return null;
     if (result.error) throw new StudioError(result.error, { parameter: result.parameter });
-    const picture = await this.api.picture(`results/${result.id}/picture`, { map: result.main });
-    this.showPreview({ ...picture, recipe, result });
+    if (sameJson(recipe, this.recipe)) return this.step(result, t("history.changed"), true);
+    this.showPreview({ ...(await this.pictureOf(result)), recipe, result });
     return result;
   }
 
   /** The recipe at a size that takes a blink. */
   smaller(recipe) {
+    if (recipe.task !== "synth" || recipe.guide) return recipe;
     const most = this.method(recipe.method).fast ? 512 : 192; // the others go pixel by pixel
     const shrink = Math.min(1, most / Math.max(...recipe.size));
     const parameters = recipe.method === "auto" ? { effort: "quick" } : recipe.parameters;
@@ -269,6 +318,17 @@ export class App extends EventTarget {
   }
 }
 
+/** Whether two recipes, or materials, say the same: in any order, and with or without defaults. */
 export function sameJson(one, other) {
-  return JSON.stringify(one) === JSON.stringify(other);
+  return plain(one) === plain(other);
 }
+
+function plain(value) {
+  return JSON.stringify(value, (_, part) => {
+    if (part === null || typeof part !== "object" || Array.isArray(part)) return part;
+    const told = Object.entries(part).filter(([, one]) => !DEFAULTS.has(one) && !(typeof one === "object" && Object.keys(one).length === 0));
+    return Object.fromEntries(told.sort(([first], [second]) => (first < second ? -1 : 1)));
+  });
+}
+
+const DEFAULTS = new Set([null, undefined, false, "auto"]);

@@ -5,11 +5,11 @@ import { number, t } from "./strings.js";
  * Controls for parameters as the server describes them: {name, type, low, high, unit, choices, default,
  * default_text, help, count, parity}. What is not set is not sent; the method then decides.
  */
-export function parameterForm(parameters, values, onchange) {
-  return h("div", { class: "parameters" }, parameters.map((one) => control(one, values, onchange)));
+export function parameterForm(parameters, values, onchange, error = null) {
+  return h("div", { class: "parameters" }, parameters.map((one) => control(one, values, onchange, error)));
 }
 
-function control(parameter, values, onchange) {
+function control(parameter, values, onchange, error) {
   const { name } = parameter;
   const set = (value) => {
     if (value === null || value === "") delete values[name];
@@ -20,12 +20,13 @@ function control(parameter, values, onchange) {
   };
   const reset = iconButton("undo", t("form.reset", { name: title(parameter) }), () => {
     set(null);
-    row.replaceWith(control(parameter, values, onchange));
+    row.replaceWith(control(parameter, values, onchange, null));
   });
   reset.hidden = !(name in values);
   const kind = parameter.choices?.length ? choice : parameter.type === "bool" ? flag : isNumber(parameter) ? slider : text;
   const row = field(title(parameter), kind(parameter, values[name], set), { help: parameter.help, value: reset });
   row.classList.add("parameter");
+  if (error?.parameter === name) row.append(h("p", { class: "note error", role: "alert" }, error.message));
   row.classList.toggle("set", name in values);
   return row;
 }

@@ -29,6 +29,18 @@ export class History {
     return this.present;
   }
 
+  /** The present step's picture has come. */
+  complete(label, result) {
+    Object.assign(this.present, { label, result });
+    this.tell();
+  }
+
+  /** Put another state in the place of the present one. */
+  replace(state, label, result) {
+    this.entries = this.entries.slice(0, this.index);
+    return this.push(state, label, result);
+  }
+
   go(index) {
     if (index < 0 || index >= this.entries.length || index === this.index) return null;
     this.index = index;
@@ -45,10 +57,10 @@ export class History {
   }
 }
 
-/** A state as the part of an address behind #, and back; null if it is none. */
-export function toAddress(state) {
+/** A state as the part of an address behind #, and back; null if it is none. `made`: its picture was made. */
+export function toAddress(state, made = true) {
   const bytes = new TextEncoder().encode(JSON.stringify(state));
-  return `#state=${btoa(String.fromCharCode(...bytes)).replaceAll("+", "-").replaceAll("/", "_").replace(/=+$/, "")}`;
+  return `#${made ? "" : "sample&"}state=${btoa(String.fromCharCode(...bytes)).replaceAll("+", "-").replaceAll("/", "_").replace(/=+$/, "")}`;
 }
 
 export function fromAddress(hash) {

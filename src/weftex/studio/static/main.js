@@ -245,7 +245,6 @@ async function start() {
   app.addEventListener("go", ({ detail }) => go(detail.screen, detail));
   app.addEventListener("fault", ({ detail }) => stage.say(detail.message));
   app.addEventListener("notice", ({ detail }) => stage.note(detail.text));
-  app.addEventListener("material", () => (opening || !present) && go("sample"));
   await app.guard(() => app.begin());
   if (!app.material && app.about) showFront();
   document.documentElement.dataset.ready = "true";

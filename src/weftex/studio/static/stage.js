@@ -156,8 +156,12 @@ export class Stage {
   async pictures(seen, names) {
     const kept = (seen.owner.pictures ??= { [seen.owner.main]: seen.picture });
     return Promise.all(
-      names.map(async (name) => (kept[name] ??= (await this.app.api.picture(`${seen.path}/picture`, { map: name, most: 2048 })).bitmap)),
+      names.map(async (name) => (kept[name] ??= (await this.ask(seen, (path) => this.app.api.picture(`${path}/picture`, { map: name, most: 2048 }))).bitmap)),
     );
+  }
+
+  ask(seen, question) {
+    return seen.isSample ? question(seen.path) : this.app.ask(seen.owner, (id) => question(`results/${id}`));
   }
 
   async showLight(seen) {

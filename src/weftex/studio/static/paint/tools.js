@@ -17,6 +17,7 @@ export class Painter {
     this.ring = null;
     this.shown = new OffscreenCanvas(mask.width, mask.height);
     this.onstroke = () => {};
+    this.onradius = () => {};
     this.layer = this.layer.bind(this);
     mask.onchange = (box, whole) => {
       this.update(box);
@@ -101,7 +102,7 @@ export class Painter {
     this.mask.cancel();
   }
 
-  /** Paint with the keyboard: arrows with Alt are the view's, so keys move a ring of their own. */
+  /** Paint by keys: Enter takes hold of the brush, sets it down and lifts it; Escape gives the keys back. */
   keys(event) {
     const step = event.shiftKey ? 16 : 4;
     const ways = { ArrowLeft: [-step, 0], ArrowRight: [step, 0], ArrowUp: [0, -step], ArrowDown: [0, step] };
@@ -109,6 +110,12 @@ export class Painter {
       const next = this.ring.map((one, k) => one + ways[event.key][k]);
       if (this.pressed) this.mask.line(this.ring, next, this.radius, this.tool === "erase" ? 0 : this.label);
       this.ring = next;
+      this.view.draw();
+      return true;
+    }
+    if (event.key === "[" || event.key === "]") {
+      this.radius = Math.max(1, Math.min(160, Math.round(this.radius * (event.key === "]" ? 1.25 : 0.8))));
+      this.onradius(this.radius);
       this.view.draw();
       return true;
     }

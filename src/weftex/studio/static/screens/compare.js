@@ -1,3 +1,4 @@
+import { sameJson } from "../app.js";
 import { fill, h, icon, tick } from "../dom.js";
 import { duration, number, t } from "../strings.js";
 
@@ -48,7 +49,8 @@ export class CompareScreen {
 
   async run() {
     const { app } = this;
-    const { method, parameters, ...recipe } = app.recipe;
+    const { method, parameters, ...given } = app.recipe;
+    const recipe = given.task === "synth" ? given : { task: "synth", materials: given.materials.slice(0, 1), seed: given.seed };
     const size = (recipe.size ?? app.usualSize()).map((side) => Math.min(512, side));
     const methods = [...this.chosen];
     this.error = null;
@@ -122,10 +124,11 @@ export class CompareScreen {
       return this.show();
     }
     this.app.guard(async () => {
-      const recipe = { ...this.app.recipe, method: row.method, parameters: {} };
-      if (JSON.stringify(recipe.size) === JSON.stringify(row.recipe.size)) await this.app.step(row, row.method);
-      else this.app.edit(recipe);
-      this.app.tell("go", { screen: "make", now: JSON.stringify(recipe.size) !== JSON.stringify(row.recipe.size) });
+      const { recipe } = this.app;
+      const same = recipe.task !== "synth" || sameJson(recipe.size, row.recipe.size);
+      if (same) await this.app.step(row, row.method);
+      else this.app.edit({ method: row.method, parameters: {} });
+      this.app.tell("go", { screen: "make", now: !same });
     });
   }
 

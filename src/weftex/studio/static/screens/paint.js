@@ -1,4 +1,5 @@
 import { field, fill, h, icon, iconButton, segments, tick } from "../dom.js";
+import { parameterForm } from "../form.js";
 import { Mask } from "../paint/mask.js";
 import { Painter } from "../paint/tools.js";
 import { number, t } from "../strings.js";
@@ -20,6 +21,7 @@ export class PaintScreen {
     this.threshold = 128;
     this.label = 1;
     this.masks = new Map();
+    this.told = {}; // what was chosen for each task
     this.pictures = new Map(); // of materials, by their spec
     this.onSample = true; // of a guide: what is what in the sample, or where it is to be
     this.update = () => this.begin();
@@ -62,14 +64,17 @@ export class PaintScreen {
     const textures = this.purpose === "fuse" ? await this.textures() : null;
     if (!this.panel) return;
     this.label = Math.max(1, Math.min(this.label, this.labels() - 1));
-    stage.main.repeat = 1;
     stage.closeExtras(null);
-    stage.main.show({ picture: canvas ? blank(size) : material.bitmap, size, before: null, overlay: null, background: null });
+    stage.main.show({ picture: canvas ? blank(size) : material.bitmap, size, repeat: 1, before: null, overlay: null, background: null });
     stage.main.element.classList.add("painting");
     stage.title = t(`paint.${this.purpose}`);
     stage.buildBar();
     this.painter = new Painter(stage.main, this.mask, { tool: this.tool, radius: this.radius, tolerance: this.tolerance, label: this.label, colors: this.colors(canvas), textures });
     this.painter.onstroke = () => this.tellCount();
+    this.painter.onradius = (radius) => {
+      this.radius = radius;
+      this.draw();
+    };
     this.draw();
   }
 
@@ -123,10 +128,20 @@ export class PaintScreen {
         this.purpose === "hole" || this.purpose === "use" ? h("button", { type: "button", onclick: () => this.every((one) => 1 - one) }, t("paint.invert")) : null,
       ),
       this.count,
+      this.options(),
       this.action(),
       h("p", { class: "hint" }, t("paint.keys")),
     );
     this.tellCount();
+  }
+
+  /** What the task itself can be told, as the server describes it. */
+  options() {
+    const task = { hole: "fill", fuse: "fuse" }[this.purpose];
+    if (!task) return null;
+    const values = (this.told[task] ??= {});
+    const form = parameterForm(this.app.about.tasks[task], values, () => {}, this.fault);
+    return h("details", { open: Object.keys(values).length > 0 }, h("summary", {}, t("paint.options")), form);
   }
 
   focusTool(tool) {
@@ -253,7 +268,7 @@ export class PaintScreen {
     const { app } = this;
     if (!this.mask.count(1)) throw new Error(t("paint.hole.none"));
     const mask = await this.upload(this.mask, LABELS, "hole.png");
-    await this.done({ task: "fill", materials: [app.recipe.materials[0]], mask, seed: app.recipe.seed }, t("history.filled"));
+    await this.done({ task: "fill", materials: [app.recipe.materials[0]], mask, ...this.told.fill, seed: app.recipe.seed }, t("history.filled"));
   }
 
   async restrict() {
@@ -268,7 +283,7 @@ export class PaintScreen {
     if (used.length < 2) throw new Error(t("paint.fuse.none"));
     const colors = app.shelf.map((_, k) => LABELS[k] ?? [k, 255 - k, 128]);
     const map = await this.upload(mask, colors, "map.png");
-    await this.done({ task: "fuse", materials: used.map((k) => app.shelf[k]), map, colors: used.map((k) => [...colors[k], 255]), seed: app.recipe.seed }, t("history.fused"));
+    await this.done({ task: "fuse", materials: used.map((k) => app.shelf[k]), map, colors: used.map((k) => [...colors[k], 255]), ...this.told.fuse, seed: app.recipe.seed }, t("history.fused"));
   }
 
   async follow() {

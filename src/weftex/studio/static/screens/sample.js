@@ -124,7 +124,7 @@ export class SampleScreen {
         {},
         h("input", { type: "radio", name: "lattice", checked: one.numbers === chosen?.numbers, onchange: () => this.choose(one) }),
         h("span", {}, one.words, h("span", { class: "hint" }, one.mine ? t("lattice.mine") : k === 0 && look.lattice ? t("lattice.found") : t("lattice.next"))),
-        h("span", { class: "figure" }, k === 0 && one.confidence ? `${number(100 * one.confidence)} %` : ""),
+        h("span", { class: "figure" }, one === look.lattice && one.confidence ? `${number(100 * one.confidence)} %` : ""),
       );
     const inputs = h("div", { class: "row even" });
     this.inputs = [];

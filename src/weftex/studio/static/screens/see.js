@@ -33,8 +33,8 @@ export class SeeScreen {
   draw() {
     const { app } = this;
     const { result } = app;
-    if (!result) {
-      fill(this.panel, h("h2", {}, t("see.title")), h("p", {}, t("see.nothing")), this.goMake());
+    if (!result || app.preview?.result) {
+      fill(this.panel, h("h2", {}, t("see.title")), h("p", {}, t(result ? "see.preview" : "see.nothing")), this.goMake());
       return;
     }
     this.spot = h("dl", { class: "facts" }, h("dd", { class: "hint wide" }, t("see.hover")));
@@ -78,10 +78,10 @@ export class SeeScreen {
     this.said.hidden = true;
     if (!key) return stage.main.show({ overlay: null });
     const { result } = app;
-    const path = key.startsWith("fault:") ? `results/${result.id}/fault?what=${key.slice(6)}` : `results/${result.id}/picture?draw=${key}`;
+    const what = key.startsWith("fault:") ? `fault?what=${key.slice(6)}` : `picture?draw=${key}`;
     try {
       const kept = (result.overlays ??= {});
-      kept[key] ??= (await app.api.picture(path, { most: 2048 })).bitmap;
+      kept[key] ??= (await app.ask(result, (id) => app.api.picture(`results/${id}/${what}`, { most: 2048 }))).bitmap;
       if (this.overlay === key && app.result === result && this.panel) {
         if (stage.mode === "light" || stage.mode === "plane" || stage.mode === "maps") stage.setMode("picture");
         stage.main.show({ overlay: kept[key], overlayOpacity: this.opacity });
@@ -96,7 +96,7 @@ export class SeeScreen {
 
   async measure(result) {
     try {
-      result.measured ??= await this.app.api.get(`results/${result.id}/figures`);
+      result.measured ??= await this.app.ask(result, (id) => this.app.api.get(`results/${id}/figures`));
     } catch (error) {
       if (this.panel && error.message) fill(this.figures, h("h3", {}, t("see.figures")), h("p", { class: "note error" }, error.message));
       return;

@@ -25,8 +25,8 @@ export class TakeScreen {
   draw() {
     const { app, wanted } = this;
     const { result } = app;
-    if (!result) {
-      fill(this.panel, h("h2", {}, t("take.title")), h("p", {}, t("see.nothing")), h("button", { type: "button", class: "main large", onclick: () => app.tell("go", { screen: "make", now: true }) }, t("make.go")));
+    if (!result || app.preview?.result) {
+      fill(this.panel, h("h2", {}, t("take.title")), h("p", {}, t(result ? "see.preview" : "see.nothing")), h("button", { type: "button", class: "main large", onclick: () => app.tell("go", { screen: "make", now: true }) }, t("make.go")));
       return;
     }
     const set = result.maps.length > 1;
@@ -64,7 +64,7 @@ export class TakeScreen {
     const { result } = app;
     const maps = this.left?.size ? result.maps.map((one) => one.name).filter((one) => !this.left.has(one)) : null;
     await this.attempt(async () => {
-      const made = await app.api.post(`results/${result.id}/exports`, { ...wanted, maps, format: wanted.format || null, names: wanted.names || null, name: wanted.name || app.material.name });
+      const made = await app.ask(result, (id) => app.api.post(`results/${id}/exports`, { ...wanted, maps, format: wanted.format || null, names: wanted.names || null, name: wanted.name || app.material.name }));
       this.saved = ticket(made);
       this.draw();
       this.panel.querySelector("[data-ticket]").click();
@@ -94,7 +94,7 @@ export class TakeScreen {
         copyButton(location.href, t("share.link")),
         h("button", { type: "button", onclick: () => app.guard(() => saveState(app, result.recipe)) }, icon("take"), t("share.file")),
         h("button", { type: "button", onclick: () => this.attempt(async () => {
-          const kept = await app.api.post(`results/${result.id}/keep`, { title: `${app.material.name} · ${result.method} · ${result.recipe.seed}` });
+          const kept = await app.ask(result, (id) => app.api.post(`results/${id}/keep`, { title: `${app.material.name} · ${result.method} · ${result.recipe.seed}` }));
           app.kept.push(kept);
           app.tell("notice", { text: t("share.kept") });
         }) }, icon("check"), t("share.keep")),
