@@ -26,10 +26,17 @@ def photo(page, tmp_path, monkeypatch):
     labels[30:] = (200, 10, 0)
     part = np.full((96, 90), 255, np.uint8)
     part[:10] = 0
-    pictures = {"my photo.png": pixels, "hole.png": hole, "map.png": labels, "part.png": part}
+    canvas = np.dstack([pixels[:48, :40], np.full((48, 40), 255, np.uint8)])  # as browsers make it
+    pictures = {
+        "guide.png": canvas,
+        "my photo.png": pixels,
+        "hole.png": hole,
+        "map.png": labels,
+        "part.png": part,
+    }
     ids = {}
     for name, picture in pictures.items():
-        write_image(name, picture)
+        write_image(name, picture, alpha=picture.shape[2:] == (4,))
         with open(name, "rb") as file:
             ids[name.partition(".")[0]] = page.upload(file.read(), name)["id"]
     return ids
@@ -51,6 +58,7 @@ def recipes(photo):
         "set": {"materials": [WALL | {"map_weights": {"height": 2}}], "size": [64, 64], **quilting},
         "several": {"materials": [own, BRICKS], "size": [64, 64], **quilting},
         "best": {"materials": [WEAVE], "size": [96, 96], "best_of": 2, **quilting},
+        "guide": {"materials": [own], "guide": photo["guide"], "method": "ashikhmin"},
         "tile": {"task": "tile", "materials": [own], "border": 16, "seed": 2},
         "tile x": {"task": "tile", "materials": [own | {"even_light": 1}], "axes": "x"},
         "fill": {"task": "fill", "materials": [own], "mask": photo["hole"], "overlap": 3},
@@ -66,7 +74,7 @@ def recipes(photo):
 
 
 NAMES = ["auto", "effort", "method", "lattice", "mended", "straight", "set", "several", "best",
-         "tile", "tile x", "fill", "fill from", "fuse", "gradient"]  # fmt: skip
+         "guide", "tile", "tile x", "fill", "fill from", "fuse", "gradient"]  # fmt: skip
 
 
 @pytest.mark.parametrize("name", NAMES)

@@ -58,7 +58,7 @@ def _look(loaded: Loaded) -> dict[str, Any]:
         "scale_source": found.scale_source,
         "spectrum": [vars(band) for band in found.spectrum],
         "regularity": found.regularity,
-        "lattice": None if own is None else _lattice(exemplar, own, rated.found),
+        "lattice": None if own is None else _found(exemplar, own, rated.found),
         "runners_up": [_lattice(exemplar, Lattice(one.vectors), one) for one in rated.runners_up],
         "colors": found.colors,
         "tiles": list(found.tiles),
@@ -82,7 +82,7 @@ def _quick_look(exemplar: Exemplar) -> dict[str, Any]:
         "scale_source": "smaller copy",
         "spectrum": [],
         "regularity": None,
-        "lattice": None if seen.lattice is None else _lattice(exemplar, seen.lattice, None),
+        "lattice": None if seen.lattice is None else _found(exemplar, seen.lattice, None),
         "runners_up": [],
         "colors": seen.colors,
         "tiles": None,
@@ -143,6 +143,11 @@ def _choice(choice: Choice) -> dict[str, Any]:
     }
 
 
+def _found(exemplar: Exemplar, lattice: Lattice, rated: Rated | None) -> dict[str, Any]:
+    """The sample's own lattice, of which alone a confidence is known."""
+    return _lattice(exemplar, lattice, rated) | {"confidence": lattice.confidence}
+
+
 def _lattice(exemplar: Exemplar, lattice: Lattice, rated: Rated | None) -> dict[str, Any]:
     """A lattice, with the lines that show it."""
     small, step = smaller_copy(exemplar, 1024)
@@ -152,7 +157,7 @@ def _lattice(exemplar: Exemplar, lattice: Lattice, rated: Rated | None) -> dict[
         "vectors": [list(map(float, vector)) for vector in lattice.vectors],
         "numbers": ",".join(f"{number:g}" for number in four_numbers(lattice)),
         "words": courses(lattice),
-        "confidence": getattr(lattice, "confidence", None) or None,
+        "confidence": None,
         "goodness": None if rated is None else rated.goodness,
         "lines": [
             {"across": [float(part) / step for part in across], "phase": phase}

@@ -270,7 +270,7 @@ def maps_of(exemplar: Exemplar, main: str) -> list[dict[str, Any]]:
     return [
         {
             "name": name,
-            "role": str(one.role),
+            "role": one.role.name,
             "kind": one.role.kind,
             "width": one.shape[1],
             "height": one.shape[0],

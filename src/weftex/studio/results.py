@@ -54,7 +54,7 @@ def described(made: Made, bench: Bench) -> dict[str, Any]:
         times = 1 if name == made.main else sample.scale_of(name)
         maps.append({
             "name": name,
-            "role": str(one.role),
+            "role": one.role.name,
             "kind": one.role.kind,
             "width": int(width * times),
             "height": int(height * times),

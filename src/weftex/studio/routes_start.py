@@ -75,13 +75,13 @@ async def upload(call: Call) -> Any:
     name = label_of(call.request.headers.get("x-weftex-name"))
     length = call.request.headers.get("content-length", "0")
     most = call.studio.limits.upload_bytes
-    if not length.isdigit() or int(length) > most:  # it need not come at all
-        raise Refusal(413, f"{name} has more than {most / 2**20:g} MiB, the most for one file")
     body = call.body()
     try:
+        if not length.isdigit() or int(length) > most:  # it need not come at all
+            raise Refusal(413, f"{name} has more than {most / 2**20:g} MiB, the most for one file")
         return _told(await receive(body, name, call.session, call.studio.limits))
     except Refusal:
-        await _drain(body, most)
+        await _drain(body, 2 * most)
         raise
 
 
