@@ -1,47 +1,23 @@
 """The command: addresses, tokens, what is left when it ends, and what a restart finds."""
 
 import os
-import re
 import signal
 import socket
 import stat
-import subprocess
 import sys
 import time
 
 import numpy as np
 import pytest
-from pages import Client, Page
+from pages import Page
+from processes_of_studio import Process
 
 from weftex.cli import main
 from weftex.io.pictures import write_image
 from weftex.studio import server, store
-from weftex.studio.limits import Limits
-from weftex.studio.sessions import key_of
-
-
-class Process:
-    """The command in a process of its own."""
-
-    def __init__(self, folder, *words):
-        code = "import sys; from weftex.cli import entry; entry()"
-        words = ["studio", *words, "--no-browser", "--data", str(folder)]
-        self.run = subprocess.Popen(
-            [sys.executable, "-c", code, *words], stderr=subprocess.PIPE, text=True
-        )
-        line = self.run.stderr.readline()
-        self.said = line
-        while "http://" not in line:
-            line = self.run.stderr.readline()
-            assert line, "it ended"
-        port, self.token = re.search(r"http://127\.0\.0\.1:(\d+)/#token=(\S+)", line).groups()
-        self.client = Client(int(port))
-
-    def end(self, number):
-        self.run.send_signal(number)
-        code = self.run.wait(10)
-        self.run.stderr.close()
-        return code
+from weftex.studio.limits import Limits, Memory
+from weftex.studio.refusals import Refusal
+from weftex.studio.sessions import Sessions, key_of
 
 
 @pytest.mark.skipif(sys.platform == "win32", reason="signals are other there")
@@ -144,3 +120,33 @@ def test_what_is_left_over_is_swept(tmp_path):
     left = {one.parent.name for one in tmp_path.rglob(".new-*")}
     assert left == set(names[2:])  # those of yesterday are not of a server that runs
     assert found.bytes == 200
+
+
+def test_pages_that_are_open_are_bounded(tmp_path):
+    limits = Limits(sessions=2)
+    sessions = Sessions(store.Store(tmp_path, limits.stored_bytes), limits, ended := [].append)
+    one, two = (sessions.open(None)[0] for _ in range(2))
+    with pytest.raises(Refusal, match="2 pages are open; close one of them"):
+        sessions.open(None)
+    one.seen -= 100  # a tab that was closed long ago
+    three, resumed = sessions.open(None)
+    assert (ended.__self__, resumed) == ([one], False)
+    with pytest.raises(Refusal):
+        sessions.get(one.id)
+    assert sessions.open(two.id) == (two, True)
+    assert sessions.get(three.id) is three
+
+
+def test_what_is_remembered_is_bounded():
+    memory = Memory(100)
+    for k in range(50):
+        memory.find(("tab", k), lambda: (object(), 30))
+        assert memory.bytes <= 100
+    assert [memory.get(("tab", k)) is not None for k in (46, 47, 48, 49)] == [
+        False,
+        True,
+        True,
+        True,
+    ]
+    memory.forget(lambda key: key[1] == 48)
+    assert (memory.get(("tab", 48)), memory.bytes) == (None, 60)

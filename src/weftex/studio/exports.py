@@ -139,8 +139,8 @@ def _files(made: Made, wanted: Wanted) -> dict[str, str]:
         if wanted.names is not None:
             stem = file_stem(wanted.names, wanted.name, made.map(name).role)
         else:
-            stem = wanted.name if len(made.pictures) == 1 else f"{wanted.name}_{label_of(name)}"
-        files[name] = stem + suffix
+            stem = wanted.name if len(made.pictures) == 1 else f"{wanted.name}_{name}"
+        files[name] = label_of(stem) + suffix
         check_output(stem + suffix, made.pictures[name].pixels, alpha=made.pictures[name].alpha)
     for file in files.values():
         twins = [other for other in files if files[other] == file]

@@ -5,6 +5,7 @@ from __future__ import annotations
 import hashlib
 import json
 import os
+import re
 from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
@@ -22,6 +23,8 @@ if TYPE_CHECKING:
 
 #: What is done to a material before anything is made from it.
 CHANGES = ("mask", "straighten", "even_light", "turn", "repeats", "map_weights")
+#: What a map may be called, in files too.
+_MAP = re.compile(r"[A-Za-z0-9][A-Za-z0-9_ -]{0,39}")
 #: Every field of a description.
 FIELDS = frozenset({"sample", "name", "maps", *CHANGES})
 
@@ -89,7 +92,7 @@ def checked(given: Any) -> dict[str, Any]:
     else:
         maps = spec["maps"]
         good = isinstance(maps, dict) and 0 < len(maps) <= 40
-        if not good or not all(isinstance(x, str) and x for pair in maps.items() for x in pair):
+        if not good or not all(_MAP.fullmatch(k) and isinstance(v, str) for k, v in maps.items()):
             raise InvalidInputError(f"maps is {shown(maps)}; it must be uploads by what they are")
         if not isinstance(spec.get("name", ""), str):
             raise InvalidInputError(f"name is {shown(spec['name'])}; it must be a text")

@@ -37,7 +37,7 @@ def label_of(given: str | None) -> str:
     >>> label_of("..%2F..%2Fetc%2Fpass%00wd.png"), label_of(None)
     ('passwd.png', 'picture')
     """
-    last = unquote(given or "").replace("\\", "/").rpartition("/")[2]
+    last = unquote(given or "").replace("\\", "/").rpartition("/")[2]  # never a folder
     kept = "".join(c for c in last if c.isprintable() and c not in '<>:"|?*').strip(" .")
     return kept[-_LONGEST_NAME:] or "picture"
 
