@@ -166,7 +166,7 @@ def large(folder: Path) -> Iterator[Row]:
         said = "taken" if answer.status_code == 200 else f"refused ({answer.status_code})"
         yield (
             f"an upload of {side}x{height}, {len(content) >> 20} MiB",
-            f"{said} in {spent:.2f} s, the server at most at {resident(run):.0f} MiB, {before:.0f} before",
+            f"{said} in {spent:.2f} s; {resident(run):.0f} MiB at most, {before:.0f} before",
         )
     run.end(signal.SIGTERM)
 

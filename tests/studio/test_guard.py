@@ -161,6 +161,16 @@ def test_ids_are_no_paths(page, name):
         assert page.refused("materials", {"sample": name})
 
 
+MAPS = ["../x", "/tmp/x", "a/b", "..", ".x", "", "a\\b", "x" * 41, "a\0"]
+
+
+@pytest.mark.parametrize("name", MAPS)
+def test_names_of_maps_are_no_paths(page, name):
+    """They become names of files in what is taken along."""
+    given = {"maps": {"color": "0" * 64, name: "1" * 64}}
+    assert page.refused("materials", given)["parameter"] == "maps"
+
+
 @pytest.mark.parametrize(
     "old", ["../../etc", "x" * 43, "", 7, ["a"], None, "\0" * 43, "a/b" * 14 + "c"]
 )
