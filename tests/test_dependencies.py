@@ -35,7 +35,7 @@ LEVELS = [
     ["exemplar"],
     ["io"],
     ["raster"],
-    ["registry", "choice", "threads", "progress", "random", "roles", "parameters"],
+    ["registry", "choice", "threads", "processes", "progress", "random", "roles", "parameters"],
     ["errors"],
     ["dispatch"],
 ]

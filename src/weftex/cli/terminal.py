@@ -18,11 +18,11 @@ _PATIENCE = 0.6  # seconds that work in hand has to end by itself
 
 
 class Stopped(BaseException):
-    """Ctrl-C or SIGTERM; `code` is the exit code."""
+    """Ctrl-C or SIGTERM; `code` is the exit code, `left` says what is there."""
 
-    def __init__(self, code: int) -> None:
+    def __init__(self, code: int, left: str = "nothing was written") -> None:
         super().__init__(code)
-        self.code = code
+        self.code, self.left = code, left
 
 
 class Bar:
@@ -32,11 +32,21 @@ class Bar:
     ----------
     quiet : bool
         Show nothing.
+
+    Attributes
+    ----------
+    left : str
+        What is there if the work is stopped now.
+    stopped : bool
+        Whether `stop` was called.
     """
 
+    left = "nothing was written"
+
     def __init__(self, quiet: bool) -> None:
-        self._start, self._stop = perf_counter(), False
+        self._start, self.stopped = perf_counter(), False
         self._bar: Any = None
+        self._at_stop: list[Callable[[], None]] = []
         self._stage: tuple[int, str] | None = None
         self._quiet = quiet or not sys.stderr.isatty()
 
@@ -56,11 +66,17 @@ class Bar:
                 self._stage, self._bar.unit = (total, stage), f" {stage}"
                 self._bar.reset(total)
             self._bar.update(done - self._bar.n)
-        return not self._stop
+        return not self.stopped
 
     def stop(self) -> None:
         """Cancel the work at its next step."""
-        self._stop = True
+        self.stopped = True
+        for act in self._at_stop:
+            act()
+
+    def at_stop(self, act: Callable[[], None]) -> None:
+        """Have this done when the work is stopped."""
+        self._at_stop.append(act)
 
     def close(self) -> None:
         """Take the bar off the screen."""
@@ -172,9 +188,9 @@ def run(work: Callable[[Bar, Outputs], Result], quiet: bool) -> Result:
             code = error.code if isinstance(error, Stopped) else 130
             if not ended.wait(_PATIENCE):
                 outputs.sweep()
-                say("stopped; nothing was written")
+                say(f"stopped; {bar.left}")
                 os._exit(code)
-            raise Stopped(code) from None
+            raise Stopped(code, bar.left) from None
         finally:
             bar.close()
     finally:
