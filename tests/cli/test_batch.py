@@ -16,6 +16,7 @@ import pytest
 import weftex
 from commands import fails, weft_run
 from families import noise
+from picture_files import oiio_write
 from processes import hear_interrupts, weftex_process
 from weftex.errors import WeftexError
 from weftex.io.manifest import Manifest, remove
@@ -39,6 +40,9 @@ def samples(here):
 WORDS = ("--method", "quilting", "--patch-size", "12", "--size", "50x48", "--seed", "7")
 
 
+TYPES = {"grass": "png", "sand": "jpg"}
+
+
 def records(folder):
     lines = (folder / "manifest.jsonl").read_text().splitlines()
     return {one["output"]: one for one in map(json.loads, lines)}
@@ -54,7 +58,7 @@ def contents(folder):
 
 def test_pictures_and_sets(here, samples):
     assert weft_run("batch", "samples", "out", *WORDS, "--count", "2") == 0
-    expected = {f"{name}_{seed}.png" for name in ("grass", "sand") for seed in (7, 8)}
+    expected = {f"{name}_{seed}.{t}" for name, t in TYPES.items() for seed in (7, 8)}
     expected |= {f"wall_{s}/wall_{m}.png" for s in (7, 8) for m in ("color", "height")}
     assert set(contents(here / "out")) == expected
     method = weftex.Quilting(patch_size=12)
@@ -66,8 +70,8 @@ def test_pictures_and_sets(here, samples):
     assert set(found) == {
         "grass_7.png",
         "grass_8.png",
-        "sand_7.png",
-        "sand_8.png",
+        "sand_7.jpg",
+        "sand_8.jpg",
         "wall_7",
         "wall_8",
     }
@@ -75,6 +79,16 @@ def test_pictures_and_sets(here, samples):
     assert one["seed"] == 8 and one["method"] == "quilting" and one["size"] == [50, 48]
     assert one["parameters"]["patch_size"] == 12 and one["seconds"] >= 0
     assert one["sample"] == os.path.join("samples", "grass.png")
+
+
+def test_what_is_only_read_is_written_as_what_holds_it(here):
+    (here / "samples").mkdir()
+    floats = noise((40, 40, 3)).astype(np.float32)
+    oiio_write(here / "samples" / "a.jxl", "jpegxl", floats)
+    oiio_write(here / "samples" / "b.jxl", "jpegxl", noise((40, 40, 3)))
+    assert weft_run("batch", "samples", "out", *WORDS) == 0
+    assert set(contents(here / "out")) == {"a.exr", "b.png"}
+    assert read_image("out/a.exr").pixels.dtype == np.float32
 
 
 def test_auto_gives_its_reason(here, samples):
@@ -101,11 +115,11 @@ def test_nothing_is_overwritten_unless_told(here, samples, capsys):
 
 def test_a_file_of_somebody_else_is_kept(here, samples, capsys):
     (here / "out").mkdir()
-    (here / "out" / "sand.png").write_text("mine")
+    (here / "out" / "sand.jpg").write_text("mine")
     fails(capsys, here, "batch", "samples", "out", *WORDS)
     assert weft_run("batch", "samples", "out", *WORDS, "--skip-existing") == 0
-    assert (here / "out" / "sand.png").read_text() == "mine"
-    assert "sand.png" not in records(here / "out")
+    assert (here / "out" / "sand.jpg").read_text() == "mine"
+    assert "sand.jpg" not in records(here / "out")
 
 
 def test_the_best_are_kept(here, samples):

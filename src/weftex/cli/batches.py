@@ -16,7 +16,7 @@ from weftex.cli.sets import plan
 from weftex.cli.terminal import Outputs
 from weftex.errors import CancelledError, FileError, InvalidInputError, WeftexError, shown
 from weftex.io.folders import map_files
-from weftex.io.formats import READABLE, suffix_of
+from weftex.io.formats import READABLE, suffix_of, written_as
 from weftex.io.manifest import unfinished
 from weftex.quality.sets import Eyes
 
@@ -27,8 +27,6 @@ if TYPE_CHECKING:
     from weftex.method import Method, Model
     from weftex.results.synthesis import Synthesis
 
-#: Files of these types are written as they came; others, which lose something, as PNG or EXR.
-_KEPT = (".png", ".tif", ".tiff", ".exr", ".webp", ".bmp")
 _FIELDS = {"name", "seed"}
 
 
@@ -93,11 +91,7 @@ def entries_of(folder: str) -> list[Entry]:
                 continue
             entry = Entry(path, file, "")
         elif suffix_of(file) in READABLE:
-            suffix = suffix_of(file)
-            float_only = suffix == ".hdr"
-            entry = Entry(
-                path, stem, suffix if suffix in _KEPT else ".exr" if float_only else ".png"
-            )
+            entry = Entry(path, stem, written_as(path))
         else:
             continue
         if entry.name in found:

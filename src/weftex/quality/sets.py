@@ -44,8 +44,10 @@ class Eyes:
             one = exemplar.map(name)
             if weight > 0 and one.role.kind != "labels":
                 if exemplar.mask is not None:
-                    usable = resized(exemplar.mask.astype(np.uint8), exemplar.scale_of(name))
-                    one = one.changed(mask=usable == 1)
+                    usable = resized(exemplar.mask.astype(np.float32), exemplar.scale_of(name)) == 1
+                    if not usable.any():
+                        continue
+                    one = one.changed(mask=usable)
                 self._eyes.append((Eye(one), weight / len(exemplar.maps)))
 
     def score(self, made: Synthesis) -> float | None:
