@@ -75,9 +75,8 @@ def main(argv: list[str] | None = None) -> int:
         if name in ("-h", "--help", "help"):
             print(_ABOUT, end="")
         elif name in ("-V", "--version"):
-            from importlib.metadata import version
-
-            print(f"weftex {version('weftex')}")
+            # Of the code that runs, whatever is installed beside it.
+            print(f"weftex {sys.modules['weftex'].__version__}")
         elif name in _COMMANDS:
             import_module(f"weftex.cli.commands.{name}").run(arguments[1:])
         else:
