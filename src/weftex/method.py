@@ -60,6 +60,9 @@ class Model(ABC):
     method: Method
     asked: Method | None = None
 
+    def __repr__(self) -> str:
+        return f"<{type(self).__name__} of {self.exemplar!r} for {self.method!r}>"
+
     @abstractmethod
     def sample(
         self,
