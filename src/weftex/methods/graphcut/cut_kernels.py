@@ -15,15 +15,6 @@ from cython.cimports.weftex.methods.graphcut.seam_kernels import (
 )
 from cython.cimports.weftex.seams.maxflow_kernels import Capacities, Trees, minimum_cut
 
-# The choices that a pixel of a box may have.
-NOTHING = cython.declare(cython.int, 0)
-OLD = cython.declare(cython.int, 1)
-NEW = cython.declare(cython.int, 2)
-EITHER = cython.declare(cython.int, 3)
-
-REACH = cython.declare(cython.int, 2)  # blocks around those that the cut passes
-STEP = cython.declare(cython.int, 2)  # so many halvings less at a time
-
 
 @cython.cclass
 class Patch:

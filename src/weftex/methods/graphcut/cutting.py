@@ -17,6 +17,8 @@ if TYPE_CHECKING:
     from weftex.methods.graphcut.settings import Settings
     from weftex.methods.pixels.growth import Growth
 
+_AHEAD = 2**16  # pixels that are looked through at a time for one that is missing
+
 
 class Picture:
     """The canvas so far, with old seams: all patches that were pasted show in its labels.
@@ -56,11 +58,14 @@ class Picture:
 
     def missing(self) -> Iterator[tuple[int, int]]:
         """Yield the first pixel that is missing, until none is."""
-        first = 0
-        while True:
-            first += int(self.done[first:].argmin())
-            if self.done[first]:
-                return
+        first, size = 0, self.done.size
+        while first < size:
+            part = self.done[first : first + _AHEAD]
+            at = int(part.argmin())
+            if part[at]:
+                first += len(part)
+                continue
+            first += at
             yield divmod(first, self.shape[1])
 
     def price(self, place: Place, number: int) -> float:
