@@ -9,7 +9,7 @@ Compiled by Cython, see setup.py.
 
 import cython
 
-# A direction is right, down, left or up; the opposite of d is d ^ 2. Names and a Node: see the .pxd.
+# A direction is right, down, left or up; the opposite of d is d ^ 2. A Node: see the .pxd.
 
 
 @cython.cclass

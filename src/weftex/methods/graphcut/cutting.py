@@ -139,11 +139,11 @@ class Picture:
 def _graph(height: int, width: int) -> cut_kernels.Graph:
     """Make room for the graph of a patch."""
     shape = height, width
-    old, new = np.empty((2, *shape), np.int32)
+    old, new, apart = np.empty((3, *shape), np.int32)
     arcs = np.empty((*shape, 4), np.int32)
     choice, side, shown, along = np.empty((4, *shape), np.uint8)
     trees = search_trees(height, width)
-    return cut_kernels.Graph(arcs, old, new, choice, side, shown, along, trees)
+    return cut_kernels.Graph(arcs, old, new, apart, choice, side, shown, along, trees)
 
 
 def _joins(usable: NDArray[np.bool_], tiles: bool) -> NDArray[np.uint8]:

@@ -96,7 +96,9 @@ class Repeats:
         for rows, columns in ((near[0], near[1]), (rest[0], over[1]), (over[0], rest[1])):
             kernels.count_shown(self._showing, rows, columns, *places)
         once = self.size[0] * self.size[1] / self.step**2
-        result: NDArray[np.float64] = marks.cumsum(axis=1).cumsum(axis=2)[:, :-1, :-1] / once
+        for axis in (1, 2):
+            marks.cumsum(axis=axis, out=marks)
+        result: NDArray[np.float64] = marks[:, :-1, :-1] / once
         return result
 
     def used(self, halvings: int) -> NDArray[np.float64]:
@@ -106,9 +108,12 @@ class Repeats:
         """
         counts, sides = self._counts(halvings), [max(1, n >> halvings) for n in self.size]
         mean = float(counts.mean()) * sides[0] * sides[1]
-        around = "wrap" if self.exemplar.tileable else "constant"
-        counts = np.pad(counts, [(0, n - 1) for n in sides], mode=around)  # type: ignore[call-overload]
-        result: NDArray[np.float64] = box_sums(counts, *sides) / (mean or 1)
+        if self.exemplar.tileable:
+            beyond = np.pad(counts, [(0, n - 1) for n in sides], mode="wrap")
+        else:
+            beyond = np.zeros([n + m - 1 for n, m in zip(counts.shape, sides, strict=True)], int)
+            beyond[: counts.shape[0], : counts.shape[1]] = counts
+        result: NDArray[np.float64] = box_sums(beyond, *sides) / (mean or 1)
         return result
 
     def used_where(
