@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import Any, NamedTuple
 
 from weftex.canvas import FAR, Canvas
+from weftex.errors import InvalidInputError
 
 
 class Span(NamedTuple):
@@ -64,3 +65,13 @@ def canvas_of(box: Box) -> Canvas:
 def box_of(top: int, left: int, height: int, width: int) -> Box:
     """The box of a window."""
     return Box(Span(top, top + height), Span(left, left + width))
+
+
+def check_period(period: tuple[int, int] | None, least: int) -> None:
+    """Raise `InvalidInputError` if a plane comes back to itself too soon for its blocks."""
+    for name, length in zip(("height", "width"), period or (), strict=False):
+        if length < least:
+            raise InvalidInputError(
+                f"period has the {name} {length}; it must be {least} or more with this method and "
+                "sample, or make a tileable picture of that size"
+            )
