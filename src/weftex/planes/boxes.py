@@ -34,6 +34,12 @@ class Box(NamedTuple):
         """The same and so many more pixels on either side."""
         return Box(self.rows.grown(down), self.columns.grown(across))
 
+    def has(self, other: Box) -> bool:
+        """Whether another box lies in this one."""
+        return all(
+            a.first <= b.first and b.last <= a.last for a, b in zip(self, other, strict=True)
+        )
+
     def within(self, other: Box) -> tuple[slice, slice]:
         """What both share, in indices of the other one; empty where they share nothing."""
         rows, columns = (
@@ -54,6 +60,16 @@ class Asked(NamedTuple):
     def told(self) -> dict[str, Any]:
         """What a result says of it."""
         return {"seed": self.seed} | ({} if self.period is None else {"period": [*self.period]})
+
+
+def around(boxes: list[Box]) -> Box:
+    """The smallest box that has all of these."""
+    rows, columns = ([box[axis] for box in boxes] for axis in (0, 1))
+    down, across = (
+        Span(min(span.first for span in spans), max(span.last for span in spans))
+        for spans in (rows, columns)
+    )
+    return Box(down, across)
 
 
 def canvas_of(box: Box) -> Canvas:

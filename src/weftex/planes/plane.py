@@ -14,7 +14,7 @@ from weakref import WeakKeyDictionary
 import numpy as np
 
 from weftex.canvas import Canvas
-from weftex.planes.boxes import Box, canvas_of, check_period
+from weftex.planes.boxes import Box, around, canvas_of, check_period
 from weftex.planes.cache import BlockCache
 from weftex.planes.corners import Pieces
 from weftex.planes.grid import ACROSS, CORNER, DOWN, Axis, Block, Grid, Sizes
@@ -34,6 +34,7 @@ if TYPE_CHECKING:
 
 #: Bytes of blocks that are kept for each model.
 MOST_BYTES = 2**27
+_MOST_AT_ONCE = 2**24  # pixels of a start
 _FEWEST = 2  # blocks around a plane that repeats
 
 
@@ -111,6 +112,7 @@ class Plane:
         sizes = model.block_sizes()
         self.grid = Grid(sizes, *axes_of(sizes, asked.period))
         self.cache, self.pieces = kept_of(model)
+        self._start: tuple[Box, NDArray[np.int32]] | None = None
         self._pixels = model.exemplar.pixels.reshape(-1, *model.exemplar.pixels.shape[2:])
 
     def show(self, box: Box, callback: ProgressCallback | None = None) -> NDArray[np.int32]:
@@ -120,6 +122,7 @@ class Plane:
         threads = max(1, min(self.asked.threads, len(blocks)))
         within = max(1, self.asked.threads // threads)
         progress = Progress(callback, len(blocks), "blocks", lambda: self._pixels[shown])
+        self._begin(blocks)
         with thread_map(threads) as each:
             for block, made in zip(
                 blocks, each(lambda block: self.block(block, within), blocks), strict=True
@@ -128,13 +131,32 @@ class Plane:
                 progress.advance(1)
         return shown
 
+    def _begin(self, blocks: list[Block]) -> None:
+        """Ask for what all blocks begin with at once, which is cheaper than one by one."""
+        new = [self.grid.seen(block) for block in blocks if self._key(block) not in self.cache]
+        if not self.grid.sizes.around or not new:
+            return
+        box = around(new)
+        if box.shape[0] * box.shape[1] <= _MOST_AT_ONCE:
+            start = self.model.start_of(box, self.asked)
+            self._start = None if start is None else (box, start)
+
+    def _start_of(self, box: Box, threads: int) -> NDArray[np.int32] | None:
+        """What a block begins with."""
+        if self._start is not None and self._start[0].has(box):
+            return self._start[1][box.within(self._start[0])].copy()
+        return self.model.start_of(box, self.asked._replace(threads=threads))
+
+    def _key(self, block: Block) -> tuple[Any, ...]:
+        """What a block is kept under, and its name: the same one for every time around."""
+        down, across = self.grid.down, self.grid.across
+        name = Block(block.kind, down.name(block.row), across.name(block.column))
+        return self.asked.seed, self.asked.period, name
+
     def block(self, block: Block, threads: int = 1) -> NDArray[np.int32]:
         """Flat indices of a block with what it replaces; -1 where it shows nothing."""
-        name = Block(
-            block.kind, self.grid.down.name(block.row), self.grid.across.name(block.column)
-        )
-        key = self.asked.seed, self.asked.period, name
-        return self.cache.get(key, lambda: self.make(name, threads))
+        key = self._key(block)
+        return self.cache.get(key, lambda: self.make(key[-1], threads))
 
     def make(self, block: Block, threads: int = 1) -> NDArray[np.int32]:
         """Make a block, and those that it hangs on."""
@@ -142,14 +164,14 @@ class Plane:
         start = None
         seen, own, reached = (f(block) for f in (self.grid.seen, self.grid.own, self.grid.reached))
         if self.grid.sizes.around:
-            start = self.model.start_of(seen, self.asked._replace(threads=threads))
+            start = self._start_of(seen, threads)
         if start is None:
             if block.kind == CORNER and self.pieces is not None:
                 return self._piece(block, self.pieces)
             seen = self._without_start(block, seen)
             shown = np.full(seen.shape, -1, np.int32)
         else:
-            shown = start.copy()
+            shown = start
         for other in self.grid.hangs_on(block):
             lay(shown, seen, self.block(other, threads), self.grid.reached(other))
         hole = np.zeros(seen.shape, bool)

@@ -18,6 +18,7 @@ from weftex.methods.patches.plane_order import PatchAxis, PlaneOrder, least_peri
 from weftex.methods.patches.settings import PatchMethod, PatchSettings, settle_on
 from weftex.planes.boxes import canvas_of, check_period
 from weftex.planes.corners import Pieces
+from weftex.planes.grid import Sizes
 from weftex.progress import ProgressCallback
 from weftex.random import seed_number
 from weftex.results.patches import PatchSynthesis, PatchWindow
@@ -111,6 +112,21 @@ class PatchModel(Model):
             picture=output.picture(),
         )
 
+    @property
+    def _plane_boundary(self) -> int:
+        """The boundary width on planes: as around a wrapped axis, room is left between two."""
+        settings = self.analysis.settings
+        return max(1, min(settings.boundary_width, settings.window_side // 4))
+
+    def block_sizes(self) -> Sizes:
+        """See `Model.block_sizes`: edges are one patch wide."""
+        settings, overlap = self.analysis.settings, self._plane_boundary
+        if settings.pixelwise:
+            return super().block_sizes()
+        axis = PatchAxis.of(settings.window_side, overlap, None)
+        step = axis.patches.period
+        return Sizes(pitch=step * axis.nodes.period, belt=step)
+
     def make_window(
         self, box: Box, asked: Asked, progress: ProgressCallback | None = None
     ) -> Synthesis:
@@ -118,9 +134,7 @@ class PatchModel(Model):
         settings = self.analysis.settings
         if settings.pixelwise:
             return super().make_window(box, asked, progress)
-        side = settings.window_side
-        # As around a wrapped axis: room is left between zones at either end.
-        width = max(1, min(settings.boundary_width, side // 4))
+        side, width = settings.window_side, self._plane_boundary
         check_period(asked.period, least_period(side, width))
         analysis = self.analysis.settled(replace(settings, boundary_width=width))
         down, across = asked.period or (None, None)

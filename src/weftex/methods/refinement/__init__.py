@@ -241,7 +241,8 @@ def texture_synthesis(prepared: Prepared, growth: Growth) -> None:
         keep_patches(made, settings.belt, windows, growth)
         if growth.done.all():
             return
-    cyclic = growth.hole is not None  # section 5, Fig. 12
+    # Section 5, Fig. 12; a block of a plane goes on with what was started all over it.
+    cyclic = growth.hole is not None and (made is None or growth.canvas.shown is None)
     outputs = output_pyramid(windows, levels, growth)
     guides = guides_of(settings, levels, growth)
     convergence = Convergence(settings.threshold, cyclic)
