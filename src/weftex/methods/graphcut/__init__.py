@@ -161,7 +161,7 @@ class GraphCutModel(PixelModel):
         side, boundary = min(settings.patch_shape), settings.boundary_width
         belt = 2 * max(side // 2 if boundary else side // 4, 8)
         gap = _PATCHES * (side - boundary) - boundary if boundary else 2 * belt
-        return Sizes(pitch=belt + max(gap, belt), belt=belt, loose=belt // 4)
+        return Sizes(pitch=belt + max(gap, belt), belt=belt, loose=belt // 3)
 
 
 def synthesize(settings: Settings, growth: Growth) -> None:
