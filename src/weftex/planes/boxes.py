@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
+import numbers
 from typing import Any, NamedTuple
 
 from weftex.canvas import FAR, Canvas
-from weftex.errors import InvalidInputError
+from weftex.errors import InvalidInputError, shown
 
 
 class Span(NamedTuple):
@@ -81,6 +82,32 @@ def canvas_of(box: Box) -> Canvas:
 def box_of(top: int, left: int, height: int, width: int) -> Box:
     """The box of a window."""
     return Box(Span(top, top + height), Span(left, left + width))
+
+
+def as_period(period: int | tuple[int, int] | None) -> tuple[int, int] | None:
+    """Height and width after which a plane comes back to itself, from one number or two.
+
+    Examples
+    --------
+    >>> as_period(1000)
+    (1000, 1000)
+
+    Raises
+    ------
+    InvalidInputError
+        If it is neither, or out of range.
+    """
+    if period is None:
+        return None
+    sides: Any = (period, period) if isinstance(period, numbers.Integral) else period
+    whole = isinstance(sides, (tuple, list)) and len(sides) == 2
+    whole = whole and all(isinstance(side, numbers.Integral) for side in sides)
+    if not whole or isinstance(period, bool) or not all(1 <= side <= FAR for side in sides):
+        raise InvalidInputError(
+            f"period is {shown(period)}; it must be a whole number of pixels from 1 to 2**40, or "
+            "two of them"
+        )
+    return int(sides[0]), int(sides[1])
 
 
 def check_period(period: tuple[int, int] | None, least: int) -> None:

@@ -74,11 +74,16 @@ class Output:
         elif known is None:
             self.order = scan_patches(self.frame, self._zones, seed, threads)
         else:
-            if analysis.exemplar.maps:
+            shown = canvas.shown
+            if analysis.exemplar.maps and shown is None:
                 raise InvalidInputError(
                     "a hole's surroundings lack the sample's maps; use weftex.fill"
                 )
-            matching = analysis.exemplar.as_matching(known, self.settings.edge_weight)
+            edges, exemplar = self.settings.edge_weight, analysis.exemplar
+            if shown is None:
+                matching = exemplar.as_matching(known, edges)
+            else:  # a block of a plane
+                matching = exemplar.matching(edges)[np.divmod(shown, exemplar.shape[1])]
             self.pixels[self.frame.inside] = matching
             self.order = spiral_patches(self.frame, self._zones, seed)
         self.placements = np.zeros((len(self.order.corners), 5), np.int32)
