@@ -36,7 +36,7 @@ LEVELS = [
     ["exemplar"],
     ["io"],
     ["raster"],
-    ["registry", "choice", "threads", "progress", "random", "roles", "parameters"],
+    ["registry", "choice", "threads", "processes", "progress", "random", "roles", "parameters"],
     ["errors"],
     ["dispatch"],
 ]

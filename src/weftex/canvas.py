@@ -65,13 +65,13 @@ class Canvas:
     height: int
     width: int
     wrap: tuple[bool, bool] = (False, False)
-    known: NDArray[Any] | None = None
-    hole: NDArray[np.bool_] | None = None
+    known: NDArray[Any] | None = field(default=None, repr=False)
+    hole: NDArray[np.bool_] | None = field(default=None, repr=False)
     known_from: tuple[int, int] | None = None
-    guide: NDArray[Any] | None = None
+    guide: NDArray[Any] | None = field(default=None, repr=False)
     origin: tuple[int, int] = (0, 0)
-    known_maps: Mapping[str, NDArray[Any]] = field(default_factory=dict)
-    shown: NDArray[np.int32] | None = None
+    known_maps: Mapping[str, NDArray[Any]] = field(default_factory=dict, repr=False)
+    shown: NDArray[np.int32] | None = field(default=None, repr=False)
 
     def __post_init__(self) -> None:
         for name in ("height", "width"):
