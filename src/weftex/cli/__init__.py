@@ -18,6 +18,7 @@ _COMMANDS = (
     "batch",
     "fuse",
     "replay",
+    "check",
     "analyze",
     "prepare",
     "estimate",
@@ -36,6 +37,7 @@ usage: weftex COMMAND ...      (weftex COMMAND --help says more)
   batch     many outputs from all samples of a folder
   fuse      merge several materials where a map says
   replay    lay a saved result again with another map of the same sample
+  check     say whether a picture that is written block by block is all there
   analyze   say what a sample is like: its scale, its lattice, whether it tiles
   prepare   straighten a photo and even its light, before it is a sample
   estimate  guess height and normals of a photo that has none
@@ -87,8 +89,9 @@ def main(argv: list[str] | None = None) -> int:
     except SystemExit as end:  # argparse after --help
         return int(end.code or 0)
     except (KeyboardInterrupt, Stopped) as end:
-        say("stopped; nothing was written")
-        return end.code if isinstance(end, Stopped) else 130
+        end = end if isinstance(end, Stopped) else Stopped(130)
+        say(f"stopped; {end.kept}")
+        return end.code
     except MemoryError as error:
         say(f"error: not enough memory{f' ({error})' if str(error) else ''}; make it smaller")
     except WeftexError as error:

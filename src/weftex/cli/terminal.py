@@ -18,11 +18,11 @@ _PATIENCE = 0.6  # seconds that work in hand has to end by itself
 
 
 class Stopped(BaseException):
-    """Ctrl-C or SIGTERM; `code` is the exit code."""
+    """Ctrl-C or SIGTERM; `code` is the exit code, `kept` what is said of the outputs."""
 
-    def __init__(self, code: int) -> None:
+    def __init__(self, code: int, kept: str = "nothing was written") -> None:
         super().__init__(code)
-        self.code = code
+        self.code, self.kept = code, kept
 
 
 class Bar:
@@ -75,6 +75,8 @@ class Outputs:
         self._folders: set[str] = set()
         self._made: list[str] = []
         self._stack = ExitStack()
+        #: What is said of them when they are stopped.
+        self.kept = "nothing was written"
 
     def __enter__(self) -> Outputs:
         return self
@@ -172,9 +174,9 @@ def run(work: Callable[[Bar, Outputs], Result], quiet: bool) -> Result:
             code = error.code if isinstance(error, Stopped) else 130
             if not ended.wait(_PATIENCE):
                 outputs.sweep()
-                say("stopped; nothing was written")
+                say(f"stopped; {outputs.kept}")
                 os._exit(code)
-            raise Stopped(code) from None
+            raise Stopped(code, outputs.kept) from None
         finally:
             bar.close()
     finally:
