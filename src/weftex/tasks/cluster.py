@@ -9,10 +9,10 @@ from __future__ import annotations
 
 import os
 import pickle
+import sys
 import warnings
 from contextlib import contextmanager
 from functools import cache, lru_cache
-from importlib.metadata import version
 from time import sleep
 from typing import TYPE_CHECKING, Any
 
@@ -196,7 +196,7 @@ class Workers:
 @cache
 def versions() -> dict[str, str]:
     """Return the versions that bytes may depend on."""
-    return {"weftex": version("weftex")}
+    return {"weftex": sys.modules["weftex"].__version__}
 
 
 def refuse_versions(worker: str, found: dict[str, str], wanted: dict[str, str]) -> None:

@@ -83,13 +83,10 @@ def plane(
         near = did_you_mean(name, recipe.pictures)
         raise InvalidInputError(f"show is '{name}'; the sample has no such map{near}")
     layout = recipe.layouts[name]
-    sides = [
-        (layout.block,) * (side // layout.block)
-        + ((rest,) if (rest := side % layout.block) else ())
-        for side in (layout.height, layout.width)
-    ]
-    chunks = (*sides, *[(layout.channels,)] * (layout.channels > 0))
-    found: Any = dask.array.map_blocks(
+    whole = (layout.height, layout.width, *[layout.channels] * (layout.channels > 0))
+    sides = (layout.block, layout.block, *whole[2:])
+    make: Any = dask.array.map_blocks
+    return make(
         _block,
         chunks=dask.array.core.normalize_chunks(sides, whole),
         dtype=layout.dtype,

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import hashlib
 import json
+import sys
 from dataclasses import dataclass, field, fields, replace
 from functools import cached_property
-from importlib.metadata import version
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -165,7 +165,7 @@ class Recipe:
             digest.update(f"{name} {value.dtype.str} {value.shape}".encode())
             digest.update(np.ascontiguousarray(value).tobytes())
         return {
-            "version": version("weftex"),
+            "version": sys.modules["weftex"].__version__,
             "width": self.width,
             "height": self.height,
             **json.loads(json.dumps(self.method.describe())),

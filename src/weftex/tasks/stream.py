@@ -186,14 +186,9 @@ def recipe_of(
         seed = Recipe.load(record.recipe).seed
     number = seed_number(seed)
     chosen = settled(exemplar, method, (height, width), number)
-    about: dict[str, Any] = {
-        "seed": number,
-        "height": height,
-        "width": width,
-        "wrap": axes[tileable],
-    }
-    about["stems"] = dict(stems or {})
-    return Recipe(exemplar, **chosen, **about, block=block)
+    about: dict[str, Any] = {"height": height, "width": width, "wrap": axes[tileable]}
+    about |= {"seed": number, "block": block, "stems": dict(stems or {})}
+    return Recipe(exemplar, **chosen, **about)
 
 
 def _sides(size: Any) -> tuple[int, int]:
