@@ -25,12 +25,23 @@ if TYPE_CHECKING:
 
 def read(path: str, args: argparse.Namespace, maps: dict[str, str] | None = None) -> Material:
     """Read a picture, or a folder of maps."""
-    from weftex.cli.planes import refuse_plane
     from weftex.io.pictures import MAX_PIXELS
     from weftex.material import read_material
 
     refuse_plane(path)
     return read_material(path, maps, max_pixels=None if args.allow_huge else MAX_PIXELS)
+
+
+def refuse_plane(path: str) -> None:
+    """Raise `InvalidInputError` where a picture is read whole, and a plane is given."""
+    from weftex.stores.files import ALWAYS
+    from weftex.stores.record import is_plane
+
+    if is_plane(path) or path.endswith(ALWAYS):
+        raise InvalidInputError(
+            f"{path} is written block by block, and may be larger than memory: only replay, report "
+            "and check work on it. One that repeats is made so: weftex synth --tileable"
+        )
 
 
 def load(

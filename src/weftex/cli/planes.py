@@ -8,6 +8,7 @@ from time import perf_counter
 from typing import TYPE_CHECKING, Any
 
 from weftex.canvas import MAX_PIXELS
+from weftex.cli.files import axes_of
 from weftex.cli.terminal import say
 from weftex.errors import InvalidInputError
 from weftex.io.formats import suffix_of
@@ -24,7 +25,7 @@ if TYPE_CHECKING:
     from weftex.tasks.recipe import Recipe
 
 _HUGE = 2**28  # pixels, from which on a TIFF is written block by block
-_OPTIONS = ("block", "part", "workers", "cluster", "restart")
+_OPTIONS = ("part", "workers", "cluster", "restart", "block")
 #: Options of synth that ask for the whole picture.
 _WHOLE = {
     "guide": "a guide is a picture of the whole size",
@@ -141,7 +142,6 @@ def recipe_for(
     size: tuple[int, int],
 ) -> Recipe:
     """What `weftex synth` makes a plane of."""
-    from weftex.cli.files import axes_of
     from weftex.stores.record import Record
     from weftex.tasks.recipe import BLOCK
     from weftex.tasks.stream import recipe_of
@@ -173,7 +173,7 @@ def write(
     stores, record = job.stores(), Record(job.target, job.part)
     check_begun(job, stores, record, args.restart)
     blocks = wanted(job, stores)
-    left = blocks if args.restart else left_of(job, stores, record)
+    left = left_of(job, stores, record, args.restart)
     if not args.quiet:
         what = f"part {args.part[0]} of {args.part[1]}, " if args.part else ""
         say(
@@ -229,14 +229,3 @@ def is_source(path: str) -> bool:
     from weftex.stores.record import is_plane
 
     return is_plane(path) or is_archive(path)
-
-
-def refuse_plane(path: str) -> None:
-    """Raise `InvalidInputError` where a picture is read whole, and a plane is given."""
-    from weftex.stores.record import is_plane
-
-    if is_plane(path) or suffix_of(path) in ALWAYS:
-        raise InvalidInputError(
-            f"{path} is written block by block, and may be larger than memory: only replay, report "
-            "and check work on it. One that repeats is made so: weftex synth --tileable"
-        )

@@ -11,7 +11,8 @@ from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
 
-from weftex.io.formats import FORMATS, check_fit
+from weftex.errors import InvalidInputError
+from weftex.io.formats import FORMATS, show
 from weftex.io.pictures import read_image, write_image, write_text
 from weftex.stores.store import Store, synced
 
@@ -39,8 +40,12 @@ class DeepZoomStore(Store):
     def check(self) -> None:
         """Refuse pixels that PNG does not hold."""
         layout = self.layout
-        like = np.empty((1, 1, layout.channels) if layout.channels else (1, 1), layout.dtype)
-        check_fit(self.path, FORMATS[".png"], like, layout.alpha)
+        colors = max(layout.channels, 1) - layout.alpha
+        if not FORMATS[".png"].holds(layout.dtype, colors, layout.alpha):
+            raise InvalidInputError(
+                f"{show(self.path)}: '.dzi' is of PNG tiles, which do not hold {layout.dtype} "
+                f"pixels of {colors} channels; use .zarr or .tif"
+            )
 
     def create(self, about: Mapping[str, Any]) -> None:
         """Make the folders, then the file."""

@@ -7,6 +7,7 @@ journal is written, and on the disk, after its block is; so a process may be kil
 from __future__ import annotations
 
 import os
+import shutil
 from contextlib import contextmanager
 from typing import TYPE_CHECKING, Any
 
@@ -134,6 +135,10 @@ class Record:
         for name in os.listdir(self.folder):
             if name == RECIPE or name.endswith(".txt"):
                 os.unlink(os.path.join(self.folder, name))
+
+    def remove_folder(self) -> None:
+        """Remove everything."""
+        shutil.rmtree(self.folder, ignore_errors=True)
 
 
 def is_plane(path: str) -> bool:

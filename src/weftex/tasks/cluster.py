@@ -7,6 +7,7 @@ that a million blocks need no more memory there than a thousand.
 
 from __future__ import annotations
 
+import logging
 import os
 import pickle
 import sys
@@ -28,7 +29,7 @@ if TYPE_CHECKING:
 _AHEAD = 4  # tasks a thread of the workers that the scheduler knows
 _LEAST_AHEAD = 16
 _TRIES = 10  # workers that may die while they make one block
-_PATIENCE = "20s"  # for the scheduler's answer
+_PATIENCE = "10s"  # for the scheduler's answer
 _POLL = 0.02  # seconds
 _GONE = "the scheduler is gone; blocks that are done are kept, and the same command goes on"
 
@@ -63,6 +64,8 @@ def connected(workers: int | None = None, address: str | None = None) -> Iterato
         If there is no scheduler at that address.
     """
     distributed = cluster_library()
+    for name in ("distributed", "distributed.client", "distributed.core", "distributed.comm"):
+        logging.getLogger(name).setLevel(logging.CRITICAL)  # a worker that dies is no news
     if (workers is None) == (address is None):
         raise InvalidInputError("give a number of workers, or the address of a scheduler")
     if address is not None:

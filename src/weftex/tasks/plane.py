@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
-from weftex.errors import InvalidInputError, did_you_mean
+from weftex.errors import InvalidInputError, did_you_mean, shown
 from weftex.loading import load_exemplar
 from weftex.tasks.method_names import AUTO, make_method
 from weftex.tasks.stream import recipe_of
@@ -18,6 +18,7 @@ if TYPE_CHECKING:
     from weftex.tasks.recipe import Recipe
 
 _BLOCK = 1024
+_MOST_BLOCKS = 10**6  # along a side
 
 
 def plane(
@@ -83,12 +84,17 @@ def plane(
         near = did_you_mean(name, recipe.pictures)
         raise InvalidInputError(f"show is '{name}'; the sample has no such map{near}")
     layout = recipe.layouts[name]
+    if max(layout.grid(0)) > _MOST_BLOCKS:
+        raise InvalidInputError(
+            f"size is {shown(size)}, more than {_MOST_BLOCKS} blocks along a side; Dask lists all "
+            "of them, so make the block larger"
+        )
     whole = (layout.height, layout.width, *[layout.channels] * (layout.channels > 0))
     sides = (layout.block, layout.block, *whole[2:])
-    make: Any = dask.array.map_blocks
-    return make(
+    array: Any = dask.array
+    return array.map_blocks(
         _block,
-        chunks=dask.array.core.normalize_chunks(sides, whole),
+        chunks=array.core.normalize_chunks(sides, whole),
         dtype=layout.dtype,
         meta=recipe.pictures[name].pixels[:0].astype(layout.dtype),
         name=f"weftex-{name}-{recipe.digest[:24]}",

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from weftex.canvas import FAR
-from weftex.errors import FileError, InvalidInputError, UnsupportedError
+from weftex.errors import FileError, InvalidInputError
 from weftex.exemplar import Exemplar
 from weftex.io.formats import show
 from weftex.raster.levels import scale_between
@@ -33,7 +33,6 @@ if TYPE_CHECKING:
     from weftex.stores.layout import Window
     from weftex.stores.store import Store
 
-_PROBE = 512  # pixels a side of what "auto" looks at
 BLOCK = 2048
 _FLAGS = ("tileable", "alpha", "name", "turn", "pieces")
 
@@ -77,6 +76,10 @@ class Recipe:
             raise InvalidInputError(
                 f"size is {self.width}x{self.height}; a side of a plane is from 1 to 2**40"
             )
+
+    def __getstate__(self) -> dict[str, Any]:
+        """Without what can be made again: other processes fit the model themselves."""
+        return {one.name: getattr(self, one.name) for one in fields(self)}
 
     @cached_property
     def model(self) -> Model:
@@ -123,14 +126,9 @@ class Recipe:
         progress: ProgressCallback | None = None,
     ) -> Synthesis:
         """Return the result in a window of the plane."""
-        wraps: dict[str, Any] = {}
-        if any(self.wrap):
-            # Along an axis that need not repeat it does so out of sight.
-            sides = zip(self.wrap, (self.height, self.width), strict=True)
-            wraps["period"] = tuple(side if wrap else 2 * side for wrap, side in sides)
-        return self.model.window(
-            *window, seed=self.seed, threads=threads, progress=progress, **wraps
-        )
+        how: dict[str, Any] = {"threads": threads, "progress": progress}
+        period = period_of((self.height, self.width), self.wrap)
+        return self.model.window(*window, seed=self.seed, period=period, **how)
 
     def render(
         self, window: Window, only: str | None = None, **how: Any
@@ -221,20 +219,27 @@ class Recipe:
         )
 
 
-def settled(exemplar: Exemplar, method: Method, size: tuple[int, int], seed: int) -> dict[str, Any]:
-    """Return the method of a plane, and why it was chosen: "auto" makes a small picture to see."""
-    if not is_auto(method):
-        method.require_kind("random_access")
-        return {"method": method}
-    probe = (min(size[0], _PROBE), min(size[1], _PROBE))
-    made = method.fit(exemplar).sample(probe, seed=seed)
-    slug = made.provenance["method"]
-    chosen = make_method(slug, _parameters(slug, made.provenance))
-    try:
-        chosen.require_kind("random_access")
-    except UnsupportedError as error:
-        raise UnsupportedError(f"auto chose {slug} for this sample, and {error}") from None
-    return {"method": chosen, "reason": made.provenance.get("reason", "")}
+def period_of(shape: tuple[int, int], wrap: tuple[bool, bool]) -> tuple[int, int] | None:
+    """After how many pixels a plane comes back: out of sight along an axis that need not repeat."""
+    height, width = shape
+    return (height * (2 - wrap[0]), width * (2 - wrap[1])) if any(wrap) else None
+
+
+def settled(model: Model, seed: int, period: tuple[int, int] | None) -> dict[str, Any]:
+    """Return the method of a plane, and why it was chosen; "auto" says that of any window.
+
+    Raises
+    ------
+    UnsupportedError, InvalidInputError
+        If the method makes no windows, or none that repeat.
+    """
+    asked = model.asked or model.method
+    asked.require_plane()
+    if not is_auto(asked):
+        return {"method": asked}
+    made = model.window(0, 0, 8, 8, seed=seed, period=period).provenance
+    slug = made["method"]
+    return {"method": make_method(slug, _parameters(slug, made)), "reason": made["reason"]}
 
 
 def _parameters(slug: str, told: Mapping[str, Any]) -> dict[str, Any]:

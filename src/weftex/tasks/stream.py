@@ -22,7 +22,7 @@ from weftex.stores.files import check_target
 from weftex.stores.layout import part_of, places
 from weftex.stores.record import Record, refuse_other
 from weftex.tasks.method_names import AUTO, make_method
-from weftex.tasks.recipe import BLOCK, Recipe, settled
+from weftex.tasks.recipe import BLOCK, Recipe, period_of, settled
 from weftex.threads import in_turn, thread_count
 
 if TYPE_CHECKING:
@@ -34,7 +34,7 @@ if TYPE_CHECKING:
     from weftex.method import Method
     from weftex.progress import ProgressCallback
     from weftex.random import Seed
-    from weftex.stores.layout import Layout, Place
+    from weftex.stores.layout import Place
     from weftex.stores.store import Store
 
     #: Makes blocks of one level, and gives each with its check sums when it is on the disk.
@@ -185,10 +185,15 @@ def recipe_of(
     if seed is None and target and record.exists():
         seed = Recipe.load(record.recipe).seed
     number = seed_number(seed)
-    chosen = settled(exemplar, method, (height, width), number)
+    period = period_of((height, width), axes[tileable])
+    model = method.fit(exemplar)
+    chosen = settled(model, number, period)
     about: dict[str, Any] = {"height": height, "width": width, "wrap": axes[tileable]}
     about |= {"seed": number, "block": block, "stems": dict(stems or {})}
-    return Recipe(exemplar, **chosen, **about)
+    recipe = Recipe(exemplar, **chosen, **about)
+    if recipe.method is model.asked:
+        vars(recipe)["model"] = model  # not fitted again
+    return recipe
 
 
 def _sides(size: Any) -> tuple[int, int]:
@@ -221,10 +226,11 @@ def write_plane(
         Refuse what may not fit on the disk.
     """
     stores, record = job.stores(), Record(job.target, job.part)
+    check_begun(job, stores, record, restart)
+    if check_disk:
+        check_room(job.target, stores, left_of(job, stores, record, restart))
     with at_work(job, stores, record, restart):
         todo = left_of(job, stores, record)
-        if check_disk:
-            check_room(job.target, stores, todo)
         steps = Progress(progress, len(todo), "blocks", lambda: None)
         run = runner or partial(_here, job, stores, threads)
         pixels = 0
@@ -266,9 +272,11 @@ def wanted(job: Job, stores: Mapping[str, Store]) -> list[Place]:
     return list(places(base, max(store.levels for store in stores.values())))
 
 
-def left_of(job: Job, stores: Mapping[str, Store], record: Record) -> list[Place]:
+def left_of(
+    job: Job, stores: Mapping[str, Store], record: Record, restart: bool = False
+) -> list[Place]:
     """Those that are not done."""
-    done = record.done()
+    done = {} if restart else record.done()
     return [place for place in wanted(job, stores) if place not in done]
 
 
@@ -281,11 +289,8 @@ def at_work(
     Raises
     ------
     FileError
-        If another process works on it, or another file is in the way.
-    InvalidInputError
-        If it was begun by another run.
+        If another process works on it.
     """
-    check_begun(job, stores, record, restart)
 
     def begin() -> None:
         if record.exists() and not restart:
@@ -301,13 +306,28 @@ def at_work(
         job.recipe.save(record.recipe)
 
     with record.at_work(begin):
-        yield
+        try:
+            yield
+        except Exception:
+            if job.part is None and not record.done():  # nothing that a run could go on with
+                for store in stores.values():
+                    store.remove()
+                record.remove_folder()
+            raise
 
 
 def check_begun(
     job: Job, stores: Mapping[str, Store], record: Record, restart: bool = False
 ) -> None:
-    """Refuse to go on with another plane, and to replace another file unasked; see `at_work`."""
+    """Refuse to go on with another plane, and to replace another file unasked.
+
+    Raises
+    ------
+    FileError
+        If another file is in the way.
+    InvalidInputError
+        If it was begun by another run.
+    """
     files = [store.path for store in stores.values()]
     in_the_way = [path for path in (job.target, *files) if os.path.exists(path)]
     if record.exists() and not restart:
@@ -339,10 +359,10 @@ def check_room(target: str, stores: Mapping[str, Store], todo: list[Place]) -> N
 
 def most_bytes(stores: Mapping[str, Store], todo: list[Place]) -> int:
     """What blocks may take on the disk."""
-    base: Layout = next(iter(stores.values())).layout
-    rows, columns = base.grid(0)
-    share = sum(0.25 ** place[0] for place in todo) / (rows * columns * 4 / 3)
-    return int(min(share, 1) * sum(store.most_bytes for store in stores.values()))
+    some = next(iter(stores.values()))  # all have the same blocks
+    blocks = sum(rows * columns for rows, columns in map(some.layout.grid, range(some.levels)))
+    share = min(len(todo) / blocks, 1)
+    return int(share * sum(store.most_bytes for store in stores.values()))
 
 
 def in_words(count: float) -> str:
