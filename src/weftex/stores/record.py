@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import os
 import shutil
+import threading
 from contextlib import contextmanager
 from typing import TYPE_CHECKING, Any
 
@@ -23,7 +24,6 @@ if TYPE_CHECKING:
 
 SUFFIX = ".run"
 RECIPE = "recipe.npz"
-_WHOLE_JOURNAL = "done.txt"
 #: Of parts, which take numbers of a lock that a run alone takes all of.
 MOST_PARTS = 2**16
 
@@ -37,13 +37,16 @@ class Record:
         The plane's file.
     part : (int, int), optional
         Which part of how many this process makes; all of it otherwise.
+    writer : str
+        What its journal is called; as its part by default.
     """
 
-    def __init__(self, target: str, part: tuple[int, int] | None = None) -> None:
+    def __init__(self, target: str, part: tuple[int, int] | None = None, writer: str = "") -> None:
         self.target, self.folder, self.part = target, target + SUFFIX, part
-        name = _WHOLE_JOURNAL if part is None else f"part-{part[0]}-of-{part[1]}.txt"
-        self._journal = os.path.join(self.folder, name)
+        name = writer or ("done" if part is None else f"part-{part[0]}-of-{part[1]}")
+        self._journal = os.path.join(self.folder, f"{name}.txt")
         self._file: Any = None
+        self._lock = threading.Lock()
 
     @property
     def recipe(self) -> str:
@@ -114,10 +117,11 @@ class Record:
     def add(self, place: Place, sums: tuple[int, ...]) -> None:
         """Write that a block is on the disk."""
         try:
-            if self._file is None:
-                self._file = self._opened()
-            self._file.write((" ".join(map(str, (*place, *sums))) + "\n").encode())
-            os.fsync(self._file.fileno())
+            with self._lock:
+                if self._file is None:
+                    self._file = self._opened()
+                self._file.write((" ".join(map(str, (*place, *sums))) + "\n").encode())
+                os.fsync(self._file.fileno())
         except OSError as error:
             raise FileError(f"{show(self._journal)}: cannot write: {error.strerror}") from None
 

@@ -1,7 +1,8 @@
 """Blocks of a plane on other processes and machines, by `distributed`.
 
-A task is a block: it makes the window, writes it to the store, which all machines see, and returns
-check sums. Tasks send nothing to each other. Only some of them are with the scheduler at a time, so
+A task is a block: it makes the window, writes it to the store, which all machines see, and then a
+line to the worker's own journal. Tasks send nothing to each other, and return nothing that could be
+lost with a worker. Only some of them are with the scheduler at a time, so
 that a million blocks need no more memory there than a thousand.
 """
 
@@ -10,6 +11,7 @@ from __future__ import annotations
 import logging
 import os
 import pickle
+import socket
 import sys
 import warnings
 from contextlib import contextmanager
@@ -18,6 +20,7 @@ from time import sleep
 from typing import TYPE_CHECKING, Any
 
 from weftex.errors import FileError, InvalidInputError, WeftexError, shown
+from weftex.stores.record import Record
 from weftex.tasks.stream import Job
 
 if TYPE_CHECKING:
@@ -118,12 +121,9 @@ class Workers:
             warnings.simplefilter("ignore")  # that a sample is large
             self._job = client.submit(_held, pickle.dumps(job), pure=False)
 
-    def __call__(
-        self, level: Iterable[Place], steps: Progress
-    ) -> Iterator[tuple[Place, tuple[int, ...]]]:
+    def __call__(self, level: Iterable[Place], steps: Progress) -> Iterator[Place]:
         """Yield the blocks as they are done; `steps` is asked to go on while none is."""
         from distributed import as_completed as futures_as_completed
-        from distributed.client import FutureCancelledError
         from distributed.scheduler import KilledWorker
 
         waiting = iter(level)
@@ -150,23 +150,23 @@ class Workers:
             while running:
                 future = self._next(ended, steps)
                 place = running.pop(future)
-                try:
-                    sums = future.result()
-                except KilledWorker:
-                    if tries[place] >= _TRIES:
-                        raise FileError(
-                            f"the block {place} was given up: workers that make it die; do they "
-                            "have enough memory?"
-                        ) from None
+                # Whether it ended is known to the scheduler, its result only to a worker.
+                error = None if future.status == "finished" else future.exception()
+                if isinstance(error, KilledWorker) and tries[place] < _TRIES:
                     submit(place)
                     continue
-                except (FutureCancelledError, OSError) as error:
-                    if isinstance(error, WeftexError):
-                        raise
-                    raise FileError(_GONE) from None
+                if isinstance(error, KilledWorker):
+                    raise FileError(
+                        f"the block {place} was given up: workers that make it die; do they have "
+                        "enough memory?"
+                    )
+                if isinstance(error, WeftexError):
+                    raise error
+                if error is not None or future.status != "finished":
+                    raise FileError(f"the block {place} failed: {error or _GONE}")
                 tries.pop(place)
                 refill()
-                yield place, sums
+                yield place
         finally:
             self._client.cancel(list(running))
 
@@ -218,13 +218,14 @@ def _held(packed: bytes) -> bytes:
 
 
 @lru_cache(maxsize=2)
-def _opened(packed: bytes) -> tuple[Job, dict[str, Any]]:
-    """The job and its stores, of which the model is fitted once for all blocks of a worker."""
+def _opened(packed: bytes) -> tuple[Job, dict[str, Any], Record]:
+    """The job, its stores and a journal; the model is fitted once for all blocks of a worker."""
     job = pickle.loads(packed)
-    return job, job.stores()
+    writer = f"worker-{socket.gethostname()}-{os.getpid()}"
+    return job, job.stores(), Record(job.target, writer=writer)
 
 
-def make_block(packed: bytes, place: Place, wanted: dict[str, str]) -> tuple[int, ...]:
+def make_block(packed: bytes, place: Place, wanted: dict[str, str]) -> None:
     """Make a block on a worker.
 
     Raises
@@ -237,11 +238,11 @@ def make_block(packed: bytes, place: Place, wanted: dict[str, str]) -> tuple[int
     from distributed import get_worker
 
     refuse_versions(get_worker().address, versions(), wanted)
-    job, stores = _opened(packed)
+    job, stores, record = _opened(packed)
     for store in stores.values():
         if not store.exists():
             raise FileError(
                 f"worker {get_worker().address} does not see {store.path}; all machines need the "
                 "same folder under the same path"
             )
-    return job.make(stores, place, threads=1)
+    job.make(stores, record, place, threads=1)

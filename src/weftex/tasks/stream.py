@@ -37,8 +37,8 @@ if TYPE_CHECKING:
     from weftex.stores.layout import Place
     from weftex.stores.store import Store
 
-    #: Makes blocks of one level, and gives each with its check sums when it is on the disk.
-    Runner = Callable[[Iterable[Place], Progress], Iterator[tuple[Place, tuple[int, ...]]]]
+    #: Makes blocks of one level, and gives each when it is on the disk, and the journal says so.
+    Runner = Callable[[Iterable[Place], Progress], Iterator[Place]]
 
 _AT_ONCE = 4  # blocks, which bounds the memory
 
@@ -63,8 +63,8 @@ class Job:
         """Where each picture goes."""
         return self.recipe.stores(self.target)
 
-    def make(self, stores: Mapping[str, Store], place: Place, **how: Any) -> tuple[int, ...]:
-        """Make a block of every picture and write it; return check sums of its pixels."""
+    def make(self, stores: Mapping[str, Store], record: Record, place: Place, **how: Any) -> None:
+        """Make a block of every picture, write it, and then that it is done."""
         base: dict[str, Any] = {}
         if place[0] == 0:
             base = self.recipe.render(self.recipe.base.window(place), **how)
@@ -75,7 +75,7 @@ class Job:
             pixels = base[name] if place[0] == 0 else store.reduced(place)
             store.write(place, pixels)
             sums.append(check_sum(pixels))
-        return tuple(sums)
+        record.add(place, tuple(sums))
 
 
 @dataclass(frozen=True)
@@ -232,11 +232,10 @@ def write_plane(
     with at_work(job, stores, record, restart):
         todo = left_of(job, stores, record)
         steps = Progress(progress, len(todo), "blocks", lambda: None)
-        run = runner or partial(_here, job, stores, threads)
+        run = runner or partial(_here, job, stores, record, threads)
         pixels = 0
         for level in sorted({place[0] for place in todo}):  # each is made of the one below
-            for place, sums in run([place for place in todo if place[0] == level], steps):
-                record.add(place, sums)
+            for place in run([place for place in todo if place[0] == level], steps):
                 if level == 0:
                     pixels += int(np.prod(job.recipe.base.window(place)[2:]))
                 steps.advance(1)
@@ -246,10 +245,11 @@ def write_plane(
 def _here(
     job: Job,
     stores: Mapping[str, Store],
+    record: Record,
     threads: int | None,
     level: Iterable[Place],
     steps: Progress,
-) -> Iterator[tuple[Place, tuple[int, ...]]]:
+) -> Iterator[Place]:
     """Make blocks in threads of this process."""
     count = thread_count(threads)
     at_once = min(count, _AT_ONCE)
@@ -258,8 +258,9 @@ def _here(
     if blocks and blocks[0][0] == 0:
         job.recipe.model  # noqa: B018  (fitted once, not in every thread)
 
-    def make(k: int) -> tuple[Place, tuple[int, ...]]:
-        return blocks[k], job.make(stores, blocks[k], **how)
+    def make(k: int) -> Place:
+        job.make(stores, record, blocks[k], **how)
+        return blocks[k]
 
     yield from in_turn(make, range(len(blocks)), at_once)
 
