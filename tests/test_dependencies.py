@@ -37,7 +37,7 @@ LEVELS = [
     ["stores"],
     ["io"],
     ["raster"],
-    ["registry", "choice", "threads", "progress", "random", "roles", "parameters"],
+    ["registry", "choice", "threads", "processes", "progress", "random", "roles", "parameters"],
     ["errors"],
     ["dispatch"],
 ]

@@ -84,7 +84,7 @@ def main(argv: list[str] | None = None) -> int:
         return int(end.code or 0)
     except (KeyboardInterrupt, Stopped) as end:
         end = end if isinstance(end, Stopped) else Stopped(130)
-        say(f"stopped; {end.kept}")
+        say(f"stopped; {end.left}")
         return end.code
     except MemoryError as error:
         say(f"error: not enough memory{f' ({error})' if str(error) else ''}; make it smaller")

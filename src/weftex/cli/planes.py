@@ -180,7 +180,7 @@ def write(
             f"{args.output} is written block by block: {what}{len(left)} of {len(blocks)} blocks "
             f"are left, up to {in_words(most_bytes(stores, left))}"
         )
-    outputs.kept = "blocks that are done are kept; the same command goes on"
+    bar.left = "blocks that are done are kept; the same command goes on"
     how: dict[str, Any] = {"restart": args.restart, "progress": bar}
     how |= {"threads": getattr(args, "threads", None), "check_disk": not args.allow_huge}
     with ExitStack() as stack:
