@@ -16,7 +16,7 @@ import sys
 import warnings
 from contextlib import contextmanager
 from functools import cache, lru_cache
-from time import sleep
+from time import monotonic, sleep
 from typing import TYPE_CHECKING, Any
 
 from weftex.errors import FileError, InvalidInputError, WeftexError, shown
@@ -33,7 +33,7 @@ _AHEAD = 4  # tasks a thread of the workers that the scheduler knows
 _LEAST_AHEAD = 16
 _TRIES = 10  # workers that may die while they make one block
 _PATIENCE = "10s"  # for the scheduler's answer
-_POLL = 0.02  # seconds
+_POLL, _LOOK = 0.02, 2.0  # seconds
 _GONE = "the scheduler is gone; blocks that are done are kept, and the same command goes on"
 
 
@@ -113,7 +113,7 @@ class Workers:
         self._client = client
         target = os.path.abspath(job.target)
         job = Job(job.recipe, target, job.part)
-        self._versions = versions()
+        self._versions, self._threads, self._look_again = versions(), 0, 0.0
         self._check_workers()
         # Sent once; workers get it from each other. Scattered data would be lost with the workers
         # that have it, the result of a task is made again.
@@ -180,10 +180,12 @@ class Workers:
         return next(ended)
 
     def _ahead(self) -> int:
-        """How many tasks the scheduler is to know."""
-        info = self._client.scheduler_info(n_workers=-1)["workers"]
-        threads: int = sum(worker["nthreads"] for worker in info.values())
-        return max(_LEAST_AHEAD, _AHEAD * threads)
+        """How many tasks the scheduler is to know, by the workers of a moment ago."""
+        if monotonic() > self._look_again:
+            info = self._client.scheduler_info(n_workers=-1)["workers"]
+            self._threads = sum(worker["nthreads"] for worker in info.values())
+            self._look_again = monotonic() + _LOOK
+        return max(_LEAST_AHEAD, _AHEAD * self._threads)
 
     def _check_workers(self) -> None:
         try:
