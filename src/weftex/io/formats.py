@@ -94,6 +94,29 @@ def suffix_of(path: str) -> str:
     return os.path.splitext(path)[1].lower()
 
 
+def written_as(path: str, floats: bool | None = None) -> str:
+    """Return the suffix of what is made from a file: its own, or else PNG, of floats OpenEXR.
+
+    Parameters
+    ----------
+    path : str
+        The file; it is opened if its type is only read, and `floats` is not given.
+    floats : bool, optional
+        Whether it holds floats.
+
+    Examples
+    --------
+    >>> written_as("a.JPG"), written_as("a.jxl", False), written_as("sky.hdr", True)
+    ('.JPG', '.png', '.exr')
+    """
+    if suffix_of(path) in FORMATS:
+        return os.path.splitext(path)[1]
+    if floats is None:
+        file = image_library().ImageInput.open(path)
+        floats = file is not None and str(file.spec().format) in FLOATS
+    return ".exr" if floats else ".png"
+
+
 def kind_of(name: str, given: str) -> str:
     """Return the format that the first bytes of the file show."""
     try:
@@ -300,7 +323,7 @@ def show(path: str) -> str:
 
 
 def png(pixels: NDArray[np.uint8], level: int = 6) -> bytes:
-    """Return a gray, RGB or RGBA picture as a PNG file in memory, to be put into a page.
+    """Return a gray or RGB picture, with alpha or not, as a PNG file in memory, for a page.
 
     `level` is zlib's: 1 is the quickest, 9 makes the smallest files.
     """
@@ -319,6 +342,7 @@ def png(pixels: NDArray[np.uint8], level: int = 6) -> bytes:
         body = kind + data
         return struct.pack(">I", len(data)) + body + struct.pack(">I", zlib.crc32(body))
 
-    about = struct.pack(">IIBBBBB", width, height, 8, {1: 0, 3: 2, 4: 6}[channels], 0, 0, 0)
+    kind = (0, 4, 2, 6)[channels - 1]
+    about = struct.pack(">IIBBBBB", width, height, 8, kind, 0, 0, 0)
     parts = ((b"IHDR", about), (b"IDAT", zlib.compress(lines.data, level)), (b"IEND", b""))
     return b"\x89PNG\r\n\x1a\n" + b"".join(chunk(*part) for part in parts)
