@@ -5,6 +5,7 @@ from __future__ import annotations
 import io
 import json
 import zipfile
+from importlib.resources import files
 from pathlib import Path
 from typing import Any
 
@@ -175,3 +176,11 @@ def test_a_wrong_value_is_told_beside_its_control(tab: Any, address: str) -> Non
     page.click("text=Make it")
     told = page.inner_text(".parameter:has(label:text('Patch size')) [role=alert]")
     assert "patch_size is 0" in told and "\n" not in told
+
+
+def test_the_page_weighs_little() -> None:
+    """At most 300 kB, all of it together."""
+    static = files("weftex.studio") / "static"
+    names = ("", "view", "paint", "screens", "strings")
+    held = [one for name in names for one in (static / name).iterdir() if one.is_file()]
+    assert 100_000 < sum(len(one.read_bytes()) for one in held) < 300_000

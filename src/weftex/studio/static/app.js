@@ -34,9 +34,14 @@ export class App extends EventTarget {
     const found = await this.api.begin();
     this.limits = found.limits;
     this.kept = found.kept;
-    this.about = await this.api.get("about");
+    const about = this.api.get("about").then((one) => (this.about = one));
     window.addEventListener("pagehide", () => this.api.post("leave", {}, { keepalive: true }).catch(() => {}));
     window.addEventListener("hashchange", () => this.openAddress(location.hash));
+    await Promise.all([about, this.first(found)]);
+  }
+
+  /** What the page begins with: work that went on, a shared state, or what the command was given. */
+  async first(found) {
     if (found.resumed && (await this.resume())) return;
     if (await this.openAddress(location.hash)) return;
     if (found.opened) await this.open([found.opened]);

@@ -2,7 +2,7 @@ import { field, fill, h, icon, iconButton, segments, tick } from "../dom.js";
 import { parameterForm } from "../form.js";
 import { duration, number, t } from "../strings.js";
 
-const CHANGED = 180; // milliseconds after the last change before a preview is asked for
+const CHANGED = 80; // milliseconds after the last change before a preview is asked for
 
 /** Size, repetition, seed, effort, method and its sliders; the picture as it grows; nine seeds. */
 export class MakeScreen {
