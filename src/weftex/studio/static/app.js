@@ -89,6 +89,8 @@ export class App extends EventTarget {
   async openFiles(files) {
     const uploads = [];
     for (const file of files) {
+      const [size, most] = [file.size, this.limits.upload_bytes].map((bytes) => Math.ceil(bytes / 1e6));
+      if (file.size > this.limits.upload_bytes) throw new StudioError(t("sample.large", { name: file.name, size, most }));
       this.tell("notice", { text: t("sample.uploading", { name: file.name }) });
       uploads.push((await this.api.upload(file)).id);
     }
@@ -204,7 +206,8 @@ export class App extends EventTarget {
     this.cancel();
     const control = new AbortController();
     const posted = this.api.post(path, body, { signal: control.signal });
-    return this.watch(posted, body.recipe, control, { quiet, onresults });
+    const grows = path === "jobs" && !body.count && !body.methods; // into one picture
+    return this.watch(posted, grows ? body.recipe : null, control, { quiet, onresults });
   }
 
   async watch(posted, recipe, control, { quiet = false, onresults = () => {} }) {
@@ -217,7 +220,7 @@ export class App extends EventTarget {
           this.job = { ...job, quiet };
           this.tell("job");
           if (job.results.length) onresults(job);
-          if (job.preview && job.preview !== seen && job.state === "running") {
+          if (recipe && job.preview && job.preview !== seen && job.state === "running") {
             seen = job.preview;
             this.grow(job, recipe, control.signal);
           }
@@ -289,7 +292,7 @@ export class App extends EventTarget {
   async step(result, label, passing = false) {
     const whole = { ...result, ...(await this.pictureOf(result)) };
     const present = this.history.present;
-    if (present && sameJson(present.state, result.recipe)) this.history.complete(label, whole);
+    if (present && present.label !== t("history.sample") && sameJson(present.state, result.recipe)) this.history.complete(label, whole);
     else if (passing && present?.passing) this.history.replace(result.recipe, label, whole);
     else this.history.push(result.recipe, label, whole);
     this.history.present.passing = passing;
