@@ -113,6 +113,22 @@ class GraphCut(Method):
         high=8,
         default_text="up to 4, so that a patch has 24 pixels a side or more",
     )
+    tone_reach: float = parameter(
+        16.0,
+        "pixels in which steps of tone across seams are spread; 0 is the paper's way",
+        low=0.0,
+        high=256.0,
+        unit="px",
+        idle_canvas="known",
+    )
+    lattice: tuple[float, ...] | None = parameter(
+        None,
+        "translation vectors x1,y1,x2,y2 that the entire sample is shifted by; 1,0,0,P are rows",
+        count=4,
+        unit="px",
+        default_text="any place",
+        needs=("placement", ("entire",)),
+    )
 
     def __post_init__(self) -> None:
         super().__post_init__()
@@ -154,6 +170,7 @@ def synthesize(settings: Settings, growth: Growth) -> None:
     settings = settings.on(growth.canvas)
     placement = placement_of(settings, growth)  # random, entire patch or sub-patch (section 4)
     picture = Picture(settings, growth, placement.size, placement.reduction)
+    growth.tone_reach = settings.tone_reach
     growth.about["patch_shape"] = list(placement.size)
     if settings.placement == "subpatch":
         growth.about |= settings.sizes()

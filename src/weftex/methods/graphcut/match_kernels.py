@@ -130,13 +130,21 @@ def nudge(
     cython.declare(y=cython.Py_ssize_t, x=cython.Py_ssize_t, cost=cython.double)
     middle_y: cython.Py_ssize_t = place[0]
     middle_x: cython.Py_ssize_t = place[1]
-    best: cython.double = mismatch(box, sample, middle_y - offset[0], middle_x - offset[1], whole)
+    best: cython.double = INFINITY
+    found: cython.bint = (
+        middle_y < allowed.shape[0]
+        and middle_x < allowed.shape[1]
+        and allowed[middle_y, middle_x] != 0
+    )
+    if found:
+        best = mismatch(box, sample, middle_y - offset[0], middle_x - offset[1], whole)
     for y in range(max(0, middle_y - 1), min(middle_y + 2, allowed.shape[0])):
         for x in range(max(0, middle_x - 1), min(middle_x + 2, allowed.shape[1])):
             if not allowed[y, x] or (y == middle_y and x == middle_x):
                 continue
             cost = mismatch(box, sample, y - offset[0], x - offset[1], whole)
-            if cost < best:
+            if cost < best or not found:
+                found = True
                 best = cost
                 place[0] = cython.cast(cython.int, y)
                 place[1] = cython.cast(cython.int, x)

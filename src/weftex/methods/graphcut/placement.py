@@ -8,6 +8,7 @@ import numpy as np
 
 from weftex.methods.graphcut.copies import Copy, box_of, copies_of, places_in_full
 from weftex.methods.graphcut.draws import drawn_places
+from weftex.methods.graphcut.regular import LatticePlaces, any_in_blocks
 from weftex.methods.graphcut.repeats import Repeats
 from weftex.random import draw
 from weftex.raster.boxes import box_sums
@@ -210,6 +211,7 @@ class EntirePatchMatching:
             (0, n) if wraps else _ends(missing.any(axis=1 - axis))
             for axis, (n, wraps) in enumerate(zip(self.canvas.shape, self.canvas.wrap, strict=True))
         ]
+        self.regular = LatticePlaces(settings.lattice, self.canvas) if settings.lattice else None
         self.repeats: Repeats | None = None
         if settings.variety > 0 and not random:
             near = shape[0] // 2, shape[1] // 2
@@ -227,8 +229,8 @@ class EntirePatchMatching:
         middle = np.zeros_like(self.usable)
         rows, columns = (slice(n * low // 8, n * high // 8 + 1) for n in self.usable.shape)
         middle[rows, columns] = self.usable[rows, columns]
-        places = _on_copies(middle if middle.any() else self.usable, self.copies)
         boxes = self._around(pixel)
+        places = self._places(pixel, middle, bool(boxes[0].mask.any()))
         k = _smallest(boxes, places)
         allowed = places[k] != 0
         costs, prices = np.zeros(allowed.shape), np.ones(allowed.shape)
@@ -251,6 +253,20 @@ class EntirePatchMatching:
             self._clipped(pixel, at, float(prices[place]))
             for at, place in zip(found, drawn, strict=True)
         ]
+
+    def _places(
+        self, pixel: tuple[int, int], middle: NDArray[np.uint8], near: bool
+    ) -> list[NDArray[np.uint8]]:
+        """Where in the sample the pixel may lie, in full size and on the smaller copies.
+
+        In the middle where that is possible, and on the lattice, or `near` it too.
+        """
+        if self.regular is not None:
+            on = self.regular.of(pixel, self.usable.shape, near=near)
+            for some in (middle, self.usable):
+                if (found := on & (some != 0)).any():
+                    return [any_in_blocks(found, k) for k in range(len(self.copies))]
+        return _on_copies(middle if middle.any() else self.usable, self.copies)
 
     def _around(self, pixel: tuple[int, int]) -> list[Copy]:
         """All of the canvas that the sample may cover with this pixel, and copies of it."""

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from weftex.analysis.canvas_lattice import check_lattice
 from weftex.errors import InvalidInputError
 from weftex.methods.patches.sizes import patch_size_of, patch_size_on
 from weftex.search.windows import windows_of
@@ -40,6 +41,8 @@ class Settings:
     by_gradients: bool  # the cost of a seam is divided by the gradients across it
     refinements: float  # patches over the worst seams, for each that covered the canvas
     variety: float  # the cost of showing a place again
+    tone_reach: float  # pixels in which steps of tone across seams are spread
+    lattice: tuple[float, ...]  # x1, y1, x2, y2, of which entire patches are shifted by multiples
     halvings: int  # at most, of the copies that matches and cuts begin on
     least: int  # pixels a side that a patch has on those
     size_given: bool  # patch_shape was chosen by the caller
@@ -104,6 +107,8 @@ def settle(
     refinements: float | None,
     variety: float,
     halvings: int | None,
+    tone_reach: float,
+    lattice: tuple[float, ...] | None,
 ) -> Settings:
     """Settle the parameters of `GraphCut` for a sample.
 
@@ -114,6 +119,8 @@ def settle(
         than half of a patch.
     """
     windows = windows_of(exemplar, (0, 0, 0, 0))
+    if lattice is not None:
+        check_lattice(lattice, exemplar)
     if tolerance is None:
         tolerance = 0.0 if placement == "entire" else 0.003
     if candidates is None:
@@ -137,6 +144,8 @@ def settle(
         by_gradients=seam_cost == "gradient",
         refinements=refinements,
         variety=variety,
+        tone_reach=tone_reach,
+        lattice=lattice or (),
         halvings=_HALVINGS if halvings is None else halvings,
         least=_LEAST if halvings is None else 1,
         size_given=patch_size is not None,

@@ -46,6 +46,8 @@ class Growth:
         known pixel that is not in the sample.
     hole : bool array (H, W) or None
         The pixels to make; None if that is all of them.
+    tone_reach : float
+        See `weftex.results.Synthesis`; 0 unless the method sets it.
     about : dict
         Facts about this output for its provenance; the method adds to them.
     """
@@ -66,6 +68,7 @@ class Growth:
         self.source = np.full(canvas.shape, -1, np.int32)
         self.hole = None
         self.about: dict[str, Any] = {}
+        self.tone_reach = 0.0
         if canvas.known is None or canvas.hole is None or canvas.hole.all():
             return
         self.hole = canvas.hole
@@ -152,6 +155,7 @@ class PixelModel(Model):
             sample_shape=self.exemplar.shape,
             exemplar=self.exemplar,
             known_from=canvas.known_from,
+            tone_reach=growth.tone_reach,
             provenance=self.method.describe() | {"seed": number} | growth.about,
         )
 
