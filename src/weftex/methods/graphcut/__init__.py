@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from weftex.exemplar import Exemplar
-    from weftex.methods.graphcut.placement import Place
+    from weftex.methods.graphcut.places import Place
     from weftex.methods.pixels.growth import Growth
 
 _IDLE = 4  # refinements that mend nothing, for each patch that covered the canvas, end it

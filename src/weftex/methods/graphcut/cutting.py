@@ -13,7 +13,7 @@ from weftex.seams.maxflow import search_trees
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-    from weftex.methods.graphcut.placement import Place
+    from weftex.methods.graphcut.places import Place
     from weftex.methods.graphcut.settings import Settings
     from weftex.methods.pixels.growth import Growth
 

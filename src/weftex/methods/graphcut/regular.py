@@ -65,5 +65,4 @@ def any_in_blocks(places: NDArray[np.bool_], halvings: int) -> NDArray[np.uint8]
     side = 1 << halvings
     rows, columns = (n >> halvings for n in places.shape)
     blocks = places[: rows * side, : columns * side].reshape(rows, side, columns, side)
-    found: NDArray[np.uint8] = blocks.any(axis=(1, 3)).astype(np.uint8)
-    return found
+    return np.asarray(blocks.any(axis=(1, 3)), np.uint8)

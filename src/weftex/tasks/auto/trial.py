@@ -75,12 +75,13 @@ def others(first: Choice, findings: Findings, canvas: Canvas, effort: str) -> li
             return []
         start = text_of(make_method(first.method, first.parameters))
         return [Choice("refinement", {"init": start})]
-    if first.method not in ("graphcut", "patch-sampling"):
+    if first.method not in ("graphcut", "patch-sampling") or "lattice" in first.parameters:
         return []
     found = []
     if lattice is not None and not is_sure(lattice, findings.shape) and lattice.confidence >= _WEAK:
         vectors = {"lattice": four_numbers(lattice)} if findings.exact else {}
-        found.append(Choice("near-regular", vectors))
+        stiff = first.parameters == WHOLE and findings.exact
+        found.append(Choice("graphcut", WHOLE | vectors) if stiff else Choice("near-regular", vectors))
     if effort == "best":
         found.append(Choice("refinement"))
         found.append(Choice("graphcut", {} if first.parameters == WHOLE else dict(WHOLE)))
