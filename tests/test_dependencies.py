@@ -25,6 +25,7 @@ LEVELS = [
     ["methods"],
     ["naming"],
     ["method"],
+    ["planes"],
     ["quality"],
     ["analysis"],
     ["search", "seams"],

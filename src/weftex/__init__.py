@@ -54,7 +54,7 @@ if TYPE_CHECKING:
     from weftex.tasks.tile import tile
     from weftex.turns import turned
 
-__version__ = "0.1.0"
+__version__ = "0.2.0"
 
 prefer_fast_kernels()
 

@@ -66,8 +66,7 @@ def open_sample(
     """
     from weftex.io.pictures import check_output, is_folder
 
-    if args.save_source is not None:
-        check_output(args.save_source, suffixes=(".npz",))
+    _check_beside(args)
     if is_folder(path):
         outputs.make_folder(args.output)
     else:
@@ -103,13 +102,24 @@ def open_samples(
     """Read several samples for one output: a folder if one of them is a folder."""
     from weftex.io.pictures import check_output, is_folder
 
-    if getattr(args, "save_source", None) is not None:
-        check_output(args.save_source, suffixes=(".npz",))
+    _check_beside(args)
     if any(map(is_folder, paths)):
         outputs.make_folder(args.output)
     else:
         check_output(args.output)
     return [read(path, args) for path in paths]
+
+
+def _check_beside(args: argparse.Namespace) -> None:
+    """Refuse paths of files beside the output, before any work is done."""
+    import numpy as np
+
+    from weftex.io.pictures import check_output
+
+    if getattr(args, "save_source", None) is not None:
+        check_output(args.save_source, suffixes=(".npz",))
+    if getattr(args, "preview", None) is not None:
+        check_output(args.preview, np.zeros((1, 1, 3), np.uint8))
 
 
 def _usable(exemplar: Exemplar, args: argparse.Namespace) -> NDArray[np.bool_]:
@@ -157,6 +167,12 @@ def write(result: Synthesis, made: Plan, args: argparse.Namespace, outputs: Outp
     made.write(pixels, outputs, args.threads)
     if args.save_source is not None:
         result.save(outputs.add(args.save_source))
+    if getattr(args, "preview", None) is not None:
+        from weftex.io.pictures import write_image
+        from weftex.io.shown import small_bytes
+
+        shown = small_bytes(result.image, result.sample.alpha)
+        write_image(outputs.add(args.preview), shown[..., : 3 if shown.shape[2] > 2 else 1])
 
 
 #: The pictures of --debug, by what `Synthesis.draw` calls them.
@@ -185,6 +201,9 @@ def report(
 ) -> str:
     """Print what was made, how and how fast, after the maps and the reasons if weftex chose."""
     used, took = result.provenance, perf_counter() - start
+    if args.verbose:
+        told += f"sample: {result.sample!r}\n"
+        told += "".join(f"used: {name} {value}\n" for name, value in used.items())
     why = told + (f"auto: {used['reason']}\n" if "reason" in used else "")
     why += "".join(f"note: {warning}\n" for warning in used.get("warnings", ()))
     why += f"best of: {used['best_of']['told']}\n" if "best_of" in used else ""

@@ -300,7 +300,7 @@ def show(path: str) -> str:
 
 
 def png(pixels: NDArray[np.uint8]) -> bytes:
-    """Return a gray or RGB picture as a PNG file in memory, to be put into a page."""
+    """Return a gray or RGB picture, with alpha or not, as a PNG file in memory, for a page."""
     import struct
     import zlib
 
@@ -316,6 +316,7 @@ def png(pixels: NDArray[np.uint8]) -> bytes:
         body = kind + data
         return struct.pack(">I", len(data)) + body + struct.pack(">I", zlib.crc32(body))
 
-    about = struct.pack(">IIBBBBB", width, height, 8, 2 if channels == 3 else 0, 0, 0, 0)
+    kind = (0, 4, 2, 6)[channels - 1]
+    about = struct.pack(">IIBBBBB", width, height, 8, kind, 0, 0, 0)
     parts = ((b"IHDR", about), (b"IDAT", zlib.compress(lines.tobytes(), 6)), (b"IEND", b""))
     return b"\x89PNG\r\n\x1a\n" + b"".join(chunk(*part) for part in parts)

@@ -38,7 +38,7 @@ examples:
   weftex synth brick.png -o wall.png --size 1024x768 --save-source wall.npz
   weftex synth brick.png -o tile.png --size 512 --tileable --seed 7
   weftex synth near.jpg far.jpg -o wall.png           several photos of one material
-  weftex synth stone_wall/ -o big/ --size 2048        a folder of aligned maps
+  weftex synth stone_wall/ -o big/ --size 2k          a folder of aligned maps
   weftex synth brick.png -o wall.png --method quilting --patch-size 48
   weftex synth brick.png -o wall.png --best-of 8      the best of eight seeds
   weftex synth brick.png -o wall.png --best-of quilting,graphcut,near-regular
@@ -105,4 +105,4 @@ def run(argv: list[str]) -> None:
         what = f"made {result.shape[1]}x{result.shape[0]}"
         return report(args, result, what, start, plan.told)
 
-    finish(work, args.quiet)
+    finish(work, args.quiet, preview=args.preview, verbose=args.verbose)

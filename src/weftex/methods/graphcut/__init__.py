@@ -13,6 +13,7 @@ from weftex.methods.graphcut.settings import Settings, check_boundary, settle
 from weftex.methods.patches.sizes import patch_size_for
 from weftex.methods.pixels.growth import PixelModel
 from weftex.parameters import parameter
+from weftex.planes.grid import Sizes
 from weftex.threads import thread_map
 
 if TYPE_CHECKING:
@@ -148,7 +149,7 @@ class GraphCut(Method):
             return self
         return replace(self, patch_size=patch_size_for(hole, usable, 1))
 
-    def fit_exemplar(self, exemplar: Exemplar) -> PixelModel:
+    def fit_exemplar(self, exemplar: Exemplar) -> GraphCutModel:
         """Prepare a sample."""
         settings = settle(exemplar, **asdict(self))
         method = replace(self, candidates=settings.candidates, refinements=settings.refinements)
@@ -159,7 +160,17 @@ class GraphCut(Method):
             method = replace(
                 method, patch_size=sizes.get("patch_size"), boundary_width=sizes["boundary_width"]
             )
-        return PixelModel(method, exemplar, settings, synthesize)
+        return GraphCutModel(method, exemplar, settings, synthesize)
+
+
+class GraphCutModel(PixelModel):
+    """A sample prepared for graph-cut textures."""
+
+    def block_sizes(self) -> Sizes:
+        """See `Model.block_sizes`: a corner is a patch, and cuts go on in what is there."""
+        patch = min(self.prepared.patch_shape)
+        belt = 2 * max(patch // 2, 8)
+        return Sizes(pitch=3 * belt, belt=belt, loose=belt // 4)
 
 
 def synthesize(settings: Settings, growth: Growth) -> None:
@@ -168,6 +179,8 @@ def synthesize(settings: Settings, growth: Growth) -> None:
     Sections are those of the paper.
     """
     settings = settings.on(growth.canvas)
+    if growth.canvas.shown is not None:  # a block of a plane: its border may be cut again
+        growth.show(growth.canvas.shown >= 0)
     placement = placement_of(settings, growth)  # random, entire patch or sub-patch (section 4)
     picture = Picture(settings, growth, placement.size, placement.reduction)
     growth.tone_reach = settings.tone_reach

@@ -65,6 +65,8 @@ class EntirePatchMatching:
             min(max(at, low), high - 1) for at, (low, high) in zip(pixel, self.holes, strict=True)
         )
         pixel = y, x
+        if self.repeats is not None:
+            self.repeats.turn_to(y, x)
         # Eighths of the sample that cover the pixel. With fewer, little of it is on what is there
         # already, and it matches worse; with more, it covers little that is missing.
         low, high = (2, 6) if centered else (2, 4) if self.repeats is None else (1, 6)

@@ -103,6 +103,8 @@ class SubPatchMatching:
     def candidates(self, pixel: tuple[int, int], number: int, centered: bool) -> list[Place]:
         """See `Placement.candidates`."""
         part, (top, left) = self.part(number), self._corner(pixel, centered)
+        if self.repeats is not None:
+            self.repeats.turn_to(top, left)
         y = ((top + np.arange(self.size[0])) % self.canvas.height).astype(np.int32)
         x = ((left + np.arange(self.size[1])) % self.canvas.width).astype(np.int32)
         boxes = copies_of(box_of(self.on_canvas, y, x), self.reduction)
