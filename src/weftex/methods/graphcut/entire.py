@@ -28,7 +28,7 @@ if TYPE_CHECKING:
     from weftex.methods.pixels.growth import Growth
 
 # What it costs to show again in sight all that is new, and as often as the mean what is anywhere.
-_AGAIN, _USED = 0.6, 0.05
+_AGAIN, _USED = 0.3, 0.05
 _MOST = 4.0  # times the mean that count; more are no worse
 _AROUND = 32  # pixels around a hole that are matched, or half as many as it is wide
 _LOOK = 2  # pixels of the smallest copy; so many apart what is shown is looked at

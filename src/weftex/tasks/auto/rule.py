@@ -73,7 +73,7 @@ def choose(findings: Findings, canvas: Canvas) -> Choice:
         elif findings.exact:
             parameters["lattice"] = vectors
             if _quickly_cut(canvas) and CanvasLattice(vectors, canvas).strain <= _STIFF:
-                slug, parameters = "graphcut", WHOLE | parameters
+                slug, parameters = "graphcut", {**WHOLE, **parameters}
     elif findings.scale <= _FINE * shorter:
         slug, said = "patch-sampling", f"fine structure, {findings.scale:.3g} px of {shorter}"
         if findings.colors <= _FEW_COLORS:
