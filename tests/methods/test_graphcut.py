@@ -15,7 +15,7 @@ from twins import graphcut as reference
 from weftex.methods.graphcut import GraphCut, placement
 from weftex.methods.graphcut.cutting import Picture
 from weftex.methods.graphcut.draws import chances_of, variance
-from weftex.methods.graphcut.placement import SubPatchMatching
+from weftex.methods.graphcut.subpatch import SubPatchMatching
 from weftex.methods.graphcut.seams import CanvasSeams
 from weftex.search.translation import Spectra, fast_size, overlap_mismatch, window_mismatch
 
