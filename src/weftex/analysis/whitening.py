@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from weftex.analysis.correlation import wrapped_length
+from weftex.raster.medians import median
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -77,8 +78,8 @@ def whitened(flat: Relief) -> tuple[Floats, float]:
     found *= (shared >= _LEAST) / np.maximum(shared, _LEAST)
     found /= max(float(found[height - 1, width - 1]), 1e-12)
     enough = shared >= _ENOUGH
-    chance = np.median(abs(found[enough]) * np.sqrt(shared[enough])) / 0.6745
-    return found, float(chance)
+    chance = median(abs(found[enough]) * np.sqrt(shared[enough])) / 0.6745
+    return found, chance
 
 
 def _unwrapped(values: Floats, height: int, width: int) -> Floats:
