@@ -71,8 +71,11 @@ def whitened(flat: Relief) -> tuple[Floats, float]:
     smoothed = np.fft.rfft2(around).real
     power /= np.maximum(smoothed, max(_EMPTY * float(smoothed.max()), 1e-300))
     power *= np.exp(-((v / _FINEST) ** 2)) * np.exp(-((u / _FINEST) ** 2))
-    usable = np.fft.rfft2(flat.usable, size)
-    overlap = _unwrapped(np.fft.irfft2(abs(usable) ** 2, size), height, width)
+    if flat.usable.all() and flat.usable.max() == 1:
+        overlap = np.outer(*(side - abs(np.arange(1.0 - side, side)) for side in (height, width)))
+    else:
+        usable = np.fft.rfft2(flat.usable, size)
+        overlap = _unwrapped(np.fft.irfft2(abs(usable) ** 2, size), height, width)
     found = _unwrapped(np.fft.irfft2(power, size), height, width)
     shared = overlap / overlap[height - 1, width - 1]
     found *= (shared >= _LEAST) / np.maximum(shared, _LEAST)
