@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from weftex.errors import InvalidInputError, shown
+from weftex.io.shown import Shown, size_text
 from weftex.raster.levels import edges_of, resized, scale_between, scale_to_bytes, to_bytes
 from weftex.raster.mixing import Mixing, mixing_of
 from weftex.roles import COLOR, Role, as_role, checked_weights, role_of
@@ -24,7 +25,7 @@ _PARTS = ("pixels", "mask", "guide", "tileable", "alpha", "icc", "name", "role",
 _LABELS = 32  # a sample's guide with at most so many colors is a map of labels
 
 
-class Exemplar:
+class Exemplar(Shown):
     """A sample: pixels, and what belongs to them.
 
     Parameters
@@ -134,6 +135,13 @@ class Exemplar:
                 "they must be equal"
             )
         self._matching: dict[float, NDArray[np.uint8]] = {}
+
+    def __repr__(self) -> str:
+        maps = f", maps: {', '.join(self.maps)}" if self.maps else ""
+        return f"<Exemplar {self.name!r}: {size_text(self.pixels)}{maps}>"
+
+    def _picture_shown(self) -> tuple[NDArray[Any], bool]:
+        return self.pixels, self.alpha
 
     def changed(self, **parts: Any) -> Exemplar:
         """Return the same sample but for these parameters of `Exemplar`, such as its guide."""

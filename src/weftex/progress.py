@@ -3,13 +3,78 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import Any
+from time import perf_counter
+from typing import Any, Literal
 
 from weftex.errors import CancelledError, InvalidInputError, shown
 
 #: Called as ``callback(done, total, stage, preview)``; ``preview()`` renders the picture so far.
-#: Returning False cancels, anything else goes on.
-ProgressCallback = Callable[[int, int, str, Callable[[], Any]], object]
+#: Returning False cancels, anything else goes on. True stands for a `Bar`.
+ProgressCallback = Callable[[int, int, str, Callable[[], Any]], object] | Literal[True]
+
+_PAUSE = 0.1  # seconds from one drawing to the next
+
+
+class Bar:
+    """A progress callback that draws a bar: on a terminal, or in a notebook.
+
+    Parameters
+    ----------
+    after : float
+        Seconds after which it appears; infinite for who calls `draw`.
+
+    Attributes
+    ----------
+    seconds : dict of str to float
+        What each stage took.
+    """
+
+    def __init__(self, after: float = 0.5) -> None:
+        self._begun = perf_counter()
+        self._next = self._begun + after
+        self._now, self._drawn = (0, 0, "preparing"), (0, 0, "")
+        self._bar: Any = None
+        self.seconds: dict[str, float] = {}
+
+    def __call__(self, done: int, total: int, stage: str, preview: Callable[[], Any]) -> bool:
+        """Count; little is done here, since this is called often."""
+        clock = perf_counter()
+        if stage != self._now[2]:
+            self._end_stage(clock)
+        self._now = (done, total, stage)
+        if clock >= self._next:
+            self.draw()
+            self._next = perf_counter() + _PAUSE
+        if done >= total and self._next < float("inf"):
+            self.close()
+        return True
+
+    def draw(self) -> None:
+        """Show how far it is."""
+        done, total, stage = self._now
+        if not total:
+            return
+        if self._bar is None:
+            from tqdm.auto import tqdm
+
+            self._bar = tqdm(total=total, unit=f" {stage}", leave=False, miniters=1, mininterval=0)
+        elif (total, stage) != self._drawn[1:] or done < self._drawn[0]:  # another count begins
+            self._bar.unit = f" {stage}"
+            self._bar.reset(total)
+        self._bar.update(done - self._bar.n)
+        self._drawn = self._now
+
+    def close(self) -> None:
+        """Take the bar off the screen."""
+        self._end_stage(perf_counter())
+        if self._bar is not None:
+            self._bar.close()
+            self._bar, self._drawn = None, (0, 0, "")
+
+    def _end_stage(self, clock: float) -> None:
+        stage = self._now[2]
+        self.seconds[stage] = self.seconds.get(stage, 0.0) + clock - self._begun
+        self._begun = clock
 
 
 class Progress:
@@ -17,7 +82,7 @@ class Progress:
 
     Parameters
     ----------
-    callback : callable or None
+    callback : callable, True or None
         See `ProgressCallback`; None reports to nobody.
     total : int
         The number of steps.
@@ -41,9 +106,10 @@ class Progress:
         stage: str,
         preview: Callable[[], Any],
     ) -> None:
-        if callback is not None and not callable(callback):
-            raise InvalidInputError(f"progress is {shown(callback)}; it must be callable")
-        self.callback, self.total, self.stage, self.preview = callback, total, stage, preview
+        called = Bar() if callback is True else callback
+        if called is not None and not callable(called):
+            raise InvalidInputError(f"progress is {shown(called)}; it must be callable, or True")
+        self.callback, self.total, self.stage, self.preview = called, total, stage, preview
         self.done = 0
 
     def advance(self, steps: int) -> None:

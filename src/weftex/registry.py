@@ -37,6 +37,9 @@ class Registry(Mapping[str, type[Any]]):
         found = entry_points(group=_GROUP)
         return {point.name: point for point in found if point.name not in self._homes}
 
+    def __repr__(self) -> str:
+        return f"<methods: {', '.join(self)}>"
+
     def __getitem__(self, slug: str) -> type[Any]:
         if isinstance(slug, str) and slug in self._homes:
             module, _, name = self._homes[slug].partition(":")

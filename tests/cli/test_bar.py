@@ -5,8 +5,11 @@ from __future__ import annotations
 import io
 import time
 
+import numpy as np
 import pytest
 
+import weftex
+from weftex import progress
 from weftex.cli import terminal
 
 tqdm = pytest.importorskip("tqdm")
@@ -21,6 +24,7 @@ def shown(monkeypatch):
 
     def call(done, total, stage):
         assert bar(done, total, stage, lambda: None)
+        bar.show()
         states.append((bar._bar.n, bar._bar.total, bar._bar.unit.strip()))
         return states[-1]
 
@@ -46,7 +50,23 @@ def test_a_slow_stage_after_a_fast_one_is_shown(monkeypatch):
     bar = terminal.Bar(quiet=False)
     for done, total, stage in ((0, 9**6, "pixels"), (9**6, 9**6, "pixels"), (1, 40, "repairs")):
         bar(done, total, stage, lambda: None)
+        bar.show()
         time.sleep(0.15)  # tqdm shows ten steps a second
     bar(7, 40, "repairs", lambda: None)
+    bar.show()
     bar.close()
     assert "7/40" in screen.getvalue()
+    assert [*bar.seconds] == ["preparing", "pixels", "repairs"] and bar.seconds["repairs"] > 0.1
+
+
+def test_true_is_a_bar(capsys, monkeypatch):
+    """Of its own for each stage; it goes when the stage ends."""
+    monkeypatch.setattr(progress.Bar.__init__, "__defaults__", (0.0,))
+    steps = progress.Progress(True, 3, "rows", lambda: None)
+    steps.advance(1)
+    assert "1/3" in capsys.readouterr().err
+    steps.advance(2)
+    assert steps.callback._bar is None
+    sample = np.random.default_rng(0).integers(0, 255, (32, 32), np.uint8)
+    weftex.synthesize(sample, 48, method="quilting", seed=1, progress=True)
+    assert "patches" in capsys.readouterr().err

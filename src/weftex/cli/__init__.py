@@ -11,43 +11,38 @@ from typing import NoReturn
 from weftex.cli.terminal import Stopped, say
 from weftex.errors import InvalidInputError, WeftexError, did_you_mean
 
-_COMMANDS = (
-    "synth",
-    "fill",
-    "tile",
-    "batch",
-    "fuse",
-    "replay",
-    "analyze",
-    "prepare",
-    "estimate",
-    "report",
-    "compare",
-    "methods",
-    "samples",
-)
+#: Commands, and what they do in a few words.
+_COMMANDS = {
+    "synth": "make a picture of any size from a sample of a material",
+    "fill": "fill holes of a photo",
+    "tile": "make a photo repeat without a seam, its middle untouched",
+    "batch": "many outputs from all samples of a folder",
+    "fuse": "merge several materials where a map says",
+    "replay": "lay a saved result again with another map of the same sample",
+    "check": "say whether a picture that is written block by block is all there",
+    "analyze": "say what a sample is like: its scale, its lattice, whether it tiles",
+    "prepare": "straighten a photo and even its light, before it is a sample",
+    "estimate": "guess height and normals of a photo that has none",
+    "compare": "every method on one sample, side by side: pictures, figures, times",
+    "report": "say how good a result is, in figures and maps of where it fails",
+    "methods": "list the methods, or the parameters of one",
+    "samples": "list the samples that ship with weftex",
+    "completion": "print what makes bash, zsh or fish complete commands and options",
+}
 
 _ABOUT = """\
 usage: weftex COMMAND ...      (weftex COMMAND --help says more)
 
-  synth     make a picture of any size from a sample of a material
-  fill      fill holes of a photo
-  tile      make a photo repeat without a seam, its middle untouched
-  batch     many outputs from all samples of a folder
-  fuse      merge several materials where a map says
-  replay    lay a saved result again with another map of the same sample
-  analyze   say what a sample is like: its scale, its lattice, whether it tiles
-  prepare   straighten a photo and even its light, before it is a sample
-  estimate  guess height and normals of a photo that has none
-  compare   every method on one sample, side by side: pictures, figures, times
-  report    say how good a result is, in figures and maps of where it fails
-  methods   list the methods, or the parameters of one
-  samples   list the samples that ship with weftex
+{commands}
 
   weftex synth sample:bricks -o wall.png --size 1024x768
-  weftex synth brick.png -o tile.png --size 512 --tileable --seed 7
+  weftex synth brick.png -o tile.png --size 2k --tileable --seed 7
+  weftex synth - -o - < brick.png > wall.png       pictures through pipes; -.exr: of another format
   weftex fill photo.png --mask hole.png -o whole.png
   weftex --version
+
+exit codes: 0 done; 2 an error, one line of which says what to do; 130 Ctrl-C; 143 SIGTERM;
+141 nobody reads on. Only after 0 is there any output, but for what is written block by block.
 """
 
 
@@ -62,7 +57,8 @@ def main(argv: list[str] | None = None) -> int:
     Returns
     -------
     int
-        The exit code: 0, 2 after an error, 130 after Ctrl-C, 143 after SIGTERM.
+        The exit code: 0, 2 after an error, 130 after Ctrl-C, 143 after SIGTERM, 141 if nobody
+        reads what is printed.
     """
     if "numpy" not in sys.modules:
         # Matrix products are small here: threads for them take longer to start than they save.
@@ -73,13 +69,13 @@ def main(argv: list[str] | None = None) -> int:
             raise InvalidInputError("a command is missing; weftex --help lists them")
         name = arguments[0]
         if name in ("-h", "--help", "help"):
-            print(_ABOUT, end="")
+            lines = (f"  {name:10}  {text}" for name, text in _COMMANDS.items())
+            print(_ABOUT.format(commands="\n".join(lines)), end="")
         elif name in ("-V", "--version"):
-            from importlib.metadata import version
-
-            print(f"weftex {version('weftex')}")
+            # Of the code that runs, whatever is installed beside it.
+            print(f"weftex {sys.modules['weftex'].__version__}")
         elif name in _COMMANDS:
-            import_module(f"weftex.cli.commands.{name}").run(arguments[1:])
+            _run(arguments)
         else:
             what = "option" if name.startswith("-") else "command"
             raise InvalidInputError(f"unknown {what} '{name}'{did_you_mean(name, _COMMANDS)}")
@@ -87,8 +83,9 @@ def main(argv: list[str] | None = None) -> int:
     except SystemExit as end:  # argparse after --help
         return int(end.code or 0)
     except (KeyboardInterrupt, Stopped) as end:
-        say("stopped; nothing was written")
-        return end.code if isinstance(end, Stopped) else 130
+        end = end if isinstance(end, Stopped) else Stopped(130)
+        say(f"stopped; {end.left}")
+        return end.code
     except MemoryError as error:
         say(f"error: not enough memory{f' ({error})' if str(error) else ''}; make it smaller")
     except WeftexError as error:
@@ -99,6 +96,19 @@ def main(argv: list[str] | None = None) -> int:
     except OSError as error:
         say(f"error: {error}")
     return 2
+
+
+def _run(arguments: list[str]) -> None:
+    """Run the command that the first argument names; `-` stands for pipes."""
+    if any(word.startswith("-") and word[1:2] in ("", ".") for word in arguments):
+        from weftex.io.streams import as_files
+
+        with as_files(arguments) as arguments:
+            import_module(f"weftex.cli.commands.{arguments[0]}").run(arguments[1:])
+    elif arguments[0] == "completion":
+        import_module("weftex.cli.commands.completion").run(arguments[1:], _COMMANDS)
+    else:
+        import_module(f"weftex.cli.commands.{arguments[0]}").run(arguments[1:])
 
 
 def entry() -> NoReturn:

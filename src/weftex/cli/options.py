@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import argparse
 import re
-from typing import TYPE_CHECKING, Any, NoReturn
+from typing import TYPE_CHECKING, Any, ClassVar, NoReturn
 
 from weftex.errors import InvalidInputError, did_you_mean
 
@@ -22,8 +22,19 @@ _BARE = {
 }
 
 
+class Built(Exception):
+    """A parser is whole; only raised where parsers are wanted and nothing is to be run."""
+
+    def __init__(self, parser: Parser) -> None:
+        super().__init__(parser)
+        self.parser = parser
+
+
 class Parser(argparse.ArgumentParser):
     """An ArgumentParser whose errors are one line."""
+
+    #: Whether to raise `Built` in place of parsing.
+    only_built: ClassVar[bool] = False
 
     def __init__(self, command: str, description: str, examples: str) -> None:
         # By itself argparse looks for the terminal's width with every option that is added.
@@ -59,6 +70,8 @@ class Parser(argparse.ArgumentParser):
 
     def parse(self, argv: list[str]) -> argparse.Namespace:
         """Parse all arguments; an unknown option is answered with the nearest known one."""
+        if Parser.only_built:
+            raise Built(self)
         found, left = self.parse_known_args(self.filled(argv))
         for word in left:
             if word.startswith("-"):
@@ -130,6 +143,10 @@ def parse_task(
         add("-o", "--output", metavar="OUT", required=True, help="file, or folder, to write")
         text = "where each pixel comes from, for 'weftex replay'"
         add("--save-source", metavar="F.npz", help=text)
+        text = "write the picture so far there while work goes on, small, and in the end the result"
+        add("--preview", metavar="FILE", help=text)
+        text = "say what was read and used, and what each stage took"
+        add("-v", "--verbose", action="store_true", help=text)
     text = "chosen by the sample" if default == "auto" else default
     add("--method", default=default, metavar="NAME", help=f"see 'weftex methods'; default: {text}")
     add("--seed", type=int, metavar="N", help="the same seed gives the same bytes")
@@ -175,7 +192,9 @@ def parse_task(
 
 
 def check_numbers(args: argparse.Namespace) -> None:
-    """Raise `InvalidInputError` unless --threads and --seed are in their ranges."""
+    """Raise `InvalidInputError` unless what all tasks take is in its range."""
+    if args.quiet and getattr(args, "verbose", False):
+        raise InvalidInputError("--quiet and --verbose exclude each other")
     if args.threads is not None and args.threads < 1:
         raise InvalidInputError(f"--threads is {args.threads}; it must be 1 or more")
     if args.seed is not None and not 0 <= args.seed < 2**64:
@@ -212,19 +231,23 @@ def parameters_of(method: type[Method]) -> Iterator[tuple[Any, str]]:
 
 
 def parse_size(text: str, huge: bool) -> tuple[int, int]:
-    """Height and width from 'WxH' or 'N'."""
+    """Height and width from 'WxH' or 'N'; 2k is 2048."""
     try:
-        sides = [int(side) for side in text.lower().split("x")]
+        sides = [
+            int(side.removesuffix("k")) * (1024 if side.endswith("k") else 1)
+            for side in text.lower().split("x")
+        ]
         width, height = sides * 2 if len(sides) == 1 else sides
     except ValueError:
         raise InvalidInputError(
-            f"--size is '{text}'; it must be WxH or N, such as 640x480"
+            f"--size is '{text}'; it must be WxH or N, such as 640x480 or 2k"
         ) from None
     if min(height, width) < 1:
         raise InvalidInputError(f"--size is '{text}'; both sides must be 1 or more")
     if height * width > _HUGE and not huge:
         raise InvalidInputError(
-            f"--size is '{text}', more than {_HUGE} pixels; --allow-huge makes it anyway"
+            f"--size is '{text}', more than {_HUGE} pixels; --allow-huge makes it anyway, and "
+            "OUT.tif, OUT.zarr and OUT.dzi take any size"
         )
     return height, width
 

@@ -11,61 +11,88 @@ from contextlib import ExitStack, suppress
 from time import perf_counter
 from typing import Any, TypeVar
 
+from weftex import progress
+
 Result = TypeVar("Result")
 
 _BAR_AFTER = 0.5  # seconds
+_PREVIEW_AFTER = 1.0  # seconds to the first preview, and at least from each to the next
 _PATIENCE = 0.6  # seconds that work in hand has to end by itself
 
 
 class Stopped(BaseException):
-    """Ctrl-C or SIGTERM; `code` is the exit code."""
+    """Ctrl-C or SIGTERM; `code` is the exit code, `left` says what is there."""
 
-    def __init__(self, code: int) -> None:
+    def __init__(self, code: int, left: str = "nothing was written") -> None:
         super().__init__(code)
-        self.code = code
+        self.code, self.left = code, left
 
 
-class Bar:
-    """A progress callback that shows a bar on a terminal once it has taken a while.
+class Bar(progress.Bar):
+    """Progress on a terminal, drawn by the main thread, which has nothing else to do.
 
     Parameters
     ----------
     quiet : bool
         Show nothing.
+    preview : str, optional
+        Where to write the picture so far, now and then, in a twentieth of the time at most.
+
+    Attributes
+    ----------
+    left : str
+        What is there if the work is stopped now.
+    stopped : bool
+        Whether `stop` was called.
     """
 
-    def __init__(self, quiet: bool) -> None:
-        self._start, self._stop = perf_counter(), False
-        self._bar: Any = None
-        self._stage: tuple[int, str] | None = None
-        self._quiet = quiet or not sys.stderr.isatty()
+    left = "nothing was written"
+
+    def __init__(self, quiet: bool, preview: str | None = None) -> None:
+        super().__init__(after=float("inf"))
+        self._at_stop: list[Callable[[], None]] = []
+        self._shows = not quiet and sys.stderr.isatty()
+        self._appears, self.stopped = perf_counter() + _BAR_AFTER, False
+        self._preview, self._wrote, self._due = preview, False, perf_counter() + _PREVIEW_AFTER
 
     def __call__(self, done: int, total: int, stage: str, preview: Callable[[], Any]) -> bool:
         """Count; False once `stop` was called."""
-        if self._bar is None and not self._quiet and perf_counter() - self._start > _BAR_AFTER:
-            try:
-                from tqdm import tqdm
+        super().__call__(done, total, stage, preview)
+        if self._preview is not None and perf_counter() >= self._due:
+            self._write(preview)
+        return not self.stopped
 
-                # By itself tqdm waits for as many steps as the fastest stage took in a tenth of a
-                # second, which a slow one never reaches.
-                self._bar = tqdm(leave=False, file=sys.stderr, miniters=1)
-            except ImportError:
-                self._quiet = True
-        if self._bar is not None:
-            if self._stage != (total, stage) or done < self._bar.n:  # another count begins
-                self._stage, self._bar.unit = (total, stage), f" {stage}"
-                self._bar.reset(total)
-            self._bar.update(done - self._bar.n)
-        return not self._stop
+    def _write(self, preview: Callable[[], Any]) -> None:
+        from weftex.io.pictures import write_image
+        from weftex.io.shown import small_bytes
+
+        start, picture = perf_counter(), preview()
+        if self._preview is not None and picture is not None:
+            write_image(self._preview, small_bytes(picture))
+            self._wrote = True
+        end = perf_counter()
+        self._due = end + max(_PREVIEW_AFTER, 20 * (end - start))
+
+    def show(self) -> None:
+        """Draw, if it is time."""
+        if self._shows and perf_counter() >= self._appears:
+            self.draw()
 
     def stop(self) -> None:
         """Cancel the work at its next step."""
-        self._stop = True
+        self.stopped = True
+        for act in self._at_stop:
+            act()
 
-    def close(self) -> None:
-        """Take the bar off the screen."""
-        if self._bar is not None:
-            self._bar.close()
+    def at_stop(self, act: Callable[[], None]) -> None:
+        """Have this done when the work is stopped."""
+        self._at_stop.append(act)
+
+    def sweep(self) -> None:
+        """Remove the preview of work that did not end."""
+        if self._preview is not None and self._wrote:
+            with suppress(OSError):
+                os.unlink(self._preview)
 
 
 class Outputs:
@@ -118,7 +145,9 @@ class Outputs:
                 os.rmdir(folder)
 
 
-def run(work: Callable[[Bar, Outputs], Result], quiet: bool) -> Result:
+def run(
+    work: Callable[[Bar, Outputs], Result], quiet: bool, preview: str | None = None
+) -> tuple[Result, Bar]:
     """Do `work` so that Ctrl-C and SIGTERM end it within a second, whatever it is in the middle of.
 
     Python delivers signals between two steps of the main thread, and a step of the compiled part
@@ -130,6 +159,15 @@ def run(work: Callable[[Bar, Outputs], Result], quiet: bool) -> Result:
         Takes the progress callback and the outputs.
     quiet : bool
         No progress bar.
+    preview : str, optional
+        See `Bar`.
+
+    Returns
+    -------
+    result
+        What the work returned.
+    bar : Bar
+        Which knows what its stages took.
 
     Raises
     ------
@@ -137,7 +175,7 @@ def run(work: Callable[[Bar, Outputs], Result], quiet: bool) -> Result:
         When the work ended in time; else the process ends here.
     """
     outputs = Outputs()
-    bar, ended = Bar(quiet), threading.Event()
+    bar, ended = Bar(quiet, preview), threading.Event()
     outcome: list[tuple[Result | None, BaseException | None]] = []
 
     def begin() -> None:
@@ -163,8 +201,8 @@ def run(work: Callable[[Bar, Outputs], Result], quiet: bool) -> Result:
     try:
         try:
             threading.Thread(target=begin, daemon=True).start()
-            while not ended.wait(0.2):  # without a limit Windows would not notice Ctrl-C
-                pass
+            while not ended.wait(0.1):  # without a limit Windows would not notice Ctrl-C
+                bar.show()
         except (KeyboardInterrupt, Stopped) as error:
             for number in numbers:
                 signal.signal(number, signal.SIG_IGN)
@@ -172,9 +210,13 @@ def run(work: Callable[[Bar, Outputs], Result], quiet: bool) -> Result:
             code = error.code if isinstance(error, Stopped) else 130
             if not ended.wait(_PATIENCE):
                 outputs.sweep()
-                say("stopped; nothing was written")
+                bar.sweep()
+                if "weftex.io.streams" in sys.modules:
+                    sys.modules["weftex.io.streams"].clear()
+                say(f"stopped; {bar.left}")
                 os._exit(code)
-            raise Stopped(code) from None
+            bar.sweep()
+            raise Stopped(code, bar.left) from None
         finally:
             bar.close()
     finally:
@@ -182,13 +224,23 @@ def run(work: Callable[[Bar, Outputs], Result], quiet: bool) -> Result:
             signal.signal(number, handler)
     result, failure = outcome[0]
     if failure is not None:
+        bar.sweep()
         raise failure
-    return result  # type: ignore[return-value]
+    return result, bar  # type: ignore[return-value]
 
 
-def finish(work: Callable[[Bar, Outputs], str], quiet: bool) -> None:
-    """`run`, and what `work` returns is said unless `quiet`."""
-    message = run(work, quiet)
+def finish(
+    work: Callable[[Bar, Outputs], str],
+    quiet: bool,
+    *,
+    preview: str | None = None,
+    verbose: bool = False,
+) -> None:
+    """`run`, and what `work` returns is said unless `quiet`; what stages took, if `verbose`."""
+    message, bar = run(work, quiet, preview)
+    if verbose:
+        for stage, seconds in bar.seconds.items():
+            say(f"stage: {stage} {seconds:.2f} s")
     if not quiet:
         for line in message.splitlines():
             say(line)
@@ -196,4 +248,6 @@ def finish(work: Callable[[Bar, Outputs], str], quiet: bool) -> None:
 
 def say(text: str) -> None:
     """Print one line about this program on stderr."""
+    streams = sys.modules.get("weftex.io.streams")
+    text = streams.unhidden(text) if streams is not None else text
     print("weftex: " + " ".join(text.split()), file=sys.stderr, flush=True)

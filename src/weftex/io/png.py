@@ -64,7 +64,7 @@ def write_png(file: IO[bytes], pixels: NDArray[Any], threads: int = 1, level: in
 
 
 def png_bytes(pixels: NDArray[Any]) -> bytes:
-    """Return a gray or RGB picture as a PNG file in memory, to be put into a page.
+    """Return a picture, with alpha or not, as a PNG file in memory, to be put into a page.
 
     Examples
     --------

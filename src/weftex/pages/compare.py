@@ -82,6 +82,10 @@ class Comparison(Page):
     choice: Choice
     entries: tuple[Entry, ...]
 
+    def __repr__(self) -> str:
+        scores = ", ".join(f"{one.method} {one.rank:.2f}" for one in self.entries)
+        return f"<Comparison on {self.exemplar.name!r}, by score: {scores}>"
+
     def as_dict(self) -> dict[str, Any]:
         """Return all figures as numbers, texts, lists, dicts and None, as JSON has them."""
         return {

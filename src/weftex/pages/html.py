@@ -49,6 +49,10 @@ class Page(ABC):
     def html(self) -> str:
         """Return a page that needs nothing but itself."""
 
+    def _repr_html_(self) -> str:
+        frame = 'style="width: 100%; height: 40rem; border: 1px solid #8886"'
+        return f'<iframe {frame} srcdoc="{escape(self.html())}"></iframe>'
+
     def save(self, path: str | os.PathLike[str]) -> None:
         """Write the page.
 

@@ -85,6 +85,9 @@ class Report(Page):
     notes: tuple[str, ...]
     of_maps: dict[str, MapReport]
 
+    def __repr__(self) -> str:
+        return f"<Report on {self.result_name!r} of {self.name!r}: {self.assessment.verdict()}>"
+
     def verdict(self) -> str:
         """Return the verdict on the picture, and on each map a line."""
         told = [f"{name}: {one.assessment.verdict()}" for name, one in self.of_maps.items()]

@@ -24,6 +24,7 @@ from weftex.results.files import (
 )
 from weftex.results.heights import join_heights
 from weftex.results.scales import check_window, in_few_pixels, room_for, scale_to
+from weftex.results.shown import ShownResult
 from weftex.results.tone import match_tone
 from weftex.turns import as_copies, turned
 
@@ -41,7 +42,7 @@ if TYPE_CHECKING:
 _BAND = 256
 
 
-class Synthesis(ABC):
+class Synthesis(ShownResult, ABC):
     """Which pixels of the sample an output is made of.
 
     This is what all results have in common; `PatchSynthesis` keeps patches and `PixelSynthesis`
@@ -340,10 +341,7 @@ class Synthesis(ABC):
         return drawing.draw_pieces(self._source_of, self.shape, self.sample_shape)
 
     def uncertainty(self) -> NDArray[np.float64]:
-        """How badly each pixel's surroundings match its source's: 0 inside a copied piece.
-
-        See `weftex.results.drawing.uncertainty_of`.
-        """
+        """How badly each pixel fits what is around it; see `drawing.uncertainty_of`."""
         return drawing.uncertainty_of(self.image, self._source_of, self.sample, self.canvas.wrap)
 
     def _source_of(self, rows: slice) -> NDArray[np.int64]:

@@ -150,6 +150,10 @@ class Analysis:
         """Return everything as numbers, texts, lists and dicts, as JSON has them."""
         return dataclasses.asdict(self)
 
+    def __repr__(self) -> str:
+        size = f"{self.width}x{self.height}"
+        return f"<Analysis of {self.name!r}, {size}: scale {self.scale:g} px; {self.choice}>"
+
     def __str__(self) -> str:
         down, right = (f"{step:g}" for step in self.border_steps)
         across = (

@@ -72,4 +72,4 @@ def run(argv: list[str]) -> None:
             return f"the mask covers nothing; {args.output} is the photo unchanged"
         return report(args, result, f"filled {int(hole.sum())} pixels of", start, plan.told)
 
-    finish(work, args.quiet)
+    finish(work, args.quiet, preview=args.preview, verbose=args.verbose)

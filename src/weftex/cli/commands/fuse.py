@@ -91,7 +91,7 @@ def run(argv: list[str]) -> None:
         write(result, made, args, outputs)
         return report(args, result, f"fused {len(samples)} samples in", start, made.told)
 
-    finish(work, args.quiet)
+    finish(work, args.quiet, preview=args.preview, verbose=args.verbose)
 
 
 def _add_gradient(parser: Parser) -> None:

@@ -49,4 +49,4 @@ def run(argv: list[str]) -> None:
         write(result, made, args, outputs)
         return report(args, result, "made tileable:", start, made.told)
 
-    finish(work, args.quiet)
+    finish(work, args.quiet, preview=args.preview, verbose=args.verbose)

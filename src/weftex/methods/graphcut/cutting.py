@@ -50,11 +50,19 @@ class Picture:
             growth.pixels.reshape(-1, channels),
             growth.source.ravel(),
             self.done,
-            self.done.copy(),
+            self._frozen(growth),
             self.shape,
             growth.canvas.wrap,
         )
         self._graphs = [_graph(*size) for _ in range(settings.candidates)]
+
+    @staticmethod
+    def _frozen(growth: Growth) -> NDArray[np.uint8]:
+        """The known pixels, which stay."""
+        if growth.canvas.shown is None:
+            return growth.done.ravel().copy()
+        assert growth.canvas.hole is not None
+        return (~growth.canvas.hole).ravel().astype(np.uint8)
 
     def missing(self) -> Iterator[tuple[int, int]]:
         """Yield the first pixel that is missing, until none is."""

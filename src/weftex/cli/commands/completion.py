@@ -1,0 +1,74 @@
+"""weftex completion: what makes shells complete commands, options and methods."""
+
+from __future__ import annotations
+
+import argparse
+from importlib import import_module
+from typing import TYPE_CHECKING, Any
+
+from weftex.cli.options import Built, Parser
+from weftex.errors import WeftexError
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping
+
+_EXAMPLES = """\
+examples:
+  weftex completion bash > ~/.local/share/bash-completion/completions/weftex
+  weftex completion zsh > ~/.zfunc/_weftex        with ~/.zfunc in fpath, before compinit
+  weftex completion fish > ~/.config/fish/completions/weftex.fish
+"""
+
+#: Options and arguments that are files or folders, by how they are called in the help.
+_FILES = {"SAMPLE", "PHOTO", "RESULT", "MAP", "OUT", "OUT.html", "F.npz", "FILE", "M", "G", "S"}
+_METHODS = ("--method", "method")
+
+
+def run(argv: list[str], commands: Mapping[str, str]) -> None:
+    """Run the command; `argv` is what follows its name, `commands` are all, and what they do."""
+    parser = Parser("completion", "Print what makes a shell complete weftex.", _EXAMPLES)
+    parser.add_argument("shell", choices=("bash", "zsh", "fish"))
+    shell = parser.parse(argv).shell
+    try:
+        import shtab
+    except ImportError:
+        raise WeftexError("completion needs shtab: pip install 'weftex[completion]'") from None
+    print(shtab.complete(_whole(commands, shtab.FILE), shell))
+
+
+def _whole(commands: Mapping[str, str], file: Any) -> argparse.ArgumentParser:
+    """All commands as one parser, each with the parameters of all methods that it takes."""
+    from weftex.methods import METHODS
+
+    whole = argparse.ArgumentParser("weftex", description="Texture synthesis from samples.")
+    whole.add_argument("--version", "-V", action="store_true", help="print the version")
+    parts = whole.add_subparsers()
+    for name, text in commands.items():
+        parser = _built(name, [])
+        part = parts.add_parser(name, help=text, parents=[parser], add_help=False)
+        if "--method" in part._option_string_actions:
+            for method in METHODS:
+                for action in _built(name, ["--method", method])._actions:
+                    if not {*action.option_strings} & {*part._option_string_actions}:
+                        part._add_action(action)
+        for action in part._actions:
+            if action.metavar in _FILES:
+                action.complete = file  # type: ignore[attr-defined]
+            if _METHODS[bool(not action.option_strings)] in (action.dest, *action.option_strings):
+                action.choices = ["auto", *METHODS]
+    return whole
+
+
+def _built(command: str, argv: list[str]) -> Parser:
+    """The parser of a command."""
+    Parser.only_built = True
+    try:
+        if command == "completion":
+            run(argv, {})
+        else:
+            import_module(f"weftex.cli.commands.{command}").run(argv)
+    except Built as built:
+        return built.parser
+    finally:
+        Parser.only_built = False
+    raise AssertionError(f"{command} parses nothing")

@@ -1,0 +1,77 @@
+"""How pictures show themselves in notebooks, and to NumPy."""
+
+from __future__ import annotations
+
+import base64
+from abc import abstractmethod
+from html import escape
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from weftex.io.png import png_bytes
+from weftex.raster.levels import scale_to_bytes, to_bytes
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+LARGEST = 1024  # pixels a side; of a larger picture every second, third, ... pixel is shown
+
+
+class Shown:
+    """What has a picture: an array to NumPy, the picture itself in a notebook."""
+
+    @abstractmethod
+    def _picture_shown(self) -> tuple[NDArray[Any], bool] | None:
+        """The pixels, and whether the last channel is alpha; None where there are none yet."""
+
+    def __array__(self, dtype: Any = None, copy: bool | None = None) -> NDArray[Any]:
+        found = self._picture_shown()
+        if found is None:
+            raise ValueError("this result was loaded without its sample; render a map of it")
+        return np.array(found[0], dtype=dtype, copy=copy)
+
+    def _repr_png_(self) -> bytes | None:
+        found = self._picture_shown()
+        return None if found is None else png_bytes(small_bytes(*found))
+
+    def _repr_html_(self) -> str | None:
+        picture = self._repr_png_()
+        if picture is None:
+            return None
+        data, text = base64.b64encode(picture).decode("ascii"), escape(repr(self))
+        shown = f'<img alt="" src="data:image/png;base64,{data}">'
+        return f"<figure>{shown}<figcaption>{text}</figcaption></figure>"
+
+
+def small_bytes(pixels: NDArray[Any], alpha: bool = False) -> NDArray[np.uint8]:
+    """Return any picture as one to look at: at most `LARGEST` a side, gray or RGB, 8 bits.
+
+    Examples
+    --------
+    >>> small_bytes(np.zeros((3000, 1500, 5), np.float32)).shape
+    (1000, 500, 3)
+    """
+    step = -(-max(pixels.shape[:2]) // LARGEST)
+    small = np.atleast_3d(pixels)[::step, ::step]
+    colors = small.shape[2] - alpha
+    shown = small[..., : 3 if colors >= 3 else 1]
+    if shown.dtype != np.uint8:
+        shown = np.rint(to_bytes(shown, scale_to_bytes(shown))).astype(np.uint8)
+    if alpha:
+        top = {"u": 255 if small.dtype == np.uint8 else 65535, "f": 1}[small.dtype.kind]
+        cover = np.rint(255 * np.clip(small[..., -1:] / top, 0, 1)).astype(np.uint8)
+        shown = np.concatenate([shown, cover], axis=2)
+    return np.ascontiguousarray(shown)
+
+
+def size_text(pixels: NDArray[Any]) -> str:
+    """Return width, height, channels and type of a picture, in a few signs.
+
+    Examples
+    --------
+    >>> size_text(np.zeros((4, 6, 3), np.uint8))
+    '6x4, 3 x uint8'
+    """
+    channels = 1 if pixels.ndim == 2 else pixels.shape[2]
+    return f"{pixels.shape[1]}x{pixels.shape[0]}, {channels} x {pixels.dtype}"

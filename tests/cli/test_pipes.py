@@ -1,0 +1,100 @@
+"""Pictures through pipes: ``-`` is standard input, or output; and previews, sizes, what -v says."""
+
+from __future__ import annotations
+
+import subprocess
+import sys
+import tempfile
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from commands import listing, weft_run
+from families import noise
+from processes import ENVIRONMENT
+from weftex.cli import terminal
+from weftex.io.pictures import read_image, write_image
+
+QUICK = ("--seed", 1, "--size", 48, "--method", "quilting", "--quiet")
+
+
+def piped(*words, given=b""):
+    """Run a command with pipes at both ends."""
+    command = [sys.executable, "-m", "weftex", *map(str, words)]
+    return subprocess.run(command, input=given, capture_output=True, env=ENVIRONMENT, check=False)
+
+
+def test_both_ends_have_the_bytes_that_files_have(here):
+    assert weft_run("synth", "sample.png", "-o", "a.png", *QUICK) == 0
+    done = piped("synth", "-", "-o", "-", *QUICK, given=(here / "sample.png").read_bytes())
+    assert done.returncode == 0 and done.stderr == b""
+    assert done.stdout == (here / "a.png").read_bytes()
+
+
+def test_another_format_and_what_is_printed(here):
+    """What a command prints goes to standard error while a picture goes out."""
+    write_image("f.exr", noise((40, 40, 3)).astype(np.float32))
+    before = listing(here), {*Path(tempfile.gettempdir()).glob("weftex-*")}
+    done = piped("analyze", "-", "--overlay", "-", given=(here / "sample.png").read_bytes())
+    assert done.stdout.startswith(b"\x89PNG") and b"standard input" in done.stderr
+    done = piped("synth", "-", "-o", "-.exr", *QUICK, given=(here / "f.exr").read_bytes())
+    assert done.stdout.startswith(b"v/1\x01"), done.stderr
+    assert before == (listing(here), {*Path(tempfile.gettempdir()).glob("weftex-*")})
+
+
+@pytest.mark.parametrize(
+    ("words", "given", "message"),
+    [
+        (("synth", "-", "-o", "x.png"), b"no picture", "standard input has no picture"),
+        (("synth", "-", "-o", "x.png"), b"", "standard input is empty"),
+        (("synth", "-", "-o", "x.png"), b"\x89PNG\r\n\x1a\n", "standard input.png: the file is"),
+        (("synth", "-", "-", "-o", "x.png"), b"\x89PNG\r\n\x1a\n" * 9, "input can be read once"),
+        (("synth", "sample.png", "-o", "-", "--save-source", "-"), b"", "only one file can be"),
+        (("synth", "sample:stone_wall", "-o", "-"), b"", "standard output.png: cannot make this"),
+        (("synth", "sample.png", "-o", "-.exr"), b"", "standard output.exr: '.exr' cannot hold"),
+    ],
+)
+def test_what_pipes_refuse(here, capfd, monkeypatch, words, given, message):
+    (here / "given").write_bytes(given)
+    before = listing(here)
+    with open("given", "rb") as file:
+        monkeypatch.setattr(sys, "stdin", type("Stdin", (), {"buffer": file}))
+        assert weft_run(*words) == 2
+    out, err = capfd.readouterr()
+    assert out == "" and err.count("\n") == 1 and message in err
+    assert listing(here) == before
+
+
+def test_no_terminals(here, capsys, monkeypatch):
+    monkeypatch.setattr(sys.stdout, "isatty", lambda: True)
+    assert weft_run("synth", "sample.png", "-o", "-") == 2
+    assert "standard output, which is a terminal here" in capsys.readouterr().err
+
+
+def test_sizes_in_k(here):
+    assert weft_run("synth", "sample.png", "-o", "x.png", "--size", "1kX8", *QUICK[-3:]) == 0
+    assert read_image("x.png").pixels.shape == (8, 1024, 3)
+
+
+def test_a_preview_is_there_while_it_works(here, monkeypatch, capsys):
+    """And the result in the end; nothing of it is left where the work failed."""
+    monkeypatch.setattr(terminal, "_PREVIEW_AFTER", 0)
+    seen = []
+    show = terminal.Bar._write
+    monkeypatch.setattr(
+        terminal.Bar, "_write", lambda *given: (show(*given), seen.append(read_image("p.png")))
+    )
+    words = ("sample.png", "-o", "x.png", "--preview", "p.png", "--method", "quilting")
+    assert weft_run("synth", *words, "--size", 300, "--seed", 1, "-v") == 0
+    assert seen[0].pixels.shape == (300, 300, 3) and not seen[0].pixels.all()
+    assert np.array_equal(read_image("p.png").pixels, read_image("x.png").pixels)
+    err = capsys.readouterr().err
+    assert "stage: patches" in err and "used: tolerance 0.1" in err and "64 x" not in err
+    (here / "p.png").unlink()
+    monkeypatch.setattr(terminal.Bar, "_write", lambda *given: (show(*given), 1 / 0))
+    before = listing(here)
+    with pytest.raises(ZeroDivisionError):
+        weft_run("synth", *words, "--size", 300)
+    assert listing(here) == before
+    assert weft_run("synth", *words, "-v", "--quiet") == 2
