@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import asdict, dataclass, replace
 from typing import TYPE_CHECKING, ClassVar, Self
 
@@ -25,6 +26,7 @@ if TYPE_CHECKING:
     from weftex.methods.graphcut.places import Place
     from weftex.methods.pixels.growth import Growth
 
+_LARGE = 2**15  # pixels of a patch from which on candidates are priced in threads
 _PATCHES = 3  # in a row between two belts of a plane
 _IDLE = 4  # refinements that mend nothing, for each patch that covered the canvas, end it
 
@@ -210,7 +212,8 @@ def lay(settings: Settings, growth: Growth) -> Picture:
     if settings.placement == "subpatch":
         growth.about |= settings.sizes()
 
-    with thread_map(min(growth.threads, settings.candidates)) as map_:
+    threads = min(growth.threads, settings.candidates) if math.prod(placement.size) >= _LARGE else 1
+    with thread_map(threads) as map_:
 
         def place(pixel: tuple[int, int], number: int, *, centered: bool) -> Place:
             # Places that match, drawn by P(t) = exp(-C(t) / (k sigma**2)) (section 4); C(t) by FFT
