@@ -29,6 +29,7 @@ from weftex.cli.options import (
     parse_task,
 )
 from weftex.cli.terminal import finish
+from weftex.cli.windows import add_window, parse_period, parse_window
 
 if TYPE_CHECKING:
     from weftex.cli.terminal import Bar, Outputs
@@ -43,6 +44,7 @@ examples:
   weftex synth brick.png -o wall.png --best-of 8      the best of eight seeds
   weftex synth brick.png -o wall.png --best-of quilting,graphcut,near-regular
   weftex synth photo.jpg -o wall.png --straighten --even-light
+  weftex synth brick.png -o part.png --window 10000,-500,512,512 --seed 7    of an endless plane
   weftex synth moss.png -o face.png --method ashikhmin --guide face.png
   weftex synth photo.png -o new.png --method refinement --sample-guide painted.png --guide other.png
 """
@@ -69,8 +71,9 @@ def run(argv: list[str]) -> None:
     add_tileable_sample(parser)
     add_mending(parser)
     add_turn(parser)
+    add_window(parser)
     args, method, parameters = parse_task(parser, argv)
-    best_of = parse_best_of(args.best_of)
+    best_of, window, period = parse_best_of(args.best_of), parse_window(args), parse_period(args)
     size = None if args.size is None else parse_size(args.size, args.allow_huge)
     chosen = method(**parameters)
     if best_of != 1:
@@ -85,8 +88,8 @@ def run(argv: list[str]) -> None:
         if len(args.sample) > 1:
             exemplar, plan = open_several(args.sample, args, outputs)
         else:
-            how = {"tileable": args.tileable_sample}
-            exemplar, plan = open_sample(args.sample[0], args, outputs, **how)
+            tiles = {"tileable": args.tileable_sample}
+            exemplar, plan = open_sample(args.sample[0], args, outputs, **tiles)
         if args.debug is not None:
             outputs.make_folder(args.debug)
         guide = None if args.guide is None else read(args.guide, args).exemplar()
@@ -96,9 +99,15 @@ def run(argv: list[str]) -> None:
         if guide is not None:
             size_made = size or guide.shape
         exemplar = with_turns(exemplar, args)
-        check_size(exemplar, size_made)
+        check_size(exemplar, size_made if window is None else window[2:])
         guides: dict[str, Any] = {"guide": guide, "sample_guide": own, "best_of": best_of}
-        result = synthesize(exemplar, size_made, method=chosen, **guides, **settings(args, bar))
+        how = settings(args, bar)
+        if window is not None:
+            how["period"] = period
+            del how["tileable"]
+            result = chosen.fit(exemplar).window(*window, **how)
+        else:
+            result = synthesize(exemplar, size_made, method=chosen, **guides, **how)
         write(result, plan, args, outputs)
         if args.debug is not None:
             write_debug(result, args.debug, outputs)
