@@ -178,13 +178,13 @@ def test_the_input_may_be_overwritten(here):
 def test_a_window_of_an_endless_plane(tmp_path, capsys):
     words = ["synth", "sample:pebbles", "--method", "quilting", "--seed", "7", "--quiet"]
     for name, place in (("whole", "-90,70,40,50"), ("part", "-80,75,20,30")):
-        assert main([*words, "-o", str(tmp_path / f"{name}.png"), "--window", place]) == 0
-    whole, part = (weftex.read_image(tmp_path / f"{n}.png").pixels for n in ("whole", "part"))
+        assert weft_run(*words, "-o", str(tmp_path / f"{name}.png"), "--window", place) == 0
+    whole, part = (read_image(tmp_path / f"{n}.png").pixels for n in ("whole", "part"))
     assert np.array_equal(part, whole[10:30, 5:35])
     around = ["--window", "910,70,40,50", "--period", "1000"]
-    assert main([*words, "-o", str(tmp_path / "a.png"), *around]) == 0
+    assert weft_run(*words, "-o", str(tmp_path / "a.png"), *around) == 0
     around[1] = "-90,1070,40,50"
-    assert main([*words, "-o", str(tmp_path / "b.png"), *around]) == 0
+    assert weft_run(*words, "-o", str(tmp_path / "b.png"), *around) == 0
     assert (tmp_path / "a.png").read_bytes() == (tmp_path / "b.png").read_bytes()
 
 
@@ -202,6 +202,6 @@ def test_a_window_of_an_endless_plane(tmp_path, capsys):
 )
 def test_windows_that_are_none(options, said, tmp_path, capsys):
     words = ["synth", "sample:pebbles", "-o", str(tmp_path / "o.png"), "--method", "quilting"]
-    assert main([*words, *options]) == 2
+    assert weft_run(*words, *options]) == 2
     error = capsys.readouterr().err
     assert said in error and error.count("\n") == 1

@@ -240,7 +240,8 @@ def parse_size(text: str, huge: bool, option: str = "--size") -> tuple[int, int]
         raise InvalidInputError(f"{option} is '{text}'; both sides must be 1 or more")
     if height * width > _HUGE and not huge:
         raise InvalidInputError(
-            f"{option} is '{text}', more than {_HUGE} pixels; --allow-huge makes it anyway"
+            f"{option} is '{text}', more than {_HUGE} pixels; --allow-huge makes it anyway, and "
+            "OUT.tif, OUT.zarr and OUT.dzi take any size"
         )
     return height, width
 

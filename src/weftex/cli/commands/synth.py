@@ -10,6 +10,7 @@ from weftex.cli.files import (
     open_sample,
     open_several,
     read,
+    read_samples,
     report,
     settings,
     with_turns,
@@ -28,6 +29,15 @@ from weftex.cli.options import (
     parse_size,
     parse_task,
 )
+from weftex.cli.planes import (
+    add_plane,
+    check_options,
+    recipe_for,
+    stems_of,
+    takes_any_size,
+    wants_plane,
+)
+from weftex.cli.planes import write as write_plane
 from weftex.cli.terminal import finish
 from weftex.cli.windows import add_window, parse_period, parse_window
 
@@ -44,7 +54,12 @@ examples:
   weftex synth brick.png -o wall.png --best-of 8      the best of eight seeds
   weftex synth brick.png -o wall.png --best-of quilting,graphcut,near-regular
   weftex synth photo.jpg -o wall.png --straighten --even-light
-  weftex synth brick.png -o part.png --window 10000,-500,512,512 --seed 7    of an endless plane
+    add_window(parser)
+    add_plane(parser)
+    args, method, parameters = parse_task(parser, argv)
+    best_of, window, period = parse_best_of(args.best_of), parse_window(args), parse_period(args)
+    huge = args.allow_huge or takes_any_size(args.output)
+    size = None if args.size is None else parse_size(args.size, huge)
   weftex synth moss.png -o face.png --method ashikhmin --guide face.png
   weftex synth photo.png -o new.png --method refinement --sample-guide painted.png --guide other.png
 """
@@ -71,11 +86,31 @@ def run(argv: list[str]) -> None:
     add_tileable_sample(parser)
     add_mending(parser)
     add_turn(parser)
+<<<<<<< HEAD
     add_window(parser)
     args, method, parameters = parse_task(parser, argv)
     best_of, window, period = parse_best_of(args.best_of), parse_window(args), parse_period(args)
     size = None if args.size is None else parse_size(args.size, args.allow_huge)
+=======
+    add_plane(parser)
+    args, method, parameters = parse_task(parser, argv)
+    best_of = parse_best_of(args.best_of)
+    huge = args.allow_huge or takes_any_size(args.output)
+    size = None if args.size is None else parse_size(args.size, huge)
+>>>>>>> ed6c31a31b27da8f1b055b038b7208009f4f2059
     chosen = method(**parameters)
+    if wants_plane(args, size):
+        check_options(args)
+
+        def stream(bar: Bar, outputs: Outputs) -> str:
+            exemplar, material = read_samples(args)
+            made = size or (2 * exemplar.shape[0], 2 * exemplar.shape[1])
+            stems, exemplar = stems_of(args, material), with_turns(exemplar, args)
+            recipe = recipe_for(args, exemplar, stems, chosen, made)
+            return write_plane(args, recipe, bar, outputs, start)
+
+        finish(stream, args.quiet)
+        return
     if best_of != 1:
         from weftex.tasks.best_of import tries
 
