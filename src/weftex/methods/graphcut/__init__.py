@@ -24,6 +24,7 @@ if TYPE_CHECKING:
     from weftex.methods.graphcut.placement import Place
     from weftex.methods.pixels.growth import Growth
 
+_PATCHES = 3  # in a row between two belts of a plane
 _IDLE = 4  # refinements that mend nothing, for each patch that covered the canvas, end it
 
 
@@ -151,10 +152,16 @@ class GraphCutModel(PixelModel):
     """A sample prepared for graph-cut textures."""
 
     def block_sizes(self) -> Sizes:
-        """See `Model.block_sizes`: a corner is a patch, and cuts go on in what is there."""
-        patch = min(self.prepared.patch_shape)
-        belt = 2 * max(patch // 2, 8)
-        return Sizes(pitch=3 * belt, belt=belt, loose=belt // 4)
+        """See `Model.block_sizes`: a corner is a patch, and cuts go on in what is there.
+
+        Between belts is room for so many patches that the last ones lie on belts as far as the
+        first ones do; entire patches are cut anywhere.
+        """
+        settings: Settings = self.prepared
+        side, boundary = min(settings.patch_shape), settings.boundary_width
+        belt = 2 * max(side // 2 if boundary else side // 4, 8)
+        gap = _PATCHES * (side - boundary) - boundary if boundary else 2 * belt
+        return Sizes(pitch=belt + max(gap, belt), belt=belt, loose=belt // 3)
 
 
 def synthesize(settings: Settings, growth: Growth) -> None:

@@ -162,11 +162,14 @@ class SubPatchMatching:
 
     def _corner(self, pixel: tuple[int, int], centered: bool) -> list[int]:
         """The upper left corner on the canvas of a patch that covers a pixel."""
-        corner = []
+        corner: list[int] = []
         for at, size, overlap, n, wraps in zip(
             pixel, self.size, self.overlap, self.canvas.shape, self.canvas.wrap, strict=True
         ):
             first = at - (size // 2 if centered else overlap)
+            if self.canvas.shown is not None and not centered:  # a block of a plane
+                missing = np.flatnonzero((self.canvas.shown < 0).any(axis=1 - len(corner)))
+                first = _evenly(at, int(missing[-1]) + 1, size, overlap)
             corner.append(first if wraps else min(max(first, 0), n - size))
         return corner
 
@@ -353,6 +356,13 @@ def prices_of(settings: Settings, *shown: NDArray[np.float64]) -> NDArray[np.flo
     for weight, each in zip(_AGAIN[settings.placement], shown, strict=True):
         prices += settings.variety * (weight * np.minimum(each, _MOST))
     return prices
+
+
+def _evenly(at: int, end: int, size: int, overlap: int) -> int:
+    """Where a patch begins, so that the last one ends as far beyond the hole as it may begin."""
+    left = end - at + overlap
+    count = -(-left // (size - overlap))
+    return at + -(-left // count) - size
 
 
 def _ends(some: NDArray[np.bool_]) -> tuple[int, int]:

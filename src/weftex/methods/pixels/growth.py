@@ -89,6 +89,11 @@ class Growth:
         self.pixels[where] = self.windows.pixels.reshape(-1, self.pixels.shape[2])[source]
         self.done[where] = 1
 
+    @property
+    def watched(self) -> bool:
+        """Whether anybody may ask for a preview."""
+        return self._callback is not None
+
     def progress(self, total: int, stage: str) -> Progress:
         """Report on `total` steps of one stage; the preview is the picture so far."""
         return Progress(self._callback, total, stage, self._preview)

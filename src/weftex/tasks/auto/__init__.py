@@ -171,8 +171,7 @@ class AutoModel(Model):
 
         Nothing is tried, so that every window has the same method.
         """
-        wrap = (asked.period is not None,) * 2
-        choice, model = self.chosen(Canvas(*(asked.period or _ENDLESS), wrap))
+        choice, model = self.chosen(_ENDLESS)
         if asked.period is not None and choice.method == "near-regular":
             said = f"{choice.reason.rpartition(':')[0]}, a plane that repeats: quilting"
             choice = Choice("quilting", {}, said, choice.warnings)
