@@ -3,7 +3,7 @@
 The kernels are Python files in Cython's pure Python mode. With ``WEFTEX_CHECKS=1`` they are built
 to run the tests against instead of for speed: Cython checks the bounds of arrays, and the compiler
 (GCC or Clang) ends the process at an integer overflow or beyond a fixed array. With
-``WEFTEX_ABI3=1`` one build serves Python 3.11 and all later ones but the free-threaded, as wheels do.
+``WEFTEX_ABI3=1`` one build serves Python 3.11 and later, but no free-threaded one, as wheels do.
 """
 
 import os

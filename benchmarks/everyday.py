@@ -1,4 +1,9 @@
-"""What people wait for: materials of each kind from a shell, and what showing progress takes."""
+"""What people wait for: materials of each kind from a shell, and what showing progress takes.
+
+    python benchmarks/everyday.py [FOLDER]        # the pictures of docs/index.md, to docs/img
+
+The tables are run.py's. Needs weftex[test].
+"""
 
 from __future__ import annotations
 
@@ -11,50 +16,88 @@ from pathlib import Path
 from time import perf_counter, process_time, thread_time
 from unittest.mock import patch
 
-from shared import Table, busy, ms, sample_of, sized, some
+from PIL import Image
+from shared import HERE, Table, busy, ms, sample_of, sized, some
 
 import weftex
 from weftex.cli import terminal
 
-#: The rows of docs/index.md: a material, and the words of the command that makes it.
+#: The rows of docs/index.md: the name of a picture, the material, the words of the command.
 MATERIALS = {
-    "gravel, grass, plaster": "synth pebbles.png --size {}",
-    "stones, rubble, leaves": "synth stone_wall.png --size {}",
-    "bricks, tiles": "synth bricks.png --size {}",
-    "cloth, mesh": "synth weave.png --size {}",
-    "boards, ribs": "synth boards.png --size {}",
-    "a painted map, a guide": "synth pebbles.png --method ashikhmin --guide guide.png",
-    "a photo that is to repeat": "tile bricks.png",
-    "a hole in a photo": "fill bricks.png --mask hole.png",
-    "two materials that meet": "fuse leaves.png pebbles.png --map hole.png",
+    "grain": ("gravel, grass, plaster", "synth pebbles.png --size {}"),
+    "things": ("stones, rubble, leaves", "synth stone_wall.png --size {}"),
+    "bricks": ("bricks, tiles", "synth bricks.png --size {}"),
+    "cloth": ("cloth, mesh", "synth gingham.png --size {}"),
+    "rows": ("boards, ribs", "synth boards.png --size {}"),
+    "guided": (
+        "a painted map, a guide",
+        "synth pebbles.png --method ashikhmin --guide leaves.png",
+    ),
+    "tile": ("a photo that is to repeat", "tile wood.png"),
+    "hole": ("a hole in a photo", "fill bricks.png --mask hole.png"),
+    "meeting": ("two materials that meet", "fuse leaves.png pebbles.png --map hole.png"),
 }
+#: Those that the page of no task shows.
+ROWS = ("grain", "things", "bricks", "cloth", "rows", "tile")
+_HEIGHT = 76  # pixels of a picture in a row
+
+
+def inputs(name: str, folder: str) -> list[str]:
+    """Write the pictures that a row's command reads; their names."""
+    files = [word for word in MATERIALS[name][1].split() if word.endswith(".png")]
+    for file in files:
+        step = 256 // sized(256)
+        hole = weftex.read_image("sample:hole").pixels[::step, ::step]
+        pixels = hole if file == "hole.png" else sample_of(256, Path(file).stem)
+        weftex.write_image(f"{folder}/{file}", pixels)
+    return files
+
+
+def make(name: str, folder: str) -> None:
+    """Run the command of a row."""
+    words = MATERIALS[name][1].format(sized(1024)).split()
+    command = [sys.executable, "-m", "weftex", *words, "-o", "out.png", "--seed", "7", "--quiet"]
+    subprocess.run([*command, "--save-source", "out.npz"], cwd=folder, check=True)
 
 
 def materials() -> Table:
     """Whole processes, a material of each kind: what the landing page says."""
     rows = []
     with tempfile.TemporaryDirectory() as folder:
-        names = {name for words in MATERIALS.values() for name in words.split() if ".png" in name}
-        for name in names - {"hole.png", "guide.png"}:
-            weftex.write_image(f"{folder}/{name}", sample_of(256, Path(name).stem))
-        hole = weftex.read_image("sample:hole").pixels
-        step = -(-256 // sized(256))
-        weftex.write_image(f"{folder}/hole.png", hole[::step, ::step])
-        weftex.write_image(f"{folder}/guide.png", sample_of(256, "leaves"))
-        for kind, words in MATERIALS.items():
-            command = [sys.executable, "-m", "weftex", *words.format(sized(1024)).split()]
-            command += ["-o", "out.png", "--seed", "7", "--save-source", "out.npz", "--quiet"]
+        for name, (kind, _) in some([*MATERIALS.items()], least=2):
+            inputs(name, folder)
             took = []
             for _ in some(range(3)):
                 start, clock = busy(), perf_counter()
-                subprocess.run(command, cwd=folder, check=True)
+                make(name, folder)
                 took.append((busy() - start, perf_counter() - clock))
-            made = weftex.Synthesis.load(f"{folder}/out.npz")
-            size = f"{made.shape[1]}x{made.shape[0]}"
+            result = weftex.Synthesis.load(f"{folder}/out.npz")
+            size = f"{result.shape[1]}x{result.shape[0]}"
             times = (ms(statistics.median(part)) for part in zip(*took, strict=True))
-            rows.append([kind, made.provenance.get("method", ""), size, *times])
+            rows.append([kind, result.provenance.get("method", ""), size, *times])
     notes = "Samples of 256x256, medians of 3 processes; the method is the one chosen by weftex."
     return notes, ["material", "method", "output", "processor time", "elapsed"], rows
+
+
+def draw(target: Path) -> None:
+    """Write the inputs and output of rows that no other page has, side by side, small."""
+    for name in ROWS:
+        shown = []
+        with tempfile.TemporaryDirectory() as folder:
+            files = inputs(name, folder)
+            make(name, folder)
+            for file in [*files, "out.png"]:
+                picture = Image.open(f"{folder}/{file}").convert("RGB")
+                if picture.width >= 512:  # more of the material, at the scale of its sample
+                    picture = picture.crop((0, 0, 512, 256))
+                width = _HEIGHT * picture.width // picture.height
+                shown.append(picture.resize((width, _HEIGHT), Image.Resampling.LANCZOS))
+        row = Image.new("RGB", (sum(one.width + 4 for one in shown) - 4, _HEIGHT), "white")
+        left = 0
+        for one in shown:
+            row.paste(one, (left, 0))
+            left += one.width + 4
+        row.save(target / f"row_{name}.webp", quality=52, method=6)
 
 
 def progress() -> Table:
@@ -93,7 +136,9 @@ def progress() -> Table:
                 drawn, all_of_it = thread_time() - drawn, process_time() - start
                 called = max(0.0, inside[1] - inside[0] * pair)
                 shares.append((called / all_of_it, drawn / all_of_it, inside[0], all_of_it))
-            called, drawn, calls, took = (statistics.median(part) for part in zip(*shares, strict=True))
+            called, drawn, calls, took = (
+                statistics.median(part) for part in zip(*shares, strict=True)
+            )
             share = [f"{100 * part:.2f} %" for part in (called, drawn)]
             rows.append([method, ms(took), str(int(calls)), *share])
     notes = "Medians of 3. Counting is taken from the work; the main thread draws meanwhile."
@@ -101,3 +146,6 @@ def progress() -> Table:
 
 
 TABLES = (materials, progress)
+
+if __name__ == "__main__":
+    draw(Path(sys.argv[1]) if len(sys.argv) > 1 else HERE.parent / "docs" / "img")
