@@ -25,6 +25,7 @@ LEVELS = [
     ["methods"],
     ["naming"],
     ["method"],
+    ["planes"],
     ["quality"],
     ["analysis"],
     ["search", "seams"],
@@ -33,9 +34,10 @@ LEVELS = [
     ["loading"],
     ["material"],
     ["exemplar"],
+    ["stores"],
     ["io"],
     ["raster"],
-    ["registry", "choice", "threads", "progress", "random", "roles", "parameters"],
+    ["registry", "choice", "threads", "processes", "progress", "random", "roles", "parameters"],
     ["errors"],
     ["dispatch"],
 ]
@@ -221,10 +223,10 @@ def test_the_graph_sees_every_kind_of_arrow():
 
 
 #: Where files are opened, and where OpenImageIO is.
-FILE_MODULES = ("io.", "results.files")
+FILE_MODULES = ("io.", "results.files", "stores.")
 
 
-def test_only_io_and_results_touch_files():
+def test_only_io_results_and_stores_touch_files():
     """`open`, OpenImageIO and os.replace elsewhere would be a second place for files."""
     offences = []
     for module, path in FILES.items():

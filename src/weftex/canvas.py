@@ -47,6 +47,9 @@ class Canvas:
     guide : array (H, W) or (H, W, C), optional
         A picture that the output is to follow: in the terms of the sample's guide if that has
         one (see `Exemplar`), else compared with its pixels, so of their dtype and channels.
+    shown : int32 array (H, W), optional
+        For a block of a plane: flat indices of what is there already in the sample, -1 for nothing.
+        In the hole too, where methods may begin with it.
 
     Raises
     ------
@@ -68,6 +71,7 @@ class Canvas:
     guide: NDArray[Any] | None = field(default=None, repr=False)
     origin: tuple[int, int] = (0, 0)
     known_maps: Mapping[str, NDArray[Any]] = field(default_factory=dict, repr=False)
+    shown: NDArray[np.int32] | None = field(default=None, repr=False)
 
     def __post_init__(self) -> None:
         for name in ("height", "width"):
@@ -98,7 +102,7 @@ class Canvas:
                 object.__setattr__(self, "known", check_pixels(self.known, "known"))
         if self.guide is not None:
             object.__setattr__(self, "guide", check_guide(self.guide, "guide"))
-        for name in ("known", "hole", "guide"):
+        for name in ("known", "hole", "guide", "shown"):
             value = getattr(self, name)
             if value is not None and value.shape[:2] != self.shape:
                 raise InvalidInputError(

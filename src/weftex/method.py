@@ -14,6 +14,8 @@ from weftex.canvas import Canvas, as_canvas
 from weftex.errors import InvalidInputError, UnsupportedError, did_you_mean, shown
 from weftex.loading import load_exemplar
 from weftex.parameters import check_value, numbers_of
+from weftex.planes.boxes import Asked, as_period, box_of
+from weftex.planes.grid import Sizes
 from weftex.random import seed_number
 from weftex.registry import supporting
 from weftex.threads import in_turn, thread_count
@@ -25,6 +27,7 @@ if TYPE_CHECKING:
 
     from weftex.exemplar import Exemplar
     from weftex.loading import Sample
+    from weftex.planes.boxes import Box
     from weftex.progress import ProgressCallback
     from weftex.results.synthesis import Synthesis
 
@@ -150,13 +153,14 @@ class Model(ABC):
         width: int,
         *,
         seed: int | np.random.Generator | None = None,
+        period: int | tuple[int, int] | None = None,
         threads: int | None = None,
         progress: ProgressCallback | None = None,
     ) -> Synthesis:
-        """Make a window of the endless plane of which `sample` makes the corner at (0, 0).
+        """Make a window of an endless plane.
 
         Every pixel is a function of the sample, the parameters, the seed and its place, so windows
-        that overlap agree, whoever makes them.
+        that overlap agree, whoever makes them and in whatever order. See docs/endless.md.
 
         Parameters
         ----------
@@ -164,19 +168,50 @@ class Model(ABC):
             The window's upper left corner, from -2**40 to 2**40.
         height, width : int
             Its size.
+        period : int or (int, int), optional
+            The plane comes back to itself after so many pixels down and across, up to 2**40: a
+            tileable picture of that size, of which a window may show any part.
         seed, threads, progress
             As for `sample`; give a number, or no two windows belong together.
 
         Raises
         ------
         UnsupportedError
-            If the method does not make windows of a plane.
+            If the method does not make windows of a plane, or none that repeats.
+        InvalidInputError
+            If the period is too short for the method.
+
+        Examples
+        --------
+        >>> import numpy as np, weftex
+        >>> model = weftex.GraphCut().fit("sample:pebbles")
+        >>> far = model.window(2**39, -7, 60, 80, seed=7).image
+        >>> bool((model.window(2**39 + 9, 3, 40, 50, seed=7).image == far[9:49, 10:60]).all())
+        True
         """
-        self.method.require_kind("random_access")
         canvas = Canvas(height, width, origin=(top, left))
-        found = self.sample(canvas, seed=seed, threads=threads, progress=progress)
-        found.is_window = True
-        return found
+        asked = Asked(seed_number(seed), as_period(period), thread_count(threads))
+        return self.make_window(box_of(*canvas.origin, *canvas.shape), asked, progress)
+
+    def make_window(
+        self, box: Box, asked: Asked, progress: ProgressCallback | None = None
+    ) -> Synthesis:
+        """Make what `window` asks for, in a way of the method's own or as here: by blocks."""
+        if "known" not in self.method.supports:
+            self.method.require_kind("random_access")
+        (self.asked or self.method).require_plane()
+        from weftex.planes.plane import make_window  # threads and futures: only when needed
+
+        return make_window(self, box, asked, self.method.describe(), progress)
+
+    def block_sizes(self) -> Sizes:
+        """Return the sizes of the blocks that a plane is made of, by the method's window."""
+        belt = 2 * max(self.method.window_for(0), 24)
+        return Sizes(pitch=4 * belt, belt=belt)
+
+    def start_of(self, box: Box, asked: Asked) -> NDArray[np.int32] | None:
+        """Return what blocks of a plane begin with, as flat indices (H, W); None for nothing."""
+        return None
 
 
 @dataclasses.dataclass(frozen=True)
@@ -353,6 +388,13 @@ class Method(ABC):
                 )
             if idle in canvas.kinds:
                 raise InvalidInputError(f"{field.name} has no effect with {CANVAS_NAMES[idle]}")
+
+    def require_plane(self) -> None:
+        """Refuse a chosen parameter that has no effect on blocks of a plane, which are holes."""
+        hole = np.zeros((1, 2), bool)
+        hole[0, 0] = True
+        known = np.zeros((1, 2), np.uint8)
+        self.require(Canvas(1, 2, known=known, hole=hole))
 
     def require_kind(self, kind: str) -> None:
         """Raise `UnsupportedError` unless the method supports this kind of canvas."""

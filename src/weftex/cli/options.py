@@ -235,7 +235,8 @@ def parse_size(text: str, huge: bool) -> tuple[int, int]:
         raise InvalidInputError(f"--size is '{text}'; both sides must be 1 or more")
     if height * width > _HUGE and not huge:
         raise InvalidInputError(
-            f"--size is '{text}', more than {_HUGE} pixels; --allow-huge makes it anyway"
+            f"--size is '{text}', more than {_HUGE} pixels; --allow-huge makes it anyway, and "
+            "OUT.tif, OUT.zarr and OUT.dzi take any size"
         )
     return height, width
 

@@ -10,6 +10,7 @@ from weftex.cli.files import (
     open_sample,
     open_several,
     read,
+    read_samples,
     report,
     settings,
     with_turns,
@@ -28,6 +29,15 @@ from weftex.cli.options import (
     parse_size,
     parse_task,
 )
+from weftex.cli.planes import (
+    add_plane,
+    check_options,
+    recipe_for,
+    stems_of,
+    takes_any_size,
+    wants_plane,
+)
+from weftex.cli.planes import write as write_plane
 from weftex.cli.terminal import finish
 
 if TYPE_CHECKING:
@@ -43,6 +53,7 @@ examples:
   weftex synth brick.png -o wall.png --best-of 8      the best of eight seeds
   weftex synth brick.png -o wall.png --best-of quilting,graphcut,near-regular
   weftex synth photo.jpg -o wall.png --straighten --even-light
+  weftex synth brick.png -o wall.zarr --size 100000x100000 --workers 4
   weftex synth moss.png -o face.png --method ashikhmin --guide face.png
   weftex synth photo.png -o new.png --method refinement --sample-guide painted.png --guide other.png
 """
@@ -69,10 +80,24 @@ def run(argv: list[str]) -> None:
     add_tileable_sample(parser)
     add_mending(parser)
     add_turn(parser)
+    add_plane(parser)
     args, method, parameters = parse_task(parser, argv)
     best_of = parse_best_of(args.best_of)
-    size = None if args.size is None else parse_size(args.size, args.allow_huge)
+    huge = args.allow_huge or takes_any_size(args.output)
+    size = None if args.size is None else parse_size(args.size, huge)
     chosen = method(**parameters)
+    if wants_plane(args, size):
+        check_options(args)
+
+        def stream(bar: Bar, outputs: Outputs) -> str:
+            exemplar, material = read_samples(args)
+            made = size or (2 * exemplar.shape[0], 2 * exemplar.shape[1])
+            stems, exemplar = stems_of(args, material), with_turns(exemplar, args)
+            recipe = recipe_for(args, exemplar, stems, chosen, made)
+            return write_plane(args, recipe, bar, outputs, start)
+
+        finish(stream, args.quiet)
+        return
     if best_of != 1:
         from weftex.tasks.best_of import tries
 

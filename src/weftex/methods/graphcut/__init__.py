@@ -13,6 +13,7 @@ from weftex.methods.graphcut.settings import Settings, check_boundary, settle
 from weftex.methods.patches.sizes import patch_size_for
 from weftex.methods.pixels.growth import PixelModel
 from weftex.parameters import parameter
+from weftex.planes.grid import Sizes
 from weftex.threads import thread_map
 
 if TYPE_CHECKING:
@@ -23,6 +24,7 @@ if TYPE_CHECKING:
     from weftex.methods.graphcut.placement import Place
     from weftex.methods.pixels.growth import Growth
 
+_PATCHES = 3  # in a row between two belts of a plane
 _IDLE = 4  # refinements that mend nothing, for each patch that covered the canvas, end it
 
 
@@ -132,7 +134,7 @@ class GraphCut(Method):
             return self
         return replace(self, patch_size=patch_size_for(hole, usable, 1))
 
-    def fit_exemplar(self, exemplar: Exemplar) -> PixelModel:
+    def fit_exemplar(self, exemplar: Exemplar) -> GraphCutModel:
         """Prepare a sample."""
         settings = settle(exemplar, **asdict(self))
         method = replace(self, candidates=settings.candidates, refinements=settings.refinements)
@@ -143,7 +145,23 @@ class GraphCut(Method):
             method = replace(
                 method, patch_size=sizes.get("patch_size"), boundary_width=sizes["boundary_width"]
             )
-        return PixelModel(method, exemplar, settings, synthesize)
+        return GraphCutModel(method, exemplar, settings, synthesize)
+
+
+class GraphCutModel(PixelModel):
+    """A sample prepared for graph-cut textures."""
+
+    def block_sizes(self) -> Sizes:
+        """See `Model.block_sizes`: a corner is a patch, and cuts go on in what is there.
+
+        Between belts is room for so many patches that the last ones lie on belts as far as the
+        first ones do; entire patches are cut anywhere.
+        """
+        settings: Settings = self.prepared
+        side, boundary = min(settings.patch_shape), settings.boundary_width
+        belt = 2 * max(side // 2 if boundary else side // 4, 8)
+        gap = _PATCHES * (side - boundary) - boundary if boundary else 2 * belt
+        return Sizes(pitch=belt + max(gap, belt), belt=belt, loose=belt // 3)
 
 
 def synthesize(settings: Settings, growth: Growth) -> None:
@@ -152,6 +170,8 @@ def synthesize(settings: Settings, growth: Growth) -> None:
     Sections are those of the paper.
     """
     settings = settings.on(growth.canvas)
+    if growth.canvas.shown is not None:  # a block of a plane: its border may be cut again
+        growth.show(growth.canvas.shown >= 0)
     placement = placement_of(settings, growth)  # random, entire patch or sub-patch (section 4)
     picture = Picture(settings, growth, placement.size, placement.reduction)
     growth.about["patch_shape"] = list(placement.size)

@@ -129,6 +129,8 @@ class SubPatchMatching:
     def candidates(self, pixel: tuple[int, int], number: int, centered: bool) -> list[Place]:
         """See `Placement.candidates`."""
         part, (top, left) = self.part(number), self._corner(pixel, centered)
+        if self.repeats is not None:
+            self.repeats.turn_to(top, left)
         y = ((top + np.arange(self.size[0])) % self.canvas.height).astype(np.int32)
         x = ((left + np.arange(self.size[1])) % self.canvas.width).astype(np.int32)
         boxes = copies_of(box_of(self.on_canvas, y, x), self.reduction)
@@ -160,11 +162,14 @@ class SubPatchMatching:
 
     def _corner(self, pixel: tuple[int, int], centered: bool) -> list[int]:
         """The upper left corner on the canvas of a patch that covers a pixel."""
-        corner = []
+        corner: list[int] = []
         for at, size, overlap, n, wraps in zip(
             pixel, self.size, self.overlap, self.canvas.shape, self.canvas.wrap, strict=True
         ):
             first = at - (size // 2 if centered else overlap)
+            if self.canvas.shown is not None and not centered:  # a block of a plane
+                missing = np.flatnonzero((self.canvas.shown < 0).any(axis=1 - len(corner)))
+                first = _evenly(at, int(missing[-1]) + 1, size, overlap)
             corner.append(first if wraps else min(max(first, 0), n - size))
         return corner
 
@@ -221,6 +226,8 @@ class EntirePatchMatching:
             min(max(at, low), high - 1) for at, (low, high) in zip(pixel, self.holes, strict=True)
         )
         pixel = y, x
+        if self.repeats is not None:
+            self.repeats.turn_to(y, x)
         # Eighths of the sample that cover the pixel. With fewer, little of it is on what is there
         # already, and it matches worse; with more, it covers little that is missing.
         low, high = (2, 6) if centered else (2, 4) if self.repeats is None else (1, 6)
@@ -349,6 +356,13 @@ def prices_of(settings: Settings, *shown: NDArray[np.float64]) -> NDArray[np.flo
     for weight, each in zip(_AGAIN[settings.placement], shown, strict=True):
         prices += settings.variety * (weight * np.minimum(each, _MOST))
     return prices
+
+
+def _evenly(at: int, end: int, size: int, overlap: int) -> int:
+    """Where a patch begins, so that the last one ends as far beyond the hole as it may begin."""
+    left = end - at + overlap
+    count = -(-left // (size - overlap))
+    return at + -(-left // count) - size
 
 
 def _ends(some: NDArray[np.bool_]) -> tuple[int, int]:

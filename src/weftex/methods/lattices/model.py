@@ -9,10 +9,12 @@ from weftex.canvas import Canvas, as_canvas
 from weftex.errors import UnsupportedError
 from weftex.method import Method, Model
 from weftex.methods.lattices.mean_tile import MeanTile
+from weftex.planes.boxes import canvas_of
 from weftex.random import seed_number
 
 if TYPE_CHECKING:
     from weftex.exemplar import Exemplar
+    from weftex.planes.boxes import Asked, Box
     from weftex.progress import ProgressCallback
     from weftex.random import Seed
     from weftex.results.synthesis import Synthesis
@@ -89,6 +91,20 @@ class LatticeModel(Model):
         if self.vectors:
             origin = origin_of(canvas, self.exemplar, self.vectors)
         return self.make(canvas, origin, seed_number(seed), threads, progress)
+
+    def make_window(
+        self, box: Box, asked: Asked, progress: ProgressCallback | None = None
+    ) -> Synthesis:
+        """See `Model.make_window`: any part of the plane can be made by itself."""
+        if asked.period is not None:
+            raise UnsupportedError(
+                f"{self.method.slug} makes no windows of a plane that repeats; leave period out, "
+                "or make a tileable picture"
+            )
+        corner = box.rows.first, box.columns.first
+        found = self.make(canvas_of(box), corner, asked.seed, asked.threads, progress)
+        found.is_window = True
+        return found
 
 
 def origin_of(canvas: Canvas, exemplar: Exemplar, vectors: tuple[float, ...]) -> tuple[int, int]:

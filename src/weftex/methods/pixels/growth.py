@@ -64,11 +64,15 @@ class Growth:
         self.pixels = np.zeros((*canvas.shape, windows.pixels.shape[2]), np.uint8)
         self.done = np.zeros(canvas.shape, np.uint8)
         self.source = np.full(canvas.shape, -1, np.int32)
-        self.hole = None
+        self.hole: NDArray[np.bool_] | None = None
+        self.windows = windows
         self.about: dict[str, Any] = {}
         if canvas.known is None or canvas.hole is None or canvas.hole.all():
             return
         self.hole = canvas.hole
+        if canvas.shown is not None:
+            self.show(~self.hole)
+            return
         known = exemplar.as_known(canvas.known)
         self.pixels[~self.hole] = known[~self.hole]
         self.done[~self.hole] = 1
@@ -76,6 +80,19 @@ class Growth:
             y, x = np.indices(canvas.shape) + np.reshape(canvas.known_from, (2, 1, 1))
             place = (y * exemplar.shape[1] + x).astype(np.int32)
             self.source[~self.hole] = windows.from_sample(place[~self.hole])
+
+    def show(self, where: NDArray[np.bool_]) -> None:
+        """Begin with what the canvas shows at some pixels."""
+        assert self.canvas.shown is not None
+        source = self.windows.from_sample(self.canvas.shown[where])
+        self.source[where] = source
+        self.pixels[where] = self.windows.pixels.reshape(-1, self.pixels.shape[2])[source]
+        self.done[where] = 1
+
+    @property
+    def watched(self) -> bool:
+        """Whether anybody may ask for a preview."""
+        return self._callback is not None
 
     def progress(self, total: int, stage: str) -> Progress:
         """Report on `total` steps of one stage; the preview is the picture so far."""

@@ -25,14 +25,26 @@ from weftex.methods.refinement.settings import (
     start_text,
     window_width,
 )
-from weftex.methods.refinement.start import fitted_starts, keep_patches, result_of
+from weftex.methods.refinement.start import (
+    fitted_starts,
+    keep_patches,
+    result_of,
+    start_window,
+)
 from weftex.methods.refinement.sweeps import Convergence, refine_texture, sweep_of
 from weftex.parameters import parameter
+from weftex.planes.grid import Sizes
 
 if TYPE_CHECKING:
+    import numpy as np
+    from numpy.typing import NDArray
+
     from weftex.canvas import Canvas
     from weftex.exemplar import Exemplar
     from weftex.methods.pixels.growth import Growth
+    from weftex.planes.boxes import Asked, Box
+
+_PITCH = 384  # pixels, at least, from one node of a plane to the next
 
 
 @dataclass(frozen=True)
@@ -164,14 +176,14 @@ class Refinement(WindowedMethod):
             parameters = {"init": "seeds", "seed_scale": scale} | parameters
         return super().for_belt(width, **parameters)
 
-    def fit_exemplar(self, exemplar: Exemplar) -> PixelModel:
+    def fit_exemplar(self, exemplar: Exemplar) -> RefinementModel:
         """Analyze a sample: its dominant scale, and how to find windows like one."""
         starts = fitted_starts(self, exemplar)
         # Step 1: WindowSize.
         settled = settled_method(self, exemplar, next(iter(starts), "seeds"))
         settings = settings_of(settled, exemplar, by_canvas=self.init == "auto")
         prepared = prepare(exemplar, settings, starts)  # step 2: SearchTree
-        return PixelModel(settled, exemplar, prepared, texture_synthesis)
+        return RefinementModel(settled, exemplar, prepared, texture_synthesis)
 
     def takes(self, name: str, canvas: Canvas | None = None) -> bool:
         """See `Method.takes`: the margin is for places like coherent ones, and for seeds' first."""
@@ -203,6 +215,20 @@ class Refinement(WindowedMethod):
         return settled
 
 
+class RefinementModel(PixelModel):
+    """A sample prepared for iterative refinement."""
+
+    def block_sizes(self) -> Sizes:
+        """See `Model.block_sizes`; blocks begin with a plane of the start."""
+        width = min(self.prepared.settings.window_width, 64)
+        belt = 2 * max(width, 16)
+        return Sizes(pitch=max(4 * belt, _PITCH), belt=belt, around=width)
+
+    def start_of(self, box: Box, asked: Asked) -> NDArray[np.int32] | None:
+        """See `Model.start_of`: what the start's own plane shows."""
+        return start_window(self.prepared.starts, box, asked)
+
+
 def texture_synthesis(prepared: Prepared, growth: Growth) -> None:
     """Make an output: steps 3 to 10 of TextureSynthesis (section 3), from coarse to fine.
 
@@ -217,7 +243,8 @@ def texture_synthesis(prepared: Prepared, growth: Growth) -> None:
         keep_patches(made, settings.belt, windows, growth)
         if growth.done.all():
             return
-    cyclic = growth.hole is not None  # section 5, Fig. 12
+    # Section 5, Fig. 12; a block of a plane goes on with what was started all over it.
+    cyclic = growth.hole is not None and (made is None or growth.canvas.shown is None)
     outputs = output_pyramid(windows, levels, growth)
     guides = guides_of(settings, levels, growth)
     convergence = Convergence(settings.threshold, cyclic)

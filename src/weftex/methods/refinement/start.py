@@ -24,6 +24,7 @@ if TYPE_CHECKING:
     from weftex.method import Model
     from weftex.methods.pixels.growth import Growth
     from weftex.methods.refinement.settings import Settings
+    from weftex.planes.boxes import Asked, Box
     from weftex.search.windows import Windows
 
 
@@ -86,6 +87,9 @@ def result_of(
     makes it, seed points are planted.
     """
     canvas, failure = growth.canvas, None
+    if canvas.shown is not None and starts:
+        place = np.divmod(canvas.shown, growth.exemplar.shape[1])
+        return next(iter(starts)), np.stack(place, axis=-1)
     for name in starts_for(settings, starts, canvas):
         start = starts[name]
         if "guide" not in start.method.supports:
@@ -97,6 +101,15 @@ def result_of(
     if failure is None or (settings.by_canvas and not settings.belt):
         return "seeds", None
     raise InvalidInputError(f"init: {failure}")
+
+
+def start_window(starts: dict[str, Model], box: Box, asked: Asked) -> NDArray[np.int32] | None:
+    """Return flat indices of what the first start's plane shows in a box; None without a start."""
+    if not starts:
+        return None
+    start = next(iter(starts.values()))
+    source = start.make_window(box, asked).source
+    return source[..., 0] * np.int32(start.exemplar.shape[1]) + source[..., 1]
 
 
 def keep_patches(sources: NDArray[np.int32], belt: int, windows: Windows, growth: Growth) -> None:

@@ -23,12 +23,16 @@ from weftex.tasks.auto.rule import choose, choose_for_hole
 from weftex.tasks.auto.trial import PREVIEW, best_of_choices, others, refined_if_whole
 
 if TYPE_CHECKING:
+    from weftex.planes.boxes import Asked, Box
     from weftex.progress import ProgressCallback
     from weftex.random import Seed
     from weftex.results.synthesis import Synthesis
 
 #: What is tried in turn where a method cannot be fitted, as to a sample that is mostly masked.
 _OTHERS = ("graphcut", "quilting", "patch-sampling", "ashikhmin")
+
+#: The canvas that the method of a plane is chosen for.
+_ENDLESS = 2**15, 2**15
 
 
 @dataclass(frozen=True)
@@ -155,6 +159,24 @@ class AutoModel(Model):
             made = make(choice)
         else:
             choice, made = best_of_choices(choices, self.exemplar, make)
+        made.provenance["reason"] = choice.reason
+        if choice.warnings:
+            made.provenance["warnings"] = list(choice.warnings)
+        return made
+
+    def make_window(
+        self, box: Box, asked: Asked, progress: ProgressCallback | None = None
+    ) -> Synthesis:
+        """See `Model.make_window`: the rule's choice for a picture as large as there can be.
+
+        Nothing is tried, so that every window has the same method.
+        """
+        choice, model = self.chosen(_ENDLESS)
+        if asked.period is not None and choice.method == "near-regular":
+            said = f"{choice.reason.rpartition(':')[0]}, a plane that repeats: quilting"
+            choice = Choice("quilting", {}, said, choice.warnings)
+            model = self._fitted(choice)
+        made = model.make_window(box, asked, progress)
         made.provenance["reason"] = choice.reason
         if choice.warnings:
             made.provenance["warnings"] = list(choice.warnings)

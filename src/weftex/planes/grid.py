@@ -1,0 +1,175 @@
+"""How an endless plane is divided into blocks.
+
+Corners lie at the nodes of a square grid, edges between two corners, an interior between four
+corners and four edges::
+
+    +--+--------+--+        c  corner    a copied piece of the sample, or a start of its own
+    |c |   a    |c |        a  across    hangs on the corners at its ends
+    +--+--------+--+        d  down      likewise
+    |  |        |  |        i  inside    hangs on the four corners and four edges around it
+    |d |   i    |d |
+    |  |        |  |
+    +--+--------+--+
+    |c |   a    |c |
+    +--+--------+--+
+
+So a pixel depends on nine blocks at most, whatever was asked for before. Where a method may replace
+pixels that are there, blocks reach a few pixels (`loose`) into those that they hang on.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from itertools import product
+from typing import NamedTuple
+
+from weftex.planes.boxes import Box, Span
+
+#: Kinds of blocks in the order in which they are made: corners, edges across and down, interiors.
+CORNER, ACROSS, DOWN, INSIDE = range(4)
+
+
+@dataclass(frozen=True)
+class Sizes:
+    """Sizes of blocks in pixels.
+
+    Parameters
+    ----------
+    pitch : int
+        From one node to the next.
+    belt : int
+        Side of a corner and width of an edge; even.
+    loose : int
+        How far blocks reach into those that they hang on; at most a third of `belt`.
+    around : int
+        How much of what a start shows is seen beside corners and edges.
+    """
+
+    pitch: int
+    belt: int
+    loose: int = 0
+    around: int = 0
+
+
+class Block(NamedTuple):
+    """A block by its kind and the node at its upper left end."""
+
+    kind: int
+    row: int
+    column: int
+
+
+@dataclass(frozen=True)
+class Axis:
+    """The nodes along an axis: `count` of them, evenly spread, in each `period` pixels.
+
+    Examples
+    --------
+    >>> [Axis(10, 3).node(i) for i in range(-1, 5)]
+    [-4, 0, 3, 6, 10, 13]
+    """
+
+    period: int
+    count: int
+    wraps: bool = False
+
+    def node(self, number: int) -> int:
+        """Where a node lies."""
+        cycle, k = divmod(number, self.count)
+        return cycle * self.period + k * self.period // self.count
+
+    def name(self, number: int) -> int:
+        """The number that stands for all nodes that are the same one."""
+        return number % self.count if self.wraps else number
+
+    def last_before(self, pixel: int) -> int:
+        """The last node at or before a pixel."""
+        number = pixel * self.count // self.period
+        return number + 1 if self.node(number + 1) <= pixel else number
+
+
+@dataclass(frozen=True)
+class Grid:
+    """The blocks of a plane."""
+
+    sizes: Sizes
+    down: Axis
+    across: Axis
+
+    def own(self, block: Block) -> Box:
+        """The pixels of a block itself."""
+        at_nodes = block.kind in (CORNER, ACROSS), block.kind in (CORNER, DOWN)
+        spans = [
+            self._span(axis, number, at_node)
+            for axis, number, at_node in zip(
+                (self.down, self.across), block[1:], at_nodes, strict=True
+            )
+        ]
+        return Box(*spans)
+
+    def reached(self, block: Block) -> Box:
+        """The same and what it may replace."""
+        loose = self.sizes.loose
+        rows = loose if block.kind in (DOWN, INSIDE) else 0
+        columns = loose if block.kind in (ACROSS, INSIDE) else 0
+        return self.own(block).grown(rows, columns)
+
+    def seen(self, block: Block) -> Box:
+        """The same and all that it hangs on; beside that what a start shows."""
+        belt, around = self.sizes.belt, self.sizes.around
+        along = belt - self.sizes.loose if block.kind == INSIDE else belt
+        grow = [
+            around if at_node else along
+            for at_node in (block.kind in (CORNER, ACROSS), block.kind in (CORNER, DOWN))
+        ]
+        return self.own(block).grown(*grow)
+
+    def hangs_on(self, block: Block) -> list[Block]:
+        """The blocks that must be there before, in their order."""
+        kind, i, j = block
+        if kind == CORNER:
+            return []
+        if kind == ACROSS:
+            return [Block(CORNER, i, j), Block(CORNER, i, j + 1)]
+        if kind == DOWN:
+            return [Block(CORNER, i, j), Block(CORNER, i + 1, j)]
+        return [
+            *(Block(CORNER, i + v, j + u) for v in (0, 1) for u in (0, 1)),
+            *(Block(ACROSS, i + v, j) for v in (0, 1)),
+            *(Block(DOWN, i, j + u) for u in (0, 1)),
+        ]
+
+    def of_window(self, box: Box) -> list[Block]:
+        """The blocks that a window hangs on, in an order in which they can be made and laid.
+
+        Row by row of the grid, so that few are in use at a time; corners and edges of a row come
+        before the interiors above it.
+        """
+        half, found = self.sizes.belt // 2, set[Block]()
+        rows, columns = (
+            range(axis.last_before(first - half) - 1, axis.last_before(last + half) + 2)
+            for axis, (first, last) in zip((self.down, self.across), box, strict=True)
+        )
+        for kind, i, j in product((CORNER, ACROSS, DOWN, INSIDE), rows, columns):
+            block = Block(kind, i, j)
+            if _meet(self.shown(block), box):
+                found |= {block, *self.hangs_on(block)}
+        return sorted(found, key=lambda b: (b.row + (b.kind in (DOWN, INSIDE)), b.kind, b.column))
+
+    def shown(self, block: Block) -> Box:
+        """A box around what others leave of a block and of what it replaces."""
+        kind, loose = block.kind, self.sizes.loose
+        if kind in (CORNER, INSIDE):
+            return self.reached(block)
+        rows, columns = (loose, -loose) if kind == DOWN else (-loose, loose)
+        return self.own(block).grown(rows, columns)
+
+    def _span(self, axis: Axis, number: int, at_node: bool) -> Span:
+        half = self.sizes.belt // 2
+        if at_node:
+            return Span(axis.node(number) - half, axis.node(number) + half)
+        return Span(axis.node(number) + half, axis.node(number + 1) - half)
+
+
+def _meet(one: Box, other: Box) -> bool:
+    return all(min(a.last, b.last) > max(a.first, b.first) for a, b in zip(one, other, strict=True))

@@ -1,0 +1,256 @@
+"""An endless plane of a material, made block by block by any method that fills holes.
+
+Every block is the method's own answer to a hole: the pixels around it that are there already are
+known, with their places in the sample. Random numbers are those of a seed that is hashed from the
+plane's seed and the block, so no block knows when it was made, or by whom; `weftex.planes.grid`
+says which blocks there are.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any, Protocol
+from weakref import WeakKeyDictionary
+
+import numpy as np
+
+from weftex.canvas import Canvas
+from weftex.planes.boxes import Box, around, canvas_of, check_period
+from weftex.planes.cache import BlockCache
+from weftex.planes.corners import Pieces
+from weftex.planes.grid import ACROSS, CORNER, DOWN, Axis, Block, Grid, Sizes
+from weftex.progress import Progress
+from weftex.random import draw
+from weftex.results.pixels import PixelSynthesis
+from weftex.search.windows import whole_windows
+from weftex.threads import thread_map
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    from weftex.exemplar import Exemplar
+    from weftex.planes.boxes import Asked
+    from weftex.progress import ProgressCallback
+    from weftex.results.synthesis import Synthesis
+
+#: Bytes of blocks that are kept for each model.
+MOST_BYTES = 2**27
+_MOST_AT_ONCE = 2**24  # pixels of a start
+_FEWEST = 2  # blocks around a plane that repeats
+
+
+class Filler(Protocol):
+    """What a model must have so that a plane can be made of it."""
+
+    exemplar: Exemplar
+
+    def block_sizes(self) -> Sizes:
+        """Return the sizes of its blocks."""
+
+    def start_of(self, box: Box, asked: Asked) -> NDArray[np.int32] | None:
+        """Return what blocks are made from, as flat indices (H, W) of the sample, if anything."""
+
+    def sample(self, size: Canvas, *, seed: int, threads: int) -> Synthesis:
+        """Fill a canvas."""
+
+
+_KEPT: WeakKeyDictionary[Any, tuple[BlockCache, Pieces | None]] = WeakKeyDictionary()
+
+
+def kept_of(model: Filler) -> tuple[BlockCache, Pieces | None]:
+    """The cache of a model, and where its corners are cut from, if the sample is large enough."""
+    found = _KEPT.get(model)
+    if found is None:
+        last, exemplar = model.block_sizes().belt - 1, model.exemplar
+        mask = np.ones(exemplar.shape, bool) if exemplar.mask is None else exemplar.mask
+        if exemplar.tileable:
+            mask = np.pad(mask, (0, last), mode="wrap")
+        height, width = exemplar.shape
+        usable = whole_windows(mask, (0, last, 0, last))[:height, :width]
+        pieces = Pieces(exemplar, usable) if usable.any() else None
+        found = _KEPT.setdefault(model, (BlockCache(MOST_BYTES), pieces))
+    return found
+
+
+def make_window(
+    model: Filler,
+    box: Box,
+    asked: Asked,
+    about: dict[str, Any],
+    callback: ProgressCallback | None = None,
+) -> PixelSynthesis:
+    """Return a window of a plane.
+
+    Parameters
+    ----------
+    model : Model
+        Of a method that fills holes.
+    box : Box
+        The window.
+    asked : Asked
+        The plane's seed and period, and the number of threads.
+    about : dict
+        The method and its parameters.
+    callback : callable, optional
+        See `weftex.progress.ProgressCallback`.
+    """
+    plane = Plane(model, asked)
+    return PixelSynthesis(
+        canvas_of(box),
+        plane.show(box, callback),
+        sample_shape=model.exemplar.shape,
+        exemplar=model.exemplar,
+        is_window=True,
+        provenance=about | asked.told,
+    )
+
+
+class Plane:
+    """One plane: a model, a seed and a period."""
+
+    def __init__(self, model: Filler, asked: Asked) -> None:
+        self.model, self.asked = model, asked
+        sizes = model.block_sizes()
+        self.grid = Grid(sizes, *axes_of(sizes, asked.period))
+        self.cache, self.pieces = kept_of(model)
+        self._start: tuple[Box, NDArray[np.int32]] | None = None
+        self._pixels = model.exemplar.pixels.reshape(-1, *model.exemplar.pixels.shape[2:])
+
+    def show(self, box: Box, callback: ProgressCallback | None = None) -> NDArray[np.int32]:
+        """Flat indices (H, W) of the sample's pixels in a window."""
+        shown = np.full(box.shape, -1, np.int32)
+        blocks = list(self.grid.of_window(box))
+        threads = max(1, min(self.asked.threads, len(blocks)))
+        within = max(1, self.asked.threads // threads)
+        progress = Progress(callback, len(blocks), "blocks", lambda: self._pixels[shown])
+        self._begin(blocks)
+        with thread_map(threads) as each:
+            for block, made in zip(
+                blocks, each(lambda block: self.block(block, within), blocks), strict=True
+            ):
+                lay(shown, box, made, self.grid.reached(block))
+                progress.advance(1)
+        return shown
+
+    def _begin(self, blocks: list[Block]) -> None:
+        """Ask for what all blocks begin with at once, which is cheaper than one by one."""
+        new = [self.grid.seen(block) for block in blocks if self._key(block) not in self.cache]
+        if not self.grid.sizes.around or not new:
+            return
+        box = around(new)
+        if box.shape[0] * box.shape[1] <= _MOST_AT_ONCE:
+            start = self.model.start_of(box, self.asked)
+            self._start = None if start is None else (box, start)
+
+    def _start_of(self, box: Box, threads: int) -> NDArray[np.int32] | None:
+        """What a block begins with."""
+        if self._start is not None and self._start[0].has(box):
+            return self._start[1][box.within(self._start[0])].copy()
+        return self.model.start_of(box, self.asked._replace(threads=threads))
+
+    def _key(self, block: Block) -> tuple[Any, ...]:
+        """What a block is kept under, and its name: the same one for every time around."""
+        down, across = self.grid.down, self.grid.across
+        name = Block(block.kind, down.name(block.row), across.name(block.column))
+        return self.asked.seed, self.asked.period, name
+
+    def block(self, block: Block, threads: int = 1) -> NDArray[np.int32]:
+        """Flat indices of a block with what it replaces; -1 where it shows nothing."""
+        key = self._key(block)
+        return self.cache.get(key, lambda: self.make(key[-1], threads))
+
+    def make(self, block: Block, threads: int = 1) -> NDArray[np.int32]:
+        """Make a block, and those that it hangs on."""
+        seed = int(draw(self.asked.seed, "block", *block)[()])
+        start = None
+        seen, own, reached = (f(block) for f in (self.grid.seen, self.grid.own, self.grid.reached))
+        if self.grid.sizes.around:
+            start = self._start_of(seen, threads)
+        if start is None:
+            if block.kind == CORNER and self.pieces is not None:
+                return self._piece(block, self.pieces)
+            seen = self._without_start(block, seen)
+            shown = np.full(seen.shape, -1, np.int32)
+        else:
+            shown = start
+        for other in self.grid.hangs_on(block):
+            lay(shown, seen, self.block(other, threads), self.grid.reached(other))
+        hole = np.zeros(seen.shape, bool)
+        hole[own.within(seen)] = True
+        loose = hole[reached.within(seen)]
+        free = self._may_replace(block, loose.shape)
+        loose |= free
+        made = self._filled(shown, hole, seed, threads)
+        result: NDArray[np.int32] = made[reached.within(seen)].copy()
+        result[~(free | hole_of(own, reached))] = -1
+        return result
+
+    def _piece(self, block: Block, pieces: Pieces) -> NDArray[np.int32]:
+        """A corner: a piece of the sample, as it is."""
+        own = self.grid.own(block)
+        at = own.rows.first, own.columns.first
+        corner = pieces.pick(self.asked.seed, block[1:], at)
+        v, u = (
+            (first + np.arange(length)) % n
+            for first, length, n in zip(corner, own.shape, pieces.usable.shape, strict=True)
+        )
+        piece: NDArray[np.int32] = (v[:, None] * pieces.usable.shape[1] + u).astype(np.int32)
+        return piece
+
+    def _without_start(self, block: Block, seen: Box) -> Box:
+        """Nothing is there beside corners and edges."""
+        around = self.grid.sizes.around
+        rows = -around if block.kind in (CORNER, ACROSS) else 0
+        columns = -around if block.kind in (CORNER, DOWN) else 0
+        return seen.grown(rows, columns)
+
+    def _may_replace(self, block: Block, shape: tuple[int, int]) -> NDArray[np.bool_]:
+        """Which pixels that are there a block may replace; edges leave each other their own."""
+        free, loose = np.zeros(shape, bool), self.grid.sizes.loose
+        if not loose or block.kind == CORNER:
+            return free
+        rows = slice(loose, -loose) if block.kind == ACROSS else slice(None)
+        columns = slice(loose, -loose) if block.kind == DOWN else slice(None)
+        free[rows, columns] = True
+        return free
+
+    def _filled(
+        self, shown: NDArray[np.int32], hole: NDArray[np.bool_], seed: int, threads: int
+    ) -> NDArray[np.int32]:
+        """Fill a hole by the method; `shown` has what is there, in the hole too."""
+        height, width = shown.shape
+        canvas = Canvas(height, width)
+        if not hole.all() or (shown >= 0).any():
+            known = self._pixels[shown]
+            canvas = Canvas(height, width, known=known, hole=hole, shown=shown)
+        source = self.model.sample(canvas, seed=seed, threads=threads).source
+        flat = source[..., 0] * np.int32(self.model.exemplar.shape[1]) + source[..., 1]
+        return np.where(hole, flat, shown)
+
+
+def hole_of(own: Box, within: Box) -> NDArray[np.bool_]:
+    """Where a box lies in a larger one."""
+    hole = np.zeros(within.shape, bool)
+    hole[own.within(within)] = True
+    return hole
+
+
+def lay(shown: NDArray[np.int32], box: Box, block: NDArray[np.int32], place: Box) -> None:
+    """Lay a block over what a box shows."""
+    part = block[box.within(place)]
+    here = shown[place.within(box)]
+    np.copyto(here, part, where=part >= 0)
+
+
+def axes_of(sizes: Sizes, period: tuple[int, int] | None) -> tuple[Axis, Axis]:
+    """The nodes of a plane down and across.
+
+    Raises
+    ------
+    InvalidInputError
+        If a period is too short for blocks.
+    """
+    if period is None:
+        return Axis(sizes.pitch, 1), Axis(sizes.pitch, 1)
+    check_period(period, 2 * _FEWEST * sizes.belt)
+    axes = [Axis(length, max(_FEWEST, length // sizes.pitch), wraps=True) for length in period]
+    return axes[0], axes[1]
