@@ -9,8 +9,9 @@ import pytest
 from pages import Client, Page
 
 from conftest import serving
-from weftex.io.formats import PNG, png
+from weftex.io.formats import PNG
 from weftex.io.pictures import read_image
+from weftex.io.png import png_bytes
 from weftex.studio.studio import Studio
 
 BRICKS = {"sample": "bricks"}
@@ -72,7 +73,7 @@ def test_nine_seeds(page):
 
 
 def test_methods_side_by_side(page):
-    guide = page.upload(png(read_image("sample:bricks").pixels[:64, :64]))["id"]
+    guide = page.upload(png_bytes(read_image("sample:bricks").pixels[:64, :64]))["id"]
     plain = {"materials": [BRICKS], "size": [64, 64], "seed": 1}
     found = page.job({**plain, "guide": guide}, methods=["quilting", "ashikhmin"])["results"]
     assert "does not do following a guide" in found[0]["error"]

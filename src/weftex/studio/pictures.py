@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from weftex.io.formats import png
+from weftex.io.png import png_bytes
 from weftex.raster.levels import scale_to_bytes, to_bytes
 from weftex.raster.srgb import to_stored
 from weftex.studio.refusals import Refusal
@@ -149,4 +149,4 @@ def shown(like: Exemplar, pixels: NDArray[Any]) -> Bytes:
 
 def encoded(picture: Bytes) -> bytes:
     """Return a PNG file."""
-    return png(picture, _QUICK)
+    return png_bytes(picture, _QUICK)
