@@ -12,8 +12,8 @@ import pytest
 from pages import ENDED, Page
 
 import weftex
-from weftex.io.formats import PNG
 from weftex.io.pictures import read_image, write_image
+from weftex.io.png import SIGNATURE
 from weftex.parameters import parameter
 from weftex.roles import ROLES
 from weftex.studio.about import about
@@ -117,7 +117,7 @@ def test_pictures_of_all_kinds(wall, tmp_path):
         assert picture.shape[:2] == (72, 64) and picture.dtype == np.uint8
     assert page.ask("GET", f"results/{result['id']}/picture?map=x").status_code == 404
     for what in ("sources", "seams", "patches", "error", "uncertainty"):
-        assert page.get(f"results/{result['id']}/picture?draw={what}").startswith(PNG)
+        assert page.get(f"results/{result['id']}/picture?draw={what}").startswith(SIGNATURE)
     assert page.ask("GET", f"results/{result['id']}/picture?draw=/etc").status_code == 404
     part = f"results/{result['id']}/picture?left=8&top=16&width=32&height=30&reduce=4"
     answer = page.ask("GET", part)
@@ -143,7 +143,7 @@ def test_figures_and_faults(page):
     assert found["score"] > 0 and found["verdict"].endswith(".")
     assert set(found["figures"]) == {one["name"] for one in page.get("about")["figures"]}
     for what in ("seams", "source", "use"):
-        assert page.get(f"results/{result['id']}/fault?what={what}").startswith(PNG)
+        assert page.get(f"results/{result['id']}/fault?what={what}").startswith(SIGNATURE)
     assert page.ask("GET", f"results/{result['id']}/fault?what=no").status_code == 404
 
 
@@ -224,7 +224,7 @@ def test_the_endless_plane(page, tmp_path):
         assert page.ask("GET", f"planes/{plane['id']}/window?{wrong}").status_code == 400
     for name in ("auto", "quilting"):
         plane = page.post("planes", {**recipe, "method": name})
-        assert page.get(f"planes/{plane['id']}/window?top=-{10**9}&left=7").startswith(PNG)
+        assert page.get(f"planes/{plane['id']}/window?top=-{10**9}&left=7").startswith(SIGNATURE)
 
 
 def test_previews_of_sets_are_pictures(page):
@@ -233,7 +233,7 @@ def test_previews_of_sets_are_pictures(page):
     while job["state"] not in ENDED:
         job = page.get(f"jobs/{job['id']}?seen={job['version']}&wait=5")
     assert job["state"] == "done" and job["preview"] > 0
-    assert page.get(f"jobs/{job['id']}/preview").startswith(PNG)
+    assert page.get(f"jobs/{job['id']}/preview").startswith(SIGNATURE)
 
 
 def test_alpha_and_masks_come_through(page, tmp_path, rng):
