@@ -178,6 +178,24 @@ def test_a_wrong_value_is_told_beside_its_control(tab: Any, address: str) -> Non
     assert "patch_size is 0" in told and "\n" not in told
 
 
+def test_what_is_written_while_a_preview_comes_stays(tab: Any, address: str) -> None:
+    one = tab()
+    page = one.open(address)
+    page.click(".samples button:has-text('grass')")
+    page.click("[data-screen=make]")
+    held: list[Any] = []
+    page.route("**/api/results/*/picture*", held.append)
+    with page.expect_request("**/api/results/*/picture*"):
+        page.select_option("select", "quilting")
+    page.fill("input[type=number][step='1'][min='0']", "23")
+    page.keyboard.press("Tab")
+    page.unroute("**/api/results/*/picture*")
+    for route in held:
+        route.continue_()
+    page.wait_for_selector(".strip >> text=quilting · 23")
+    assert page.input_value("input[type=number][step='1'][min='0']") == "23"
+
+
 def test_the_page_weighs_little() -> None:
     """At most 300 kB, all of it together."""
     static = files("weftex.studio") / "static"

@@ -163,13 +163,13 @@ export class App extends EventTarget {
 
   // -- steps
 
-  see(entry) {
+  see(entry, passing = false) {
     this.recipe = structuredClone(entry.state);
     this.result = entry.result;
     this.preview = null;
     history.replaceState(null, "", toAddress(entry.state, Boolean(entry.result)));
     this.tell("recipe");
-    this.tell("result");
+    this.tell("result", { passing });
   }
 
   async travel(entry) {
@@ -261,11 +261,15 @@ export class App extends EventTarget {
 
   /** Make the picture of a recipe, and a step of it. */
   async make(recipe, label) {
+    const begun = this.recipe;
     const job = await this.run({ recipe, leave: this.goOn ? "keep" : "cancel" });
     if (!job) return null;
     const [result] = job.results;
     if (result.error) throw new StudioError(result.error, { parameter: result.parameter });
-    return this.step(result, label);
+    const changed = this.recipe === begun ? null : this.recipe;
+    const step = await this.step(result, label);
+    if (changed) this.edit(changed); // what was written while it was made stays written
+    return step;
   }
 
   async pictureOf(result) {
@@ -291,6 +295,7 @@ export class App extends EventTarget {
    */
   async step(result, label, passing = false) {
     const whole = { ...result, ...(await this.pictureOf(result)) };
+    if (passing && !sameJson(result.recipe, this.recipe)) return null; // something was changed meanwhile
     const present = this.history.present;
     if (present && present.label !== t("history.sample") && sameJson(present.state, result.recipe)) this.history.complete(label, whole);
     else if (passing && present?.passing) this.history.replace(result.recipe, label, whole);
@@ -300,19 +305,22 @@ export class App extends EventTarget {
       old?.bitmap?.close();
       for (const key of ["bitmap", "pictures", "overlays"]) if (old) delete old[key];
     }
-    this.see(this.history.present);
+    this.see(this.history.present, passing);
     return whole;
   }
 
   /** A quick look at what the recipe would make; it is no step. */
   async tryOut() {
-    const recipe = this.smaller(this.recipe);
+    const asked = this.recipe;
+    const recipe = this.smaller(asked);
     const job = await this.run({ recipe, lane: "preview", leave: "cancel" }, { quiet: true });
     const result = job?.results[0];
     if (!result) return null;
     if (result.error) throw new StudioError(result.error, { parameter: result.parameter });
-    if (sameJson(recipe, this.recipe)) return this.step(result, t("history.changed"), true);
-    this.showPreview({ ...(await this.pictureOf(result)), recipe, result });
+    if (this.recipe !== asked) return null; // another try is on its way
+    if (sameJson(recipe, asked)) return this.step(result, t("history.changed"), true);
+    const picture = await this.pictureOf(result);
+    if (this.recipe === asked) this.showPreview({ ...picture, recipe, result });
     return result;
   }
 
