@@ -9,6 +9,7 @@ import numpy as np
 from weftex.methods.graphcut.copies import Copy, box_of, copies_of, places_in_full
 from weftex.methods.graphcut.draws import drawn_places
 from weftex.methods.graphcut.repeats import Repeats
+from weftex.notes import note
 from weftex.random import draw
 from weftex.raster.boxes import box_sums
 from weftex.search.translation import fast_size, overlap_mismatch, window_mismatch
@@ -152,6 +153,7 @@ class SubPatchMatching:
         draws = self.growth.seed, number, self.settings.candidates
         size = tuple(n >> k for n in self.size)
         drawn = drawn_places(costs * prices, allowed, spread, draws, size)
+        note("matches", costs=costs, prices=prices, allowed=allowed, drawn=drawn, halvings=k)
         found = places_in_full(drawn, boxes[: k + 1], part.copies, part.corners, (0, 0))
         return [
             Place(top, left, *self.size, part.top + v, part.left + u, float(prices[at]))
@@ -246,6 +248,7 @@ class EntirePatchMatching:
         draws = self.growth.seed, number, self.settings.candidates
         size = tuple(n >> k for n in self.size)
         drawn = drawn_places(costs * prices, allowed, spread, draws, size)
+        note("matches", costs=costs, prices=prices, allowed=allowed, drawn=drawn, halvings=k)
         found = places_in_full(drawn, boxes[: k + 1], self.copies, places, self.reach)
         return [
             self._clipped(pixel, at, float(prices[place]))

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from weftex.methods.wei_levoy import growth_kernels as kernels
+from weftex.notes import note, parts
 from weftex.search.pyramid_windows import parent_offsets, window_offsets, window_vectors
 from weftex.search.tsvq import TSVQ, build_tsvq
 from weftex.search.tsvq_kernels import Query
@@ -85,11 +86,17 @@ def replace_by_nearest(
     own = window_offsets(settings.window_width, step.causal)
     parents = parent_offsets(settings.parent_width_at(level.number))
     spans = np.empty((len(own) + len(parents), 2), np.int32)
-    query = Query(np.empty(tree.rows.shape[1], np.uint8), spans, 0)
+    query_bytes = np.empty(tree.rows.shape[1], np.uint8)
+    query = Query(query_bytes, spans, 0)
     here, above = (kernels.Level(part, wrap) for part in (level, level.coarser or level))
     bundle, leaves = tree.bundle(), min(step.leaves, len(tree.places))
     line = max(level.pixels.shape[1], _LEAST_PIXELS)
     for start in range(0, len(step.places), line):
         places = step.places[start : start + line]
-        kernels.replace_pixels(here, above, own, parents, places, bundle, leaves, query)
+        for part, asked in parts(places, level.pixels.shape[1], level=level.number):
+            if asked:
+                note("window", level=level, own=own, parents=parents, tree=tree, leaves=leaves)
+            kernels.replace_pixels(here, above, own, parents, places[part], bundle, leaves, query)
+            if asked:
+                note("chosen", level=level, query=query_bytes)
         progress.advance(len(places))
