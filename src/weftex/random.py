@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import numbers
 import os
+from functools import lru_cache
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -77,12 +78,20 @@ def draw(seed: int, purpose: str, *place: NDArray[np.integer] | int) -> NDArray[
     >>> bool(draw(7, "patch", 3, 4) == draw(7, "patch", [0, 3], [1, 4])[1])
     True
     """
-    state = _mix(np.array([seed], np.uint64))
-    for byte in purpose.encode() + b"\xff":  # no purpose goes on as another one or as a place
-        state = _mix(state ^ np.uint64(byte))
+    state = _begun(seed, purpose)
     for coordinate in place:
         state = _mix(state ^ np.asarray(coordinate).astype(np.int64).view(np.uint64))
     return state.reshape(np.broadcast_shapes(*(np.shape(p) for p in place)))
+
+
+@lru_cache(maxsize=256)
+def _begun(seed: int, purpose: str) -> NDArray[np.uint64]:
+    """The bits (1,) that places are mixed into."""
+    state = _mix(np.array([seed], np.uint64))
+    for byte in purpose.encode() + b"\xff":  # no purpose goes on as another one or as a place
+        state = _mix(state ^ np.uint64(byte))
+    state.flags.writeable = False
+    return state
 
 
 def _mix(bits: NDArray[np.uint64]) -> NDArray[np.uint64]:

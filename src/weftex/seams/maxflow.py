@@ -15,8 +15,10 @@ if TYPE_CHECKING:
 #: So that no sum of four capacities overflows.
 LARGEST_CAPACITY = 2**28
 
-_FIELDS = ("terminal", "parent", "tree", "distance", "stamp", "waits")
-_NODE = np.dtype([("arcs", np.int32, 4), *((field, np.int32) for field in _FIELDS)])
+_WHOLE, _SMALL = ("terminal", "distance", "stamp"), ("parent", "tree", "waits", "unused")
+_NODE = np.dtype(
+    [("arcs", np.int32, 4), *((n, np.int32) for n in _WHOLE), *((n, np.int8) for n in _SMALL)]
+)
 
 
 def minimum_cut(

@@ -1,14 +1,23 @@
+cdef enum:
+    # Trees of a node, and what its parent may be beside a direction.
+    SOURCE = 1
+    SINK = 2
+    ROOT = 4
+    NOBODY = 5
+    LOST = 6
+
 # A node's fields: residual capacities by direction; that of the arc from the source, negative: to the
-# sink; the direction of its parent, or ROOT, NOBODY (in no tree) or LOST (an orphan); SOURCE or
-# SINK; the distance to the root, as it was at this time stamp; whether it is active.
+# sink; the distance to the root, as it was at this time stamp; the direction of its parent, or ROOT,
+# NOBODY (in no tree) or LOST (an orphan); SOURCE or SINK; whether it is active. 32 bytes.
 cdef struct Node:
     int[4] arcs
     int terminal
-    int parent
-    int tree
     int distance
     int stamp
-    int waits
+    signed char parent
+    signed char tree
+    signed char waits
+    signed char unused
 
 cdef class Capacities:
     cdef const int[:, :, ::1] arcs

@@ -10,11 +10,6 @@ Compiled by Cython, see setup.py.
 import cython
 
 # A direction is right, down, left or up; the opposite of d is d ^ 2. A Node: see the .pxd.
-ROOT = cython.declare(cython.int, 4)
-NOBODY = cython.declare(cython.int, 5)
-LOST = cython.declare(cython.int, 6)
-SOURCE = cython.declare(cython.int, 1)
-SINK = cython.declare(cython.int, 2)
 
 
 @cython.cclass
@@ -270,35 +265,35 @@ def plant(capacities: Capacities, trees: Trees) -> cython.longlong:
     Returns the flow from the source through single nodes to the sink.
     """
     cython.declare(y=cython.Py_ssize_t, x=cython.Py_ssize_t, i=cython.Py_ssize_t, d=cython.int)
+    cython.declare(arcs=cython.p_const_int, source=cython.int, sink=cython.int)
     height: cython.Py_ssize_t = capacities.height
     width: cython.Py_ssize_t = capacities.width
     flow: cython.longlong = 0
     trees.width = width + 2
     trees.now = 1
-    for i in range((height + 2) * (width + 2)):
-        for d in range(4):
-            trees.nodes[i].arcs[d] = 0
-        trees.nodes[i].terminal = 0
-        trees.nodes[i].parent = NOBODY
-        trees.nodes[i].tree = 0
-        trees.nodes[i].distance = 0
-        trees.nodes[i].stamp = 0
-        trees.nodes[i].waits = 0
-    for y in range(height):
-        for x in range(width):
-            i = (y + 1) * trees.width + x + 1
-            if x + 1 < width:
-                trees.nodes[i].arcs[0] = capacities.arcs[y, x, 0]
-            if y + 1 < height:
-                trees.nodes[i].arcs[1] = capacities.arcs[y, x, 1]
-            if x > 0:
-                trees.nodes[i].arcs[2] = capacities.arcs[y, x, 2]
-            if y > 0:
-                trees.nodes[i].arcs[3] = capacities.arcs[y, x, 3]
-            flow += min(capacities.source[y, x], capacities.sink[y, x])
-            trees.nodes[i].terminal = capacities.source[y, x] - capacities.sink[y, x]
-            if trees.nodes[i].terminal != 0:
-                trees.nodes[i].tree = SOURCE if trees.nodes[i].terminal > 0 else SINK
+    for y in range(height + 2):
+        for x in range(width + 2):
+            i = y * trees.width + x
+            trees.nodes[i].parent = NOBODY
+            trees.nodes[i].tree = 0
+            trees.nodes[i].distance = 0
+            trees.nodes[i].stamp = 0
+            trees.nodes[i].waits = 0
+            if y == 0 or x == 0 or y > height or x > width:
+                for d in range(4):
+                    trees.nodes[i].arcs[d] = 0
+                continue
+            arcs = cython.address(capacities.arcs[y - 1, x - 1, 0])
+            trees.nodes[i].arcs[0] = arcs[0] if x < width else 0
+            trees.nodes[i].arcs[1] = arcs[1] if y < height else 0
+            trees.nodes[i].arcs[2] = arcs[2] if x > 1 else 0
+            trees.nodes[i].arcs[3] = arcs[3] if y > 1 else 0
+            source = capacities.source[y - 1, x - 1]
+            sink = capacities.sink[y - 1, x - 1]
+            flow += min(source, sink)
+            trees.nodes[i].terminal = source - sink
+            if source != sink:
+                trees.nodes[i].tree = SOURCE if source > sink else SINK
                 trees.nodes[i].parent = ROOT
                 trees.nodes[i].distance = 1
                 wake(trees, i)

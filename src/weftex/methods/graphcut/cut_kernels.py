@@ -11,18 +11,11 @@ from cython.cimports.weftex.methods.graphcut.seam_kernels import (
     Sample,
     beside,
     continued,
+    cost_within,
+    difference,
     seam_cost,
 )
 from cython.cimports.weftex.seams.maxflow_kernels import Capacities, Trees, minimum_cut
-
-# The choices that a pixel of a box may have.
-NOTHING = cython.declare(cython.int, 0)
-OLD = cython.declare(cython.int, 1)
-NEW = cython.declare(cython.int, 2)
-EITHER = cython.declare(cython.int, 3)
-
-REACH = cython.declare(cython.int, 2)  # blocks around those that the cut passes
-STEP = cython.declare(cython.int, 2)  # so many halvings less at a time
 
 
 @cython.cclass
@@ -52,6 +45,7 @@ class Graph:
     old: cython.int[:, ::1]  # from the source: the price of a block that stays old
     new: cython.int[:, ::1]  # to the sink: the price of one that becomes new
     choice: cython.uchar[:, ::1]  # of each pixel: NOTHING, OLD, NEW or EITHER
+    apart: cython.int[:, ::1]  # of each pixel that may be EITHER: how far its colors are apart
     side: cython.uchar[:, ::1]  # of each block: 1 inside the cut
     shown: cython.uchar[:, ::1]  # of each block: OLD and NEW, if it has such pixels
     along: cython.uchar[:, ::1]  # likewise of it and of those beside it
@@ -59,10 +53,11 @@ class Graph:
     trees: Trees
     before: cython.longlong  # the cost of the seams that a patch may change, before it
 
-    def __init__(self, arcs, old, new, choice, side, shown, along, trees):
+    def __init__(self, arcs, old, new, apart, choice, side, shown, along, trees):
         self.arcs = arcs
         self.old = old
         self.new = new
+        self.apart = apart
         self.choice = choice
         self.side = side
         self.shown = shown
@@ -116,24 +111,32 @@ def choose(
     """Fill in the choice that each pixel of the box has; return how many missing become new."""
     cython.declare(i=cython.Py_ssize_t, j=cython.Py_ssize_t, p=cython.int, row=cython.int)
     cython.declare(may=cython.p_uchar, new=cython.p_const_uchar, from_row=cython.int)
+    cython.declare(label=cython.int, apart=cython.p_int, old=cython.p_const_uchar)
     columns: cython.p_const_int = cython.address(patch.columns[0])
     from_columns: cython.p_const_int = cython.address(patch.from_columns[0])
     done: cython.p_uchar = cython.address(picture.done[0])
     known: cython.p_const_uchar = cython.address(picture.known[0])
     width: cython.Py_ssize_t = patch.columns.shape[0]
+    channels: cython.Py_ssize_t = sample.pixels.shape[1]
     missing: cython.Py_ssize_t = 0
     new = cython.address(usable[0])
     for i in range(patch.rows.shape[0]):
         may = cython.address(graph.choice[i, 0])
+        apart = cython.address(graph.apart[i, 0])
         row = patch.rows[i] * picture.width
         from_row = patch.from_rows[i] * sample.width
         for j in range(width):
             p = row + columns[j]
-            if not new[from_row + from_columns[j]] or (done[p] and known[p]):
+            label = from_row + from_columns[j]
+            if not new[label] or (done[p] and known[p]):
                 may[j] = OLD if done[p] else NOTHING
+            elif done[p]:
+                may[j] = EITHER
+                old = cython.address(picture.pixels[p, 0])
+                apart[j] = difference(old, cython.address(sample.pixels[label, 0]), channels)
             else:
-                may[j] = EITHER if done[p] else NEW
-                missing += not done[p]
+                may[j] = NEW
+                missing += 1
     return missing
 
 
@@ -222,12 +225,17 @@ def add_pair(
     q_new = in_sample(sample, patch, v, u)
     p_old = 0
     q_old = 0
-    if p_may & OLD and q_may & NEW:
-        p_old = seam_cost(picture, sample, p, q, d, label_p, q_new)
     if together and go_on and continued(sample, p_new, d) == q_new:
-        q_old = p_old  # both pixels are in both patches
-    elif p_may & NEW and q_may & OLD:
-        q_old = seam_cost(picture, sample, p, q, d, p_new, label_q)
+        # Both pixels are in both patches.
+        p_old = cost_within(
+            sample, graph.apart[i, j] + graph.apart[v, u], label_p, label_q, p_new, q_new
+        )
+        q_old = p_old
+    else:
+        if p_may & OLD and q_may & NEW:
+            p_old = seam_cost(picture, sample, p, q, d, label_p, q_new)
+        if p_may & NEW and q_may & OLD:
+            q_old = seam_cost(picture, sample, p, q, d, p_new, label_q)
     if together:
         q_old = max(q_old, both_old - p_old)
         alpha = min(p_old, both_old)

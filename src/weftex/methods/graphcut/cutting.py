@@ -18,6 +18,8 @@ if TYPE_CHECKING:
     from weftex.methods.graphcut.settings import Settings
     from weftex.methods.pixels.growth import Growth
 
+_AHEAD = 2**16  # pixels that are looked through at a time for one that is missing
+
 
 class Picture:
     """The canvas so far, with old seams: all patches that were pasted show in its labels.
@@ -66,11 +68,14 @@ class Picture:
 
     def missing(self) -> Iterator[tuple[int, int]]:
         """Yield the first pixel that is missing, until none is."""
-        first = 0
-        while True:
-            first += int(self.done[first:].argmin())
-            if self.done[first]:
-                return
+        first, size = 0, self.done.size
+        while first < size:
+            part = self.done[first : first + _AHEAD]
+            at = int(part.argmin())
+            if part[at]:
+                first += len(part)
+                continue
+            first += at
             yield divmod(first, self.shape[1])
 
     def price(self, place: Place, number: int) -> float:
@@ -149,11 +154,11 @@ class Picture:
 def _graph(height: int, width: int) -> cut_kernels.Graph:
     """Make room for the graph of a patch."""
     shape = height, width
-    old, new = np.empty((2, *shape), np.int32)
+    old, new, apart = np.empty((3, *shape), np.int32)
     arcs = np.empty((*shape, 4), np.int32)
     choice, side, shown, along = np.empty((4, *shape), np.uint8)
     trees = search_trees(height, width)
-    return cut_kernels.Graph(arcs, old, new, choice, side, shown, along, trees)
+    return cut_kernels.Graph(arcs, old, new, apart, choice, side, shown, along, trees)
 
 
 def _joins(usable: NDArray[np.bool_], tiles: bool) -> NDArray[np.uint8]:

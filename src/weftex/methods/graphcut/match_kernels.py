@@ -6,6 +6,7 @@ Compiled by Cython, see setup.py.
 
 import cython
 from cython.cimports.libc.math import INFINITY
+from cython.cimports.libc.string import memchr
 
 
 @cython.cclass
@@ -67,46 +68,90 @@ def gather(
 
 
 @cython.cfunc
+@cython.inline
+@cython.nogil
+@cython.exceptval(check=False)
+def run_of(
+    marks: cython.p_const_uchar, at: cython.Py_ssize_t, end: cython.Py_ssize_t, mark: cython.int
+) -> cython.Py_ssize_t:
+    """The first place from `at` on that has this mark, 0 or 1, or the end."""
+    found: cython.p_void = memchr(marks + at, mark, end - at)
+    if found == cython.NULL:
+        return end
+    return cython.cast(cython.p_const_uchar, found) - marks
+
+
+@cython.cfunc
+@cython.nogil
+@cython.exceptval(check=False)
+def area_of(
+    box: Copy, sample: Copy, top: cython.Py_ssize_t, left: cython.Py_ssize_t
+) -> cython.longlong:
+    """How many pixels of the box count where it lies on the sample, or one pixel beyond."""
+    cython.declare(i=cython.Py_ssize_t, j=cython.Py_ssize_t, run=cython.int)
+    first: cython.Py_ssize_t = max(0, -left - 1)
+    last: cython.Py_ssize_t = min(box.pixels.shape[1], sample.pixels.shape[1] - left + 1)
+    area: cython.longlong = 0
+    for i in range(max(0, -top - 1), min(box.pixels.shape[0], sample.pixels.shape[0] - top + 1)):
+        run = 0
+        for j in range(first, last):
+            run += box.mask[i, j]
+        area += run
+    return area
+
+
+@cython.cfunc
 @cython.nogil
 @cython.exceptval(check=False)
 def mismatch(
-    box: Copy, sample: Copy, top: cython.Py_ssize_t, left: cython.Py_ssize_t, whole: cython.bint
+    box: Copy,
+    sample: Copy,
+    top: cython.Py_ssize_t,
+    left: cython.Py_ssize_t,
+    whole: cython.bint,
+    most: cython.double,
 ) -> cython.double:
     """Mean squared difference where both count, the box's corner on (top, left) of the sample.
 
-    Infinite where nothing counts in both. `whole`: all pixels of the sample count.
+    Infinite where nothing counts in both, or once the sum is `most` or more. `whole`: all pixels
+    of the sample count.
     """
     cython.declare(i=cython.Py_ssize_t, j=cython.Py_ssize_t, k=cython.Py_ssize_t)
-    cython.declare(end=cython.Py_ssize_t, d=cython.int, run=cython.int)
+    cython.declare(end=cython.Py_ssize_t, d=cython.int, run=cython.int, turn=cython.int)
     cython.declare(one=cython.p_const_uchar, other=cython.p_const_uchar)
+    cython.declare(here=cython.p_const_uchar, there=cython.p_const_uchar)
     channels: cython.Py_ssize_t = box.pixels.shape[2]
     first: cython.Py_ssize_t = max(0, -left)
     last: cython.Py_ssize_t = min(box.pixels.shape[1], sample.pixels.shape[1] - left)
+    upper: cython.Py_ssize_t = max(0, -top)
+    lower: cython.Py_ssize_t = min(box.pixels.shape[0], sample.pixels.shape[0] - top)
     total: cython.longlong = 0
     area: cython.longlong = 0
-    for i in range(max(0, -top), min(box.pixels.shape[0], sample.pixels.shape[0] - top)):
-        j = first
-        while j < last:
-            if not box.mask[i, j] or not (whole or sample.mask[top + i, left + j]):
-                j += 1
-                continue
-            end = j + 1
-            while (
-                end < last
-                and end - j < 4096
-                and box.mask[i, end]
-                and (whole or sample.mask[top + i, left + end])
-            ):
-                end += 1
-            one = cython.address(box.pixels[i, j, 0])
-            other = cython.address(sample.pixels[top + i, left + j, 0])
-            run = 0
-            for k in range((end - j) * channels):
-                d = cython.cast(cython.int, one[k]) - other[k]
-                run += d * d
-            total += run
-            area += end - j
-            j = end
+    if first >= last:
+        return INFINITY
+    for turn in range(8):  # every eighth row first, so that bad places end early
+        for i in range(upper + turn, lower, 8):
+            here = cython.address(box.mask[i, 0])
+            there = cython.address(sample.mask[top + i, left + first]) - first
+            j = run_of(here, first, last, 1)
+            while j < last:
+                if not (whole or there[j]):
+                    j = run_of(here, j + 1, last, 1)
+                    continue
+                end = run_of(here, j + 1, min(last, j + 4096), 0)
+                if not whole:
+                    end = run_of(there, j + 1, end, 0)
+                one = cython.address(box.pixels[i, j, 0])
+                other = cython.address(sample.pixels[top + i, left + j, 0])
+                run = 0
+                for k in range((end - j) * channels):
+                    d = cython.cast(cython.int, one[k]) - other[k]
+                    run += d * d
+                total += run
+                area += end - j
+                j = run_of(here, end, last, 1)
+        if total >= most:
+            return INFINITY
     if area == 0:
         return INFINITY
     return cython.cast(cython.double, total) / area
@@ -128,14 +173,19 @@ def nudge(
     The box's corner lies on (place - offset) of the sample.
     """
     cython.declare(y=cython.Py_ssize_t, x=cython.Py_ssize_t, cost=cython.double)
+    cython.declare(top=cython.Py_ssize_t, left=cython.Py_ssize_t, area=cython.double)
     middle_y: cython.Py_ssize_t = place[0]
     middle_x: cython.Py_ssize_t = place[1]
-    best: cython.double = mismatch(box, sample, middle_y - offset[0], middle_x - offset[1], whole)
+    top = middle_y - offset[0]
+    left = middle_x - offset[1]
+    best: cython.double = mismatch(box, sample, top, left, whole, INFINITY)
+    # A mean over no more pixels than this is no better once its sum is that of the best.
+    area = cython.cast(cython.double, area_of(box, sample, top, left)) * (1 + 1e-12)
     for y in range(max(0, middle_y - 1), min(middle_y + 2, allowed.shape[0])):
         for x in range(max(0, middle_x - 1), min(middle_x + 2, allowed.shape[1])):
             if not allowed[y, x] or (y == middle_y and x == middle_x):
                 continue
-            cost = mismatch(box, sample, y - offset[0], x - offset[1], whole)
+            cost = mismatch(box, sample, y - offset[0], x - offset[1], whole, best * area)
             if cost < best:
                 best = cost
                 place[0] = cython.cast(cython.int, y)

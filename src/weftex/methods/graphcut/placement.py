@@ -130,6 +130,8 @@ class SubPatchMatching:
     def candidates(self, pixel: tuple[int, int], number: int, centered: bool) -> list[Place]:
         """See `Placement.candidates`."""
         part, (top, left) = self.part(number), self._corner(pixel, centered)
+        if self.repeats is not None:
+            self.repeats.turn_to(top, left)
         y = ((top + np.arange(self.size[0])) % self.canvas.height).astype(np.int32)
         x = ((left + np.arange(self.size[1])) % self.canvas.width).astype(np.int32)
         boxes = copies_of(box_of(self.on_canvas, y, x), self.reduction)
@@ -223,6 +225,8 @@ class EntirePatchMatching:
             min(max(at, low), high - 1) for at, (low, high) in zip(pixel, self.holes, strict=True)
         )
         pixel = y, x
+        if self.repeats is not None:
+            self.repeats.turn_to(y, x)
         # Eighths of the sample that cover the pixel. With fewer, little of it is on what is there
         # already, and it matches worse; with more, it covers little that is missing.
         low, high = (2, 6) if centered else (2, 4) if self.repeats is None else (1, 6)

@@ -13,6 +13,7 @@ import cython
 class Showing:
     """What the canvas shows of the sample, and what of it counts as shown again.
 
+    `source` has the pixels that are looked at, a part of all.
     A pixel counts as nearby if both distances, down and across, are up to `near`, and in line for
     each of them that is up to `aligned`.
     """
@@ -55,7 +56,7 @@ def mark(
     """Add 1 to the places of a box; bottom and right belong to it."""
     rows: cython.int = cython.cast(cython.int, places.marks.shape[0]) - 1
     columns: cython.int = cython.cast(cython.int, places.marks.shape[1]) - 1
-    if bottom < 0 or right < 0:
+    if bottom < 0 or right < 0 or top > bottom or left > right:
         return
     top = ((max(top, 0) - 1) >> places.halvings) + 1
     left = ((max(left, 0) - 1) >> places.halvings) + 1
@@ -131,10 +132,25 @@ def count(
                     mark_again(showing, nearby, in_line, y, x, rows[1, i], columns[1, j])
 
 
+def count_squares(
+    source: cython.const[cython.int][:, ::1],
+    width: cython.int,
+    halvings: cython.int,
+    counts: cython.longlong[:, ::1],
+):
+    """Count the pixels by the square of 2**halvings a side of the sample that they come from."""
+    cython.declare(i=cython.Py_ssize_t, j=cython.Py_ssize_t, label=cython.int)
+    for i in range(source.shape[0]):
+        for j in range(source.shape[1]):
+            label = source[i, j]
+            if label >= 0:
+                counts[label // width >> halvings, label % width >> halvings] += 1
+
+
 def count_shown(showing: Showing, rows, columns, nearby: Marks, in_line: Marks):
     """Count, for each place of a patch, the pixels that it would show again, as differences.
 
-    `rows` and `columns` have the lines of the canvas that are looked at, and their distances from
-    the patch's corner.
+    `rows` and `columns` have the numbers of lines of `source`, and their distances from the patch's
+    corner.
     """
     count(showing, rows, columns, nearby, in_line)

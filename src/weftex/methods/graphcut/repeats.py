@@ -52,8 +52,28 @@ class Repeats:
         self.sparse = self.step
         while growth.source.size > _ENOUGH * self.sparse**2:
             self.sparse *= 2
+        # What is looked at, close together, so that it stays in the processor's cache.
+        self._seen = growth.source[:: self.step, :: self.step].copy()
+        self._changing: list[NDArray[np.int64]] = []
         three = (np.array(k, np.int32) for k in (size, near, self.aligned))
-        self._showing = kernels.Showing(growth.source, exemplar.shape, exemplar.tileable, *three)
+        self._showing = kernels.Showing(self._seen, exemplar.shape, exemplar.tileable, *three)
+
+    def turn_to(self, top: int, left: int) -> None:
+        """Say where the next patch comes to lie, to within its size; the one before is laid."""
+        if self._changing:
+            rows, columns = self._changing
+            from_rows, from_columns = self._changing[0] * self.step, self._changing[1] * self.step
+            self._seen[np.ix_(rows, columns)] = self.growth.source[np.ix_(from_rows, from_columns)]
+        self._changing = []
+        for first, size, n, wraps in zip(
+            (top, left), self.size, self.growth.canvas.shape, self.growth.canvas.wrap, strict=True
+        ):
+            count = -(-n // self.step)
+            line = np.arange((first - size) // self.step, (first + size) // self.step + 1)
+            if len(line) > count or (wraps and n % self.step):
+                line = np.arange(count)
+            inside = (line >= 0) & (line < count)
+            self._changing.append(line % count if wraps else line[inside])
 
     def shown(self, top: int, left: int, halvings: int) -> NDArray[np.float64]:
         """How much of the patch from each place is shown already, 1 for all of it once.
@@ -76,7 +96,9 @@ class Repeats:
         for rows, columns in ((near[0], near[1]), (rest[0], over[1]), (over[0], rest[1])):
             kernels.count_shown(self._showing, rows, columns, *places)
         once = self.size[0] * self.size[1] / self.step**2
-        result: NDArray[np.float64] = marks.cumsum(axis=1).cumsum(axis=2)[:, :-1, :-1] / once
+        for axis in (1, 2):
+            marks.cumsum(axis=axis, out=marks)
+        result: NDArray[np.float64] = marks[:, :-1, :-1] / once
         return result
 
     def used(self, halvings: int) -> NDArray[np.float64]:
@@ -86,9 +108,12 @@ class Repeats:
         """
         counts, sides = self._counts(halvings), [max(1, n >> halvings) for n in self.size]
         mean = float(counts.mean()) * sides[0] * sides[1]
-        around = "wrap" if self.exemplar.tileable else "constant"
-        counts = np.pad(counts, [(0, n - 1) for n in sides], mode=around)  # type: ignore[call-overload]
-        result: NDArray[np.float64] = box_sums(counts, *sides) / (mean or 1)
+        if self.exemplar.tileable:
+            beyond = np.pad(counts, [(0, n - 1) for n in sides], mode="wrap")
+        else:
+            beyond = np.zeros([n + m - 1 for n, m in zip(counts.shape, sides, strict=True)], int)
+            beyond[: counts.shape[0], : counts.shape[1]] = counts
+        result: NDArray[np.float64] = box_sums(beyond, *sides) / (mean or 1)
         return result
 
     def used_where(
@@ -117,25 +142,24 @@ class Repeats:
 
     def _counts(self, halvings: int) -> NDArray[np.int64]:
         """How often the canvas shows each square of 2**halvings a side of the sample."""
-        height, width = self.exemplar.shape
-        source = self.growth.source[:: self.sparse, :: self.sparse]
-        y, x = np.divmod(source[source >= 0], width)
-        rows, columns = ((n - 1 >> halvings) + 1 for n in (height, width))
-        flat = (y >> halvings) * columns + (x >> halvings)
-        return np.bincount(flat, minlength=rows * columns).reshape(rows, columns)
+        apart = self.sparse // self.step
+        seen = np.ascontiguousarray(self._seen[::apart, ::apart])
+        counts = np.zeros([(n - 1 >> halvings) + 1 for n in self.exemplar.shape], np.int64)
+        kernels.count_squares(seen, self.exemplar.shape[1], halvings, counts)
+        return counts
 
     def _lines(self, axis: int, first: int) -> list[NDArray[np.int32]]:
         """The lines near a patch, the others, and those that it covers or nearly covers.
 
-        Of each the place on the canvas and the distance from the patch's first line.
+        Of each its number, of those looked at, and the distance from the patch's first line.
         """
         n, wraps = self.growth.canvas.shape[axis], self.growth.canvas.wrap[axis]
         size, near, aligned = self.size[axis], self.near[axis], self.aligned[axis]
-        line = np.arange(0, n, self.step)
-        away = line - first
+        number = np.arange(-(-n // self.step))
+        away = number * self.step - first
         if wraps:
             before = n // 2 - size // 2
             away = (away + before) % n - before
-        lines = np.array([line, away], np.int32)
+        lines = np.array([number, away], np.int32)
         nearby, over = ((away >= -reach) & (away < size + reach) for reach in (near, aligned))
         return [np.ascontiguousarray(lines[:, part]) for part in (nearby, ~nearby, over)]

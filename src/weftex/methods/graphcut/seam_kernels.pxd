@@ -1,3 +1,8 @@
+cdef enum:
+    # Costs weighed by gradients: a mean difference of SOFT levels on either side weighs like none.
+    SCALE = 256
+    SOFT = 32
+
 cdef class Sample:
     cdef const unsigned char[:, ::1] pixels
     cdef const unsigned char[::1] joins
@@ -17,7 +22,30 @@ cdef class Picture:
 
 cdef int beside(Picture picture, int p, int dy, int dx) noexcept nogil
 
-# Here, or it cannot be inlined.
+# Here, or they cannot be inlined.
+cdef inline int difference(const unsigned char* a, const unsigned char* b,
+                           Py_ssize_t channels) noexcept nogil:
+    """Sum of absolute differences of two pixels: a metric, and exact."""
+    cdef Py_ssize_t k
+    cdef int total = 0
+    if channels == 3:  # most pictures; the loop for any number is slower
+        return (abs(<int> a[0] - <int> b[0]) + abs(<int> a[1] - <int> b[1])
+                + abs(<int> a[2] - <int> b[2]))
+    for k in range(channels):
+        total += abs(<int> a[k] - <int> b[k])
+    return total
+
+cdef inline int cost_within(Sample sample, int apart, int p_old, int q_old, int p_new,
+                            int q_new) noexcept nogil:
+    """`seam_cost` where both pixels are in both patches, `apart` the sum of their differences."""
+    cdef int gradient
+    cdef Py_ssize_t channels = sample.pixels.shape[1]
+    if not sample.by_gradients:
+        return apart
+    gradient = difference(&sample.pixels[p_old, 0], &sample.pixels[q_old, 0], channels)
+    gradient += difference(&sample.pixels[p_new, 0], &sample.pixels[q_new, 0], channels)
+    return SCALE * apart // (gradient + SOFT * <int> channels)
+
 cdef inline int continued(Sample sample, int label, int d) noexcept nogil:
     """The place in the sample that a pixel's patch has beside it; -1 for none."""
     cdef int joins, step

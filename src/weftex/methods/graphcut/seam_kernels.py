@@ -8,10 +8,6 @@ right, down, left or up; the opposite of d is d ^ 2.
 
 import cython
 
-# Costs weighed by gradients: a mean difference of SOFT levels on either side weighs like none.
-SCALE = cython.declare(cython.int, 256)
-SOFT = cython.declare(cython.int, 32)
-
 
 @cython.cclass
 class Sample:
@@ -61,21 +57,6 @@ def beside(picture: Picture, p: cython.int, dy: cython.int, dx: cython.int) -> c
             return -1
         x = x - picture.width if x > 0 else x + picture.width
     return y * picture.width + x
-
-
-@cython.cfunc
-@cython.inline
-@cython.nogil
-@cython.exceptval(check=False)
-def difference(
-    a: cython.p_const_uchar, b: cython.p_const_uchar, channels: cython.Py_ssize_t
-) -> cython.int:
-    """Sum of absolute differences of two pixels: a metric, and exact."""
-    cython.declare(k=cython.Py_ssize_t)
-    total: cython.int = 0
-    for k in range(channels):
-        total += abs(cython.cast(cython.int, a[k]) - cython.cast(cython.int, b[k]))
-    return total
 
 
 @cython.cfunc
