@@ -21,7 +21,7 @@ LEVELS = [
     ["__main__"],
     ["cli"],
     ["tasks"],
-    ["pages"],
+    ["pages", "explanation"],
     ["methods"],
     ["naming"],
     ["method"],
@@ -36,7 +36,7 @@ LEVELS = [
     ["exemplar"],
     ["io"],
     ["raster"],
-    ["registry", "choice", "threads", "progress", "random", "roles", "parameters"],
+    ["registry", "choice", "threads", "progress", "random", "roles", "parameters", "notes"],
     ["errors"],
     ["dispatch"],
 ]

@@ -119,7 +119,7 @@ class Output:
         scratch = self._scratch.get(get_ident())
         if scratch is None:
             scratch = self._scratch[get_ident()] = _kernels.Scratch(
-                self.settings.candidates, **room_for(self.analysis, self.frame)
+                wanted=self.settings.candidates, **room_for(self.analysis, self.frame)
             )
         # A kd-tree is searched from Python, for one patch at a time; kernels do a whole run, unless
         # somebody wants to see how a patch is chosen.
@@ -147,7 +147,7 @@ class Output:
                 continue
             before, room = self.pixels.copy(), room_for(self.analysis, self.frame)
             room["keys"].fill(-1)
-            own = _kernels.Scratch(self.settings.candidates, **room)
+            own = _kernels.Scratch(wanted=self.settings.candidates, **room)
             _kernels.lay_patches(self.pixels, self._sample, zone, search, rule, patches, own)
             note(
                 "patch", output=self, number=first, before=before, zone=structure.zone,

@@ -86,8 +86,7 @@ def replace_by_nearest(
     own = window_offsets(settings.window_width, step.causal)
     parents = parent_offsets(settings.parent_width_at(level.number))
     spans = np.empty((len(own) + len(parents), 2), np.int32)
-    query_bytes = np.empty(tree.rows.shape[1], np.uint8)
-    query = Query(query_bytes, spans, 0)
+    query = Query(np.empty(tree.rows.shape[1], np.uint8), spans, 0)
     here, above = (kernels.Level(part, wrap) for part in (level, level.coarser or level))
     bundle, leaves = tree.bundle(), min(step.leaves, len(tree.places))
     line = max(level.pixels.shape[1], _LEAST_PIXELS)
@@ -95,8 +94,8 @@ def replace_by_nearest(
         places = step.places[start : start + line]
         for part, asked in parts(places, level.pixels.shape[1], level=level.number):
             if asked:
-                note("window", level=level, own=own, parents=parents, tree=tree, leaves=leaves)
+                note("window", level=level, own=own, tree=tree, wrap=wrap)
             kernels.replace_pixels(here, above, own, parents, places[part], bundle, leaves, query)
             if asked:
-                note("chosen", level=level, query=query_bytes)
+                note("chosen", level=level)
         progress.advance(len(places))
