@@ -36,7 +36,8 @@ LEVELS = [
     ["exemplar"],
     ["io"],
     ["raster"],
-    ["registry", "choice", "threads", "progress", "random", "roles", "parameters", "notes"],
+    ["registry", "choice", "threads", "processes", "progress", "notes", "random", "roles"],
+    ["parameters"],
     ["errors"],
     ["dispatch"],
 ]

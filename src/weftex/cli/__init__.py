@@ -82,8 +82,9 @@ def main(argv: list[str] | None = None) -> int:
     except SystemExit as end:  # argparse after --help
         return int(end.code or 0)
     except (KeyboardInterrupt, Stopped) as end:
-        say("stopped; nothing was written")
-        return end.code if isinstance(end, Stopped) else 130
+        end = end if isinstance(end, Stopped) else Stopped(130)
+        say(f"stopped; {end.left}")
+        return end.code
     except MemoryError as error:
         say(f"error: not enough memory{f' ({error})' if str(error) else ''}; make it smaller")
     except WeftexError as error:

@@ -115,13 +115,12 @@ def plan_of_several(
 
 def _files(material: Material, args: argparse.Namespace) -> dict[str, str]:
     """The names of the files, each of them once."""
-    from weftex.io.formats import FORMATS, suffix_of
+    from weftex.io.formats import written_as
 
     files = {}
     for name, one in material.pictures.items():
-        stem, suffix = os.path.splitext(os.path.basename(one.path))
-        other = ".exr" if one.pixels.dtype.kind == "f" else ".png"  # for what is only read
-        files[name] = stem + (suffix if suffix_of(one.path) in FORMATS else other)
+        stem = os.path.splitext(os.path.basename(one.path))[0]
+        files[name] = stem + written_as(one.path, one.pixels.dtype.kind == "f")
     if args.names is not None:
         from weftex.io.map_names import file_stem
 

@@ -94,6 +94,29 @@ def suffix_of(path: str) -> str:
     return os.path.splitext(path)[1].lower()
 
 
+def written_as(path: str, floats: bool | None = None) -> str:
+    """Return the suffix of what is made from a file: its own, or else PNG, of floats OpenEXR.
+
+    Parameters
+    ----------
+    path : str
+        The file; it is opened if its type is only read, and `floats` is not given.
+    floats : bool, optional
+        Whether it holds floats.
+
+    Examples
+    --------
+    >>> written_as("a.JPG"), written_as("a.jxl", False), written_as("sky.hdr", True)
+    ('.JPG', '.png', '.exr')
+    """
+    if suffix_of(path) in FORMATS:
+        return os.path.splitext(path)[1]
+    if floats is None:
+        file = image_library().ImageInput.open(path)
+        floats = file is not None and str(file.spec().format) in FLOATS
+    return ".exr" if floats else ".png"
+
+
 def kind_of(name: str, given: str) -> str:
     """Return the format that the first bytes of the file show."""
     try:
