@@ -6,7 +6,6 @@ from typing import TYPE_CHECKING, Any
 
 from weftex.canvas import as_canvas
 from weftex.errors import InvalidInputError, UnsupportedError, shown
-from weftex.explanation.stages import Explanation, Stage
 from weftex.explanation.graphcut import GraphCutWatcher
 from weftex.explanation.lattices import BestTileWatcher, NearRegularWatcher
 from weftex.explanation.patches import PatchWatcher
@@ -17,6 +16,7 @@ from weftex.explanation.pixels import (
     WeiLevoyWatcher,
 )
 from weftex.explanation.refinement import RefinementWatcher
+from weftex.explanation.stages import Explanation, Stage
 from weftex.loading import load_exemplar
 from weftex.naming import make_method
 from weftex.notes import Listener, listening

@@ -12,7 +12,7 @@ from weftex.results.drawing import draw_seams, gray_of
 
 if TYPE_CHECKING:
     from weftex.exemplar import Exemplar
-    from weftex.methods.graphcut.placement import Place
+    from weftex.methods.graphcut.places import Place
 
 
 class GraphCutWatcher:

@@ -6,9 +6,9 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from weftex.analysis.canvas_lattice import given_lattice
 from weftex.analysis.lattice import views
 from weftex.analysis.overlay import draw_correlation, draw_lattice
-from weftex.analysis.canvas_lattice import given_lattice
 from weftex.explanation.drawing import colors, enlarged, framed, heat, made
 from weftex.explanation.stages import Stage
 from weftex.methods.lattices.mean_tile import MeanTile
@@ -71,7 +71,9 @@ class NearRegularWatcher:
             "of the vectors (section 4.2.2, Figs. 4.8 and 4.9, eq. 4.4); edges are still straight.",
         }
         there = picture.reshape(*picture.shape[:2], -1).any(axis=2)
-        self._blocks.append(Stage(f"blocks {step}", words[step], place.copy(), made(picture, there)))
+        self._blocks.append(
+            Stage(f"blocks {step}", words[step], place.copy(), made(picture, there))
+        )
 
     def stages(self) -> list[Stage]:
         """See `Watcher`."""

@@ -50,7 +50,10 @@ class PatchWatcher:
             )
         ]
         known = zone_mask(zone)
-        sample, patch = output.analysis.pixels, output.analysis.pixels[v : v + height, u : u + width]
+        sample, patch = (
+            output.analysis.pixels,
+            output.analysis.pixels[v : v + height, u : u + width],
+        )
         if known.any():
             stages += _matching(sample, before[here], known, facts, (v, u))
         share = zone.weight / np.float32(256)
@@ -75,6 +78,7 @@ class PatchWatcher:
             ),
         ]
         return stages
+
 
 def zone_mask(zone: BoundaryZone) -> NDArray[np.bool_]:
     """The pixels of a boundary zone: bool (rows, columns)."""

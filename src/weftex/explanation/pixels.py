@@ -219,9 +219,7 @@ class CandidateWatcher:
         columns = sample.shape[1]
         pixels, done = self._before
         self._found[at] = [
-            Stage(
-                "canvas" + at, self.canvas, pixels[top:], enlarged(made(pixels, done)[top:])
-            ),
+            Stage("canvas" + at, self.canvas, pixels[top:], enlarged(made(pixels, done)[top:])),
             *choice_stages(
                 sample,
                 *self._window,
@@ -279,5 +277,3 @@ class ExactMatchingWatcher(CandidateWatcher):
             return
         chosen, at = int(sheet.source[y + sheet.top, x]), f" of level {sheet.level}"
         self.choose(sheet.lists.windows.pixels, facts["places"], chosen, at, sheet.top)
-
-
