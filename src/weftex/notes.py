@@ -1,7 +1,7 @@
 """What a method says of its work while it runs, for whoever wants to see how it works.
 
-A step of a method that is worth showing calls `note`; `weftex.explain` listens. Nobody else does, so
-that it costs nothing.
+A step of a method that is worth showing calls `note`; `weftex.explain` listens. Nobody else does,
+so that it costs nothing.
 """
 
 from __future__ import annotations

@@ -95,7 +95,7 @@ def explain(
     >>> [stage.title for stage in shown]
     ['canvas', 'boundary zone', 'error surface', 'candidates', 'patch', 'canvas after']
     >>> shown["error surface"].array.shape
-    (128, 128)
+    (192, 192)
     """
     chosen = make_method(method, parameters)
     if chosen.slug not in WATCHERS:

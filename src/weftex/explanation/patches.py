@@ -106,7 +106,7 @@ def _matching(
     ]
     there = np.isfinite(errors)
     seen = facts["errors"] >= 0
-    y, x = np.divmod(facts["places"][seen], sample.shape[1])
+    y, x = np.divmod(facts["places"][seen], facts["columns"])
     candidates = np.stack([y, x, facts["errors"][seen]], axis=1)
     best = candidates[np.argsort(candidates[:, 2], kind="stable")]
     return [

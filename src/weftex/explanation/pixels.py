@@ -62,10 +62,14 @@ class EfrosLeungWatcher:
                 (y, x),
                 words=(
                     "What is known in the window around the pixel, which is framed.",
-                    "How much that differs from each window of the sample, the middle counting "
-                    "most (a Gaussian): bright is alike, the pixel drawn is framed.",
-                    "The pixels that may be drawn: those whose windows are within the tolerance of "
-                    "the best. The one drawn is framed.",
+                    (
+                        "How much that differs from each window of the sample, the middle counting "
+                        "most (a Gaussian): bright is alike, the pixel drawn is framed."
+                    ),
+                    (
+                        "The pixels that may be drawn: those whose windows are within the "
+                        "tolerance of the best. The one drawn is framed."
+                    ),
                 ),
                 weights=gaussian_weights(width, width / _SIGMAS),
             ),
@@ -128,8 +132,10 @@ class WeiLevoyWatcher:
             divmod(chosen, columns),
             words=(
                 "The causal neighborhood: above and to the left in scan order (section III.B.1).",
-                "How much it differs from each of the level's sample: bright is alike. (The "
-                "neighborhood of the parent counts too.)",
+                (
+                    "How much it differs from each of the level's sample: bright is alike. The "
+                    "neighborhood of the parent counts too."
+                ),
                 "The windows in the leaf of the tree where the nearest was found.",
             ),
             at=at,
@@ -237,8 +243,10 @@ class AshikhminWatcher(CandidateWatcher):
     canvas = "The picture when the pixel's turn comes, in scan order."
     words = (
         "What its window shows: L-shaped in the first pass, whole in later ones (section 3).",
-        "How much that differs from each window of the sample; the method compares only the "
-        "candidates.",
+        (
+            "How much that differs from each window of the sample; the method compares only the "
+            "candidates."
+        ),
         "The coherent candidates: where the neighbors' sources go on. The best is framed.",
     )
 
@@ -260,11 +268,15 @@ class ExactMatchingWatcher(CandidateWatcher):
     canvas = "The picture when the pixel's turn comes, in scanline order."
     words = (
         "The causal neighborhood (section 4.2).",
-        "How much it differs from each window of the sample; the method compares only those of "
-        "its lists.",
-        "The reduced search space: windows that have exactly a direct neighbor's color at that "
-        "neighbor's place (sections 4.1 and 4.2, Fig. 3), or a drawn share of them. The best is "
-        "framed.",
+        (
+            "How much it differs from each window of the sample; the method compares only those of "
+            "its lists."
+        ),
+        (
+            "The reduced search space: windows that have exactly a direct neighbor's color at "
+            "that neighbor's place (sections 4.1 and 4.2, Fig. 3), or a drawn share of them. The "
+            "best is framed."
+        ),
     )
 
     def hear(self, step: str, facts: dict[str, Any]) -> None:

@@ -12,8 +12,8 @@ from typing import TYPE_CHECKING, Any, overload
 
 import numpy as np
 
-from weftex.io.formats import png
 from weftex.io.pictures import write_image
+from weftex.io.png import png_bytes
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -85,8 +85,8 @@ class Explanation:
         figures = "".join(
             f'<figure style="display:inline-block;vertical-align:top;max-width:17em;margin:0.5em">'
             f'<img src="data:image/png;base64,{_png_text(s.picture)}" alt="{escape(s.title)}" '
-            f'style="max-width:100%;image-rendering:pixelated"><figcaption><b>{escape(s.title)}</b> '
-            f"{escape(s.caption)}</figcaption></figure>"
+            'style="max-width:100%;image-rendering:pixelated">'
+            f"<figcaption><b>{escape(s.title)}</b> {escape(s.caption)}</figcaption></figure>"
             for s in self.stages
         )
         return f"<div>{figures}</div>"
@@ -129,4 +129,4 @@ class Explanation:
 
 
 def _png_text(picture: NDArray[np.uint8]) -> str:
-    return base64.b64encode(png(picture)).decode("ascii")
+    return base64.b64encode(png_bytes(picture)).decode("ascii")

@@ -161,7 +161,7 @@ class Output:
             _kernels.lay_patches(self.pixels, self._sample, zone, search, rule, patches, own)
             note(
                 "patch", output=self, number=first, before=before, zone=structure.zone,
-                errors=room["keys"], places=room["places"],
+                errors=room["keys"], places=room["places"], columns=structure.usable.shape[1],
             )  # fmt: skip
 
     def weights(self) -> NDArray[np.uint16]:
@@ -194,14 +194,14 @@ def room_for(analysis: PatchAnalysis, frame: Frame) -> dict[str, NDArray[Any]]:
     if settings.search != "exhaustive":
         room = settings.candidates + 54 * analysis.block_side  # as many are climbed to at most
     depth = max(frame.boundary_width, min(window) // 2)  # of a band that a path is found in
-    return dict(
-        keys=np.empty(room, np.int64),
-        places=np.empty(room, np.int32),
-        partial=np.empty(columns, np.int32),
-        total=np.empty(columns, np.int64),
-        query=np.empty(numbers, np.uint8),
-        means=np.empty(numbers, np.int32),
-        coordinates=np.empty(numbers, np.int16),
-        barred=np.empty(room, np.uint8),
-        cost=np.empty((max(window), depth), np.int64),
-    )
+    return {
+        "keys": np.empty(room, np.int64),
+        "places": np.empty(room, np.int32),
+        "partial": np.empty(columns, np.int32),
+        "total": np.empty(columns, np.int64),
+        "query": np.empty(numbers, np.uint8),
+        "means": np.empty(numbers, np.int32),
+        "coordinates": np.empty(numbers, np.int16),
+        "barred": np.empty(room, np.uint8),
+        "cost": np.empty((max(window), depth), np.int64),
+    }
