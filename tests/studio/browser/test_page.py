@@ -184,14 +184,12 @@ def test_what_is_written_while_a_preview_comes_stays(tab: Any, address: str) -> 
     page.click(".samples button:has-text('grass')")
     page.click("[data-screen=make]")
     held: list[Any] = []
-    page.route("**/api/results/*/picture*", held.append)
+    page.route("**/api/results/*/picture*", lambda route: held.append(route), times=1)
     with page.expect_request("**/api/results/*/picture*"):
         page.select_option("select", "quilting")
     page.fill("input[type=number][step='1'][min='0']", "23")
     page.keyboard.press("Tab")
-    page.unroute("**/api/results/*/picture*")
-    for route in held:
-        route.continue_()
+    held[0].continue_()
     page.wait_for_selector(".strip >> text=quilting · 23")
     assert page.input_value("input[type=number][step='1'][min='0']") == "23"
 
