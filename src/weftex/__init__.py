@@ -48,8 +48,10 @@ if TYPE_CHECKING:
     from weftex.tasks.fill import fill
     from weftex.tasks.fuse import fuse
     from weftex.tasks.gradient import Gradient
+    from weftex.tasks.plane import plane
     from weftex.tasks.report import report
     from weftex.tasks.straighten import straighten
+    from weftex.tasks.stream import stream
     from weftex.tasks.synthesize import synthesize
     from weftex.tasks.tile import tile
     from weftex.turns import turned
@@ -95,8 +97,10 @@ _PUBLIC = {
     "tasks.fuse": ["fuse"],
     "tasks.gradient": ["Gradient"],
     "pages.report": ["Report"],
+    "tasks.plane": ["plane"],
     "tasks.report": ["report"],
     "tasks.straighten": ["straighten"],
+    "tasks.stream": ["stream"],
     "tasks.synthesize": ["synthesize"],
     "tasks.tile": ["tile"],
     "turns": ["turned"],

@@ -12,7 +12,7 @@ from weftex.canvas import Canvas
 from weftex.errors import InvalidInputError
 from weftex.methods.patches import patch_kernels as _kernels
 from weftex.methods.patches.analysis import PatchAnalysis, Zones
-from weftex.methods.patches.scan_order import Run, scan_patches, scan_pixels
+from weftex.methods.patches.scan_order import Order, Run, scan_patches, scan_pixels
 from weftex.methods.patches.settings import Frame, frame_of
 from weftex.methods.patches.spiral_order import spiral_patches
 from weftex.progress import Progress, ProgressCallback
@@ -39,6 +39,8 @@ class Output:
         At most so many.
     callback : callable or None
         See `weftex.progress.ProgressCallback`.
+    plane : callable, optional
+        The order of patches, where that is not by the canvas alone.
 
     Attributes
     ----------
@@ -57,6 +59,7 @@ class Output:
         seed: int,
         threads: int,
         callback: ProgressCallback | None,
+        plane: Callable[[Zones], Order] | None = None,
     ) -> None:
         self.analysis, self.settings = analysis, analysis.settings
         self.frame = frame_of(self.settings, canvas)
@@ -64,16 +67,23 @@ class Output:
         self._zones = Zones(analysis, self.frame.boundary_width)
         self.pixels = np.zeros((*self.frame.shape, analysis.pixels.shape[2]), np.uint8)
         known = self.frame.known
-        if known is None and self.settings.pixelwise:
+        if plane is not None:
+            self.order = plane(self._zones)
+        elif known is None and self.settings.pixelwise:
             self.order = scan_pixels(self.frame, self._zones, seed)
         elif known is None:
             self.order = scan_patches(self.frame, self._zones, seed, threads)
         else:
-            if analysis.exemplar.maps:
+            shown = canvas.shown
+            if analysis.exemplar.maps and shown is None:
                 raise InvalidInputError(
                     "a hole's surroundings lack the sample's maps; use weftex.fill"
                 )
-            matching = analysis.exemplar.as_matching(known, self.settings.edge_weight)
+            edges, exemplar = self.settings.edge_weight, analysis.exemplar
+            if shown is None:
+                matching = exemplar.as_matching(known, edges)
+            else:  # a block of a plane
+                matching = exemplar.matching(edges)[np.divmod(shown, exemplar.shape[1])]
             self.pixels[self.frame.inside] = matching
             self.order = spiral_patches(self.frame, self._zones, seed)
         self.placements = np.zeros((len(self.order.corners), 5), np.int32)

@@ -44,6 +44,8 @@ if TYPE_CHECKING:
     from weftex.methods.pixels.growth import Growth
     from weftex.planes.boxes import Asked, Box
 
+_PITCH = 384  # pixels, at least, from one node of a plane to the next
+
 
 @dataclass(frozen=True)
 class Refinement(WindowedMethod):
@@ -220,7 +222,7 @@ class RefinementModel(PixelModel):
         """See `Model.block_sizes`; blocks begin with a plane of the start."""
         width = min(self.prepared.settings.window_width, 64)
         belt = 2 * max(width, 16)
-        return Sizes(pitch=4 * belt, belt=belt, around=width)
+        return Sizes(pitch=max(4 * belt, _PITCH), belt=belt, around=width)
 
     def start_of(self, box: Box, asked: Asked) -> NDArray[np.int32] | None:
         """See `Model.start_of`: what the start's own plane shows."""
@@ -241,7 +243,8 @@ def texture_synthesis(prepared: Prepared, growth: Growth) -> None:
         keep_patches(made, settings.belt, windows, growth)
         if growth.done.all():
             return
-    cyclic = growth.hole is not None  # section 5, Fig. 12
+    # Section 5, Fig. 12; a block of a plane goes on with what was started all over it.
+    cyclic = growth.hole is not None and (made is None or growth.canvas.shown is None)
     outputs = output_pyramid(windows, levels, growth)
     guides = guides_of(settings, levels, growth)
     convergence = Convergence(settings.threshold, cyclic)
