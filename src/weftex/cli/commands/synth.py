@@ -33,6 +33,7 @@ from weftex.cli.planes import (
     add_plane,
     check_options,
     recipe_for,
+    refuse_options,
     stems_of,
     takes_any_size,
     wants_plane,
@@ -89,7 +90,9 @@ def run(argv: list[str]) -> None:
     huge = args.allow_huge or takes_any_size(args.output)
     size = None if args.size is None else parse_size(args.size, huge)
     chosen = method(**parameters)
-    if window is None and wants_plane(args, size):
+    if window is not None:
+        refuse_options(args)
+    elif wants_plane(args, size):
         check_options(args)
 
         def stream(bar: Bar, outputs: Outputs) -> str:
