@@ -50,10 +50,8 @@ class Synthesis(ShownResult, ABC):
 
     Parameters
     ----------
-    canvas : Canvas
-        What was made.
-    sample_shape : (int, int)
-        Height and width of the sample.
+    canvas, sample_shape
+        What was made, and height and width of the sample.
     exemplar : Exemplar, optional
         The sample; not there after `load` without one.
     known_from : (int, int), optional
