@@ -48,7 +48,7 @@ def write_png(file: IO[bytes], pixels: NDArray[Any], threads: int = 1, level: in
     def band(k: int) -> tuple[NDArray[np.uint8], bytes]:
         lines = _filtered(pixels, starts[k], min(starts[k] + rows, height))
         packer = zlib.compressobj(level, zlib.DEFLATED, -15, 9, zlib.Z_FILTERED)
-        packed = packer.compress(lines)
+        packed = packer.compress(lines.data)
         last = k == len(starts) - 1
         return lines, packed + packer.flush(zlib.Z_FINISH if last else zlib.Z_SYNC_FLUSH)
 

@@ -8,7 +8,6 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from weftex.analysis.canvas_lattice import is_sure
 from weftex.analysis.scale import dominant_scale
 from weftex.random import draw
 
@@ -103,6 +102,8 @@ def sure_vectors(exemplar: Exemplar) -> tuple[float, ...]:
     pixels = math.prod(exemplar.shape) if mask is None else int(np.count_nonzero(mask))
     if lattice is None:
         return ()
+    from weftex.analysis.canvas_lattice import is_sure  # most samples need none of its modules
+
     rows = len(lattice.vectors) == 1 and lattice.confidence >= _ROWS
     if not rows and not is_sure(lattice, pixels):
         return ()
