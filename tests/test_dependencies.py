@@ -20,8 +20,9 @@ ROOT = Path(__file__).parent.parent / "src" / "weftex"
 LEVELS = [
     ["__main__"],
     ["cli"],
+    ["studio"],
     ["tasks"],
-    ["pages"],
+    ["pages", "explanation"],
     ["methods"],
     ["naming"],
     ["method"],
@@ -37,7 +38,8 @@ LEVELS = [
     ["stores"],
     ["io"],
     ["raster"],
-    ["registry", "choice", "threads", "processes", "progress", "random", "roles", "parameters"],
+    ["registry", "choice", "threads", "processes", "progress", "notes", "random", "roles"],
+    ["parameters"],
     ["errors"],
     ["dispatch"],
 ]
@@ -224,6 +226,7 @@ def test_the_graph_sees_every_kind_of_arrow():
 
 #: Where files are opened, and where OpenImageIO is.
 FILE_MODULES = ("io.", "results.files", "stores.")
+FILE_MODULES += ("studio.store", "studio.uploads", "studio.exports")
 
 
 def test_only_io_results_and_stores_touch_files():

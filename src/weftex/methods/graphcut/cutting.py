@@ -8,12 +8,14 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from weftex.methods.graphcut import cut_kernels, seam_kernels
+from weftex.notes import is_asked, note
 from weftex.seams.maxflow import search_trees
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-    from weftex.methods.graphcut.placement import Place
+    from weftex.canvas import Canvas
+    from weftex.methods.graphcut.places import Place
     from weftex.methods.graphcut.settings import Settings
     from weftex.methods.pixels.growth import Growth
 
@@ -36,6 +38,7 @@ class Picture:
     def __init__(
         self, settings: Settings, growth: Growth, size: tuple[int, int], block: int
     ) -> None:
+        self.growth = growth
         self.shape, self.sample_shape = growth.canvas.shape, settings.exemplar.shape
         self.done, self.halvings = growth.done.ravel(), block.bit_length() - 1
         self.usable = settings.windows.usable.ravel()
@@ -98,6 +101,9 @@ class Picture:
 
         Returns how many pixels were missing before.
         """
+        asked = is_asked((place.top, place.left, place.height, place.width), self.shape)
+        if asked:
+            note("patch", growth=self.growth, place=place)
         covered: int = cut_kernels.paste_patch(
             self._picture,
             self._sample,
@@ -106,7 +112,16 @@ class Picture:
             self._graphs[0],
             max(0, self.halvings - 1),
         )
+        if asked:
+            note("pasted", growth=self.growth, place=place)
         return covered
+
+    def cost(self, canvas: Canvas) -> int:
+        """What all seams cost."""
+        costs, cells = np.zeros(canvas.shape, np.int32), np.zeros((1, 1), np.int64)
+        rows, columns = (np.arange(n, dtype=np.int32) for n in canvas.shape)
+        self.price_seams(rows, columns, costs, cells, max(canvas.shape))
+        return int(cells[0, 0])
 
     def price_seams(
         self,
