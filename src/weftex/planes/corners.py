@@ -104,8 +104,6 @@ def sure_vectors(exemplar: Exemplar) -> tuple[float, ...]:
     pixels = math.prod(exemplar.shape) if mask is None else int(np.count_nonzero(mask))
     if lattice is None:
         return ()
-    from weftex.analysis.canvas_lattice import is_sure  # most samples need none of its modules
-
     rows = len(lattice.vectors) == 1 and lattice.confidence >= _ROWS
     if not rows and not is_sure(lattice, pixels):
         return ()
