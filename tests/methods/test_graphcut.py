@@ -12,11 +12,11 @@ from hypothesis import strategies as st
 import weftex
 from families import canvas_of, noise
 from twins import graphcut as reference
-from weftex.methods.graphcut import GraphCut, placement
+from weftex.methods.graphcut import GraphCut, subpatch
 from weftex.methods.graphcut.cutting import Picture
 from weftex.methods.graphcut.draws import chances_of, variance
-from weftex.methods.graphcut.subpatch import SubPatchMatching
 from weftex.methods.graphcut.seams import CanvasSeams
+from weftex.methods.graphcut.subpatch import SubPatchMatching
 from weftex.search.translation import Spectra, fast_size, overlap_mismatch, window_mismatch
 
 sys.path.insert(0, str(Path(__file__).parents[2] / "benchmarks"))
@@ -32,6 +32,8 @@ WAYS = {
     "papers": {"patch_size": 9, "boundary_width": 2, "variety": 0.0, "candidates": 1},
     "best": {"patch_size": 6, "tolerance": 0.0},
     "entire": {"placement": "entire", "tolerance": 0.03},
+    "lattice": {"placement": "entire", "lattice": (3.2, 0.0, 0.0, 3.4)},
+    "rows": {"placement": "entire", "lattice": (0.0, 3.4, 1.0, 0.0), "halvings": 1},
     "random": {"placement": "random", "refinements": 0.5},
 }
 
@@ -391,8 +393,8 @@ def test_a_boundary_wider_than_its_patch_is_refused_before_a_sample_is_read():
 @pytest.mark.parametrize("tileable", [False, True])
 def test_of_large_samples_each_patch_is_looked_for_in_a_part(monkeypatch, tileable):
     """Time and memory do not grow with the sample; patches come from all over it, and match."""
-    monkeypatch.setattr(placement, "_MOST_PIXELS", 5000)
-    monkeypatch.setattr(placement, "_PART", 1600)
+    monkeypatch.setattr(subpatch, "_MOST_PIXELS", 5000)
+    monkeypatch.setattr(subpatch, "_PART", 1600)
     y, x = np.indices((120, 160))
     levels = 90 * (x % 8 < 4) + 90 * (y % 8 < 4) + noise((120, 160)) % 16
     mask = np.ones((120, 160), bool)

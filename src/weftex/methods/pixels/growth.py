@@ -96,9 +96,8 @@ class Growth:
     def again(self, seed: int) -> Growth:
         """Return the same, to be made with another seed."""
         other = copy(self)
-        other.pixels, other.done, other.source = (
-            a.copy() for a in (self.pixels, self.done, self.source)
-        )
+        other.pixels, other.done = self.pixels.copy(), self.done.copy()
+        other.source = self.source.copy()
         other.seed, other.about = seed, dict(self.about)
         return other
 
