@@ -196,6 +196,16 @@ def window_cases(threads: int) -> Iterator[Case]:
                     weftex.METHODS[s]().fit(exemplar).window(y, x, 90, 110, seed=5)
                 ),
             )
+    for slug in ("patch-sampling", "quilting", "graphcut", "refinement"):
+        for period in (None, (1000, 1030)):
+            yield (
+                f"{slug}/default/window {period or 'endless'}/bricks",
+                lambda s=slug, p=period: digest(
+                    weftex.METHODS[s]()
+                    .fit(exemplar)
+                    .window(2**33, -40, 90, 110, seed=5, period=p, threads=threads)
+                ),
+            )
 
 
 def fused_cases(threads: int) -> Iterator[Case]:

@@ -142,7 +142,8 @@ def real_names(more: Sequence[Path]) -> list[tuple[str, str]]:
     """Names of real surfaces and where they are; each once."""
     found: dict[str, str] = {}
     for folder in (*more, *FOLDERS):
-        for path in sorted(folder.glob("*.png")) + sorted(folder.glob("*/albedo.png")):
+        pictures = (path for path in folder.iterdir() if path.suffix in (".png", ".webp"))
+        for path in [*sorted(pictures), *sorted(folder.glob("*/albedo.png"))]:
             name = path.parent.name if path.stem == "albedo" else path.stem
             if name in TRUTH:
                 found.setdefault(name, str(path))

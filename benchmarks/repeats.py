@@ -81,7 +81,8 @@ def use(source: np.ndarray, shape: tuple[int, ...]) -> tuple[float, float]:
 
 def measured(name: str, way: str, size: int, crop: int) -> tuple[float, ...]:
     """All figures of one surface."""
-    pixels = weftex.load_exemplar(HERE / "surfaces" / f"{name}.png").pixels
+    (path,) = (HERE / "surfaces").glob(f"{name}.*")
+    pixels = weftex.load_exemplar(path).pixels
     top, left = ((n - crop) // 2 for n in pixels.shape[:2])
     sample = weftex.Exemplar(np.ascontiguousarray(pixels[top : top + crop, left : left + crop]))
     start = time.process_time()

@@ -20,8 +20,9 @@ ROOT = Path(__file__).parent.parent / "src" / "weftex"
 LEVELS = [
     ["__main__"],
     ["cli"],
+    ["studio"],
     ["tasks"],
-    ["pages"],
+    ["pages", "explanation"],
     ["methods"],
     ["naming"],
     ["method"],
@@ -34,9 +35,11 @@ LEVELS = [
     ["loading"],
     ["material"],
     ["exemplar"],
+    ["stores"],
     ["io"],
     ["raster"],
-    ["registry", "choice", "threads", "progress", "random", "roles", "parameters"],
+    ["registry", "choice", "threads", "processes", "progress", "notes", "random", "roles"],
+    ["parameters"],
     ["errors"],
     ["dispatch"],
 ]
@@ -222,10 +225,11 @@ def test_the_graph_sees_every_kind_of_arrow():
 
 
 #: Where files are opened, and where OpenImageIO is.
-FILE_MODULES = ("io.", "results.files")
+FILE_MODULES = ("io.", "results.files", "stores.")
+FILE_MODULES += ("studio.store", "studio.uploads", "studio.exports")
 
 
-def test_only_io_and_results_touch_files():
+def test_only_io_results_and_stores_touch_files():
     """`open`, OpenImageIO and os.replace elsewhere would be a second place for files."""
     offences = []
     for module, path in FILES.items():

@@ -22,6 +22,7 @@ if TYPE_CHECKING:
         WeftexError,
     )
     from weftex.exemplar import Exemplar
+    from weftex.explanation import Explanation, explain
     from weftex.io.pictures import read_image, write_image
     from weftex.loading import load_exemplar
     from weftex.method import Method
@@ -48,8 +49,10 @@ if TYPE_CHECKING:
     from weftex.tasks.fill import fill
     from weftex.tasks.fuse import fuse
     from weftex.tasks.gradient import Gradient
+    from weftex.tasks.plane import plane
     from weftex.tasks.report import report
     from weftex.tasks.straighten import straighten
+    from weftex.tasks.stream import stream
     from weftex.tasks.synthesize import synthesize
     from weftex.tasks.tile import tile
     from weftex.turns import turned
@@ -69,6 +72,7 @@ _PUBLIC = {
         "WeftexError",
     ],
     "exemplar": ["Exemplar"],
+    "explanation": ["Explanation", "explain"],
     "io.pictures": ["read_image", "write_image"],
     "loading": ["load_exemplar"],
     "method": ["Method"],
@@ -95,8 +99,10 @@ _PUBLIC = {
     "tasks.fuse": ["fuse"],
     "tasks.gradient": ["Gradient"],
     "pages.report": ["Report"],
+    "tasks.plane": ["plane"],
     "tasks.report": ["report"],
     "tasks.straighten": ["straighten"],
+    "tasks.stream": ["stream"],
     "tasks.synthesize": ["synthesize"],
     "tasks.tile": ["tile"],
     "turns": ["turned"],

@@ -14,7 +14,7 @@ from weftex.canvas import Canvas, as_canvas
 from weftex.errors import InvalidInputError, UnsupportedError, did_you_mean, shown
 from weftex.loading import load_exemplar
 from weftex.parameters import check_value, numbers_of
-from weftex.planes.boxes import Asked, box_of
+from weftex.planes.boxes import Asked, as_period, box_of
 from weftex.planes.grid import Sizes
 from weftex.random import seed_number
 from weftex.registry import supporting
@@ -169,8 +169,8 @@ class Model(ABC):
         height, width : int
             Its size.
         period : int or (int, int), optional
-            The plane comes back to itself after so many pixels down and across: a tileable picture
-            of that size, of which a window may show any part.
+            The plane comes back to itself after so many pixels down and across, up to 2**40: a
+            tileable picture of that size, of which a window may show any part.
         seed, threads, progress
             As for `sample`; give a number, or no two windows belong together.
 
@@ -190,8 +190,7 @@ class Model(ABC):
         True
         """
         canvas = Canvas(height, width, origin=(top, left))
-        length = None if period is None else as_canvas(period).shape
-        asked = Asked(seed_number(seed), length, thread_count(threads))
+        asked = Asked(seed_number(seed), as_period(period), thread_count(threads))
         return self.make_window(box_of(*canvas.origin, *canvas.shape), asked, progress)
 
     def make_window(
@@ -233,7 +232,7 @@ class Method(ABC):
     #: Parameters of `for_belt`, which have an effect on belts even where regions take none.
     belt_parameters: ClassVar[frozenset[str]] = frozenset()
 
-    def __new__(cls, *values: Any, **named: Any) -> Self:
+    def __new__(cls, /, *values: Any, **named: Any) -> Self:
         """Refuse what is no parameter; `__init__` would raise a TypeError.
 
         Examples

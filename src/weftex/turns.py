@@ -9,7 +9,8 @@ import numpy as np
 from weftex.errors import InvalidInputError, shown
 from weftex.exemplar import Exemplar
 from weftex.loading import load_exemplar
-from weftex.raster.mixing import Kind, mixing_of, opposite
+from weftex.raster.mixing import Kind, mixing_of
+from weftex.raster.vectors import opposite
 from weftex.roles import COLOR, Role
 
 if TYPE_CHECKING:

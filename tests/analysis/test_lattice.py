@@ -22,6 +22,7 @@ from weftex.analysis.pairs import reduced
 from weftex.analysis.peaks import find_peaks, fit_vectors
 from weftex.errors import InvalidInputError
 from weftex.exemplar import Exemplar
+from weftex.tasks.auto.findings import look
 
 HERE = Path(__file__).parent
 SAMPLES = HERE.parents[1] / "examples" / "samples"
@@ -333,3 +334,18 @@ def test_overlays_of_any_sample(channels, rng):
     for lattice in (None, Lattice(((5, 0),)), Lattice(((5, 1), (0, 6)))):
         drawn = draw_lattice(exemplar, lattice)
         assert drawn.shape == (20, 30, 3) and drawn.dtype == np.uint8
+
+
+@pytest.mark.parametrize("side", [160, 480])
+def test_rows_that_only_maps_show_are_found(side):
+    """Stones of many colors hide joints that normals and heights show."""
+    rng = np.random.default_rng(1)
+    colors = smooth(rng.standard_normal((side, side, 3)), 3)
+    colors = (128 + 90 * colors / colors.std()).clip(0, 255).astype(np.uint8)
+    height = np.full((side, side), 200) + rng.integers(0, 20, (side, side))
+    height[np.arange(side) % 20 < 3] -= 80
+    maps = {"height": height.astype(np.uint8)}
+    assert look(Exemplar(colors)).lattice is None
+    found = look(Exemplar(colors, maps=maps)).lattice
+    assert found is not None and np.allclose(found.vectors, [(0, 20)], atol=0.5)
+    assert look(Exemplar(colors, maps=maps, weights={"height": 0})).lattice is None

@@ -8,6 +8,7 @@ import signal
 import subprocess
 import sys
 import time
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -15,7 +16,12 @@ import pytest
 import weftex
 from commands import fails, weft_run
 from families import noise
+from picture_files import oiio_write
+from processes import hear_interrupts, weftex_process
+from weftex.errors import WeftexError
+from weftex.io.manifest import Manifest, remove
 from weftex.io.pictures import read_image, write_image
+from weftex.processes import Workers
 
 
 @pytest.fixture
@@ -34,6 +40,9 @@ def samples(here):
 WORDS = ("--method", "quilting", "--patch-size", "12", "--size", "50x48", "--seed", "7")
 
 
+TYPES = {"grass": "png", "sand": "jpg"}
+
+
 def records(folder):
     lines = (folder / "manifest.jsonl").read_text().splitlines()
     return {one["output"]: one for one in map(json.loads, lines)}
@@ -49,7 +58,7 @@ def contents(folder):
 
 def test_pictures_and_sets(here, samples):
     assert weft_run("batch", "samples", "out", *WORDS, "--count", "2") == 0
-    expected = {f"{name}_{seed}.png" for name in ("grass", "sand") for seed in (7, 8)}
+    expected = {f"{name}_{seed}.{t}" for name, t in TYPES.items() for seed in (7, 8)}
     expected |= {f"wall_{s}/wall_{m}.png" for s in (7, 8) for m in ("color", "height")}
     assert set(contents(here / "out")) == expected
     method = weftex.Quilting(patch_size=12)
@@ -61,8 +70,8 @@ def test_pictures_and_sets(here, samples):
     assert set(found) == {
         "grass_7.png",
         "grass_8.png",
-        "sand_7.png",
-        "sand_8.png",
+        "sand_7.jpg",
+        "sand_8.jpg",
         "wall_7",
         "wall_8",
     }
@@ -70,6 +79,16 @@ def test_pictures_and_sets(here, samples):
     assert one["seed"] == 8 and one["method"] == "quilting" and one["size"] == [50, 48]
     assert one["parameters"]["patch_size"] == 12 and one["seconds"] >= 0
     assert one["sample"] == os.path.join("samples", "grass.png")
+
+
+def test_what_is_only_read_is_written_as_what_holds_it(here):
+    (here / "samples").mkdir()
+    floats = noise((40, 40, 3)).astype(np.float32)
+    oiio_write(here / "samples" / "a.jxl", "jpegxl", floats)
+    oiio_write(here / "samples" / "b.jxl", "jpegxl", noise((40, 40, 3)))
+    assert weft_run("batch", "samples", "out", *WORDS) == 0
+    assert set(contents(here / "out")) == {"a.exr", "b.png"}
+    assert read_image("out/a.exr").pixels.dtype == np.float32
 
 
 def test_auto_gives_its_reason(here, samples):
@@ -96,11 +115,11 @@ def test_nothing_is_overwritten_unless_told(here, samples, capsys):
 
 def test_a_file_of_somebody_else_is_kept(here, samples, capsys):
     (here / "out").mkdir()
-    (here / "out" / "sand.png").write_text("mine")
+    (here / "out" / "sand.jpg").write_text("mine")
     fails(capsys, here, "batch", "samples", "out", *WORDS)
     assert weft_run("batch", "samples", "out", *WORDS, "--skip-existing") == 0
-    assert (here / "out" / "sand.png").read_text() == "mine"
-    assert "sand.png" not in records(here / "out")
+    assert (here / "out" / "sand.jpg").read_text() == "mine"
+    assert "sand.jpg" not in records(here / "out")
 
 
 def test_the_best_are_kept(here, samples):
@@ -155,7 +174,10 @@ def test_one_bad_sample_does_not_stop_the_others(here, samples, capsys):
         (["--template", "{name"], "it may have {name} and {seed}"),
         (["--template", "{name.__class__}"], "it may have {name} and {seed}"),
         (["--template", "same"], "two outputs would be named 'same'"),
-        (["--template", "../{name}"], "is no name of a file"),
+        (["--template", "../{name}"], "is no name of an output"),
+        (["--template", ".weftex-{name}"], "is no name of an output"),
+        (["--template", "{name}\0"], "is no name of an output"),
+        (["--template", "{name}" + 252 * "z"], "a name of "),
         (["--count", "2", "--template", "{name}"], "two outputs would be named"),
         (["--skip-existing", "--force"], "not both"),
         (["--save-source", "a.npz"], "unknown option '--save-source'"),
@@ -172,13 +194,24 @@ def test_folders_that_hold_nothing(here, samples, capsys):
     assert "would both make wall" in fails(capsys, here, "batch", "samples", "out")
 
 
+def test_samples_and_folders_of_others_are_not_replaced(here, samples, capsys):
+    words = [*WORDS, "--force"]
+    assert "is a sample" in fails(capsys, here, "batch", "samples", "samples", *words)
+    (here / "out" / "wall").mkdir(parents=True)
+    (here / "out" / "wall" / "mine.txt").write_text("mine")
+    assert "no batch made" in fails(capsys, here, "batch", "samples", "out", *words)
+    assert weft_run("batch", "samples", "samples/out", *WORDS) == 0
+    assert weft_run("batch", "samples", "samples/out", *words) == 0
+    assert len(records(samples / "out")) == 3
+
+
 def test_a_cut_off_manifest_is_read(here, samples):
     weft_run("batch", "samples", "out", *WORDS, "--count", "2")
     before, whole = contents(here / "out"), records(here / "out")
     text = (here / "out" / "manifest.jsonl").read_text()
     (here / "out" / "manifest.jsonl").write_text(text[:-20])
     lost = text.splitlines()[-1]
-    shutil.rmtree(here / "out" / json.loads(lost)["output"])
+    remove(str(here / "out" / json.loads(lost)["output"]))
     assert weft_run("batch", "samples", "out", *WORDS, "--count", "2", "--skip-existing") == 0
     assert contents(here / "out") == before and set(records(here / "out")) == set(whole)
 
@@ -188,7 +221,8 @@ def test_killed_at_random_moments_it_goes_on(here, samples):
     """Ten times; what is there at the end is what one run makes, and no other file."""
     words = [*WORDS[:4], "--size", "150", "--seed", "1", "--count", "15"]
     assert weft_run("batch", "samples", "whole", *words) == 0
-    command = [sys.executable, "-m", "weftex", "batch", "samples", "out", *words, "--skip-existing"]
+    words += ["--skip-existing", "--threads", "2"]
+    command = [sys.executable, "-m", "weftex", "batch", "samples", "out", *words]
     chance, killed = random.Random(1), 0
     for _ in range(10):
         process = subprocess.Popen(command, stderr=subprocess.DEVNULL)
@@ -202,6 +236,68 @@ def test_killed_at_random_moments_it_goes_on(here, samples):
         killed += process.wait() == -signal.SIGKILL
     assert killed > 0
     subprocess.run(command, check=True, stderr=subprocess.DEVNULL)
-    own = {k: v for k, v in contents(here / "out").items() if not k.startswith(".weftex-")}
-    assert own == contents(here / "whole")
+    assert contents(here / "out") == contents(here / "whole")
     assert set(records(here / "out")) == set(records(here / "whole"))
+
+
+def children(process):
+    found = [path.read_text() for path in Path(f"/proc/{process}/task").glob("*/children")]
+    return " ".join(found).split()
+
+
+@pytest.mark.skipif(not sys.platform.startswith("linux"), reason="looks at /proc")
+@pytest.mark.parametrize(
+    ("number", "code"),
+    [(signal.SIGINT, 130), (signal.SIGTERM, 143), (signal.SIGKILL, -signal.SIGKILL)],
+)
+def test_whatever_ends_it_leaves_no_process(here, samples, number, code):
+    """Nor anything unfinished, unless it was killed; then the next run removes it."""
+    words = ["batch", "samples", "out", "--method", "wei-levoy", "--size", "300", "--threads", 2]
+    run = weftex_process(*words, preexec_fn=hear_interrupts)
+    deadline = time.monotonic() + 30
+    while len(children(run.pid)) < 2 and time.monotonic() < deadline:
+        time.sleep(0.02)
+    started = children(run.pid)
+    time.sleep(0.3)
+    run.send_signal(number)
+    err = run.communicate(timeout=30)[1]
+    assert len(started) == 2 and run.returncode == code, err
+    while any(Path(f"/proc/{one}").exists() for one in started) and time.monotonic() < deadline:
+        time.sleep(0.02)
+    assert not any(Path(f"/proc/{one}").exists() for one in started)
+    if number != signal.SIGKILL:
+        assert err == "weftex: stopped; --skip-existing goes on in out\n"
+        assert not list((here / "out").glob(".weftex-*"))
+
+
+@pytest.mark.skipif(os.name == "nt", reason="needs SIGKILL")
+def test_a_job_whose_process_is_killed_fails_alone():
+    with Workers(Mortal) as workers:
+        assert workers.do(20) == 40
+        with pytest.raises(WeftexError, match="its process was killed"):
+            workers.do(0)
+        with pytest.raises(ZeroDivisionError):
+            workers.do("1/0")
+        assert workers.do(21) == 42
+    with pytest.raises(WeftexError, match="was ended"):
+        workers.do(1)
+
+
+class Mortal:
+    """Work that may kill its process."""
+
+    def __call__(self, number):
+        if number == "1/0":
+            return 1 / 0
+        if number == 0:
+            os.kill(os.getpid(), signal.SIGKILL)
+        return 2 * number
+
+
+@pytest.mark.skipif(os.name == "nt", reason="no locks of folders there")
+def test_one_batch_at_a_time_has_a_folder(here, samples, capsys):
+    (here / "out").mkdir()
+    held = Manifest("out")
+    assert "another batch is at work" in fails(capsys, here, "batch", "samples", "out", *WORDS)
+    held.sweep()
+    assert weft_run("batch", "samples", "out", *WORDS) == 0

@@ -10,6 +10,8 @@ from families import noise
 from weftex.cli import main
 from weftex.errors import CancelledError, InvalidInputError
 from weftex.io.pictures import read_image, write_image
+from weftex.quality.eye import Eye
+from weftex.quality.sets import Eyes
 
 SAMPLE = weftex.load_exemplar("sample:pebbles").pixels[:72, :80]
 QUILTING = {"method": "quilting", "patch_size": 20}
@@ -48,13 +50,23 @@ def test_what_cannot_be_judged_is_made_all_the_same(monkeypatch):
 
 
 def test_a_large_output_is_judged_by_its_middle():
-    from weftex.quality.eye import Eye
-    from weftex.tasks.best_of import _score
-
     made = weftex.synthesize(SAMPLE, (40, 1100), seed=1, method="quilting")
     exemplar = weftex.Exemplar(SAMPLE)
     middle = weftex.assess(exemplar, made.image[:, 38:1062])
-    assert _score(Eye(exemplar), made) == middle.score
+    assert Eyes(exemplar).score(made) == middle.score
+
+
+def test_the_best_set_is_good_in_all_maps():
+    """Of a sample in one color only its height tells what was cut: by the color all are alike."""
+    exemplar = weftex.Exemplar(np.full((72, 80, 3), 90, np.uint8), maps={"height": SAMPLE[..., 0]})
+    best = weftex.synthesize(exemplar, 90, seed=3, best_of=4, **QUILTING)
+    each = [weftex.synthesize(exemplar, 90, seed=s, **QUILTING) for s in range(3, 7)]
+    eye = Eye(exemplar.map("height"))
+    heights = [eye.score(made.maps["height"]) for made in each]
+    assert best.provenance["seed"] == 3 + int(np.argmin(heights)) and len(set(heights)) == 4
+    assert len({Eye(exemplar).score(made.image) for made in each}) == 1
+    left_out = exemplar.changed(weights={"height": 0})
+    assert len(set(map(Eyes(left_out).score, each))) == 1
 
 
 def test_the_best_of_several_methods():

@@ -8,6 +8,7 @@ import pytest
 import weftex
 from materials import wall
 from weftex.analysis.lattice import Lattice, find_lattice
+from weftex.raster.lighting import lit
 
 
 def drawn(shape, matrix, middle=(0.0, 0.0)):
@@ -142,3 +143,48 @@ def test_what_cannot_be_straightened_is_refused(given, words):
     with pytest.raises(weftex.InvalidInputError, match=words) as error:
         weftex.straighten(noise, **given)
     assert "\n" not in str(error.value)
+
+
+def relief(shape):
+    """A made-up surface, and its normals with y up or down."""
+    y, x = np.indices(shape) / 40
+    height = (0.5 + 0.2 * np.sin(5 * x + 2 * y) + 0.2 * np.sin(4 * y - x)).astype(np.float32)
+    down, across = np.gradient(16 * height.astype(float))
+    vectors = np.dstack([-across, down, np.ones(shape)])
+    vectors /= np.linalg.norm(vectors, axis=2, keepdims=True)
+    maps = {"height": height}
+    for name, y_is in (("normal_gl", 1), ("normal_dx", -1)):
+        maps[name] = np.rint((vectors * (1, y_is, 1) + 1) * 127.5).astype(np.uint8)
+    return weftex.Exemplar(np.full((*shape, 3), 200, np.uint8), maps=maps)
+
+
+@pytest.mark.parametrize(
+    "how",
+    [
+        {"lattice": (39, 8, -8, 39)},
+        {"lattice": (40, 3, 0, 40)},
+        {"corners": (150, 5, 190, 120, 20, 150, 8, 20)},
+        {"corners": (195, 5, 195, 155, 5, 155, 5, 5)},
+    ],
+    ids=["turned", "sheared", "from aside", "lying"],
+)
+def test_normals_are_those_of_the_straightened_heights(how):
+    """Under a light from aside both look alike; with the photo's own vectors they would not."""
+    photo = relief((160, 200))
+    made = weftex.straighten(photo, **how)
+    gray = made.pixels
+    by_height = lit(gray, height=made.maps["height"]).astype(float)
+    for name in ("normal_gl", "normal_dx"):
+        down = name == "normal_dx"
+        shown = lit(gray, normal=made.maps[name], directx=down).astype(float)
+        kept = photo.changed(maps={"vectors": photo.maps[name]})
+        as_numbers = weftex.straighten(kept, **how).maps["vectors"]
+        other = lit(gray, normal=as_numbers, directx=down).astype(float)
+        inner = np.s_[4:-4, 4:-4, 0]
+        off, before = (abs(one - by_height)[inner].mean() for one in (shown, other))
+        assert (
+            off < 0.6 * before
+            and np.corrcoef(shown[inner].flat, by_height[inner].flat)[0, 1] > 0.98
+        )
+        lengths = np.linalg.norm(made.maps[name] / 127.5 - 1, axis=2)
+        assert abs(lengths - 1).max() < 0.02

@@ -24,7 +24,7 @@ from weftex.analysis.goodness import (
 )
 from weftex.analysis.pairs import MOST_MULTIPLES, best_pair, fitted, reduced
 from weftex.analysis.peaks import find_peaks
-from weftex.analysis.relief import Relief, relief
+from weftex.analysis.relief import Relief, maps_alone, relief
 from weftex.analysis.rows import find_rows, ridges
 from weftex.analysis.whitening import whitened
 from weftex.errors import InvalidInputError
@@ -162,7 +162,8 @@ def find_lattice(
     """Find the translations under which a sample looks the same, once for each sample.
 
     Section 3.3 of the paper on near-regular textures, with pairs rated by contrast; see
-    `weftex.analysis.goodness`.
+    `weftex.analysis.goodness`. Where a sample with its maps shows none, the maps alone are looked
+    at: stones of many colors hide joints that normals show.
 
     Parameters
     ----------
@@ -201,6 +202,9 @@ def find_lattice(
     known = _FOUND.setdefault(exemplar, {})
     if rule not in known:
         known[rule] = lattice_in(views(exemplar, alpha, significant), goodness)
+        maps = maps_alone(exemplar)
+        if known[rule] is None and maps is not None:
+            known[rule] = lattice_in(views(maps, alpha, significant), goodness)
     return known[rule]
 
 

@@ -128,6 +128,21 @@ def mixed(levels: NDArray[np.float64]) -> NDArray[np.float64]:
     return result
 
 
+def maps_alone(exemplar: Exemplar) -> Exemplar | None:
+    """Return a sample's maps, as they are matched, without its own pixels; None if it has none.
+
+    Examples
+    --------
+    >>> flat = np.zeros((8, 8, 3), np.uint8)
+    >>> maps_alone(Exemplar(flat, maps={"normal": flat, "ao": flat[..., 0]})).channels
+    4
+    """
+    levels = exemplar.matching()[..., exemplar.channels :]
+    if not levels.shape[2]:
+        return None
+    return Exemplar(levels, mask=exemplar.mask, alpha=False, name=exemplar.name)
+
+
 def _means(values: NDArray[Any], step: int) -> NDArray[np.float64]:
     """Means over squares of step x step pixels; those that are not whole are left out."""
     if step == 1:

@@ -19,10 +19,13 @@ _COMMANDS = {
     "batch": "many outputs from all samples of a folder",
     "fuse": "merge several materials where a map says",
     "replay": "lay a saved result again with another map of the same sample",
+    "check": "say whether a picture that is written block by block is all there",
     "analyze": "say what a sample is like: its scale, its lattice, whether it tiles",
     "prepare": "straighten a photo and even its light, before it is a sample",
     "estimate": "guess height and normals of a photo that has none",
+    "explain": "show how a method makes one pixel, step by step",
     "compare": "every method on one sample, side by side: pictures, figures, times",
+    "studio": "see, paint, change and take materials in the browser",
     "report": "say how good a result is, in figures and maps of where it fails",
     "methods": "list the methods, or the parameters of one",
     "samples": "list the samples that ship with weftex",
@@ -41,7 +44,7 @@ usage: weftex COMMAND ...      (weftex COMMAND --help says more)
   weftex --version
 
 exit codes: 0 done; 2 an error, one line of which says what to do; 130 Ctrl-C; 143 SIGTERM;
-141 nobody reads on. Only after 0 is there any output.
+141 nobody reads on. Only after 0 is there any output, but for what is written block by block.
 """
 
 
@@ -82,8 +85,9 @@ def main(argv: list[str] | None = None) -> int:
     except SystemExit as end:  # argparse after --help
         return int(end.code or 0)
     except (KeyboardInterrupt, Stopped) as end:
-        say("stopped; nothing was written")
-        return end.code if isinstance(end, Stopped) else 130
+        end = end if isinstance(end, Stopped) else Stopped(130)
+        say(f"stopped; {end.left}")
+        return end.code
     except MemoryError as error:
         say(f"error: not enough memory{f' ({error})' if str(error) else ''}; make it smaller")
     except WeftexError as error:

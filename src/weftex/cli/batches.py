@@ -6,7 +6,6 @@ import argparse
 import heapq
 import os
 import string
-import threading
 from dataclasses import dataclass
 from time import perf_counter
 from typing import TYPE_CHECKING, Any
@@ -15,23 +14,22 @@ from weftex.canvas import as_canvas
 from weftex.cli.files import axes_of, read, with_turns, write
 from weftex.cli.sets import plan
 from weftex.cli.terminal import Outputs
-from weftex.errors import FileError, InvalidInputError, WeftexError, shown
+from weftex.errors import CancelledError, FileError, InvalidInputError, WeftexError, shown
 from weftex.io.folders import map_files
-from weftex.io.formats import READABLE, suffix_of
-from weftex.io.manifest import appearing, remove
-from weftex.quality.assess import assess
+from weftex.io.formats import READABLE, suffix_of, written_as
+from weftex.io.manifest import MANIFEST, unfinished
+from weftex.quality.sets import Eyes
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Sequence
+    from collections.abc import Iterator, Sequence
 
     from weftex.io.manifest import Manifest
     from weftex.material import Material
     from weftex.method import Method, Model
     from weftex.results.synthesis import Synthesis
 
-#: Files of these types are written as they came; others, which lose something, as PNG or EXR.
-_KEPT = (".png", ".tif", ".tiff", ".exr", ".webp", ".bmp")
 _FIELDS = {"name", "seed"}
+_LONGEST = 255  # bytes of a file's name
 
 
 @dataclass(frozen=True)
@@ -69,8 +67,10 @@ class Job:
     keep: int | None = None
 
 
-def entries_of(folder: str) -> list[Entry]:
+def entries_of(folder: str, output: str) -> list[Entry]:
     """Return the pictures of a folder, and the folders in it that have pictures.
+
+    The folder of the outputs is not one of them.
 
     Raises
     ------
@@ -86,7 +86,7 @@ def entries_of(folder: str) -> list[Entry]:
     found: dict[str, Entry] = {}
     for file in names:
         path, stem = os.path.join(folder, file), os.path.splitext(file)[0]
-        if file.startswith("."):
+        if file.startswith(".") or _same(path, output):
             continue
         if os.path.isdir(path):
             try:
@@ -95,11 +95,7 @@ def entries_of(folder: str) -> list[Entry]:
                 continue
             entry = Entry(path, file, "")
         elif suffix_of(file) in READABLE:
-            suffix = suffix_of(file)
-            float_only = suffix == ".hdr"
-            entry = Entry(
-                path, stem, suffix if suffix in _KEPT else ".exr" if float_only else ".png"
-            )
+            entry = Entry(path, stem, written_as(path))
         else:
             continue
         if entry.name in found:
@@ -137,8 +133,7 @@ def jobs_of(
     for entry in entries:
         outputs = {seed: template.format(name=entry.name, seed=seed) for seed in seeds}
         for seed, stem in outputs.items():
-            if os.path.basename(stem) != stem or stem in ("", ".", ".."):
-                raise InvalidInputError(f"the template makes '{stem}', which is no name of a file")
+            _check_name(stem, entry.suffix)
             if stem.casefold() in taken:
                 raise InvalidInputError(
                     f"two outputs would be named '{stem}'; use {{name}} and {{seed}} in --template"
@@ -152,17 +147,84 @@ def jobs_of(
     return jobs
 
 
+@dataclass(frozen=True)
+class Done:
+    """What became of a job.
+
+    Attributes
+    ----------
+    made : list of (dict, str)
+        Of each output the record, and where it is until it is published.
+    failure : str or None
+        What went wrong, in one line.
+    """
+
+    made: list[tuple[dict[str, Any], str]]
+    failure: str | None = None
+
+
+def _check_name(stem: str, suffix: str) -> None:
+    """Refuse names that files cannot have, hidden ones, and that of the manifest."""
+    plain = os.path.basename(stem) == stem and stem.isprintable()
+    if not plain or stem.startswith(".") or stem.casefold() in ("", MANIFEST):
+        raise InvalidInputError(f"the template makes {shown(stem)}, which is no name of an output")
+    if len(os.fsencode(stem + suffix)) > _LONGEST:
+        raise InvalidInputError(
+            f"the template makes a name of {len(stem + suffix)} letters; systems have room for "
+            f"{_LONGEST} bytes"
+        )
+
+
+def left_of(
+    jobs: Sequence[Job], folder: str, manifest: Manifest, *, skip: bool, force: bool
+) -> list[Job]:
+    """Return the jobs that are to be done.
+
+    Raises
+    ------
+    FileError
+        If an output is there, and nobody said what is to become of it, or it would take the place
+        of a sample or of a folder that no batch made.
+    """
+    left = []
+    for job in jobs:
+        paths = {one: os.path.join(folder, one) for one in job.outputs.values()}
+        there = [one for one, path in paths.items() if os.path.lexists(path)]
+        most = len(job.outputs) if job.keep is None else job.keep
+        if skip and len(there) >= most:
+            continue
+        foreign = [one for one in there if one not in manifest]
+        for one in foreign:
+            above = os.path.join(os.path.realpath(paths[one]), "")
+            if os.path.join(os.path.realpath(job.entry.path), "").startswith(above):
+                raise FileError(f"{paths[one]} is a sample; name another folder for outputs")
+            if force and os.path.isdir(paths[one]):
+                raise FileError(f"{paths[one]} is a folder that no batch made; move it away")
+        if there and not force and (not skip or foreign):
+            raise FileError(
+                f"{paths[there[0]]} is there; give --skip-existing to go on, or --force to make it "
+                "anew"
+            )
+        left.append(job)
+    return left
+
+
+def _same(one: str, other: str) -> bool:
+    return os.path.exists(other) and os.path.samefile(one, other) if os.path.exists(one) else False
+
+
 class Maker:
-    """Makes the outputs of jobs, a sample read and fitted once for the jobs that follow each other.
+    """Does jobs; a sample is read and fitted once for jobs that follow each other.
 
     Parameters
     ----------
     folder : str
         Where outputs go.
-    manifest : Manifest
     method : Method
     size : (int, int), optional
         Twice the sample's by default.
+    threads : int
+        For each output.
     args : argparse.Namespace
         Options of the command: `tileable`, `turn`, `names`, `mtlx`, `score`, `allow_huge`.
     """
@@ -170,60 +232,70 @@ class Maker:
     def __init__(
         self,
         folder: str,
-        manifest: Manifest,
         method: Method,
         size: tuple[int, int] | None,
+        threads: int,
         args: argparse.Namespace,
     ) -> None:
-        self.folder, self.manifest, self.method = folder, manifest, method
-        self.size, self.args = size, args
-        self._lock = threading.Lock()
-        self._last: tuple[str, Material, Model] | None = None
+        self.folder, self.method, self.size = folder, method, size
+        self.threads, self.args = threads, args
+        self._path, self._cancelled = "", False
+        self._material: Material
+        self._model: Model
+        self._eyes: Eyes | None = None
 
-    def do(self, job: Job, cancelled: Callable[[], bool]) -> str | None:
-        """Make the outputs of a job; what went wrong, in one line, if anything did."""
+    def __call__(self, job: Job) -> Done:
+        """Make the outputs of a job, or say what went wrong."""
+        made: list[tuple[dict[str, Any], str]] = []
         try:
-            self._do(job, cancelled)
+            self._read(job.entry.path)
+            for result, record in self._results(job):
+                made.append((record, self._write(result, record)))
+        except CancelledError:
+            raise
         except WeftexError as error:
-            return f"{job.entry.path}: {error}"
-        return None
+            path, said = job.entry.path, str(error)
+            return Done(made, said if said.startswith(path) else f"{path}: {said}")
+        except MemoryError:
+            return Done(made, f"{job.entry.path}: not enough memory; make it smaller")
+        return Done(made)
 
-    def _do(self, job: Job, cancelled: Callable[[], bool]) -> None:
-        material, model = self._fitted(job.entry.path)
-        height, width = material.pictures[material.main].pixels.shape[:2]
+    def cancel(self) -> None:
+        """End at the next step."""
+        self._cancelled = True
+
+    def _read(self, path: str) -> None:
+        if self._path == path:
+            return
+        self._path, self._eyes = "", None
+        self._material = read(path, self.args)
+        self._model = self.method.fit(with_turns(self._material.exemplar(), self.args))
+        self._path = path
+
+    def _results(self, job: Job) -> Iterator[tuple[Synthesis, dict[str, Any]]]:
+        """All results and their records, or the best ones in the order of their seeds."""
+        height, width = self._material.pictures[self._material.main].pixels.shape[:2]
         canvas = as_canvas(self.size or (2 * height, 2 * width), axes_of(self.args))
         best: list[tuple[float, int, Synthesis, dict[str, Any]]] = []
-        for seed, output in job.outputs.items():
-            if cancelled():
-                return
+        for order, (seed, output) in enumerate(job.outputs.items()):
             start = perf_counter()
-            result = model.sample(canvas, seed=seed, threads=1)
+            result = self._model.sample(
+                canvas, seed=seed, threads=self.threads, progress=lambda *_: not self._cancelled
+            )
             record = self._record(job, output, seed, result)
             if job.keep is not None or self.args.score:
-                record["score"] = assess(model.exemplar, result).score
+                self._eyes = self._eyes or Eyes(self._model.exemplar)
+                record["score"] = self._eyes.score(result)
             record["seconds"] = round(perf_counter() - start, 3)
             if job.keep is None:
-                self._write(result, material, output, record)
+                yield result, record
                 continue
             score = record["score"]
-            # The heap's first is the worst that is kept; of equal ones the later seed.
-            item = (-(float("inf") if score is None else score), -seed, result, record)
+            # The heap's first is the worst that is kept; of equal ones the later.
+            item = (-(float("inf") if score is None else score), -order, result, record)
             (heapq.heappush if len(best) < job.keep else heapq.heappushpop)(best, item)
-        for _, seed, result, record in sorted(best, key=lambda one: -one[1]):
-            self._write(result, material, job.outputs[-seed], record)
-        kept = {-seed for _, seed, _, _ in best}
-        for seed, output in job.outputs.items():
-            if job.keep is not None and seed not in kept and output in self.manifest:
-                remove(os.path.join(self.folder, output))
-
-    def _fitted(self, path: str) -> tuple[Material, Model]:
-        """A sample and its model: the same one for all outputs of a sample."""
-        with self._lock:
-            if self._last is None or self._last[0] != path:
-                material = read(path, self.args)
-                exemplar = with_turns(material.exemplar(), self.args)
-                self._last = path, material, self.method.fit(exemplar)
-            return self._last[1:]
+        for _, _, result, record in sorted(best, key=lambda one: -one[1]):
+            yield result, record
 
     def _record(self, job: Job, output: str, seed: int, result: Synthesis) -> dict[str, Any]:
         used = dict(result.provenance)
@@ -238,13 +310,12 @@ class Maker:
             "parameters": used,
         } | about
 
-    def _write(
-        self, result: Synthesis, material: Material, output: str, record: dict[str, Any]
-    ) -> None:
-        """Write under another name, then the record, and then the output appears."""
-        target = os.path.join(self.folder, output)
-        with appearing(target, lambda: self.manifest.add(record)) as path, Outputs() as outputs:
+    def _write(self, result: Synthesis, record: dict[str, Any]) -> str:
+        """Write an output under another name, and return that."""
+        target = os.path.join(self.folder, record["output"])
+        with unfinished(target) as path, Outputs() as outputs:
             options = argparse.Namespace(**vars(self.args) | {"output": path, "save_source": None})
-            if material.folder:
+            if self._material.folder:
                 outputs.make_folder(path)
-            write(result, plan(material, options), options, outputs)
+            write(result, plan(self._material, options), options, outputs)
+        return path

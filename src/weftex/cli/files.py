@@ -28,7 +28,20 @@ def read(path: str, args: argparse.Namespace, maps: dict[str, str] | None = None
     from weftex.io.pictures import MAX_PIXELS
     from weftex.material import read_material
 
+    refuse_plane(path)
     return read_material(path, maps, max_pixels=None if args.allow_huge else MAX_PIXELS)
+
+
+def refuse_plane(path: str) -> None:
+    """Raise `InvalidInputError` where a picture is read whole, and a plane is given."""
+    from weftex.stores.files import ALWAYS
+    from weftex.stores.record import is_plane
+
+    if is_plane(path) or path.endswith(ALWAYS):
+        raise InvalidInputError(
+            f"{path} is written block by block, and may be larger than memory: only replay, report "
+            "and check work on it. One that repeats is made so: weftex synth --tileable"
+        )
 
 
 def load(
@@ -71,29 +84,59 @@ def open_sample(
         outputs.make_folder(args.output)
     else:
         check_output(args.output)
+    exemplar, material = read_sample(path, args, tileable=tileable)
+    return exemplar, plan(material, args)
+
+
+def read_sample(
+    path: str, args: argparse.Namespace, *, tileable: bool = False
+) -> tuple[Exemplar, Material]:
+    """Read the sample and mend it, as was asked for."""
     material = read(path, args, args.maps)
     exemplar = _weighted(material.exemplar(tileable=tileable), args)
     if getattr(args, "sample_mask", None) is not None:
         exemplar = exemplar.changed(mask=_usable(exemplar, args))
-    return _mended(exemplar, args), plan(material, args)
+    return _mended(exemplar, args), material
 
 
 def open_several(
     paths: Sequence[str], args: argparse.Namespace, outputs: Outputs
 ) -> tuple[Exemplar, Plan]:
     """`open_sample` for several samples of one material, each of which is mended by itself."""
-    from weftex.tasks.combined import combined, of_one_kind, paired
+    _refuse_several(args)
+    materials = open_samples(paths, args, outputs)
+    exemplar, first, notes = join_samples(materials, args)
+    made = plan_of_several(materials, first, args)
+    told = made.told + "".join(f"map: {note}\n" for note in notes)
+    return exemplar, replace(made, told=told)
 
+
+def _refuse_several(args: argparse.Namespace) -> None:
+    """Refuse options that say something about one sample."""
     for name in ("maps", "map_weights", "sample_mask", "sample_guide"):
         if getattr(args, name) is not None:
             raise InvalidInputError(f"--{name.replace('_', '-')} needs one sample, not several")
     if args.tileable_sample:
         raise InvalidInputError("--tileable-sample needs one sample, not several")
-    materials = open_samples(paths, args, outputs)
+
+
+def join_samples(
+    materials: Sequence[Material], args: argparse.Namespace
+) -> tuple[Exemplar, Exemplar, list[str]]:
+    """Several samples as one, the first of them, and what was left out of them."""
+    from weftex.tasks.combined import combined, of_one_kind, paired
+
     pairs, notes = paired(of_one_kind([_mended(one.exemplar(), args) for one in materials]))
-    made = plan_of_several(materials, pairs[0], args)
-    told = made.told + "".join(f"map: {note}\n" for note in notes)
-    return combined(pairs, apart=True), replace(made, told=told)
+    return combined(pairs, apart=True), pairs[0], list(notes)
+
+
+def read_samples(args: argparse.Namespace) -> tuple[Exemplar, Material]:
+    """The sample, or several as one, where the output is none that is written at once."""
+    if len(args.sample) == 1:
+        return read_sample(args.sample[0], args, tileable=args.tileable_sample)
+    _refuse_several(args)
+    materials = [read(path, args) for path in args.sample]
+    return join_samples(materials, args)[0], materials[0]
 
 
 def open_samples(

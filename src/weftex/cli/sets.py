@@ -47,15 +47,16 @@ class Plan:
         from weftex.io.pictures import write_image, write_text
         from weftex.threads import in_turn, thread_count
 
-        pictures = self.material.pictures
+        pictures, at_once = self.material.pictures, thread_count(threads)
         temporary = {name: outputs.add(self.targets[name]) for name in pictures}
 
         def write_one(number: int) -> None:
             name, like = [*pictures.items()][number]
             how: dict[str, Any] = {"alpha": like.alpha, "icc": like.icc, "half": like.half}
+            how["threads"] = max(1, at_once // len(pictures))
             write_image(temporary[name], pixels(name), **how)
 
-        for _ in in_turn(write_one, range(len(pictures)), thread_count(threads)):
+        for _ in in_turn(write_one, range(len(pictures)), at_once):
             pass  # the first that fails ends it
         for path, text in self.documents.items():
             write_text(outputs.add(path), text)
@@ -115,13 +116,12 @@ def plan_of_several(
 
 def _files(material: Material, args: argparse.Namespace) -> dict[str, str]:
     """The names of the files, each of them once."""
-    from weftex.io.formats import FORMATS, suffix_of
+    from weftex.io.formats import written_as
 
     files = {}
     for name, one in material.pictures.items():
-        stem, suffix = os.path.splitext(os.path.basename(one.path))
-        other = ".exr" if one.pixels.dtype.kind == "f" else ".png"  # for what is only read
-        files[name] = stem + (suffix if suffix_of(one.path) in FORMATS else other)
+        stem = os.path.splitext(os.path.basename(one.path))[0]
+        files[name] = stem + written_as(one.path, one.pixels.dtype.kind == "f")
     if args.names is not None:
         from weftex.io.map_names import file_stem
 

@@ -21,11 +21,11 @@ _PATIENCE = 0.6  # seconds that work in hand has to end by itself
 
 
 class Stopped(BaseException):
-    """Ctrl-C or SIGTERM; `code` is the exit code."""
+    """Ctrl-C or SIGTERM; `code` is the exit code, `left` says what is there."""
 
-    def __init__(self, code: int) -> None:
+    def __init__(self, code: int, left: str = "nothing was written") -> None:
         super().__init__(code)
-        self.code = code
+        self.code, self.left = code, left
 
 
 class Bar(progress.Bar):
@@ -37,20 +37,32 @@ class Bar(progress.Bar):
         Show nothing.
     preview : str, optional
         Where to write the picture so far, now and then, in a twentieth of the time at most.
+
+    Attributes
+    ----------
+    left : str
+        What is there if the work is stopped now.
+    stopped : bool
+        Whether `stop` was called.
     """
 
+    left = "nothing was written"
+
     def __init__(self, quiet: bool, preview: str | None = None) -> None:
-        super().__init__(after=float("inf"))
+        super().__init__()
+        self._at_stop: list[Callable[[], None]] = []
         self._shows = not quiet and sys.stderr.isatty()
-        self._appears, self._stop = perf_counter() + _BAR_AFTER, False
+        self._appears, self.stopped = perf_counter() + _BAR_AFTER, False
         self._preview, self._wrote, self._due = preview, False, perf_counter() + _PREVIEW_AFTER
 
     def __call__(self, done: int, total: int, stage: str, preview: Callable[[], Any]) -> bool:
-        """Count; False once `stop` was called."""
-        super().__call__(done, total, stage, preview)
+        """Count; False once `stop` was called. This is all that the work waits for."""
+        if stage != self._now[2]:
+            self._end_stage(perf_counter())
+        self._now = (done, total, stage)
         if self._preview is not None and perf_counter() >= self._due:
             self._write(preview)
-        return not self._stop
+        return not self.stopped
 
     def _write(self, preview: Callable[[], Any]) -> None:
         from weftex.io.pictures import write_image
@@ -70,7 +82,13 @@ class Bar(progress.Bar):
 
     def stop(self) -> None:
         """Cancel the work at its next step."""
-        self._stop = True
+        self.stopped = True
+        for act in self._at_stop:
+            act()
+
+    def at_stop(self, act: Callable[[], None]) -> None:
+        """Have this done when the work is stopped."""
+        self._at_stop.append(act)
 
     def sweep(self) -> None:
         """Remove the preview of work that did not end."""
@@ -197,10 +215,10 @@ def run(
                 bar.sweep()
                 if "weftex.io.streams" in sys.modules:
                     sys.modules["weftex.io.streams"].clear()
-                say("stopped; nothing was written")
+                say(f"stopped; {bar.left}")
                 os._exit(code)
             bar.sweep()
-            raise Stopped(code) from None
+            raise Stopped(code, bar.left) from None
         finally:
             bar.close()
     finally:

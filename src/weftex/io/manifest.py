@@ -6,7 +6,7 @@ import json
 import os
 import shutil
 import threading
-from collections.abc import Callable, Iterator
+from collections.abc import Collection, Iterable, Iterator
 from contextlib import contextmanager
 from typing import Any
 
@@ -14,13 +14,15 @@ from weftex.errors import FileError
 from weftex.io.pictures import atomic
 
 MANIFEST = "manifest.jsonl"
+_UNFINISHED = ".weftex-"
 
 
 class Manifest:
     """The records of a folder's outputs, of which each is on disk before its output appears.
 
     So an output without a record was not made by a batch, and a record without its output is of
-    work that was cut off; those are left out when the file is opened.
+    work that was cut off; those are left out when the file is opened. One process at a time has a
+    folder, where the system can lock it; `sweep` gives it back.
 
     Parameters
     ----------
@@ -30,12 +32,12 @@ class Manifest:
     Raises
     ------
     FileError
-        If the file cannot be read or written.
+        If the file cannot be read or written, or another process has the folder.
     """
 
     def __init__(self, folder: str) -> None:
         self._folder, self._path = folder, os.path.join(folder, MANIFEST)
-        self._lock = threading.Lock()
+        self._held, self._lock = _locked(folder), threading.Lock()
         self._records = {record["output"]: record for record in self._read()}
         kept = [one for one in self._records.values() if os.path.exists(self.path_of(one))]
         self._records = {record["output"]: record for record in kept}
@@ -49,17 +51,48 @@ class Manifest:
         """Return where the output of a record is."""
         return os.path.join(self._folder, record["output"])
 
-    def add(self, record: dict[str, Any]) -> None:
-        """Write a record, durably, before its output appears under its name."""
-        with self._lock:
-            self._records[record["output"]] = record
-            try:
-                with open(self._path, "a", encoding="utf-8") as file:
-                    file.write(_line(record))
-                    file.flush()
+    def publish(self, record: dict[str, Any], made: str) -> None:
+        """Write a record, durably, and then let its output, which is whole, appear by its name.
+
+        Parameters
+        ----------
+        record : dict
+            With the output's name under "output".
+        made : str
+            Where it is, from `unfinished`.
+        """
+        target = self.path_of(record)
+        try:
+            with self._lock, open(self._path, "ab", buffering=0) as file:
+                end = file.tell()
+                try:
+                    file.write(_line(record).encode())
                     os.fsync(file.fileno())
-            except OSError as error:
-                raise FileError(f"{self._path}: cannot write: {error.strerror}") from None
+                except OSError:  # a full disk may have taken a part of it
+                    file.truncate(end)
+                    raise
+                self._records[record["output"]] = record
+            remove(target)
+            os.replace(made, target)
+        except OSError as error:
+            raise FileError(f"{target}: cannot write: {error.strerror}") from None
+        finally:
+            shutil.rmtree(os.path.dirname(made), ignore_errors=True)
+
+    def leave_out(self, outputs: Iterable[str], kept: Collection[str]) -> None:
+        """Remove outputs that have a record, but for those that are kept."""
+        for output in outputs:
+            if output in self and output not in kept:
+                remove(os.path.join(self._folder, output))
+
+    def sweep(self) -> None:
+        """Remove what is unfinished, and let others into the folder."""
+        for name in os.listdir(self._folder):
+            if name.startswith(_UNFINISHED):
+                remove(os.path.join(self._folder, name))
+        if self._held is not None:
+            os.close(self._held)
+            self._held = None
 
     def _read(self) -> list[dict[str, Any]]:
         """All whole lines: the last may have been cut off."""
@@ -84,35 +117,49 @@ class Manifest:
             file.writelines(map(_line, self._records.values()))
 
 
+def _locked(folder: str) -> int | None:
+    """A hold on a folder that ends with this process; None where there is no such thing."""
+    try:
+        import fcntl
+    except ImportError:  # Windows
+        return None
+    held = None
+    try:
+        held = os.open(folder, os.O_RDONLY)
+        fcntl.flock(held, fcntl.LOCK_EX | fcntl.LOCK_NB)
+    except BlockingIOError:
+        raise FileError(f"{folder}: another batch is at work in this folder") from None
+    except OSError as error:  # some network folders know no locks
+        if held is None:
+            raise FileError(f"{folder}: cannot read the folder: {error.strerror}") from None
+    return held
+
+
 def _line(record: dict[str, Any]) -> str:
     return json.dumps(record, ensure_ascii=False, default=str) + "\n"
 
 
 @contextmanager
-def appearing(target: str, before: Callable[[], None]) -> Iterator[str]:
-    """Give a path in a folder of its own beside `target`, which replaces it when the block ends.
+def unfinished(target: str) -> Iterator[str]:
+    """Give a path in a folder of its own beside `target`, for a file or a folder of that name.
 
-    That may be a file or a folder. `before` is called when it is whole; on any exception `target`
-    is as it was.
+    It stays there until `Manifest.publish`; on any exception it is removed.
     """
     folder, name = os.path.split(target)
-    temporary = os.path.join(folder, f".weftex-{os.getpid()}-{os.urandom(4).hex()}")
+    temporary = os.path.join(folder, f"{_UNFINISHED}{os.getpid()}-{os.urandom(4).hex()}")
     try:
         os.mkdir(temporary)
-        inner = os.path.join(temporary, name)
-        yield inner
-        before()
-        remove(target)
-        os.replace(inner, target)
-    except OSError as error:
-        raise FileError(f"{target}: cannot write: {error.strerror}") from None
-    finally:
+        yield os.path.join(temporary, name)
+    except BaseException as error:
         shutil.rmtree(temporary, ignore_errors=True)
+        if isinstance(error, OSError) and not isinstance(error, FileError):
+            raise FileError(f"{target}: cannot write: {error.strerror}") from None
+        raise
 
 
 def remove(path: str) -> None:
-    """Remove a file or a folder, if it is there."""
-    if os.path.isdir(path):
+    """Remove a file or a folder, if it is there; of a link only the link."""
+    if os.path.isdir(path) and not os.path.islink(path):
         shutil.rmtree(path)
-    elif os.path.exists(path):
+    elif os.path.lexists(path):
         os.remove(path)

@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+import numbers
 from typing import Any, NamedTuple
 
 from weftex.canvas import FAR, Canvas
+from weftex.errors import InvalidInputError, shown
 
 
 class Span(NamedTuple):
@@ -33,6 +35,12 @@ class Box(NamedTuple):
         """The same and so many more pixels on either side."""
         return Box(self.rows.grown(down), self.columns.grown(across))
 
+    def has(self, other: Box) -> bool:
+        """Whether another box lies in this one."""
+        return all(
+            a.first <= b.first and b.last <= a.last for a, b in zip(self, other, strict=True)
+        )
+
     def within(self, other: Box) -> tuple[slice, slice]:
         """What both share, in indices of the other one; empty where they share nothing."""
         rows, columns = (
@@ -55,6 +63,16 @@ class Asked(NamedTuple):
         return {"seed": self.seed} | ({} if self.period is None else {"period": [*self.period]})
 
 
+def around(boxes: list[Box]) -> Box:
+    """The smallest box that has all of these."""
+    rows, columns = ([box[axis] for box in boxes] for axis in (0, 1))
+    down, across = (
+        Span(min(span.first for span in spans), max(span.last for span in spans))
+        for spans in (rows, columns)
+    )
+    return Box(down, across)
+
+
 def canvas_of(box: Box) -> Canvas:
     """The canvas of a window; without its place where that is just beyond the farthest one."""
     corner = box.rows.first, box.columns.first
@@ -64,3 +82,39 @@ def canvas_of(box: Box) -> Canvas:
 def box_of(top: int, left: int, height: int, width: int) -> Box:
     """The box of a window."""
     return Box(Span(top, top + height), Span(left, left + width))
+
+
+def as_period(period: int | tuple[int, int] | None) -> tuple[int, int] | None:
+    """Height and width after which a plane comes back to itself, from one number or two.
+
+    Examples
+    --------
+    >>> as_period(1000)
+    (1000, 1000)
+
+    Raises
+    ------
+    InvalidInputError
+        If it is neither, or out of range.
+    """
+    if period is None:
+        return None
+    sides: Any = (period, period) if isinstance(period, numbers.Integral) else period
+    whole = isinstance(sides, (tuple, list)) and len(sides) == 2
+    whole = whole and all(isinstance(side, numbers.Integral) for side in sides)
+    if not whole or isinstance(period, bool) or not all(1 <= side <= FAR for side in sides):
+        raise InvalidInputError(
+            f"period is {shown(period)}; it must be a whole number of pixels from 1 to 2**40, or "
+            "two of them"
+        )
+    return int(sides[0]), int(sides[1])
+
+
+def check_period(period: tuple[int, int] | None, least: int) -> None:
+    """Raise `InvalidInputError` if a plane comes back to itself too soon for its blocks."""
+    for name, length in zip(("height", "width"), period or (), strict=False):
+        if length < least:
+            raise InvalidInputError(
+                f"period has the {name} {length}; it must be {least} or more with this method and "
+                "sample, or make a tileable picture of that size"
+            )

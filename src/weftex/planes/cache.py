@@ -39,6 +39,9 @@ class BlockCache:
         self._kept: OrderedDict[Hashable, NDArray[Any]] = OrderedDict()
         self._making: dict[Hashable, Future[NDArray[Any]]] = {}
 
+    def __contains__(self, key: Hashable) -> bool:
+        return key in self._kept
+
     def get(self, key: Hashable, make: Callable[[], NDArray[Any]]) -> NDArray[Any]:
         """Return what is kept under a key, or make it."""
         with self._lock:

@@ -1,57 +1,113 @@
-"""Corners of a plane: pieces of the sample, copied whole."""
+"""Where the pieces of the sample come from that a plane begins with."""
 
 from __future__ import annotations
 
+import math
+from functools import cached_property
 from typing import TYPE_CHECKING
 
 import numpy as np
 
-from weftex.errors import InvalidInputError
-from weftex.search.windows import windows_of
+from weftex.analysis.scale import dominant_scale
+from weftex.random import draw
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from weftex.exemplar import Exemplar
-    from weftex.planes.grid import Block
+
+_TRIES = 16  # places that are drawn until one lies right
+_ROWS = 0.6  # confidence from which rows are kept
 
 
-class Corners:
-    """Where corners may be cut from a sample.
+class Pieces:
+    """Places of the sample that the nodes of a plane show.
+
+    Pieces at neighboring nodes come from other quarters of the sample, so that no copies lie side
+    by side, although no node knows of another. Where the sample surely has a lattice, they lie as
+    in one endless wall: what is between them would have to be stretched otherwise.
 
     Parameters
     ----------
     exemplar : Exemplar
-        The sample; its mask is respected.
-    side : int
-        Of a corner, in pixels.
+        The sample.
+    usable : array (H, W)
+        True, or not 0, at the upper left corners of pieces that may be used.
+
+    Attributes
+    ----------
+    vectors : tuple of float
+        x1, y1, x2, y2 of the lattice; x1, y1 of rows; or nothing.
     """
 
-    def __init__(self, exemplar: Exemplar, side: int) -> None:
-        self.shape, self.side = exemplar.shape, side
-        places = np.empty((0, 2), np.int64)
-        try:
-            usable = windows_of(exemplar, (0, side - 1, 0, side - 1)).usable
-            places = np.argwhere(usable[: self.shape[0], : self.shape[1]])
-        except InvalidInputError:
-            pass  # no piece as large can be used; the method makes one
-        self.places = places
+    def __init__(self, exemplar: Exemplar, usable: NDArray[np.uint8]) -> None:
+        self.usable = usable
+        self.vectors = sure_vectors(exemplar)
+        places = np.argwhere(usable)
+        self._quarters = [
+            [_half(half, 1, right) for right in (0, 1)]
+            for half in (_half(places, 0, lower) for lower in (0, 1))
+        ]
 
-    def cut(self, block: Block, bits: int) -> NDArray[np.int32] | None:
-        """Flat indices of the piece for a corner; None where the sample has no piece so large.
+    @cached_property
+    def numbers(self) -> NDArray[np.int64]:
+        """The number of each usable place, row by row; the last number where the last is not."""
+        counts: NDArray[np.int64] = (self.usable != 0).cumsum(dtype=np.int64) - 1
+        return counts.reshape(self.usable.shape)
 
-        Corners beside each other come from other quarters of the sample, so that no copies lie
-        side by side, although no corner knows of another.
+    def pick(self, seed: int, node: tuple[int, int], at: tuple[int, int]) -> tuple[int, int]:
+        """Row and column in the sample of the piece at a node.
+
+        Parameters
+        ----------
+        seed : int
+            Of the plane.
+        node : (int, int)
+            Row and column of the node.
+        at : (int, int)
+            Where on the plane the piece's corner lies, in pixels.
         """
-        if not len(self.places):
-            return None
-        rows = _half(self.places, 0, block.row % 2)
-        own = _half(rows, 1, block.column % 2)
-        y, x = own[bits % len(own)]
-        v = (y + np.arange(self.side)) % self.shape[0]
-        u = (x + np.arange(self.side)) % self.shape[1]
-        piece: NDArray[np.int32] = (v[:, None] * self.shape[1] + u).astype(np.int32)
-        return piece
+        quarter = self._quarters[node[0] % 2][node[1] % 2]
+        places = quarter[draw(seed, "piece", *node, np.arange(_TRIES)) % np.uint64(len(quarter))]
+        for y, x in places.tolist() if self.vectors else ():
+            v, u = self._in_phase(y, x, *at)
+            inside = 0 <= v < self.usable.shape[0] and 0 <= u < self.usable.shape[1]
+            if inside and self.usable[v, u]:
+                return v, u
+        y, x = places[0].tolist()
+        return y, x
+
+    def _in_phase(self, y: int, x: int, top: int, left: int) -> tuple[int, int]:
+        """The place nearest to (y, x) that is whole vectors away from (top, left)."""
+        down, across = top - y, left - x
+        x1, y1, *second = self.vectors
+        if second:
+            x2, y2 = second
+            area = x1 * y2 - x2 * y1
+            first = round((across * y2 - down * x2) / area)
+            times = round((down * x1 - across * y1) / area)
+            return top - round(first * y1 + times * y2), left - round(first * x1 + times * x2)
+        # Across rows alone: the rest of the way is as it was drawn.
+        far = (across * x1 + down * y1) / (x1 * x1 + y1 * y1)
+        rest = far - round(far)
+        return y + round(rest * y1), x + round(rest * x1)
+
+
+def sure_vectors(exemplar: Exemplar) -> tuple[float, ...]:
+    """The lattice of a sample, or the vector across its rows, if that is sure."""
+    from weftex.analysis.canvas_lattice import is_sure  # which methods need not load
+
+    if exemplar.pieces:
+        return ()
+    lattice = dominant_scale(exemplar).lattice
+    mask = exemplar.mask
+    pixels = math.prod(exemplar.shape) if mask is None else int(np.count_nonzero(mask))
+    if lattice is None:
+        return ()
+    rows = len(lattice.vectors) == 1 and lattice.confidence >= _ROWS
+    if not rows and not is_sure(lattice, pixels):
+        return ()
+    return tuple(float(part) for vector in lattice.vectors for part in vector)
 
 
 def _half(places: NDArray[np.int64], axis: int, which: int) -> NDArray[np.int64]:

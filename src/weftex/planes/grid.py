@@ -40,7 +40,7 @@ class Sizes:
     belt : int
         Side of a corner and width of an edge; even.
     loose : int
-        How far blocks reach into those that they hang on; at most a quarter of `belt`.
+        How far blocks reach into those that they hang on; at most a third of `belt`.
     around : int
         How much of what a start shows is seen beside corners and edges.
     """

@@ -14,14 +14,14 @@ from weakref import WeakKeyDictionary
 import numpy as np
 
 from weftex.canvas import Canvas
-from weftex.errors import InvalidInputError
-from weftex.planes.boxes import Box, canvas_of
+from weftex.planes.boxes import Box, around, canvas_of, check_period
 from weftex.planes.cache import BlockCache
-from weftex.planes.corners import Corners
+from weftex.planes.corners import Pieces
 from weftex.planes.grid import ACROSS, CORNER, DOWN, Axis, Block, Grid, Sizes
 from weftex.progress import Progress
 from weftex.random import draw
 from weftex.results.pixels import PixelSynthesis
+from weftex.search.windows import whole_windows
 from weftex.threads import thread_map
 
 if TYPE_CHECKING:
@@ -34,6 +34,7 @@ if TYPE_CHECKING:
 
 #: Bytes of blocks that are kept for each model.
 MOST_BYTES = 2**27
+_MOST_AT_ONCE = 2**24  # pixels of a start
 _FEWEST = 2  # blocks around a plane that repeats
 
 
@@ -52,15 +53,22 @@ class Filler(Protocol):
         """Fill a canvas."""
 
 
-_KEPT: WeakKeyDictionary[Any, tuple[BlockCache, Corners]] = WeakKeyDictionary()
+_KEPT: WeakKeyDictionary[Any, tuple[BlockCache, Pieces | None]] = WeakKeyDictionary()
 
 
-def kept_of(model: Filler) -> tuple[BlockCache, Corners]:
-    """The cache of a model, and where its corners are cut from."""
-    if model not in _KEPT:
-        found = BlockCache(MOST_BYTES), Corners(model.exemplar, model.block_sizes().belt)
-        return _KEPT.setdefault(model, found)
-    return _KEPT[model]
+def kept_of(model: Filler) -> tuple[BlockCache, Pieces | None]:
+    """The cache of a model, and where its corners are cut from, if the sample is large enough."""
+    found = _KEPT.get(model)
+    if found is None:
+        last, exemplar = model.block_sizes().belt - 1, model.exemplar
+        mask = np.ones(exemplar.shape, bool) if exemplar.mask is None else exemplar.mask
+        if exemplar.tileable:
+            mask = np.pad(mask, (0, last), mode="wrap")
+        height, width = exemplar.shape
+        usable = whole_windows(mask, (0, last, 0, last))[:height, :width]
+        pieces = Pieces(exemplar, usable) if usable.any() else None
+        found = _KEPT.setdefault(model, (BlockCache(MOST_BYTES), pieces))
+    return found
 
 
 def make_window(
@@ -103,7 +111,8 @@ class Plane:
         self.model, self.asked = model, asked
         sizes = model.block_sizes()
         self.grid = Grid(sizes, *axes_of(sizes, asked.period))
-        self.cache, self.corners = kept_of(model)
+        self.cache, self.pieces = kept_of(model)
+        self._start: tuple[Box, NDArray[np.int32]] | None = None
         self._pixels = model.exemplar.pixels.reshape(-1, *model.exemplar.pixels.shape[2:])
 
     def show(self, box: Box, callback: ProgressCallback | None = None) -> NDArray[np.int32]:
@@ -113,6 +122,7 @@ class Plane:
         threads = max(1, min(self.asked.threads, len(blocks)))
         within = max(1, self.asked.threads // threads)
         progress = Progress(callback, len(blocks), "blocks", lambda: self._pixels[shown])
+        self._begin(blocks)
         with thread_map(threads) as each:
             for block, made in zip(
                 blocks, each(lambda block: self.block(block, within), blocks), strict=True
@@ -121,13 +131,32 @@ class Plane:
                 progress.advance(1)
         return shown
 
+    def _begin(self, blocks: list[Block]) -> None:
+        """Ask for what all blocks begin with at once, which is cheaper than one by one."""
+        new = [self.grid.seen(block) for block in blocks if self._key(block) not in self.cache]
+        if not self.grid.sizes.around or not new:
+            return
+        box = around(new)
+        if box.shape[0] * box.shape[1] <= _MOST_AT_ONCE:
+            start = self.model.start_of(box, self.asked)
+            self._start = None if start is None else (box, start)
+
+    def _start_of(self, box: Box, threads: int) -> NDArray[np.int32] | None:
+        """What a block begins with."""
+        if self._start is not None and self._start[0].has(box):
+            return self._start[1][box.within(self._start[0])].copy()
+        return self.model.start_of(box, self.asked._replace(threads=threads))
+
+    def _key(self, block: Block) -> tuple[Any, ...]:
+        """What a block is kept under, and its name: the same one for every time around."""
+        down, across = self.grid.down, self.grid.across
+        name = Block(block.kind, down.name(block.row), across.name(block.column))
+        return self.asked.seed, self.asked.period, name
+
     def block(self, block: Block, threads: int = 1) -> NDArray[np.int32]:
         """Flat indices of a block with what it replaces; -1 where it shows nothing."""
-        name = Block(
-            block.kind, self.grid.down.name(block.row), self.grid.across.name(block.column)
-        )
-        key = self.asked.seed, self.asked.period, name
-        return self.cache.get(key, lambda: self.make(name, threads))
+        key = self._key(block)
+        return self.cache.get(key, lambda: self.make(key[-1], threads))
 
     def make(self, block: Block, threads: int = 1) -> NDArray[np.int32]:
         """Make a block, and those that it hangs on."""
@@ -135,16 +164,14 @@ class Plane:
         start = None
         seen, own, reached = (f(block) for f in (self.grid.seen, self.grid.own, self.grid.reached))
         if self.grid.sizes.around:
-            start = self.model.start_of(seen, self.asked._replace(threads=threads))
+            start = self._start_of(seen, threads)
         if start is None:
-            if block.kind == CORNER:
-                found = self.corners.cut(block, seed)
-                if found is not None:
-                    return found
+            if block.kind == CORNER and self.pieces is not None:
+                return self._piece(block, self.pieces)
             seen = self._without_start(block, seen)
             shown = np.full(seen.shape, -1, np.int32)
         else:
-            shown = start.copy()
+            shown = start
         for other in self.grid.hangs_on(block):
             lay(shown, seen, self.block(other, threads), self.grid.reached(other))
         hole = np.zeros(seen.shape, bool)
@@ -156,6 +183,18 @@ class Plane:
         result: NDArray[np.int32] = made[reached.within(seen)].copy()
         result[~(free | hole_of(own, reached))] = -1
         return result
+
+    def _piece(self, block: Block, pieces: Pieces) -> NDArray[np.int32]:
+        """A corner: a piece of the sample, as it is."""
+        own = self.grid.own(block)
+        at = own.rows.first, own.columns.first
+        corner = pieces.pick(self.asked.seed, block[1:], at)
+        v, u = (
+            (first + np.arange(length)) % n
+            for first, length, n in zip(corner, own.shape, pieces.usable.shape, strict=True)
+        )
+        piece: NDArray[np.int32] = (v[:, None] * pieces.usable.shape[1] + u).astype(np.int32)
+        return piece
 
     def _without_start(self, block: Block, seen: Box) -> Box:
         """Nothing is there beside corners and edges."""
@@ -212,14 +251,6 @@ def axes_of(sizes: Sizes, period: tuple[int, int] | None) -> tuple[Axis, Axis]:
     """
     if period is None:
         return Axis(sizes.pitch, 1), Axis(sizes.pitch, 1)
-    axes = []
-    for name, length in zip(("height", "width"), period, strict=True):
-        least = _FEWEST * 2 * sizes.belt
-        if length < least:
-            raise InvalidInputError(
-                f"period has the {name} {length}; it must be {least} or more with this method and "
-                "sample, or ask for a tileable picture of that size"
-            )
-        count = max(_FEWEST, length // sizes.pitch)
-        axes.append(Axis(length, count, wraps=True))
+    check_period(period, 2 * _FEWEST * sizes.belt)
+    axes = [Axis(length, max(_FEWEST, length // sizes.pitch), wraps=True) for length in period]
     return axes[0], axes[1]

@@ -7,6 +7,8 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
+from weftex.raster.vectors import middle_of, vectors_of
+
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
@@ -61,29 +63,11 @@ def mixing_of(pixels: NDArray[Any], shows: str, alpha: bool) -> Mixing:
     return Mixing(Kind.ALPHA if alpha else Kind.MEAN)
 
 
-def middle_of(pixels: NDArray[Any]) -> float:
-    """Return what stands for 0 in vectors stored in floats: 0.5, unless some are below 0."""
-    return 0.5 if pixels.dtype.kind == "f" and pixels.min() >= 0 else 0.0
-
-
-def opposite(values: NDArray[Any], middle: float) -> NDArray[Any]:
-    """Return one part of vectors, the other way around; `middle` is that of floats."""
-    if values.dtype.kind == "u":
-        return np.iinfo(values.dtype).max - values
-    return 2 * middle - values
-
-
 def _is_of_units(pixels: NDArray[Any]) -> bool:
     if pixels.ndim < 3 or pixels.shape[2] < 3:
         return False
     some = pixels.reshape(-1, pixels.shape[2])[
         :: max(1, pixels.shape[0] * pixels.shape[1] // _SEEN)
     ]
-    if pixels.dtype.kind == "u":
-        full = np.iinfo(pixels.dtype).max
-        vectors = some[:, :3] / (full / 2) - 1
-    else:
-        middle = middle_of(pixels)
-        vectors = (some[:, :3] - middle) / (middle or 1)
-    lengths = np.linalg.norm(vectors, axis=1)
+    lengths = np.linalg.norm(vectors_of(some[:, :3], middle_of(pixels)), axis=1)
     return bool(np.mean(abs(lengths - 1) < _OFF) > _MOST)

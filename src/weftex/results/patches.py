@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from weftex.canvas import Canvas
+from weftex.canvas import MAX_PIXELS, Canvas
 from weftex.results import paste_kernels
 from weftex.results.drawing import gray_of
 from weftex.results.files import DamageError
@@ -56,16 +56,22 @@ class PatchSynthesis(Synthesis):
         super().__init__(canvas, **about)
         self.placements, self.weights, self.cuts = placements, weights, cuts
 
+    @property
+    def _frame(self) -> tuple[int, int, int, int]:
+        """Height and width of what patches go around, and where the canvas's corner is in it."""
+        return *self.shape, 0, 0
+
     def _layers(self, window: Window) -> tuple[NDArray[np.int32], NDArray[np.float32]]:
-        top, left, height, width = window
+        rows, columns, down, right = self._frame
+        top, left, height, width = window[0] + down, window[1] + right, *window[2:]
         patch = np.full((height, width, _MOST_LAYERS), -1, np.int32)
         share = np.zeros((height, width, _MOST_LAYERS), np.float32)
-        layout = paste_kernels.Layout(self.placements, self.weights, self.cuts, *self.shape)
+        layout = paste_kernels.Layout(self.placements, self.weights, self.cuts, rows, columns)
         paste_kernels.layer_all(patch, share, top, left, layout)
         y, x, _ = there = np.nonzero((patch >= 0) & (share > 0))
         shown = patch[there]
         at = self.placements[shown].astype(np.int64)
-        v, u = (y + top - at[:, 0]) % self.shape[0], (x + left - at[:, 1]) % self.shape[1]
+        v, u = (y + top - at[:, 0]) % rows, (x + left - at[:, 1]) % columns
         v, u = self._within(shown, v, u)
         coordinates = np.full((*patch.shape, 2), -1, np.int32)
         coordinates[there] = np.stack([v + at[:, 2], u + at[:, 3]], axis=1) % self.sample_shape
@@ -80,9 +86,9 @@ class PatchSynthesis(Synthesis):
         return y, x
 
     def _lay(self, out: NDArray[Any], pixels: NDArray[Any], window: Window, mixing: Mixing) -> None:
-        top, left, height, _ = window
-        scale = out.shape[0] // height
-        layout = paste_kernels.Layout(self.placements, self.weights, self.cuts, *self.shape)
+        rows, columns, down, right = self._frame
+        top, left, scale = window[0] + down, window[1] + right, out.shape[0] // window[2]
+        layout = paste_kernels.Layout(self.placements, self.weights, self.cuts, rows, columns)
         paste_kernels.paste_all(out, pixels, layout, paste_kernels.View(top, left, scale, *mixing))
 
     def _error(self) -> NDArray[np.int16]:
@@ -116,6 +122,39 @@ class PatchSynthesis(Synthesis):
         below = (*canvas.shape, *sample, len(weights))
         if len(placements) and ((placements < 0) | (placements >= np.array(below))).any():
             raise DamageError("its patches lie outside")
+
+
+class PatchWindow(PatchSynthesis):
+    """Patches of which a window shows: some hang over its border.
+
+    Parameters
+    ----------
+    frame : int64 array (4,)
+        Height and width of what the patches lie on, and the row and column of it where the canvas
+        begins.
+    **about
+        As for `PatchSynthesis`.
+    """
+
+    ARRAYS = {**PatchSynthesis.ARRAYS, "frame": np.int64}  # noqa: RUF012
+
+    def __init__(self, *plan: Any, frame: NDArray[np.int64], **about: Any) -> None:
+        super().__init__(*plan, **about)
+        self.frame = frame
+
+    @property
+    def _frame(self) -> tuple[int, int, int, int]:
+        rows, columns, top, left = self.frame.tolist()
+        return rows, columns, top, left
+
+    @classmethod
+    def _check(cls, canvas: Canvas, sample: tuple[int, int], arrays: dict[str, Any]) -> None:
+        frame = arrays["frame"]
+        if frame.shape != (4,) or frame.min() < 0 or frame.max() >= MAX_PIXELS:
+            raise DamageError("its frame is none")
+        if ((frame[2:] + canvas.shape) > frame[:2]).any():
+            raise DamageError("its canvas lies outside of its frame")
+        super()._check(Canvas(*frame[:2].tolist()), sample, arrays)
 
 
 class RectifiedSynthesis(PatchSynthesis):

@@ -1,4 +1,4 @@
-"""The best of several outputs, by the score of `weftex.quality.eye`."""
+"""The best of several outputs, by the score of `weftex.quality.sets`."""
 
 from __future__ import annotations
 
@@ -6,8 +6,7 @@ from typing import TYPE_CHECKING
 
 from weftex.errors import InvalidInputError, shown
 from weftex.progress import Progress
-from weftex.quality.eye import Eye
-from weftex.quality.view import middle
+from weftex.quality.sets import Eyes
 from weftex.random import seed_number
 from weftex.tasks.method_names import AUTO, make_method
 
@@ -22,8 +21,6 @@ if TYPE_CHECKING:
     from weftex.results.synthesis import Synthesis
 
 _MOST_TRIES = 1000
-_JUDGED = 1024  # pixels a side of the middle by which a larger output is judged
-_DIGITS = 3  # of a score, as in a report
 
 
 def tries(method: Method, count: int | Sequence[str | Method]) -> list[tuple[Method, int]]:
@@ -69,6 +66,8 @@ def best_of(
 ) -> Synthesis:
     """Make several outputs and keep the one with the best score; of equal ones the first.
 
+    Maps count, see `weftex.quality.sets.Eyes`.
+
     Parameters
     ----------
     tried : sequence of (Method, int)
@@ -105,7 +104,7 @@ def best_of(
     made_by: dict[str, Synthesis] = {}  # the best so far
     scores: dict[str, float | None] = {}
     fitted: Method | None = None
-    eye = Eye(exemplar)
+    eyes = Eyes(exemplar)
     steps = Progress(
         progress, len(tried), "outputs", lambda: made_by[kept].image if made_by else None
     )
@@ -113,7 +112,7 @@ def best_of(
         if method is not fitted:
             model, fitted = method.fit(exemplar), method
         made = model.sample(canvas, seed=number, threads=threads, progress=steps.within())
-        scores[name] = _score(eye, made)
+        scores[name] = eyes.score(made)
         if not made_by or _key(scores[name]) < _key(scores[kept]):
             kept, made_by = name, {name: made}
         steps.advance(1)
@@ -127,12 +126,6 @@ def _distinct(names: list[str]) -> list[str]:
     """The same method with other parameters gets a number."""
     count = [names[:k].count(name) for k, name in enumerate(names)]
     return [f"{name} {k + 1}" if k else name for name, k in zip(names, count, strict=True)]
-
-
-def _score(eye: Eye, made: Synthesis) -> float | None:
-    shape = min(made.shape[0], _JUDGED), min(made.shape[1], _JUDGED)
-    found = eye.score(middle(made.image, shape))
-    return None if found is None else round(found, _DIGITS)
 
 
 def _key(score: float | None) -> float:

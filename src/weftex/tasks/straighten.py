@@ -6,7 +6,7 @@ import math
 from collections.abc import Sequence
 from itertools import product
 from math import lcm
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -14,10 +14,9 @@ from weftex.analysis.canvas_lattice import given_lattice
 from weftex.analysis.lattice import Lattice, find_lattice
 from weftex.errors import InvalidInputError
 from weftex.exemplar import Exemplar
-from weftex.io.formats import image_library
 from weftex.loading import load_exemplar
 from weftex.parameters import numbers_of
-from weftex.raster.levels import tamed
+from weftex.tasks.warping import nearest, warped
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -30,7 +29,6 @@ _UPRIGHT = math.radians(20)  # that a photo may be askew before another way up i
 _SQUARE = math.sin(math.radians(10))  # that sides of a right-angled piece may be off it
 _TIMES = range(-3, 4)  # vectors of a lattice that are summed up to a piece's sides
 _SHORTEST = 8  # pixels, of what is left of a photo
-_FILTER = "lanczos3"
 
 
 def straighten(
@@ -49,8 +47,8 @@ def straighten(
     Parameters
     ----------
     sample : path, array, PIL image or Exemplar
-        The photo. Maps, mask and guide are straightened with it; the vectors that a normal map
-        stores are not turned.
+        The photo. Maps, mask and guide are straightened with it, and the vectors of normal maps
+        turned, so that they are those of the straightened heights.
     lattice : Lattice, or x1, y1, x2, y2, optional
         Of the photo; found in it by default.
     corners : eight numbers, optional
@@ -89,10 +87,10 @@ def straighten(
     whole = lcm(*(exemplar.scale_of(name).denominator for name in exemplar.maps))
     size = size[0] - size[0] % whole, size[1] - size[1] % whole
     return exemplar.changed(
-        pixels=_warped(exemplar.pixels, matrix, size, alpha=exemplar.alpha),
+        pixels=warped(exemplar, matrix, size),
         maps={name: _warped_map(exemplar, name, matrix, size) for name in exemplar.maps},
-        mask=None if exemplar.mask is None else _nearest(exemplar.mask, matrix, size),
-        guide=None if exemplar.guide is None else _nearest(exemplar.guide, matrix, size),
+        mask=None if exemplar.mask is None else nearest(exemplar.mask, matrix, size),
+        guide=None if exemplar.guide is None else nearest(exemplar.guide, matrix, size),
         tileable=False,
     )
 
@@ -103,9 +101,7 @@ def _warped_map(exemplar: Exemplar, name: str, matrix: Floats, size: tuple[int, 
     unit = np.diag([float(scale), float(scale), 1.0])
     own = np.linalg.inv(unit) @ matrix @ unit
     sides = int(size[0] * scale), int(size[1] * scale)
-    if one.role.kind == "labels":
-        return one.changed(pixels=_nearest(one.pixels, own, sides))
-    return one.changed(pixels=_warped(one.pixels, own, sides, alpha=one.alpha))
+    return one.changed(pixels=warped(one, own, sides))
 
 
 def _lattice_of(given: Lattice | Sequence[float] | str | None, exemplar: Exemplar) -> Lattice:
@@ -221,39 +217,3 @@ def _proportions(matrix: Floats) -> float | None:
     weight = np.array([1 / squared, 1 / squared, 1])
     ratio = math.sqrt(float((along**2) @ weight) / float((down**2) @ weight))
     return ratio if 0.2 < ratio < 5 else None
-
-
-def _warped(
-    pixels: NDArray[Any], matrix: Floats, size: tuple[int, int], alpha: bool = False
-) -> NDArray[Any]:
-    """Resample a picture; its values stay within their range, and clear pixels bleed nothing."""
-    oiio = image_library()
-    planes = pixels.reshape(*pixels.shape[:2], -1)
-    numbers, exponent = tamed(planes) if pixels.dtype.kind == "f" else (planes, 0)
-    numbers = np.ascontiguousarray(numbers, np.float32)
-    if alpha:
-        numbers[..., :-1] *= numbers[..., -1:]
-    channels = numbers.shape[2]
-    area = oiio.ROI(0, size[1], 0, size[0], 0, 1, 0, channels)
-    made = oiio.ImageBufAlgo.warp(
-        oiio.ImageBuf(numbers), tuple(matrix.ravel()), _FILTER, roi=area, wrap="clamp"
-    )
-    if made.has_error:
-        raise InvalidInputError(f"the photo cannot be straightened: {made.geterror()}")
-    found = np.asarray(made.get_pixels(oiio.FLOAT), np.float64).reshape(*size, channels)
-    if alpha:
-        found[..., :-1] /= np.where(found[..., -1:] > 0, found[..., -1:], 1)
-    found = np.clip(np.ldexp(found, exponent), planes.min((0, 1)), planes.max((0, 1)))
-    if pixels.dtype.kind == "u":
-        found = np.rint(found)
-    return found.astype(pixels.dtype).reshape(*size, *pixels.shape[2:])
-
-
-def _nearest(values: NDArray[Any], matrix: Floats, size: tuple[int, int]) -> NDArray[Any]:
-    """Resample labels, of which there is nothing between two."""
-    y, x = np.indices(size) + 0.5
-    place = np.stack([x, y, np.ones(size)], axis=-1) @ np.linalg.inv(matrix)
-    columns, rows = np.floor(place[..., :2] / place[..., 2:]).astype(int).transpose(2, 0, 1)
-    height, width = values.shape[:2]
-    found: NDArray[Any] = values[rows.clip(0, height - 1), columns.clip(0, width - 1)]
-    return found

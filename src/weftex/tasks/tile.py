@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from weftex.analysis.canvas_lattice import CanvasLattice, four_numbers
+from weftex.analysis.canvas_lattice import CanvasLattice, four_numbers, is_sure
 from weftex.analysis.lattice import find_lattice
 from weftex.canvas import Canvas, as_canvas
 from weftex.errors import InvalidInputError, shown
@@ -25,7 +25,6 @@ if TYPE_CHECKING:
 
 _SHARE = 8  # of the shorter side: the border that is made anew
 _LEAST = 3  # borders that must fit into a side, so that more is kept than made
-_SURE = 0.6  # confidence of a lattice that is believed
 _STRAIN = 0.015  # that a lattice takes without a fault that is seen
 _ANEW = 8  # pixels at each side that are surely made anew, or half a narrow border
 
@@ -86,6 +85,11 @@ def tile(
         raise InvalidInputError(f"axes is {shown(axes)}; it must be True, 'x' or 'y'")
     sides = [side for side, wraps in zip(exemplar.shape, wrap, strict=True) if wraps]
     most = min(sides) // _LEAST
+    if not most:
+        raise InvalidInputError(
+            f"{exemplar.name} is {exemplar.shape[1]}x{exemplar.shape[0]}; sides that are to repeat "
+            f"must be {_LEAST} pixels or more"
+        )
     if border is None:
         border = max(1, min(exemplar.shape) // _SHARE)
     elif not isinstance(border, numbers.Integral) or isinstance(border, bool):
@@ -113,7 +117,7 @@ def tile(
 def _ill_fitting(exemplar: Exemplar, canvas: Canvas) -> str | None:
     """Why whole tiles of what is surely a lattice do not fit into the photo; None if they do."""
     found = find_lattice(exemplar)
-    if found is None or len(found.vectors) < 2 or found.confidence < _SURE:
+    if found is None or not is_sure(found, exemplar.shape[0] * exemplar.shape[1]):
         return None
     try:
         CanvasLattice(four_numbers(found), canvas, _STRAIN)

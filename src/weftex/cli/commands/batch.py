@@ -17,9 +17,12 @@ from weftex.cli.terminal import finish, say
 from weftex.errors import CancelledError, FileError, InvalidInputError
 
 if TYPE_CHECKING:
+    from argparse import Namespace
+
     from weftex.cli.batches import Job
     from weftex.cli.terminal import Bar, Outputs
     from weftex.io.manifest import Manifest
+    from weftex.method import Method
 
 _ABOUT = """\
 Make outputs from every picture and every folder of maps in a folder. manifest.jsonl in the output
@@ -65,13 +68,12 @@ def run(argv: list[str]) -> None:
     chosen = method(**parameters)
 
     def work(bar: Bar, outputs: Outputs) -> str:
-        from weftex.cli.batches import Maker, entries_of, jobs_of
+        from weftex.cli.batches import entries_of, jobs_of, left_of
         from weftex.io.manifest import Manifest
         from weftex.random import seed_number
-        from weftex.threads import in_turn, thread_count
 
         first = seed_number(args.seed) if args.seed is not None else 0
-        entries = entries_of(args.folder)
+        entries = entries_of(args.folder, args.output)
         seeds = [(first + k) % 2**64 for k in range(args.count)]
         template = args.template or ("{name}" if args.count == 1 else "{name}_{seed}")
         jobs = jobs_of(entries, template, seeds, args.keep_best)
@@ -80,30 +82,12 @@ def run(argv: list[str]) -> None:
         except OSError as error:
             raise FileError(f"{args.output}: cannot make this folder: {error.strerror}") from None
         manifest = Manifest(args.output)
-        left = _left(jobs, manifest, args.output, args.skip_existing, args.force)
-        maker = Maker(args.output, manifest, chosen, size, args)
-        failures = []
-        stopped = [False]
-
-        def show(done: int) -> None:
-            if bar(done, len(left), "jobs", lambda: None) is False:
-                stopped[0] = True
-
-        if left:
-            show(0)
-        made = in_turn(
-            lambda k: maker.do(left[k], lambda: stopped[0]),
-            range(len(left)),
-            thread_count(args.threads),
-        )
-        for done, failure in enumerate(made, start=1):
-            if stopped[0]:
-                raise CancelledError(f"cancelled after {done} of {len(left)} jobs")
-            if failure is not None:
-                failures.append(failure)
-                if not args.quiet:
-                    say(failure)
-            show(done)
+        try:
+            how = {"skip": args.skip_existing, "force": args.force}
+            left = left_of(jobs, args.output, manifest, **how)
+            failures = _do(left, manifest, (args.output, chosen, size), args, bar)
+        finally:
+            manifest.sweep()
         took = perf_counter() - start
         if failures:
             raise InvalidInputError(
@@ -115,25 +99,48 @@ def run(argv: list[str]) -> None:
     finish(work, args.quiet)
 
 
-def _left(jobs: list[Job], manifest: Manifest, folder: str, skip: bool, force: bool) -> list[Job]:
-    """The jobs that are to be done.
+def _do(
+    jobs: list[Job],
+    manifest: Manifest,
+    about: tuple[str, Method, tuple[int, int] | None],
+    args: Namespace,
+    bar: Bar,
+) -> list[str]:
+    """Do the jobs, in as many processes as there are threads to use; what went wrong."""
+    from weftex.cli.batches import Done, Maker
+    from weftex.processes import LostError, Workers
+    from weftex.threads import in_turn, thread_count
 
-    Raises
-    ------
-    FileError
-        If an output is there, and nobody said what is to become of it.
-    """
-    left = []
-    for job in jobs:
-        there = [one for one in job.outputs.values() if os.path.exists(os.path.join(folder, one))]
-        most = len(job.outputs) if job.keep is None else job.keep
-        if skip and len(there) >= most:
-            continue
-        foreign = [one for one in there if one not in manifest]
-        if there and not force and (not skip or foreign):
-            raise FileError(
-                f"{os.path.join(folder, there[0])} is there; give --skip-existing to go on, or "
-                "--force to make it anew"
-            )
-        left.append(job)
-    return left
+    threads = thread_count(args.threads)
+    count = max(1, min(threads, len(jobs)))
+    maker = Maker(*about, threads // count, args)
+    failures: list[str] = []
+    bar.left = f"--skip-existing goes on in {args.output}"
+
+    def one(number: int) -> str | None:
+        job = jobs[number]
+        try:
+            found: Done = maker(job) if count < 2 else workers.do(job)
+        except LostError as error:
+            found = Done([], f"{job.entry.path}: {error}")
+        for record, path in found.made:
+            manifest.publish(record, path)
+        if job.keep is not None and found.failure is None:
+            manifest.leave_out(job.outputs.values(), [k["output"] for k, _ in found.made])
+        return found.failure
+
+    def check(done: int) -> None:
+        if bar(done, len(jobs), "jobs", lambda: None) is False:
+            raise CancelledError(f"cancelled after {done} of {len(jobs)} jobs")
+
+    with Workers(Maker, *about, maker.threads, args) as workers:
+        bar.at_stop(maker.cancel)
+        bar.at_stop(workers.end)
+        check(0)
+        for done, failure in enumerate(in_turn(one, range(len(jobs)), count), start=1):
+            if failure is not None:
+                failures.append(failure)
+                if not args.quiet and not bar.stopped:
+                    say(failure)
+            check(done)
+    return failures

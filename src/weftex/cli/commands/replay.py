@@ -9,6 +9,8 @@ from typing import TYPE_CHECKING
 
 from weftex.cli.files import open_samples, read
 from weftex.cli.options import Parser, add_limits, add_names
+from weftex.cli.planes import add_plane, is_source, recipe_of_replay, refuse_options
+from weftex.cli.planes import write as write_plane
 from weftex.cli.sets import plan, plan_of_several
 from weftex.cli.terminal import finish
 from weftex.roles import role_of
@@ -22,6 +24,7 @@ _EXAMPLES = """\
 examples:
   weftex replay wall.npz normal_16bit.png -o wall_normal.png
   weftex replay wall.npz stone_wall/ -o wall/          a folder of maps
+  weftex replay plane.zarr normal_16bit.png -o plane_normal.zarr
   weftex replay filled.npz height.exr -o filled_height.exr --background photo_height.exr
   weftex replay field.npz clover_height.png grape_height.png plum_height.png -o field_height.png
 """
@@ -32,7 +35,7 @@ def run(argv: list[str]) -> None:
     start = perf_counter()
     parser = Parser("replay", "Lay a saved result again with other maps of its sample.", _EXAMPLES)
     add = parser.add_argument
-    add("source", metavar="F.npz", help="what --save-source saved")
+    add("source", metavar="F.npz", help="what --save-source saved, or a plane that synth wrote")
     text = "picture of the sample's size, or an integer multiple or fraction of it, or a folder of "
     text += "such maps; of a fusion one for each sample"
     add("maps", metavar="MAP", nargs="+", help=text)
@@ -41,7 +44,17 @@ def run(argv: list[str]) -> None:
     add("--background", metavar="PHOTO", help=text)
     add_names(parser)
     add_limits(parser)
+    add_plane(parser)
     args = parser.parse(argv)
+    if is_source(args.source):
+
+        def stream(bar: Bar, outputs: Outputs) -> str:
+            recipe = recipe_of_replay(args, [_as_map(read(one, args)) for one in args.maps])
+            return write_plane(args, recipe, bar, outputs, start)
+
+        finish(stream, args.quiet)
+        return
+    refuse_options(args)
 
     def work(bar: Bar, outputs: Outputs) -> str:
         from weftex.raster.levels import scale_between

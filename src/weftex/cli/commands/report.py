@@ -2,9 +2,14 @@
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING
+
 from weftex.cli.files import load
 from weftex.cli.options import Parser, add_huge, add_maps
 from weftex.errors import InvalidInputError
+
+if TYPE_CHECKING:
+    import argparse
 
 _ABOUT = """\
 Say how good a result is beside its sample: a page with pictures, maps of where it fails, and every
@@ -16,6 +21,7 @@ examples:
   weftex report brick.png wall.png -o report.html
   weftex report brick.png wall.png --source wall.npz -o report.html
   weftex report brick.png tile.png --tileable --json
+  weftex report brick.png plane.zarr -o report.html  windows of what was written block by block
   weftex report stone_wall/ big/ -o report.html      a folder of maps, and what was made from it
 """
 
@@ -38,10 +44,14 @@ def run(argv: list[str]) -> None:
     if args.output is None and not args.json:
         raise InvalidInputError("nothing to do; give -o report.html, --json, or both")
     from weftex.io.pictures import check_output
+    from weftex.stores.record import is_plane
     from weftex.tasks.report import report as measure
 
     if args.output is not None:
         check_output(args.output, suffixes=(".html",))
+    if is_plane(args.result):
+        _report_plane(args)
+        return
     sample, result = load(args.sample, args, args.maps), load(args.result, args)
     wrap = None if args.tileable is None else ("y" in args.tileable, "x" in args.tileable)
     found = measure(sample, result, args.source, tileable=wrap)
@@ -53,3 +63,30 @@ def run(argv: list[str]) -> None:
         print(json.dumps(found.as_dict(), indent=1))
     else:
         print(found.verdict())
+
+
+def _report_plane(args: argparse.Namespace) -> None:
+    """Windows here and there, and the page of the worst of them."""
+    from weftex.tasks.opened import open_plane
+    from weftex.tasks.report import report as measure
+
+    for name in ("source", "tileable"):
+        if getattr(args, name) is not None:
+            raise InvalidInputError(f"--{name} has no effect: of a plane some windows are measured")
+    plane = open_plane(args.result)
+    sample = load(args.sample, args, args.maps)
+    found = {window: measure(sample, plane.read(window)) for window in plane.some()}
+    scores = {window: one.assessment.score or 0.0 for window, one in found.items()}
+    worst = max(scores, key=lambda window: scores[window])
+    if args.output is not None:
+        found[worst].save(args.output)
+    if args.json:
+        import json
+
+        rows = [{"window": window, **one.as_dict()} for window, one in found.items()]
+        print(json.dumps(rows, indent=1))
+        return
+    for top, left, height, width in found:
+        score = scores[top, left, height, width]
+        print(f"{width}x{height} at row {top}, column {left}: score {score:.2f}")
+    print(f"the worst, at row {worst[0]}, column {worst[1]}: {found[worst].verdict()}")

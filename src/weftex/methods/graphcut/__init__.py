@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import asdict, dataclass, replace
 from typing import TYPE_CHECKING, ClassVar, Self
 
@@ -25,6 +26,8 @@ if TYPE_CHECKING:
     from weftex.methods.graphcut.places import Place
     from weftex.methods.pixels.growth import Growth
 
+_LARGE = 2**15  # pixels of a patch from which on candidates are priced in threads
+_PATCHES = 3  # in a row between two belts of a plane
 _IDLE = 4  # refinements that mend nothing, for each patch that covered the canvas, end it
 
 
@@ -171,10 +174,16 @@ class GraphCutModel(PixelModel):
     """A sample prepared for graph-cut textures."""
 
     def block_sizes(self) -> Sizes:
-        """See `Model.block_sizes`: a corner is a patch, and cuts go on in what is there."""
-        patch = min(self.prepared.patch_shape)
-        belt = 2 * max(patch // 2, 8)
-        return Sizes(pitch=3 * belt, belt=belt, loose=belt // 4)
+        """See `Model.block_sizes`: a corner is a patch, and cuts go on in what is there.
+
+        Between belts is room for so many patches that the last ones lie on belts as far as the
+        first ones do; entire patches are cut anywhere.
+        """
+        settings: Settings = self.prepared
+        side, boundary = min(settings.patch_shape), settings.boundary_width
+        belt = 2 * max(side // 2 if boundary else side // 4, 8)
+        gap = _PATCHES * (side - boundary) - boundary if boundary else 2 * belt
+        return Sizes(pitch=belt + max(gap, belt), belt=belt, loose=belt // 3)
 
 
 def synthesize(settings: Settings, growth: Growth) -> None:
@@ -203,7 +212,8 @@ def lay(settings: Settings, growth: Growth) -> Picture:
     if settings.placement == "subpatch":
         growth.about |= settings.sizes()
 
-    with thread_map(min(growth.threads, settings.candidates)) as map_:
+    threads = min(growth.threads, settings.candidates) if math.prod(placement.size) >= _LARGE else 1
+    with thread_map(threads) as map_:
 
         def place(pixel: tuple[int, int], number: int, *, centered: bool) -> Place:
             # Places that match, drawn by P(t) = exp(-C(t) / (k sigma**2)) (section 4); C(t) by FFT

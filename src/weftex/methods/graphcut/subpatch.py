@@ -17,6 +17,7 @@ from weftex.methods.graphcut.places import (
     variance_of,
 )
 from weftex.methods.graphcut.repeats import Repeats
+from weftex.notes import note
 from weftex.random import draw
 from weftex.raster.boxes import box_sums
 from weftex.search.translation import window_mismatch
@@ -128,6 +129,7 @@ class SubPatchMatching:
         draws = self.growth.seed, number, self.settings.candidates
         size = tuple(n >> k for n in self.size)
         drawn = drawn_places(costs * prices, allowed, spread, draws, size)
+        note("matches", costs=costs, prices=prices, allowed=allowed, drawn=drawn, halvings=k)
         found = places_in_full(drawn, boxes[: k + 1], part.copies, part.corners, (0, 0))
         return [
             Place(top, left, *self.size, part.top + v, part.left + u, float(prices[at]))
@@ -136,11 +138,14 @@ class SubPatchMatching:
 
     def _corner(self, pixel: tuple[int, int], centered: bool) -> list[int]:
         """The upper left corner on the canvas of a patch that covers a pixel."""
-        corner = []
+        corner: list[int] = []
         for at, size, overlap, n, wraps in zip(
             pixel, self.size, self.overlap, self.canvas.shape, self.canvas.wrap, strict=True
         ):
             first = at - (size // 2 if centered else overlap)
+            if self.canvas.shown is not None and not centered:  # a block of a plane
+                missing = np.flatnonzero((self.canvas.shown < 0).any(axis=1 - len(corner)))
+                first = _evenly(at, int(missing[-1]) + 1, size, overlap)
             corner.append(first if wraps else min(max(first, 0), n - size))
         return corner
 
@@ -184,3 +189,10 @@ def _sides_of_part(shape: tuple[int, int], patch: tuple[int, int]) -> tuple[int,
         min(n, max(round(_PART**0.5), side * 3 // 2)) for n, side in zip(shape, patch, strict=True)
     )
     return height, width
+
+
+def _evenly(at: int, end: int, size: int, overlap: int) -> int:
+    """Where a patch begins, so that the last one ends as far beyond the hole as it may begin."""
+    left = end - at + overlap
+    count = -(-left // (size - overlap))
+    return at + -(-left // count) - size

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import replace
+from functools import partial
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -13,14 +14,20 @@ from weftex.exemplar import Exemplar
 from weftex.method import Model
 from weftex.methods.patches.analysis import PatchAnalysis
 from weftex.methods.patches.pasting import Output
+from weftex.methods.patches.plane_order import PatchAxis, PlaneOrder, least_period
 from weftex.methods.patches.settings import PatchMethod, PatchSettings, settle_on
+from weftex.planes.boxes import canvas_of, check_period
+from weftex.planes.corners import Pieces
+from weftex.planes.grid import Sizes
 from weftex.progress import ProgressCallback
 from weftex.random import seed_number
-from weftex.results.patches import PatchSynthesis
+from weftex.results.patches import PatchSynthesis, PatchWindow
 from weftex.threads import thread_count
 
 if TYPE_CHECKING:
+    from weftex.planes.boxes import Asked, Box
     from weftex.random import Seed
+    from weftex.results.synthesis import Synthesis
 
 
 class PatchModel(Model):
@@ -53,6 +60,7 @@ class PatchModel(Model):
         narrowed = settle_on(Canvas(1, 1), method, settings) != settings
         self.analysis = PatchAnalysis(settings, exemplar, ahead=not narrowed)
         self._given, self._cover = method, cover
+        self._pieces: Pieces | None = None
         self.method = self._settled(settings)
 
     def _settled(self, settings: PatchSettings) -> PatchMethod:
@@ -102,4 +110,54 @@ class PatchModel(Model):
             known_from=canvas.known_from,
             provenance=method.describe() | {"seed": number},
             picture=output.picture(),
+        )
+
+    @property
+    def _plane_boundary(self) -> int:
+        """The boundary width on planes: as around a wrapped axis, room is left between two."""
+        settings = self.analysis.settings
+        return max(1, min(settings.boundary_width, settings.window_side // 4))
+
+    def block_sizes(self) -> Sizes:
+        """See `Model.block_sizes`: edges are one patch wide."""
+        settings, overlap = self.analysis.settings, self._plane_boundary
+        if settings.pixelwise:
+            return super().block_sizes()
+        axis = PatchAxis.of(settings.window_side, overlap, None)
+        step = axis.patches.period
+        return Sizes(pitch=step * axis.nodes.period, belt=step)
+
+    def make_window(
+        self, box: Box, asked: Asked, progress: ProgressCallback | None = None
+    ) -> Synthesis:
+        """See `Model.make_window`: patches of a plane have an order of their own."""
+        settings = self.analysis.settings
+        if settings.pixelwise:
+            return super().make_window(box, asked, progress)
+        side, width = settings.window_side, self._plane_boundary
+        check_period(asked.period, least_period(side, width))
+        analysis = self.analysis.settled(replace(settings, boundary_width=width))
+        down, across = asked.period or (None, None)
+        axes = PatchAxis.of(side, width, down), PatchAxis.of(side, width, across)
+        plan = PlaneOrder(axes, box)
+        if self._pieces is None:
+            self._pieces = Pieces(self.exemplar, analysis.windows(side, side)[0])
+        order = partial(plan.order, width=width, seed=asked.seed, pieces=self._pieces)
+        canvas, method = Canvas(*plan.frame_shape), self._settled(settings)
+        output = Output(analysis, canvas, asked.seed, asked.threads, progress, order)
+        self._cover(output, method)
+        top, left = (span.first - at for span, at in zip(box, plan.corner, strict=True))
+        here = slice(top, top + box.shape[0]), slice(left, left + box.shape[1])
+        picture = output.picture()
+        return PatchWindow(
+            canvas_of(box),
+            output.placements,
+            output.weights(),
+            output.cuts,
+            frame=np.array([*canvas.shape, top, left]),
+            sample_shape=self.exemplar.shape,
+            exemplar=self.exemplar,
+            is_window=True,
+            provenance=method.describe() | asked.told,
+            picture=None if picture is None else np.ascontiguousarray(picture[here]),
         )

@@ -93,6 +93,11 @@ class Growth:
         self.pixels[where] = self.windows.pixels.reshape(-1, self.pixels.shape[2])[source]
         self.done[where] = 1
 
+    @property
+    def watched(self) -> bool:
+        """Whether anybody may ask for a preview."""
+        return self._callback is not None
+
     def again(self, seed: int) -> Growth:
         """Return the same, to be made with another seed."""
         other = copy(self)

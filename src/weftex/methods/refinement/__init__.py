@@ -32,6 +32,7 @@ from weftex.methods.refinement.start import (
     start_window,
 )
 from weftex.methods.refinement.sweeps import Convergence, refine_texture, sweep_of
+from weftex.notes import note
 from weftex.parameters import parameter
 from weftex.planes.grid import Sizes
 
@@ -43,6 +44,8 @@ if TYPE_CHECKING:
     from weftex.exemplar import Exemplar
     from weftex.methods.pixels.growth import Growth
     from weftex.planes.boxes import Asked, Box
+
+_PITCH = 384  # pixels, at least, from one node of a plane to the next
 
 
 @dataclass(frozen=True)
@@ -220,7 +223,7 @@ class RefinementModel(PixelModel):
         """See `Model.block_sizes`; blocks begin with a plane of the start."""
         width = min(self.prepared.settings.window_width, 64)
         belt = 2 * max(width, 16)
-        return Sizes(pitch=4 * belt, belt=belt, around=width)
+        return Sizes(pitch=max(4 * belt, _PITCH), belt=belt, around=width)
 
     def start_of(self, box: Box, asked: Asked) -> NDArray[np.int32] | None:
         """See `Model.start_of`: what the start's own plane shows."""
@@ -241,7 +244,8 @@ def texture_synthesis(prepared: Prepared, growth: Growth) -> None:
         keep_patches(made, settings.belt, windows, growth)
         if growth.done.all():
             return
-    cyclic = growth.hole is not None  # section 5, Fig. 12
+    # Section 5, Fig. 12; a block of a plane goes on with what was started all over it.
+    cyclic = growth.hole is not None and (made is None or growth.canvas.shown is None)
     outputs = output_pyramid(windows, levels, growth)
     guides = guides_of(settings, levels, growth)
     convergence = Convergence(settings.threshold, cyclic)
@@ -257,12 +261,14 @@ def texture_synthesis(prepared: Prepared, growth: Growth) -> None:
         else:  # step 3: PlantSeed, Fig. 5
             source = seed_sources(settings, level, output, guide, growth.seed)
         output.begin(level, source)
+        note("start", output=output, level=level)
         # Search Tree Construction (section 3): `sweep_kernels.refine_to_nearest` is the paper's,
         # among all windows; `refine_coherently` is ours, among coherent and similar places.
         sweep = sweep_of(settings, level, output, guide, growth.seed, cyclic)
         for iteration in range(settings.rounds[number]):  # step 5: while (ContinueFlag)
             convergence.remember(output)
             changed = refine_texture(sweep, iteration, progress)  # step 6: RefineTexture
+            note("sweep", output=output, level=level, iteration=iteration)
             show_coarse(output, growth)
             if convergence.reached(output, iteration, changed):  # steps 7 and 8: eq. (1)
                 left = settings.rounds[number] - 1 - iteration

@@ -179,8 +179,7 @@ class AutoModel(Model):
 
         Nothing is tried, so that every window has the same method.
         """
-        wrap = (asked.period is not None,) * 2
-        choice, model = self.chosen(Canvas(*(asked.period or _ENDLESS), wrap))
+        choice, model = self.chosen(_ENDLESS)
         if asked.period is not None and (
             choice.method == "near-regular" or "lattice" in choice.parameters
         ):

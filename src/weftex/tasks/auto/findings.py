@@ -8,7 +8,7 @@ import numpy as np
 
 from weftex.analysis.evenness import Evenness, evenness
 from weftex.analysis.lattice import Lattice, find_lattice
-from weftex.analysis.relief import smaller_copy
+from weftex.analysis.relief import maps_alone, smaller_copy
 from weftex.analysis.scale import dominant_scale
 from weftex.exemplar import Exemplar
 
@@ -60,21 +60,29 @@ def look(exemplar: Exemplar) -> Findings:
         return Findings(
             exemplar.shape, None, True, 1.0, count_colors(small), Evenness(0, 0, 0, (1, 1))
         )
-    lattice, exact = find_lattice(small), step == 1
+    lattice = find_lattice(small)
     scale = dominant_scale(small, lattice).scale
-    if lattice is not None and step > 1:
-        vectors = tuple((x * step, y * step) for x, y in lattice.vectors)
-        lattice = Lattice(vectors, lattice.confidence)
-    elif step > 1:
-        lattice = find_lattice(_part(exemplar))
+    if step > 1:
+        maps = maps_alone(exemplar)
+        lattice = _of_whole(lattice, step, exemplar)
+        if lattice is None and maps is not None:
+            lattice = _of_whole(find_lattice(smaller_copy(maps, LOOK)[0]), step, maps)
     return Findings(
         shape=exemplar.shape,
         lattice=lattice,
-        exact=exact,
+        exact=step == 1,
         scale=round(scale * step, 2),
         colors=count_colors(small if step == 1 else _part(exemplar)),
         evenness=evenness(small),
     )
+
+
+def _of_whole(found: Lattice | None, step: int, exemplar: Exemplar) -> Lattice | None:
+    """The lattice of a copy so many times smaller in pixels of the sample, or that of a part."""
+    if found is None:
+        return find_lattice(_part(exemplar))
+    vectors = tuple((x * step, y * step) for x, y in found.vectors)
+    return Lattice(vectors, found.confidence)
 
 
 def _part(exemplar: Exemplar) -> Exemplar:

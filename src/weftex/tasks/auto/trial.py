@@ -12,7 +12,6 @@ from weftex.choice import Choice
 from weftex.errors import InvalidInputError
 from weftex.methods import make_method
 from weftex.naming import text_of
-from weftex.quality.eye import Eye
 from weftex.tasks.auto.likeness import detail, like_itself
 from weftex.tasks.auto.rule import WHOLE, is_sure
 
@@ -120,6 +119,8 @@ def best_of_choices(
     Choice, Synthesis
         With the scores in its reason.
     """
+    from weftex.quality.eye import Eye  # most choices need none
+
     eye, kept, best = Eye(exemplar), make(choices[0]), choices[0]
     score = eye.score(kept.image)
     first, tried = score, []

@@ -1,0 +1,112 @@
+"""Planes beside pictures: scores across the borders of blocks, and processor time.
+
+Run from the repository: ``python benchmarks/planes.py scores`` or ``... times``, with --methods and
+--surfaces to do a part. Scores are those of `weftex.quality.eye`, less is better: windows with a
+node of the grid in the middle (across), those with the middle of a block (inside), and windows of
+pictures that the plain method makes (plain); one row a surface, the mean of all windows.
+"""
+
+from __future__ import annotations
+
+import argparse
+from collections.abc import Sequence
+from pathlib import Path
+from statistics import fmean, median, stdev
+from time import process_time
+from typing import Any
+
+import numpy as np
+
+import weftex
+from weftex.quality.eye import Eye
+
+SURFACES = Path(__file__).parent / "surfaces"
+METHODS = "patch-sampling,quilting,graphcut,refinement"
+_SIDE, _COUNT, _FAR = 256, 4, 2**30
+
+
+def scores(method: str, surface: Path, count: int = _COUNT) -> tuple[float, float, float]:
+    """Mean scores of windows across borders, inside of blocks, and of plain pictures."""
+    exemplar = weftex.load_exemplar(surface)
+    eye, model = Eye(exemplar), weftex.METHODS[method]().fit(exemplar)
+    pitch = model.block_sizes().pitch
+
+    def window(k: int, shift: int) -> Any:
+        node = (_FAR // pitch + 7 * k) * pitch + shift - _SIDE // 2
+        return model.window(node, 3 * pitch * k + shift - _SIDE // 2, _SIDE, _SIDE, seed=k).image
+
+    across = [eye.score(window(k, 0)) for k in range(count)]
+    inside = [eye.score(window(k, pitch // 2)) for k in range(count)]
+    side = 2 * _SIDE
+    plain = []
+    for k in range(count):
+        image = model.sample(side, seed=k).image
+        plain.append(eye.score(image[_SIDE // 2 : -_SIDE // 2, _SIDE // 2 : -_SIDE // 2]))
+    return fmean(across), fmean(inside), fmean(plain)  # type: ignore[arg-type]
+
+
+def table_of_scores(methods: list[str], surfaces: list[Path]) -> None:
+    """Write a table a method, and the paired differences."""
+    for method in methods:
+        print(f"\n| {method} | across | inside | plain |\n|---|---|---|---|")
+        rows = []
+        for surface in surfaces:
+            rows.append(scores(method, surface))
+            print(
+                f"| {surface.stem} | " + " | ".join(f"{k:.2f}" for k in rows[-1]) + " |", flush=True
+            )
+        values = np.array(rows)
+        print(_row("mean", values.mean(axis=0).tolist()))
+        for name, other in (("inside", 1), ("plain", 2)):
+            apart = (values[:, 0] - values[:, other]).tolist()
+            error = stdev(apart) / len(apart) ** 0.5 if len(apart) > 1 else 0.0
+            print(f"\nacross - {name}: {fmean(apart):+.2f} +- {error:.2f}")
+
+
+def _row(name: str, values: Sequence[float]) -> str:
+    return f"| {name} | " + " | ".join(f"{k:.2f}" for k in values) + " |"
+
+
+def times(methods: list[str], surfaces: list[Path]) -> None:
+    """Write processor time: a far window of 256 pixels, and larger ones beside plain pictures."""
+    print("| method | surface | far 256, first | 512 | over plain | 1024 | over plain |")
+    print("|---|---|---|---|---|---|---|")
+    for method in methods:
+        for surface in surfaces:
+            model = weftex.METHODS[method]().fit(surface)
+            cells = [f"{_window(model, 256, 1):.2f} s"]
+            for side in (512, 1024):
+                plain = min(_plain(model, side, seed) for seed in (1, 2))
+                window = median(_window(model, side, k) for k in (2, 3, 4))
+                cells += [f"{window:.2f} s", f"{window / plain:.1f} x"]
+            print(f"| {method} | {surface.stem} | {' | '.join(cells)} |", flush=True)
+
+
+def _plain(model: weftex.Model, side: int, seed: int) -> float:
+    start = process_time()
+    model.sample(side, seed=seed, threads=1).image  # noqa: B018
+    return process_time() - start
+
+
+def _window(model: weftex.Model, side: int, place: int) -> float:
+    """Seconds for a window that nobody asked for before."""
+    start = process_time()
+    model.window(place * _FAR, -place * _FAR, side, side, seed=1, threads=1).image  # noqa: B018
+    return process_time() - start
+
+
+def main() -> None:
+    """Run what the command line says."""
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("what", choices=("scores", "times"))
+    parser.add_argument("--methods", default=METHODS)
+    parser.add_argument("--surfaces", default="")
+    args = parser.parse_args()
+    found = sorted(SURFACES.glob("*.webp"))
+    if args.surfaces:
+        found = [path for path in found if path.stem in args.surfaces.split(",")]
+    {"scores": table_of_scores, "times": times}[args.what](args.methods.split(","), found)
+
+
+if __name__ == "__main__":
+    main()

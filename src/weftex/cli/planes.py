@@ -1,0 +1,232 @@
+"""Pictures that are written block by block: the options, and the run."""
+
+from __future__ import annotations
+
+import os
+from contextlib import ExitStack
+from time import perf_counter
+from typing import TYPE_CHECKING, Any
+
+from weftex.canvas import MAX_PIXELS
+from weftex.cli.files import axes_of
+from weftex.cli.terminal import say
+from weftex.errors import InvalidInputError
+from weftex.io.formats import suffix_of
+from weftex.stores.files import ALWAYS, SUFFIXES
+
+if TYPE_CHECKING:
+    import argparse
+
+    from weftex.cli.options import Parser
+    from weftex.cli.terminal import Bar, Outputs
+    from weftex.exemplar import Exemplar
+    from weftex.material import Material
+    from weftex.method import Method
+    from weftex.tasks.recipe import Recipe
+
+_HUGE = 2**28  # pixels, from which on a TIFF is written block by block
+_OPTIONS = ("part", "workers", "cluster", "restart", "block")
+#: Options of synth that ask for the whole picture.
+_WHOLE = {
+    "guide": "a guide is a picture of the whole size",
+    "sample_guide": "a guide is a picture of the whole size",
+    "debug": "its pictures are of the whole size",
+    "window": "that has a size and is one picture",
+    "mtlx": "MaterialX names pictures that are loaded whole",
+}
+
+
+def add_plane(parser: Parser) -> None:
+    """Add the options of every command that can write a picture block by block."""
+    text = "OUT.zarr, OUT.dzi, and OUT.tif of more than 2**28 pixels, are written block by block; "
+    text += "the same command goes on where it was stopped"
+    group = parser.add_argument_group("larger than memory", text)
+    add = group.add_argument
+    text = "side of the blocks, a power of two; changes no pixel; default: 2048"
+    add("--block", type=int, metavar="PX", help=text)
+    add("--restart", action="store_true", help="remove what is there and begin again")
+    text = "make part K of N, on any machine that has the folder; needs --seed; see 'weftex check'"
+    add("--part", metavar="K/N", help=text)
+    add("--workers", type=int, metavar="N", help="in N processes (extra dask)")
+    text = "on the workers of a Dask scheduler, which all have the folder (extra dask)"
+    add("--cluster", metavar="tcp://HOST:PORT", help=text)
+
+
+def takes_any_size(output: str) -> bool:
+    """Whether an output of this name may be larger than memory."""
+    return suffix_of(output) in SUFFIXES
+
+
+def wants_plane(args: argparse.Namespace, size: tuple[int, int] | None) -> bool:
+    """Whether a run writes block by block.
+
+    Raises
+    ------
+    InvalidInputError
+        If an option asks for that, and the output is of another kind.
+    """
+    suffix = suffix_of(args.output)
+    if suffix in ALWAYS:
+        return True
+    if suffix in SUFFIXES:
+        pixels = size[0] * size[1] if size else 0
+        asked = any(getattr(args, name) for name in _OPTIONS)
+        return asked or pixels > (MAX_PIXELS if args.allow_huge else _HUGE)
+    refuse_options(args)
+    return False
+
+
+def refuse_options(args: argparse.Namespace) -> None:
+    """Raise `InvalidInputError` if an option asks for blocks where nothing is written so."""
+    for name in _OPTIONS:
+        if getattr(args, name):
+            raise InvalidInputError(
+                f"--{name} has no effect: only planes are written block by block, to "
+                f"{', '.join(SUFFIXES)}"
+            )
+
+
+def check_options(args: argparse.Namespace) -> None:
+    """Refuse options that make no sense for a plane, before anything is read.
+
+    Raises
+    ------
+    InvalidInputError
+    """
+    from weftex.stores.files import check_target
+    from weftex.stores.layout import check_block
+    from weftex.stores.record import parse_part
+
+    for name, why in _WHOLE.items():
+        if getattr(args, name, None):
+            option = name.replace("_", "-")
+            raise InvalidInputError(f"--{option} has no effect on {args.output}: {why}")
+    if getattr(args, "best_of", "1") != "1":
+        raise InvalidInputError("--best-of makes whole pictures; name a method and a seed")
+    given = [name for name in ("part", "workers", "cluster") if getattr(args, name) is not None]
+    if len(given) > 1:
+        raise InvalidInputError(f"--{given[0]} and --{given[1]} exclude each other; give one")
+    if args.part is not None:
+        args.part = parse_part(args.part)
+        if args.restart:
+            raise InvalidInputError("--restart has no effect with --part; restart without it")
+        if getattr(args, "seed", 0) is None:
+            raise InvalidInputError("--part needs --seed, the same for all parts")
+    if args.workers is not None and args.workers < 1:
+        raise InvalidInputError(f"--workers is {args.workers}; it must be 1 or more")
+    if given and given[0] != "part" and getattr(args, "threads", None) is not None:
+        raise InvalidInputError("--threads has no effect: a worker makes one block at a time")
+    if args.block is not None:
+        check_block(args.block)
+    check_target(args.output)
+
+
+def stems_of(args: argparse.Namespace, material: Material) -> dict[str, str]:
+    """What the files of a set's maps are called, where --names says so."""
+    if args.names is None:
+        return {}
+    if not material.folder:
+        raise InvalidInputError(f"--names has no effect: {material.name} is no folder")
+    if suffix_of(args.output) == ".zarr":
+        raise InvalidInputError("--names has no effect: maps of a .zarr are groups of it")
+    from weftex.io.map_names import file_stem
+
+    own = os.path.splitext(os.path.basename(args.output))[0]
+    return {name: file_stem(args.names, own, role) for name, role in material.roles.items()}
+
+
+def recipe_for(
+    args: argparse.Namespace,
+    exemplar: Exemplar,
+    stems: dict[str, str],
+    method: Method,
+    size: tuple[int, int],
+) -> Recipe:
+    """What `weftex synth` makes a plane of."""
+    from weftex.stores.record import Record
+    from weftex.tasks.recipe import BLOCK
+    from weftex.tasks.stream import recipe_of
+
+    seed = args.seed
+    if seed is None and (args.restart or not Record(args.output).exists()):
+        seed = int.from_bytes(os.urandom(4), "little")  # short enough to be typed again
+    about: dict[str, Any] = {"seed": seed, "tileable": axes_of(args)}
+    about |= {"block": args.block or BLOCK, "stems": stems}
+    return recipe_of(exemplar, method, size, args.output, **about)
+
+
+def write(
+    args: argparse.Namespace, recipe: Recipe, bar: Bar, outputs: Outputs, start: float
+) -> str:
+    """Write a plane, and return the line about it."""
+    from weftex.stores.record import Record
+    from weftex.tasks.stream import (
+        Job,
+        check_begun,
+        in_words,
+        left_of,
+        most_bytes,
+        wanted,
+        write_plane,
+    )
+
+    job = Job(recipe, args.output, args.part)
+    stores, record = job.stores(), Record(job.target, job.part)
+    check_begun(job, stores, record, args.restart)
+    blocks = wanted(job, stores)
+    left = left_of(job, stores, record, args.restart)
+    if not args.quiet:
+        what = f"part {args.part[0]} of {args.part[1]}, " if args.part else ""
+        say(
+            f"{args.output} is written block by block: {what}{len(left)} of {len(blocks)} blocks "
+            f"are left, up to {in_words(most_bytes(stores, left))}"
+        )
+    bar.left = "blocks that are done are kept; the same command goes on"
+    how: dict[str, Any] = {"restart": args.restart, "progress": bar}
+    how |= {"threads": getattr(args, "threads", None), "check_disk": not args.allow_huge}
+    with ExitStack() as stack:
+        if args.workers is not None or args.cluster is not None:
+            from weftex.tasks.cluster import Workers, connected
+
+            client = stack.enter_context(connected(args.workers, args.cluster))
+            how["runner"] = Workers(client, job)
+        written = write_plane(job, **how)
+    if getattr(args, "save_source", None) is not None:
+        recipe.save(outputs.add(args.save_source))
+    took = perf_counter() - start
+    speed = f" ({written.pixels / took / 1e6:.3g} megapixels/s)" if written.pixels else ""
+    size = f"{recipe.width}x{recipe.height}"
+    line = f"made {size} {args.output} with {recipe.method.slug}, seed {recipe.seed}, "
+    if args.part:
+        line = f"made part {args.part[0]}/{args.part[1]} of {line.removeprefix('made ')}"
+    line += f"{written.made} blocks in {took:.2f} s{speed}"
+    if args.part:
+        line += "\nwhen all parts are there, the same command without --part makes what is left"
+    return (f"auto: {recipe.reason}\n" if recipe.reason else "") + line
+
+
+def recipe_of_replay(args: argparse.Namespace, materials: list[Material]) -> Recipe:
+    """What `weftex replay` makes of a plane, or of what --save-source kept of one."""
+    from weftex.stores.record import Record
+    from weftex.tasks.recipe import Recipe
+
+    if len(materials) > 1:
+        raise InvalidInputError(f"{args.source} is a plane of one sample; give one map, or folder")
+    if args.background is not None:
+        raise InvalidInputError("--background has no effect on a plane: it has no known pixels")
+    if not takes_any_size(args.output):
+        raise InvalidInputError(
+            f"{args.output}: a plane is replayed block by block, to {', '.join(SUFFIXES)}"
+        )
+    check_options(args)
+    record = Record(args.source)
+    found = Recipe.load(record.recipe if record.exists() else args.source)
+    return found.replayed(materials[0].maps, stems_of(args, materials[0]), args.block)
+
+
+def is_source(path: str) -> bool:
+    """Whether a path is that of a plane, or of what --save-source kept of one."""
+    from weftex.stores.archive import is_archive
+    from weftex.stores.record import is_plane
+
+    return is_plane(path) or is_archive(path)

@@ -1,0 +1,306 @@
+"""Where the patches of an endless plane go: blocks of patches that hang on few others.
+
+The plane has the grid of patches of Fig. 3 (a). Every few patches both ways there is a node::
+
+    o + - - + o + -
+    + . . . . + . .     o  a node: any place of the sample
+    | . . . . | . .     +  beside it; these five are a corner, and hang on nothing else
+    + . . . . + . .     -  an edge across, |  down: hang on the corners at their ends
+    o + - - + o + -     .  inside, in scan order: hang on the corners and edges around
+    + . . . . + . .
+
+A patch is laid as any other: beside every neighbor that it may hang on it has a boundary zone. What
+a window hangs on is found by going back from the patches that show in it.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+from itertools import pairwise
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from weftex.methods.patches.scan_order import Order, Run, Step
+from weftex.planes.grid import Axis
+from weftex.random import draw
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    from weftex.methods.patches.analysis import Zones
+    from weftex.planes.boxes import Box, Span
+    from weftex.planes.corners import Pieces
+
+    Ints = NDArray[np.int64]
+
+CORNER, ACROSS, DOWN, INSIDE = range(4)
+_PITCH, _FEWEST, _MOST = 256, 4, 8  # pixels, or so many patches, from one node to the next
+_REACH = 2  # patches around that should not be repeated
+_AROUND = [
+    (i, j)
+    for i in range(-_REACH, _REACH + 1)
+    for j in range(-_REACH, _REACH + 1)
+    if (i, j) != (0, 0)
+]
+_TOUCHING = [k for k, (i, j) in enumerate(_AROUND) if max(abs(i), abs(j)) == 1]
+_THREADS_FROM, _IN_PIECE = 512, 16  # patches; see `scan_order`
+_TURN = 1 << 20  # more than any place within a block
+
+
+@dataclass(frozen=True)
+class PatchAxis:
+    """The patches of a plane along an axis.
+
+    Parameters
+    ----------
+    window : int
+        Side of a patch.
+    patches : Axis
+        Where patches begin, in pixels.
+    nodes : Axis
+        Which of them are nodes.
+    """
+
+    window: int
+    patches: Axis
+    nodes: Axis
+
+    @classmethod
+    def of(cls, window: int, overlap: int, period: int | None) -> PatchAxis:
+        """The patches of a plane with this period; at least `least_period`."""
+        step = window - overlap
+        between = min(max(-(-_PITCH // step), _FEWEST), _MOST)
+        if period is None:
+            return cls(window, Axis(step, 1), Axis(between, 1))
+        count = -(-period // step)
+        patches = Axis(period, count, wraps=True)
+        return cls(window, patches, Axis(count, max(1, count // between), wraps=True))
+
+    def around(self, span: Span) -> tuple[Ints, slice]:
+        """Numbers of all patches that a span may hang on, and which of them show in it."""
+        first = self.patches.last_before(span.first - self.window) + 1
+        stop = self.patches.last_before(span.last - 1) + 1
+        node = self.nodes.last_before(first - 1)
+        low = self.nodes.node(node) - _REACH
+        high = self.nodes.node(self.nodes.last_before(stop + 1) + 1) + _REACH + 1
+        return np.arange(low, high), slice(first - low, stop - low)
+
+
+def least_period(window: int, overlap: int) -> int:
+    """The shortest period that blocks of patches can have."""
+    return (_FEWEST - 1) * (window - overlap) + 1
+
+
+class PlaneOrder:
+    """The patches that a window of a plane hangs on.
+
+    Parameters
+    ----------
+    axes : (PatchAxis, PatchAxis)
+        The patches down and across.
+    box : Box
+        The window.
+
+    Attributes
+    ----------
+    numbers : (int array, int array)
+        Of the rows and the columns of patches that are looked at.
+    starts : (int array, int array)
+        Where they begin on the plane, in pixels.
+    needed : bool array (rows, columns)
+        Patches that show in the window, or that one of those hangs on.
+    """
+
+    def __init__(self, axes: tuple[PatchAxis, PatchAxis], box: Box) -> None:
+        self.axes = rows, columns = axes
+        (down, shown_rows), (across, shown_columns) = (
+            rows.around(box.rows),
+            columns.around(box.columns),
+        )
+        self.numbers = down, across
+        self.starts = tuple(
+            np.array([axis.patches.node(n) for n in line.tolist()], np.int64)
+            for axis, line in zip(self.axes, self.numbers, strict=True)
+        )
+        self.shape = len(down), len(across)
+        self.shown = shown_rows, shown_columns
+        self._place()
+
+    def _place(self) -> None:
+        """Find the block of each patch, and its turn: the kind of block, and the place in it."""
+        (gap_y, after_y), (gap_x, after_x) = (
+            _gaps(axis, line) for axis, line in zip(self.axes, self.numbers, strict=True)
+        )
+        (node_y, off_y), (node_x, off_x) = (
+            _nearest(axis, line) for axis, line in zip(self.axes, self.numbers, strict=True)
+        )
+        y, x = np.meshgrid(off_y, off_x, indexing="ij")
+        corner, across, down = np.abs(y) + np.abs(x) <= 1, y == 0, x == 0
+        kinds = [corner, across, down]
+        self.kind = np.select(kinds, [CORNER, ACROSS, DOWN], INSIDE)
+        block_y = np.select([corner | across], [node_y[:, None] + 0 * x], gap_y[:, None] + 0 * x)
+        block_x = np.select([corner | down], [node_x + 0 * y], gap_x + 0 * y)
+        self.block = np.stack([self.kind, block_y, block_x])
+        # The node first, then right, left, below, above.
+        in_corner = np.where(y == 0, np.abs(x) + (x < 0), 2 * np.abs(y) + np.abs(y) + (y < 0))
+        scan = after_y[:, None] * (_TURN >> 10) + after_x
+        places = [in_corner, after_x + 0 * y, after_y[:, None] + 0 * x]
+        self.turn = self.kind * _TURN + np.select(kinds, places, scan)
+
+    @cached_property
+    def hangs_on(self) -> NDArray[np.bool_]:
+        """For each patch and each of those around: whether it may hang on that: (n, rows, columns).
+
+        On earlier ones of its own block and of corners; inside, of edges too.
+        """
+        result = np.zeros((len(_AROUND), *self.shape), bool)
+        for k, (i, j) in enumerate(_AROUND):
+            (own_y, its_y), (own_x, its_x) = _shifted(i), _shifted(j)
+            own, its = (slice(None), own_y, own_x), (slice(None), its_y, its_x)
+            kind, other = self.kind[own[1:]], self.kind[its[1:]]
+            same = (self.block[own] == self.block[its]).all(axis=0)
+            lower = (other < kind) & ((other == CORNER) | (kind == INSIDE))
+            earlier = same & (self.turn[its[1:]] < self.turn[own[1:]])
+            result[k][own[1:]] = lower | earlier
+        return result
+
+    @cached_property
+    def needed(self) -> NDArray[np.bool_]:
+        """See the class."""
+        needed = np.zeros(self.shape, bool)
+        needed[self.shown] = True
+        flat, width = needed.ravel(), self.shape[1]
+        steps = np.array([i * width + j for i, j in _AROUND])
+        hangs = self.hangs_on.reshape(len(_AROUND), -1)
+        order = np.argsort(self.turn.ravel(), kind="stable")
+        turns = self.turn.ravel()[order]
+        for group in reversed(np.split(order, np.flatnonzero(np.diff(turns)) + 1)):
+            own = group[flat[group]]
+            if len(own):
+                flat[(own + steps[:, None])[hangs[:, own]]] = True
+        return needed
+
+    def order(self, zones: Zones, width: int, seed: int, pieces: Pieces) -> Order:
+        """The patches in their order, on a frame that begins with the first of them.
+
+        Parameters
+        ----------
+        zones : Zones
+            Numbers the boundary zones.
+        width : int
+            Of the boundary, in pixels.
+        seed : int
+            Of the plane.
+        pieces : Pieces
+            Places of the sample for patches at nodes.
+        """
+        y, x = np.nonzero(self.needed)
+        zone = self._zones(zones, width, y, x)
+        ordered = np.lexsort((x, y, zone, self.turn[y, x]))
+        y, x, zone = y[ordered], x[ordered], zone[ordered]
+        turn = self.turn[y, x]
+        number = np.full(self.shape, -1, np.int32)
+        number[y, x] = np.arange(len(y))
+        names = [
+            np.array([axis.patches.name(n) for n in line.tolist()], np.int64)
+            for axis, line in zip(self.axes, self.numbers, strict=True)
+        ]
+        bits = draw(seed, "patch", names[0][y], names[1][x])
+        for k in np.flatnonzero(turn == 0).tolist():
+            bits[k] = self._bits(int(y[k]), int(x[k]), seed, pieces)
+        around = np.full((len(y), len(_AROUND)), -1, np.int32)
+        for k, (i, j) in enumerate(_AROUND):
+            hangs = np.flatnonzero(self.hangs_on[k, y, x])
+            around[hangs, k] = number[y[hangs] + i, x[hangs] + j]
+        corners = np.stack([self.starts[0][y], self.starts[1][x]], axis=1) - self.corner
+        changes = np.flatnonzero((np.diff(zone) != 0) | (np.diff(turn) != 0)) + 1
+        ends = [0, *changes.tolist(), len(y)]
+        steps = []
+        for a, b in pairwise(ends):  # patches with the same turn do not hang on each other
+            runs = [Run(int(zone[a]), k, min(k + _IN_PIECE, b)) for k in range(a, b, _IN_PIECE)]
+            steps.append(Step([[run] for run in runs], b - a))
+        return Order(
+            corners=corners.astype(np.int32),
+            bits=bits,
+            around=around,
+            steps=iter(steps),
+            total=len(y),
+            stage="patches",
+            parallel=len(y) >= _THREADS_FROM,
+        )
+
+    def _bits(self, y: int, x: int, seed: int, pieces: Pieces) -> int:
+        """Bits by which the kernel draws the place that a patch at a node is to show."""
+        block, starts = self.block[1:, y, x].tolist(), [self.starts[0][y], self.starts[1][x]]
+        row, column = (axis.nodes.name(n) for axis, n in zip(self.axes, block, strict=True))
+        v, u = pieces.pick(seed, (row, column), (int(starts[0]), int(starts[1])))
+        numbers = pieces.numbers
+        at, count = int(numbers[v, u]), int(numbers[-1, -1]) + 1
+        return ((at << 32) // count + 1) << 32
+
+    @property
+    def corner(self) -> tuple[int, int]:
+        """Where the frame of all needed patches begins on the plane."""
+        rows, columns = (np.flatnonzero(self.needed.any(axis=a)) for a in (1, 0))
+        return int(self.starts[0][rows[0]]), int(self.starts[1][columns[0]])
+
+    @property
+    def frame_shape(self) -> tuple[int, int]:
+        """Height and width of the frame of all needed patches."""
+        rows, columns = (np.flatnonzero(self.needed.any(axis=a)) for a in (1, 0))
+        top, left = self.corner
+        last = int(self.starts[0][rows[-1]]), int(self.starts[1][columns[-1]])
+        return last[0] - top + self.axes[0].window, last[1] - left + self.axes[1].window
+
+    def _zones(self, zones: Zones, width: int, y: Ints, x: Ints) -> Ints:
+        """The number of each patch's boundary zone."""
+        bits = np.zeros(len(y), np.int64)
+        for k in _TOUCHING:
+            bits = 2 * bits + self.hangs_on[k][y, x]
+        below, right = (
+            np.append(np.diff(start), 0)[k] for start, k in zip(self.starts, (y, x), strict=True)
+        )
+        keys = np.stack([bits, below, right])
+        every, which = np.unique(keys, axis=1, return_inverse=True)
+        numbers = [
+            zones.number(self._known((key[0], key[1], key[2]), width), often=True)
+            for key in every.T.tolist()
+        ]
+        return np.array(numbers, np.int64)[which.ravel()]
+
+    def _known(self, key: tuple[int, int, int], width: int) -> NDArray[np.bool_]:
+        """What of a patch is there already: by bits for those around, and where the next begin."""
+        bits, below, right = key
+        known = np.zeros([axis.window for axis in self.axes], bool)
+        lines = {-1: slice(0, width), 0: slice(None)}
+        for k in reversed(_TOUCHING):
+            if bits & 1:
+                i, j = _AROUND[k]
+                rows = slice(below, None) if i == 1 else lines[i]
+                columns = slice(right, None) if j == 1 else lines[j]
+                known[rows, columns] = True
+            bits >>= 1
+        return known
+
+
+def _gaps(axis: PatchAxis, line: Ints) -> tuple[Ints, Ints]:
+    """For each patch the last node at or before it, and how far after that it is."""
+    nodes = np.array([axis.nodes.last_before(n) for n in line.tolist()], np.int64)
+    return nodes, line - np.array([axis.nodes.node(n) for n in nodes.tolist()], np.int64)
+
+
+def _nearest(axis: PatchAxis, line: Ints) -> tuple[Ints, Ints]:
+    """For each patch the nearest node and how far after it that is; 2 for all that are farther."""
+    nodes, after = _gaps(axis, line)
+    before = np.array([axis.nodes.node(n + 1) for n in nodes.tolist()], np.int64) - line
+    offset = np.select([after <= 1, before == 1], [after, -1], 2)
+    return nodes + (offset == -1), offset
+
+
+def _shifted(by: int) -> tuple[slice, slice]:
+    """The lines that have a line `by` further on, and those lines."""
+    if by >= 0:
+        return slice(0, -by or None), slice(by, None)
+    return slice(-by, None), slice(0, by)

@@ -1,0 +1,85 @@
+"""The stores of a plane by the suffix of its file: one, or one for each map of a set."""
+
+from __future__ import annotations
+
+import os
+from typing import TYPE_CHECKING
+
+from weftex.errors import FileError
+from weftex.io.formats import show, suffix_of
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping
+
+    from weftex.stores.layout import Layout
+    from weftex.stores.store import Store
+
+#: Suffixes of files that are always written block by block.
+ALWAYS = (".zarr", ".dzi")
+#: All suffixes of files that can be.
+SUFFIXES = (*ALWAYS, ".tif", ".tiff")
+
+
+def open_stores(
+    target: str, layouts: Mapping[str, Layout], stems: Mapping[str, str] | None = None
+) -> dict[str, Store]:
+    """Return a store for each layout.
+
+    Parameters
+    ----------
+    target : str
+        One picture goes there; of several each has a group in a Zarr, or a file beside it.
+    layouts : mapping of str to Layout
+        By the names of maps.
+    stems : mapping of str to str, optional
+        What files of maps are called, instead of ``plane_normal`` and the like.
+
+    Raises
+    ------
+    InvalidInputError
+        If the format cannot hold such pixels.
+    """
+    stem, suffix = os.path.splitext(target)[0], suffix_of(target)
+    kind = _kind(suffix)
+    if len(layouts) == 1:
+        return {name: kind(target, layout) for name, layout in layouts.items()}
+    found = {}
+    for name, layout in layouts.items():
+        file = stems[name] if stems else f"{os.path.basename(stem)}_{name}"
+        path = os.path.join(os.path.dirname(target), file + os.path.splitext(target)[1])
+        found[name] = kind(os.path.join(target, name) if suffix == ".zarr" else path, layout)
+    return found
+
+
+def _kind(suffix: str) -> type[Store]:
+    """The format, of which no other is loaded."""
+    if suffix == ".zarr":
+        from weftex.stores.ome_zarr import ZarrStore
+
+        return ZarrStore
+    if suffix == ".dzi":
+        from weftex.stores.deep_zoom import DeepZoomStore
+
+        return DeepZoomStore
+    from weftex.stores.tiff import TiffStore
+
+    return TiffStore
+
+
+def check_target(target: str) -> None:
+    """Refuse a path that cannot become a plane, before any work.
+
+    Raises
+    ------
+    FileError
+        If its suffix is another, or its folder is missing or read-only.
+    """
+    suffix, folder = suffix_of(target), os.path.dirname(os.path.abspath(target))
+    if suffix not in SUFFIXES:
+        raise FileError(
+            f"{show(target)}: planes are written to {', '.join(SUFFIXES)}, not '{suffix}'"
+        )
+    if not os.path.isdir(folder):
+        raise FileError(f"{show(target)}: the folder {show(folder)} does not exist")
+    if not os.access(folder, os.W_OK | os.X_OK):
+        raise FileError(f"{show(target)}: the folder {show(folder)} is read-only")

@@ -1,0 +1,194 @@
+"""Tiled BigTIFF, whose every tile has its place in the file from the beginning.
+
+Tiles are not compressed, so their offsets follow from the size: any process writes any block, in
+any order, without a word to others, and what was written before a run was killed stays. The levels
+are further directories of the file, as GDAL, QGIS and libvips expect overviews. OpenImageIO and
+libtiff write directories at the end and cannot go on with a file that was cut off.
+"""
+
+from __future__ import annotations
+
+import os
+import struct
+from functools import cached_property
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from weftex.errors import InvalidInputError
+from weftex.io.pictures import atomic
+from weftex.stores.store import Store
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping
+
+    from numpy.typing import NDArray
+
+    from weftex.stores.layout import Layout, Place, Window
+
+_MOST_SIDE = 2**20  # tables of tiles grow with the area
+_PAGE = 2**16  # tiles begin at pages, which no two writers share
+_ASCII, _SHORT, _LONG, _UNDEFINED, _LONG8 = 2, 3, 4, 7, 16
+_CODES = {_ASCII: "u1", _SHORT: "<u2", _LONG: "<u4", _UNDEFINED: "u1", _LONG8: "<u8"}
+_RGB = 3
+
+
+class TiffStore(Store):
+    """A picture as a tiled BigTIFF with overviews."""
+
+    def check(self) -> None:
+        """Refuse what is larger than tables of tiles should be."""
+        longest = max(self.layout.height, self.layout.width)
+        if longest > _MOST_SIDE:
+            raise InvalidInputError(
+                f"{self.path}: '.tif' holds at most {_MOST_SIDE} pixels a side, not {longest}; "
+                "use .zarr"
+            )
+
+    def create(self, about: Mapping[str, Any]) -> None:
+        """Write the directories; the rest of the file is a hole that blocks fill."""
+        with atomic(self.path) as temporary, open(temporary, "r+b") as file:
+            # Little-endian, version 43, offsets of 8 bytes.
+            file.write(struct.pack("<2sHHHQ", b"II", 43, 8, 0, 16))
+            for level in range(self.levels):
+                file.write(self._directory(level))
+            file.truncate(self._ends[-1])
+            file.flush()
+            os.fsync(file.fileno())
+
+    def put(self, place: Place, pixels: NDArray[Any]) -> None:
+        """Write the tiles of a block, a row of them at a time."""
+        level, tile = place[0], self.layout.tile
+        top, left, height, width = self.layout.window(place)
+        across = -(-width // tile)
+        with open(self.path, "r+b") as file:
+            for line in range(0, height, tile):
+                rows = min(tile, height - line)
+                strip = np.zeros((tile, across * tile, max(self.layout.channels, 1)), self._dtype)
+                strip[:rows, :width] = pixels[line : line + rows].reshape(rows, width, -1)
+                tiles = strip.reshape(tile, across, tile, -1).swapaxes(0, 1)
+                file.seek(self._offset(level, top + line, left))
+                file.write(np.ascontiguousarray(tiles).data)
+            file.flush()
+            os.fsync(file.fileno())
+
+    def read(self, level: int, window: Window) -> NDArray[Any]:
+        """Read the tiles that a window touches, a row of them at a time."""
+        top, left, height, width = window
+        tile, bands = self.layout.tile, max(self.layout.channels, 1)
+        out = np.empty((height, width, bands), self.layout.dtype)
+        first = left // tile
+        across = -(-(left + width) // tile) - first
+        with open(self.path, "rb") as file:
+            for line in range(top // tile * tile, top + height, tile):
+                file.seek(self._offset(level, line, first * tile))
+                data = np.frombuffer(file.read(across * self._tile_bytes), self._dtype)
+                strip = data.reshape(across, tile, tile, bands).swapaxes(0, 1)
+                strip = strip.reshape(tile, -1, bands)[:, left - first * tile :][:, :width]
+                start, end = max(line, top), min(line + tile, top + height)
+                out[start - top : end - top] = strip[start - line : end - line]
+        return out if self.layout.channels else out[..., 0]
+
+    def remove(self) -> None:
+        """Remove the file."""
+        os.unlink(self.path)
+
+    @property
+    def most_bytes(self) -> int:
+        """The size of the file."""
+        return self._ends[-1]
+
+    @property
+    def _dtype(self) -> np.dtype[Any]:
+        return np.dtype(self.layout.dtype).newbyteorder("<")
+
+    @property
+    def _tile_bytes(self) -> int:
+        return self.layout.tile**2 * self.layout.bytes
+
+    def _tiles(self, level: int) -> tuple[int, int]:
+        """Rows and columns of tiles."""
+        height, width = self.layout.shape(level)
+        return -(-height // self.layout.tile), -(-width // self.layout.tile)
+
+    def _offset(self, level: int, top: int, left: int) -> int:
+        """Where the tile that begins at a pixel begins in the file."""
+        row, column = top // self.layout.tile, left // self.layout.tile
+        return self._starts[level] + (row * self._tiles(level)[1] + column) * self._tile_bytes
+
+    @cached_property
+    def _heads(self) -> list[int]:
+        """Where directories begin, and where the last one ends."""
+        heads = [16]
+        for level in range(self.levels):
+            sizes = (len(data) for _, _, data in self._tags(level, 0))
+            heads.append(heads[-1] + 16 + sum(20 + -(-size // 8) * 8 for size in sizes))
+        return heads
+
+    @cached_property
+    def _ends(self) -> list[int]:
+        """Where the tiles of levels end."""
+        ends = []
+        end = -(-self._heads[-1] // _PAGE) * _PAGE
+        for level in range(self.levels):
+            rows, columns = self._tiles(level)
+            end += rows * columns * self._tile_bytes
+            ends.append(end)
+        return ends
+
+    @cached_property
+    def _starts(self) -> list[int]:
+        return [-(-self._heads[-1] // _PAGE) * _PAGE, *self._ends[:-1]]
+
+    def _tags(self, level: int, start: int) -> list[tuple[int, int, bytes]]:
+        """Number, type and values of each tag, in the order of their numbers."""
+        layout: Layout = self.layout
+        height, width = layout.shape(level)
+        bands, kind = max(layout.channels, 1), np.dtype(layout.dtype)
+        colors = _RGB if bands - layout.alpha >= _RGB else 1
+        rows, columns = self._tiles(level)
+        offsets = start + np.arange(rows * columns, dtype=np.uint64) * self._tile_bytes
+        extra = [0] * (bands - colors)
+        if layout.alpha:
+            extra[-1] = 2  # straight
+        values: list[tuple[int, int, Any]] = [
+            (254, _LONG, [int(level > 0)]),  # a smaller version of another picture
+            (256, _LONG, [width]),
+            (257, _LONG, [height]),
+            (258, _SHORT, [8 * kind.itemsize] * bands),
+            (259, _SHORT, [1]),  # not compressed
+            (262, _SHORT, [2 if colors == _RGB else 1]),
+            (277, _SHORT, [bands]),
+            (284, _SHORT, [1]),  # channels of a pixel side by side
+            (322, _LONG, [layout.tile]),
+            (323, _LONG, [layout.tile]),
+            (324, _LONG8, offsets),
+            (325, _LONG, np.full(rows * columns, self._tile_bytes)),
+            (338, _SHORT, extra),
+            (339, _SHORT, [3 if kind.kind == "f" else 1] * bands),
+            (34675, _UNDEFINED, np.frombuffer(layout.icc or b"", np.uint8)),
+        ]
+        return [
+            (number, code, np.asarray(value).astype(_CODES[code]).tobytes())
+            for number, code, value in values
+            if len(value)
+        ]
+
+    def _directory(self, level: int) -> bytes:
+        """A directory and the values of its tags, which follow it."""
+        tags = self._tags(level, self._starts[level])
+        head = self._heads[level]
+        last = level + 1 == self.levels
+        place = head + 16 + 20 * len(tags)
+        entries, values = struct.pack("<Q", len(tags)), b""
+        for number, code, data in tags:
+            count = len(data) // np.dtype(_CODES[code]).itemsize
+            entries += struct.pack("<HHQ", number, code, count)
+            padded = data + bytes(-len(data) % 8)
+            if len(data) <= 8:
+                entries += padded
+                values += bytes(8)  # so that sizes do not depend on what fits
+            else:
+                entries += struct.pack("<Q", place + len(values))
+                values += padded
+        return entries + struct.pack("<Q", 0 if last else self._heads[level + 1]) + values

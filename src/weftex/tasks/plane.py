@@ -1,0 +1,109 @@
+"""A picture of any size as a lazy Dask array."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+from weftex.errors import InvalidInputError, did_you_mean, shown
+from weftex.loading import load_exemplar
+from weftex.tasks.method_names import AUTO, make_method
+from weftex.tasks.stream import recipe_of
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    from weftex.loading import Sample
+    from weftex.method import Method
+    from weftex.random import Seed
+    from weftex.tasks.recipe import Recipe
+
+_BLOCK = 1024
+_MOST_BLOCKS = 10**6  # along a side
+
+
+def plane(
+    sample: Sample,
+    size: int | tuple[int, int],
+    *,
+    method: str | Method = AUTO,
+    seed: Seed = None,
+    tileable: bool | str = False,
+    block: int = _BLOCK,
+    show: str | None = None,
+    **parameters: Any,
+) -> Any:
+    """Return a picture of any size as a `dask.array.Array`, of which blocks are made when asked.
+
+    Needs the extra ``dask``. The pixels are those that `weftex.stream` writes.
+
+    Parameters
+    ----------
+    sample : path, array, PIL image or Exemplar
+        The material; see `weftex.load_exemplar`.
+    size : int or (int, int)
+        Height and width, up to 2**40 each.
+    method, seed, tileable
+        As for `weftex.synthesize`.
+    block : int
+        Side of the chunks in pixels, a power of two from 64 to 4096; it changes no pixel.
+    show : str, optional
+        A map of the sample by its name; its own picture by default.
+    **parameters
+        Of the method.
+
+    Returns
+    -------
+    dask.array.Array (H, W) or (H, W, C)
+        In the sample's dtype.
+
+    Raises
+    ------
+    InvalidInputError
+        If an argument is out of range, or there is no such map.
+    UnsupportedError
+        If the method does not make windows of a plane.
+
+    Examples
+    --------
+    >>> import weftex
+    >>> wall = weftex.plane("sample:bricks", (10**6, 10**6), seed=1, method="near-regular")
+    >>> wall.shape, wall[123456:123466, 654321:654331].compute().shape
+    ((1000000, 1000000, 3), (10, 10, 3))
+    """
+    try:
+        import dask.array
+        from dask.delayed import delayed
+    except ImportError:
+        raise InvalidInputError(
+            "a lazy plane needs the extra dask: pip install 'weftex[dask]'"
+        ) from None
+    chosen, exemplar = make_method(method, parameters), load_exemplar(sample)
+    recipe = recipe_of(exemplar, chosen, size, seed=seed, tileable=tileable, block=block)
+    name = next(iter(recipe.pictures)) if show is None else show
+    if name not in recipe.pictures:
+        near = did_you_mean(name, recipe.pictures)
+        raise InvalidInputError(f"show is '{name}'; the sample has no such map{near}")
+    layout = recipe.layouts[name]
+    if max(layout.grid(0)) > _MOST_BLOCKS:
+        raise InvalidInputError(
+            f"size is {shown(size)}, more than {_MOST_BLOCKS} blocks along a side; Dask lists all "
+            "of them, so make the block larger"
+        )
+    whole = (layout.height, layout.width, *[layout.channels] * (layout.channels > 0))
+    sides = (layout.block, layout.block, *whole[2:])
+    array: Any = dask.array
+    return array.map_blocks(
+        _block,
+        chunks=array.core.normalize_chunks(sides, whole),
+        dtype=layout.dtype,
+        meta=recipe.pictures[name].pixels[:0].astype(layout.dtype),
+        name=f"weftex-{name}-{recipe.digest[:24]}",
+        recipe=delayed(recipe, pure=True, traverse=False),
+        show=name,
+    )
+
+
+def _block(recipe: Recipe, show: str, block_id: tuple[int, ...] = ()) -> NDArray[Any]:
+    """Make a chunk."""
+    window = recipe.base.window((0, block_id[0], block_id[1]))
+    return recipe.render(window, threads=1, only=show)[show]

@@ -1,0 +1,149 @@
+"""`weftex synth` block by block, killed and in parts; `check`, `replay` and `report` of that."""
+
+from __future__ import annotations
+
+import random
+import signal
+import sys
+import time
+
+import pytest
+
+from commands import fails, listing, weft_run
+from processes import hear_interrupts, weftex_process
+from weftex.io.pictures import read_image
+
+HOW = ["--method", "best-tile", "--lattice", "20,0,0,20", "--seed", 4, "--block", 64]
+SYNTH = ["synth", "sample.png", *HOW, "--quiet", "-o"]
+
+
+def files(folder, name="p"):
+    """What a plane consists of."""
+    return {
+        path.relative_to(folder).as_posix().removeprefix(name): data
+        for path, data in listing(folder).items()
+        if path.name == f"{name}.tif"
+    }
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="signals are other there")
+def test_killed_at_any_moment(here):
+    """A second run is refused meanwhile; the bytes are those of one run."""
+    assert weft_run(*SYNTH, "whole.tif", "--size", 700) == 0
+    words = [*SYNTH, "p.tif", "--size", 700, "--threads", 1]
+    kills, moments = 0, random.Random(4)
+    for number in (signal.SIGKILL, signal.SIGTERM):
+        run = weftex_process(*words, preexec_fn=hear_interrupts)
+        journal = here / "p.tif.run" / "done.txt"
+        before = journal.stat().st_size if journal.exists() else 0
+        while not journal.exists() or journal.stat().st_size <= before:
+            time.sleep(0.005)
+        assert weft_run(*words) == 2  # another process makes it
+        time.sleep(moments.uniform(0, 0.15))
+        run.send_signal(number)
+        err = run.communicate(timeout=60)[1]
+        kills += run.returncode != 0
+        if number == signal.SIGTERM and run.returncode:
+            assert run.returncode == 143
+            assert err.endswith("blocks that are done are kept; the same command goes on\n")
+    assert kills
+    assert weft_run(*words) == 0
+    assert files(here) == files(here, "whole")
+
+
+def test_parts_and_check(here, capsys):
+    target = "p.tif"
+    for part in ("1/2", "2/2"):
+        assert weft_run(*SYNTH, target, "--size", 600, "--part", part) == 0
+        fails(capsys, here, "check", target)
+    assert weft_run(*SYNTH, target, "--size", 600) == 0
+    assert weft_run("check", target, "--read") == 0
+    assert (
+        capsys.readouterr().out
+        == "p.tif is whole, as it was written: 600x600 with best-tile, seed 4\n"
+    )
+    assert weft_run(*SYNTH, "whole.tif", "--size", 600) == 0
+    assert files(here) == files(here, "whole")
+    with open(target, "r+b") as file:
+        file.seek(2**16)
+        file.write(b"other")
+    assert "1 blocks are not what was written" in fails(capsys, here, "check", target, "--read")
+
+
+def test_replay_and_report(here, capsys):
+    assert weft_run(*SYNTH, "p.tif", "--size", 200, "--save-source", "p.npz") == 0
+    for source in ("p.tif", "p.npz"):
+        again = here / f"{source}.again.tif"
+        assert weft_run("replay", source, "sample.png", "-o", again.name, "--quiet") == 0
+        assert again.read_bytes() == (here / "p.tif").read_bytes()
+    assert weft_run("report", "sample.png", "p.tif", "-o", "r.html") == 0
+    assert "the worst, at row 0, column 0" in capsys.readouterr().out and (here / "r.html").exists()
+
+
+def test_small_tiffs_are_as_ever(here):
+    weft_run("synth", "sample.png", "-o", "a.tif", "--size", 100, *HOW[:-2])
+    weft_run("synth", "sample.png", "-o", "b.png", "--size", 100, *HOW[:-2])
+    assert (read_image("a.tif").pixels == read_image("b.png").pixels).all()
+    assert not (here / "a.tif.run").exists()
+
+
+def test_large_tiffs_are_planes(here, capsys):
+    words = ["synth", "sample.png", *HOW[:-2], "-o", "a.tif", "--size"]
+    assert "may take 4.19 TB more" in fails(capsys, here, *words, "1000kx1000k", "--quiet")
+    err = fails(capsys, here, *words[:-2], "a.png", "--size", "100000")
+    assert "OUT.tif, OUT.zarr and OUT.dzi take any size" in err
+
+
+@pytest.mark.parametrize(
+    ("words", "why"),
+    [
+        (["-o", "p.png", "--part", "1/2"], "--part has no effect"),
+        (["-o", "p.png", "--workers", 2], "--workers has no effect"),
+        (["-o", "p.tif", "--part", "1/2", "--workers", 2], "exclude each other"),
+        (["-o", "p.tif", "--part", "3/2"], "--part is '3/2'"),
+        (["-o", "p.tif", "--workers", 0], "it must be 1 or more"),
+        (["-o", "p.tif", "--workers", 2, "--threads", 2], "--threads has no effect"),
+        (["-o", "p.tif", "--restart", "--part", "1/2"], "--restart has no effect"),
+        (["-o", "p.dzi", "--guide", "photo.png"], "--guide has no effect on p.dzi"),
+        (["-o", "p.dzi", "--best-of", 3], "--best-of makes whole pictures"),
+        (["-o", "p.dzi", "--debug", "d"], "--debug has no effect on p.dzi"),
+        (["-o", "p.dzi", "--names", "gltf"], "sample.png is no folder"),
+        (["-o", "no/p.dzi"], "does not exist"),
+        (["-o", "p.dzi", "--block", 100], "a power of two"),
+        (["-o", "p.dzi", "--tileable"], "best-tile"),
+    ],
+)
+def test_bad_input(here, capsys, words, why):
+    block = [] if "--block" in words else ["--block", 64]
+    assert why in fails(capsys, here, "synth", "sample.png", *HOW[:-2], *block, "--quiet", *words)
+
+
+def test_bad_input_of_others(here, capsys):
+    weft_run(*SYNTH, "p.tif", "--size", 200)
+    for words, why in [
+        (["tile", "p.tif", "-o", "t.png"], "only replay, report and check work on it"),
+        (["synth", "p.tif", "-o", "t.png"], "only replay, report and check work on it"),
+        (["check", "sample.png"], "there is no sample.png.run beside it"),
+        (["replay", "p.tif", "sample.png", "-o", "t.png"], "a plane is replayed block by block"),
+        (["replay", "p.tif", "other.png", "-o", "t.tif"], "no multiple or fraction"),
+        (["report", "sample.png", "p.tif", "--tileable", "--json"], "--tileable has no effect"),
+        (["synth", "sample.png", *HOW[:-4], "--part", "1/2", "-o", "q.tif"], "--part needs --seed"),
+    ]:
+        assert why in fails(capsys, here, *words)
+
+
+def test_a_seed_that_is_not_given_is_that_of_the_run(here):
+    words = [
+        "synth",
+        "sample.png",
+        *HOW[:4],
+        "--block",
+        64,
+        "--quiet",
+        "-o",
+        "p.tif",
+        "--size",
+        200,
+    ]
+    assert weft_run(*words) == weft_run(*words) == 0
+    assert weft_run(*words, "--seed", 4) == 2

@@ -1,0 +1,205 @@
+"""Blocks written in any order come back, also to other readers; pixels are halved by their kind."""
+
+from __future__ import annotations
+
+import json
+import sys
+from fractions import Fraction
+
+import numpy as np
+import pytest
+import tifffile
+
+from families import noise
+from weftex.errors import FileError, InvalidInputError
+from weftex.io.pictures import read_image
+from weftex.raster.mixing import Kind, Mixing
+from weftex.stores.archive import is_archive, read_archive
+from weftex.stores.files import check_target, open_stores
+from weftex.stores.layout import Layout, check_block, halved, part_of, places
+from weftex.stores.locks import locked
+from weftex.stores.record import Record, parse_part
+
+KINDS = [("uint8", 3, False), ("uint16", 4, True), ("float32", 0, False), ("uint8", 0, False)]
+
+
+def written(path, shape, dtype, channels, alpha, block=64):
+    """A store whose blocks were written from the last to the first, and the pixels of level 0."""
+    layout = Layout(*shape, block, dtype, channels, alpha, icc=b"profile" * 3)
+    (store,) = open_stores(str(path), {"color": layout}).values()
+    pixels = noise((*shape, *[channels] * (channels > 0)), dtype=np.dtype(dtype).type)
+    store.create({"seed": 1})
+    assert store.exists()
+    whole = {0: pixels}
+    for level in range(1, store.levels):
+        whole[level] = halved(whole[level - 1], layout.mixing)
+    for place in reversed([*places(layout, 1)]):
+        top, left, height, width = layout.window(place)
+        store.write(place, pixels[top : top + height, left : left + width])
+    for place in places(layout, store.levels):
+        if place[0]:
+            store.write(place, store.reduced(place))
+    return store, whole
+
+
+@pytest.mark.parametrize("suffix", [".tif", ".zarr", ".dzi"])
+@pytest.mark.parametrize("kind", KINDS, ids=lambda kind: kind[0])
+def test_what_was_written_is_read(tmp_path, suffix, kind):
+    if suffix == ".zarr":
+        pytest.importorskip("zarr")
+    if suffix == ".dzi" and kind[0] == "float32":
+        with pytest.raises(InvalidInputError, match=r"PNG tiles, which do not hold float32"):
+            written(tmp_path / "a.dzi", (10, 10), *kind)
+        return
+    store, whole = written(tmp_path / f"a{suffix}", (201, 330), *kind)
+    assert store.levels == {".dzi": 10}.get(suffix, 1)
+    for level, pixels in whole.items():
+        assert (store.read(level, (0, 0, *pixels.shape[:2])) == pixels).all()
+    assert (store.read(0, (63, 100, 70, 101)) == whole[0][63:133, 100:201]).all()
+    store.remove()
+    assert list(tmp_path.iterdir()) == []
+
+
+@pytest.mark.parametrize(
+    "kind", [*KINDS, ("uint16", 5, False)], ids=lambda kind: f"{kind[0]}-{kind[1]}"
+)
+def test_other_readers_of_tiff(tmp_path, kind, monkeypatch):
+    monkeypatch.setattr("weftex.stores.store.Store.smallest", 100)
+    store, whole = written(tmp_path / "a.tif", (201, 330), *kind)
+    with tifffile.TiffFile(tmp_path / "a.tif") as file:
+        assert file.is_bigtiff and len(file.pages) == len(whole) == store.levels == 3
+        for page, pixels in zip(file.pages, whole.values(), strict=True):
+            assert (page.asarray() == pixels).all() and page.is_tiled
+        assert [page.is_reduced for page in file.pages] == [False, True, True]
+        assert file.pages[0].tags[34675].value == b"profile" * 3
+    picture = read_image(tmp_path / "a.tif")
+    assert (picture.pixels == whole[0]).all() and picture.alpha == kind[2]
+
+
+def test_other_readers_of_zarr(tmp_path, monkeypatch):
+    zarr = pytest.importorskip("zarr")
+    monkeypatch.setattr("weftex.stores.store.Store.smallest", 100)
+    _, whole = written(tmp_path / "a.zarr", (201, 330), "uint8", 3, False)
+    group = zarr.open_group(tmp_path / "a.zarr", mode="r")
+    about = group.attrs["ome"]
+    (pyramid,) = about["multiscales"]
+    assert about["version"] == "0.5" and [axis["name"] for axis in pyramid["axes"]] == [
+        "c",
+        "y",
+        "x",
+    ]
+    assert [level["path"] for level in pyramid["datasets"]] == ["0", "1", "2"]
+    assert len(about["omero"]["channels"]) == 3
+    for level, pixels in whole.items():
+        array = group[str(level)]
+        assert (np.moveaxis(array[:], 0, -1) == pixels).all() and array.shards == (3, 64, 64)
+        scale, moved = pyramid["datasets"][level]["coordinateTransformations"]
+        assert scale["scale"] == [1, 2**level, 2**level]
+        assert moved["translation"] == [0, (2**level - 1) / 2, (2**level - 1) / 2]
+
+
+def test_black_blocks_are_written_too(tmp_path):
+    pytest.importorskip("zarr")
+    (store,) = open_stores(str(tmp_path / "a.zarr"), {"a": Layout(64, 64, 64, "uint8")}).values()
+    store.create({})
+    store.write((0, 0, 0), np.zeros((64, 64), np.uint8))
+    assert (tmp_path / "a.zarr" / "0" / "c" / "0" / "0").exists()
+
+
+def test_deep_zoom_is_what_viewers_expect(tmp_path):
+    _, whole = written(tmp_path / "a.dzi", (201, 330), "uint8", 3, False)
+    text = (tmp_path / "a.dzi").read_text("utf-8")
+    assert 'TileSize="64"' in text and '<Size Width="330" Height="201"/>' in text
+    tile = read_image(tmp_path / "a_files" / "9" / "5_3.png").pixels
+    assert (tile == whole[0][192:, 320:]).all()
+    assert read_image(tmp_path / "a_files" / "0" / "0_0.png").pixels.shape == (1, 1, 3)
+
+
+def test_halved():
+    clear = np.array([[[9, 0], [90, 255]], [[9, 0], [9, 0]]], np.uint8)
+    assert halved(clear, Mixing(Kind.ALPHA)).tolist() == [[[90, 64]]]
+    up = np.array([[[255, 128, 128], [128, 128, 255]]], np.uint8)
+    x, y, z = halved(up, Mixing(Kind.VECTORS))[0, 0] / 127.5 - 1
+    assert abs(np.linalg.norm([x, y, z]) - 1) < 0.01 and x == pytest.approx(z)
+    labels = np.array([[1, 2], [3, 3]], np.uint8)
+    assert halved(labels, Mixing(Kind.LABELS)).tolist() == [[1]]
+
+
+def test_sizes_of_maps():
+    base = Layout(1000, 600, 64, "uint8")
+    about = {"dtype": "uint16", "channels": 3}
+    twice, half = (base.scaled(Fraction(k), about, "n") for k in (2, Fraction(1, 2)))
+    assert (twice.shape(0), twice.block) == ((2000, 1200), 128)
+    for level in range(4):
+        assert base.grid(level) == twice.grid(level) == half.grid(level)
+    for scale in (3, Fraction(1, 3), Fraction(1, 16)):
+        with pytest.raises(InvalidInputError, match="maps of a plane have 1, 2, 4 or 1/2"):
+            base.scaled(Fraction(scale), about, "n")
+
+
+def test_parts_are_the_whole():
+    layout = Layout(1000, 600, 64, "uint8")
+    parts = [list(part_of(layout, k, 7)) for k in range(1, 8)]
+    assert [place for part in parts for place in part] == list(places(layout, 1))
+    assert {len(part) for part in parts} <= {22, 23}
+
+
+@pytest.mark.parametrize("text", ["0/3", "4/3", "1", "a/b", "1/99999", "1/2/3"])
+def test_parts_that_are_none(text):
+    with pytest.raises(InvalidInputError, match="it must be K/N"):
+        parse_part(text)
+
+
+@pytest.mark.parametrize("block", [100, 32, 8192, True, "64", 64.0])
+def test_blocks_that_are_none(block):
+    with pytest.raises(InvalidInputError, match="a power of two from 64 to 4096"):
+        check_block(block)
+
+
+def test_targets_that_are_none(tmp_path):
+    for path, why in [("a.png", "are written to .zarr"), ("no/a.tif", "does not exist")]:
+        with pytest.raises(FileError, match=why):
+            check_target(str(tmp_path / path))
+
+
+def test_a_full_disk_is_said_in_one_line(tmp_path):
+    store, _ = written(tmp_path / "a.tif", (64, 64), "uint8", 3, False)
+    (tmp_path / "a.tif").unlink()
+    with pytest.raises(FileError, match="cannot write: No such file.*the same command goes on"):
+        store.write((0, 0, 0), np.zeros((64, 64, 3), np.uint8))
+
+
+def test_a_journal_that_was_cut_off(tmp_path):
+    record = Record(str(tmp_path / "a.tif"))
+    with record.at_work(lambda: None):
+        record.add((0, 1, 2), (7, 8))
+    journal = tmp_path / "a.tif.run" / "done.txt"
+    journal.write_bytes(journal.read_bytes() + b"0 1 3 4")
+    assert record.done() == {(0, 1, 2): (7, 8)}
+    with record.at_work(lambda: None):
+        record.add((0, 1, 3), (5, 6))
+    assert record.done() == {(0, 1, 2): (7, 8), (0, 1, 3): (5, 6)}
+    journal.write_text("nonsense\n")
+    with pytest.raises(FileError, match=r"done\.txt is damaged"):
+        record.done()
+
+
+def test_locks_of_one_process(tmp_path):
+    path = str(tmp_path / "lock")
+    with locked(path, 1, 5) as got, locked(path, 3) as again:
+        assert got and not again
+    with locked(path, 3) as got:
+        assert got
+
+
+def test_archives_of_others(tmp_path):
+    np.savez(tmp_path / "a.npz", about=np.array(json.dumps({"format": 1})))
+    assert not is_archive(str(tmp_path / "a.npz"))
+    with pytest.raises(FileError, match="does not exist"):
+        read_archive(str(tmp_path / "b.npz"))
+
+
+def test_a_missing_library(tmp_path, monkeypatch):
+    monkeypatch.setitem(sys.modules, "zarr", None)
+    with pytest.raises(InvalidInputError, match=r"pip install 'weftex\[zarr\]'"):
+        open_stores(str(tmp_path / "a.zarr"), {"a": Layout(64, 64, 64, "uint8")})

@@ -1,0 +1,215 @@
+"""Planes on disk: the same bytes in one run, in threads, in parts, and after it was cut off."""
+
+from __future__ import annotations
+
+import errno
+import os
+
+import numpy as np
+import pytest
+
+import weftex
+from commands import listing
+from families import noise
+from weftex.errors import CancelledError, FileError, InvalidInputError, UnsupportedError
+from weftex.stores.record import Record
+from weftex.stores.tiff import TiffStore
+from weftex.tasks.opened import open_plane
+from weftex.tasks.recipe import Recipe
+from weftex.tasks.stream import Job, in_words, recipe_of, write_plane
+
+SIZE = (300, 333)
+TILE = weftex.BestTile(lattice=(20, 0, 0, 20))
+HOW = {"method": TILE, "seed": 4, "block": 64}
+
+
+@pytest.fixture(scope="module")
+def sample():
+    maps = {
+        "height": noise((120, 128), seed=1, dtype=np.uint16),
+        "normal": noise((60, 64, 3), seed=2),
+    }
+    return weftex.Exemplar(noise((60, 64, 3)), maps=maps)
+
+
+def plain(folder):
+    """The bytes of a plane's files by their names; journals tell who wrote what."""
+    return {p.relative_to(folder).as_posix(): data for p, data in listing(folder).items()
+            if data is not None and ".run" not in p.as_posix()}  # fmt: skip
+
+
+@pytest.fixture(scope="module")
+def whole(sample, tmp_path_factory):
+    folder = tmp_path_factory.mktemp("whole")
+    found = weftex.stream(sample, folder / "p.tif", SIZE, threads=1, **HOW)
+    assert (found.blocks, found.made, found.pixels) == (39, 39, 300 * 333)
+    return plain(folder)
+
+
+def test_the_pixels_are_those_of_windows(sample, whole, tmp_path):
+    assert sorted(whole) == ["p_color.tif", "p_height.tif", "p_normal.tif"]
+    made = TILE.fit(sample).window(0, 0, *SIZE, seed=4)
+    for name, pixels in {"color": made.image, **made.maps}.items():
+        (tmp_path / "a.tif").write_bytes(whole[f"p_{name}.tif"])
+        assert (weftex.read_image(tmp_path / "a.tif").pixels == pixels).all()
+
+
+def test_threads_and_a_second_run(sample, whole, tmp_path):
+    weftex.stream(sample, tmp_path / "p.tif", SIZE, threads=3, **HOW)
+    again = weftex.stream(sample, tmp_path / "p.tif", SIZE, **HOW | {"seed": None})
+    assert (again.blocks, again.made) == (39, 0) and plain(tmp_path) == whole
+    assert open_plane(tmp_path / "p.tif").unlike() == []
+
+
+def test_a_run_that_was_cut_off_goes_on(sample, whole, tmp_path):
+    with pytest.raises(CancelledError):
+        weftex.stream(
+            sample, tmp_path / "p.tif", SIZE, progress=lambda done, *_: done < 7, threads=1, **HOW
+        )
+    plane = open_plane(tmp_path / "p.tif")
+    assert len(plane.missing()) == 32
+    with pytest.raises(FileError, match="is not whole: 32 blocks are missing"):
+        plane.read((0, 0, 10, 10))
+    assert weftex.stream(sample, tmp_path / "p.tif", SIZE, **HOW).made == 32
+    assert plain(tmp_path) == whole
+
+
+def test_parts_are_the_whole(sample, whole, tmp_path):
+    target = str(tmp_path / "p.tif")
+    recipe = recipe_of(sample, TILE, SIZE, seed=4, block=64)
+    made = [write_plane(Job(recipe, target, (k, 3))).made for k in (3, 1, 1)]
+    assert made == [10, 10, 0]
+    assert open_plane(target).parts() == {"2/3": 10}
+    assert write_plane(Job(recipe, target, (2, 3))).made == 10
+    assert open_plane(target).parts() == {} and len(open_plane(target).missing()) == 9
+    assert write_plane(Job(recipe, target)).made == 9
+    assert plain(tmp_path) == whole
+
+
+def test_other_runs_are_refused(sample, tmp_path):
+    target = tmp_path / "p.tif"
+    weftex.stream(sample, target, 100, **HOW)
+    before = listing(tmp_path)
+    for change, why in [
+        ({"seed": 5}, "its seed is 4, here 5"),
+        ({"block": 128}, "its block is 64, here 128"),
+        ({"method": weftex.BestTile(lattice=(30, 0, 0, 20))}, "its lattice is"),
+    ]:
+        with pytest.raises(InvalidInputError, match=why):
+            weftex.stream(sample, target, 100, **HOW | change)
+    with pytest.raises(InvalidInputError, match="its sample is another"):
+        weftex.stream(noise((60, 64, 3)), target, 100, **HOW)
+    assert listing(tmp_path) == before
+    weftex.stream(sample, target, 100, restart=True, **HOW | {"seed": 5})
+    assert open_plane(target).recipe.seed == 5
+
+
+def test_other_files_are_kept(sample, tmp_path):
+    (tmp_path / "p.tif").write_bytes(b"mine")
+    (tmp_path / "p.zarr").mkdir()
+    (tmp_path / "p.zarr" / "mine").write_bytes(b"mine")
+    before = listing(tmp_path)
+    one = weftex.Exemplar(sample.pixels)
+    for name, restart in [("p.tif", False), ("p.zarr", True)]:
+        with pytest.raises(FileError, match="is there already"):
+            weftex.stream(one, tmp_path / name, 100, restart=restart, **HOW)
+    assert listing(tmp_path) == before
+    weftex.stream(one, tmp_path / "p.tif", 100, restart=True, **HOW)
+    (tmp_path / "p.tif").unlink()  # what is recorded as done is not believed then
+    assert weftex.stream(one, tmp_path / "p.tif", 100, **HOW).made == 4
+
+
+def test_a_disk_that_fills(sample, whole, tmp_path, monkeypatch):
+    put, calls = TiffStore.put, []
+
+    def fill(self, place, pixels):
+        calls.append(place)
+        if len(calls) > 20:
+            raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
+        put(self, place, pixels)
+
+    monkeypatch.setattr(TiffStore, "put", fill)
+    with pytest.raises(FileError, match="No space left on device; blocks that are done are kept"):
+        weftex.stream(sample, tmp_path / "p.tif", SIZE, threads=1, **HOW)
+    monkeypatch.undo()
+    assert weftex.stream(sample, tmp_path / "p.tif", SIZE, **HOW).made == 33
+    assert plain(tmp_path) == whole
+
+
+def test_no_room_on_the_disk(sample, tmp_path):
+    with pytest.raises(FileError, match="may take 4.67 TB more, and .* are free"):
+        weftex.stream(sample, tmp_path / "p.tif", 5 * 10**5, **HOW | {"block": 4096})
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_a_run_that_fails_at_once_leaves_nothing(sample, tmp_path, monkeypatch):
+    monkeypatch.setattr(TiffStore, "put", lambda *_: (_ for _ in ()).throw(OSError(5, "broken")))
+    with pytest.raises(FileError, match="cannot write: broken"):
+        weftex.stream(sample, tmp_path / "p.tif", 100, **HOW)
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_recipes_on_disk(sample, tmp_path):
+    weights = sample.changed(weights={"height": 2.0}, mask=np.ones((60, 64), bool), icc=b"i")
+    for method in (TILE, weftex.Quilting(patch_size=20)):
+        recipe = recipe_of(
+            weights, method, SIZE, seed=4, tileable="x" if method is not TILE else False
+        )
+        recipe.save(str(tmp_path / "r.npz"))
+        found = Recipe.load(str(tmp_path / "r.npz"))
+        assert found.about == recipe.about and found.method == method
+        assert found.exemplar.weights == weights.weights and found.exemplar.icc == b"i"
+    np.savez(tmp_path / "r.npz", about=np.array('{"format": "weftex plane 1"}'))
+    with pytest.raises(FileError, match="is damaged"):
+        Recipe.load(str(tmp_path / "r.npz"))
+
+
+def test_auto_is_the_method_that_it_names(tmp_path):
+    weftex.stream("sample:bricks", tmp_path / "a.tif", (70, 90), seed=1, block=64)
+    model = weftex.Auto().fit("sample:bricks")
+    expected = model.window(0, 0, 70, 90, seed=1).image
+    assert (weftex.read_image(tmp_path / "a.tif").pixels == expected).all()
+    recipe = open_plane(tmp_path / "a.tif").recipe
+    assert recipe.method.slug == "near-regular" and "lattice" in recipe.reason
+
+
+def test_a_plane_that_repeats(sample, tmp_path):
+    one = weftex.Exemplar(sample.pixels)
+    weftex.stream(
+        one, tmp_path / "a.tif", (128, 192), method="quilting", seed=1, tileable="x", block=64
+    )
+    pixels = weftex.read_image(tmp_path / "a.tif").pixels
+    made = weftex.Quilting().fit(one).window(0, -96, 128, 192, seed=1, period=(256, 192)).image
+    assert (np.roll(pixels, 96, axis=1) == made).all()
+
+
+def test_arguments_that_are_none(sample, tmp_path):
+    for change, why in [
+        ({"size": (0, 5)}, "size is"),
+        ({"size": 2**41}, "from 1 to 2"),
+        ({"tileable": "z"}, "tileable is"),
+        ({"block": 65}, "block is 65"),
+    ]:
+        how = {"size": 100} | HOW | change
+        with pytest.raises(InvalidInputError, match=why):
+            weftex.stream(sample, tmp_path / "p.tif", **how)
+    with pytest.raises(UnsupportedError):
+        weftex.stream(sample, tmp_path / "p.tif", 100, tileable=True, **HOW)
+
+
+def test_sizes_in_words():
+    assert [in_words(n) for n in (0, 999, 1.5e6, 3.21e13)] == [
+        "0 bytes",
+        "999 bytes",
+        "1.5 MB",
+        "32.1 TB",
+    ]
+
+
+def test_a_record_is_held_by_one(sample, tmp_path):
+    recipe = recipe_of(sample, TILE, SIZE, seed=4, block=64)
+    with (
+        Record(str(tmp_path / "p.tif")).at_work(lambda: None),
+        pytest.raises(FileError, match="another process makes it"),
+    ):
+        write_plane(Job(recipe, str(tmp_path / "p.tif")))

@@ -1,0 +1,188 @@
+"""Windows of endless planes: the bytes of a pixel hang on nothing but its place."""
+
+import hashlib
+import pickle
+import random
+import subprocess
+import sys
+import threading
+from concurrent.futures import ThreadPoolExecutor
+
+import numpy as np
+import pytest
+
+import weftex
+from families import METHODS, method_of, noise
+from twins.planes import whole_plane
+from weftex.method import Model
+from weftex.planes.cache import BlockCache
+from weftex.planes.grid import Sizes
+
+FAR = 2**40
+
+
+@pytest.fixture
+def small_blocks(monkeypatch):
+    """Blocks of 40 pixels, for methods that take long."""
+    monkeypatch.setattr(Model, "block_sizes", lambda _: Sizes(pitch=40, belt=12))
+
+
+def fitted(slug, **parameters):
+    sample = noise((30, 31, 3), values=5)
+    return method_of(slug, **parameters).fit(weftex.Exemplar(sample, maps={"same": sample}))
+
+
+@pytest.mark.parametrize("slug", METHODS)
+def test_windows_agree_in_any_order_on_any_thread(slug, small_blocks):
+    model = fitted(slug)
+    top, left = FAR - 20, -FAR
+    whole = model.window(top, left, 50, 64, seed=3, threads=1)
+    assert whole.is_window and whole.canvas.origin == (top, left)
+    assert (whole.source >= 0).all() and (whole.source < (30, 31)).all()
+    assert np.array_equal(whole.render(), whole.image)
+    assert np.array_equal(whole.maps["same"], whole.image)
+    corners = [(y, x) for y in (0, 9, 20) for x in (0, 25)]
+    random.Random(7).shuffle(corners)
+    other = pickle.loads(pickle.dumps(model))
+
+    def part(corner):
+        y, x = corner
+        return other.window(top + y, left + x, 30, 39, seed=3, threads=2)
+
+    with ThreadPoolExecutor(3) as pool:
+        for (y, x), found in zip(corners, pool.map(part, corners), strict=True):
+            assert np.array_equal(found.image, whole.image[y : y + 30, x : x + 39])
+            assert np.array_equal(found.source, whole.source[y : y + 30, x : x + 39])
+    assert not np.array_equal(other.window(top, left, 50, 64, seed=4).source, whole.source) or (
+        slug == "best-tile"
+    )
+
+
+@pytest.mark.parametrize("slug", ["graphcut", "refinement"])
+@pytest.mark.parametrize("period", [None, 331])
+def test_blocks_are_those_of_the_slow_twin(slug, period, monkeypatch):
+    sizes = Sizes(80, 30, loose=10) if slug == "graphcut" else Sizes(80, 24, around=12)
+    small = {"patch_size": 24, "candidates": 2} if slug == "graphcut" else {"iterations": 2}
+    model = weftex.METHODS[slug](**small).fit("sample:pebbles")
+    monkeypatch.setattr(type(model), "block_sizes", lambda _: sizes)
+    area = whole_plane(model, 5, [-1, 0, 1], period)
+    shown, (top, left) = area.shown, area.corner
+    slack = 2 * sizes.belt
+    height, width = (n - 2 * slack for n in shown.shape)
+    made = model.window(top + slack, left + slack, height, width, seed=5, period=period)
+    found = made.source[..., 0] * 192 + made.source[..., 1]
+    assert np.array_equal(found, shown[slack:-slack, slack:-slack])
+
+
+@pytest.mark.parametrize("slug", ["patch-sampling", "quilting", "graphcut", "ashikhmin"])
+def test_a_plane_with_a_period_comes_back_to_itself(slug, small_blocks):
+    model, period = fitted(slug), (97, 112)
+    start = model.window(0, 0, 40, 50, seed=3, period=period)
+    across = model.window(97 - 10, -112 * 2**20 - 7, 50, 57, seed=3, period=period)
+    assert np.array_equal(across.image[10:, 7:], start.image)
+    assert start.provenance["period"] == [97, 112]
+    huge = model.window(FAR - 9, -9, 9, 9, seed=3, period=FAR)
+    assert np.array_equal(huge.image, model.window(-9, FAR - 9, 9, 9, seed=3, period=FAR).image)
+
+
+def test_windows_hang_on_neither_process_nor_build_nor_save(tmp_path):
+    code = (
+        "import hashlib, sys, weftex\n"
+        "for slug in ('quilting', 'graphcut', 'patch-sampling'):\n"
+        "    model = weftex.METHODS[slug]().fit('sample:pebbles')\n"
+        "    made = model.window(-7, 2**40, 60, 70, seed=9)\n"
+        "    print(hashlib.sha256(made.image.tobytes()).hexdigest())\n"
+    )
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    there = done.stdout.split()
+    for slug, digest in zip(("quilting", "graphcut", "patch-sampling"), there, strict=True):
+        model = weftex.METHODS[slug]().fit("sample:pebbles")
+        model.window(500, 2**40 - 300, 200, 200, seed=9)
+        made = model.window(-7, 2**40, 60, 70, seed=9)
+        assert hashlib.sha256(made.image.tobytes()).hexdigest() == digest
+        made.save(tmp_path / "window.npz")
+        again = weftex.Synthesis.load(tmp_path / "window.npz", made.exemplar)
+        assert again.is_window and np.array_equal(again.image, made.image)
+        assert np.array_equal(again.source, made.source)
+
+
+def test_auto_settles_on_one_method_for_all_windows():
+    model = weftex.Auto().fit("sample:tiles")
+    made = model.window(-5, 7, 30, 40, seed=1)
+    assert (
+        made.provenance["method"] == "near-regular" and "near-regular" in made.provenance["reason"]
+    )
+    assert np.array_equal(made.image[2:], model.window(-3, 7, 28, 40, seed=1).image)
+    around = model.window(0, 0, 30, 40, seed=1, period=2**20)
+    assert around.provenance["method"] == "quilting"
+    assert "repeats" in around.provenance["reason"]
+
+
+def test_a_masked_sample_is_used_where_it_may_be():
+    mask = np.zeros((192, 192), bool)
+    mask[:, :90] = True
+    sample = weftex.load_exemplar("sample:pebbles").changed(mask=mask)
+    for method in (weftex.GraphCut(patch_size=30), weftex.Quilting(patch_size=30)):
+        made = method.fit(sample).window(10, 20, 150, 120, seed=1)
+        assert mask[made.source[..., 0], made.source[..., 1]].all()
+
+
+@pytest.mark.parametrize(
+    "period, said",
+    [
+        (50, "period has the height 50; it must be"),
+        ((10**6, 50), "period has the width 50; it must be"),
+        (0, "period is 0; it must be a whole number"),
+        (2.5, "period is 2.5; it must be"),
+        (True, "period is True; it must be"),
+        ((1, 2, 3), r"period is \(1, 2, 3\); it must be"),
+        (2**41, "it must be a whole number of pixels from 1 to"),
+    ],
+)
+@pytest.mark.parametrize("slug", ["quilting", "graphcut"])
+def test_bad_periods_are_refused_in_one_line(period, said, slug):
+    model = weftex.METHODS[slug]().fit("sample:pebbles")
+    with pytest.raises(weftex.InvalidInputError, match=said) as refused:
+        model.window(0, 0, 9, 9, seed=1, period=period)
+    assert "\n" not in str(refused.value)
+
+
+def test_methods_that_cannot_refuse_in_one_line(monkeypatch):
+    with pytest.raises(weftex.UnsupportedError, match="no windows of a plane that repeats"):
+        fitted("near-regular").window(0, 0, 9, 9, seed=1, period=900)
+    monkeypatch.setattr(weftex.GraphCut, "supports", frozenset({"wrap"}))
+    with pytest.raises(weftex.UnsupportedError, match="graphcut does not do windows") as refused:
+        fitted("graphcut").window(0, 0, 9, 9, seed=1)
+    assert "\n" not in str(refused.value)
+
+
+def test_a_window_is_cancelled_by_its_progress():
+    model = weftex.GraphCut().fit("sample:pebbles")
+    with pytest.raises(weftex.CancelledError):
+        model.window(0, 0, 300, 300, seed=1, progress=lambda *_: False)
+    seen = []
+    model.window(0, 0, 300, 300, seed=1, progress=lambda *now: seen.append(now))
+    assert seen[-1][0] == seen[-1][1] and seen[-1][2] == "blocks"
+    assert seen[-1][3]().shape == (300, 300, 3)
+
+
+def test_two_threads_make_a_block_once_and_errors_go_to_both():
+    cache, made, gate = BlockCache(1000), [], threading.Event()
+
+    def make():
+        made.append(1)
+        gate.wait(5)
+        return np.zeros(10)
+
+    with ThreadPoolExecutor(2) as pool:
+        both = [pool.submit(cache.get, "a", make) for _ in range(2)]
+        while not made:
+            pass
+        gate.set()
+        assert both[0].result() is both[1].result() and len(made) == 1
+    with pytest.raises(ZeroDivisionError):
+        cache.get("b", lambda: np.zeros(1 // 0))
+    assert cache.get("b", lambda: np.ones(3)).sum() == 3  # is tried again
+    for k in range(30):
+        cache.get(k, lambda: np.zeros(20))
+    assert cache.size <= 1000 and 29 in cache and "a" not in cache
