@@ -50,7 +50,7 @@ class Auto(Method):
     >>> import weftex
     >>> made = weftex.Auto().fit(weftex.load_exemplar("sample:tiles")).sample(300, seed=7)
     >>> made.provenance["method"], made.provenance["reason"]
-    ('refinement', 'near-regular, lattice 31.1 x 102.2 px, confidence 0.95: refinement')
+    ('graphcut', 'near-regular, lattice 31.1 x 102.2 px, confidence 0.95: graphcut')
     """
 
     slug: ClassVar[str] = "auto"
