@@ -202,6 +202,6 @@ def test_a_window_of_an_endless_plane(tmp_path, capsys):
 )
 def test_windows_that_are_none(options, said, tmp_path, capsys):
     words = ["synth", "sample:pebbles", "-o", str(tmp_path / "o.png"), "--method", "quilting"]
-    assert weft_run(*words, *options]) == 2
+    assert weft_run(*words, *options) == 2
     error = capsys.readouterr().err
     assert said in error and error.count("\n") == 1

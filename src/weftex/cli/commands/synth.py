@@ -54,12 +54,8 @@ examples:
   weftex synth brick.png -o wall.png --best-of 8      the best of eight seeds
   weftex synth brick.png -o wall.png --best-of quilting,graphcut,near-regular
   weftex synth photo.jpg -o wall.png --straighten --even-light
-    add_window(parser)
-    add_plane(parser)
-    args, method, parameters = parse_task(parser, argv)
-    best_of, window, period = parse_best_of(args.best_of), parse_window(args), parse_period(args)
-    huge = args.allow_huge or takes_any_size(args.output)
-    size = None if args.size is None else parse_size(args.size, huge)
+  weftex synth brick.png -o wall.zarr --size 100000x100000 --workers 4
+  weftex synth brick.png -o part.png --window 10000,-500,512,512 --seed 7    of an endless plane
   weftex synth moss.png -o face.png --method ashikhmin --guide face.png
   weftex synth photo.png -o new.png --method refinement --sample-guide painted.png --guide other.png
 """
@@ -86,18 +82,12 @@ def run(argv: list[str]) -> None:
     add_tileable_sample(parser)
     add_mending(parser)
     add_turn(parser)
-<<<<<<< HEAD
     add_window(parser)
-    args, method, parameters = parse_task(parser, argv)
-    best_of, window, period = parse_best_of(args.best_of), parse_window(args), parse_period(args)
-    size = None if args.size is None else parse_size(args.size, args.allow_huge)
-=======
     add_plane(parser)
     args, method, parameters = parse_task(parser, argv)
-    best_of = parse_best_of(args.best_of)
+    best_of, window, period = parse_best_of(args.best_of), parse_window(args), parse_period(args)
     huge = args.allow_huge or takes_any_size(args.output)
     size = None if args.size is None else parse_size(args.size, huge)
->>>>>>> ed6c31a31b27da8f1b055b038b7208009f4f2059
     chosen = method(**parameters)
     if wants_plane(args, size):
         check_options(args)
