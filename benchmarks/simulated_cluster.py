@@ -13,7 +13,7 @@ import time
 from dask.task_spec import Task
 from distributed.collections import HeapSet
 from distributed.core import Status
-from distributed.scheduler import ClientState, SchedulerState, WorkerState
+from distributed.scheduler import ClientState, Scheduler, SchedulerState, WorkerState
 from sortedcontainers import SortedDict
 
 _SPREAD = 0.25
@@ -61,9 +61,9 @@ class Machinery(SchedulerState):
 
     def end(self, worker: str, key: str, run: int) -> None:
         """A worker is done with a task, and the client forgets it."""
-        found = self.stimulus_task_finished(worker, "done", key, run, **_ENDED)
+        found = Scheduler.stimulus_task_finished(self, worker, "done", key, run, **_ENDED)
         self.move(*found, "done")
-        self.stimulus_queue_slots_maybe_opened(stimulus_id="done")
+        Scheduler.stimulus_queue_slots_maybe_opened(self, stimulus_id="done")
         recommendations: dict = {}
         self._client_releases_keys([key], self.client, recommendations)
         self.transitions(recommendations, "released")

@@ -195,6 +195,7 @@ def test_a_window_of_an_endless_plane(tmp_path, capsys):
         (["--window", "1,2,3,4", "--size", "50"], "--size and --window exclude each other"),
         (["--window", "1,2,3,4", "--tileable"], "--tileable and --window exclude each other"),
         (["--window", "1,2,3,4", "--best-of", "3"], "--best-of and --window exclude each other"),
+        (["--window", "1,2,3,4", "--workers", "2"], "--workers"),
         (["--period", "50"], "--period has no effect without --window"),
         (["--window", "1,2,3,4", "--period", "5x"], "--period is '5x'"),
         (["--window", "1,2,3,4", "--period", "20"], "period has the height 20; it must be"),

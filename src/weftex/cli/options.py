@@ -39,13 +39,24 @@ class Parser(argparse.ArgumentParser):
     only_built: ClassVar[bool] = False
 
     def __init__(self, command: str, description: str, examples: str) -> None:
+        # By itself argparse looks for the terminal's width with every option that is added.
+        self._columns = 80
         super().__init__(
             f"weftex {command}",
             description=description,
             epilog=examples,
             allow_abbrev=False,
-            formatter_class=argparse.RawDescriptionHelpFormatter,
+            formatter_class=lambda prog: argparse.RawDescriptionHelpFormatter(
+                prog, width=self._columns - 2
+            ),
         )
+
+    def format_help(self) -> str:
+        """Return the help, as wide as the terminal."""
+        import shutil
+
+        self._columns = shutil.get_terminal_size().columns
+        return super().format_help()
 
     def error(self, message: str) -> NoReturn:
         """Raise, so that usage errors look like all others."""

@@ -33,6 +33,7 @@ from weftex.cli.planes import (
     add_plane,
     check_options,
     recipe_for,
+    refuse_options,
     stems_of,
     takes_any_size,
     wants_plane,
@@ -54,8 +55,8 @@ examples:
   weftex synth brick.png -o wall.png --best-of 8      the best of eight seeds
   weftex synth brick.png -o wall.png --best-of quilting,graphcut,near-regular
   weftex synth photo.jpg -o wall.png --straighten --even-light
-  weftex synth brick.png -o wall.zarr --size 100000x100000 --workers 4
   weftex synth brick.png -o part.png --window 10000,-500,512,512 --seed 7    of an endless plane
+  weftex synth brick.png -o wall.zarr --size 100000x100000 --workers 4
   weftex synth moss.png -o face.png --method ashikhmin --guide face.png
   weftex synth photo.png -o new.png --method refinement --sample-guide painted.png --guide other.png
 """
@@ -89,7 +90,9 @@ def run(argv: list[str]) -> None:
     huge = args.allow_huge or takes_any_size(args.output)
     size = None if args.size is None else parse_size(args.size, huge)
     chosen = method(**parameters)
-    if wants_plane(args, size):
+    if window is not None:
+        refuse_options(args)
+    elif wants_plane(args, size):
         check_options(args)
 
         def stream(bar: Bar, outputs: Outputs) -> str:
