@@ -136,3 +136,10 @@ def test_many_threads_make_the_same_bytes(monkeypatch, capsys):
     assert many_threads.main() == 0
     assert "2 methods, 8 threads" in capsys.readouterr().out
     sys.setswitchinterval(0.005)
+
+
+def test_planes_are_scored_across_blocks_and_inside():
+    import planes
+
+    found = planes.scores("quilting", planes.SURFACES / "weave_red.webp", count=1)
+    assert len(found) == 3 and all(0 <= score < 30 for score in found)
