@@ -67,7 +67,7 @@ def speed(args: argparse.Namespace, folder: Path) -> None:
             for workers in args.workers:
                 target = folder / f"p{suffix}"
                 words = ["--method", method, *(("--workers", workers) if workers else ())]
-                words += ["--threads", 1] if not workers else []
+                words += ["--block", 2048, *(["--threads", 1] * (not workers))]
                 code, took, busy, memory = measured(command(target, args.side, *words))
                 assert code == 0
                 size = used(target) / 1e6
