@@ -2,13 +2,15 @@
 
 The kernels are Python files in Cython's pure Python mode. With ``WEFTEX_CHECKS=1`` they are built
 to run the tests against instead of for speed: Cython checks the bounds of arrays, and the compiler
-(GCC or Clang) ends the process at an integer overflow or beyond a fixed array.
+(GCC or Clang) ends the process at an integer overflow or beyond a fixed array. With
+``WEFTEX_ABI3=1`` one build serves Python 3.11 and later, but no free-threaded one, as wheels do.
 """
 
 import os
 import platform
 import shutil
 import sys
+import sysconfig
 import tempfile
 from pathlib import Path
 
@@ -22,7 +24,10 @@ KERNELS = sorted(
 #: What every kernel needs for its arrays, compiled once and not in each of them.
 SHARED = "weftex._memoryviews"
 CHECKS = os.environ.get("WEFTEX_CHECKS") == "1"
-BASE = "build/checks" if CHECKS else "build/plain"  # apart, or one would take the other's objects
+# Free-threaded Python has no stable interface before 3.15.
+ABI3 = os.environ.get("WEFTEX_ABI3") == "1" and not sysconfig.get_config_var("Py_GIL_DISABLED")
+# Apart, or one would take the other's objects.
+BASE = "build/checks" if CHECKS else "build/abi3" if ABI3 else "build/plain"
 SHARED_C = Path(BASE, "c", "_memoryviews.c")
 MSVC = sys.platform == "win32"
 # No contraction into fused multiply-adds: floating point must give the same bytes everywhere.
@@ -36,6 +41,8 @@ if CHECKS:
     FLAGS += ["-fno-wrapv", "-fsanitize-undefined-trap-on-error"]
     FLAGS += ["-fsanitize=signed-integer-overflow,shift,integer-divide-by-zero,bounds"]
 FAST = not CHECKS and platform.machine() in ("x86_64", "AMD64")
+FAST &= not sysconfig.get_platform().startswith("emscripten")  # which is built elsewhere
+LIMITED = {"py_limited_api": True, "define_macros": [("Py_LIMITED_API", "0x030B0000")]}
 
 NO_COMPILER = """
 
@@ -139,11 +146,16 @@ def extension(name, kernel, flags):
     """A module to compile from a kernel; its declarations travel with it in the source archive."""
     source = Path(python_file(kernel))
     declarations = [str(file) for file in [source.with_suffix(".pxd")] if file.exists()]
-    return setuptools.Extension(name, [str(source)], depends=declarations, extra_compile_args=flags)
+    return module(name, [str(source)], depends=declarations, extra_compile_args=flags)
+
+
+def module(name, sources, **options):
+    """What setuptools is to compile."""
+    return setuptools.Extension(name, sources, **options, **(LIMITED if ABI3 else {}))
 
 
 if __name__ == "__main__":  # processes that Cython starts import this file
-    modules = [setuptools.Extension(SHARED, [], extra_compile_args=FLAGS)]
+    modules = [module(SHARED, [], extra_compile_args=FLAGS)]
     modules += [extension(name, name, FLAGS) for name in KERNELS]
     if FAST:  # and once more for processors with AVX2, see weftex/dispatch.py
         modules += [
@@ -153,5 +165,8 @@ if __name__ == "__main__":  # processes that Cython starts import this file
     setuptools.setup(
         cmdclass={"build_ext": BuildKernels},
         ext_modules=modules,
-        options={"build": {"build_base": BASE}},
+        options={
+            "build": {"build_base": BASE},
+            "bdist_wheel": {"py_limited_api": "cp311" if ABI3 else None},
+        },
     )

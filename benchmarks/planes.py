@@ -102,7 +102,7 @@ def main() -> None:
     parser.add_argument("--methods", default=METHODS)
     parser.add_argument("--surfaces", default="")
     args = parser.parse_args()
-    found = sorted(SURFACES.glob("*.png"))
+    found = sorted(SURFACES.glob("*.webp"))
     if args.surfaces:
         found = [path for path in found if path.stem in args.surfaces.split(",")]
     {"scores": table_of_scores, "times": times}[args.what](args.methods.split(","), found)

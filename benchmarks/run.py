@@ -3,11 +3,11 @@
     python benchmarks/run.py [all | TABLE ...] [--json FILE] [--update [PAGE]] [--small]
 
 The tables of the patch methods are in patch.py, those of the pixel methods in pixel.py, those of
-near-regular textures in near_regular.py, those of whole processes in process.py, those of measures
-and of quality against time in judging.py; --help names them. Prints Markdown. Every time is a
-median of several runs, in seconds of processor time (by the clock only where threads are counted),
-and what is compared is run in turn, so that other work on the machine disturbs all alike; look at
-the ratios first. --update writes the tables into the page, each with
+near-regular textures in near_regular.py, those of whole processes in process.py and everyday.py,
+those of measures and of quality against time in judging.py; --help names them. Prints Markdown.
+Every time is a median of several runs, in seconds of processor time (by the clock only where
+threads are counted), and what is compared is run in turn, so that other work on the machine
+disturbs all alike; look at the ratios first. --update writes the tables into the page, each with
 the machine it was measured on, and charts beside it; tables that were not made stay. --small shows
 that all of it runs, and measures nothing. Pictures and scores of all methods are gallery.py's.
 Needs weftex[test].
@@ -22,6 +22,7 @@ from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Any
 
+import everyday
 import judging
 import near_regular
 import patch
@@ -40,7 +41,7 @@ _HEAD = """\
 
 TABLES: dict[str, Callable[[], Table]] = {
     table.__name__: table
-    for module in (patch, process, pixel, near_regular, judging)
+    for module in (patch, process, pixel, near_regular, judging, everyday)
     for table in module.TABLES
 }
 

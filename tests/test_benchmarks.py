@@ -11,9 +11,12 @@ from PIL import Image
 
 ROOT = Path(__file__).parent.parent
 sys.path.insert(0, str(ROOT / "benchmarks"))
+import commits  # noqa: E402
 import digests  # noqa: E402
+import everyday  # noqa: E402
 import fusion  # noqa: E402
 import lattices  # noqa: E402
+import many_threads  # noqa: E402
 import pictures  # noqa: E402
 import repeats  # noqa: E402
 import run  # noqa: E402
@@ -112,3 +115,24 @@ def test_the_first_picture_of_a_page(monkeypatch, tmp_path):
     kept = ROOT / "docs" / "img" / "analyze.webp"
     with Image.open(pictures.draw("analyze")) as made, Image.open(kept) as old:
         assert made.size == old.size
+
+
+def test_pictures_of_the_landing_page(monkeypatch, tmp_path):
+    monkeypatch.setattr(everyday, "ROWS", ("tile",))
+    everyday.draw(tmp_path)
+    with Image.open(tmp_path / "row_tile.webp") as drawn:
+        assert drawn.height == 76 and drawn.width > 150
+
+
+def test_two_installations_are_compared(monkeypatch, capsys):
+    monkeypatch.setattr(sys, "argv", ["commits.py", sys.executable, sys.executable, "--small"])
+    commits.main()
+    (row,) = capsys.readouterr().out.splitlines()[2:]
+    assert row.startswith("| patch-sampling 2048 | 0.")
+
+
+def test_many_threads_make_the_same_bytes(monkeypatch, capsys):
+    monkeypatch.setattr(sys, "argv", ["many_threads.py", "quilting", "best-tile"])
+    assert many_threads.main() == 0
+    assert "2 methods, 8 threads" in capsys.readouterr().out
+    sys.setswitchinterval(0.005)

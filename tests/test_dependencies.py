@@ -20,6 +20,7 @@ ROOT = Path(__file__).parent.parent / "src" / "weftex"
 LEVELS = [
     ["__main__"],
     ["cli"],
+    ["studio"],
     ["tasks"],
     ["pages"],
     ["methods"],
@@ -224,6 +225,7 @@ def test_the_graph_sees_every_kind_of_arrow():
 
 #: Where files are opened, and where OpenImageIO is.
 FILE_MODULES = ("io.", "results.files", "stores.")
+FILE_MODULES += ("studio.store", "studio.uploads", "studio.exports")
 
 
 def test_only_io_results_and_stores_touch_files():

@@ -232,7 +232,7 @@ class Method(ABC):
     #: Parameters of `for_belt`, which have an effect on belts even where regions take none.
     belt_parameters: ClassVar[frozenset[str]] = frozenset()
 
-    def __new__(cls, *values: Any, **named: Any) -> Self:
+    def __new__(cls, /, *values: Any, **named: Any) -> Self:
         """Refuse what is no parameter; `__init__` would raise a TypeError.
 
         Examples

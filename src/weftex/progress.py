@@ -21,7 +21,7 @@ class Bar:
     Parameters
     ----------
     after : float
-        Seconds after which it appears; infinite for who calls `draw`.
+        Seconds after which it appears.
 
     Attributes
     ----------
@@ -37,7 +37,7 @@ class Bar:
         self.seconds: dict[str, float] = {}
 
     def __call__(self, done: int, total: int, stage: str, preview: Callable[[], Any]) -> bool:
-        """Count; little is done here, since this is called often."""
+        """Count, and draw now and then."""
         clock = perf_counter()
         if stage != self._now[2]:
             self._end_stage(clock)
@@ -45,7 +45,7 @@ class Bar:
         if clock >= self._next:
             self.draw()
             self._next = perf_counter() + _PAUSE
-        if done >= total and self._next < float("inf"):
+        if done >= total:
             self.close()
         return True
 

@@ -173,3 +173,36 @@ def test_the_input_may_be_overwritten(here):
     assert weft_run("synth", "sample.png", "-o", "sample.png", "--seed", 2) == 0
     expected = weftex.synthesize(given, (128, 144), seed=2).image
     assert (read_image("sample.png").pixels == expected).all()
+
+
+def test_a_window_of_an_endless_plane(tmp_path, capsys):
+    words = ["synth", "sample:pebbles", "--method", "quilting", "--seed", "7", "--quiet"]
+    for name, place in (("whole", "-90,70,40,50"), ("part", "-80,75,20,30")):
+        assert weft_run(*words, "-o", str(tmp_path / f"{name}.png"), "--window", place) == 0
+    whole, part = (read_image(tmp_path / f"{n}.png").pixels for n in ("whole", "part"))
+    assert np.array_equal(part, whole[10:30, 5:35])
+    around = ["--window", "910,70,40,50", "--period", "1000"]
+    assert weft_run(*words, "-o", str(tmp_path / "a.png"), *around) == 0
+    around[1] = "-90,1070,40,50"
+    assert weft_run(*words, "-o", str(tmp_path / "b.png"), *around) == 0
+    assert (tmp_path / "a.png").read_bytes() == (tmp_path / "b.png").read_bytes()
+
+
+@pytest.mark.parametrize(
+    "options, said",
+    [
+        (["--window", "1,2"], "--window is '1,2'; it must be TOP,LEFT,HEIGHT,WIDTH"),
+        (["--window", "1,2,3,4", "--size", "50"], "--size and --window exclude each other"),
+        (["--window", "1,2,3,4", "--tileable"], "--tileable and --window exclude each other"),
+        (["--window", "1,2,3,4", "--best-of", "3"], "--best-of and --window exclude each other"),
+        (["--window", "1,2,3,4", "--workers", "2"], "--workers"),
+        (["--period", "50"], "--period has no effect without --window"),
+        (["--window", "1,2,3,4", "--period", "5x"], "--period is '5x'"),
+        (["--window", "1,2,3,4", "--period", "20"], "period has the height 20; it must be"),
+    ],
+)
+def test_windows_that_are_none(options, said, tmp_path, capsys):
+    words = ["synth", "sample:pebbles", "-o", str(tmp_path / "o.png"), "--method", "quilting"]
+    assert weft_run(*words, *options) == 2
+    error = capsys.readouterr().err
+    assert said in error and error.count("\n") == 1

@@ -42,6 +42,19 @@ def test_round_trip_is_exact(tmp_path, suffix, dtype, channels, alpha, size):
     assert files_in(tmp_path) == [path.name]
 
 
+@pytest.mark.parametrize("dtype", ["uint8", "uint16"])
+def test_large_pngs_are_compressed_in_bands(tmp_path, dtype):
+    pixels = noise((500, 720, 4), dtype)
+    files = []
+    for threads in (1, 2, 3):
+        io.write_image(tmp_path / "a.png", pixels, alpha=True, threads=threads)
+        files.append((tmp_path / "a.png").read_bytes())
+    assert len(set(files)) == 1
+    assert files[0].count(b"IDAT") > 1
+    np.testing.assert_array_equal(io.read_image(tmp_path / "a.png").pixels, pixels)
+    Image.open(tmp_path / "a.png").load()  # another decoder takes them too
+
+
 def test_webp_widens_gray(tmp_path):
     pixels = noise((9, 8, 2)) | 1
     for alpha, index in ((False, [0, 0, 0]), (True, [0, 0, 0, 1])):

@@ -65,7 +65,8 @@ def test_full_disk(small_disk, suffix):
     fails(path, "No space left on device$", lambda p: io.write_image(p, pixels))
     assert files_in(small_disk) == [path.name]
     assert path.read_bytes() == b"old"
-    (small_disk / "fill").write_bytes(os.urandom(100_000))
+    disk = os.statvfs(small_disk)
+    (small_disk / "fill").write_bytes(os.urandom(disk.f_bavail * disk.f_bsize))
     fails(path, "No space left on device$", lambda p: io.write_image(p, pixels[:2, :2]))
     (small_disk / "fill").unlink()
     io.write_image(path, pixels[:20, :20])
@@ -112,12 +113,12 @@ def test_atomic_replaces_and_removes(tmp_path):
 
 
 def test_a_failing_encoder_leaves_no_trace(tmp_path, monkeypatch):
-    path = tmp_path / "a.png"
+    path = tmp_path / "a.tif"
     path.write_bytes(b"old")
     monkeypatch.setattr(io, "encode", lambda *_: "it broke\nand more")
     text = fails(path, "cannot write", lambda p: io.write_image(p, noise((4, 4))))
     assert text.endswith("cannot write: it broke")
-    assert files_in(tmp_path) == ["a.png"]
+    assert files_in(tmp_path) == ["a.tif"]
     assert path.read_bytes() == b"old"
 
 
@@ -178,18 +179,19 @@ def test_kill_leaves_the_old_file(tmp_path, suffix):
 
 
 @pytest.mark.skipif(sys.platform == "win32", reason="signals are other there")
-def test_interrupt_leaves_the_old_file(tmp_path):
-    path = tmp_path / "a.png"
+@pytest.mark.parametrize(("name", "encoder"), [("a.png", "write_png"), ("a.tif", "encode")])
+def test_interrupt_leaves_the_old_file(tmp_path, name, encoder):
+    path = tmp_path / name
     path.write_bytes(b"old")
-    code = """
+    code = f"""
         import os, signal, sys
         import numpy as np
         from weftex.io import pictures as io
-        real = io.encode
+        real = io.{encoder}
         def encode(*args):
             os.kill(os.getpid(), signal.SIGINT)
             return real(*args)
-        io.encode = encode
+        io.{encoder} = encode
         try:
             io.write_image(sys.argv[1], np.zeros((50, 50), "u1"))
         except KeyboardInterrupt:
@@ -197,7 +199,7 @@ def test_interrupt_leaves_the_old_file(tmp_path):
     """
     done = run(code, path, preexec_fn=hear_interrupts)
     assert done.stdout == "interrupted\n", done.stderr
-    assert files_in(tmp_path) == ["a.png"]
+    assert files_in(tmp_path) == [name]
     assert path.read_bytes() == b"old"
 
 

@@ -15,8 +15,8 @@ from twins import graphcut as reference
 from weftex.methods.graphcut import GraphCut, placement
 from weftex.methods.graphcut.cutting import Picture
 from weftex.methods.graphcut.draws import chances_of, variance
-from weftex.methods.graphcut.placement import SubPatchMatching
 from weftex.methods.graphcut.seams import CanvasSeams
+from weftex.methods.graphcut.subpatch import SubPatchMatching
 from weftex.search.translation import Spectra, fast_size, overlap_mismatch, window_mismatch
 
 sys.path.insert(0, str(Path(__file__).parents[2] / "benchmarks"))

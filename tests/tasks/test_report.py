@@ -12,8 +12,8 @@ import pytest
 import weftex
 from weftex import cli
 from weftex.errors import FileError, InvalidInputError
-from weftex.io.formats import png
 from weftex.io.pictures import write_image, write_text
+from weftex.io.png import png_bytes
 from weftex.tasks.report import report
 
 EMPTY = {"meta", "br", "img"}
@@ -168,7 +168,7 @@ def test_large_pictures_are_shown_smaller(rng):
 @pytest.mark.parametrize("shape", [(1, 1), (5, 7), (1, 9, 3), (8, 1, 1), (6, 4, 3)])
 def test_png_in_memory_is_the_picture(shape, rng, tmp_path):
     pixels = rng.integers(0, 256, shape, np.uint8)
-    (tmp_path / "p.png").write_bytes(png(pixels))
+    (tmp_path / "p.png").write_bytes(png_bytes(pixels))
     np.testing.assert_array_equal(
         weftex.read_image(tmp_path / "p.png").pixels,
         pixels.squeeze(2) if shape[2:] == (1,) else pixels,

@@ -11,6 +11,7 @@ from __future__ import annotations
 
 import numbers
 from dataclasses import dataclass
+from functools import lru_cache
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -115,9 +116,13 @@ class Field:
         return found
 
     def _at(self, x: Floats, y: Floats) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
-        columns = np.rint(x).astype(np.int64) + self.width - 1
-        rows = np.rint(y).astype(np.int64) + self.height - 1
-        return np.clip(rows, 0, 2 * self.height - 2), np.clip(columns, 0, 2 * self.width - 2)
+        found = []
+        for at, side in ((y, self.height), (x, self.width)):
+            place = np.rint(at).astype(np.int64)
+            place += side - 1
+            np.maximum(place, 0, out=place)  # np.clip takes as long again to look at its limits
+            found.append(np.minimum(place, 2 * side - 2, out=place))
+        return found[0], found[1]
 
 
 def rate(field: Field, pairs: Floats, reach: int, kind: str, *, exact: bool = False) -> Rating:
@@ -262,9 +267,10 @@ def _arcs(rows: int, moved: int, around: int, length: int) -> int:
     """Positions of a circle that arcs cover, each one moved on from the one before."""
     if rows <= 0 or length <= 0:
         return 0
-    starts = np.sort(np.arange(rows) * moved % around)
-    gaps = np.diff(starts, append=starts[0] + around)
-    return int(np.minimum(gaps, length).sum())
+    starts = np.arange(rows) * moved % around
+    starts.sort()
+    last = int(starts[0]) + around - int(starts[-1])
+    return int(np.minimum(starts[1:] - starts[:-1], length).sum()) + min(last, length)
 
 
 def reach_of(field: Field, vectors: Floats, most: int) -> int:
@@ -273,11 +279,13 @@ def reach_of(field: Field, vectors: Floats, most: int) -> int:
     return max(1, min(most, int(np.ceil(far.max()))))
 
 
+@lru_cache(maxsize=256)
 def _multiples(reach: int, phase: tuple[float, float]) -> Floats:
     """Times of each vector: whole ones in the right half but (0, 0), or those off by a phase."""
     b, a = np.mgrid[-reach : reach + 1, -reach : reach + 1].reshape(2, -1)
     times = np.stack([a, b], axis=1).astype(np.float64)
     chosen: Floats = times + phase if any(phase) else times[(b > 0) | ((b == 0) & (a > 0))]
+    chosen.flags.writeable = False
     return chosen
 
 

@@ -43,33 +43,65 @@ def draw_lattice(exemplar: Exemplar, lattice: Lattice | None) -> NDArray[np.uint
     >>> int((drawn == (255, 0, 255)).all(axis=2).sum())
     16
     """
-    levels = exemplar.as_matching(exemplar.pixels)
-    colors = exemplar.channels - exemplar.alpha
-    levels = levels[..., :3] if colors >= 3 else np.repeat(levels[..., :1], 3, axis=2)
-    if exemplar.alpha:  # clear pixels are white
-        clear = 255 - exemplar.as_matching(exemplar.pixels)[..., -1:].astype(int)
-        levels = np.minimum(levels + clear, 255).astype(np.uint8)
+    levels = _levels(exemplar)
     picture = levels.copy()
     if lattice is None:
         return picture
     height, width = exemplar.shape
-    gray = levels.mean(axis=2)
-    change = sum(
-        abs(np.gradient(gray, axis=axis)) if side > 1 else 0 * gray
-        for axis, side in enumerate(gray.shape)
-    )
     y, x = np.mgrid[:height, :width].astype(np.float64)
     lines = np.zeros((height, width), bool)
-    for across in _across(lattice):
+    for across, phase in _lines_over(levels, lattice):
         # Whole numbers are where a line could be; it is as thick as a pixel, more on big samples.
-        place = x * across[0] + y * across[1]
-        phase = _busiest(place, change)
-        off = place - phase
+        off = x * across[0] + y * across[1] - phase
         thick = max(1.0, max(height, width) / 500)
         lines |= abs(off - np.rint(off)) < thick / 2 * float(np.hypot(*across)) + 1e-9
     red, green, blue = levels.reshape(-1, 3).mean(axis=0)
     picture[lines] = (0, 255, 0) if max(red, blue) > 1.2 * green + 10 else (255, 0, 255)
     return picture
+
+
+def lattice_lines(exemplar: Exemplar, lattice: Lattice) -> list[tuple[Floats, float]]:
+    """Return where `draw_lattice` draws lines, for whoever draws them.
+
+    Returns
+    -------
+    list of (float64 array (2,), float)
+        For each family of lines `across` and `phase`: they lie where x * across[0] + y * across[1]
+        - phase is a whole number.
+
+    Examples
+    --------
+    >>> from weftex.analysis.lattice import Lattice
+    >>> from weftex.exemplar import Exemplar
+    >>> lines = lattice_lines(Exemplar(np.full((4, 6), 9, np.uint8)), Lattice(((3, 0), (0, 2))))
+    >>> [across.round(2).tolist() for across, _ in lines]
+    [[0.33, 0.0], [0.0, 0.5]]
+    """
+    return _lines_over(_levels(exemplar), lattice)
+
+
+def _levels(exemplar: Exemplar) -> NDArray[np.uint8]:
+    """The sample in three channels of bytes; clear pixels are white."""
+    matching = exemplar.as_matching(exemplar.pixels)
+    colors = exemplar.channels - exemplar.alpha
+    levels = matching[..., :3] if colors >= 3 else np.repeat(matching[..., :1], 3, axis=2)
+    if exemplar.alpha:
+        clear = 255 - matching[..., -1:].astype(int)
+        levels = np.minimum(levels + clear, 255).astype(np.uint8)
+    return levels
+
+
+def _lines_over(levels: NDArray[np.uint8], lattice: Lattice) -> list[tuple[Floats, float]]:
+    """Each family of lines where the levels change most."""
+    gray = levels.mean(axis=2)
+    change = sum(
+        abs(np.gradient(gray, axis=axis)) if side > 1 else 0 * gray
+        for axis, side in enumerate(gray.shape)
+    )
+    y, x = np.mgrid[: gray.shape[0], : gray.shape[1]].astype(np.float64)
+    return [
+        (across, _busiest(x * across[0] + y * across[1], change)) for across in _across(lattice)
+    ]
 
 
 def draw_correlation(correlation: Floats) -> NDArray[np.uint8]:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import lru_cache
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -109,12 +110,10 @@ def fit_vectors(
     window = max(1, min(3, int(np.hypot(*vectors.T).min() // 5)))
     agreed, limit = 0, 1
     while True:
-        ranges = [np.arange(-limit, limit + 1)] * len(vectors)
-        times = np.stack(np.meshgrid(*ranges), axis=-1).reshape(-1, len(vectors))
+        times = _all_times(limit, len(vectors))
         places = times @ vectors
         # Far shifts compare a small part of the sample; half of each side is enough.
-        far = (abs(places[:, 0]) <= 0.6 * width) & (abs(places[:, 1]) <= 0.6 * height)
-        keep = far & times.any(axis=1)
+        keep = (abs(places[:, 0]) <= 0.6 * width) & (abs(places[:, 1]) <= 0.6 * height)
         times, places = times[keep], places[keep]
         found, heights = _tops(correlation, places, window)
         good = heights > 0
@@ -129,6 +128,16 @@ def fit_vectors(
         limit, window = min(2 * limit, reach), max(1, min(window, 2))
 
 
+@lru_cache(maxsize=64)
+def _all_times(limit: int, number: int) -> NDArray[np.int64]:
+    """Up to so many times each of one or two vectors, but for none of either."""
+    ranges = [np.arange(-limit, limit + 1)] * number
+    times = np.stack(np.meshgrid(*ranges), axis=-1).reshape(-1, number)
+    times = times[times.any(axis=1)]
+    times.flags.writeable = False
+    return times
+
+
 def _tops(
     correlation: NDArray[np.float64], places: NDArray[np.float64], window: int
 ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
@@ -137,8 +146,11 @@ def _tops(
     reach = window + 1
     x, y = np.rint(places).astype(int).T + np.array([[width - 1], [height - 1]])
     side = np.arange(-reach, reach + 1)
-    rows = np.clip(y[:, None] + side, 0, 2 * height - 2)[:, :, None]
-    around = correlation[rows, np.clip(x[:, None] + side, 0, 2 * width - 2)[:, None, :]]
+    rows, columns = (
+        np.minimum(np.maximum(at[:, None] + side, 0), 2 * n - 2)
+        for at, n in ((y, height), (x, width))
+    )
+    around = correlation[rows[:, :, None], columns[:, None, :]]
     inside = around[:, 1:-1, 1:-1].reshape(len(x), -1)
     best = inside.argmax(axis=1)
     dy, dx = best // (2 * window + 1) + 1, best % (2 * window + 1) + 1
@@ -150,14 +162,10 @@ def _tops(
 
     def offset(before: NDArray[np.float64], after: NDArray[np.float64]) -> NDArray[np.float64]:
         bend = np.minimum(before - 2 * top + after, -1e-12)
-        moved: NDArray[np.float64] = np.clip(0.5 * (before - after) / bend, -0.5, 0.5)
-        return moved
+        moved: NDArray[np.float64] = 0.5 * (before - after) / bend
+        return np.minimum(np.maximum(moved, -0.5), 0.5)
 
-    found = np.stack(
-        [
-            x - width + 1 + dx - reach + offset(left, right),
-            y - height + 1 + dy - reach + offset(above, below),
-        ],
-        axis=1,
-    )
+    found = np.empty((len(x), 2))
+    found[:, 0] = x - width + 1 + dx - reach + offset(left, right)
+    found[:, 1] = y - height + 1 + dy - reach + offset(above, below)
     return found, np.where(peak, top, 0)

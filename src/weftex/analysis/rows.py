@@ -167,7 +167,11 @@ def _profiles(correlation: Floats, angles: Floats, reach: int) -> Floats:
         # As far along as shifts in this direction leave half of the sample to overlap.
         far = min((center + 1) / max(abs(c), 1e-9), (middle + 1) / max(abs(s), 1e-9))
         x, y = along * far * c - across * s, along * far * s + across * c
-        rows = np.clip(np.rint(y).astype(int) + middle, 0, correlation.shape[0] - 1)
-        columns = np.clip(np.rint(x).astype(int) + center, 0, correlation.shape[1] - 1)
-        result[k] = correlation[rows, columns].mean(axis=0)
+        place = []
+        for at, side in zip((y, x), correlation.shape, strict=True):
+            at = np.rint(at, out=at).astype(np.int64)
+            at += side // 2
+            np.maximum(at, 0, out=at)
+            place.append(np.minimum(at, side - 1, out=at))
+        result[k] = correlation[place[0], place[1]].mean(axis=0)
     return result

@@ -26,6 +26,7 @@ from weftex.analysis.regularity import highest_return
 from weftex.analysis.relief import Relief, relief
 from weftex.analysis.things import size_of_things
 from weftex.exemplar import Exemplar
+from weftex.raster.medians import median
 
 if TYPE_CHECKING:
     from typing import Literal
@@ -273,5 +274,5 @@ def _octave_medians(power: NDArray[np.float64]) -> NDArray[np.float64]:
     count = len(power)
     octaves = np.arange(0, np.log2(count) + 0.1, 0.1)
     found = np.unique(np.rint(2**octaves).astype(int).clip(max=count - 1))
-    medians = [np.median(power[k // 2 : 2 * k + 1]) for k in found]
+    medians = [median(power[k // 2 : 2 * k + 1]) for k in found]
     return np.interp(np.arange(count), found, medians)

@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from weftex.analysis.correlation import wrapped_length
+from weftex.raster.medians import median
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -70,15 +71,18 @@ def whitened(flat: Relief) -> tuple[Floats, float]:
     smoothed = np.fft.rfft2(around).real
     power /= np.maximum(smoothed, max(_EMPTY * float(smoothed.max()), 1e-300))
     power *= np.exp(-((v / _FINEST) ** 2)) * np.exp(-((u / _FINEST) ** 2))
-    usable = np.fft.rfft2(flat.usable, size)
-    overlap = _unwrapped(np.fft.irfft2(abs(usable) ** 2, size), height, width)
+    if flat.usable.all() and flat.usable.max() == 1:
+        overlap = np.outer(*(side - abs(np.arange(1.0 - side, side)) for side in (height, width)))
+    else:
+        usable = np.fft.rfft2(flat.usable, size)
+        overlap = _unwrapped(np.fft.irfft2(abs(usable) ** 2, size), height, width)
     found = _unwrapped(np.fft.irfft2(power, size), height, width)
     shared = overlap / overlap[height - 1, width - 1]
     found *= (shared >= _LEAST) / np.maximum(shared, _LEAST)
     found /= max(float(found[height - 1, width - 1]), 1e-12)
     enough = shared >= _ENOUGH
-    chance = np.median(abs(found[enough]) * np.sqrt(shared[enough])) / 0.6745
-    return found, float(chance)
+    chance = median(abs(found[enough]) * np.sqrt(shared[enough])) / 0.6745
+    return found, chance
 
 
 def _unwrapped(values: Floats, height: int, width: int) -> Floats:

@@ -24,6 +24,7 @@ _COMMANDS = {
     "prepare": "straighten a photo and even its light, before it is a sample",
     "estimate": "guess height and normals of a photo that has none",
     "compare": "every method on one sample, side by side: pictures, figures, times",
+    "studio": "see, paint, change and take materials in the browser",
     "report": "say how good a result is, in figures and maps of where it fails",
     "methods": "list the methods, or the parameters of one",
     "samples": "list the samples that ship with weftex",

@@ -20,6 +20,8 @@ _BARE = {
     "--straighten": ("", r"[-+.,\deE]*,[-+.,\deE]*"),
     "--even-light": ("2", r"[-+]?\d+"),
 }
+#: Options whose value may begin with a minus.
+_SIGNED = {"--window"}
 
 
 class Built(Exception):
@@ -37,13 +39,24 @@ class Parser(argparse.ArgumentParser):
     only_built: ClassVar[bool] = False
 
     def __init__(self, command: str, description: str, examples: str) -> None:
+        # By itself argparse looks for the terminal's width with every option that is added.
+        self._columns = 80
         super().__init__(
             f"weftex {command}",
             description=description,
             epilog=examples,
             allow_abbrev=False,
-            formatter_class=argparse.RawDescriptionHelpFormatter,
+            formatter_class=lambda prog: argparse.RawDescriptionHelpFormatter(
+                prog, width=self._columns - 2
+            ),
         )
+
+    def format_help(self) -> str:
+        """Return the help, as wide as the terminal."""
+        import shutil
+
+        self._columns = shutil.get_terminal_size().columns
+        return super().format_help()
 
     def error(self, message: str) -> NoReturn:
         """Raise, so that usage errors look like all others."""
@@ -51,6 +64,9 @@ class Parser(argparse.ArgumentParser):
 
     def filled(self, argv: list[str]) -> list[str]:
         """Give bare options their values, so that none takes the file name that follows it."""
+        for k in [k for k, word in enumerate(argv[:-1]) if word in _SIGNED][::-1]:
+            if re.match(r"-\d", argv[k + 1]):
+                argv = [*argv[:k], f"{argv[k]}={argv[k + 1]}", *argv[k + 2 :]]
         pairs = zip(argv, [*argv[1:], ""], strict=False)
         return [
             f"{a}={_BARE[a][0]}" if a in _BARE and not re.fullmatch(_BARE[a][1], b) else a
@@ -219,7 +235,7 @@ def parameters_of(method: type[Method]) -> Iterator[tuple[Any, str]]:
         yield field, f"{bounds(field)}{unit}; default: {default}"
 
 
-def parse_size(text: str, huge: bool) -> tuple[int, int]:
+def parse_size(text: str, huge: bool, option: str = "--size") -> tuple[int, int]:
     """Height and width from 'WxH' or 'N'; 2k is 2048."""
     try:
         sides = [
@@ -229,13 +245,13 @@ def parse_size(text: str, huge: bool) -> tuple[int, int]:
         width, height = sides * 2 if len(sides) == 1 else sides
     except ValueError:
         raise InvalidInputError(
-            f"--size is '{text}'; it must be WxH or N, such as 640x480 or 2k"
+            f"{option} is '{text}'; it must be WxH or N, such as 640x480 or 2k"
         ) from None
     if min(height, width) < 1:
-        raise InvalidInputError(f"--size is '{text}'; both sides must be 1 or more")
+        raise InvalidInputError(f"{option} is '{text}'; both sides must be 1 or more")
     if height * width > _HUGE and not huge:
         raise InvalidInputError(
-            f"--size is '{text}', more than {_HUGE} pixels; --allow-huge makes it anyway, and "
+            f"{option} is '{text}', more than {_HUGE} pixels; --allow-huge makes it anyway, and "
             "OUT.tif, OUT.zarr and OUT.dzi take any size"
         )
     return height, width

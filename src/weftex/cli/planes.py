@@ -31,6 +31,7 @@ _WHOLE = {
     "guide": "a guide is a picture of the whole size",
     "sample_guide": "a guide is a picture of the whole size",
     "debug": "its pictures are of the whole size",
+    "window": "that has a size and is one picture",
     "mtlx": "MaterialX names pictures that are loaded whole",
 }
 

@@ -47,15 +47,16 @@ class Plan:
         from weftex.io.pictures import write_image, write_text
         from weftex.threads import in_turn, thread_count
 
-        pictures = self.material.pictures
+        pictures, at_once = self.material.pictures, thread_count(threads)
         temporary = {name: outputs.add(self.targets[name]) for name in pictures}
 
         def write_one(number: int) -> None:
             name, like = [*pictures.items()][number]
             how: dict[str, Any] = {"alpha": like.alpha, "icc": like.icc, "half": like.half}
+            how["threads"] = max(1, at_once // len(pictures))
             write_image(temporary[name], pixels(name), **how)
 
-        for _ in in_turn(write_one, range(len(pictures)), thread_count(threads)):
+        for _ in in_turn(write_one, range(len(pictures)), at_once):
             pass  # the first that fails ends it
         for path, text in self.documents.items():
             write_text(outputs.add(path), text)

@@ -49,15 +49,17 @@ class Bar(progress.Bar):
     left = "nothing was written"
 
     def __init__(self, quiet: bool, preview: str | None = None) -> None:
-        super().__init__(after=float("inf"))
+        super().__init__()
         self._at_stop: list[Callable[[], None]] = []
         self._shows = not quiet and sys.stderr.isatty()
         self._appears, self.stopped = perf_counter() + _BAR_AFTER, False
         self._preview, self._wrote, self._due = preview, False, perf_counter() + _PREVIEW_AFTER
 
     def __call__(self, done: int, total: int, stage: str, preview: Callable[[], Any]) -> bool:
-        """Count; False once `stop` was called."""
-        super().__call__(done, total, stage, preview)
+        """Count; False once `stop` was called. This is all that the work waits for."""
+        if stage != self._now[2]:
+            self._end_stage(perf_counter())
+        self._now = (done, total, stage)
         if self._preview is not None and perf_counter() >= self._due:
             self._write(preview)
         return not self.stopped

@@ -13,15 +13,15 @@ from typing import IO, TYPE_CHECKING, Any
 import numpy as np
 
 from weftex.errors import FileError, InvalidInputError, shown
+from weftex.io.png import SIGNATURE
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     StrPath = str | os.PathLike[str]
 
-PNG = b"\x89PNG\r\n\x1a\n"
 SIGNATURES = {
-    "png": (PNG,),
+    "png": (SIGNATURE,),
     "jpeg": (b"\xff\xd8\xff",),
     "tiff": (b"II*\0", b"MM\0*", b"II+\0", b"MM\0+"),
     "bmp": (b"BM",),
@@ -54,10 +54,9 @@ class Format:
 # TIFF and EXR record the present unless told another date, and no two runs would give equal bytes.
 DATE = ("DateTime", "1980:01:01 00:00:00")
 PLAIN = ("oiio:ColorSpace", "unknown")
-# One PNG filter, the average, at level 2 takes half the time of Paeth's at 3, a third of libpng's
-# choice among five; of stones, 4096x4096, the file is 4 % smaller than the former. WebP at its own
-# effort takes 30 times as long for 1 % less. A TIFF predictor for floats is more than many readers
-# know. An unknown color space keeps sRGB tags off maps and wide gamuts.
+# PNG without a profile is written by `weftex.io.png`. WebP at its own effort takes 30 times as long
+# for 1 % less. A TIFF predictor for floats is more than many readers know. An unknown color space
+# keeps sRGB tags off maps and wide gamuts.
 FORMATS = {
     ".png": Format("png", ("uint8", "uint16"), 1_000_000,
                     options=(("png:compressionLevel", 2), ("png:filter", 64), PLAIN)),
@@ -127,7 +126,7 @@ def kind_of(name: str, given: str) -> str:
         name.encode()  # the library takes no other names
         with open(name, "rb") as file:
             head = file.read(16)
-            if head.startswith(PNG):
+            if head.startswith(SIGNATURE):
                 check_png(file, given)
     except FileError:
         raise
@@ -145,7 +144,7 @@ def kind_of(name: str, given: str) -> str:
 
 def check_png(file: IO[bytes], given: str) -> None:
     """Find damage before libpng does, which prints to the terminal before it reports."""
-    size, position, kind, seen = os.fstat(file.fileno()).st_size, len(PNG), b"", set()
+    size, position, kind, seen = os.fstat(file.fileno()).st_size, len(SIGNATURE), b"", set()
     while kind != b"IEND":
         file.seek(position)
         head = file.read(8)
@@ -154,7 +153,9 @@ def check_png(file: IO[bytes], given: str) -> None:
             raise file_error(given, "the file is cut short")
         body, check = file.read(length), int.from_bytes(file.read(4), "big")
         sides = [int.from_bytes(body[k : k + 4], "big") for k in (0, 4)]
-        header = position > len(PNG) or (kind == b"IHDR" and 0 < min(sides) <= max(sides) <= 10**6)
+        header = position > len(SIGNATURE) or (
+            kind == b"IHDR" and 0 < min(sides) <= max(sides) <= 10**6
+        )
         if not header or zlib.crc32(body, zlib.crc32(kind)) != check:
             raise file_error(given, "the file is damaged")
         position += 12 + length
@@ -320,26 +321,3 @@ def file_error(path: StrPath, what: str, why: object = "") -> FileError:
 def show(path: str) -> str:
     """Return a path that prints on one line."""
     return "".join(c if c.isprintable() else ascii(c)[1:-1] for c in path) or "''"
-
-
-def png(pixels: NDArray[np.uint8]) -> bytes:
-    """Return a gray or RGB picture, with alpha or not, as a PNG file in memory, for a page."""
-    import struct
-    import zlib
-
-    levels = pixels if pixels.ndim == 3 else pixels[..., None]
-    height, width, channels = levels.shape
-    lines = np.zeros((height, 1 + width * channels), np.uint8)
-    lines[:, 0] = 2  # each line less the one above
-    flat = levels.reshape(height, -1)
-    lines[0, 1:] = flat[0]
-    lines[1:, 1:] = flat[1:] - flat[:-1]
-
-    def chunk(kind: bytes, data: bytes) -> bytes:
-        body = kind + data
-        return struct.pack(">I", len(data)) + body + struct.pack(">I", zlib.crc32(body))
-
-    kind = (0, 4, 2, 6)[channels - 1]
-    about = struct.pack(">IIBBBBB", width, height, 8, kind, 0, 0, 0)
-    parts = ((b"IHDR", about), (b"IDAT", zlib.compress(lines.tobytes(), 6)), (b"IEND", b""))
-    return b"\x89PNG\r\n\x1a\n" + b"".join(chunk(*part) for part in parts)

@@ -50,6 +50,8 @@ from weftex.io.formats import (
     upright,
     varies,
 )
+from weftex.io.png import write_png
+from weftex.threads import thread_count
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -156,6 +158,7 @@ def write_image(
     alpha: bool = False,
     icc: bytes | None = None,
     half: bool = False,
+    threads: int | None = None,
 ) -> None:
     """Write a picture; the file appears whole or not at all.
 
@@ -176,6 +179,8 @@ def write_image(
         broken or made for another number of channels, such as an RGB profile for a gray picture.
     half : bool
         Round floats to 16 bits where the format holds them, which EXR does.
+    threads : int, optional
+        Compress large PNGs with at most so many; by default as many as there are processors.
 
     Raises
     ------
@@ -196,11 +201,15 @@ def write_image(
             pixels = np.concatenate([pixels[..., :-1] * pixels[..., -1:], pixels[..., -1:]], axis=2)
     if pixels.shape[2] in form.widen:
         pixels = np.concatenate([pixels[..., :1]] * 2 + [pixels], axis=2)
+    profile, at_once = icc if fits(icc, pixels.shape[2] - alpha) else None, thread_count(threads)
     with atomic(path) as temporary:
+        if form.name == "png" and profile is None:
+            with open(temporary, "wb") as file:
+                write_png(file, pixels, at_once)
+            return
         # On a full disk PNG reports success, JPEG ends the process and WebP crashes, so room is
         # made sure of first. Noise can grow by an eighth.
         reserve(temporary, pixels.nbytes * 5 // 4 + len(icc or b"") + 2**16)
-        profile = icc if fits(icc, pixels.shape[2] - alpha) else None
         problem = encode(temporary, form, pixels, alpha, profile, half)
         if problem and profile is not None:  # libpng is stricter about them than we are
             problem = encode(temporary, form, pixels, alpha, None, half)

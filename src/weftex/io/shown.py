@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from weftex.io.formats import png
+from weftex.io.png import png_bytes
 from weftex.raster.levels import scale_to_bytes, to_bytes
 
 if TYPE_CHECKING:
@@ -33,7 +33,7 @@ class Shown:
 
     def _repr_png_(self) -> bytes | None:
         found = self._picture_shown()
-        return None if found is None else png(small_bytes(*found))
+        return None if found is None else png_bytes(small_bytes(*found))
 
     def _repr_html_(self) -> str | None:
         picture = self._repr_png_()

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from weftex.io.formats import png
+from weftex.io.png import png_bytes
 
 if TYPE_CHECKING:
     from collections.abc import Iterable
@@ -82,7 +82,7 @@ def show(picture: NDArray[np.uint8], title: str, text: str) -> str:
     """A picture in the page itself; a large one is shown by every second, third, ... pixel."""
     height, width = picture.shape[:2]
     step = -(-max(height, width) // _LARGEST_PICTURE)
-    data = base64.b64encode(png(np.ascontiguousarray(picture[::step, ::step]))).decode("ascii")
+    data = base64.b64encode(png_bytes(picture[::step, ::step])).decode("ascii")
     size = f"{width}x{height} pixels" + (f", shown at 1:{step}" if step > 1 else "")
     return (
         f'<figure><img alt="{escape(f"{title}: {text}")}" src="data:image/png;base64,{data}">'

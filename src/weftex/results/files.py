@@ -22,6 +22,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
 _FORMAT = 1
+MOST_REACH = 256.0  #: pixels in which steps of tone may be spread
 _MOST_ABOUT = 2**24  # bytes: far more than any facts
 _MOST_BYTES = 64  # a pixel of output and sample: patches of one pixel take 32
 
@@ -31,7 +32,15 @@ class DamageError(ValueError):
 
 
 #: What a result is given beside its canvas, arrays and exemplar.
-ABOUT = ("sample_shape", "known_from", "provenance", "match_tone", "is_window", "turn")
+ABOUT = (
+    "sample_shape",
+    "known_from",
+    "provenance",
+    "match_tone",
+    "tone_reach",
+    "is_window",
+    "turn",
+)
 
 
 @dataclass(frozen=True)
@@ -47,6 +56,7 @@ class Facts:
     provenance : dict
         Method, parameters and seed.
     match_tone, is_window : bool
+    tone_reach : float
     turn : str or None
         See `weftex.results.synthesis.Synthesis`.
     """
@@ -58,6 +68,7 @@ class Facts:
     provenance: dict[str, Any]
     origin: tuple[int, int] = (0, 0)  # this and what follows is not in files of the first version
     match_tone: bool = False
+    tone_reach: float = 0.0
     is_window: bool = False
     turn: str | None = None
 
@@ -73,6 +84,8 @@ class Facts:
             raise DamageError("its facts have other types")
         if [type(self.match_tone), type(self.is_window)] != [bool, bool]:
             raise DamageError("its facts have other types")
+        if type(self.tone_reach) is not float or not 0 <= self.tone_reach <= MOST_REACH:
+            raise DamageError("its tones are spread no known way")
         if self.turn is not None and self.turn not in TURNS:
             raise DamageError("its sample was turned in no known way")
 

@@ -22,7 +22,7 @@ from weftex.results.files import (
     read_result,
     write_result,
 )
-from weftex.results.heights import join_heights
+from weftex.results.joining import Laid, join_steps, reach_of
 from weftex.results.scales import check_window, in_few_pixels, room_for, scale_to
 from weftex.results.shown import ShownResult
 from weftex.results.tone import match_tone
@@ -65,11 +65,14 @@ class Synthesis(ShownResult, ABC):
         The finished picture, when making it was part of the work.
     match_tone : bool
         Shift the tone inside a filled hole to that around it, see `weftex.results.tone`.
+    tone_reach : float
+        Pixels in which steps of tone between pieces are spread, see `weftex.results.joining`; 0
+        leaves pixels as they are, as holes, drawings, vectors and colors with alpha always are.
     turn : str, optional
         Which copies its sample is made of, see `weftex.turned`; as the exemplar says, if given.
     is_window : bool
-        It is a part of an endless plane, whose heights are laid as they are: to join them asks for
-        what lies around.
+        It is a part of an endless plane, which is laid as it is: to join its pieces asks for what
+        lies around.
     """
 
     #: The arrays that say where pixels come from, by the name of the parameter, and their types.
@@ -90,6 +93,7 @@ class Synthesis(ShownResult, ABC):
         provenance: dict[str, Any] | None = None,
         picture: NDArray[Any] | None = None,
         match_tone: bool = False,
+        tone_reach: float = 0.0,
         is_window: bool = False,
         turn: str | None = None,
     ) -> None:
@@ -97,6 +101,7 @@ class Synthesis(ShownResult, ABC):
         self.sample_shape, self.known_from = sample_shape, known_from
         self.provenance = provenance or {}
         self._picture, self.match_tone, self.is_window = picture, match_tone, is_window
+        self.tone_reach = tone_reach
         self.turn = exemplar.turn if isinstance(exemplar, Exemplar) else turn
 
     @abstractmethod
@@ -270,8 +275,7 @@ class Synthesis(ShownResult, ABC):
         if background is None:
             background = self.canvas.known if own else self.canvas.known_maps.get(given.name)
         ratio = scale_to(given, self.sample_shape)
-        joined = given.role.kind == "height" and not self.is_window
-        if (self.match_tone or joined) and not whole:  # what is around must be seen
+        if self.match_tone and not whole:  # what is around must be seen
             made = self.render(given, background=background)
             ends = ((top, top + height), (left, left + width))
             rows, columns = (slice(int(start * ratio), int(end * ratio)) for start, end in ends)
@@ -283,27 +287,29 @@ class Synthesis(ShownResult, ABC):
                 *(given, background, ratio),
             )
         scale, pixels, mixing = int(ratio), given.pixels, given.mixing
-        out = room_for(pixels, height * scale, width * scale)
+        base: NDArray[Any] | None = None
         if self.canvas.hole is not None:
             size = (self.shape[0] * scale, self.shape[1] * scale)
             base = background_of(pixels, size, scale, self.known_from, background)
-            base = base[top * scale :, left * scale :][: height * scale, : width * scale]
-            out[:] = base
-        self._lay(
-            out.reshape(*out.shape[:2], -1),
-            pixels.reshape(*pixels.shape[:2], -1),
-            (top, left, height, width),
-            mixing,
-        )
-        if joined:
-            out = join_heights(out, pixels, self.layers, self.canvas.wrap, scale)
-        if self.canvas.hole is not None:  # patches may hang over the hole
+
+        def lay(part: Window) -> NDArray[Any]:
+            top, left, height, width = part
+            out = room_for(pixels, height * scale, width * scale)
+            if base is not None:
+                out[:] = base[top * scale :, left * scale :][: height * scale, : width * scale]
+            below, planes = (a.reshape(*a.shape[:2], -1) for a in (out, pixels))
+            self._lay(below, planes, part, mixing)
+            return out
+
+        reach = 0.0 if self.is_window else reach_of(given, self.tone_reach, self.canvas.hole)
+        laid = Laid(lay, self.layers, self.shape, self.canvas.wrap, scale)
+        out = join_steps(laid, given, reach, (top, left, height, width))
+        if self.canvas.hole is not None and base is not None:  # patches may hang over the hole
             known = ~self.canvas.hole[top : top + height, left : left + width]
             known = known.repeat(scale, 0).repeat(scale, 1)
-            out[known] = base[known]
+            out[known] = base[top * scale :, left * scale :][: len(known), : known.shape[1]][known]
             if self.match_tone and mixing.kind in (Kind.MEAN, Kind.ALPHA):
-                planes = out.reshape(*out.shape[:2], -1)
-                wrap = self.canvas.wrap
+                planes, wrap = out.reshape(*out.shape[:2], -1), self.canvas.wrap
                 even = match_tone(planes, ~known, wrap, alpha=given.alpha, scale=scale)
                 out = even.reshape(out.shape)
         if own and whole and self._picture is None:

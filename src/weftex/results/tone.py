@@ -71,7 +71,7 @@ def match_tone(
         opaque = picture[..., -1].ravel() > 0
         seen = opaque[inside] & opaque[outside]
         inside, outside = inside[seen], outside[seen]
-    if len(np.unique(flat[outside], axis=0)) <= _FEW:
+    if has_few_colors(flat[outside]):
         return picture
     steps = flat[outside].astype(np.float64) - flat[inside]
     largest = float(abs(steps).max())
@@ -92,6 +92,15 @@ def match_tone(
             values = np.clip(colors[..., channel][hole] + shift, -most, most)
         result[..., channel][hole] = values.astype(picture.dtype)
     return result
+
+
+def has_few_colors(colors: NDArray[Any]) -> bool:
+    """Whether at most 32 of the colors (N, C) differ, as in drawings and maps of labels.
+
+    >>> has_few_colors(np.arange(33)[:, None]), has_few_colors(np.arange(99)[:, None] % 32)
+    (False, True)
+    """
+    return all(len(np.unique(part, axis=0)) <= _FEW for part in (colors[: _FEW**2], colors))
 
 
 def _border(

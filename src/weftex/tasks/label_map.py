@@ -31,8 +31,9 @@ def labels_of(
         How many colors there must be.
     colors : sequence of colors, optional
         The color of each label, as numbers or tuples of numbers of the picture's dtype; then
-        other colors count as the nearest of these, so that painted edges may be smooth. By
-        default the colors are numbered as they appear, from the upper left corner row by row.
+        other colors count as the nearest of these, so that painted edges may be smooth; they may
+        be without the alpha. By default the colors are numbered as they appear, from the upper left
+        corner row by row.
 
     Returns
     -------
@@ -71,6 +72,8 @@ def labels_of(
             wanted = wanted if wanted.dtype.kind in "biuf" else np.zeros((0, 0))
         except (TypeError, ValueError, OverflowError):
             wanted = np.zeros((0, 0))
+        if wanted.shape == (count, flat.shape[1] - 1) and (flat[:, -1] == flat[0, -1]).all():
+            flat = flat[:, :-1]  # what was painted on a canvas has an alpha, which says nothing
         if wanted.shape != (count, flat.shape[1]):
             raise InvalidInputError(f"each color must have {flat.shape[1]} numbers, as in the map")
         for k in range(1, count):

@@ -120,7 +120,7 @@ def report(
         result_name=named,
         assessment=found,
         real=real_crops(exemplar),
-        maps=_maps(exemplar, pixels, source),
+        maps=fault_maps(exemplar, pixels, source),
         provenance=provenance,
         notes=tuple(notes),
         of_maps={
@@ -162,9 +162,25 @@ def _another(source: Synthesis, exemplar: Exemplar, pixels: NDArray[Any]) -> lis
     return [f"The result is not {text}. What is said of copying may not hold for it."]
 
 
-def _maps(
+def fault_maps(
     exemplar: Exemplar, pixels: NDArray[Any], source: NDArray[Any] | None
 ) -> dict[str, Bytes]:
+    """Draw where a result fails: the pictures of a `Report`, by their names.
+
+    Parameters
+    ----------
+    exemplar : Exemplar
+        The sample.
+    pixels : array (H, W) or (H, W, C)
+        The result.
+    source : int array (H, W, 2) or None
+        See `report`.
+
+    Returns
+    -------
+    dict of str to uint8 array (h, w, 3)
+        Of the middle of large results; `use` is of the sample.
+    """
     shape = (min(pixels.shape[0], LARGEST_MEASURED), min(pixels.shape[1], LARGEST_MEASURED))
     if source is not None:
         source = middle(check_source(source, exemplar.shape, pixels.shape[:2]), shape)

@@ -19,6 +19,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from weftex.canvas import Canvas
+    from weftex.exemplar import Exemplar
     from weftex.loading import Sample
     from weftex.progress import ProgressCallback
     from weftex.random import Seed
@@ -56,7 +57,8 @@ def synthesize(
         Axes that are to repeat without a seam.
     guide : path, array, PIL image or Exemplar, optional
         A picture of the output's size that the output is to follow; not every method can. It is
-        compared with the sample, so it has its dtype and channels, or with its guide.
+        compared with the sample, so it has its dtype and channels (an alpha that is full everywhere
+        may be there too), or with its guide.
     sample_guide : path, array, PIL image or Exemplar, optional
         A picture of the sample's size that stands for it in the guide, see `Exemplar`: a map of
         labels, or anything else that says what is where.
@@ -109,12 +111,23 @@ def synthesize(
         if canvas.guide is None:
             raise InvalidInputError("sample_guide has no effect without a guide")
         exemplar = exemplar.changed(guide=_guide(sample_guide))
+    if exemplar.guide is None and canvas.guide is not None:
+        canvas = dataclasses.replace(canvas, guide=_like(canvas.guide, exemplar))
     how: dict[str, Any] = {"seed": seed, "threads": threads, "progress": progress}
     if not once:
         from weftex.tasks.best_of import best_of as keep_best
 
         return keep_best(tried, exemplar, canvas, **how)
     return chosen.fit(exemplar).sample(canvas, **how)
+
+
+def _like(guide: NDArray[Any], exemplar: Exemplar) -> NDArray[Any]:
+    """The guide without an alpha that is full everywhere, for a sample that has none."""
+    if guide.ndim != 3 or guide.shape[2] not in (2, 4) or exemplar.channels != guide.shape[2] - 1:
+        return guide
+    full = 1 if guide.dtype.kind == "f" else np.iinfo(guide.dtype).max
+    same = (guide[..., -1] == full).all()
+    return guide[..., :-1].reshape(*guide.shape[:2], *exemplar.pixels.shape[2:]) if same else guide
 
 
 def _guide(picture: Sample) -> NDArray[Any]:

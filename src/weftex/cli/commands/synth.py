@@ -33,12 +33,14 @@ from weftex.cli.planes import (
     add_plane,
     check_options,
     recipe_for,
+    refuse_options,
     stems_of,
     takes_any_size,
     wants_plane,
 )
 from weftex.cli.planes import write as write_plane
 from weftex.cli.terminal import finish
+from weftex.cli.windows import add_window, parse_period, parse_window
 
 if TYPE_CHECKING:
     from weftex.cli.terminal import Bar, Outputs
@@ -53,6 +55,7 @@ examples:
   weftex synth brick.png -o wall.png --best-of 8      the best of eight seeds
   weftex synth brick.png -o wall.png --best-of quilting,graphcut,near-regular
   weftex synth photo.jpg -o wall.png --straighten --even-light
+  weftex synth brick.png -o part.png --window 10000,-500,512,512 --seed 7    of an endless plane
   weftex synth brick.png -o wall.zarr --size 100000x100000 --workers 4
   weftex synth moss.png -o face.png --method ashikhmin --guide face.png
   weftex synth photo.png -o new.png --method refinement --sample-guide painted.png --guide other.png
@@ -80,13 +83,16 @@ def run(argv: list[str]) -> None:
     add_tileable_sample(parser)
     add_mending(parser)
     add_turn(parser)
+    add_window(parser)
     add_plane(parser)
     args, method, parameters = parse_task(parser, argv)
-    best_of = parse_best_of(args.best_of)
+    best_of, window, period = parse_best_of(args.best_of), parse_window(args), parse_period(args)
     huge = args.allow_huge or takes_any_size(args.output)
     size = None if args.size is None else parse_size(args.size, huge)
     chosen = method(**parameters)
-    if wants_plane(args, size):
+    if window is not None:
+        refuse_options(args)
+    elif wants_plane(args, size):
         check_options(args)
 
         def stream(bar: Bar, outputs: Outputs) -> str:
@@ -110,8 +116,8 @@ def run(argv: list[str]) -> None:
         if len(args.sample) > 1:
             exemplar, plan = open_several(args.sample, args, outputs)
         else:
-            how = {"tileable": args.tileable_sample}
-            exemplar, plan = open_sample(args.sample[0], args, outputs, **how)
+            tiles = {"tileable": args.tileable_sample}
+            exemplar, plan = open_sample(args.sample[0], args, outputs, **tiles)
         if args.debug is not None:
             outputs.make_folder(args.debug)
         guide = None if args.guide is None else read(args.guide, args).exemplar()
@@ -121,9 +127,15 @@ def run(argv: list[str]) -> None:
         if guide is not None:
             size_made = size or guide.shape
         exemplar = with_turns(exemplar, args)
-        check_size(exemplar, size_made)
+        check_size(exemplar, size_made if window is None else window[2:])
         guides: dict[str, Any] = {"guide": guide, "sample_guide": own, "best_of": best_of}
-        result = synthesize(exemplar, size_made, method=chosen, **guides, **settings(args, bar))
+        how = settings(args, bar)
+        if window is not None:
+            how["period"] = period
+            del how["tileable"]
+            result = chosen.fit(exemplar).window(*window, **how)
+        else:
+            result = synthesize(exemplar, size_made, method=chosen, **guides, **how)
         write(result, plan, args, outputs)
         if args.debug is not None:
             write_debug(result, args.debug, outputs)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import asdict, dataclass, replace
 from typing import TYPE_CHECKING, ClassVar, Self
 
@@ -14,6 +15,7 @@ from weftex.methods.patches.sizes import patch_size_for
 from weftex.methods.pixels.growth import PixelModel
 from weftex.parameters import parameter
 from weftex.planes.grid import Sizes
+from weftex.random import draw
 from weftex.threads import thread_map
 
 if TYPE_CHECKING:
@@ -21,9 +23,10 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from weftex.exemplar import Exemplar
-    from weftex.methods.graphcut.placement import Place
+    from weftex.methods.graphcut.places import Place
     from weftex.methods.pixels.growth import Growth
 
+_LARGE = 2**15  # pixels of a patch from which on candidates are priced in threads
 _PATCHES = 3  # in a row between two belts of a plane
 _IDLE = 4  # refinements that mend nothing, for each patch that covered the canvas, end it
 
@@ -115,6 +118,25 @@ class GraphCut(Method):
         high=8,
         default_text="up to 4, so that a patch has 24 pixels a side or more",
     )
+    tries: int = parameter(
+        1, "so many are laid, and the one is kept whose seams cost least", low=1, high=64
+    )
+    tone_reach: float = parameter(
+        16.0,
+        "pixels in which steps of tone across seams are spread; 0 is the paper's way",
+        low=0.0,
+        high=256.0,
+        unit="px",
+        idle_canvas="known",
+    )
+    lattice: tuple[float, ...] | None = parameter(
+        None,
+        "translation vectors x1,y1,x2,y2 that the entire sample is shifted by; 1,0,0,P are rows",
+        count=4,
+        unit="px",
+        default_text="any place",
+        needs=("placement", ("entire",)),
+    )
 
     def __post_init__(self) -> None:
         super().__post_init__()
@@ -165,20 +187,33 @@ class GraphCutModel(PixelModel):
 
 
 def synthesize(settings: Settings, growth: Growth) -> None:
+    """Lay the canvas, or several of which the one is kept whose seams cost least."""
+    settings = settings.on(growth.canvas)
+    if growth.canvas.shown is not None:  # a block of a plane: its border may be cut again
+        growth.show(growth.canvas.shown >= 0)
+    if settings.tries == 1:
+        lay(settings, growth)
+        return
+    tries = [growth.again(growth.seed)]
+    tries += [growth.again(int(draw(growth.seed, "try", k)[()])) for k in range(1, settings.tries)]
+    costs = [lay(settings, one).cost(growth.canvas) for one in tries]
+    growth.take(tries[costs.index(min(costs))])
+
+
+def lay(settings: Settings, growth: Growth) -> Picture:
     """Cover the canvas with patches, then put more patches over its worst seams.
 
     Sections are those of the paper.
     """
-    settings = settings.on(growth.canvas)
-    if growth.canvas.shown is not None:  # a block of a plane: its border may be cut again
-        growth.show(growth.canvas.shown >= 0)
     placement = placement_of(settings, growth)  # random, entire patch or sub-patch (section 4)
     picture = Picture(settings, growth, placement.size, placement.reduction)
+    growth.tone_reach = settings.tone_reach
     growth.about["patch_shape"] = list(placement.size)
     if settings.placement == "subpatch":
         growth.about |= settings.sizes()
 
-    with thread_map(min(growth.threads, settings.candidates)) as map_:
+    threads = min(growth.threads, settings.candidates) if math.prod(placement.size) >= _LARGE else 1
+    with thread_map(threads) as map_:
 
         def place(pixel: tuple[int, int], number: int, *, centered: bool) -> Place:
             # Places that match, drawn by P(t) = exp(-C(t) / (k sigma**2)) (section 4); C(t) by FFT
@@ -200,7 +235,7 @@ def synthesize(settings: Settings, growth: Growth) -> None:
         # Patches over the worst seams: an old seam goes where the cut is cheaper (section 4).
         count = round(settings.refinements * laid)
         if not count:
-            return
+            return picture
         seams = CanvasSeams(picture, growth.canvas, placement.size)
         progress = growth.progress(count, "repairs")
         for number in range(laid, laid + count):
@@ -213,3 +248,4 @@ def synthesize(settings: Settings, growth: Growth) -> None:
             picture.paste(best)
             seams.price_around(best)
             progress.advance(1)
+    return picture

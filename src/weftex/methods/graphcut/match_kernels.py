@@ -174,19 +174,30 @@ def nudge(
     """
     cython.declare(y=cython.Py_ssize_t, x=cython.Py_ssize_t, cost=cython.double)
     cython.declare(top=cython.Py_ssize_t, left=cython.Py_ssize_t, area=cython.double)
+    cython.declare(most=cython.double)
     middle_y: cython.Py_ssize_t = place[0]
     middle_x: cython.Py_ssize_t = place[1]
     top = middle_y - offset[0]
     left = middle_x - offset[1]
-    best: cython.double = mismatch(box, sample, top, left, whole, INFINITY)
+    best: cython.double = INFINITY
+    # Of places on a lattice the one that a smaller copy found need not be one itself.
+    found: cython.bint = (
+        middle_y < allowed.shape[0]
+        and middle_x < allowed.shape[1]
+        and allowed[middle_y, middle_x] != 0
+    )
+    if found:
+        best = mismatch(box, sample, top, left, whole, INFINITY)
     # A mean over no more pixels than this is no better once its sum is that of the best.
     area = cython.cast(cython.double, area_of(box, sample, top, left)) * (1 + 1e-12)
     for y in range(max(0, middle_y - 1), min(middle_y + 2, allowed.shape[0])):
         for x in range(max(0, middle_x - 1), min(middle_x + 2, allowed.shape[1])):
             if not allowed[y, x] or (y == middle_y and x == middle_x):
                 continue
-            cost = mismatch(box, sample, y - offset[0], x - offset[1], whole, best * area)
-            if cost < best:
+            most = best * area if best < INFINITY else INFINITY
+            cost = mismatch(box, sample, y - offset[0], x - offset[1], whole, most)
+            if cost < best or not found:
+                found = True
                 best = cost
                 place[0] = cython.cast(cython.int, y)
                 place[1] = cython.cast(cython.int, x)

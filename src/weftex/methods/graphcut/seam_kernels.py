@@ -105,7 +105,7 @@ def seam_cost(
             cost += difference(at_q, other, channels)
             gradient += difference(at_p, other, channels)
         if b_at_p < 0 or a_at_q < 0:
-            cost *= 2
+            cost *= 4
             gradient *= 2
     if sample.by_gradients:
         return SCALE * cost // (gradient + SOFT * channels)

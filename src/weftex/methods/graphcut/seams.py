@@ -12,7 +12,7 @@ from weftex.raster.boxes import box_sums
 if TYPE_CHECKING:
     from weftex.canvas import Canvas
     from weftex.methods.graphcut.cutting import Picture
-    from weftex.methods.graphcut.placement import Place
+    from weftex.methods.graphcut.places import Place
 
 _CELL = 8  # side in pixels of the squares by which the worst seams are looked for
 

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from weftex.analysis.canvas_lattice import check_lattice
 from weftex.errors import InvalidInputError
 from weftex.methods.patches.sizes import patch_size_of, patch_size_on
 from weftex.search.windows import windows_of
@@ -40,6 +41,9 @@ class Settings:
     by_gradients: bool  # the cost of a seam is divided by the gradients across it
     refinements: float  # patches over the worst seams, for each that covered the canvas
     variety: float  # the cost of showing a place again
+    tries: int  # pictures of which the one is kept whose seams cost least
+    tone_reach: float  # pixels in which steps of tone across seams are spread
+    lattice: tuple[float, ...]  # x1, y1, x2, y2, of which entire patches are shifted by multiples
     halvings: int  # at most, of the copies that matches and cuts begin on
     least: int  # pixels a side that a patch has on those
     size_given: bool  # patch_shape was chosen by the caller
@@ -104,6 +108,9 @@ def settle(
     refinements: float | None,
     variety: float,
     halvings: int | None,
+    tries: int,
+    tone_reach: float,
+    lattice: tuple[float, ...] | None,
 ) -> Settings:
     """Settle the parameters of `GraphCut` for a sample.
 
@@ -114,6 +121,8 @@ def settle(
         than half of a patch.
     """
     windows = windows_of(exemplar, (0, 0, 0, 0))
+    if lattice is not None:
+        check_lattice(lattice, exemplar)
     if tolerance is None:
         tolerance = 0.0 if placement == "entire" else 0.003
     if candidates is None:
@@ -137,6 +146,9 @@ def settle(
         by_gradients=seam_cost == "gradient",
         refinements=refinements,
         variety=variety,
+        tries=tries,
+        tone_reach=tone_reach,
+        lattice=lattice or (),
         halvings=_HALVINGS if halvings is None else halvings,
         least=_LEAST if halvings is None else 1,
         size_given=patch_size is not None,

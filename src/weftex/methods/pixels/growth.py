@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from copy import copy
 from typing import TYPE_CHECKING, Any, Protocol, Self, TypeVar
 
 import numpy as np
@@ -46,6 +47,8 @@ class Growth:
         known pixel that is not in the sample.
     hole : bool array (H, W) or None
         The pixels to make; None if that is all of them.
+    tone_reach : float
+        See `weftex.results.Synthesis`; 0 unless the method sets it.
     about : dict
         Facts about this output for its provenance; the method adds to them.
     """
@@ -67,6 +70,7 @@ class Growth:
         self.hole: NDArray[np.bool_] | None = None
         self.windows = windows
         self.about: dict[str, Any] = {}
+        self.tone_reach = 0.0
         if canvas.known is None or canvas.hole is None or canvas.hole.all():
             return
         self.hole = canvas.hole
@@ -93,6 +97,19 @@ class Growth:
     def watched(self) -> bool:
         """Whether anybody may ask for a preview."""
         return self._callback is not None
+
+    def again(self, seed: int) -> Growth:
+        """Return the same, to be made with another seed."""
+        other = copy(self)
+        other.pixels, other.done = self.pixels.copy(), self.done.copy()
+        other.source = self.source.copy()
+        other.seed, other.about = seed, dict(self.about)
+        return other
+
+    def take(self, other: Growth) -> None:
+        """Become what was made of `again`."""
+        self.pixels, self.done, self.source = other.pixels, other.done, other.source
+        self.about, self.tone_reach = other.about, other.tone_reach
 
     def progress(self, total: int, stage: str) -> Progress:
         """Report on `total` steps of one stage; the preview is the picture so far."""
@@ -169,6 +186,7 @@ class PixelModel(Model):
             sample_shape=self.exemplar.shape,
             exemplar=self.exemplar,
             known_from=canvas.known_from,
+            tone_reach=growth.tone_reach,
             provenance=self.method.describe() | {"seed": number} | growth.about,
         )
 

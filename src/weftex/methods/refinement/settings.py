@@ -51,6 +51,9 @@ class Starts(Sequence[str]):
     def __len__(self) -> int:
         return sum(1 for _ in self)
 
+    def __bool__(self) -> bool:
+        return True  # to count them takes a look at every package that is installed
+
     def __getitem__(self, index: Any) -> Any:
         return tuple(iter(self))[index]
 

@@ -20,7 +20,13 @@ from weftex.progress import Progress
 from weftex.random import seed_number
 from weftex.tasks.auto.findings import Findings, look
 from weftex.tasks.auto.rule import choose, choose_for_hole
-from weftex.tasks.auto.trial import PREVIEW, best_of_choices, others, refined_if_whole
+from weftex.tasks.auto.trial import (
+    PREVIEW,
+    best_of_choices,
+    others,
+    refined_if_whole,
+    tried_often,
+)
 
 if TYPE_CHECKING:
     from weftex.planes.boxes import Asked, Box
@@ -141,8 +147,10 @@ class AutoModel(Model):
             def preview(one: Choice) -> Synthesis:
                 return self._fitted(one).sample(PREVIEW, seed=number, threads=threads)
 
-            choice = refined_if_whole(choices, lattice, self.exemplar, preview)
-            choices = [choice]
+            choices = [refined_if_whole(choices, lattice, self.exemplar, preview)]
+        if canvas.known is None:
+            choices = [tried_often(one, self._effort) for one in choices]
+        choice = choices[0]
         done: list[Synthesis] = []
         steps = Progress(progress, len(choices), "choices", lambda: done[-1].image)
 
@@ -172,7 +180,9 @@ class AutoModel(Model):
         Nothing is tried, so that every window has the same method.
         """
         choice, model = self.chosen(_ENDLESS)
-        if asked.period is not None and choice.method == "near-regular":
+        if asked.period is not None and (
+            choice.method == "near-regular" or "lattice" in choice.parameters
+        ):
             said = f"{choice.reason.rpartition(':')[0]}, a plane that repeats: quilting"
             choice = Choice("quilting", {}, said, choice.warnings)
             model = self._fitted(choice)

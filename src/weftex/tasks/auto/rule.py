@@ -21,9 +21,9 @@ if TYPE_CHECKING:
 
 _ROWS = 0.6  # confidence from which blocks are laid by rows
 _FINE = 1 / 12  # scale over the side: a patch, a quarter of it, holds three things in a row
-#: Scale over the side up to which the border of a patch has several grains in it, and feathering
-#: them makes soft lines.
-_FINEST = 1 / 24
+#: Strain of a lattice that goes around a canvas, up to which the entire sample is laid by it as it
+#: is: blocks are smaller, and stray less.
+_STIFF = 0.02
 _FEW_COLORS = 32  # drawings, labels: no mixtures of colors
 #: Pixels of the output above which patches of the sample do, as all of it takes four times as long.
 PATIENCE = 2**20
@@ -53,7 +53,7 @@ def choose(findings: Findings, canvas: Canvas) -> Choice:
     >>> flat = Evenness(0.0, 0.0, 0.0, (1.0, 1.0))
     >>> grass = Findings((256, 256), None, True, 12.5, 5000, flat)
     >>> str(choose(grass, Canvas(512, 512)))
-    'fine structure, 12.5 px of 256: patch-sampling'
+    'fine structure, 12.5 px of 256: graphcut'
     """
     shorter, lattice = min(findings.shape), findings.lattice
     warnings = _warnings(findings)
@@ -72,11 +72,13 @@ def choose(findings: Findings, canvas: Canvas) -> Choice:
             warnings.append(refused)
         elif findings.exact:
             parameters["lattice"] = vectors
+            if _quickly_cut(canvas) and CanvasLattice(vectors, canvas).strain <= _STIFF:
+                slug, parameters = "graphcut", {**WHOLE, **parameters}
     elif findings.scale <= _FINE * shorter:
         slug, said = "patch-sampling", f"fine structure, {findings.scale:.3g} px of {shorter}"
         if findings.colors <= _FEW_COLORS:
             slug, said = "quilting", f"{said}, few colors ({findings.colors}), not to be mixed"
-        elif findings.scale <= _FINEST * shorter and _quickly_cut(canvas):
+        elif _quickly_cut(canvas):
             slug, parameters = "graphcut", dict(WHOLE)
     else:
         slug, said = "graphcut", f"irregular structure of {findings.scale:.3g} px"

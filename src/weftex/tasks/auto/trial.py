@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -11,7 +12,6 @@ from weftex.choice import Choice
 from weftex.errors import InvalidInputError
 from weftex.methods import make_method
 from weftex.naming import text_of
-from weftex.quality.eye import Eye
 from weftex.tasks.auto.likeness import detail, like_itself
 from weftex.tasks.auto.rule import WHOLE, is_sure
 
@@ -27,6 +27,7 @@ if TYPE_CHECKING:
 #: How much better another picture's score must be: an eye agrees in three of four cases then.
 MARGIN = 1.0
 _LARGEST = 2**20  # pixels of an output of which several are made to keep one
+_TRIES = {"quick": 1, "normal": 2, "best": 4}  # times that entire samples are laid
 _WEAK = 0.3  # confidence from which a lattice is worth a trial
 #: Pixels of an output up to which blocks on a lattice are refined, which takes as long as the rest.
 _REFINED = 2**18
@@ -75,16 +76,28 @@ def others(first: Choice, findings: Findings, canvas: Canvas, effort: str) -> li
             return []
         start = text_of(make_method(first.method, first.parameters))
         return [Choice("refinement", {"init": start})]
-    if first.method not in ("graphcut", "patch-sampling"):
+    if first.method not in ("graphcut", "patch-sampling") or "lattice" in first.parameters:
         return []
     found = []
     if lattice is not None and not is_sure(lattice, findings.shape) and lattice.confidence >= _WEAK:
         vectors = {"lattice": four_numbers(lattice)} if findings.exact else {}
-        found.append(Choice("near-regular", vectors))
+        stiff = first.parameters == WHOLE and findings.exact
+        slug, placed = ("graphcut", WHOLE) if stiff else ("near-regular", {})
+        found.append(Choice(slug, {**placed, **vectors}))
     if effort == "best":
         found.append(Choice("refinement"))
         found.append(Choice("graphcut", {} if first.parameters == WHOLE else dict(WHOLE)))
     return found
+
+
+def tried_often(choice: Choice, effort: str) -> Choice:
+    """Lay entire samples several times, and keep the picture whose seams cost least.
+
+    Of pictures of one sample by one method the cost of seams says which has fewer broken things.
+    """
+    if choice.method != "graphcut" or choice.parameters.get("placement") != "entire":
+        return choice
+    return replace(choice, parameters={**choice.parameters, "tries": _TRIES[effort]})
 
 
 def best_of_choices(
@@ -106,6 +119,8 @@ def best_of_choices(
     Choice, Synthesis
         With the scores in its reason.
     """
+    from weftex.quality.eye import Eye  # most choices need none
+
     eye, kept, best = Eye(exemplar), make(choices[0]), choices[0]
     score = eye.score(kept.image)
     first, tried = score, []

@@ -1,4 +1,4 @@
-"""Heights that join without cliffs."""
+"""Heights and tones that join without steps."""
 
 import numpy as np
 import pytest
@@ -29,12 +29,11 @@ def test_joined_heights_are_the_slow_twin(wrap, blend, scale):
     assert abs(joined - laid).max() > 0.02
 
 
-def test_bands_and_blocks_do_not_show(monkeypatch):
-    from weftex.results import heights as module
+def test_blocks_do_not_show(monkeypatch):
+    from weftex.results import joining as module
 
     result, values = make("cut", (True, True)), hills((30, 34))
     whole = result.render(values, role="height")
-    monkeypatch.setattr(module, "_BAND", 200)
     monkeypatch.setattr(module, "_BLOCK", 16)
     assert np.allclose(result.render(values, role="height"), whole, atol=1e-3)
 
@@ -44,6 +43,7 @@ def test_steps_across_seams_are_like_those_of_the_sample(method):
     heights = hills((64, 64))
     color = np.rint(255 * hills((64, 64), 9)[..., None] ** [1, 1.2, 1.5]).astype(np.uint8)
     result = weftex.synthesize(color, (96, 96), method=method, seed=1)
+    result.tone_reach = 0.0
     source = result.source.astype(int)
     seam = (np.diff(source, axis=1) != (0, 1)).any(axis=2)
     own = abs(np.diff(heights, axis=1)).mean()
@@ -73,11 +73,52 @@ def test_known_pixels_stay():
     assert np.array_equal(joined[known], laid[known]) and not np.array_equal(joined, laid)
 
 
-def test_a_window_of_a_result_is_that_part_of_it():
-    result, values = make("cut"), hills((30, 34))
+@pytest.mark.parametrize("wrap", [(False, False), (True, False)])
+@pytest.mark.parametrize("role", ["height", "color"])
+def test_a_window_of_a_result_is_that_part_of_it(monkeypatch, wrap, role):
+    from weftex.results import joining as module
+
+    monkeypatch.setattr(module, "_BLOCK", 16)
+    monkeypatch.setattr(module, "_MARGIN", 1)
+    result, values = make("cut", wrap), hills((60, 68))
+    result.tone_reach = 4.0
     window = (5, 7, 20, 18)
-    whole = result.render(values, role="height")
-    assert np.array_equal(result.render(values, role="height", window=window), whole[5:25, 7:25])
+    whole = result.render(values, role=role)
+    assert np.array_equal(result.render(values, role=role, window=window), whole[10:50, 14:50])
+
+
+def stepped(tone_reach, **more):
+    """Bands of many tones, cut from light and dark halves of a sample."""
+    light = np.random.default_rng(1).integers(90, 110, (48, 48, 3)).astype(np.uint8)
+    light[:, 24:] += 60
+    sample = weftex.Exemplar(light, **more)
+    method = weftex.GraphCut(patch_size=20, tone_reach=tone_reach)
+    return method.fit(sample).sample((48, 64), seed=2)
+
+
+def test_tones_join_as_heights_do_and_stay_within_those_of_the_sample(tmp_path):
+    laid, joined = stepped(0), stepped(8)
+    assert np.array_equal(laid.source, joined.source)
+    places = laid.source[..., 0], laid.source[..., 1]
+    assert np.array_equal(laid.image, laid.sample.pixels[places])
+    gray = laid.sample.pixels[..., 0].astype(np.float64)
+    joined.tone_reach = 24.0  # that of heights
+    values = joined.render(gray)
+    expected = laid.render(gray, role="height")
+    assert np.allclose(values, np.clip(expected, gray.min(), gray.max()))
+    assert abs(values - laid.render(gray)).max() > 3
+    joined.save(tmp_path / "joined.npz")
+    again = weftex.Synthesis.load(tmp_path / "joined.npz")
+    assert np.array_equal(again.render(gray), values)
+
+
+def test_what_has_no_tones_between_is_not_joined():
+    joined = stepped(8)
+    labels = (joined.sample.pixels[..., 0] // 8).astype(np.uint8)
+    places = joined.source[..., 0], joined.source[..., 1]
+    for other, role in ((labels, None), (joined.sample.pixels, "id")):
+        assert np.array_equal(joined.render(other, role=role), other[places])
+    assert not np.array_equal(joined.image, joined.sample.pixels[places])
 
 
 def test_windows_of_a_plane_agree_also_after_they_were_saved(tmp_path):

@@ -1,0 +1,151 @@
+"""What people wait for: materials of each kind from a shell, and what showing progress takes.
+
+    python benchmarks/everyday.py [FOLDER]        # the pictures of docs/index.md, to docs/img
+
+The tables are run.py's. Needs weftex[test].
+"""
+
+from __future__ import annotations
+
+import io
+import statistics
+import subprocess
+import sys
+import tempfile
+from pathlib import Path
+from time import perf_counter, process_time, thread_time
+from unittest.mock import patch
+
+from PIL import Image
+from shared import HERE, Table, busy, ms, sample_of, sized, some
+
+import weftex
+from weftex.cli import terminal
+
+#: The rows of docs/index.md: the name of a picture, the material, the words of the command.
+MATERIALS = {
+    "grain": ("gravel, grass, plaster", "synth pebbles.png --size {}"),
+    "things": ("stones, rubble, leaves", "synth stone_wall.png --size {}"),
+    "bricks": ("bricks, tiles", "synth bricks.png --size {}"),
+    "cloth": ("cloth, mesh", "synth gingham.png --size {}"),
+    "rows": ("boards, ribs", "synth boards.png --size {}"),
+    "guided": (
+        "a painted map, a guide",
+        "synth pebbles.png --method ashikhmin --guide leaves.png",
+    ),
+    "tile": ("a photo that is to repeat", "tile wood.png"),
+    "hole": ("a hole in a photo", "fill bricks.png --mask hole.png"),
+    "meeting": ("two materials that meet", "fuse leaves.png pebbles.png --map hole.png"),
+}
+#: Those that the page of no task shows.
+ROWS = ("grain", "things", "bricks", "cloth", "rows", "tile")
+_HEIGHT = 76  # pixels of a picture in a row
+
+
+def inputs(name: str, folder: str) -> list[str]:
+    """Write the pictures that a row's command reads; their names."""
+    files = [word for word in MATERIALS[name][1].split() if word.endswith(".png")]
+    for file in files:
+        step = 256 // sized(256)
+        hole = weftex.read_image("sample:hole").pixels[::step, ::step]
+        pixels = hole if file == "hole.png" else sample_of(256, Path(file).stem)
+        weftex.write_image(f"{folder}/{file}", pixels)
+    return files
+
+
+def make(name: str, folder: str) -> None:
+    """Run the command of a row."""
+    words = MATERIALS[name][1].format(sized(1024)).split()
+    command = [sys.executable, "-m", "weftex", *words, "-o", "out.png", "--seed", "7", "--quiet"]
+    subprocess.run([*command, "--save-source", "out.npz"], cwd=folder, check=True)
+
+
+def materials() -> Table:
+    """Whole processes, a material of each kind: what the landing page says."""
+    rows = []
+    with tempfile.TemporaryDirectory() as folder:
+        for name, (kind, _) in some([*MATERIALS.items()], least=2):
+            inputs(name, folder)
+            took = []
+            for _ in some(range(3)):
+                start, clock = busy(), perf_counter()
+                make(name, folder)
+                took.append((busy() - start, perf_counter() - clock))
+            result = weftex.Synthesis.load(f"{folder}/out.npz")
+            size = f"{result.shape[1]}x{result.shape[0]}"
+            times = (ms(statistics.median(part)) for part in zip(*took, strict=True))
+            rows.append([kind, result.provenance.get("method", ""), size, *times])
+    notes = "Samples of 256x256, medians of 3 processes; the method is the one chosen by weftex."
+    return notes, ["material", "method", "output", "processor time", "elapsed"], rows
+
+
+def draw(target: Path) -> None:
+    """Write the inputs and output of rows that no other page has, side by side, small."""
+    for name in ROWS:
+        shown = []
+        with tempfile.TemporaryDirectory() as folder:
+            files = inputs(name, folder)
+            make(name, folder)
+            for file in [*files, "out.png"]:
+                picture = Image.open(f"{folder}/{file}").convert("RGB")
+                if picture.width >= 512:  # more of the material, at the scale of its sample
+                    picture = picture.crop((0, 0, 512, 256))
+                width = _HEIGHT * picture.width // picture.height
+                shown.append(picture.resize((width, _HEIGHT), Image.Resampling.LANCZOS))
+        row = Image.new("RGB", (sum(one.width + 4 for one in shown) - 4, _HEIGHT), "white")
+        left = 0
+        for one in shown:
+            row.paste(one, (left, 0))
+            left += one.width + 4
+        row.save(target / f"row_{name}.webp", quality=52, method=6)
+
+
+def progress() -> Table:
+    """What a bar on a terminal takes from the work that it shows."""
+    rows = []
+    start = thread_time()
+    for _ in range(10_000):
+        thread_time()
+    pair = (thread_time() - start) / 10_000  # what is between two looks at the clock by themselves
+    screen = io.StringIO()
+    jobs = {"patch-sampling": 4096, "quilting": 4096, "graphcut": 1024, "wei-levoy": 128}
+    jobs |= {"ashikhmin": 512, "exact-matching": 128, "refinement": 192, "best-tile": 2048}
+    with (
+        patch.object(terminal, "_BAR_AFTER", 0),
+        patch.object(sys, "stderr", screen),
+        patch.object(screen, "isatty", lambda: True),
+    ):
+        for method, size in jobs.items():
+            model = weftex.METHODS[method]().fit(sample_of(96 if size < 1000 else 256, "bricks"))
+            model.sample(sized(size) // 2, seed=1)
+            shares = []
+            for _ in some(range(3)):
+                inside = [0, 0.0]
+
+                def work(bar, outputs, model=model, size=size, inside=inside):
+                    def counted(*given):
+                        start = thread_time()
+                        answer = bar(*given)
+                        inside[0], inside[1] = inside[0] + 1, inside[1] + thread_time() - start
+                        return answer
+
+                    model.sample(sized(size), seed=7, progress=counted)
+
+                start, drawn = process_time(), thread_time()
+                terminal.run(work, quiet=False)
+                drawn, all_of_it = thread_time() - drawn, process_time() - start
+                called = max(0.0, inside[1] - inside[0] * pair)
+                shares.append((called / all_of_it, drawn / all_of_it, inside[0], all_of_it))
+            called, drawn, calls, took = (
+                statistics.median(part) for part in zip(*shares, strict=True)
+            )
+            share = [f"{100 * part:.2f} %" for part in (called, drawn)]
+            rows.append([method, ms(took), str(int(calls)), *share])
+    notes = "Medians of 3. Counting is taken from the work; the main thread draws meanwhile."
+    return notes, ["method", "processor time", "calls", "counting", "drawing"], rows
+
+
+TABLES = (materials, progress)
+
+if __name__ == "__main__":
+    draw(Path(sys.argv[1]) if len(sys.argv) > 1 else HERE.parent / "docs" / "img")

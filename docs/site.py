@@ -1,0 +1,98 @@
+"""For mkdocs: links that leave docs/ work on the site as they do in the repository.
+
+Every file outside that a page leads to becomes a page under repository/, as it is or as code.
+"""
+
+from __future__ import annotations
+
+import os
+import re
+from pathlib import Path
+from typing import Any
+
+from mkdocs.structure.files import File
+
+ROOT = Path(__file__).parent.parent
+DOCS = ROOT / "docs"
+LINK = re.compile(r"(\]\(|(?:src|href)=\")([^)#\s\"]+)([^)\"]*)")
+CODE = re.compile(r"^```.*?^```$|``.*?``|`[^`\n]+`", re.M | re.S)
+#: Pages about the project that are always there.
+PROJECT = ("CHANGELOG.md", "CONTRIBUTING.md", "SECURITY.md")
+
+made: dict[str, Path] = {}  # pages of the site, by their place in it, that lie outside docs/
+
+
+def target_of(link: str, origin: Path) -> Path | None:
+    """The file that a relative link leads to."""
+    if "://" in link or link.startswith(("mailto:", "data:", "/")):
+        return None
+    target = Path(os.path.normpath(origin.parent / link))
+    return target if target.exists() and target.is_relative_to(ROOT) else None
+
+
+def place_of(target: Path) -> str:
+    """Where a file is on the site."""
+    if target.is_relative_to(DOCS):
+        return target.relative_to(DOCS).as_posix()
+    return f"repository/{target.relative_to(ROOT).as_posix()}.md"
+
+
+def text_of(target: Path) -> str:
+    """What the page of a file outside docs/ says."""
+    name = target.relative_to(ROOT).as_posix()
+    if target.is_dir():
+        files = sorted(p.name for p in target.iterdir() if not p.name.startswith(("_", ".")))
+        return f"# {name}\n\n" + "".join(f"* `{file}`\n" for file in files)
+    text = target.read_text("utf-8")
+    if target.suffix == ".md":
+        return text
+    hidden = "---\nsearch: { exclude: true }\n---\n"
+    kind = {".py": "python", ".json": "json"}.get(target.suffix, "text")
+    return f"{hidden}# {name}\n\n````{kind}\n{text.rstrip()}\n````\n"
+
+
+def outside(text: str, origin: Path) -> set[Path]:
+    """Files outside docs/ that a page leads to."""
+    links = {link for _, link, _ in LINK.findall(CODE.sub("", text))}
+    found = {target_of(link, origin) for link in links}
+    return {target for target in found if target is not None and not target.is_relative_to(DOCS)}
+
+
+def on_files(files: Any, config: Any) -> Any:
+    """Add the pages outside docs/ that others lead to, and those that they lead to."""
+    made.clear()
+    waiting = [ROOT / name for name in PROJECT]
+    for page in DOCS.rglob("*.md"):
+        waiting += outside(page.read_text("utf-8"), page)
+    while waiting:
+        target = waiting.pop()
+        place = place_of(target)
+        if place in made:
+            continue
+        made[place] = target
+        text = text_of(target)
+        files.append(File.generated(config, place, content=text))
+        if target.suffix == ".md":
+            waiting += outside(text, target)
+    return files
+
+
+def on_page_markdown(markdown: str, page: Any, config: Any, files: Any) -> str:
+    """Turn links to files into links to the pages that they became."""
+    here = page.file.src_uri
+    if here == "index.md":
+        page.meta["hide"] = ["navigation", "toc"]
+    origin = made.get(here, DOCS / here)
+
+    def turned(found: re.Match[str]) -> str:
+        target = target_of(found[2], origin)
+        if target is None:
+            return found[0]
+        link = os.path.relpath(place_of(target), os.path.dirname(here) or ".")
+        return f"{found[1]}{Path(link).as_posix()}{found[3]}"
+
+    parts, end = [], 0
+    for code in CODE.finditer(markdown):  # what is code stays
+        parts += [LINK.sub(turned, markdown[end : code.start()]), code[0]]
+        end = code.end()
+    return "".join([*parts, LINK.sub(turned, markdown[end:])])

@@ -1,0 +1,78 @@
+"""weftex studio: see, paint, change and take materials in the browser."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from weftex.cli.options import Parser
+from weftex.cli.terminal import say
+from weftex.errors import InvalidInputError
+
+_ABOUT = """\
+Open a page on this machine in which a photo becomes a finished material. Nothing is sent anywhere:
+the server answers this machine alone, and only whoever knows the address with its token.\
+"""
+
+_EXAMPLES = """\
+examples:
+  weftex studio
+  weftex studio brick.png
+  weftex studio sample:bricks --no-browser
+"""
+
+_WARNING = """\
+--host {host}: others on the network can reach the studio now, unencrypted; whoever sees the \
+address with its token can use it
+"""
+
+
+def run(argv: list[str]) -> None:
+    """Run the command; `argv` is what follows its name."""
+    parser = Parser("studio", _ABOUT, _EXAMPLES)
+    add = parser.add_argument
+    text = "picture, folder of maps, or sample:NAME to begin with"
+    add("sample", metavar="SAMPLE", nargs="?", help=text)
+    add("--no-browser", action="store_true", help="print the address and open nothing")
+    add("--port", type=int, metavar="N", help="default: 8427, or any that is free")
+    text = "listen at this address of this machine; others can reach the studio then"
+    add("--host", default="127.0.0.1", metavar="ADDRESS", help=text)
+    text = "where pictures and kept results are; default: a folder of yours for such things"
+    add("--data", metavar="DIR", help=text)
+    add("--memory", type=int, metavar="MIB", help="remember so much; default: by this machine")
+    args = parser.parse(argv)
+    if args.port is not None and not 0 <= args.port < 2**16:
+        raise InvalidInputError(f"--port is {args.port}; it must be from 0 to 65535")
+    if args.memory is not None and not 64 <= args.memory <= 2**20:
+        raise InvalidInputError(f"--memory is {args.memory}; it must be from 64 to 1048576")
+    try:
+        from weftex.studio import server
+    except ModuleNotFoundError as error:
+        if (error.name or "").split(".")[0] not in ("starlette", "uvicorn", "anyio"):
+            raise
+        line = "the studio needs Starlette and uvicorn: pip install 'weftex[studio]'"
+        raise InvalidInputError(line) from None
+    from dataclasses import replace
+
+    from weftex.studio.limits import usual_limits
+    from weftex.studio.opened import Opened
+    from weftex.studio.store import default_folder
+    from weftex.studio.studio import Studio
+
+    limits = usual_limits()
+    if args.memory is not None:
+        limits = replace(limits, memory_bytes=args.memory * 2**20)
+    opened = None if args.sample is None else Opened.of(args.sample, limits)
+    listener = server.listen(args.host, args.port)
+    if args.host not in server.LOOPBACK:
+        say("warning: " + _WARNING.format(host=args.host))
+
+    def ready(address: str) -> None:
+        say(f"the studio is at {address}   (Ctrl-C ends it)")
+        if not args.no_browser:
+            import webbrowser
+
+            if not webbrowser.open(address):
+                say("no browser was found; open that address")
+
+    folder = default_folder() if args.data is None else Path(args.data)
+    server.Server(listener, args.host, Studio(folder, limits, opened), ready).run()

@@ -1,0 +1,103 @@
+"""PNG files, filtered and compressed a band of rows at a time, beside each other in threads.
+
+The work is zlib's; this cuts it into bands. A band is compressed as if nothing was before it and
+ends at a whole byte, so the bands of one picture, one after the other, are one stream.
+"""
+
+from __future__ import annotations
+
+import io
+import struct
+import zlib
+from typing import IO, TYPE_CHECKING, Any
+
+import numpy as np
+
+from weftex.threads import in_turn
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+SIGNATURE = b"\x89PNG\r\n\x1a\n"
+_BAND = 2**20  # bytes, about, of the rows that are compressed together
+# One filter, the average, at level 1 takes less than half the time of Paeth's at 3, a third of a
+# choice among all five; of stones, 4096x4096, the file is 4 % smaller than the former.
+_AVERAGE = 3
+_LEVEL, _SMALLER = 1, 6
+_COLOR_TYPES = {1: 0, 2: 4, 3: 2, 4: 6}  # by channels; even ones have alpha
+
+
+def write_png(file: IO[bytes], pixels: NDArray[Any], threads: int = 1, level: int = _LEVEL) -> None:
+    """Write a picture, without a color profile.
+
+    Parameters
+    ----------
+    file : binary file
+    pixels : uint8 or uint16 array (H, W, C)
+        1 to 4 channels, of which the second or the fourth is alpha.
+    threads : int
+        At most so many; the bytes are the same with any.
+    level : int
+        Of zlib, from 0 to 9.
+    """
+    height, width, channels = pixels.shape
+    kind = 8 * pixels.itemsize, _COLOR_TYPES[channels]
+    rows = max(1, _BAND // (width * channels * pixels.itemsize))
+    starts = range(0, height, rows)
+
+    def band(k: int) -> tuple[NDArray[np.uint8], bytes]:
+        lines = _filtered(pixels, starts[k], min(starts[k] + rows, height))
+        packer = zlib.compressobj(level, zlib.DEFLATED, -15, 9, zlib.Z_FILTERED)
+        packed = packer.compress(lines.data)
+        last = k == len(starts) - 1
+        return lines, packed + packer.flush(zlib.Z_FINISH if last else zlib.Z_SYNC_FLUSH)
+
+    file.write(SIGNATURE)
+    _write_chunk(file, b"IHDR", struct.pack(">IIBBBBB", width, height, *kind, 0, 0, 0))
+    check, done = 1, in_turn(band, range(len(starts)), min(threads, len(starts)))
+    for k, (lines, packed) in enumerate(done):
+        check = zlib.adler32(lines, check)
+        head = b"" if k else b"\x78\x01"
+        tail = b"" if k + 1 < len(starts) else struct.pack(">I", check)
+        _write_chunk(file, b"IDAT", head + packed + tail)
+    _write_chunk(file, b"IEND", b"")
+
+
+def png_bytes(pixels: NDArray[Any], level: int = _SMALLER) -> bytes:
+    """Return a picture, with alpha or not, as a PNG file in memory, to be put into a page.
+
+    `level` is zlib's: 1 is the quickest, 9 makes the smallest files.
+
+    Examples
+    --------
+    >>> png_bytes(np.zeros((2, 3), np.uint8))[:8] == SIGNATURE
+    True
+    """
+    file = io.BytesIO()
+    write_png(file, np.atleast_3d(pixels), level=level)
+    return file.getvalue()
+
+
+def _filtered(pixels: NDArray[Any], first: int, last: int) -> NDArray[np.uint8]:
+    """Rows less the averages of what is left of and above each byte, after the filter's number."""
+    rows = pixels[max(first - 1, 0) : last]
+    step = rows.shape[2] * rows.itemsize
+    lines = rows.astype(rows.dtype.newbyteorder(">")).view(np.uint8).reshape(len(rows), -1)
+    if first == 0:
+        lines = np.concatenate([np.zeros_like(lines[:1]), lines])
+    above, here, left = lines[:-1], lines[1:], np.zeros_like(lines[1:])
+    left[:, step:] = here[:, :-step]
+    mean = above ^ left
+    mean >>= 1
+    left &= above
+    mean += left  # which is half of above + left, and needs no ninth bit
+    found = np.empty((len(here), 1 + here.shape[1]), np.uint8)
+    found[:, 0] = _AVERAGE
+    np.subtract(here, mean, out=found[:, 1:])
+    return found
+
+
+def _write_chunk(file: IO[bytes], kind: bytes, data: bytes) -> None:
+    file.write(struct.pack(">I", len(data)) + kind)
+    file.write(data)
+    file.write(struct.pack(">I", zlib.crc32(data, zlib.crc32(kind))))

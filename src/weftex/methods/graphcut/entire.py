@@ -1,0 +1,188 @@
+"""Entire patch matching and random placement (Kwatra et al., 2003, section 4)."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from weftex.methods.graphcut.copies import Copy, box_of, copies_of, places_in_full
+from weftex.methods.graphcut.draws import drawn_places
+from weftex.methods.graphcut.places import (
+    Place,
+    on_copies,
+    sample_copies,
+    size_on_canvas,
+    smallest,
+    variance_of,
+)
+from weftex.methods.graphcut.regular import LatticePlaces, any_in_blocks
+from weftex.methods.graphcut.repeats import Repeats
+from weftex.methods.graphcut.sight import Sight
+from weftex.search.translation import fast_size, overlap_mismatch
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    from weftex.methods.graphcut.settings import Settings
+    from weftex.methods.pixels.growth import Growth
+
+# What it costs to show again in sight all that is new, and as often as the mean what is anywhere.
+_AGAIN, _USED = 0.3, 0.05
+_MOST = 4.0  # times the mean that count; more are no worse
+_AROUND = 32  # pixels around a hole that are matched, or half as many as it is wide
+_LOOK = 2  # pixels of the smallest copy; so many apart what is shown is looked at
+
+
+class EntirePatchMatching:
+    """Entire patch matching, or random placement: the sample is shifted over the canvas."""
+
+    def __init__(self, settings: Settings, growth: Growth, *, random: bool) -> None:
+        self.settings, self.growth, self.canvas = settings, growth, growth.canvas
+        self.size, self.random = size_on_canvas(settings.patch_shape, growth), random
+        self.usable = settings.windows.usable
+        self.reduction = settings.reduction_of(self.size, self.usable)
+        self.copies = sample_copies(settings, self.reduction)
+        self.on_canvas = Copy(growth.pixels, growth.done)
+        shape = settings.exemplar.shape
+        # How far the sample reaches from a pixel that it covers, in whole pixels of all copies.
+        self.reach = [-(-(n - 1) // self.reduction) * self.reduction for n in shape]
+        # What is missing, and what around it is matched: not all of a photo that has a hole.
+        missing = growth.done == 0
+        self.holes = [
+            (0, n) if wraps else _ends(missing.any(axis=1 - axis))
+            for axis, (n, wraps) in enumerate(zip(self.canvas.shape, self.canvas.wrap, strict=True))
+        ]
+        self.regular = LatticePlaces(settings.lattice, self.canvas) if settings.lattice else None
+        self.repeats: Repeats | None = None
+        if settings.variety > 0 and not random:
+            self.repeats = Repeats(settings.exemplar, growth, shape, shape, _LOOK * self.reduction)
+            self.sight = Sight(growth, self.copies[0], self.holes)
+
+    def candidates(self, pixel: tuple[int, int], number: int, centered: bool) -> list[Place]:
+        """See `Placement.candidates`."""
+        y, x = (
+            min(max(at, low), high - 1) for at, (low, high) in zip(pixel, self.holes, strict=True)
+        )
+        pixel = y, x
+        if self.repeats is not None:
+            self.repeats.turn_to(y, x)
+        # Eighths of the sample that cover the pixel. With fewer, little of it is on what is there
+        # already, and it matches worse; with more, it covers little that is missing.
+        low, high = (2, 6) if centered else (2, 4) if self.repeats is None else (1, 6)
+        middle = np.zeros_like(self.usable)
+        rows, columns = (slice(n * low // 8, n * high // 8 + 1) for n in self.usable.shape)
+        middle[rows, columns] = self.usable[rows, columns]
+        boxes = self._around(pixel)
+        places = self._places(pixel, middle, bool(boxes[0].mask.any()))
+        k = smallest(boxes, places)
+        allowed = places[k] != 0
+        costs, prices = np.zeros(allowed.shape), np.ones(allowed.shape)
+        if not self.random:
+            costs = self._mismatch(boxes[k], allowed, k)
+            if self.repeats is not None:
+                # From the place of the box's corner to that of the pixel.
+                first = [-(reach >> k) for reach in self.reach]
+                used = self.repeats.used_where(self._missing(pixel, k), k, first)
+                used = used[: allowed.shape[0], : allowed.shape[1]]
+                prices = self._prices(pixel, used, k)
+        spread = self.settings.tolerance * variance_of(self.copies[: k + 1])
+        draws = self.growth.seed, number, self.settings.candidates
+        size = tuple(n >> k for n in self.size)
+        drawn = drawn_places(costs * prices, allowed, spread, draws, size)
+        found = places_in_full(drawn, boxes[: k + 1], self.copies, places, self.reach)
+        return [
+            self._clipped(pixel, at, float(prices[place]))
+            for at, place in zip(found, drawn, strict=True)
+        ]
+
+    def _prices(
+        self, pixel: tuple[int, int], used: NDArray[np.float64], k: int
+    ) -> NDArray[np.float64]:
+        """By what the costs of places are multiplied for what they show again.
+
+        These are shares of what a match costs, so one that is clearly better is never given up.
+        """
+        rows, columns = ((np.arange(n) << k) // self.sight.cell for n in used.shape)
+        again = self.sight.again(pixel)[np.ix_(rows, columns)]
+        more = _AGAIN * again + _USED * np.minimum(used, _MOST)
+        prices: NDArray[np.float64] = 1 + self.settings.variety * more
+        return prices
+
+    def _places(
+        self, pixel: tuple[int, int], middle: NDArray[np.uint8], near: bool
+    ) -> list[NDArray[np.uint8]]:
+        """Where in the sample the pixel may lie, in full size and on the smaller copies.
+
+        In the middle where that is possible, and on the lattice, or `near` it too.
+        """
+        if self.regular is not None:
+            on = self.regular.of(pixel, self.usable.shape, near=near)
+            for some in (middle, self.usable):
+                if (found := on & (some != 0)).any():
+                    return [any_in_blocks(found, k) for k in range(len(self.copies))]
+        return on_copies(middle if middle.any() else self.usable, self.copies)
+
+    def _around(self, pixel: tuple[int, int]) -> list[Copy]:
+        """All of the canvas that the sample may cover with this pixel, and copies of it."""
+        return copies_of(box_of(self.on_canvas, *self._lines(pixel)), self.reduction)
+
+    def _lines(self, pixel: tuple[int, int]) -> list[NDArray[np.int32]]:
+        """Its rows and columns on the canvas, -1 beyond it."""
+        lines = []
+        for at, reach, (low, high), n, wraps in zip(
+            pixel, self.reach, self.holes, self.canvas.shape, self.canvas.wrap, strict=True
+        ):
+            line = np.arange(at - reach, at + reach + self.reduction)
+            around = max((high - low) // 2, _AROUND)
+            low, high = max(low - around, 0), min(high + around, n)
+            line = line % n if wraps else np.where((line >= low) & (line < high), line, -1)
+            lines.append(line.astype(np.int32))
+        return lines
+
+    def _missing(self, pixel: tuple[int, int], k: int) -> NDArray[np.bool_]:
+        """Which pixels of the k-th copy of that are missing."""
+        rows, columns = (line[:: 1 << k] for line in self._lines(pixel))
+        missing: NDArray[np.bool_] = self.growth.done[np.ix_(rows, columns)] == 0
+        missing &= (rows >= 0)[:, None] & (columns >= 0)
+        return missing
+
+    def _mismatch(self, box: Copy, allowed: NDArray[np.bool_], k: int) -> NDArray[np.float64]:
+        """C(t) over the overlap, for each pixel of the sample that may come to lie on this one."""
+        size = [fast_size(n) for n in box.mask.shape]
+        both = overlap_mismatch(box.spectra_of(size), self.copies[k].spectra_of(size))
+        # Place (0, 0) of the corner has the last pixel within reach on this one.
+        rows, columns = (reach >> k for reach in self.reach)
+        total, area = (
+            a[: rows + 1, : columns + 1][::-1, ::-1][: allowed.shape[0], : allowed.shape[1]]
+            for a in both
+        )
+        costs: NDArray[np.float64] = total / np.maximum(area, 1)
+        if area[allowed].any():  # the sample might lie apart from everything
+            costs[area == 0] = np.inf
+        return costs
+
+    def _clipped(self, pixel: tuple[int, int], at: tuple[int, int], price: float) -> Place:
+        """The part of the sample that is on the canvas if its pixel `at` lies on this one."""
+        tops, lengths, sources = [], [], []
+        for p, s, side, size, (low, high), wraps in zip(
+            pixel, at, self.usable.shape, self.size, self.holes, self.canvas.wrap,
+            strict=True,
+        ):  # fmt: skip
+            first, last = p - s, p - s + side
+            if wraps:
+                first = max(first, p - size // 2)
+                last = min(last, first + size)
+            else:
+                first, last = max(first, low), min(last, high)
+            tops.append(first)
+            lengths.append(last - first)
+            sources.append(first - (p - s))
+        (top, left), (height, width), (y, x) = tops, lengths, sources
+        return Place(top, left, height, width, y, x, price)
+
+
+def _ends(some: NDArray[np.bool_]) -> tuple[int, int]:
+    """The first that is true, and one after the last; all if none is."""
+    found = np.flatnonzero(some)
+    return (int(found[0]), int(found[-1]) + 1) if len(found) else (0, len(some))

@@ -1,0 +1,119 @@
+"""What stands out in the sample is not shown again in sight of itself; no idea of the paper."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from weftex.methods.graphcut.copies import copies_of
+from weftex.search.translation import correlation, fast_size
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    from weftex.methods.graphcut.copies import Copy
+    from weftex.methods.pixels.growth import Growth
+
+_CELLS = 16  # of the sample's shorter side, or up to twice as many, are looked at
+_LEVELS = 16  # of salience, so that sums are of whole numbers
+_MOST = 8  # times the mean; what stands out more than that counts as much
+_FAR = 1.25  # sides of the sample from which on nothing is in sight
+_WEIGHTS = 64  # of distances, likewise
+
+
+class Sight:
+    """How much of what a patch would newly show is shown already, and near.
+
+    A place counts by its salience: how far its color is from the sample's mean, squared. The canvas
+    shows pieces of the sample; a patch shifted by t and a piece shifted by t' show the same places
+    at the distance t - t'.
+
+    Parameters
+    ----------
+    growth : Growth
+        The canvas.
+    sample : Copy
+        The sample in full size.
+    holes : list of (int, int)
+        First row and one after the last where something is missing, and columns.
+    """
+
+    def __init__(self, growth: Growth, sample: Copy, holes: list[tuple[int, int]]) -> None:
+        self.growth, self.shape, self.holes = growth, sample.mask.shape, holes
+        self.cell = 1
+        while min(self.shape) >= 2 * self.cell * _CELLS:
+            self.cell *= 2
+        copy = copies_of(sample, self.cell)[-1]
+        usable = copy.mask != 0
+        away = np.square(copy.pixels - copy.pixels[usable].sum(axis=0) / max(usable.sum(), 1))
+        away = away.sum(axis=2) * usable
+        mean = float(away.sum() / max(usable.sum(), 1))
+        away = np.minimum(away / mean, _MOST) if mean else usable.astype(np.float64)
+        self.salience = np.rint(_LEVELS * away).astype(np.int64)
+
+    def again(self, pixel: tuple[int, int]) -> NDArray[np.float64]:
+        """For places that come to lie on a pixel, every `cell`-th both ways.
+
+        1 if all that is newly shown is shown once, at the same place, and at no other.
+        """
+        count = [-(-n // self.cell) for n in self.shape]
+        rows, columns = (
+            self._line(axis, at, n * self.cell, self.holes[axis])
+            for axis, (at, n) in enumerate(zip(pixel, count, strict=True))
+        )
+        missing = self.growth.done[np.ix_(rows[1], columns[1])] == 0
+        missing &= rows[2][:, None] & columns[2]
+        size = [
+            fast_size(sum(pair)) for pair in zip(self.salience.shape, missing.shape, strict=True)
+        ]
+        shifts, shown = self._pieces(pixel)
+        total = np.zeros(count, np.int64)
+        places = np.ogrid[: count[0], : count[1]]
+        for shift, piece in zip(shifts, shown, strict=True):
+            away = [
+                (place * self.cell + d) / (_FAR * n)
+                for place, d, n in zip(places, shift, self.shape, strict=True)
+            ]
+            weight = np.rint(_WEIGHTS * (1 - np.sqrt(away[0] ** 2 + away[1] ** 2)))
+            if (weight > 0).any():
+                both = self._at_places(correlation(piece, missing, size), count)
+                total += np.maximum(weight, 0).astype(np.int64) * both
+        new = self._at_places(correlation(self.salience, missing, size), count)
+        return total / np.maximum(_WEIGHTS * new, 1)
+
+    def _at_places(self, sums: NDArray[np.int64], count: list[int]) -> NDArray[np.int64]:
+        """Sums by where the corner of `missing` lies, as sums by where its middle does."""
+        return np.roll(sums, count, (0, 1))[: count[0], : count[1]]
+
+    def _line(
+        self, axis: int, at: int, reach: int, ends: tuple[int, int]
+    ) -> tuple[NDArray[np.int64], NDArray[np.int64], NDArray[np.bool_]]:
+        """Every `cell`-th row or column up to a reach: how far away, which, whether it counts."""
+        n, wraps = self.growth.canvas.shape[axis], self.growth.canvas.wrap[axis]
+        away = np.arange(-reach, reach + 1, self.cell)
+        line = at + away
+        inside = np.full(len(line), True) if wraps else (line >= ends[0]) & (line < ends[1])
+        return away, line % n, inside
+
+    def _pieces(self, pixel: tuple[int, int]) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
+        """The pieces in sight: how they are shifted as seen from the pixel, and what they show."""
+        rows, columns = (
+            self._line(axis, at, -(-int((1 + _FAR) * n) // self.cell) * self.cell, (0, m))
+            for axis, (at, n, m) in enumerate(
+                zip(pixel, self.shape, self.growth.canvas.shape, strict=True)
+            )
+        )
+        source = self.growth.source[np.ix_(rows[1], columns[1])]
+        v, u = np.nonzero((source >= 0) & rows[2][:, None] & columns[2])
+        place = np.stack(np.divmod(source[v, u], self.shape[1]))
+        shifts, piece = np.unique(
+            np.stack([rows[0][v], columns[0][u]]) - place, axis=1, return_inverse=True
+        )
+        shown = np.zeros((shifts.shape[1], *self.salience.shape), np.int64)
+        y, x = (
+            np.minimum(p // self.cell, n - 1)
+            for p, n in zip(place, self.salience.shape, strict=True)
+        )
+        shown[piece.ravel(), y, x] = self.salience[y, x]
+        return shifts.T, shown

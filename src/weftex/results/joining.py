@@ -1,0 +1,216 @@
+"""Pieces that join without steps: a picture as its slopes, from which it is built again."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+import numpy as np
+
+from weftex.raster.mixing import Kind
+from weftex.results import height_kernels as kernels
+from weftex.results.tone import has_few_colors
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    from numpy.typing import NDArray
+
+    from weftex.exemplar import Exemplar
+
+    Floats = NDArray[np.float64]
+    #: (top, left, height, width) in output pixels.
+    Window = tuple[int, int, int, int]
+
+_HEIGHTS = 24.0  # sample pixels in which what raises an edge of a height map falls to a third
+_MARGIN = 8  # reaches from which on nothing is felt
+_BLOCK = 1024  # pixels a side that are solved at once
+_GRAIN = 64  # of a level, to which shifts are rounded, as machines differ in last digits
+_LARGEST = 1e30  # whose squares are numbers
+
+
+class Laid(NamedTuple):
+    """What was laid, asked for by windows."""
+
+    pixels: Callable[[Window], NDArray[Any]]
+    """The map, `scale` times as fine as the output."""
+    layers: Callable[[Window], tuple[NDArray[np.int32], NDArray[np.float32]]]
+    """`Synthesis.layers`."""
+    shape: tuple[int, int]
+    """The output's height and width."""
+    wrap: tuple[bool, bool]
+    """Axes along which it goes around."""
+    scale: int = 1
+
+
+def reach_of(given: Exemplar, tones: float, hole: NDArray[np.bool_] | None) -> float:
+    """In how many pixels the steps of a map are spread; 0 leaves them.
+
+    Those of heights are always; of tones, in `tones` pixels, where there are tones between two,
+    and not in a hole, which has `weftex.results.tone`.
+    """
+    if given.role.kind == "height":
+        return _HEIGHTS
+    if hole is not None or not tones or given.mixing.kind != Kind.MEAN:
+        return 0.0
+    return 0.0 if has_few_colors(given.pixels.reshape(-1, given.channels)) else tones
+
+
+def join_steps(laid: Laid, given: Exemplar, reach: float, window: Window) -> NDArray[Any]:
+    """Take away the steps where pieces of other heights or tones meet.
+
+    Of all maps f that one is chosen whose slopes are most like g, the sample's where each pixel
+    comes from, and which is near to h, what was laid: with the least sum of
+    (f' - g)^2 + ((f - h) / reach)^2. A step is shared by both sides and falls off in a reach.
+
+    Parameters
+    ----------
+    laid : Laid
+        The map as it was laid.
+    given : Exemplar
+        The map that it was laid from.
+    reach : float
+        In pixels of the output; 0 leaves all as it is.
+    window : (top, left, height, width)
+        The part of the output that is wanted; parts are the same bytes as in the whole.
+
+    Returns
+    -------
+    array
+        Like what was laid; heights of whole numbers are cut to what their type holds, all else to
+        what lies between the sample's least and its largest.
+
+    Notes
+    -----
+    After P. Pérez, M. Gangnet and A. Blake, Poisson image editing (2003),
+    doi:10.1145/882262.882269, with the screen of P. Bhat et al., Fourier analysis of the 2D
+    screened Poisson equation (2008), doi:10.1007/978-3-540-88688-4_9.
+
+    Examples
+    --------
+    >>> import weftex
+    >>> slope = np.arange(64, dtype=np.float32) * np.ones((64, 1), np.float32)
+    >>> result = weftex.synthesize(slope, (64, 128), method="quilting", seed=1)
+    >>> laid, joined = result.render(), result.render(slope, role="height")
+    >>> bool(abs(np.diff(joined)).max() < 0.2 * abs(np.diff(laid)).max())
+    True
+    """
+    made = laid.pixels(window)
+    if not reach:
+        return made
+    source = given.pixels.reshape(*given.shape, -1).astype(np.float64)
+    if max(float(np.abs(values).max()) for values in (made, source)) > _LARGEST:
+        return made
+    whole, result = made.dtype.kind == "u", made.reshape(*made.shape[:2], -1)
+    least, most = source.min(axis=(0, 1)), source.max(axis=(0, 1))
+    if given.role.kind == "height":
+        least, most = (0.0, float(np.iinfo(made.dtype).max)) if whole else (-np.inf, np.inf)
+    top, left, height, width = window
+    side = max(1, _BLOCK // laid.scale)
+    for row in range(top // side * side, top + height, side):
+        for column in range(left // side * side, left + width, side):
+            steps, margin = _divergence(laid, source, (row, column), side, reach)
+            ends = [
+                (max(first, start), min(first + side, start + n))
+                for first, start, n in zip((row, column), window[:2], window[2:], strict=True)
+            ]
+            corner = row - margin, column - margin
+            inside, here = (
+                tuple(
+                    slice((start - at) * laid.scale, (end - at) * laid.scale)
+                    for (start, end), at in zip(ends, first, strict=True)
+                )
+                for first in (corner, window[:2])
+            )
+            shift = _spread(steps, reach * laid.scale)[inside]
+            if whole:
+                values = np.rint(result[here] + np.rint(shift * _GRAIN) / _GRAIN)
+            else:
+                values = result[here] + shift
+            result[here] = np.clip(values, least, most)
+    return result.reshape(made.shape)
+
+
+def _divergence(
+    laid: Laid, sample: Floats, corner: tuple[int, int], side: int, reach: float
+) -> tuple[Floats, int]:
+    """At each pixel the sum of g - h' over the edges that lead to it, less that over the others.
+
+    For the pixels of a block and a margin around it, which comes back; beyond borders that do not
+    go around, the picture is mirrored.
+    """
+    margin, scale = int(_MARGIN * reach), laid.scale
+    runs: list[list[tuple[int, int]]] = []  # first and length of what is looked up along each axis
+    around, inside = [], []
+    for first, n, wraps in zip(corner, laid.shape, laid.wrap, strict=True):
+        last = min(first + side, n)
+        low, high = first - margin - 1, last + margin + 1  # a line more, for edges that lead there
+        around.append(wraps and high - low >= n)
+        line = np.arange((first - margin) * scale, (last + margin) * scale)
+        if around[-1]:
+            runs.append([(0, n)])
+            inside.append(line % (n * scale))
+        elif wraps:
+            start, before = low % n, min(high - low, n - low % n)
+            runs.append([(start, before), (0, high - low - before)][: 1 + (before < high - low)])
+            inside.append(line - low * scale)
+        else:
+            start = max(low, 0)
+            runs.append([(start, min(high, n) - start)])
+            line %= 2 * n * scale
+            inside.append(np.minimum(line, 2 * n * scale - 1 - line) - start * scale)
+    pieces = [[laid_in(laid, (*run, *other)) for other in runs[1]] for run in runs[0]]
+    made, coordinates, shares = (
+        np.concatenate([np.concatenate([piece[k] for piece in row], axis=1) for row in pieces])
+        for k in range(3)
+    )
+    layers = int((shares > 0).any(axis=(0, 1)).sum()) or 1  # the heaviest first
+    coordinates, shares = _finer(coordinates[:, :, :layers], shares[:, :, :layers], scale)
+    rows = len(made)
+    if around[0]:  # the first line again, below the last one
+        made, coordinates, shares = (
+            np.concatenate([a, a[:1]]) for a in (made, coordinates, shares)
+        )
+    steps = np.zeros(made.shape)
+    kernels.compare_slopes(
+        steps, made, sample, coordinates, shares, rows, around[1], np.zeros(made.shape[2])
+    )
+    if around[0]:
+        steps[0] += steps[rows]
+    return steps[np.ix_(*inside)], margin
+
+
+def laid_in(
+    laid: Laid, window: tuple[int, int, int, int]
+) -> tuple[Floats, NDArray[np.int32], NDArray[np.float32]]:
+    """What is laid in a window (top, height, left, width), and where it comes from."""
+    top, height, left, width = window
+    made = laid.pixels((top, left, height, width))
+    coordinates, shares = laid.layers((top, left, height, width))
+    return made.reshape(*made.shape[:2], -1).astype(np.float64), coordinates, shares
+
+
+def _finer(
+    coordinates: NDArray[np.int32], shares: NDArray[np.float32], scale: int
+) -> tuple[NDArray[np.int32], NDArray[np.float32]]:
+    """The same for pixels `scale` times as fine."""
+    if scale == 1:
+        return np.ascontiguousarray(coordinates), np.ascontiguousarray(shares)
+    for axis in (0, 1):
+        coordinates, shares = coordinates.repeat(scale, axis), shares.repeat(scale, axis)
+    within = [np.arange(side) % scale for side in shares.shape[:2]]
+    fine = coordinates * scale
+    fine[..., 0] += within[0][:, None, None]
+    fine[..., 1] += within[1][None, :, None]
+    return fine, np.ascontiguousarray(shares)
+
+
+def _spread(steps: Floats, reach: float) -> Floats:
+    """Solve c / reach^2 - c'' = steps, as far as its borders do not count."""
+    size = [-(-side // 32) * 32 for side in steps.shape[:2]]  # quick to transform
+    turns = [2 - 2 * np.cos(2 * np.pi * np.arange(side) / side) for side in size]
+    divisor = np.add.outer(turns[0], turns[1][: size[1] // 2 + 1]) + reach**-2
+    found = np.empty(steps.shape)
+    for k in range(steps.shape[2]):
+        spectrum = np.fft.rfft2(steps[..., k], size) / divisor
+        found[..., k] = np.fft.irfft2(spectrum, size)[: steps.shape[0], : steps.shape[1]]
+    return found

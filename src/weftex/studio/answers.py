@@ -1,0 +1,53 @@
+"""Errors as the page is told of them: one line, a status, and the field that it is about."""
+
+from __future__ import annotations
+
+import re
+
+from weftex.errors import WeftexError
+from weftex.studio.materials import FIELDS as SPEC_FIELDS
+from weftex.studio.recipes import FIELDS, GRADIENT
+from weftex.studio.refusals import Refusal
+
+#: Fields of requests beside recipes, and of `auto`.
+_OWN = {"height", "width", "effort", "recipe", "count", "methods", "lane", "leave", "seeds", "keep"}
+_OWN |= {"format", "names", *GRADIENT}
+#: What the library calls what a recipe calls otherwise.
+_ALIASES = {"degree": "even_light"}
+
+
+def answer_of(error: Exception) -> tuple[int, dict[str, str | None]]:
+    """Return the status and the JSON of an error.
+
+    Examples
+    --------
+    >>> from weftex.errors import InvalidInputError
+    >>> answer_of(InvalidInputError("patch_size is 3; it must be from 8 to 256"))[1]["parameter"]
+    'patch_size'
+    """
+    status, parameter = 422, None
+    if isinstance(error, Refusal):
+        status, parameter = error.status, error.parameter
+    elif isinstance(error, MemoryError):
+        status, error = 413, Refusal(413, "not enough memory; make it smaller")
+    elif not isinstance(error, WeftexError):
+        status, error = 500, Refusal(500, f"a fault of the studio: {type(error).__name__}")
+    line = " ".join(str(error).split())
+    return status, {"error": line, "parameter": parameter or parameter_of(line)}
+
+
+def parameter_of(line: str) -> str | None:
+    """Return the field of a recipe, or of a method, that a message names first."""
+    words = re.findall(r"[a-z]\w+", line)[:4]
+    known, words = _names(), [_ALIASES.get(word, word) for word in words]
+    return next((word for word in words if word in known), None)
+
+
+def _names() -> frozenset[str]:
+    """All fields, of methods, recipes, materials and requests."""
+    from dataclasses import fields
+
+    from weftex.methods import METHODS
+
+    own = {field.name for slug in METHODS for field in fields(METHODS[slug])}
+    return frozenset(own | _OWN | SPEC_FIELDS | FIELDS)

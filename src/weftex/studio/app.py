@@ -1,0 +1,100 @@
+"""The server's application: routes, errors as one line, and what goes on beside requests."""
+
+from __future__ import annotations
+
+import asyncio
+import logging
+from contextlib import asynccontextmanager, suppress
+from typing import TYPE_CHECKING, Any
+
+from starlette.applications import Starlette
+from starlette.exceptions import HTTPException
+from starlette.requests import ClientDisconnect
+from starlette.responses import JSONResponse, Response
+from starlette.routing import Route
+
+from weftex.errors import WeftexError
+from weftex.studio import routes_results, routes_start
+from weftex.studio.answers import answer_of
+from weftex.studio.guard import Guard
+from weftex.studio.pages import static_files
+from weftex.studio.requests import Call, as_plain
+
+if TYPE_CHECKING:
+    from collections.abc import AsyncIterator, Awaitable, Callable, Collection
+
+    from starlette.requests import Request
+    from starlette.types import ASGIApp
+
+    from weftex.studio.studio import Studio
+
+    Handler = Callable[[Call], Awaitable[Any]]
+
+_SWEEP = 1.0  # seconds
+_PAGE = "index.html"
+_log = logging.getLogger(__name__)
+
+
+def make_app(studio: Studio, hosts: Collection[str]) -> ASGIApp:
+    """Return the application.
+
+    Parameters
+    ----------
+    studio : Studio
+        It is closed when the server stops.
+    hosts : collection of str
+        What the Host header may be, ports included.
+    """
+
+    async def page(request: Request) -> Response:
+        known = static_files()
+        name = request.path_params.get("name", _PAGE)  # looked up, never a path
+        if name not in known:
+            return JSONResponse({"error": "there is no such file", "parameter": None}, 404)
+        place, kind = known[name]
+        return Response(place.read_bytes(), media_type=kind)
+
+    def endpoint(handler: Handler) -> Callable[[Request], Awaitable[Response]]:
+        async def answer(request: Request) -> Response:
+            try:
+                found = await handler(Call(request, studio))
+            except ClientDisconnect:
+                return Response(status_code=400)
+            except Exception as error:
+                if not isinstance(error, (WeftexError, MemoryError)):
+                    _log.exception("a request failed")
+                status, line = answer_of(error)
+                # What is too large need not come to its end; the line is not used again.
+                close = {"connection": "close"} if status == 413 else None
+                return JSONResponse(line, status, headers=close)
+            return found if isinstance(found, Response) else JSONResponse(as_plain(found))
+
+        return answer
+
+    async def nothing(request: Request, error: Exception) -> Response:
+        status = error.status_code if isinstance(error, HTTPException) else 404
+        return JSONResponse(
+            {"error": "there is nothing at this address", "parameter": None}, status
+        )
+
+    @asynccontextmanager
+    async def lifespan(app: Starlette) -> AsyncIterator[None]:
+        sweeping = asyncio.create_task(_sweep(studio))
+        yield
+        sweeping.cancel()
+        with suppress(asyncio.CancelledError):
+            await sweeping
+        studio.close()
+
+    routes = [Route("/", page), Route("/static/{name:path}", page)]
+    for method, path, handler in (*routes_start.ROUTES, *routes_results.ROUTES):
+        routes.append(Route(f"/api{path}", endpoint(handler), methods=[method]))
+    own: Any = {HTTPException: nothing}
+    app = Starlette(routes=routes, lifespan=lifespan, exception_handlers=own)
+    return Guard(app, token=studio.token, hosts=hosts)
+
+
+async def _sweep(studio: Studio) -> None:
+    while True:
+        await asyncio.sleep(_SWEEP)
+        studio.jobs.sweep()

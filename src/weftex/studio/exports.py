@@ -1,0 +1,182 @@
+"""Results as files: any format that holds their pixels, maps by any scheme's names, batches."""
+
+from __future__ import annotations
+
+import json
+import os
+import zipfile
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from weftex.errors import InvalidInputError, did_you_mean, shown
+from weftex.io.formats import suffix_of
+from weftex.io.map_names import SCHEMES, file_stem
+from weftex.io.pictures import check_output, write_image, write_text
+from weftex.studio.results import formats_of
+from weftex.studio.uploads import label_of
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping
+
+    from weftex.studio.downloads import Downloads
+    from weftex.studio.making import Made
+
+#: What may stand beside the pictures.
+BESIDE = ("mtlx", "source", "report", "debug", "recipe")
+FIELDS = ("maps", "format", "names", "name", *BESIDE)
+_NAME = 60  # characters
+#: Of all files in a zip, as they have none of their own.
+DATE = (1980, 1, 1, 0, 0, 0)
+
+
+@dataclass(frozen=True)
+class Wanted:
+    """What is to be taken of a result.
+
+    Attributes
+    ----------
+    maps : tuple of str or None
+        All of them if None.
+    format : dict of str to str, str or None
+        Suffixes by maps, or of all of them; as their material's files have it if None.
+    names : str or None
+        A scheme of `weftex.io.map_names`.
+    name : str
+        What files are called after.
+    beside : frozenset of str
+        Of `BESIDE`.
+    """
+
+    maps: tuple[str, ...] | None
+    format: dict[str, str] | str | None
+    names: str | None
+    name: str
+    beside: frozenset[str]
+
+    @classmethod
+    def of(cls, given: Mapping[str, Any], usual_name: str) -> Wanted:
+        """Read what the page sent.
+
+        Raises
+        ------
+        InvalidInputError
+            If it is not known.
+        """
+        maps, form, names = (given.get(key) for key in ("maps", "format", "names"))
+        if maps is not None and not (
+            isinstance(maps, list) and all(isinstance(m, str) for m in maps)
+        ):
+            raise InvalidInputError(f"maps is {shown(maps)}; it must be a list of names")
+        good = form is None or isinstance(form, str)
+        if not good and not (
+            isinstance(form, dict) and all(isinstance(f, str) for f in form.values())
+        ):
+            raise InvalidInputError(f"format is {shown(form)}; it must be a suffix, or one by map")
+        if names is not None and names not in SCHEMES:
+            raise InvalidInputError(f"names is {shown(names)}{did_you_mean(str(names), SCHEMES)}")
+        beside = frozenset(name for name in BESIDE if given.get(name))
+        name = str(given.get("name") or usual_name)
+        return cls(None if maps is None else tuple(maps), form, names, "", beside).named(name)
+
+    def named(self, name: str) -> Wanted:
+        """Return the same for files that are called after this."""
+        stem = os.path.splitext(label_of(name.replace("%", "_")))[0][:_NAME] or "result"
+        return replace(self, name=stem)
+
+
+def export(made: Made, wanted: Wanted, downloads: Downloads, owner: str) -> dict[str, Any]:
+    """Write what is wanted of a result, one file or a zip; what the page is told of it."""
+    folder = downloads.new_folder()
+    inner = folder / "files"
+    inner.mkdir()
+    files = write(made, wanted, inner)
+    if len(files) == 1:
+        return downloads.add(files[0], files[0].name, owner)
+    target = folder / "all.zip"
+    with zipfile.ZipFile(target, "w") as packed:
+        for file in files:
+            pack(packed, file, file.name)
+    return downloads.add(target, f"{wanted.name}.zip", owner)
+
+
+def write(made: Made, wanted: Wanted, folder: Path) -> list[Path]:
+    """Write what is wanted of a result into a folder; the files."""
+    files, written = [], _files(made, wanted)
+    for name, file in written.items():
+        like = made.pictures[name]
+        how: dict[str, Any] = {"alpha": like.alpha, "icc": like.icc, "half": like.half}
+        write_image(folder / file, made.pixels(name), **how)
+        files.append(folder / file)
+    if "mtlx" in wanted.beside:
+        files.append(_material_file(made, wanted, written, folder))
+    if "source" in wanted.beside:
+        files.append(folder / f"{wanted.name}.npz")
+        made.result.save(files[-1])
+    if "report" in wanted.beside:
+        from weftex.tasks.report import report
+
+        files.append(folder / f"{wanted.name}.html")
+        report(made.result.sample, made.result).save(files[-1])
+    if "debug" in wanted.beside:
+        for what in ("sources", "patches", "seams", "uncertainty"):
+            files.append(folder / f"{wanted.name}_{what}.png")
+            write_image(files[-1], made.result.draw(what))
+    if "recipe" in wanted.beside:
+        files.append(folder / f"{wanted.name}.weftex.json")
+        write_text(files[-1], json.dumps(made.recipe.as_json(), indent=1) + "\n")
+    return files
+
+
+def _files(made: Made, wanted: Wanted) -> dict[str, str]:
+    """Names of files by maps, each of them once."""
+    maps = wanted.maps or tuple(made.pictures)
+    files: dict[str, str] = {}
+    for name in maps:
+        if name not in made.pictures:
+            raise InvalidInputError(f"maps has {shown(name)}{did_you_mean(name, made.pictures)}")
+        suffix = _suffix(made, wanted, name)
+        if wanted.names is not None:
+            stem = file_stem(wanted.names, wanted.name, made.map(name).role)
+        else:
+            stem = wanted.name if len(made.pictures) == 1 else f"{wanted.name}_{name}"
+        files[name] = label_of(stem) + suffix
+        check_output(stem + suffix, made.pictures[name].pixels, alpha=made.pictures[name].alpha)
+    for file in files.values():
+        twins = [other for other in files if files[other] == file]
+        if len(twins) > 1:
+            raise InvalidInputError(f"maps {' and '.join(twins)} would both be named {file}")
+    return files
+
+
+def _suffix(made: Made, wanted: Wanted, name: str) -> str:
+    able = formats_of(made.pictures[name])
+    asked = wanted.format.get(name) if isinstance(wanted.format, dict) else wanted.format
+    if asked is None:
+        own = suffix_of(made.pictures[name].path).replace(".jpeg", ".jpg").replace(".tiff", ".tif")
+        floats = made.pictures[name].pixels.dtype.kind == "f"
+        return own if own in able else ".exr" if floats else ".png"
+    if asked not in able:
+        raise InvalidInputError(
+            f"format of {name} is {shown(asked)}; these hold it: {', '.join(able)}"
+        )
+    return asked
+
+
+def _material_file(made: Made, wanted: Wanted, files: dict[str, str], folder: Path) -> Path:
+    from weftex.io.materialx import materialx_document
+
+    roles = {name: made.map(name).role for name in files}
+    linear = [name for name in files if made.pictures[name].pixels.dtype.kind == "f"]
+    text, _ = materialx_document(wanted.name, files, roles, linear)
+    write_text(folder / f"{wanted.name}.mtlx", text)
+    return folder / f"{wanted.name}.mtlx"
+
+
+def pack(packed: zipfile.ZipFile, file: Path, name: str) -> None:
+    """Put a file into a zip; pictures are packed already, and the date is no file's own."""
+    about = zipfile.ZipInfo(name, DATE)
+    about.external_attr = 0o644 << 16
+    with file.open("rb") as source, packed.open(about, "w", force_zip64=True) as target:
+        while chunk := source.read(2**20):
+            target.write(chunk)

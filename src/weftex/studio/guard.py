@@ -1,0 +1,109 @@
+"""Who may ask: this machine's own page of this start, and nobody else.
+
+A page of another site can send requests to 127.0.0.1, and by DNS rebinding even under a name of its
+own. So the Host must be one of ours, an Origin must be ours (a frame without one says ``null``),
+what changes anything must have one, and the API wants a token that only the opened address had.
+"""
+
+from __future__ import annotations
+
+import hmac
+from typing import TYPE_CHECKING, Any
+
+from starlette.responses import JSONResponse
+
+if TYPE_CHECKING:
+    from collections.abc import Collection
+
+    from starlette.types import ASGIApp, Message, Receive, Scope, Send
+
+#: What browsers are told about every answer.
+HEADERS = {
+    "content-security-policy": (
+        "default-src 'self'; img-src 'self' blob:; object-src 'none'; base-uri 'none'; "
+        "form-action 'none'; frame-ancestors 'none'"
+    ),
+    "x-content-type-options": "nosniff",
+    "x-frame-options": "DENY",
+    "referrer-policy": "no-referrer",
+    "cross-origin-opener-policy": "same-origin",
+    "cross-origin-resource-policy": "same-origin",
+    "cache-control": "no-store",
+}
+TOKEN = "x-weftex-token"
+_SAFE = ("GET", "HEAD")
+_METHODS = (*_SAFE, "POST", "DELETE")
+#: What needs no token: it is a random name that is given once, see `weftex.studio.downloads`.
+_TICKETS = "/api/downloads/"
+
+
+class Guard:
+    """Let requests through that come from the page, and put safety headers on every answer.
+
+    Parameters
+    ----------
+    app : ASGI application
+    token : str
+    hosts : collection of str
+        What the Host header may be, ports included.
+    """
+
+    def __init__(self, app: ASGIApp, *, token: str, hosts: Collection[str]) -> None:
+        self.app, self.token = app, token
+        self.hosts = {host.lower() for host in hosts}
+        self.origins = {f"http://{host}" for host in self.hosts}
+
+    async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
+        """Answer, or pass on."""
+        if scope["type"] == "lifespan":
+            await self.app(scope, receive, send)
+            return
+        if scope["type"] != "http":  # there are no websockets here
+            await send({"type": "websocket.close", "code": 1008})
+            return
+
+        async def answer(message: Message) -> None:
+            if message["type"] == "http.response.start":
+                own = [(name.encode(), value.encode()) for name, value in HEADERS.items()]
+                given = {name.lower() for name, _ in message["headers"]}
+                message["headers"] += [pair for pair in own if pair[0] not in given]
+            await send(message)
+
+        refused = self.refuse(scope)
+        if refused is None:
+            await self.app(scope, receive, answer)
+            return
+        status, line = refused
+        response = JSONResponse({"error": line, "parameter": None}, status)
+        await response(scope, receive, answer)
+
+    def refuse(self, scope: Scope) -> tuple[int, str] | None:
+        """Return the status and the reason, or None for a request that is let through."""
+        method, path = scope["method"], scope["path"]
+        host, origin, site = (_only(scope, name) for name in ("host", "origin", "sec-fetch-site"))
+        if host is None or host.lower() not in self.hosts:
+            return 403, "this Host is not the studio's"
+        if method not in _METHODS:
+            return 405, f"{method} is not known here"
+        if origin is not None and origin.lower() not in self.origins:
+            return 403, "this Origin is not the studio's"
+        if origin is None and method not in _SAFE:
+            return 403, "an Origin is needed for what changes anything"
+        if not path.startswith("/api/"):
+            return None
+        if site not in (None, "same-origin", "none"):
+            return 403, "another site may not ask for this"
+        if path.startswith(_TICKETS) and method in _SAFE:
+            return None
+        token = _only(scope, TOKEN) or ""
+        if not hmac.compare_digest(token.encode(), self.token.encode()):
+            return 401, "the token is missing or of another start of the studio; open its address"
+        return None
+
+
+def _only(scope: Scope, name: str) -> str | None:
+    """A header; of several something that nothing is equal to."""
+    found: list[Any] = [value for key, value in scope["headers"] if key.lower() == name.encode()]
+    if not found:
+        return None
+    return found[0].decode("latin-1") if len(found) == 1 else "several"

@@ -1,0 +1,116 @@
+"""How much the studio takes at most, and a memory that forgets what was not asked for longest."""
+
+from __future__ import annotations
+
+import os
+import threading
+from collections import OrderedDict
+from collections.abc import Callable, Hashable
+from dataclasses import dataclass
+from typing import Any
+
+
+@dataclass(frozen=True)
+class Limits:
+    """Bounds of one server.
+
+    Attributes
+    ----------
+    upload_bytes, upload_pixels : int
+        Of one file, counted while it comes and before it is decoded.
+    stored_bytes : int
+        Of all uploads on disk.
+    uploads : int
+        Of one session.
+    output_pixels : int
+        Of one output, or of all that one job makes.
+    memory_bytes : int
+        Of what is remembered: decoded pictures, results, windows. All can be made again.
+    jobs, session_jobs : int
+        That wait or run, of all sessions and of one.
+    sessions : int
+    requests : int
+        That are answered at a time.
+    body_bytes : int
+        Of a request that is no upload.
+    away_seconds : float
+        After which a job whose page has gone is cancelled.
+    """
+
+    upload_bytes: int = 2**28
+    upload_pixels: int = 2**26
+    stored_bytes: int = 2**31
+    uploads: int = 200
+    output_pixels: int = 2**25
+    memory_bytes: int = 2**30
+    jobs: int = 48
+    session_jobs: int = 24
+    sessions: int = 64
+    requests: int = 200
+    body_bytes: int = 2**20
+    away_seconds: float = 10.0
+
+
+def usual_limits() -> Limits:
+    """Return the limits for this machine: an eighth of its memory is what is remembered."""
+    try:
+        whole = os.sysconf("SC_PAGE_SIZE") * os.sysconf("SC_PHYS_PAGES")
+    except (AttributeError, OSError, ValueError):
+        return Limits()
+    return Limits(memory_bytes=max(2**28, min(2**31, whole // 8)))
+
+
+class Memory:
+    """What was made, as long as there is room: the longest unused goes first.
+
+    Parameters
+    ----------
+    most_bytes : int
+
+    Examples
+    --------
+    >>> memory = Memory(10)
+    >>> memory.put("a", 1, 6); memory.put("b", 2, 6)
+    >>> memory.get("a"), memory.get("b"), memory.bytes
+    (None, 2, 6)
+    """
+
+    def __init__(self, most_bytes: int) -> None:
+        self.most_bytes, self.bytes = most_bytes, 0
+        self._lock = threading.Lock()
+        self._kept: OrderedDict[Hashable, tuple[Any, int]] = OrderedDict()
+
+    def put(self, key: Hashable, value: Any, size: int) -> None:
+        """Remember something that takes so many bytes; the last is always remembered."""
+        with self._lock:
+            self._drop(key)
+            self._kept[key] = value, size
+            self.bytes += size
+            while self.bytes > self.most_bytes and len(self._kept) > 1:
+                self._drop(next(iter(self._kept)))
+
+    def get(self, key: Hashable) -> Any:
+        """Return what is remembered, or None."""
+        with self._lock:
+            if key not in self._kept:
+                return None
+            self._kept.move_to_end(key)
+            return self._kept[key][0]
+
+    def find(self, key: Hashable, make: Callable[[], tuple[Any, int]]) -> Any:
+        """Return what is remembered, or make it: the value and its bytes."""
+        found = self.get(key)
+        if found is None:
+            found, size = make()
+            self.put(key, found, size)
+        return found
+
+    def forget(self, wanted: Callable[[Any], bool]) -> None:
+        """Forget the keys of which this is true."""
+        with self._lock:
+            for key in [key for key in self._kept if wanted(key)]:
+                self._drop(key)
+
+    def _drop(self, key: Hashable) -> None:
+        if key in self._kept:
+            self.bytes -= self._kept.pop(key)[1]

@@ -1,0 +1,255 @@
+"""From a recipe to a result, by the library's own tasks."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING, Any
+
+from weftex.canvas import as_canvas
+from weftex.errors import InvalidInputError
+from weftex.naming import text_of
+from weftex.results.scales import check_size
+from weftex.studio import materials
+from weftex.studio.materials import Loaded, id_of, size_of
+from weftex.studio.recipes import fields_of_gradient
+from weftex.studio.refusals import Refusal
+from weftex.studio.uploads import picture_of
+
+if TYPE_CHECKING:
+    from weftex.exemplar import Exemplar
+    from weftex.io.pictures import Picture
+    from weftex.material import Material
+    from weftex.method import Model
+    from weftex.progress import ProgressCallback
+    from weftex.results.synthesis import Synthesis
+    from weftex.studio.limits import Limits, Memory
+    from weftex.studio.recipes import Recipe
+    from weftex.studio.sessions import Session
+
+
+@dataclass(frozen=True)
+class Made:
+    """A result, and how its pictures are stored.
+
+    Attributes
+    ----------
+    recipe : Recipe
+        With its size.
+    result : Synthesis
+    main : str
+        The name of the picture among its maps.
+    pictures : dict of str to Picture
+        By the maps' names: what the files of the material are like, of which only the pixels
+        differ.
+    materials : tuple of Material
+    seconds : float
+    """
+
+    recipe: Recipe
+    result: Synthesis
+    main: str
+    pictures: dict[str, Picture]
+    materials: tuple[Material, ...]
+    seconds: float = 0.0
+
+    def timed(self, seconds: float) -> Made:
+        """Return the same with how long it took."""
+        return replace(self, seconds=seconds)
+
+    def pixels(self, name: str) -> Any:
+        """Return the pixels of a map."""
+        own = name == self.main
+        return self.result.image if own else self.result.render(self.result.sample.map(name))
+
+    def map(self, name: str) -> Exemplar:
+        """Return the sample's map of this name, with its role."""
+        sample = self.result.sample
+        return sample if name == self.main else sample.map(name)
+
+    @property
+    def bytes(self) -> int:
+        """What it takes in memory."""
+        arrays = sum(array.nbytes for array in self.result.arrays().values())
+        return int(self.result.image.nbytes + arrays)
+
+
+class Bench:
+    """Where a session works: it reads materials and fits models, and remembers them.
+
+    Parameters
+    ----------
+    session : Session
+    memory : Memory
+    limits : Limits
+    """
+
+    def __init__(self, session: Session, memory: Memory, limits: Limits) -> None:
+        self.session, self.memory, self.limits = session, memory, limits
+
+    def load(self, spec: dict[str, Any]) -> Loaded:
+        """Read a material."""
+        return materials.load(spec, self.session, self.memory, self.limits)
+
+    def picture(self, upload: str) -> Picture:
+        """Read an upload."""
+        return picture_of(upload, self.session, self.limits)
+
+    def model(self, recipe: Recipe) -> tuple[list[Loaded], Model]:
+        """Return a recipe's materials, and its method fitted to them."""
+        key = (
+            self.session.key,
+            "model",
+            id_of({"materials": list(recipe.materials), "method": text_of(recipe.method)}),
+        )
+        loaded = [self.load(spec) for spec in recipe.materials]
+
+        def fit() -> tuple[Model, int]:
+            exemplar = _sample(loaded)
+            return recipe.method.fit(exemplar), 8 * size_of(exemplar)
+
+        found: Model = self.memory.find(key, fit)
+        return loaded, found
+
+    def sized(self, recipe: Recipe) -> Recipe:
+        """Return a recipe with the size of what it makes.
+
+        Raises
+        ------
+        Refusal
+            If that is too large.
+        """
+        options = recipe.options
+        if recipe.task in ("tile", "fill"):
+            size = self.load(recipe.materials[0]).exemplar.shape
+        elif options["size"] is not None:
+            size = options["size"]
+        elif recipe.task == "fuse" and isinstance(options["map"], str):
+            size = self.picture(options["map"]).pixels.shape[:2]
+        elif recipe.task == "fuse":
+            raise InvalidInputError("size is missing; a gradient needs one")
+        elif options["guide"] is not None:
+            size = self.picture(options["guide"]).pixels.shape[:2]
+        else:
+            sample = self.load(recipe.materials[0]).exemplar
+            size = sample.shape[0] * 2, sample.shape[1] * 2
+        if math.prod(size) > self.limits.output_pixels:
+            most = self.limits.output_pixels / 2**20
+            line = f"size is {size[1]}x{size[0]}; the studio makes at most {most:g} megapixels at"
+            raise Refusal(413, f"{line} once, weftex on the command line more", "size")
+        if "size" in options and options["size"] is None:
+            return recipe.changed(size=list(size))
+        return recipe
+
+    def make(self, recipe: Recipe, progress: ProgressCallback) -> Made:
+        """Make what a recipe says.
+
+        Parameters
+        ----------
+        recipe : Recipe
+            From `sized`.
+        progress : callable
+            See `weftex.progress.ProgressCallback`.
+        """
+        how: dict[str, Any] = {"seed": recipe.seed, "progress": progress}
+        task = {"synth": self._synth, "tile": self._tile, "fill": self._fill, "fuse": self._fuse}
+        return task[recipe.task](recipe, how)
+
+    def _synth(self, recipe: Recipe, how: dict[str, Any]) -> Made:
+        options = recipe.options
+        canvas = as_canvas(options["size"], options["tileable"])
+        guide, own, several = (options[k] for k in ("guide", "sample_guide", "best_of"))
+        if guide is None:
+            recipe.method.require(canvas)
+        if guide is None and own is None and several == 1:
+            loaded, model = self.model(recipe)
+            check_size(model.exemplar, canvas.shape)
+            return _made(recipe, model.sample(canvas, **how), loaded)
+        from weftex.tasks.synthesize import synthesize
+
+        loaded = [self.load(spec) for spec in recipe.materials]
+        sample = _sample(loaded)
+        check_size(sample, canvas.shape)
+        guides: dict[str, Any] = {
+            "guide": None if guide is None else _exemplar(self.picture(guide)),
+            "sample_guide": None if own is None else _exemplar(self.picture(own)),
+        }
+        made = synthesize(sample, canvas, method=recipe.method, best_of=several, **guides, **how)
+        return _made(recipe, made, loaded)
+
+    def _tile(self, recipe: Recipe, how: dict[str, Any]) -> Made:
+        from weftex.tasks.tile import tile
+
+        loaded = self.load(recipe.materials[0])
+        made = tile(loaded.sample, **recipe.options, **_method(recipe), **how)
+        return _made(recipe, made, [loaded])
+
+    def _fill(self, recipe: Recipe, how: dict[str, Any]) -> Made:
+        from weftex.tasks.fill import fill, hole_of
+
+        loaded = [self.load(spec) for spec in recipe.materials]
+        photo, options = loaded[0].exemplar, dict(recipe.options)
+        mask = options.pop("mask")
+        hole = hole_of(None if mask == "alpha" else self.picture(mask), photo)
+        sample = loaded[1].sample if len(loaded) > 1 else None
+        made = fill(photo, hole, sample=sample, **options, **_method(recipe), **how)
+        return _made(recipe, made, loaded[:1])
+
+    def _fuse(self, recipe: Recipe, how: dict[str, Any]) -> Made:
+        from weftex.tasks.fuse import fuse
+        from weftex.tasks.gradient import Gradient
+
+        options = dict(recipe.options)
+        given, colors = options.pop("map"), options.pop("colors")
+        label_map: Any
+        if given is None:
+            raise InvalidInputError("map is missing; paint one, or take a gradient")
+        if isinstance(given, str):
+            label_map = self.picture(given).pixels
+        else:
+            label_map = Gradient(**fields_of_gradient(given))
+        if colors is not None:
+            options["colors"] = [tuple(one) if isinstance(one, list) else one for one in colors]
+        loaded = [self.load(spec) for spec in recipe.materials]
+        samples = [one.sample for one in loaded]
+        made = fuse(samples, label_map, method=recipe.method, **options, **how)
+        return _made(recipe, made, loaded)
+
+
+def _method(recipe: Recipe) -> dict[str, Any]:
+    """The method by its name, so that tasks see which parameters were chosen."""
+    asked = recipe.as_json()
+    return {"method": asked["method"], **asked["parameters"]}
+
+
+def _sample(loaded: list[Loaded]) -> Exemplar:
+    """One sample of all materials, as the command line makes it of several photos."""
+    if len(loaded) == 1:
+        return loaded[0].sample
+    from weftex.tasks.combined import combined, of_one_kind, paired
+
+    for one in loaded:
+        for name in ("mask", "map_weights", "repeats", "turn"):
+            if name in one.spec:
+                raise InvalidInputError(f"{name} needs one material, not several")
+    pairs, _ = paired(of_one_kind([one.exemplar for one in loaded]))
+    return combined(pairs, apart=True)
+
+
+def _exemplar(picture: Picture) -> Exemplar:
+    from weftex.material import Material
+    from weftex.roles import COLOR
+
+    return Material(picture.path, {"color": picture}, {"color": COLOR}).exemplar()
+
+
+def _made(recipe: Recipe, result: Synthesis, loaded: list[Loaded]) -> Made:
+    """A result with what its pictures are stored like: the first material that has each."""
+    result.image  # rendering is part of the work  # noqa: B018
+    own = [one.material for one in loaded]
+    main, sample = own[0].main, result.sample
+    pictures = {}
+    for name, one in {main: sample, **{k: sample.map(k) for k in sample.maps}}.items():
+        like = next(m.pictures[name] for m in own if name in m.pictures)
+        pictures[name] = replace(like, pixels=one.pixels)
+    return Made(recipe, result, main, pictures, tuple(own))

@@ -1,0 +1,61 @@
+"""What the command was given: a bundled sample, a picture, or a folder of maps."""
+
+from __future__ import annotations
+
+import os
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from weftex.io.pictures import is_folder
+from weftex.material import read_material
+from weftex.studio.uploads import file_in, label_of
+
+if TYPE_CHECKING:
+    from weftex.studio.limits import Limits
+    from weftex.studio.sessions import Session
+
+
+@dataclass(frozen=True)
+class Opened:
+    """What a page begins with.
+
+    Attributes
+    ----------
+    name : str
+    sample : str or None
+        Of a bundled sample, its name.
+    files : dict of str to Path
+        Else the files by the maps that they are.
+    """
+
+    name: str
+    sample: str | None
+    files: dict[str, Path]
+
+    @classmethod
+    def of(cls, path: str, limits: Limits) -> Opened:
+        """Look at what the command was given.
+
+        Raises
+        ------
+        WeftexError
+            If it cannot be used.
+        """
+        material = read_material(path, max_pixels=limits.upload_pixels)
+        if path.startswith("sample:") and "/" not in path:
+            return cls(path, path.removeprefix("sample:"), {})
+        if not is_folder(path):
+            (picture,) = material.pictures.values()
+            return cls(material.name, None, {"color": Path(picture.path)})
+        files = {name: Path(one.path) for name, one in material.pictures.items()}
+        return cls(material.name, None, files)
+
+    def give(self, session: Session, limits: Limits) -> dict[str, Any]:
+        """Put the files among a session's uploads; the material's description."""
+        if self.sample is not None:
+            return {"sample": self.sample}
+        maps = {}
+        for name, path in self.files.items():
+            maps[name] = file_in(path, label_of(os.path.basename(path)), session, limits)["id"]
+        return {"maps": maps} | ({"name": self.name} if len(maps) > 1 else {})

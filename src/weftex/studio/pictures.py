@@ -1,0 +1,152 @@
+"""Pictures as a browser shows them: 8 bits, a part of them, with fewer pixels."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from weftex.io.png import png_bytes
+from weftex.raster.levels import scale_to_bytes, to_bytes
+from weftex.raster.srgb import to_stored
+from weftex.studio.refusals import Refusal
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    from weftex.exemplar import Exemplar
+
+    Bytes = NDArray[np.uint8]
+
+_MOST_REDUCED = 64
+_QUICK = 1  # zlib's level: on one machine sending costs less than packing
+
+
+def whole_number(query: Mapping[str, str], name: str, default: int, low: int, high: int) -> int:
+    """Return a number of a query.
+
+    Raises
+    ------
+    Refusal
+        If it is none, or out of its range.
+    """
+    text = query.get(name)
+    if text is None or text == "":
+        return default
+    try:
+        value = int(text) if len(text) < 20 else None
+    except ValueError:
+        value = None
+    if value is None or not low <= value <= high:
+        raise Refusal(400, f"{name} is not a whole number from {low} to {high}", name)
+    return value
+
+
+@dataclass(frozen=True)
+class Part:
+    """Which part of a picture is asked for, and with how many fewer pixels.
+
+    Attributes
+    ----------
+    top, left, height, width : int
+        In its pixels.
+    reduce : int
+        Means of so many times so many pixels.
+    """
+
+    top: int
+    left: int
+    height: int
+    width: int
+    reduce: int
+
+    @classmethod
+    def of(cls, query: Mapping[str, str], shape: tuple[int, int]) -> Part:
+        """Read it from a query; all of the picture by default.
+
+        Examples
+        --------
+        >>> Part.of({"left": "4", "width": "2", "most": "3"}, (8, 8))
+        Part(top=0, left=4, height=8, width=2, reduce=4)
+        """
+        top = whole_number(query, "top", 0, 0, shape[0] - 1)
+        left = whole_number(query, "left", 0, 0, shape[1] - 1)
+        height = whole_number(query, "height", shape[0] - top, 1, shape[0] - top)
+        width = whole_number(query, "width", shape[1] - left, 1, shape[1] - left)
+        reduce = whole_number(query, "reduce", 1, 1, _MOST_REDUCED)
+        most = whole_number(query, "most", 0, 0, 2**20)
+        while most and -(-max(height, width) // reduce) > most:
+            reduce *= 2
+        return cls(top, left, height, width, reduce)
+
+    def cut(self, picture: Bytes) -> Bytes:
+        """Return the part of a picture (H, W, C)."""
+        part = picture[self.top : self.top + self.height, self.left : self.left + self.width]
+        return smaller(part, self.reduce)
+
+
+def smaller(picture: Bytes, times: int) -> Bytes:
+    """Return means of blocks; those at the border may be cut.
+
+    Examples
+    --------
+    >>> smaller(np.array([[[0], [4], [8]]], np.uint8), 2)[..., 0].tolist()
+    [[2, 8]]
+    """
+    if times == 1:
+        return picture
+    rows, columns = (np.arange(0, side, times) for side in picture.shape[:2])
+    total = np.add.reduceat(picture, rows, axis=0, dtype=np.uint32)
+    total = np.add.reduceat(total, columns, axis=1)
+    high, wide = (
+        np.diff(np.append(starts, side))
+        for starts, side in zip((rows, columns), picture.shape[:2], strict=True)
+    )
+    count = (high[:, None] * wide)[..., None]
+    found: Bytes = ((total + count // 2) // count).astype(np.uint8)
+    return found
+
+
+def shown(like: Exemplar, pixels: NDArray[Any]) -> Bytes:
+    """Return pixels as a screen shows them.
+
+    Parameters
+    ----------
+    like : Exemplar
+        Of the same kind: says what they are, and the range of what is not color.
+    pixels : array (H, W) or (H, W, C)
+
+    Returns
+    -------
+    uint8 array (H, W, C)
+        Gray, RGB or RGBA with straight alpha.
+    """
+    planes = pixels.reshape(*pixels.shape[:2], -1)
+    alpha = like.alpha and planes.shape[2] > 1
+    colors = planes[..., :-1] if alpha else planes
+    colors = colors[..., :3] if colors.shape[2] >= 3 else colors[..., :1]
+    if colors.dtype == np.uint16 and like.role.kind != "labels":
+        levels = ((colors.astype(np.uint32) + 128) // 257).astype(np.uint8)
+    elif colors.dtype.kind == "f" and like.role.kind == "color":
+        levels = np.rint(255 * to_stored(np.clip(colors.astype(np.float64), 0, 1))).astype(np.uint8)
+    elif colors.dtype != np.uint8:
+        own = like.pixels.reshape(*like.shape, -1)
+        own = own[..., :-1] if alpha else own
+        levels = np.rint(to_bytes(colors, scale_to_bytes(own))).astype(np.uint8)
+    else:
+        levels = colors
+    if not alpha:
+        return np.ascontiguousarray(levels)
+    clear = planes[..., -1:].astype(np.float64) / (
+        1.0 if planes.dtype.kind == "f" else np.iinfo(planes.dtype).max
+    )
+    cover = np.rint(255 * np.clip(clear, 0, 1)).astype(np.uint8)
+    levels = levels if levels.shape[2] == 3 else np.repeat(levels, 3, axis=2)
+    return np.concatenate([levels, cover], axis=2)
+
+
+def encoded(picture: Bytes) -> bytes:
+    """Return a PNG file."""
+    return png_bytes(picture, _QUICK)

@@ -1,0 +1,117 @@
+"""Windows of endless planes, made as they come into view."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+from weftex.canvas import FAR
+from weftex.errors import UnsupportedError
+from weftex.method import CANVAS_KINDS
+from weftex.registry import supporting
+from weftex.studio.about import is_endless
+from weftex.studio.materials import id_of, maps_of
+from weftex.studio.pictures import shown, whole_number
+from weftex.studio.recipes import Recipe
+from weftex.studio.refusals import Refusal
+from weftex.tasks.auto import Auto
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping
+
+    import numpy as np
+    from numpy.typing import NDArray
+
+    from weftex.method import Model
+    from weftex.studio.making import Bench
+
+    Bytes = NDArray[np.uint8]
+
+_LARGEST = 1024  # pixels a side of a window
+
+
+@dataclass(frozen=True)
+class Plane:
+    """A fitted method that makes windows.
+
+    Attributes
+    ----------
+    model : Model
+    main : str
+        The name of its picture among the maps.
+    seed : int
+    reason : str or None
+        Why `auto` took the method.
+    """
+
+    model: Model
+    main: str
+    seed: int
+    reason: str | None
+
+    def described(self, name: str) -> dict[str, Any]:
+        """Return what the page is told of it."""
+        maps = maps_of(self.model.exemplar, self.main)
+        method = self.model.method.slug
+        return {"id": name, "maps": maps, "method": method, "reason": self.reason}
+
+
+def begin(given: Any, bench: Bench) -> dict[str, Any]:
+    """Fit the method of a recipe to its material; what the page is told of the plane.
+
+    Raises
+    ------
+    UnsupportedError
+        If the method makes no windows.
+    """
+    recipe = Recipe.of(given)
+    name = id_of({"plane": recipe.changed(size=None, tileable=False).as_json()})
+
+    def fit() -> tuple[Plane, int]:
+        chosen, reason = recipe, None
+        if isinstance(recipe.method, Auto):
+            _, model = bench.model(recipe)
+            choice = model.choose(512)  # type: ignore[attr-defined]
+            reason = choice.reason
+            chosen = recipe.changed(method=choice.method, parameters=choice.parameters)
+        if not is_endless(chosen.method):
+            able = ", ".join(supporting("random_access"))
+            what = CANVAS_KINDS["random_access"]
+            raise UnsupportedError(
+                f"method {chosen.method.slug} does not do {what}; these do: {able}"
+            )
+        loaded, model = bench.model(chosen)
+        return Plane(model, loaded[0].material.main, recipe.seed, reason), 2**20
+
+    plane: Plane = bench.memory.find((bench.session.key, "plane", name), fit)
+    return plane.described(name)
+
+
+def window(name: str, query: Mapping[str, str], bench: Bench) -> Bytes:
+    """Return a window of a plane as a screen shows it.
+
+    Raises
+    ------
+    Refusal
+        If the plane is not there, or the window is none.
+    """
+    plane: Plane | None = bench.memory.get((bench.session.key, "plane", name))
+    if plane is None:
+        raise Refusal(410, "this plane is not in memory any more; begin it again")
+    far = FAR - _LARGEST
+    top, left = (whole_number(query, side, 0, -far, far) for side in ("top", "left"))
+    height, width = (whole_number(query, side, 256, 1, _LARGEST) for side in ("height", "width"))
+    wanted = query.get("map") or plane.main
+    sample = plane.model.exemplar
+    if wanted != plane.main and wanted not in sample.maps:
+        raise Refusal(404, "there is no such map", "map")
+    key = (bench.session.key, "window", name, top, left, height, width)
+
+    def make() -> tuple[Any, int]:
+        made = plane.model.window(top, left, height, width, seed=plane.seed, threads=1)
+        return made, 2 * made.image.nbytes + sum(array.nbytes for array in made.arrays().values())
+
+    made = bench.memory.find(key, make)
+    if wanted == plane.main:
+        return shown(sample, made.image)
+    return shown(sample.map(wanted), made.render(sample.map(wanted)))

@@ -1,0 +1,141 @@
+"""A request as the routes see it: its session, its body, work that is done in threads."""
+
+from __future__ import annotations
+
+import json
+import math
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, Any, TypeVar
+
+from anyio import to_thread
+
+from weftex.studio.making import Bench
+from weftex.studio.pictures import whole_number
+from weftex.studio.refusals import Refusal
+
+if TYPE_CHECKING:
+    from collections.abc import AsyncIterator, Callable
+
+    from starlette.requests import Request
+
+    from weftex.studio.sessions import Session
+    from weftex.studio.studio import Studio
+
+    Result = TypeVar("Result")
+
+SESSION = "x-weftex-session"
+_MOST_DEEP = 32  # levels of JSON
+
+
+class Call:
+    """One request.
+
+    Parameters
+    ----------
+    request : Request
+    studio : Studio
+    """
+
+    def __init__(self, request: Request, studio: Studio) -> None:
+        self.request, self.studio = request, studio
+        self.query = request.query_params
+
+    @property
+    def session(self) -> Session:
+        """The session that the page says it is; it alone knows its secret."""
+        return self.studio.sessions.get(self.request.headers.get(SESSION))
+
+    @property
+    def bench(self) -> Bench:
+        """Where the session works."""
+        return Bench(self.session, self.studio.memory, self.studio.limits)
+
+    def part(self, name: str) -> str:
+        """Return a part of the address."""
+        return str(self.request.path_params[name])
+
+    async def body(self) -> AsyncIterator[bytes]:
+        """Yield the body as it comes."""
+        async for chunk in self.request.stream():
+            if chunk:
+                yield chunk
+
+    async def json(self) -> Any:
+        """Return the body's JSON, of which no more is read than is allowed.
+
+        Raises
+        ------
+        Refusal
+            If it is too long, or no JSON.
+        """
+        text = bytearray()
+        async for chunk in self.body():
+            text += chunk
+            if len(text) > self.studio.limits.body_bytes:
+                raise Refusal(
+                    413, f"the request has more than {self.studio.limits.body_bytes} bytes"
+                )
+        try:
+            found = json.loads(bytes(text) or b"{}", parse_constant=_no_number)
+        except (ValueError, RecursionError):
+            raise Refusal(400, "the request is no JSON") from None
+        if _depth(found) > _MOST_DEEP:
+            raise Refusal(400, "the request is no JSON of ours: it is too deep")
+        return found
+
+    async def object(self, *known: str) -> dict[str, Any]:
+        """Return the body's JSON object, of which only these fields are known.
+
+        Raises
+        ------
+        Refusal
+            If it is none, or has others.
+        """
+        found = await self.json()
+        if not isinstance(found, dict):
+            raise Refusal(400, "the request must be an object")
+        for name in found:
+            if name not in known:
+                raise Refusal(400, f"the request has an unknown field; known: {', '.join(known)}")
+        return found
+
+    async def work(self, function: Callable[..., Result], *values: Any) -> Result:
+        """Call something that takes a while in a thread; only some run at a time."""
+        return await to_thread.run_sync(function, *values, limiter=self.studio.limiter)
+
+    def size(self) -> tuple[int, int] | None:
+        """Return the height and width of the query, if it has them."""
+        height = whole_number(self.query, "height", 0, 1, 2**20)
+        width = whole_number(self.query, "width", 0, 1, 2**20)
+        return (height, width) if height and width else None
+
+
+def as_plain(value: Any) -> Any:
+    """Return a value as JSON has it: no tuples, no numbers of NumPy, null for what is no number.
+
+    Examples
+    --------
+    >>> as_plain({"a": (1.5, float("nan"))})
+    {'a': [1.5, None]}
+    """
+    if isinstance(value, dict):
+        return {str(key): as_plain(one) for key, one in value.items()}
+    if isinstance(value, Sequence) and not isinstance(value, str):
+        return [as_plain(one) for one in value]
+    if hasattr(value, "tolist"):
+        value = value.tolist()
+    return None if isinstance(value, float) and not math.isfinite(value) else value
+
+
+def _depth(value: Any) -> int:
+    deepest, waiting = 0, [(value, 1)]
+    while waiting:
+        one, level = waiting.pop()
+        deepest = max(deepest, level)
+        inner = one.values() if isinstance(one, dict) else one if isinstance(one, list) else ()
+        waiting += [(part, level + 1) for part in inner]
+    return deepest
+
+
+def _no_number(name: str) -> Any:
+    raise ValueError(name)

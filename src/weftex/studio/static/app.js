@@ -1,0 +1,334 @@
+import { Api, StudioError } from "./api.js";
+import { fromAddress, History, toAddress } from "./history.js";
+import { t } from "./strings.js";
+
+const PICTURES_KEPT = 12; // steps whose pictures stay at hand
+
+/**
+ * What the person has: materials on the shelf, the recipe as it stands, the result that is seen, the steps
+ * so far. Screens read it and call it; it tells them by events: "material", "recipe", "result", "job".
+ */
+export class App extends EventTarget {
+  constructor() {
+    super();
+    this.api = new Api();
+    this.history = new History();
+    this.about = null;
+    this.shelf = []; // specs of materials that were opened
+    this.material = null;
+    this.look = null;
+    this.recipe = null;
+    this.result = null;
+    this.preview = null; // {bitmap, size, recipe} of something smaller or unfinished
+    this.job = null;
+    this.stop = null;
+    this.kept = [];
+    this.goOn = false; // work goes on when the page is left
+  }
+
+  tell(type, detail = null) {
+    this.dispatchEvent(new CustomEvent(type, { detail }));
+  }
+
+  async begin() {
+    const found = await this.api.begin();
+    this.limits = found.limits;
+    this.kept = found.kept;
+    this.about = await this.api.get("about");
+    window.addEventListener("pagehide", () => this.api.post("leave", {}, { keepalive: true }).catch(() => {}));
+    window.addEventListener("hashchange", () => this.openAddress(location.hash));
+    if (found.resumed && (await this.resume())) return;
+    if (await this.openAddress(location.hash)) return;
+    if (found.opened) await this.open([found.opened]);
+  }
+
+  /** Take up work that went on while the page was away; false where there is none. */
+  async resume() {
+    const jobs = (await this.api.get("jobs")).filter((job) => job.leave === "keep" && job.state !== "failed" && job.state !== "cancelled");
+    const job = jobs.at(-1);
+    const recipe = job?.recipe ?? job?.results[0]?.recipe;
+    if (!recipe) return false;
+    await this.take(recipe, t("history.made"));
+    this.tell("go", { screen: "see" });
+    const done = await this.watch(job, recipe, new AbortController(), {});
+    const result = done?.results[0];
+    if (result && !result.error) await this.step(result, t("history.made"));
+    return true;
+  }
+
+  /** Follow a state in an address; false where there is none. */
+  async openAddress(hash) {
+    const recipe = fromAddress(hash);
+    if (!recipe || sameJson(recipe, this.history.present?.state)) return false;
+    await this.openRecipe(recipe, t("history.shared"), !/[#&]sample&/.test(hash));
+    return true;
+  }
+
+  method(slug) {
+    return this.about.methods.find((one) => one.slug === slug);
+  }
+
+  /** Do something that may fail; its one line is then shown. */
+  async guard(action) {
+    try {
+      return await action();
+    } catch (error) {
+      if (error.message && error.name !== "AbortError") this.tell("fault", error);
+      return null;
+    }
+  }
+
+  // -- materials
+
+  /** Take pictures that were dropped: as sets of maps where their names say so. */
+  async openFiles(files) {
+    const uploads = [];
+    for (const file of files) {
+      this.tell("notice", { text: t("sample.uploading", { name: file.name }) });
+      uploads.push((await this.api.upload(file)).id);
+    }
+    const found = await this.api.post("sets", { uploads });
+    await this.open(found.materials, found.notes);
+    return found;
+  }
+
+  async open(specs, notes = []) {
+    for (const spec of specs) if (!this.shelf.some((one) => sameJson(one, spec))) this.shelf.push(spec);
+    this.notes = notes;
+    await this.choose(specs[0]);
+    this.tell("go", { screen: "sample" });
+  }
+
+  /** Begin anew with a material of the shelf. */
+  async choose(spec) {
+    const size = null;
+    await this.take({ task: "synth", materials: [spec], size, tileable: false, seed: 1, method: "auto", parameters: {} }, t("history.sample"));
+  }
+
+  /** Make a recipe the present one, with what is seen of it so far. */
+  async take(recipe, label, result = null) {
+    await this.useMaterial(recipe.materials[0]);
+    recipe = { ...recipe, size: recipe.size ?? (recipe.task === "synth" ? this.usualSize() : undefined) };
+    this.history.push(recipe, label, result);
+    this.see(this.history.present);
+  }
+
+  /** A recipe from elsewhere: its picture is made again. */
+  async openRecipe(recipe, label, make = true) {
+    for (const spec of recipe.materials) if (!this.shelf.some((one) => sameJson(one, spec))) this.shelf.push(spec);
+    await this.take(recipe, make ? label : t("history.sample"));
+    this.tell("go", { screen: make ? "see" : "sample" });
+    if (make) await this.make(recipe, label);
+  }
+
+  usualSize() {
+    const twice = [this.material.height, this.material.width].map((side) => Math.min(1024, 2 * side));
+    return twice.some((side) => side < 512) ? twice.map((side) => Math.max(512, side)) : twice;
+  }
+
+  async useMaterial(spec) {
+    if (this.material && sameJson(this.material.asked, spec)) return;
+    const material = await this.api.post("materials", spec);
+    const picture = await this.api.picture(`materials/${material.id}/picture`, { map: material.main, most: 2048 });
+    this.material = { ...material, ...picture, asked: spec };
+    this.look = null;
+    this.preview = null;
+    this.tell("material");
+    const asked = this.material;
+    this.looking = this.api
+      .get(`materials/${material.id}/look`)
+      .then((look) => {
+        if (this.material === asked) this.look = look;
+      })
+      .catch((error) => {
+        if (this.material === asked) this.lookError = error;
+      })
+      .finally(() => this.tell("look"));
+  }
+
+  /** Change the sample itself: straighten it, even its light, mask it. */
+  async mend(changes, label) {
+    const spec = { ...this.recipe.materials[0], ...changes };
+    for (const key of Object.keys(spec)) if (spec[key] === null) delete spec[key];
+    this.shelf = this.shelf.map((one) => (sameJson(one, this.recipe.materials[0]) ? spec : one));
+    await this.take({ ...this.recipe, materials: [spec, ...this.recipe.materials.slice(1)] }, label);
+  }
+
+  // -- steps
+
+  see(entry) {
+    this.recipe = structuredClone(entry.state);
+    this.result = entry.result;
+    this.preview = null;
+    history.replaceState(null, "", toAddress(entry.state, Boolean(entry.result)));
+    this.tell("recipe");
+    this.tell("result");
+  }
+
+  async travel(entry) {
+    if (!entry) return;
+    this.cancel();
+    await this.useMaterial(entry.state.materials[0]);
+    if (entry.result && !entry.result.bitmap) Object.assign(entry.result, await this.pictureOf(entry.result));
+    this.see(entry);
+  }
+
+  undo() {
+    return this.travel(this.history.undo());
+  }
+
+  redo() {
+    return this.travel(this.history.redo());
+  }
+
+  /** Change the recipe without a step; `make` or a preview comes after. */
+  edit(changes) {
+    this.recipe = { ...this.recipe, ...changes };
+    this.tell("recipe");
+  }
+
+  // -- work
+
+  cancel() {
+    this.stop?.abort();
+    this.stop = null;
+  }
+
+  /** Run a job and show how it goes; resolves to the job, or to null if it was cancelled. */
+  async run(body, { quiet = false, onresults = () => {}, path = "jobs" } = {}) {
+    this.cancel();
+    const control = new AbortController();
+    const posted = this.api.post(path, body, { signal: control.signal });
+    return this.watch(posted, body.recipe, control, { quiet, onresults });
+  }
+
+  async watch(posted, recipe, control, { quiet = false, onresults = () => {} }) {
+    this.stop = control;
+    let seen = 0;
+    try {
+      return await this.api.follow(
+        await posted,
+        (job) => {
+          this.job = { ...job, quiet };
+          this.tell("job");
+          if (job.results.length) onresults(job);
+          if (job.preview && job.preview !== seen && job.state === "running") {
+            seen = job.preview;
+            this.grow(job, recipe, control.signal);
+          }
+        },
+        control.signal,
+      );
+    } catch (error) {
+      if (error.name === "AbortError") return null;
+      throw error;
+    } finally {
+      if (this.stop === control) {
+        this.stop = null;
+        this.job = null;
+        this.tell("job");
+      }
+    }
+  }
+
+  /** Show the picture of a job as it stands. */
+  async grow(job, recipe, signal) {
+    if (job.results.length > 0 || this.growing) return;
+    this.growing = true;
+    try {
+      const { bitmap } = await this.api.picture(`jobs/${job.id}/preview`, {}, signal);
+      const [height, width] = recipe.size ?? [bitmap.height, bitmap.width];
+      if (!signal.aborted && this.job?.id === job.id) this.showPreview({ bitmap, size: [width, height], recipe });
+    } catch {
+      // a preview that has gone is no fault: the picture itself comes
+    } finally {
+      this.growing = false;
+    }
+  }
+
+  showPreview(preview) {
+    this.preview = preview;
+    this.tell("preview");
+  }
+
+  /** Make the picture of a recipe, and a step of it. */
+  async make(recipe, label) {
+    const job = await this.run({ recipe, leave: this.goOn ? "keep" : "cancel" });
+    if (!job) return null;
+    const [result] = job.results;
+    if (result.error) throw new StudioError(result.error, { parameter: result.parameter });
+    return this.step(result, label);
+  }
+
+  async pictureOf(result) {
+    return this.ask(result, (id) => this.api.picture(`results/${id}/picture`, { map: result.main, most: 4096 }));
+  }
+
+  /** Ask about a result; one that the server has forgotten is made again, to the same bytes. */
+  async ask(result, question) {
+    try {
+      return await question(result.id);
+    } catch (error) {
+      if (error.status !== 410) throw error;
+    }
+    const job = await this.run({ recipe: result.recipe, leave: "cancel" });
+    if (!job) throw new DOMException("cancelled", "AbortError");
+    result.id = job.results[0].id;
+    return question(result.id);
+  }
+
+  /**
+   * Make a result the present step. A step of the same recipe gets its picture; one that is `passing`, such as
+   * a place of a slider, gives way to the next.
+   */
+  async step(result, label, passing = false) {
+    const whole = { ...result, ...(await this.pictureOf(result)) };
+    const present = this.history.present;
+    if (present && sameJson(present.state, result.recipe)) this.history.complete(label, whole);
+    else if (passing && present?.passing) this.history.replace(result.recipe, label, whole);
+    else this.history.push(result.recipe, label, whole);
+    this.history.present.passing = passing;
+    for (const { result: old } of this.history.entries.slice(0, -PICTURES_KEPT)) {
+      old?.bitmap?.close();
+      for (const key of ["bitmap", "pictures", "overlays"]) if (old) delete old[key];
+    }
+    this.see(this.history.present);
+    return whole;
+  }
+
+  /** A quick look at what the recipe would make; it is no step. */
+  async tryOut() {
+    const recipe = this.smaller(this.recipe);
+    const job = await this.run({ recipe, lane: "preview", leave: "cancel" }, { quiet: true });
+    const result = job?.results[0];
+    if (!result) return null;
+    if (result.error) throw new StudioError(result.error, { parameter: result.parameter });
+    if (sameJson(recipe, this.recipe)) return this.step(result, t("history.changed"), true);
+    this.showPreview({ ...(await this.pictureOf(result)), recipe, result });
+    return result;
+  }
+
+  /** The recipe at a size that takes a blink. */
+  smaller(recipe) {
+    if (recipe.task !== "synth" || recipe.guide) return recipe;
+    const most = this.method(recipe.method).fast ? 512 : 192; // the others go pixel by pixel
+    const shrink = Math.min(1, most / Math.max(...recipe.size));
+    const parameters = recipe.method === "auto" ? { effort: "quick" } : recipe.parameters;
+    return { ...recipe, parameters, size: recipe.size.map((side) => Math.max(1, Math.round(side * shrink))) };
+  }
+}
+
+/** Whether two recipes, or materials, say the same: in any order, and with or without defaults. */
+export function sameJson(one, other) {
+  return plain(one) === plain(other);
+}
+
+function plain(value) {
+  return JSON.stringify(value, (_, part) => {
+    if (part === null || typeof part !== "object" || Array.isArray(part)) return part;
+    const told = Object.entries(part).filter(([, one]) => !DEFAULTS.has(one) && !(typeof one === "object" && Object.keys(one).length === 0));
+    return Object.fromEntries(told.sort(([first], [second]) => (first < second ? -1 : 1)));
+  });
+}
+
+const DEFAULTS = new Set([null, undefined, false, "auto"]);

@@ -1,0 +1,199 @@
+import { field, fill, h, icon, iconButton, segments, tick } from "../dom.js";
+import { parameterForm } from "../form.js";
+import { duration, number, t } from "../strings.js";
+
+const CHANGED = 180; // milliseconds after the last change before a preview is asked for
+
+/** Size, repetition, seed, effort, method and its sliders; the picture as it grows; nine seeds. */
+export class MakeScreen {
+  constructor(app, stage) {
+    this.app = app;
+    this.stage = stage;
+    this.live = true;
+    this.update = () => this.panel && this.draw();
+  }
+
+  enter(panel, { now = false } = {}) {
+    this.panel = panel;
+    this.stage.setSubject("result");
+    this.app.addEventListener("result", this.update);
+    this.app.addEventListener("look", this.update);
+    this.draw();
+    if (now) this.make();
+  }
+
+  leave() {
+    this.app.removeEventListener("result", this.update);
+    this.app.removeEventListener("look", this.update);
+    clearTimeout(this.waiting);
+    if (this.stage.custom === "sheet") this.closeSheet();
+    this.panel = null;
+  }
+
+  draw() {
+    const { app } = this;
+    const { recipe, about } = app;
+    if (!recipe) return;
+    const { task } = recipe;
+    const free = task === "synth"; // size and repetition are not given by a photo or a map
+    const size = recipe.size ?? app.usualSize();
+    const side = (axis, label) => {
+      const box = h("input", { type: "number", min: 1, step: 1, value: size[axis], "aria-label": label, inputmode: "numeric", onchange: () => this.change({ size: app.recipe.size.with(axis, Number(box.value)) }) });
+      return box;
+    };
+    const sizes = h(
+      "div",
+      { class: "field" },
+      h("div", { class: "field-head" }, h("span", {}, h("label", {}, t("make.size")))),
+      h("div", { class: "size" }, side(1, t("make.width")), h("span", { "aria-hidden": "true" }, "×"), side(0, t("make.height"))),
+      h("div", { class: "row" }, [512, 1024, 2048, 4096].map((one) => h("button", { type: "button", class: "quiet", onclick: () => this.change({ size: [one, one] }, true) }, number(one)))),
+    );
+    const seed = h("input", { type: "number", min: 0, step: 1, value: recipe.seed, inputmode: "numeric", onchange: () => this.change({ seed: Math.max(0, Math.trunc(Number(seed.value))) }) });
+    const method = h(
+      "select",
+      { onchange: () => this.change({ method: free || method.value !== "auto" ? method.value : undefined, parameters: {} }, true) },
+      about.methods.map((one) => h("option", { value: one.slug }, one.slug === "auto" ? t("make.auto") : `${one.slug} · ${one.title}`)),
+    );
+    method.value = recipe.method ?? "auto";
+    const chosen = app.method(recipe.method ?? "auto");
+    const parameters = recipe.parameters ?? {};
+    const form = (list) => parameterForm(list, parameters, () => this.change({ parameters: { ...parameters } }), this.fault);
+    const effort = free && chosen.parameters.find((one) => one.name === "effort" && one.choices.length);
+    const others = chosen.parameters.filter((one) => one.name !== "effort");
+    const tasks = [["synth", t("task.synth")], ["tile", t("task.tile")], ...(free || task === "tile" ? [] : [[task, t(`task.${task}`)]])];
+    const beside = others.some((one) => one.name === this.fault?.parameter); // the error stands at its control
+    const reason = chosen.slug === "auto" ? (app.result?.reason ?? app.look?.auto.reason) : chosen.paper;
+    fill(
+      this.panel,
+      h("h2", {}, t("make.title")),
+      segments(t("make.task"), tasks, task, (one) => this.changeTask(one)),
+      this.fault && !beside ? h("div", { class: "note error", role: "alert" }, icon("warn"), h("div", {}, this.fault.message)) : null,
+      task === "tile" ? this.tiling() : free && !recipe.guide ? sizes : null,
+      !free ? null : segments(t("make.tileable"), [["no", t("tileable.no")], ["x", t("tileable.x")], ["y", t("tileable.y")], ["xy", t("tileable.xy")]], recipe.tileable === true ? "xy" : recipe.tileable || "no", (one) =>
+        this.change({ tileable: one === "xy" ? true : one === "no" ? false : one }),
+      ),
+      field(t("make.seed"), seed, { value: iconButton("dice", t("make.dice"), () => this.change({ seed: Math.floor(Math.random() * 1e6) }, true)) }),
+      effort
+        ? segments(t("make.effort"), effort.choices.map((one) => [one, t(`effort.${one}`)]), parameters.effort ?? effort.default, (one) => this.change({ parameters: { ...parameters, effort: one } }))
+        : null,
+      field(t("make.method"), method, { help: reason }),
+      h(
+        "div",
+        { class: "row even" },
+        h("button", { type: "button", class: "main large", onclick: () => this.make() }, t("make.go")),
+        h("button", { type: "button", class: "large", onclick: () => this.sheet() }, icon("grid"), t("make.sheet")),
+      ),
+      h(
+        "div",
+        {},
+        tick(t("make.live"), this.live, (live) => (this.live = live)),
+        tick(t("make.go_on"), app.goOn, (on) => (app.goOn = on)),
+      ),
+      this.told(),
+      others.length ? h("details", { open: this.open || beside, ontoggle: (event) => (this.open = event.target.open) }, h("summary", {}, t("make.parameters", { n: others.length })), h("div", {}, form(others))) : null,
+    );
+  }
+
+  /** More of the material, or the photo itself made to repeat. */
+  changeTask(task) {
+    const { materials, seed } = this.app.recipe;
+    const recipe = task === "tile" ? { task, materials, axes: true, seed } : { task, materials, size: this.app.usualSize(), tileable: false, seed, method: "auto", parameters: {} };
+    this.app.recipe = recipe;
+    this.change({}, true);
+  }
+
+  tiling() {
+    const { recipe, about } = this.app;
+    const values = "border" in recipe && recipe.border !== null ? { border: recipe.border } : {};
+    return [
+      h("p", { class: "hint" }, t("task.tile.help")),
+      segments(t("make.axes"), [["x", t("tileable.x")], ["y", t("tileable.y")], ["xy", t("tileable.xy")]], recipe.axes === true ? "xy" : recipe.axes, (one) => this.change({ axes: one === "xy" ? true : one })),
+      parameterForm(about.tasks.tile, values, (name, value) => this.change({ [name]: value ?? null }), this.fault),
+    ];
+  }
+
+  /** What the picture that is there cost, and what the library has to say about it. */
+  told() {
+    const { result } = this.app;
+    if (!result) return null;
+    return [
+      result.warnings.map((line) => h("p", { class: "note" }, line)),
+      h("p", { class: "hint" }, t("make.made", { method: result.method, time: duration(result.seconds) })),
+    ];
+  }
+
+  /** Change the recipe; a preview follows when changes pause. */
+  change(changes, redraw = false) {
+    this.app.edit(changes);
+    if (this.stage.custom === "sheet") this.closeSheet();
+    if (redraw) this.draw();
+    clearTimeout(this.waiting);
+    if (this.live) this.waiting = setTimeout(() => this.tryOut(), CHANGED);
+  }
+
+  async tryOut() {
+    await this.attempt(() => this.app.tryOut());
+  }
+
+  async make() {
+    clearTimeout(this.waiting);
+    if (this.stage.custom === "sheet") this.closeSheet();
+    await this.attempt(() => this.app.make(this.app.recipe, t("history.made")));
+  }
+
+  /** Run something; the library's line about a wrong value stands beside the field that it names. */
+  async attempt(action) {
+    const had = this.fault;
+    this.fault = null;
+    try {
+      await action();
+    } catch (error) {
+      if (error.message) this.fault = error;
+    }
+    if (!this.panel || !(had || this.fault)) return;
+    this.draw();
+    this.panel.querySelector("[role=alert]")?.scrollIntoView({ block: "nearest" });
+  }
+
+  /** Nine seeds beside each other; one of them is kept. */
+  async sheet() {
+    const { app, stage } = this;
+    clearTimeout(this.waiting);
+    const recipe = structuredClone(app.recipe);
+    stage.custom = "sheet";
+    let shown = 0;
+    const items = Array.from({ length: 9 }, (_, k) => ({ picture: null, size: recipe.size ? recipe.size.toReversed() : app.material.size, title: t("make.seed_n", { n: recipe.seed + k }) }));
+    const cells = stage.several(items);
+    stage.buildBar();
+    const add = async (job) => {
+      while (shown < job.results.length) {
+        const at = shown++;
+        const result = job.results[at];
+        const { foot, view } = cells[at];
+        if (result.error) {
+          foot.querySelector(".cell-note").textContent = result.error;
+          continue;
+        }
+        const { bitmap } = await app.api.picture(`results/${result.id}/picture`, { map: result.main, most: 1024 });
+        view.show({ picture: bitmap });
+        foot.querySelector(".cell-note").textContent = duration(result.seconds);
+        foot.append(h("button", { type: "button", onclick: () => app.guard(() => this.keep(result)) }, t("make.keep")));
+      }
+    };
+    await this.attempt(async () => {
+      const job = await app.run({ recipe, count: 9, leave: "cancel" }, { onresults: add });
+      if (job) await add(job);
+      else if (!shown) this.closeSheet();
+    });
+  }
+
+  async keep(result) {
+    this.closeSheet();
+    await this.app.step(result, t("history.seed", { n: result.recipe.seed }));
+  }
+
+  closeSheet() {
+    this.stage.custom = null;
+    this.stage.refresh();
+  }
+}

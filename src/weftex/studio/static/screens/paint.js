@@ -1,0 +1,318 @@
+import { field, fill, h, icon, iconButton, segments, tick } from "../dom.js";
+import { parameterForm } from "../form.js";
+import { Mask } from "../paint/mask.js";
+import { Painter } from "../paint/tools.js";
+import { number, t } from "../strings.js";
+
+/** Colors of labels in the files that go to the server: the first is what is not painted. */
+const LABELS = [[0, 0, 0], [255, 255, 255], [230, 60, 40], [40, 110, 230], [50, 180, 90], [240, 200, 40], [160, 70, 200], [40, 190, 200]];
+const TOOLS = ["brush", "erase", "lasso", "wand"];
+const PURPOSES = ["hole", "use", "fuse", "guide"];
+
+/** A hole, what may be used of the sample, a map of several materials, a guide: all painted alike. */
+export class PaintScreen {
+  constructor(app, stage) {
+    this.app = app;
+    this.stage = stage;
+    this.purpose = "hole";
+    this.tool = "brush";
+    this.radius = 14;
+    this.tolerance = 24;
+    this.threshold = 128;
+    this.label = 1;
+    this.masks = new Map();
+    this.told = {}; // what was chosen for each task
+    this.pictures = new Map(); // of materials, by their spec
+    this.onSample = true; // of a guide: what is what in the sample, or where it is to be
+    this.update = () => this.begin();
+  }
+
+  enter(panel) {
+    this.panel = panel;
+    this.stage.custom = "paint";
+    this.stage.single();
+    this.stage.closeExtras(null);
+    this.app.addEventListener("material", this.update);
+    this.begin();
+  }
+
+  leave() {
+    this.app.removeEventListener("material", this.update);
+    this.painter?.close();
+    this.painter = null;
+    this.stage.main.element.classList.remove("painting");
+    this.stage.custom = null;
+    this.stage.title = null;
+    this.panel = null;
+    this.stage.mode = "picture";
+    this.stage.refresh();
+  }
+
+  /** Lay out the canvas of the purpose, with what was painted on it before. */
+  async begin() {
+    const { app, stage } = this;
+    const { material } = app;
+    if (!material || !this.panel) return;
+    this.painter?.close();
+    const canvas = this.purpose === "fuse" || (this.purpose === "guide" && !this.onSample);
+    if (canvas) this.size ??= [...(app.recipe.size ?? app.usualSize())].reverse();
+    const size = canvas ? this.size : material.size;
+    const key = [this.purpose, this.onSample, material.id, size].join();
+    if (!this.masks.has(key)) this.masks.set(key, new Mask(...size));
+    this.mask = this.masks.get(key);
+    this.key = key;
+    const textures = this.purpose === "fuse" ? await this.textures() : null;
+    if (!this.panel) return;
+    this.label = Math.max(1, Math.min(this.label, this.labels() - 1));
+    stage.closeExtras(null);
+    stage.main.show({ picture: canvas ? blank(size) : material.bitmap, size, repeat: 1, before: null, overlay: null, background: null });
+    stage.main.element.classList.add("painting");
+    stage.title = t(`paint.${this.purpose}`);
+    stage.buildBar();
+    this.painter = new Painter(stage.main, this.mask, { tool: this.tool, radius: this.radius, tolerance: this.tolerance, label: this.label, colors: this.colors(canvas), textures });
+    this.painter.onstroke = () => this.tellCount();
+    this.painter.onradius = (radius) => {
+      this.radius = radius;
+      this.draw();
+    };
+    this.draw();
+  }
+
+  labels() {
+    if (this.purpose === "fuse") return Math.max(2, this.app.shelf.length);
+    return this.purpose === "guide" ? LABELS.length : 2;
+  }
+
+  /** Labels as they are shown over the picture. */
+  colors(canvas) {
+    if (this.purpose === "guide") return LABELS.map((color, k) => (k === 0 && !canvas ? [0, 0, 0, 0] : [...color, canvas ? 255 : 150]));
+    return [[0, 0, 0, 0], this.purpose === "hole" ? [255, 60, 140, 165] : [20, 20, 22, 185]];
+  }
+
+  async textures() {
+    for (const spec of this.app.shelf) {
+      const key = JSON.stringify(spec);
+      if (this.pictures.has(key)) continue;
+      const material = await this.app.api.post("materials", spec);
+      this.pictures.set(key, (await this.app.api.picture(`materials/${material.id}/picture`, { map: material.main, most: 1024 })).bitmap);
+    }
+    return this.app.shelf.map((spec) => this.pictures.get(JSON.stringify(spec)));
+  }
+
+  set(changes) {
+    Object.assign(this, changes);
+    for (const key of ["tool", "radius", "tolerance", "label"]) if (this.painter) this.painter[key] = this[key];
+  }
+
+  draw() {
+    const tools = TOOLS.map((tool) =>
+      h("button", { type: "button", "aria-pressed": String(tool === this.tool), onclick: () => { this.set({ tool }); this.draw(); this.focusTool(tool); }, "data-tool": tool }, icon(tool), t(`tool.${tool}`)),
+    );
+    this.count = h("p", { class: "hint", role: "status" });
+    fill(
+      this.panel,
+      h("h2", {}, t("paint.title")),
+      segments(t("paint.purpose"), PURPOSES.map((one) => [one, t(`paint.${one}`)]), this.purpose, (purpose) => { this.purpose = purpose; this.error = null; this.begin(); }),
+      h("p", { class: "hint" }, t(`paint.${this.purpose}.help`)),
+      this.error,
+      this.purpose === "fuse" ? this.materials() : null,
+      this.purpose === "guide" ? this.guideChoice() : null,
+      h("div", { class: "tool-row", role: "group", "aria-label": t("paint.tools") }, tools),
+      this.sliders(),
+      h(
+        "div",
+        { class: "row" },
+        h("button", { type: "button", onclick: () => this.mask.undo() }, icon("undo"), t("paint.undo")),
+        h("button", { type: "button", onclick: () => this.mask.redo() }, icon("redo"), t("paint.redo")),
+        h("button", { type: "button", onclick: () => this.every(() => 0) }, t("paint.clear")),
+        this.purpose === "hole" || this.purpose === "use" ? h("button", { type: "button", onclick: () => this.every((one) => 1 - one) }, t("paint.invert")) : null,
+      ),
+      this.count,
+      this.options(),
+      this.action(),
+      h("p", { class: "hint" }, t("paint.keys")),
+    );
+    this.tellCount();
+  }
+
+  /** What the task itself can be told, as the server describes it. */
+  options() {
+    const task = { hole: "fill", fuse: "fuse" }[this.purpose];
+    if (!task) return null;
+    const values = (this.told[task] ??= {});
+    const form = parameterForm(this.app.about.tasks[task], values, () => {}, this.fault);
+    return h("details", { open: Object.keys(values).length > 0 }, h("summary", {}, t("paint.options")), form);
+  }
+
+  focusTool(tool) {
+    this.panel.querySelector(`[data-tool="${tool}"]`)?.focus();
+  }
+
+  every(rule) {
+    this.mask.begin();
+    this.mask.labels.forEach((one, index, all) => (all[index] = rule(one)));
+    this.mask.touched(0, 0, this.mask.width, this.mask.height);
+    this.mask.end();
+  }
+
+  sliders() {
+    const range = (key, low, high, words) => {
+      const shown = h("output", { class: "hint" }, words(this[key]));
+      const box = h("input", { type: "range", min: low, max: high, step: 1, value: this[key], oninput: () => { this.set({ [key]: Number(box.value) }); shown.textContent = words(this[key]); } });
+      return field(t(`paint.${key}`), box, { value: shown });
+    };
+    const pixels = (n) => t("sample.px", { n: number(n) });
+    const parts = [];
+    if (this.tool === "brush" || this.tool === "erase") parts.push(range("radius", 1, 160, pixels));
+    if (this.tool === "wand") {
+      parts.push(range("tolerance", 1, 128, (n) => number(n)));
+      parts.push(tick(t("paint.connected"), this.painter?.connected ?? true, (on) => (this.painter.connected = on)));
+    }
+    if (this.purpose === "hole" || this.purpose === "use") {
+      parts.push(
+        h(
+          "details",
+          {},
+          h("summary", {}, t("paint.by")),
+          h(
+            "div",
+            { class: "parameters" },
+            range("threshold", 0, 255, (n) => number(n)),
+            h("div", { class: "row" }, h("button", { type: "button", onclick: () => this.painter.takeBright(this.threshold) }, t("paint.brighter")), h("button", { type: "button", onclick: () => this.painter.takeBright(this.threshold, true) }, t("paint.darker"))),
+            this.app.material.maps[0]?.alpha ? h("button", { type: "button", onclick: () => this.painter.takeClear() }, icon("alpha"), t("paint.clearpart")) : null,
+          ),
+        ),
+      );
+    }
+    return parts;
+  }
+
+  tellCount() {
+    if (!this.count) return;
+    const share = 1 - this.mask.count(0) / this.mask.labels.length;
+    this.count.textContent = t("paint.share", { n: number(100 * share, share < 0.1 ? 1 : 0) });
+  }
+
+  /** The materials to be painted with; more of them from the samples. */
+  materials() {
+    const { app } = this;
+    const chips = app.shelf.map((spec, k) => {
+      const canvas = h("canvas", { width: 60, height: 60 });
+      const picture = this.pictures.get(JSON.stringify(spec));
+      if (picture) canvas.getContext("2d").drawImage(picture, 0, 0, Math.min(120, picture.width), Math.min(120, picture.height), 0, 0, 60, 60);
+      return h("button", { type: "button", "aria-pressed": String(k === this.label), title: k ? "" : t("paint.ground"), onclick: () => { this.set({ label: k }); this.draw(); } }, canvas, spec.sample ?? spec.name);
+    });
+    const more = h("select", { "aria-label": t("paint.add"), onchange: () => more.value && this.add([{ sample: more.value }]) }, h("option", { value: "" }, t("paint.add")), app.about.samples.filter((one) => !app.shelf.some((spec) => spec.sample === one.name)).map((one) => h("option", { value: one.name }, one.name)));
+    const file = h("input", { type: "file", accept: "image/*", multiple: true, hidden: true, onchange: () => app.guard(async () => {
+      const uploads = [];
+      for (const one of file.files) uploads.push((await app.api.upload(one)).id);
+      await this.add((await app.api.post("sets", { uploads })).materials);
+    }) });
+    const side = (k, name) => {
+      const box = h("input", { type: "number", min: 16, value: this.size[k], "aria-label": t(name), onchange: () => { this.size = this.size.with(k, Math.max(16, Math.trunc(Number(box.value)))); this.begin(); } });
+      return box;
+    };
+    return [
+      h("div", { class: "shelf", role: "group", "aria-label": t("paint.materials") }, chips),
+      h("div", { class: "row even" }, more, h("button", { type: "button", onclick: () => file.click() }, icon("open"), t("paint.file")), file),
+      h("div", { class: "size" }, side(0, "make.width"), h("span", { "aria-hidden": "true" }, "×"), side(1, "make.height")),
+    ];
+  }
+
+  async add(specs) {
+    for (const spec of specs) if (!this.app.shelf.some((one) => JSON.stringify(one) === JSON.stringify(spec))) this.app.shelf.push(spec);
+    this.label = this.app.shelf.length - 1;
+    await this.app.guard(() => this.begin());
+  }
+
+  guideChoice() {
+    return [
+      segments(t("guide.where"), [["sample", t("guide.sample")], ["output", t("guide.output")]], this.onSample ? "sample" : "output", (one) => { this.onSample = one === "sample"; this.begin(); }),
+      h(
+        "div",
+        { class: "shelf", role: "group", "aria-label": t("guide.labels") },
+        LABELS.slice(1).map((color, k) => {
+          const swatch = h("span", { class: "swatch" });
+          swatch.style.background = `rgb(${color.join()})`;
+          return h("button", { type: "button", "aria-pressed": String(k + 1 === this.label), "aria-label": t("guide.label", { n: k + 1 }), onclick: () => { this.set({ label: k + 1 }); this.draw(); } }, swatch, String(k + 1));
+        }),
+      ),
+    ];
+  }
+
+  action() {
+    const { app } = this;
+    const go = (text, run) => h("button", { type: "button", class: "main large", onclick: () => this.attempt(run) }, text);
+    if (this.purpose === "hole") return go(t("paint.hole.go"), () => this.fillHole());
+    if (this.purpose === "fuse") return go(t("paint.fuse.go"), () => this.fuse());
+    if (this.purpose === "guide") return go(t("paint.guide.go"), () => this.follow());
+    const masked = "mask" in app.recipe.materials[0];
+    return [go(t("paint.use.go"), () => this.restrict()), masked ? h("button", { type: "button", onclick: () => app.guard(() => app.mend({ mask: null }, t("paint.use.all"))) }, t("paint.use.all")) : null];
+  }
+
+  async attempt(run) {
+    this.error = null;
+    try {
+      await run();
+    } catch (error) {
+      this.error = error.message ? h("div", { class: "note error", role: "alert" }, icon("warn"), h("div", {}, error.message)) : null;
+      if (this.panel) this.draw();
+    }
+  }
+
+  async upload(mask, colors, name) {
+    return (await this.app.api.upload(await mask.png(colors), name)).id;
+  }
+
+  async fillHole() {
+    const { app } = this;
+    if (!this.mask.count(1)) throw new Error(t("paint.hole.none"));
+    const mask = await this.upload(this.mask, LABELS, "hole.png");
+    await this.done({ task: "fill", materials: [app.recipe.materials[0]], mask, ...this.told.fill, seed: app.recipe.seed }, t("history.filled"));
+  }
+
+  async restrict() {
+    const mask = await this.upload(this.mask, [[255, 255, 255], [0, 0, 0]], "mask.png");
+    await this.app.mend({ mask }, t("history.masked"));
+    this.app.tell("go", { screen: "sample" });
+  }
+
+  async fuse() {
+    const { app, mask } = this;
+    const used = app.shelf.map((_, k) => k).filter((k) => mask.count(k));
+    if (used.length < 2) throw new Error(t("paint.fuse.none"));
+    const colors = app.shelf.map((_, k) => LABELS[k] ?? [k, 255 - k, 128]);
+    const map = await this.upload(mask, colors, "map.png");
+    await this.done({ task: "fuse", materials: used.map((k) => app.shelf[k]), map, colors: used.map((k) => [...colors[k], 255]), ...this.told.fuse, seed: app.recipe.seed }, t("history.fused"));
+  }
+
+  async follow() {
+    const { app } = this;
+    const { material } = app;
+    const ofSample = this.masks.get(["guide", true, material.id, material.size].join());
+    const ofOutput = this.size && this.masks.get(["guide", false, material.id, this.size].join());
+    if (!ofSample || !ofOutput || ofOutput.count(0) === ofOutput.labels.length) throw new Error(t("paint.guide.none"));
+    const sample_guide = await this.upload(ofSample, LABELS, "sample_guide.png");
+    const guide = await this.upload(ofOutput, LABELS, "guide.png");
+    const { seed, materials } = app.recipe;
+    await this.done({ task: "synth", materials, size: [...this.size].reverse(), seed, method: "refinement", parameters: {}, guide, sample_guide }, t("history.guided"));
+  }
+
+  /** Leave the canvas for the picture that grows from it. */
+  async done(recipe, label) {
+    const { app } = this;
+    app.tell("go", { screen: "see", wait: true });
+    try {
+      await app.make(recipe, label);
+    } catch (error) {
+      app.tell("go", { screen: "paint" });
+      throw error;
+    }
+  }
+}
+
+function blank([width, height]) {
+  const canvas = new OffscreenCanvas(width, height);
+  canvas.getContext("2d").fillRect(0, 0, width, height);
+  return canvas;
+}

@@ -1,0 +1,188 @@
+import { field, fill, h, icon, iconButton, tick } from "../dom.js";
+import { t } from "../strings.js";
+
+/** Files in any format, the command and the Python that make the same, the state to share, a batch. */
+export class TakeScreen {
+  constructor(app, stage) {
+    this.app = app;
+    this.stage = stage;
+    this.wanted = { format: "", names: "", name: "", mtlx: false, source: false, report: false, recipe: false };
+    this.update = () => this.draw();
+  }
+
+  enter(panel) {
+    this.panel = panel;
+    this.stage.setSubject("result");
+    this.app.addEventListener("result", this.update);
+    this.draw();
+  }
+
+  leave() {
+    this.app.removeEventListener("result", this.update);
+    this.panel = null;
+  }
+
+  draw() {
+    const { app, wanted } = this;
+    const { result } = app;
+    if (!result || app.preview?.result) {
+      fill(this.panel, h("h2", {}, t("take.title")), h("p", {}, t(result ? "see.preview" : "see.nothing")), h("button", { type: "button", class: "main large", onclick: () => app.tell("go", { screen: "make", now: true }) }, t("make.go")));
+      return;
+    }
+    const set = result.maps.length > 1;
+    const formats = result.formats[result.main];
+    const format = h("select", { onchange: () => (wanted.format = format.value) }, h("option", { value: "" }, t("take.same")), formats.map((one) => h("option", { value: one }, one.slice(1).toUpperCase())));
+    format.value = wanted.format;
+    const names = h("select", { onchange: () => (wanted.names = names.value) }, h("option", { value: "" }, t("take.names.same")), app.about.names.map((one) => h("option", { value: one }, one)));
+    names.value = wanted.names;
+    const name = h("input", { type: "text", value: wanted.name || app.material.name, onchange: () => (wanted.name = name.value.trim()) });
+    const box = (key, words) => tick(words, wanted[key], (on) => (wanted[key] = on));
+    this.maps ??= null;
+    fill(
+      this.panel,
+      h("div", {}, h("h2", {}, t("take.title")), h("p", { class: "hint" }, `${t("stage.size", { width: result.width, height: result.height })} · ${result.method}`)),
+      field(t("take.name"), name),
+      field(t("take.format"), format),
+      set ? [field(t("take.names"), names), this.mapBoxes(result), box("mtlx", t("take.mtlx"))] : null,
+      h("div", {}, box("source", t("take.source")), box("report", t("take.report")), box("recipe", t("take.recipe"))),
+      this.error,
+      h("button", { type: "button", class: "main large", onclick: () => this.save() }, icon("take"), t("take.go")),
+      this.saved,
+      this.share(result),
+      h("section", { class: "section" }, h("h3", {}, t("take.command")), copyable(result.command, t("take.copy.command")), h("h3", {}, "Python"), copyable(result.python, t("take.copy.python"))),
+      this.batch(result),
+    );
+  }
+
+  mapBoxes(result) {
+    const left = (this.left ??= new Set());
+    return h("fieldset", {}, h("legend", {}, t("take.maps")), result.maps.map((one) => tick(one.name, !left.has(one.name), (on) => left[on ? "delete" : "add"](one.name))));
+  }
+
+  async save() {
+    const { app, wanted } = this;
+    const { result } = app;
+    const maps = this.left?.size ? result.maps.map((one) => one.name).filter((one) => !this.left.has(one)) : null;
+    await this.attempt(async () => {
+      const made = await app.ask(result, (id) => app.api.post(`results/${id}/exports`, { ...wanted, maps, format: wanted.format || null, names: wanted.names || null, name: wanted.name || app.material.name }));
+      this.saved = ticket(made);
+      this.draw();
+      this.panel.querySelector("[data-ticket]").click();
+    });
+  }
+
+  async attempt(action) {
+    this.error = null;
+    try {
+      await action();
+    } catch (error) {
+      this.error = error.message ? h("div", { class: "note error", role: "alert" }, icon("warn"), h("div", {}, error.message)) : null;
+      this.draw();
+    }
+  }
+
+  share(result) {
+    const { app } = this;
+    return h(
+      "section",
+      { class: "section" },
+      h("h3", {}, t("share.title")),
+      h("p", { class: "hint" }, t("share.help")),
+      h(
+        "div",
+        { class: "row" },
+        copyButton(location.href, t("share.link")),
+        h("button", { type: "button", onclick: () => app.guard(() => saveState(app, result.recipe)) }, icon("take"), t("share.file")),
+        h("button", { type: "button", onclick: () => this.attempt(async () => {
+          const kept = await app.ask(result, (id) => app.api.post(`results/${id}/keep`, { title: `${app.material.name} · ${result.method} · ${result.recipe.seed}` }));
+          app.kept.push(kept);
+          app.tell("notice", { text: t("share.kept") });
+        }) }, icon("check"), t("share.keep")),
+      ),
+    );
+  }
+
+  batch(result) {
+    const seeds = h("input", { type: "number", min: 1, max: 1000, value: 8 });
+    const best = h("input", { type: "number", min: 1, placeholder: t("batch.all") });
+    return h(
+      "details",
+      {},
+      h("summary", {}, t("batch.title")),
+      h(
+        "div",
+        { class: "parameters" },
+        h("p", { class: "hint" }, t("batch.help", { n: this.app.shelf.length })),
+        h("div", { class: "row even" }, field(t("batch.seeds"), seeds), field(t("batch.best"), best)),
+        h("button", { type: "button", onclick: () => this.attempt(() => this.runBatch(result, Number(seeds.value), Number(best.value) || null)) }, t("batch.go")),
+      ),
+    );
+  }
+
+  async runBatch(result, count, keep) {
+    const { app, wanted } = this;
+    const seeds = Array.from({ length: count }, (_, k) => result.recipe.seed + k);
+    const materials = app.shelf.length > 1 ? app.shelf : null;
+    const job = await app.run({ recipe: result.recipe, materials, seeds, keep, format: wanted.format || null, names: wanted.names || null, mtlx: wanted.mtlx, leave: "keep" }, { path: "batches" });
+    if (!job) return;
+    this.saved = ticket(job);
+    this.draw();
+  }
+}
+
+function ticket({ ticket: id, name, bytes }) {
+  return h("a", { class: "button", href: `/api/downloads/${id}`, download: name, "data-ticket": id }, icon("take"), t("take.ready", { name, size: bytes > 1e6 ? `${(bytes / 1e6).toFixed(1)} MB` : `${Math.ceil(bytes / 1e3)} kB` }));
+}
+
+function copyable(text, label) {
+  return h("div", { class: "copyable" }, h("pre", { tabindex: 0 }, text), iconButton("copy", label, (event) => copy(text, event.currentTarget)));
+}
+
+function copyButton(text, label) {
+  return h("button", { type: "button", onclick: (event) => copy(text, event.currentTarget) }, icon("copy"), label);
+}
+
+async function copy(text, button) {
+  await navigator.clipboard.writeText(text);
+  const old = button.querySelector(".icon");
+  const done = icon("check");
+  old.replaceWith(done);
+  setTimeout(() => done.replaceWith(old), 1200);
+}
+
+/** A small file that holds a recipe and the pictures that it names, if they are small. */
+async function saveState(app, recipe) {
+  const pictures = {};
+  for (const id of new Set(JSON.stringify(recipe).match(/\b[0-9a-f]{64}\b/g) ?? [])) {
+    const bytes = new Uint8Array(await (await app.api.fetch(`uploads/${id}`)).arrayBuffer());
+    if (bytes.length > MOST_IN_FILE) continue;
+    let text = "";
+    for (let k = 0; k < bytes.length; k += 8192) text += String.fromCharCode(...bytes.subarray(k, k + 8192));
+    pictures[id] = btoa(text);
+  }
+  const file = new Blob([JSON.stringify({ weftex: 1, recipe, pictures })], { type: "application/json" });
+  const link = h("a", { href: URL.createObjectURL(file), download: `${app.material.name}.weftex.json` });
+  link.click();
+  setTimeout(() => URL.revokeObjectURL(link.href), 1000);
+}
+
+const MOST_IN_FILE = 8e6;
+
+/** Open such a file, or an address that holds a state. */
+export async function openState(app, text) {
+  const { fromAddress } = await import("../history.js");
+  const recipe = fromAddress(text);
+  if (recipe) return app.openRecipe(recipe, t("history.shared"));
+  let found;
+  try {
+    found = JSON.parse(text);
+  } catch {
+    throw new Error(t("state.unknown"));
+  }
+  if (!found.recipe?.materials) throw new Error(t("state.unknown"));
+  for (const [id, data] of Object.entries(found.pictures ?? {})) {
+    const bytes = Uint8Array.from(atob(data), (one) => one.charCodeAt(0));
+    await app.api.upload(new Blob([bytes]), `${id.slice(0, 8)}.png`);
+  }
+  return app.openRecipe(found.recipe, t("history.shared"));
+}

@@ -1,0 +1,44 @@
+/** The page's words: one JSON file a language in strings/, English where one is missing. */
+
+let words = {};
+let english = {};
+
+async function load(language) {
+  const answer = await fetch(new URL(`strings/${language}.json`, import.meta.url));
+  return answer.ok ? answer.json() : null;
+}
+
+/** Load the language that is chosen, or the browser's; returns its code. */
+export async function loadStrings(chosen) {
+  english = await load("en");
+  words = english;
+  const known = english["languages"].split(" ");
+  const wanted = chosen || navigator.language.split("-")[0];
+  if (wanted !== "en" && known.includes(wanted)) words = (await load(wanted)) || english;
+  const language = words === english ? "en" : wanted;
+  document.documentElement.lang = language;
+  return language;
+}
+
+/** The text of a key, with {name} replaced by values. */
+export function t(key, values = {}) {
+  const text = words[key] ?? english[key] ?? key;
+  return text.replace(/\{(\w+)\}/g, (whole, name) => (name in values ? String(values[name]) : whole));
+}
+
+/** Whether a key has words. */
+export function has(key) {
+  return key in words || key in english;
+}
+
+/** A number as people of the language write it, with so many digits after the point at most. */
+export function number(value, digits = 0) {
+  return new Intl.NumberFormat(document.documentElement.lang, { maximumFractionDigits: digits }).format(value);
+}
+
+/** Seconds as "3 s", "2 min 10 s". */
+export function duration(seconds) {
+  if (seconds < 0.995) return t("time.ms", { n: number(Math.max(1, seconds * 1000)) });
+  if (seconds < 90) return t("time.s", { n: number(seconds, seconds < 10 ? 1 : 0) });
+  return t("time.min", { n: Math.floor(seconds / 60), s: Math.round(seconds % 60) });
+}

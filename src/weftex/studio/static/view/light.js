@@ -1,0 +1,123 @@
+import { FRAGMENT, VERTEX } from "./shaders.js";
+
+/**
+ * A material under a light that follows the pointer. It lies over a viewer, shares its camera and its
+ * repetition, and draws with WebGL2; `LightView.possible()` says whether there is one.
+ */
+export class LightView {
+  static possible() {
+    return document.createElement("canvas").getContext("webgl2") !== null;
+  }
+
+  constructor(view) {
+    this.view = view;
+    this.canvas = document.createElement("canvas");
+    this.canvas.className = "light";
+    this.light = [0.3, -0.35]; // in halves of the view's sides, off its middle
+    this.height = 0.6; // of the light over the surface, in the same unit
+    this.relief = 1; // strength of the normals
+    this.gl = this.canvas.getContext("webgl2", { antialias: false, alpha: true, premultipliedAlpha: true });
+    this.program = makeProgram(this.gl);
+    this.textures = {};
+    this.stop = view.camera.listen(() => this.draw());
+    this.observer = new ResizeObserver(() => this.draw());
+    view.element.append(this.canvas);
+    this.observer.observe(this.canvas);
+    this.lost = (event) => event.preventDefault();
+    this.canvas.addEventListener("webglcontextlost", this.lost);
+  }
+
+  close() {
+    this.stop();
+    this.observer.disconnect();
+    this.canvas.remove();
+    this.gl.getExtension("WEBGL_lose_context")?.loseContext();
+  }
+
+  /** Pictures by role: color, normal, roughness, height, occlusion, metallic; any may be missing. */
+  show(pictures, { directx = false } = {}) {
+    const { gl } = this;
+    this.directx = directx;
+    for (const texture of Object.values(this.textures)) gl.deleteTexture(texture);
+    this.textures = {};
+    for (const role of ROLES) {
+      if (pictures[role]) this.textures[role] = makeTexture(gl, pictures[role], role === "color");
+    }
+    this.draw();
+  }
+
+  /** Follow the pointer: place of an event in the view. */
+  follow(event) {
+    const box = this.view.element.getBoundingClientRect();
+    this.move(
+      (2 * (event.clientX - box.left)) / box.width - 1,
+      (2 * (event.clientY - box.top)) / box.height - 1,
+    );
+  }
+
+  move(x, y) {
+    this.light = [x, y].map((one) => Math.max(-1.5, Math.min(1.5, one)));
+    this.draw();
+  }
+
+  draw() {
+    if (this.waiting) return;
+    this.waiting = true;
+    requestAnimationFrame(() => {
+      this.waiting = false;
+      if (this.canvas.isConnected && this.textures.color) this.paint();
+    });
+  }
+
+  paint() {
+    const { gl, canvas, view, program } = this;
+    const ratio = window.devicePixelRatio || 1;
+    canvas.width = Math.max(1, Math.round(canvas.clientWidth * ratio));
+    canvas.height = Math.max(1, Math.round(canvas.clientHeight * ratio));
+    gl.viewport(0, 0, canvas.width, canvas.height);
+    gl.useProgram(program);
+    const edge = view.repeat > 1 ? gl.REPEAT : gl.CLAMP_TO_EDGE;
+    const at = (name) => gl.getUniformLocation(program, name);
+    ROLES.forEach((role, unit) => {
+      gl.activeTexture(gl.TEXTURE0 + unit);
+      gl.bindTexture(gl.TEXTURE_2D, this.textures[role] ?? this.textures.color);
+      gl.texParameteri(gl.TEXTURE_2D, gl.TEXTURE_WRAP_S, edge);
+      gl.texParameteri(gl.TEXTURE_2D, gl.TEXTURE_WRAP_T, edge);
+      gl.uniform1i(at(`${role}Map`), unit);
+      gl.uniform1i(at(`has_${role}`), role in this.textures ? 1 : 0);
+    });
+    gl.uniform2f(at("screen"), canvas.width, canvas.height);
+    gl.uniform2f(at("size"), ...view.size);
+    gl.uniform2f(at("middle"), view.camera.x, view.camera.y);
+    gl.uniform1f(at("scale"), view.camera.scale * ratio);
+    gl.uniform1f(at("repeat"), view.repeat);
+    gl.uniform3f(at("light"), this.light[0], this.light[1], this.height);
+    gl.uniform1f(at("relief"), this.relief);
+    gl.uniform1f(at("down"), this.directx ? 1 : -1);
+    gl.drawArrays(gl.TRIANGLES, 0, 3);
+  }
+}
+
+export const ROLES = ["color", "normal", "roughness", "height", "occlusion", "metallic"];
+
+function makeProgram(gl) {
+  const program = gl.createProgram();
+  for (const [kind, text] of [[gl.VERTEX_SHADER, VERTEX], [gl.FRAGMENT_SHADER, FRAGMENT]]) {
+    const shader = gl.createShader(kind);
+    gl.shaderSource(shader, text);
+    gl.compileShader(shader);
+    gl.attachShader(program, shader);
+  }
+  gl.linkProgram(program);
+  if (!gl.getProgramParameter(program, gl.LINK_STATUS)) throw new Error(gl.getProgramInfoLog(program));
+  return program;
+}
+
+function makeTexture(gl, picture, color) {
+  const texture = gl.createTexture();
+  gl.bindTexture(gl.TEXTURE_2D, texture);
+  gl.texImage2D(gl.TEXTURE_2D, 0, color ? gl.SRGB8_ALPHA8 : gl.RGBA8, gl.RGBA, gl.UNSIGNED_BYTE, picture);
+  gl.generateMipmap(gl.TEXTURE_2D);
+  gl.texParameteri(gl.TEXTURE_2D, gl.TEXTURE_MIN_FILTER, gl.LINEAR_MIPMAP_LINEAR);
+  return texture;
+}

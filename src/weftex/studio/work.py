@@ -1,0 +1,194 @@
+"""What jobs do: one recipe, several seeds or methods of it, or batches."""
+
+from __future__ import annotations
+
+import json
+import os
+import zipfile
+from dataclasses import dataclass
+from time import perf_counter
+from typing import TYPE_CHECKING, Any
+
+from weftex.errors import CancelledError, InvalidInputError, WeftexError, shown
+from weftex.io.manifest import MANIFEST
+from weftex.progress import Progress
+from weftex.studio import results
+from weftex.studio.answers import answer_of
+from weftex.studio.exports import DATE, Wanted, pack, write
+from weftex.studio.uploads import label_of
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+    from pathlib import Path
+
+    from weftex.studio.downloads import Downloads
+    from weftex.studio.jobs import Job
+    from weftex.studio.making import Bench, Made
+    from weftex.studio.recipes import Recipe
+
+MOST_SEEDS = 16
+_MOST_IN_BATCH = 1000
+
+
+def plain(recipes: list[Recipe], bench: Bench) -> Callable[[Job], None]:
+    """Make one recipe after the other; the first that fails ends it."""
+
+    def work(job: Job) -> None:
+        for recipe in recipes:
+            job.check()
+            job.add(results.described(made_of(recipe, bench, job), bench))
+
+    return work
+
+
+def compared(recipes: list[Recipe], bench: Bench) -> Callable[[Job], None]:
+    """Make what several methods make, each with its figures; one that cannot says why."""
+
+    def work(job: Job) -> None:
+        for recipe in recipes:
+            start = perf_counter()
+            try:
+                made = made_of(recipe, bench, job)
+                job.add(
+                    results.described(made, bench) | {"figures": results.figures_of(made, bench)}
+                )
+            except CancelledError:
+                raise
+            except WeftexError as error:
+                _, answer = answer_of(error)
+                took = round(perf_counter() - start, 3)
+                job.add(answer | {"method": recipe.method.slug, "seconds": took})
+
+    return work
+
+
+def made_of(recipe: Recipe, bench: Bench, job: Job) -> Made:
+    """Make a recipe, or remember it; progress goes to the job."""
+    recipe = bench.sized(recipe)
+    known: Made | None = bench.memory.get((bench.session.key, "result", recipe.id))
+    if known is not None:
+        return known
+    first = bench.load(recipe.materials[0])
+    job.to_show = results.preview_of(first.exemplar)
+    start = perf_counter()
+    made = bench.make(recipe, job).timed(perf_counter() - start)
+    results.remember(made, bench)
+    return made
+
+
+def several(recipe: Recipe, count: Any, methods: Any) -> list[Recipe]:
+    """Return the recipes of a job: seeds from the recipe's on, or each with another method.
+
+    Raises
+    ------
+    InvalidInputError
+        If they are not known.
+    """
+    if count is not None and (type(count) is not int or not 1 <= count <= MOST_SEEDS):
+        raise InvalidInputError(f"count is {shown(count)}; it must be from 1 to {MOST_SEEDS}")
+    if methods is None:
+        seeds = ((recipe.seed + k) % 2**64 for k in range(count or 1))
+        return [recipe.changed(seed=seed) for seed in seeds]
+    if count is not None:
+        raise InvalidInputError("count has no effect beside methods; leave one of them out")
+    if not isinstance(methods, list) or not 0 < len(methods) <= MOST_SEEDS:
+        raise InvalidInputError(f"methods is {shown(methods)}; it must be a list of names")
+    from weftex.tasks.compare import FAST
+
+    return [
+        recipe.changed(method=name, parameters=FAST[name][0] if name in FAST else {})
+        for name in map(str, methods)
+    ]
+
+
+@dataclass(frozen=True)
+class Batch:
+    """Many outputs in one zip.
+
+    Attributes
+    ----------
+    recipes : list of list of Recipe
+        A list for each material, with its seeds.
+    keep : int or None
+        So many of each, those with the best scores; all if None.
+    wanted : Wanted
+    """
+
+    recipes: list[list[Recipe]]
+    keep: int | None
+    wanted: Wanted
+
+    @classmethod
+    def of(cls, recipe: Recipe, given: dict[str, Any]) -> Batch:
+        """Read what the page sent.
+
+        Raises
+        ------
+        InvalidInputError
+            If it is not known, or too much.
+        """
+        seeds, keep, specs = (given.get(name) for name in ("seeds", "keep", "materials"))
+        seeds = [recipe.seed] if seeds is None else seeds
+        if not isinstance(seeds, list) or not seeds or len(set(map(str, seeds))) < len(seeds):
+            raise InvalidInputError(
+                f"seeds is {shown(seeds)}; it must be a list, each of them once"
+            )
+        if keep is not None and (type(keep) is not int or not 1 <= keep <= len(seeds)):
+            raise InvalidInputError(f"keep is {shown(keep)}; it must be from 1 to {len(seeds)}")
+        if specs is not None and not (isinstance(specs, list) and specs):
+            raise InvalidInputError(f"materials is {shown(specs)}; it must be a list")
+        wholes = [[spec] for spec in specs] if specs else [list(recipe.materials)]
+        if len(wholes) * len(seeds) > _MOST_IN_BATCH:
+            raise InvalidInputError(f"seeds and materials make more than {_MOST_IN_BATCH} outputs")
+        recipes = [
+            [recipe.changed(materials=whole, seed=seed) for seed in seeds] for whole in wholes
+        ]
+        files = {name: given.get(name) for name in ("format", "names", "name", "mtlx")}
+        return cls(recipes, keep, Wanted.of(files, "batch"))
+
+    def work(self, bench: Bench, downloads: Downloads) -> Callable[[Job], None]:
+        """Return what makes it; the page is told of one file."""
+
+        def run(job: Job) -> None:
+            folder = downloads.new_folder()
+            total, lines = sum(map(len, self.recipes)), list[str]()
+            count = Progress(job, total, "outputs", lambda: None)
+            with zipfile.ZipFile(folder / "batch.zip", "w") as packed:
+                for number, recipes in enumerate(self.recipes, 1):
+                    best: list[tuple[float, Made]] = []
+                    for recipe in recipes:
+                        made = bench.make(bench.sized(recipe), count.within() or job)
+                        count.advance(1)
+                        if self.keep is None:
+                            lines += self._pack(packed, made, number, folder)
+                        else:
+                            best = sorted([*best, (_score(made), made)], key=lambda one: one[0])
+                            best = best[: self.keep]
+                    for _, made in best:
+                        lines += self._pack(packed, made, number, folder)
+                packed.writestr(zipfile.ZipInfo(MANIFEST, DATE), "".join(lines))
+            name = f"{self.wanted.name}.zip"
+            job.more = downloads.add(folder / "batch.zip", name, bench.session.key)
+
+        return run
+
+    def _pack(self, packed: zipfile.ZipFile, made: Made, number: int, folder: Path) -> list[str]:
+        """Put the files of one output into the zip; its line of the manifest."""
+        own = folder / "one"
+        own.mkdir()
+        stem = os.path.splitext(label_of(made.materials[0].name))[0]
+        inner = f"{number:03}_{stem}/" if len(self.recipes) > 1 else ""
+        names = []
+        for file in write(made, self.wanted.named(f"{stem}_{made.recipe.seed}"), own):
+            names.append(inner + file.name)
+            pack(packed, file, names[-1])
+            file.unlink()
+        own.rmdir()
+        return [json.dumps({"files": names, "recipe": made.recipe.as_json()}) + "\n"]
+
+
+def _score(made: Made) -> float:
+    from weftex.quality.assess import assess
+
+    score = assess(made.result.sample, made.result).score
+    return float("inf") if score is None else score

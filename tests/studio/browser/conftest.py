@@ -1,0 +1,118 @@
+"""A studio of its own, and Chromium that looks at it; skipped where there is none."""
+
+from __future__ import annotations
+
+import re
+import shutil
+import signal
+import subprocess
+import sys
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+playwright = pytest.importorskip(
+    "playwright.sync_api", reason="no playwright: pip install 'weftex[browser]'"
+)
+
+NAMES = ("chromium", "chromium-browser", "google-chrome")
+CHROMIUM = next(filter(None, map(shutil.which, NAMES)), None)
+PROBES = Path(__file__).with_name("probes.js").read_text(encoding="utf-8")
+
+
+@pytest.fixture(scope="session")
+def address(tmp_path_factory: pytest.TempPathFactory) -> Iterator[str]:
+    """Where a studio that runs for the tests is to be opened."""
+    pytest.importorskip("starlette")
+    pytest.importorskip("uvicorn")
+    folder = tmp_path_factory.mktemp("studio")
+    command = [sys.executable, "-m", "weftex", "studio", "--no-browser", "--port", "0"]
+    with subprocess.Popen(
+        [*command, "--data", str(folder)], stderr=subprocess.PIPE, text=True
+    ) as process:
+        assert process.stderr is not None
+        found = re.search(r"http://\S+", process.stderr.readline())
+        assert found, "the studio printed no address"
+        yield found[0]
+        process.send_signal(signal.SIGINT)
+        process.stderr.read()
+
+
+@pytest.fixture(scope="session")
+def browser() -> Iterator[Any]:
+    """Chromium without a window."""
+    if CHROMIUM is None:
+        pytest.skip("no chromium: apt-get install chromium")
+    flags = ["--no-sandbox", "--use-angle=swiftshader", "--enable-unsafe-swiftshader"]
+    with playwright.sync_playwright() as tools:
+        opened = tools.chromium.launch(executable_path=CHROMIUM, args=flags)
+        yield opened
+        opened.close()
+
+
+class Tab:
+    """A page with nothing of an earlier one; `faults` is what its console complains of."""
+
+    def __init__(self, browser: Any, **options: Any) -> None:
+        self.context = browser.new_context(accept_downloads=True, **options)
+        self.page = self.context.new_page()
+        self.page.set_default_timeout(8_000)
+        self.tools = self.context.new_cdp_session(self.page)
+        self.faults: list[str] = []
+        self.page.on("console", lambda one: self.faults.append(one.text))
+        self.page.on("pageerror", lambda one: self.faults.append(str(one)))
+
+    def open(self, address: str) -> Any:
+        """Go there and wait until the page is ready."""
+        self.page.goto(address)
+        self.page.wait_for_selector("[data-ready]")
+        return self.page
+
+    def probe(self, name: str) -> Any:
+        """What a probe finds; by the debugger, because the page's own policy forbids eval."""
+        found = self.tools.send(
+            "Runtime.evaluate",
+            {"expression": f"({PROBES}).{name}()", "returnByValue": True, "awaitPromise": True},
+        )
+        assert "exceptionDetails" not in found, found
+        return found["result"].get("value")
+
+    def settle(self) -> None:
+        """Wait until no work is under way."""
+        self.page.wait_for_selector(".stage:not(.busy)")
+
+    def stroke(self, *places: tuple[float, float]) -> None:
+        """Draw through places, in shares of the view."""
+        box = self.page.locator(".viewer").first.bounding_box()
+        assert box
+        for k, (x, y) in enumerate(places):
+            self.page.mouse.move(box["x"] + x * box["width"], box["y"] + y * box["height"], steps=4)
+            if k == 0:
+                self.page.mouse.down()
+        self.page.mouse.up()
+
+
+@pytest.fixture
+def tab(browser: Any) -> Iterator[Any]:
+    """A new tab of 1280 x 800 pixels."""
+    tabs: list[Tab] = []
+
+    def make(**options: Any) -> Tab:
+        tabs.append(Tab(browser, **{"viewport": {"width": 1280, "height": 800}, **options}))
+        return tabs[-1]
+
+    yield make
+    for one in tabs:
+        one.context.close()
+
+
+@pytest.fixture(scope="session")
+def photo(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A small photo of bricks."""
+    import weftex
+
+    path = tmp_path_factory.mktemp("photo") / "wall.png"
+    weftex.write_image(path, weftex.load_exemplar("sample:bricks").pixels[:128, :160])
+    return path

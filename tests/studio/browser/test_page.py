@@ -1,0 +1,177 @@
+"""The studio's page in a real browser: a whole way, a shared state, contrast, keys, a phone."""
+
+from __future__ import annotations
+
+import io
+import json
+import zipfile
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from PIL import Image
+
+import weftex
+
+SCREENS = ("sample", "make", "see", "paint", "compare", "take")
+
+
+def picture(data: bytes) -> np.ndarray[Any, Any]:
+    return np.array(Image.open(io.BytesIO(data)))
+
+
+def test_a_persons_whole_way(tab: Any, address: str, photo: Path) -> None:
+    """Drop a photo, look, tile it, paint a hole, fuse, light, plane, export: without a fault."""
+    one = tab()
+    page = one.open(address)
+    page.set_input_files("input[type=file]", photo)
+    page.wait_for_selector(".facts")
+    assert "wall" in page.inner_text(".panel h2")
+
+    page.click("[data-screen=make]")
+    page.fill("[aria-label=Width]", "160")
+    page.fill("[aria-label=Height]", "128")
+    page.check("input[value=xy]")
+    page.check("input[value=quick]")
+    page.click("text=Make it")
+    page.wait_for_selector(".panel >> text=Made by")
+    one.settle()
+    assert len(page.query_selector_all(".strip button")) == 2
+    for mode in ("split", "light", "picture"):
+        page.click(f"[data-key={mode}]")
+        page.wait_for_selector(f"[data-key={mode}][aria-pressed=true]")
+    page.click("[data-key=repeat2]")
+
+    page.click("[data-screen=paint]")
+    one.stroke((0.45, 0.5), (0.55, 0.5))
+    one.stroke((0.5, 0.3), (0.5, 0.4))
+    page.keyboard.press("Control+z")
+    page.click("text=Fill the hole")
+    page.wait_for_selector(".strip >> text=Hole filled")
+    mask = picture(bytes(one.probe("painted")))[..., :3]
+    assert set(np.unique(mask)) == {0, 255}  # no half-masked pixels
+    assert mask[64, 80].all() and not mask[:40].any()  # the second stroke was taken back
+
+    page.click("[data-screen=paint]")
+    page.check("input[value=fuse]")
+    page.select_option("[aria-label^='Add a sample']", "pebbles")
+    page.wait_for_selector(".shelf >> text=pebbles")
+    for side in ("Width", "Height"):
+        page.fill(f"[aria-label={side}]", "96")
+        page.keyboard.press("Tab")
+    page.wait_for_selector(".stage-bar >> text=96 × 96")
+    one.stroke((0.4, 0.4), (0.6, 0.6), (0.4, 0.6))
+    page.click("text=Fuse them")
+    page.wait_for_selector(".strip >> text=Fused")
+
+    page.click("[data-screen=take]")
+    page.check("text=Recipe (.json)")
+    with page.expect_download() as saved:
+        page.click("text=Save >> nth=0")
+    with zipfile.ZipFile(saved.value.path()) as made:
+        names = made.namelist()
+        [recipe] = [json.loads(made.read(name)) for name in names if name.endswith(".json")]
+        [data] = [made.read(name) for name in names if name.endswith(".png")]
+    assert picture(data).shape == (96, 96, 3)
+    assert recipe["task"] == "fuse"
+
+    page.click(".strip button:has-text('Made')")  # back to the tile, and its endless plane
+    page.click("[data-screen=make]")
+    page.select_option("select", "near-regular")
+    with page.expect_response(lambda r: "/window?" in r.url) as window:
+        page.click("[data-key=plane]")
+    assert window.value.ok
+    assert one.faults == []
+
+
+def test_a_shared_state_makes_the_same_bytes(tab: Any, address: str) -> None:
+    one = tab()
+    page = one.open(address)
+    page.click(".samples button:has-text('weave')")
+    page.click("[data-screen=make]")
+    for side in ("Width", "Height"):
+        page.fill(f"[aria-label={side}]", "100")
+    page.select_option("select", "quilting")
+    page.fill("input[type=number][step='1'][min='0']", "11")
+    page.click("text=Make it")
+    page.wait_for_selector(".panel >> text=Made by quilting")
+    one.settle()
+    state = page.url.split("#")[1]
+
+    other = tab()
+    page = other.open(f"{address}&{state}")
+    page.wait_for_selector(".strip >> text=quilting")
+    page.click("[data-screen=take]")
+    with page.expect_download() as saved:
+        page.click("text=Save >> nth=0")
+    made = picture(Path(saved.value.path()).read_bytes())
+    asked = weftex.synthesize("sample:weave", 100, method="quilting", seed=11).image
+    np.testing.assert_array_equal(made, asked)
+    assert one.faults == other.faults == []
+
+
+@pytest.mark.parametrize("scheme", ["dark", "light"])
+def test_every_screen_has_contrast_and_names(tab: Any, address: str, scheme: str) -> None:
+    """WCAG AA on every screen, in dark and light; every control says what it is."""
+    one = tab(color_scheme=scheme)
+    page = one.open(address)
+    assert one.probe("contrasts") == [] and one.probe("unnamed") == []
+    page.click(".samples button:has-text('grass')")
+    page.wait_for_selector(".facts")
+    for screen in SCREENS:
+        page.click(f"[data-screen={screen}]")
+        assert one.probe("contrasts") == [], screen
+        assert one.probe("unnamed") == [], screen
+
+
+def test_keys_alone(tab: Any, address: str) -> None:
+    """Choose, make, paint and undo without a pointer; the focus is always seen."""
+    one = tab()
+    page = one.open(address)
+    for _ in range(12):
+        page.keyboard.press("Tab")
+        assert one.probe("outline") != "none", one.probe("focused")
+        if "grass" in one.probe("focused"):
+            break
+    page.keyboard.press("Enter")
+    page.wait_for_selector(".facts")
+    page.keyboard.press("Alt+4")
+    page.locator(".viewer").focus()
+    for key in ("Enter", "Enter", "ArrowRight", "Shift+ArrowRight", "Enter", "Escape"):
+        page.keyboard.press(key)
+    assert "0 % painted" not in page.inner_text(".panel")
+    page.keyboard.press("Control+z")
+    page.wait_for_selector("text=0 % painted")
+    page.keyboard.press("Alt+2")
+    page.check("input[value=quick]")
+    page.keyboard.press("Control+Enter")
+    page.wait_for_selector(".panel >> text=Made by")
+    page.keyboard.press("r")
+    page.wait_for_selector("[data-key=repeat2][aria-pressed=true]")
+    assert one.faults == []
+
+
+def test_a_phone(tab: Any, address: str) -> None:
+    """At 390 pixels nothing is wider than the page, on any screen."""
+    one = tab(viewport={"width": 390, "height": 844}, has_touch=True)
+    page = one.open(address)
+    assert one.probe("wide") == []
+    page.tap(".samples button:has-text('tiles')")
+    page.wait_for_selector(".facts")
+    for screen in SCREENS:
+        page.tap(f"[data-screen={screen}]")
+        assert one.probe("wide") == [], screen
+
+
+def test_a_wrong_value_is_told_beside_its_control(tab: Any, address: str) -> None:
+    one = tab()
+    page = one.open(address)
+    page.click(".samples button:has-text('grass')")
+    page.click("[data-screen=make]")
+    page.select_option("select", "quilting")
+    page.click("summary")
+    page.fill(".parameter:has(label:text('Patch size')) input[type=number]", "0")
+    page.click("text=Make it")
+    told = page.inner_text(".parameter:has(label:text('Patch size')) [role=alert]")
+    assert "patch_size is 0" in told and "\n" not in told

@@ -1,0 +1,67 @@
+"""A studio for each file of tests, and tabs of it."""
+
+import sys
+import threading
+from contextlib import contextmanager
+from dataclasses import replace
+from pathlib import Path
+
+import pytest
+
+pytest.importorskip("starlette")
+sys.path.insert(0, str(Path(__file__).parent))
+
+from pages import Client, Page
+
+from weftex.studio.limits import Limits
+from weftex.studio.server import Server, listen
+from weftex.studio.studio import Studio
+
+SMALL = Limits(
+    upload_bytes=2**20,
+    upload_pixels=2**18,
+    stored_bytes=2**22,
+    uploads=8,
+    output_pixels=2**20,
+    memory_bytes=2**27,
+    jobs=6,
+    session_jobs=5,
+    sessions=500,
+    body_bytes=2**14,
+)
+
+
+@contextmanager
+def serving(studio):
+    """A server that answers on the loopback, in a thread."""
+    server = Server(listen("127.0.0.1", 0), "127.0.0.1", studio, lambda address: ready.set())
+    ready = threading.Event()
+    thread = threading.Thread(target=server.run)
+    thread.start()
+    assert ready.wait(20)
+    yield server
+    server.should_exit = True
+    thread.join(20)
+    assert not thread.is_alive()
+
+
+@pytest.fixture(scope="module")
+def limits():
+    return replace(SMALL)
+
+
+@pytest.fixture(scope="module")
+def client(tmp_path_factory, limits):
+    studio = Studio(tmp_path_factory.mktemp("data") / "studio", limits)
+    with serving(studio) as server:
+        yield Client(server.listener.getsockname()[1], studio)
+
+
+@pytest.fixture
+def page(client):
+    return Page(client, client.studio.token)
+
+
+@pytest.fixture
+def other(client):
+    return Page(client, client.studio.token)

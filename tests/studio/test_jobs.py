@@ -1,0 +1,178 @@
+"""Work in a queue: progress, previews, cancelling, and what becomes of it when its page goes."""
+
+import socket
+import threading
+import time
+from dataclasses import replace
+
+import pytest
+from pages import Client, Page
+
+from conftest import serving
+from weftex.io.formats import PNG
+from weftex.io.pictures import read_image
+from weftex.io.png import png_bytes
+from weftex.studio.studio import Studio
+
+BRICKS = {"sample": "bricks"}
+QUICK = {"materials": [BRICKS], "size": [64, 64], "seed": 1, "method": "quilting"}
+#: Ten seconds and more, if nobody stops it.
+LONG = {"materials": [BRICKS], "size": [1000, 1000], "seed": 1, "method": "efros-leung"}
+
+
+def idle(client):
+    """Whether nothing runs or waits, after a moment."""
+    end = time.monotonic() + 10
+    while time.monotonic() < end:
+        if all(
+            job.state in ("done", "failed", "cancelled")
+            for job in client.studio.jobs._jobs.values()
+        ):
+            return True
+        time.sleep(0.02)
+    return False
+
+
+def test_progress_previews_and_an_end(client, page):
+    job = page.post("jobs", {"recipe": LONG})
+    assert job["state"] in ("waiting", "running")
+    versions, preview = [job["version"]], 0
+    while preview < 2:
+        job = page.get(f"jobs/{job['id']}?seen={job['version']}&wait=5")
+        assert job["version"] > versions[-1]
+        versions.append(job["version"])
+        if job["preview"] > preview:
+            preview = job["preview"]
+            answer = page.ask("GET", f"jobs/{job['id']}/preview")
+            assert answer.content.startswith(PNG)
+            assert answer.headers["x-weftex-width"] == "1000"
+    assert job["total"] > job["done"] > 0 and job["stage"] and job["seconds"] > 0
+    page.ask("DELETE", f"jobs/{job['id']}")
+    job = page.wait(job)
+    assert (job["state"], job["results"], job["error"]) == ("cancelled", [], None)
+    assert idle(client)
+    page.ask("DELETE", f"jobs/{job['id']}")
+    assert page.ask("GET", f"jobs/{job['id']}").status_code == 404
+
+
+def test_waiting_for_news_takes_no_longer_than_asked(page):
+    job = page.job(QUICK)
+    start = time.monotonic()
+    same = page.get(f"jobs/{job['id']}?seen={job['version']}&wait=1")
+    assert same["version"] == job["version"]
+    assert 0.9 < time.monotonic() - start < 5
+    assert page.get(f"jobs/{job['id']}?seen=0&wait=20") == same
+
+
+def test_nine_seeds(page):
+    job = page.job(QUICK, count=9)
+    seeds = [result["recipe"]["seed"] for result in job["results"]]
+    assert seeds == list(range(1, 10))
+    assert len({page.get(f"results/{one['id']}/picture") for one in job["results"]}) == 9
+    assert page.refused("jobs", {"recipe": QUICK, "count": 99})["error"].startswith("count is 99")
+
+
+def test_methods_side_by_side(page):
+    guide = page.upload(png_bytes(read_image("sample:bricks").pixels[:64, :64]))["id"]
+    plain = {"materials": [BRICKS], "size": [64, 64], "seed": 1}
+    found = page.job({**plain, "guide": guide}, methods=["quilting", "ashikhmin"])["results"]
+    assert "does not do following a guide" in found[0]["error"]
+    assert [one["method"] for one in found] == ["quilting", "ashikhmin"]
+    assert found[1]["figures"]["score"] > 0 and found[1]["seconds"] > 0
+    assert page.refused("jobs", {"recipe": plain, "methods": ["no"]})["error"].startswith("unknown")
+
+
+def test_a_job_ends_the_one_before_it_in_its_lane(client, page):
+    first = page.post("jobs", {"recipe": LONG, "lane": "preview"})
+    page.wait(first, ("running",))
+    kept = page.post("jobs", {"recipe": LONG, "lane": "other"})
+    last = page.post("jobs", {"recipe": QUICK, "lane": "preview"})
+    assert page.wait(first)["state"] == "cancelled"
+    assert page.wait(last)["state"] == "done"
+    assert page.get(f"jobs/{kept['id']}")["state"] in ("waiting", "running")
+    page.post("leave")
+    assert page.wait(kept)["state"] == "cancelled"
+
+
+def test_sliders_do_not_wait_for_long_work(client, page):
+    for _ in range(3):
+        page.post("jobs", {"recipe": LONG})
+    assert page.job(QUICK, lane="preview")["state"] == "done"
+    page.post("leave")
+    assert idle(client)
+
+
+def test_the_queue_is_bounded(client, page, other):
+    own = [page.post("jobs", {"recipe": LONG})["id"] for _ in range(5)]
+    assert "jobs wait already" in page.refused("jobs", {"recipe": QUICK}, 429)["error"]
+    other.post("jobs", {"recipe": LONG})
+    assert other.refused("jobs", {"recipe": QUICK}, 429)
+    states = [page.get(f"jobs/{one}") for one in own]
+    assert max(job["ahead"] for job in states) >= 2
+    for tab in (page, other):
+        tab.post("leave")
+    assert idle(client)
+
+
+def test_errors_are_told_beside_their_field(page):
+    wrong = {**QUICK, "method": "near-regular", "parameters": {"lattice": [300, 0, 0, 300]}}
+    job = page.job(wrong)
+    assert job["state"] == "failed"
+    assert (job["parameter"], job["error"][:8]) == ("lattice", "lattice ")
+
+
+@pytest.fixture(scope="module")
+def short(tmp_path_factory, limits):
+    """A server that does not wait long for a page that has gone."""
+    studio = Studio(tmp_path_factory.mktemp("short"), replace(limits, away_seconds=0.5))
+    with serving(studio) as server:
+        yield Client(server.listener.getsockname()[1], studio)
+
+
+def test_a_page_that_goes_takes_its_work_with_it_or_not(short):
+    page, other = Page(short, short.studio.token), Page(short, short.studio.token)
+    gone = page.post("jobs", {"recipe": LONG})["id"]
+    stays = other.post("jobs", {"recipe": {**LONG, "seed": 2}, "leave": "keep"})["id"]
+    time.sleep(2)
+    assert page.get(f"jobs/{gone}")["state"] == "cancelled"
+    other.post("leave")
+    assert other.get(f"jobs/{stays}")["state"] == "running"
+    other.ask("DELETE", f"jobs/{stays}")
+    assert idle(short)
+
+
+def test_a_line_that_is_cut_in_the_middle_of_a_job(short):
+    """A browser that was killed: its long poll ends without a word."""
+    page = Page(short, short.studio.token)
+    job = page.post("jobs", {"recipe": LONG})
+    head = "".join(f"{name}: {value}\r\n" for name, value in page.headers.items())
+    for _ in range(5):
+        line = socket.create_connection(("127.0.0.1", short.port))
+        path = f"/api/jobs/{job['id']}?seen=100000&wait=20"
+        line.sendall(f"GET {path} HTTP/1.1\r\nhost: {short.host}\r\n{head}\r\n".encode())
+        time.sleep(0.1)
+        line.close()
+    assert idle(short)
+    assert page.get(f"jobs/{job['id']}")["state"] == "cancelled"
+
+
+def test_fifty_requests_at_once(client, page, other):
+    answers = []
+
+    def ask(k):
+        tab = (page, other)[k % 2]
+        if k % 5 == 0:
+            answers.append(tab.ask("POST", "jobs", content='{"recipe": {}}').status_code)
+        elif k % 5 == 1:
+            answers.append(tab.ask("GET", "about").status_code)
+        elif k % 5 == 2:
+            answers.append(tab.ask("GET", f"samples/stone_wall/picture?left={k}").status_code)
+        else:
+            answers.append(tab.ask("GET", "jobs").status_code)
+
+    threads = [threading.Thread(target=ask, args=(k,)) for k in range(50)]
+    for thread in threads:
+        thread.start()
+    for thread in threads:
+        thread.join(60)
+    assert sorted(answers) == [200] * 40 + [422] * 10

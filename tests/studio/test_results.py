@@ -1,0 +1,250 @@
+"""What a person sees of a material and of a result, and takes along."""
+
+import json
+import zipfile
+from dataclasses import dataclass, fields
+from io import BytesIO
+from types import SimpleNamespace
+from typing import ClassVar
+
+import numpy as np
+import pytest
+from pages import ENDED, Page
+
+import weftex
+from weftex.io.formats import PNG
+from weftex.io.pictures import read_image, write_image
+from weftex.parameters import parameter
+from weftex.roles import ROLES
+from weftex.studio.about import about
+from weftex.studio.pictures import Part, shown, smaller
+from weftex.studio.recipes import Recipe
+from weftex.studio.requests import as_plain
+
+BRICKS, WALL = {"sample": "bricks"}, {"sample": "stone_wall"}
+QUICK = {"size": [72, 64], "seed": 1, "method": "quilting"}
+
+
+@pytest.fixture(scope="module")
+def wall(client, tmp_path_factory):
+    """A result with maps of all depths, and its tab."""
+    page, folder = Page(client, client.studio.token), tmp_path_factory.mktemp("wall")
+    maps = weftex.load_exemplar("sample:stone_wall").maps
+    maps = maps | {"color": read_image("sample:stone_wall/albedo").pixels}
+    small = {name: pixels[:80, :80] for name, pixels in maps.items()}
+    small["height"] = small["height"].astype(np.uint16) * 257
+    small["roughness"] = small["roughness"].astype(np.float32) / 255
+    files = {name: "w.tif" if name == "roughness" else "w.png" for name in small}
+    ids = {}
+    for name, file in files.items():
+        write_image(folder / file, small[name])
+        ids[name] = page.upload((folder / file).read_bytes(), f"stone_{name}{file[1:]}")["id"]
+    return page, page.made({**QUICK, "materials": [{"name": "stone", "maps": ids}]})
+
+
+def pixels_of(content, folder):
+    (folder / "p.png").write_bytes(content)
+    return read_image(folder / "p.png").pixels
+
+
+def test_methods_speak_for_themselves(page):
+    found = page.get("about")
+    assert found == as_plain(about())
+    assert [one["slug"] for one in found["methods"]] == ["auto", *weftex.METHODS]
+    for one in found["methods"][1:]:
+        declared = fields(weftex.METHODS[one["slug"]])
+        for told, meta in zip(one["parameters"], [f.metadata for f in declared], strict=True):
+            assert (told["help"], told["low"], told["high"]) == (
+                meta["help"],
+                meta["low"],
+                meta["high"],
+            )
+            assert told["choices"] == list(meta["choices"])
+    assert {one["name"] for one in found["samples"]} >= {"bricks", "stone_wall"}
+
+
+def test_a_new_method_is_there_by_itself(page, monkeypatch):
+    @dataclass(frozen=True)
+    class Knitting(weftex.Quilting):
+        slug: ClassVar[str] = "knitting"
+        yarn: int = parameter(3, "how thick", low=1, high=9)
+
+    found = SimpleNamespace(load=lambda: Knitting)  # as an entry point is
+    monkeypatch.setitem(weftex.METHODS._outside, "knitting", found)
+    told = page.get("about")["methods"][-1]
+    assert (told["slug"], told["parameters"][-1]["name"]) == ("knitting", "yarn")
+    made = page.made({"materials": [BRICKS], "size": [40, 40], "method": "knitting"})
+    assert made["method"] == "knitting"
+    line = page.refused("jobs", {"recipe": {"materials": [BRICKS], "method": "knitting",
+                                            "parameters": {"yarn": 10}}})  # fmt: skip
+    assert line == {"error": "yarn is 10; it must be from 1 to 9", "parameter": "yarn"}
+
+
+def test_what_a_material_is(page):
+    material = page.post("materials", BRICKS)["id"]
+    seen = page.get(f"materials/{material}/look")
+    assert seen["lattice"]["words"] == "126.2 x 41.8 px, every other row shifted by half"
+    assert len(seen["runners_up"]) == 4 and len(seen["lattice"]["lines"]) == 2
+    assert seen["auto"]["method"] == "near-regular" and "lattice" in seen["auto"]["reason"]
+    other = seen["runners_up"][0]
+    rated = page.get(f"materials/{material}/lattice?vectors={other['numbers']}")
+    assert rated["goodness"] == pytest.approx(other["goodness"], rel=0.05)
+    for wrong in ("", "1,2", "nan,0,0,1", "9999,0,0,9999"):
+        answer = page.ask("GET", f"materials/{material}/lattice?vectors={wrong}")
+        assert (answer.status_code, answer.json()["parameter"]) == (422, "lattice")
+    plain = page.get(f"materials/{material}/choice?height=512&width=512")
+    assert plain["method"] == "near-regular"
+    odd = page.get(f"materials/{material}/choice?height=70&width=70&tileable=xy")
+    assert odd["method"] != "near-regular" and odd["warnings"]
+
+
+def test_what_can_be_mended_has_a_button(page, tmp_path):
+    pixels = read_image("sample:pebbles").pixels.astype(float)
+    lit = (pixels * np.linspace(0.25, 1, pixels.shape[1])[:, None]).astype(np.uint8)
+    spec = {"maps": {"color": page.upload_pixels(lit, tmp_path)}}
+    seen = page.get(f"materials/{page.post('materials', spec)['id']}/look")
+    (mending,) = [one for one in seen["mending"] if one["what"] == "even_light"]
+    better = page.post("materials", spec | mending["spec"])
+    seen = page.get(f"materials/{better['id']}/look")
+    assert [one for one in seen["mending"] if one["what"] == "even_light"] == []
+
+
+def test_pictures_of_all_kinds(wall, tmp_path):
+    page, result = wall
+    assert {one["name"]: one["dtype"] for one in result["maps"]}["height"] == "uint16"
+    for one in result["maps"]:
+        picture = pixels_of(page.get(f"results/{result['id']}/picture?map={one['name']}"), tmp_path)
+        assert picture.shape[:2] == (72, 64) and picture.dtype == np.uint8
+    assert page.ask("GET", f"results/{result['id']}/picture?map=x").status_code == 404
+    for what in ("sources", "seams", "patches", "error", "uncertainty"):
+        assert page.get(f"results/{result['id']}/picture?draw={what}").startswith(PNG)
+    assert page.ask("GET", f"results/{result['id']}/picture?draw=/etc").status_code == 404
+    part = f"results/{result['id']}/picture?left=8&top=16&width=32&height=30&reduce=4"
+    answer = page.ask("GET", part)
+    assert (answer.headers["x-weftex-width"], answer.headers["x-weftex-height"]) == ("64", "72")
+    whole = pixels_of(page.get(f"results/{result['id']}/picture"), tmp_path)
+    assert (pixels_of(answer.content, tmp_path) == smaller(whole[16:46, 8:40], 4)).all()
+    for wrong in ("left=64", "width=99", "top=-1", "reduce=0", "most=x", "left=" + "9" * 4000):
+        assert page.ask("GET", f"results/{result['id']}/picture?{wrong}").status_code == 400
+
+
+def test_where_pixels_come_from(wall):
+    page, result = wall
+    raw = page.get(f"results/{result['id']}/coordinates?left=3&top=5&width=10&height=7")
+    source = np.frombuffer(raw, "<i4").reshape(7, 10, 2)
+    one = page.get(f"results/{result['id']}/source?x=5&y=9")
+    assert [one["y"], one["x"]] == source[4, 2].tolist()
+    assert 0 <= source.min() <= source.max() < 80
+
+
+def test_figures_and_faults(page):
+    result = page.made({"materials": [{"sample": "weave"}], "size": 2 * [128], "seed": 1})
+    found = page.get(f"results/{result['id']}/figures")
+    assert found["score"] > 0 and found["verdict"].endswith(".")
+    assert set(found["figures"]) == {one["name"] for one in page.get("about")["figures"]}
+    for what in ("seams", "source", "use"):
+        assert page.get(f"results/{result['id']}/fault?what={what}").startswith(PNG)
+    assert page.ask("GET", f"results/{result['id']}/fault?what=no").status_code == 404
+
+
+def test_a_screen_shows_any_kind_of_pixels(rng):
+    linear = weftex.Exemplar(np.array([[[0.0, 0.5, 9.0]]], np.float32), name="photo")
+    assert shown(linear, linear.pixels).tolist() == [[[0, 188, 255]]]
+    deep = weftex.Exemplar(np.array([[0, 257, 65535]], np.uint16))
+    assert shown(deep, deep.pixels)[..., 0].tolist() == [[0, 1, 255]]
+    clear = weftex.Exemplar(np.array([[[9, 128], [7, 0]]], np.uint8), alpha=True)
+    assert shown(clear, clear.pixels).tolist() == [[[9, 9, 9, 128], [7, 7, 7, 0]]]
+    height = weftex.Exemplar(np.array([[-3.0, 0, 5]], np.float32), role=ROLES["height"])
+    assert shown(height, height.pixels)[..., 0].tolist() == [[0, 96, 255]]
+    assert Part.of({"most": "100"}, (512, 300)).reduce == 8
+
+
+def test_any_format_that_holds_it(wall, tmp_path):
+    page, result = wall
+    content, name = page.taken(result, names="ambientcg", name="../My Wall", mtlx=True, source=True,
+                               report=True, debug=True, recipe=True)  # fmt: skip
+    assert name == "My Wall.zip"
+    packed = zipfile.ZipFile(BytesIO(content))
+    names = set(packed.namelist())
+    assert names == {f"My Wall_{one}" for one in (
+        "Color.png", "AmbientOcclusion.png", "Displacement.png", "Normal.png", "Roughness.tif",
+        "sources.png", "patches.png", "seams.png", "uncertainty.png",
+    )} | {"My Wall.mtlx", "My Wall.npz", "My Wall.html", "My Wall.weftex.json"}  # fmt: skip
+    packed.extractall(tmp_path)
+    assert json.loads((tmp_path / "My Wall.weftex.json").read_text()) == result["recipe"]
+    assert read_image(tmp_path / "My Wall_Displacement.png").pixels.dtype == np.uint16
+    assert read_image(tmp_path / "My Wall_Roughness.tif").pixels.dtype == np.float32
+    sample = read_image("sample:stone_wall/albedo").pixels[:80, :80]
+    again = weftex.Synthesis.load(tmp_path / "My Wall.npz", weftex.load_exemplar(sample))
+    assert (again.image == read_image(tmp_path / "My Wall_Color.png").pixels).all()
+    assert result["formats"]["height"] == [".png", ".tif"]
+    assert result["formats"]["roughness"] == [".tif", ".exr"]
+    for map_, suffixes in result["formats"].items():
+        for suffix in suffixes:
+            _, name = page.taken(result, maps=[map_], format=suffix)
+            assert name == f"stone_{map_}{suffix}"
+    path = f"results/{result['id']}/exports"
+    assert page.refused(path, {"format": {"height": ".jpg"}})["parameter"] == "format"
+    assert page.refused(path, {"maps": ["../x"]})["parameter"] == "maps"
+    assert page.refused(path, {"names": "mine"})["parameter"] == "names"
+    assert page.refused(path, {"path": "/tmp"}, 400)
+    waiting = [one for one in page.client.studio.downloads.folder.rglob("*") if one.is_file()]
+    assert len(waiting) <= 40
+
+
+def test_a_batch(page, tmp_path):
+    pixels = read_image("sample:pebbles").pixels[:80, :80]
+    small = {"maps": {"color": page.upload_pixels(pixels, tmp_path, "bricks.png")}}
+    given = {"recipe": {**QUICK, "materials": [BRICKS]}, "seeds": [1, 2, 3], "keep": 2,
+             "materials": [small, small | {"turn": "flip"}], "format": ".png"}  # fmt: skip
+    job = page.wait(page.post("batches", given))
+    assert (job["state"], job["done"], job["total"]) == ("done", 6, 6)
+    content = page.get(f"downloads/{job['ticket']}")
+    names = zipfile.ZipFile(BytesIO(content)).namelist()
+    assert len([one for one in names if one.startswith("001_bricks/bricks_")]) == 2
+    assert len([one for one in names if one.startswith("002_bricks/bricks_")]) == 2
+    assert len(names) == 5
+    lines = zipfile.ZipFile(BytesIO(content)).read("manifest.jsonl").splitlines()
+    told = [json.loads(line) for line in lines]
+    assert sorted(file for one in told for file in one["files"]) == sorted(names[:-1])
+    assert Recipe.of(told[0]["recipe"]).as_json() == told[0]["recipe"]
+    for wrong in ({"seeds": []}, {"seeds": [1, 1]}, {"keep": 9}, {"materials": []}):
+        assert page.refused("batches", {**given, **wrong})["parameter"] == next(iter(wrong))
+
+
+def test_the_endless_plane(page, tmp_path):
+    recipe = {"materials": [{"sample": "weave"}], "method": "best-tile", "seed": 4}
+    plane = page.post("planes", recipe)
+    ask = f"planes/{plane['id']}/window?top=-{10**9}&left=7"
+    one = pixels_of(page.get(f"{ask}&height=60&width=50"), tmp_path)
+    assert one.shape == (60, 50, 3)
+    two = pixels_of(page.get(f"{ask.replace('=7', '=27')}&height=60&width=50"), tmp_path)
+    assert (one[:, 20:] == two[:, :30]).all()
+    for wrong in ("width=2000", "top=x", f"left={2**41}"):
+        assert page.ask("GET", f"planes/{plane['id']}/window?{wrong}").status_code == 400
+    unable = [slug for slug, m in weftex.METHODS.items() if "random_access" not in m.supports]
+    for slug in unable[:1]:
+        line = page.refused("planes", {**recipe, "method": slug})
+        assert "windows of an endless plane" in line["error"]
+
+
+def test_previews_of_sets_are_pictures(page):
+    job = page.post("jobs", {"recipe": {**QUICK, "materials": [WALL], "size": [512, 512],
+                                        "method": "graphcut"}})  # fmt: skip
+    while job["state"] not in ENDED:
+        job = page.get(f"jobs/{job['id']}?seen={job['version']}&wait=5")
+    assert job["state"] == "done" and job["preview"] > 0
+    assert page.get(f"jobs/{job['id']}/preview").startswith(PNG)
+
+
+def test_alpha_and_masks_come_through(page, tmp_path, rng):
+    pixels = rng.integers(0, 255, (48, 48, 4)).astype(np.uint8)
+    pixels[..., 3] = 255
+    pixels[10:20, 12:30, 3] = 0
+    write_image(tmp_path / "cut.png", pixels, alpha=True)
+    upload = page.upload((tmp_path / "cut.png").read_bytes(), "cut.png")["id"]
+    whole = page.made({"task": "fill", "materials": [{"maps": {"color": upload}}], "mask": "alpha"})
+    picture = pixels_of(page.get(f"results/{whole['id']}/picture"), tmp_path)
+    assert picture.shape == (48, 48, 4) and (picture[..., 3] == 255).all()
+    part = page.made({**QUICK, "materials": [{"maps": {"color": upload}, "mask": "alpha"}]})
+    assert (pixels_of(page.get(f"results/{part['id']}/picture"), tmp_path)[..., 3] == 255).all()

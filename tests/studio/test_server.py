@@ -1,0 +1,152 @@
+"""The command: addresses, tokens, what is left when it ends, and what a restart finds."""
+
+import os
+import signal
+import socket
+import stat
+import sys
+import time
+
+import numpy as np
+import pytest
+from pages import Page
+from processes_of_studio import Process
+
+from weftex.cli import main
+from weftex.io.pictures import write_image
+from weftex.studio import server, store
+from weftex.studio.limits import Limits, Memory
+from weftex.studio.refusals import Refusal
+from weftex.studio.sessions import Sessions, key_of
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="signals are other there")
+def test_killed_and_started_again(tmp_path, rng):
+    """With a page open: what was kept is there, what ran is gone, the old token is worthless."""
+    data, photo = tmp_path / "data", tmp_path / "photo.png"
+    write_image(photo, rng.integers(0, 255, (60, 70, 3)).astype(np.uint8))
+    first = Process(data, str(photo), "--port", "0")
+    page = Page(first.client, first.token)
+    assert page.start["opened"]["maps"].keys() == {"color"}
+    recipe = {
+        "materials": [page.start["opened"]],
+        "size": [90, 80],
+        "seed": 5,
+        "method": "quilting",
+    }
+    result = page.made(recipe)
+    kept = page.post(f"results/{result['id']}/keep", {"title": "wall"})
+    picture = page.get(f"results/{result['id']}/picture")
+    page.post("jobs", {"recipe": {**recipe, "method": "efros-leung", "size": [900, 900]}})
+    assert stat.S_IMODE(data.stat().st_mode) == 0o700
+    first.end(signal.SIGKILL)
+
+    second = Process(data, "--port", str(first.client.port))
+    assert second.token != first.token
+    assert page.ask("GET", "jobs").status_code == 401
+    again = Page(second.client, second.token, session=page.start["session"])
+    assert again.start["resumed"] is True
+    assert again.start["kept"] == [kept]
+    assert again.get("jobs") == []
+    assert again.ask("GET", f"results/{result['id']}/picture").status_code == 410
+    assert again.made(kept["recipe"])["id"] == result["id"]
+    assert again.get(f"results/{result['id']}/picture") == picture
+    stranger = Page(second.client, second.token, session="x" * 43)
+    assert stranger.start["kept"] == []
+    again.post("jobs", {"recipe": {**recipe, "method": "efros-leung", "size": [900, 900]}})
+    assert second.end(signal.SIGTERM) in (0, -signal.SIGTERM, 143)
+    left = [one.name for one in data.iterdir() if one.name.startswith("out-")]
+    assert len(left) <= 1  # that of the killed one
+    assert {one.name for one in data.iterdir()} - set(left) == {key_of(page.start["session"])}
+
+
+def test_its_socket_is_of_this_machine_alone():
+    with server.listen("127.0.0.1", None) as one, server.listen("127.0.0.1", None) as two:
+        assert one.getsockname()[0] == two.getsockname()[0] == "127.0.0.1"
+        assert one.getsockname()[1] != two.getsockname()[1]
+        with pytest.raises(OSError, match="cannot listen at 127.0.0.1:"):
+            server.listen("127.0.0.1", one.getsockname()[1])
+
+
+def test_another_address_only_with_a_warning(monkeypatch, tmp_path, capsys):
+    served = []
+    monkeypatch.setattr(server.Server, "run", lambda self: served.append(self))
+    words = ["studio", "--port", "0", "--data", str(tmp_path)]
+    assert main(words) == 0
+    assert capsys.readouterr().err == ""
+    assert main([*words, "--host", "0.0.0.0"]) == 0
+    assert "others on the network can reach the studio" in capsys.readouterr().err
+    for one in served:
+        one.listener.close()
+    assert "evil.example:80" not in server.hosts_of("0.0.0.0", 80)
+    assert f"{socket.gethostname()}:8427" in server.hosts_of("0.0.0.0", 8427)
+
+
+@pytest.mark.parametrize(
+    "words", [["nowhere.png"], ["--port", "99999"], ["--host", "999.1.1.1"], ["--memory", "1"],
+              ["--prot", "8"], ["a", "b"]],
+)  # fmt: skip
+def test_wrong_words_are_one_line(words, tmp_path, capsys):
+    assert main(["studio", *words, "--data", str(tmp_path)]) == 2
+    said = capsys.readouterr().err
+    assert said.startswith("weftex: error: ") and said.count("\n") == 1
+
+
+def test_without_the_extra_it_says_what_to_install(monkeypatch, capsys):
+    monkeypatch.setitem(sys.modules, "weftex.studio.server", None)
+    monkeypatch.setattr("weftex.studio.server", None, raising=False)
+    for name in [name for name in sys.modules if name.startswith(("starlette", "uvicorn"))]:
+        monkeypatch.setitem(sys.modules, name, None)
+    monkeypatch.delitem(sys.modules, "weftex.studio.server")
+    import weftex.studio
+
+    monkeypatch.delattr(weftex.studio, "server")
+    assert main(["studio"]) == 2
+    assert "pip install 'weftex[studio]'" in capsys.readouterr().err
+
+
+def test_what_is_left_over_is_swept(tmp_path):
+    limits, names = Limits(), [key_of(str(k)) for k in range(4)]
+    for k, name in enumerate(names):
+        (tmp_path / name).mkdir()
+        (tmp_path / name / ".new-1").write_bytes(b"x" * 100)
+        (tmp_path / name / ("kept.json" if k % 2 else "a.json")).write_text("[]")
+        for path in (tmp_path / name / ".new-1", tmp_path / name):
+            old = time.time() - (store.DAY * 3 if k < 2 else 0)
+            os.utime(path, (old, old))
+    (tmp_path / "others").mkdir()
+    found = store.Store(tmp_path, limits.stored_bytes)
+    assert {one.name for one in tmp_path.iterdir()} == {*names[1:], "others"}
+    left = {one.parent.name for one in tmp_path.rglob(".new-*")}
+    assert left == set(names[2:])  # those of yesterday are not of a server that runs
+    assert found.bytes == 200
+
+
+def test_pages_that_are_open_are_bounded(tmp_path):
+    limits = Limits(sessions=2)
+    sessions = Sessions(store.Store(tmp_path, limits.stored_bytes), limits, ended := [].append)
+    one, two = (sessions.open(None)[0] for _ in range(2))
+    with pytest.raises(Refusal, match="2 pages are open; close one of them"):
+        sessions.open(None)
+    one.seen -= 100  # a tab that was closed long ago
+    three, resumed = sessions.open(None)
+    assert (ended.__self__, resumed) == ([one], False)
+    with pytest.raises(Refusal):
+        sessions.get(one.id)
+    assert sessions.open(two.id) == (two, True)
+    assert sessions.get(three.id) is three
+
+
+def test_what_is_remembered_is_bounded():
+    memory = Memory(100)
+    for k in range(50):
+        memory.find(("tab", k), lambda: (object(), 30))
+        assert memory.bytes <= 100
+    assert [memory.get(("tab", k)) is not None for k in (46, 47, 48, 49)] == [
+        False,
+        True,
+        True,
+        True,
+    ]
+    memory.forget(lambda key: key[1] == 48)
+    assert (memory.get(("tab", 48)), memory.bytes) == (None, 60)
