@@ -101,7 +101,7 @@ def growth(args: argparse.Namespace, folder: Path) -> None:
 def kills(args: argparse.Namespace, folder: Path) -> None:
     """A run that is killed at random moments, again and again, beside one that is not."""
     moments = random.Random(1)
-    for suffix in (".tif", ".zarr", ".dzi"):
+    for suffix in args.formats:
         side = args.side
         words = ["--method", "near-regular", "--block", 64, "--threads", 1]
         subprocess.run(command(folder / f"whole{suffix}", side, *words), check=True)

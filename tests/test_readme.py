@@ -103,7 +103,8 @@ def code_of(page):
 @pytest.mark.parametrize("page", [*PAGES, ROOT / "CONTRIBUTING.md"], ids=lambda page: page.name)
 def test_named_scripts_are_run_by_a_test(page):
     """Examples and experiments by those above; what is left by test_gallery and test_benchmarks."""
-    names = ("gallery", "run", "pictures", "house", "digests", "fusion", "lattices", "repeats")
+    names = ("gallery", "run", "pictures", "house", "digests", "fusion", "lattices", "repeats",
+             "planes_on_disk")  # fmt: skip
     names += ("everyday", "commits", "many_threads")
     others = {f"benchmarks/{name}.py" for name in names}
     for code in code_of(page):
