@@ -22,7 +22,7 @@ LEVELS = [
     ["cli"],
     ["studio"],
     ["tasks"],
-    ["pages"],
+    ["pages", "explanation"],
     ["methods"],
     ["naming"],
     ["method"],
@@ -38,7 +38,8 @@ LEVELS = [
     ["stores"],
     ["io"],
     ["raster"],
-    ["registry", "choice", "threads", "processes", "progress", "random", "roles", "parameters"],
+    ["registry", "choice", "threads", "processes", "progress", "notes", "random", "roles"],
+    ["parameters"],
     ["errors"],
     ["dispatch"],
 ]

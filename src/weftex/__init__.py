@@ -22,6 +22,7 @@ if TYPE_CHECKING:
         WeftexError,
     )
     from weftex.exemplar import Exemplar
+    from weftex.explanation import Explanation, explain
     from weftex.io.pictures import read_image, write_image
     from weftex.loading import load_exemplar
     from weftex.method import Method
@@ -71,6 +72,7 @@ _PUBLIC = {
         "WeftexError",
     ],
     "exemplar": ["Exemplar"],
+    "explanation": ["Explanation", "explain"],
     "io.pictures": ["read_image", "write_image"],
     "loading": ["load_exemplar"],
     "method": ["Method"],

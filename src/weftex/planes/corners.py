@@ -8,7 +8,6 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from weftex.analysis.canvas_lattice import is_sure
 from weftex.analysis.scale import dominant_scale
 from weftex.random import draw
 
@@ -96,6 +95,8 @@ class Pieces:
 
 def sure_vectors(exemplar: Exemplar) -> tuple[float, ...]:
     """The lattice of a sample, or the vector across its rows, if that is sure."""
+    from weftex.analysis.canvas_lattice import is_sure  # which methods need not load
+
     if exemplar.pieces:
         return ()
     lattice = dominant_scale(exemplar).lattice

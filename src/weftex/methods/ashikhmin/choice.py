@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from weftex.methods.ashikhmin import growth_kernels as kernels
+from weftex.notes import note, parts
 from weftex.random import draw
 from weftex.seams.path import least_path
 
@@ -62,11 +63,12 @@ class Choice:
         self._picture = kernels.Picture(
             growth.pixels, growth.done, growth.source, canvas.wrap, followed, weight
         )
+        self._candidates = np.empty(width * width + self._tries + 1, np.int32)
         self._search = kernels.Search(
             jumps,
             np.empty((width * (settings.half + 1), 3), np.int32),
             np.empty(width * width * channels, np.uint8),
-            np.empty(width * width + self._tries + 1, np.int32),
+            self._candidates,
         )
         rows = min(_ROWS_TO_CLOSE, canvas.height // 4)
         self.rows_to_close = rows if rows > 1 and growth.hole is None and canvas.wrap[0] else 0
@@ -88,9 +90,16 @@ class Choice:
         """
         seed, tries = self._growth.seed, np.arange(self._tries)
         strangers = random_places(self._windows, seed, "ashikhmin", number, line[:, None], tries)
-        kernels.choose(
-            self._sample, self._picture, self._search, line, strangers, around, number > 0
-        )
+        for part, asked in parts(line, self._growth.canvas.width):
+            if asked:
+                self._candidates.fill(-1)
+                note("window", growth=self._growth, number=number, half=self._half)
+            kernels.choose(
+                *(self._sample, self._picture, self._search),
+                *(line[part], strangers[part], around, number > 0),
+            )
+            if asked:
+                note("chosen", growth=self._growth, places=self._candidates)
         self._progress.advance(len(line))
 
     def close(self, lines: list[NDArray[np.int32]]) -> None:

@@ -12,6 +12,7 @@ from weftex.methods.best_tile.repetition import repeated
 from weftex.methods.best_tile.settings import settle
 from weftex.methods.best_tile.tiles import best_tiles, tile_errors, tile_rows
 from weftex.methods.lattices.model import LatticeModel
+from weftex.notes import note
 from weftex.parameters import parameter
 from weftex.results.pixels import PixelSynthesis
 
@@ -114,6 +115,7 @@ class BestTileModel(LatticeModel):
             )
         # The tile with the lowest total is the best self-similar one (Fig. 4.6).
         self.anchors = best_tiles(errors, self.vectors, self.settings.tiles)
+        note("tiles", errors=errors, anchors=self.anchors, rows=self.rows, vectors=self.vectors)
         super().__init__(
             replace(method, lattice=self.vectors, border_width=border, tiles=len(self.anchors)),
             exemplar,

@@ -16,6 +16,7 @@ from weftex.methods.efros_leung.layers import (
 from weftex.methods.efros_leung.model import Prepared, prepare
 from weftex.methods.efros_leung.settings import check_seed_size, settle
 from weftex.methods.pixels.growth import PixelModel, WindowedMethod
+from weftex.notes import asked_among, note
 from weftex.parameters import parameter
 
 if TYPE_CHECKING:
@@ -139,9 +140,13 @@ def grow_in_layers(prepared: Prepared, growth: Growth) -> None:
         [prepared.search.on(*canvas, settings.tolerance) for _ in range(growth.threads)]
     ) as draw_match:
         while (layer := unfilled_with_filled_neighbors(growth.done, wrap)).size:
+            note("layer", growth=growth)
             lowest = np.inf
             for wave, bits in waves.of(layer, growth.done):
                 chosen, distances, weights = draw_match(wave, bits)
+                if (k := asked_among(wave, growth.canvas.width)) is not None:
+                    width = settings.window_width
+                    note("pixel", growth=growth, chosen=chosen[k], search=draw_match, width=width)
                 # "... normalizing the error by the total number of known pixels"; it is 1
                 # between black and white.
                 errors = distances / (255.0**2 * pixels.shape[1] * np.maximum(weights, 1))

@@ -202,7 +202,7 @@ def synthesize(prepared: Prepared, growth: Growth, level: int) -> Sheet:
     else:
         band = random_band(lists, width, growth.seed)
         top += lists.reach
-    sheet = Sheet(lists, (top + height, width), (False, growth.canvas.wrap[1]), top)
+    sheet = Sheet(lists, (top + height, width), (False, growth.canvas.wrap[1]), top, level)
     sheet.put(band)
     matching = Matching(sheet, settings, growth, parents)
     matching.scan(range(len(band), top), f"exact {level}", "beginning")

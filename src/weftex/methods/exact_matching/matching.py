@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 
 from weftex.methods.exact_matching import match_kernels as kernels
+from weftex.notes import note, parts
 from weftex.random import draw
 from weftex.raster.masks import grown, peeled
 from weftex.raster.pyramids import children
@@ -53,6 +54,8 @@ class Sheet:
         Whether the vertical and the horizontal axis go around.
     top : int
         Rows of the band.
+    level : int, optional
+        The level of the output that lies below the band, if it is one.
 
     Attributes
     ----------
@@ -67,9 +70,14 @@ class Sheet:
     """
 
     def __init__(
-        self, lists: ColorLists, shape: tuple[int, int], wrap: tuple[bool, bool], top: int = 0
+        self,
+        lists: ColorLists,
+        shape: tuple[int, int],
+        wrap: tuple[bool, bool],
+        top: int = 0,
+        level: int | None = None,
     ) -> None:
-        self.lists, self.wrap, self.top = lists, wrap, top
+        self.lists, self.wrap, self.top, self.level = lists, wrap, top, level
         self.pixels = np.zeros((*shape, lists.windows.pixels.shape[2]), np.uint8)
         self.done = np.zeros(shape, np.uint8)
         self.source = np.full(shape, -1, np.int32)
@@ -200,9 +208,10 @@ class Matching:
         )  # fmt: skip
         self._last = np.empty(lists.windows.usable.size, np.int32)
         of_neighbors = np.empty(_MOST_NEIGHBORS, np.int32)
+        self._seen = np.zeros(lists.windows.usable.size, np.int32)
         self._search = kernels.Search(
             self._last,
-            np.zeros(lists.windows.usable.size, np.int32),
+            self._seen,
             lists.recent(),
             [_window_room(reach, channels) for reach in (lists.reach, lists.coarse_reach)],
             (of_neighbors, np.empty(_MOST_NEIGHBORS + 1, np.intp), of_neighbors.copy()),
@@ -263,9 +272,16 @@ class Matching:
     def _make(self, order: NDArray[np.int32], purpose: str) -> None:
         """Make the pixels of these flat indices, one after the other."""
         bits = draw(self._growth.seed, purpose, order)
-        compared = kernels.match_pixels(
-            self._sample, self._picture, self._rule, self._search, order, bits
-        )
+        compared, sheet = 0, self.sheet
+        for part, asked in parts(order, sheet.done.shape[1], level=sheet.level, top=sheet.top):
+            latest = int(self._seen.max(initial=0)) if asked else 0
+            if asked:
+                note("window", sheet=sheet)
+            compared += kernels.match_pixels(
+                self._sample, self._picture, self._rule, self._search, order[part], bits[part]
+            )
+            if asked:
+                note("chosen", sheet=sheet, places=np.flatnonzero(self._seen > latest))
         about = self._growth.about  # columns of Table 1
         about["pixels_chosen"] = about.get("pixels_chosen", 0) + len(order)
         about["windows_compared"] = about.get("windows_compared", 0) + compared

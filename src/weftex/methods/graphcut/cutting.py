@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from weftex.methods.graphcut import cut_kernels, seam_kernels
+from weftex.notes import is_asked, note
 from weftex.seams.maxflow import search_trees
 
 if TYPE_CHECKING:
@@ -37,6 +38,7 @@ class Picture:
     def __init__(
         self, settings: Settings, growth: Growth, size: tuple[int, int], block: int
     ) -> None:
+        self.growth = growth
         self.shape, self.sample_shape = growth.canvas.shape, settings.exemplar.shape
         self.done, self.halvings = growth.done.ravel(), block.bit_length() - 1
         self.usable = settings.windows.usable.ravel()
@@ -99,6 +101,9 @@ class Picture:
 
         Returns how many pixels were missing before.
         """
+        asked = is_asked((place.top, place.left, place.height, place.width), self.shape)
+        if asked:
+            note("patch", growth=self.growth, place=place)
         covered: int = cut_kernels.paste_patch(
             self._picture,
             self._sample,
@@ -107,6 +112,8 @@ class Picture:
             self._graphs[0],
             max(0, self.halvings - 1),
         )
+        if asked:
+            note("pasted", growth=self.growth, place=place)
         return covered
 
     def cost(self, canvas: Canvas) -> int:

@@ -19,6 +19,7 @@ from weftex.methods.graphcut.places import (
 from weftex.methods.graphcut.regular import LatticePlaces, any_in_blocks
 from weftex.methods.graphcut.repeats import Repeats
 from weftex.methods.graphcut.sight import Sight
+from weftex.notes import note
 from weftex.search.translation import fast_size, overlap_mismatch
 
 if TYPE_CHECKING:
@@ -90,6 +91,7 @@ class EntirePatchMatching:
         draws = self.growth.seed, number, self.settings.candidates
         size = tuple(n >> k for n in self.size)
         drawn = drawn_places(costs * prices, allowed, spread, draws, size)
+        note("matches", costs=costs, prices=prices, allowed=allowed, drawn=drawn, halvings=k)
         found = places_in_full(drawn, boxes[: k + 1], self.copies, places, self.reach)
         return [
             self._clipped(pixel, at, float(prices[place]))

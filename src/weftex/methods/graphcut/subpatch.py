@@ -17,6 +17,7 @@ from weftex.methods.graphcut.places import (
     variance_of,
 )
 from weftex.methods.graphcut.repeats import Repeats
+from weftex.notes import note
 from weftex.random import draw
 from weftex.raster.boxes import box_sums
 from weftex.search.translation import window_mismatch
@@ -128,6 +129,7 @@ class SubPatchMatching:
         draws = self.growth.seed, number, self.settings.candidates
         size = tuple(n >> k for n in self.size)
         drawn = drawn_places(costs * prices, allowed, spread, draws, size)
+        note("matches", costs=costs, prices=prices, allowed=allowed, drawn=drawn, halvings=k)
         found = places_in_full(drawn, boxes[: k + 1], part.copies, part.corners, (0, 0))
         return [
             Place(top, left, *self.size, part.top + v, part.left + u, float(prices[at]))

@@ -19,6 +19,7 @@ from weftex.methods.near_regular.seams import (
 )
 from weftex.methods.near_regular.settings import blend_of, check_border, settle
 from weftex.methods.near_regular.warps import warp_gaps
+from weftex.notes import note
 from weftex.parameters import parameter
 from weftex.threads import thread_count, thread_map
 
@@ -216,11 +217,13 @@ class NearRegularModel(LatticeModel):
             # 4.2.1: every second block shows a similar patch, drawn at random (Fig. 4.7):
             # `block_kernels.draw_blocks`.
             place = draw_constrained_blocks(*plan[1:], place)
+            note("drawn", sample=sample, layout=layout, place=place, vectors=self.vectors)
             # 4.2.2: each gap shows the patch that best matches the wedge-shaped borders of its
             # neighbors (Fig. 4.8 and 4.9: `sample.wedges_of`; eq. 4.4), within a tolerance around
             # similar ones: `gap_kernels.fill_gaps`.
             gaps = layout.gap & hole.laid
             place = fill_gaps(*plan, place, gaps, "gaps", each, progress)
+            note("filled", sample=sample, layout=layout, place=place, vectors=self.vectors)
             # 6: each gap may be deformed to meet its neighbors.
             warps = warp_gaps(*plan[:3], place, gaps, each) if settings.warp else None
             if settings.blend == "cut":

@@ -15,6 +15,7 @@ from weftex.methods.patches.analysis import PatchAnalysis, Zones
 from weftex.methods.patches.scan_order import Order, Run, scan_patches, scan_pixels
 from weftex.methods.patches.settings import Frame, frame_of
 from weftex.methods.patches.spiral_order import spiral_patches
+from weftex.notes import is_asked, note, pixel_asked
 from weftex.progress import Progress, ProgressCallback
 from weftex.results import paste_kernels
 from weftex.search.zone_search import ZoneSearch
@@ -127,9 +128,13 @@ class Output:
         weight = self._zones.laid_with[run.zone]
         scratch = self._scratch.get(get_ident())
         if scratch is None:
-            scratch = self._scratch[get_ident()] = scratch_for(self.analysis, self.frame)
-        # A kd-tree is searched from Python, for one patch at a time; kernels do a whole run.
-        step = run.last - run.first if structure.tree is None else 1
+            scratch = self._scratch[get_ident()] = _kernels.Scratch(
+                wanted=self.settings.candidates, **room_for(self.analysis, self.frame)
+            )
+        # A kd-tree is searched from Python, for one patch at a time; kernels do a whole run, unless
+        # somebody wants to see how a patch is chosen.
+        one_by_one = structure.tree is not None or pixel_asked() is not None
+        step = 1 if one_by_one else run.last - run.first
         for first in range(run.first, run.last, step):
             y, x = self.placements[first, :2].tolist()
             here = slice(first, first + step)
@@ -143,15 +148,21 @@ class Output:
                 around=self.order.around[here],
                 given=structure.ask_tree(self.pixels, y, x),
             )
-            _kernels.lay_patches(
-                self.pixels,
-                self._sample,
-                structure.kernel_zone,
-                structure.kernel_search,
-                rule,
-                patches,
-                scratch,
-            )
+            zone, search = structure.kernel_zone, structure.kernel_search
+            top, left = (at - over for at, over in zip((y, x), self.frame.margin, strict=True))
+            if not is_asked((top, left, *self.frame.window), self.frame.canvas.shape):
+                _kernels.lay_patches(
+                    self.pixels, self._sample, zone, search, rule, patches, scratch
+                )
+                continue
+            before, room = self.pixels.copy(), room_for(self.analysis, self.frame)
+            room["keys"].fill(-1)
+            own = _kernels.Scratch(wanted=self.settings.candidates, **room)
+            _kernels.lay_patches(self.pixels, self._sample, zone, search, rule, patches, own)
+            note(
+                "patch", output=self, number=first, before=before, zone=structure.zone,
+                errors=room["keys"], places=room["places"], columns=structure.usable.shape[1],
+            )  # fmt: skip
 
     def weights(self) -> NDArray[np.uint16]:
         """Weight of every zone's new pixels in 1/256: (zones, rows, columns)."""
@@ -174,8 +185,8 @@ class Output:
         return self.pixels[self.frame.inside][..., : self.analysis.exemplar.channels].copy()
 
 
-def scratch_for(analysis: PatchAnalysis, frame: Frame) -> Any:
-    """Return `patch_kernels.Scratch` with room for any patch of an output."""
+def room_for(analysis: PatchAnalysis, frame: Frame) -> dict[str, NDArray[Any]]:
+    """Make the arrays of `patch_kernels.Scratch`, large enough for any patch of an output."""
     settings, window = frame.settings, frame.window
     numbers = window[0] * window[1] * analysis.pixels.shape[2]
     columns = analysis.exemplar.shape[1]
@@ -183,15 +194,14 @@ def scratch_for(analysis: PatchAnalysis, frame: Frame) -> Any:
     if settings.search != "exhaustive":
         room = settings.candidates + 54 * analysis.block_side  # as many are climbed to at most
     depth = max(frame.boundary_width, min(window) // 2)  # of a band that a path is found in
-    return _kernels.Scratch(
-        wanted=settings.candidates,
-        keys=np.empty(room, np.int64),
-        places=np.empty(room, np.int32),
-        partial=np.empty(columns, np.int32),
-        total=np.empty(columns, np.int64),
-        query=np.empty(numbers, np.uint8),
-        means=np.empty(numbers, np.int32),
-        coordinates=np.empty(numbers, np.int16),
-        barred=np.empty(room, np.uint8),
-        cost=np.empty((max(window), depth), np.int64),
-    )
+    return {
+        "keys": np.empty(room, np.int64),
+        "places": np.empty(room, np.int32),
+        "partial": np.empty(columns, np.int32),
+        "total": np.empty(columns, np.int64),
+        "query": np.empty(numbers, np.uint8),
+        "means": np.empty(numbers, np.int32),
+        "coordinates": np.empty(numbers, np.int16),
+        "barred": np.empty(room, np.uint8),
+        "cost": np.empty((max(window), depth), np.int64),
+    }

@@ -32,6 +32,7 @@ from weftex.methods.refinement.start import (
     start_window,
 )
 from weftex.methods.refinement.sweeps import Convergence, refine_texture, sweep_of
+from weftex.notes import note
 from weftex.parameters import parameter
 from weftex.planes.grid import Sizes
 
@@ -260,12 +261,14 @@ def texture_synthesis(prepared: Prepared, growth: Growth) -> None:
         else:  # step 3: PlantSeed, Fig. 5
             source = seed_sources(settings, level, output, guide, growth.seed)
         output.begin(level, source)
+        note("start", output=output, level=level)
         # Search Tree Construction (section 3): `sweep_kernels.refine_to_nearest` is the paper's,
         # among all windows; `refine_coherently` is ours, among coherent and similar places.
         sweep = sweep_of(settings, level, output, guide, growth.seed, cyclic)
         for iteration in range(settings.rounds[number]):  # step 5: while (ContinueFlag)
             convergence.remember(output)
             changed = refine_texture(sweep, iteration, progress)  # step 6: RefineTexture
+            note("sweep", output=output, level=level, iteration=iteration)
             show_coarse(output, growth)
             if convergence.reached(output, iteration, changed):  # steps 7 and 8: eq. (1)
                 left = settings.rounds[number] - 1 - iteration

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from weftex.methods.wei_levoy import growth_kernels as kernels
+from weftex.notes import note, parts
 from weftex.search.pyramid_windows import parent_offsets, window_offsets, window_vectors
 from weftex.search.tsvq import TSVQ, build_tsvq
 from weftex.search.tsvq_kernels import Query
@@ -91,5 +92,10 @@ def replace_by_nearest(
     line = max(level.pixels.shape[1], _LEAST_PIXELS)
     for start in range(0, len(step.places), line):
         places = step.places[start : start + line]
-        kernels.replace_pixels(here, above, own, parents, places, bundle, leaves, query)
+        for part, asked in parts(places, level.pixels.shape[1], level=level.number):
+            if asked:
+                note("window", level=level, own=own, tree=tree, wrap=wrap)
+            kernels.replace_pixels(here, above, own, parents, places[part], bundle, leaves, query)
+            if asked:
+                note("chosen", level=level)
         progress.advance(len(places))

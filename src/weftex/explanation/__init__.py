@@ -1,0 +1,125 @@
+"""How a method makes a pixel, step by step: what it has in hand while it runs, as pictures."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+from weftex.canvas import as_canvas
+from weftex.errors import InvalidInputError, UnsupportedError, shown
+from weftex.explanation.graphcut import GraphCutWatcher
+from weftex.explanation.lattices import BestTileWatcher, NearRegularWatcher
+from weftex.explanation.patches import PatchWatcher
+from weftex.explanation.pixels import (
+    AshikhminWatcher,
+    EfrosLeungWatcher,
+    ExactMatchingWatcher,
+    WeiLevoyWatcher,
+)
+from weftex.explanation.refinement import RefinementWatcher
+from weftex.explanation.stages import Explanation, Stage
+from weftex.loading import load_exemplar
+from weftex.naming import make_method
+from weftex.notes import Listener, listening
+
+if TYPE_CHECKING:
+    from weftex.explanation.watchers import Watcher
+    from weftex.loading import Sample
+    from weftex.method import Method
+    from weftex.random import Seed
+
+#: Who listens to each method.
+WATCHERS: dict[str, type[Watcher]] = {
+    "patch-sampling": PatchWatcher,
+    "quilting": PatchWatcher,
+    "graphcut": GraphCutWatcher,
+    "efros-leung": EfrosLeungWatcher,
+    "wei-levoy": WeiLevoyWatcher,
+    "ashikhmin": AshikhminWatcher,
+    "exact-matching": ExactMatchingWatcher,
+    "refinement": RefinementWatcher,
+    "near-regular": NearRegularWatcher,
+    "best-tile": BestTileWatcher,
+}
+
+
+def explain(
+    sample: Sample,
+    size: int | tuple[int, int],
+    *,
+    method: str | Method = "patch-sampling",
+    seed: Seed = None,
+    at: tuple[int, int] | None = None,
+    tileable: bool | str = False,
+    **parameters: Any,
+) -> Explanation:
+    """Show how a method makes one pixel of an output.
+
+    The method runs as always and makes the same picture; meanwhile somebody looks over its
+    shoulder. What there is to see depends on the method: neighborhoods, error surfaces and
+    candidates, the cut, the order of growth, the levels of a pyramid, the way down a tree, the
+    lattice.
+
+    Parameters
+    ----------
+    sample : path, array, PIL image or Exemplar
+        The material; see `weftex.load_exemplar`. Small ones show more.
+    size : int or (int, int)
+        Height and width of the output.
+    method : str or Method
+        A name in `weftex.METHODS`, or a method with its parameters.
+    seed : int, numpy Generator or None
+        As for `weftex.synthesize`.
+    at : (int, int), optional
+        Row and column of the pixel; by default one past the middle.
+    tileable : bool or {"x", "y"}
+        Axes that are to repeat without a seam.
+    **parameters
+        Of the method, if that is a name.
+
+    Returns
+    -------
+    Explanation
+        The stages, with `result`; in a notebook it shows itself.
+
+    Raises
+    ------
+    InvalidInputError
+        If `at` is not in the output.
+    UnsupportedError
+        If nothing is known of how the method works.
+
+    Examples
+    --------
+    >>> import weftex
+    >>> shown = weftex.explain("sample:pebbles", 64, method="quilting", patch_size=24, seed=7)
+    >>> [stage.title for stage in shown]
+    ['canvas', 'boundary zone', 'error surface', 'candidates', 'patch', 'canvas after']
+    >>> shown["error surface"].array.shape
+    (192, 192)
+    """
+    chosen = make_method(method, parameters)
+    if chosen.slug not in WATCHERS:
+        raise UnsupportedError(
+            f"{chosen.slug} does not say how it works; these do: {', '.join(WATCHERS)}"
+        )
+    exemplar, canvas = load_exemplar(sample), as_canvas(size, tileable)
+    pixel = _pixel_of(at, canvas.shape)
+    watcher = WATCHERS[chosen.slug](exemplar, pixel)
+    with listening(Listener(pixel, watcher.hear)):
+        result = chosen.fit(exemplar).sample(canvas, seed=seed, threads=1)
+    return Explanation(result, pixel, watcher.stages())
+
+
+def _pixel_of(at: tuple[int, int] | None, shape: tuple[int, int]) -> tuple[int, int]:
+    if at is None:
+        return shape[0] * 5 // 8, shape[1] * 5 // 8
+    try:
+        y, x = (int(n) for n in at)
+    except (TypeError, ValueError):
+        raise InvalidInputError(f"at is {shown(at)}; it must be a row and a column") from None
+    if not (0 <= y < shape[0] and 0 <= x < shape[1]):
+        raise InvalidInputError(f"at is {shown(at)}; the output is {shape[1]}x{shape[0]}")
+    return y, x
+
+
+__all__ = ["Explanation", "Stage", "explain"]

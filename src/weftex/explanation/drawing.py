@@ -1,0 +1,94 @@
+"""Drawings of what methods have in hand."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from numpy.typing import NDArray
+
+MAGENTA = (255, 0, 255)
+GREEN = (0, 255, 0)
+UNKNOWN = (72, 72, 96)  # what is not made yet
+_ENLARGED = 96  # pixels that a small picture is enlarged to, or more
+
+
+def colors(pixels: NDArray[Any]) -> NDArray[np.uint8]:
+    """Return bytes (H, W, K) that methods match on as RGB: the first three, or one for all.
+
+    Examples
+    --------
+    >>> colors(np.full((1, 1, 2), 7, np.uint8)).tolist()
+    [[[7, 7, 7]]]
+    """
+    pixels = np.atleast_3d(pixels)
+    shown = pixels[..., :3] if pixels.shape[2] >= 3 else np.repeat(pixels[..., :1], 3, axis=2)
+    return np.array(shown, np.uint8)
+
+
+def made(pixels: NDArray[Any], done: NDArray[Any]) -> NDArray[np.uint8]:
+    """Draw a canvas; what is not made yet is dark blue."""
+    picture = colors(pixels)
+    picture[np.asarray(done) == 0] = UNKNOWN
+    return picture
+
+
+def enlarged(picture: NDArray[np.uint8], least: int = _ENLARGED) -> NDArray[np.uint8]:
+    """Enlarge a small picture by a whole number, so that its pixels can be seen."""
+    times = max(1, least // max(picture.shape[:2]))
+    return picture.repeat(times, 0).repeat(times, 1)
+
+
+def framed(
+    picture: NDArray[np.uint8],
+    box: tuple[int, int, int, int],
+    color: tuple[int, int, int] = MAGENTA,
+) -> NDArray[np.uint8]:
+    """Draw a frame around a box (top, left, height, width), one pixel outside of it."""
+    picture = picture.copy()
+    top, left, height, width = box
+    rows, columns = np.arange(top - 1, top + height + 1), np.arange(left - 1, left + width + 1)
+    for y, x in (
+        (np.full_like(columns, top - 1), columns),
+        (np.full_like(columns, top + height), columns),
+        (rows, np.full_like(rows, left - 1)),
+        (rows, np.full_like(rows, left + width)),
+    ):
+        inside = (y >= 0) & (y < picture.shape[0]) & (x >= 0) & (x < picture.shape[1])
+        picture[y[inside], x[inside]] = color
+    return picture
+
+
+def heat(values: NDArray[Any], there: NDArray[np.bool_]) -> NDArray[np.uint8]:
+    """Draw errors, the best bright yellow, the worst dark; what is no place at all is blue.
+
+    The scale is that of their roots, from the best to the median.
+    """
+    picture = np.empty((*values.shape, 3), np.uint8)
+    picture[:] = UNKNOWN
+    if there.any():
+        roots = np.sqrt(np.maximum(values[there].astype(np.float64), 0))
+        low, high = float(roots.min()), float(np.median(roots))
+        good = 1 - np.clip((roots - low) / max(high - low, 1e-12), 0, 1)
+        picture[there] = np.stack([40 + 215 * good, 20 + 200 * good**2, 40 * good**4], axis=-1)
+    return picture
+
+
+def marked(
+    picture: NDArray[np.uint8],
+    places: Sequence[tuple[int, int]] | NDArray[Any],
+    chosen: tuple[int, int] | None = None,
+    size: tuple[int, int] = (1, 1),
+) -> NDArray[np.uint8]:
+    """Mark places, or the corners of boxes, in green, and the chosen one in magenta."""
+    picture = picture // 2 + 48
+    for y, x in np.asarray(places).reshape(-1, 2).tolist():
+        if size == (1, 1):
+            picture[y % picture.shape[0], x % picture.shape[1]] = GREEN
+        else:
+            picture = framed(picture, (y, x, *size), GREEN)
+    return picture if chosen is None else framed(picture, (*chosen, *size))

@@ -1,0 +1,116 @@
+"""The methods that follow a lattice at work."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from weftex.analysis.canvas_lattice import given_lattice
+from weftex.analysis.lattice import views
+from weftex.analysis.overlay import draw_correlation, draw_lattice
+from weftex.explanation.drawing import colors, enlarged, framed, heat, made
+from weftex.explanation.stages import Stage
+from weftex.methods.lattices.mean_tile import MeanTile
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    from weftex.exemplar import Exemplar
+
+
+def lattice_stages(exemplar: Exemplar, vectors: tuple[float, ...]) -> list[Stage]:
+    """The correlation that the lattice was found in, the lattice, and the mean tile."""
+    seen = views(exemplar)
+    stages = [
+        Stage(
+            "correlation",
+            "How much the sample is like itself when it is shifted: its peaks are the translation "
+            "vectors (chapter 3).",
+            seen.field.correlation,
+            enlarged(colors(draw_correlation(seen.field.correlation))),
+        )
+    ]
+    if not len(vectors):
+        return stages
+    tile = MeanTile(exemplar.matching(), vectors)
+    plane = tile.at(*np.indices(exemplar.shape))
+    return [
+        *stages,
+        Stage(
+            "lattice",
+            "The translation vectors, drawn as tiles over the sample; x1, y1, x2, y2.",
+            np.array(vectors),
+            enlarged(draw_lattice(exemplar, given_lattice(vectors))),
+        ),
+        Stage(
+            "mean tile",
+            "The mean of all that lies at the same place of the tile: what is regular.",
+            plane,
+            enlarged(colors(plane)),
+        ),
+    ]
+
+
+class NearRegularWatcher:
+    """Sees the blocks that are drawn, and those that fill the gaps."""
+
+    def __init__(self, exemplar: Exemplar, pixel: tuple[int, int]) -> None:
+        self._exemplar, self._blocks = exemplar, list[Stage]()
+        self._vectors: tuple[float, ...] = ()
+
+    def hear(self, step: str, facts: dict[str, Any]) -> None:
+        """See `Watcher`."""
+        sample, layout, place = facts["sample"], facts["layout"], facts["place"]
+        self._vectors = facts["vectors"]
+        picture = layout.preview(sample, place)
+        words = {
+            "drawn": "Every second block shows a piece of the sample that lies a multiple of the "
+            "vectors away, drawn at random (section 4.2.1, Fig. 4.7).",
+            "filled": "Each gap shows the piece that fits its four neighbors best, near a multiple "
+            "of the vectors (section 4.2.2, Figs. 4.8 and 4.9, eq. 4.4); edges are still straight.",
+        }
+        there = picture.reshape(*picture.shape[:2], -1).any(axis=2)
+        self._blocks.append(
+            Stage(f"blocks {step}", words[step], place.copy(), made(picture, there))
+        )
+
+    def stages(self) -> list[Stage]:
+        """See `Watcher`."""
+        return [*lattice_stages(self._exemplar, self._vectors), *self._blocks]
+
+
+class BestTileWatcher:
+    """Sees the errors of all tiles."""
+
+    def __init__(self, exemplar: Exemplar, pixel: tuple[int, int]) -> None:
+        self._exemplar, self._stages = exemplar, list[Stage]()
+
+    def hear(self, step: str, facts: dict[str, Any]) -> None:
+        """See `Watcher`."""
+        errors, (y, x) = facts["errors"], facts["anchors"][0].tolist()
+        tile: NDArray[np.bool_] = np.zeros(self._exemplar.shape, bool)
+        for v, u, last in facts["rows"].tolist():
+            tile[y + v, max(x + u, 0) : x + last + 1] = True
+        sample = colors(self._exemplar.matching())
+        self._stages = [
+            *lattice_stages(self._exemplar, facts["vectors"]),
+            Stage(
+                "error of tiles",
+                "How much the opposite borders of each tile differ, by its first corner (eq. 4.2, "
+                "Figs. 4.4 and 4.5): bright is alike.",
+                errors,
+                enlarged(framed(heat(errors, errors >= 0), (y, x, 1, 1))),
+            ),
+            Stage(
+                "best tile",
+                "The tile with the lowest error, with half of its borders; it is repeated (Fig. "
+                "4.6, eq. 4.1).",
+                tile,
+                enlarged(np.where(tile[..., None], sample, sample // 3)),
+            ),
+        ]
+
+    def stages(self) -> list[Stage]:
+        """See `Watcher`."""
+        return self._stages

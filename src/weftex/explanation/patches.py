@@ -1,0 +1,152 @@
+"""Patch-based sampling and image quilting at work."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from weftex.explanation.drawing import MAGENTA, colors, enlarged, framed, heat, made, marked
+from weftex.explanation.stages import Stage
+from weftex.explanation.windows import error_surface
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    from weftex.exemplar import Exemplar
+    from weftex.search.boundary_zone import BoundaryZone
+
+
+class PatchWatcher:
+    """Sees how the last patch that covers the pixel is chosen and laid."""
+
+    def __init__(self, exemplar: Exemplar, pixel: tuple[int, int]) -> None:
+        self._found: dict[str, Any] = {}
+
+    def hear(self, step: str, facts: dict[str, Any]) -> None:
+        """See `Watcher`; a note is there for each patch that covers the pixel."""
+        output = facts["output"]
+        placement = output.placements[facts["number"]].tolist()
+        self._found = facts | {"after": output.pixels.copy(), "placement": placement}
+
+    def stages(self) -> list[Stage]:
+        """See `Watcher`."""
+        facts = self._found
+        output, zone, before, after = (facts[k] for k in ("output", "zone", "before", "after"))
+        y, x, v, u, _ = facts["placement"]
+        inside = output.frame.inside
+        height, width = zone.weight.shape
+        rows, columns = (np.arange(y, y + height), np.arange(x, x + width))
+        here = np.ix_(rows % before.shape[0], columns % before.shape[1])
+        box = (y - inside[0].start, x - inside[1].start, height, width)
+        there = _made_before(output, facts["number"])
+        stages = [
+            Stage(
+                "canvas",
+                "The canvas before the patch, and where it goes: patches are laid one after the "
+                "other, and overlap those before.",
+                before[inside],
+                framed(made(before, there)[inside], box),
+            )
+        ]
+        known = zone_mask(zone)
+        sample, patch = (
+            output.analysis.pixels,
+            output.analysis.pixels[v : v + height, u : u + width],
+        )
+        if known.any():
+            stages += _matching(sample, before[here], known, facts, (v, u))
+        share = zone.weight / np.float32(256)
+        if len(output.cuts):
+            new = (after[here] == patch).all(axis=2)
+            share = np.where(there[here] & ~new, np.float32(0), np.float32(1))
+        shown = enlarged(np.where(share[..., None] > 0, colors(patch), colors(before[here]) // 3))
+        stages += [
+            Stage(
+                "patch",
+                "What of the patch is shown; dark, the pixels before it that stay. It is cut along "
+                "the path of least error (Efros and Freeman, section 2.1), or fades in over the "
+                "zone (Liang et al., section 2.2).",
+                share,
+                shown,
+            ),
+            Stage(
+                "canvas after",
+                "The canvas with the patch.",
+                after[inside],
+                framed(made(after, there | _box_mask(there.shape, here))[inside], box),
+            ),
+        ]
+        return stages
+
+
+def zone_mask(zone: BoundaryZone) -> NDArray[np.bool_]:
+    """The pixels of a boundary zone: bool (rows, columns)."""
+    known = np.zeros(zone.weight.shape, bool)
+    for upright, v, u, length in zone.runs.tolist():
+        part = np.s_[v : v + length, u] if upright else np.s_[v, u : u + length]
+        known[part] = True
+    return known
+
+
+def _matching(
+    sample: NDArray[np.uint8],
+    window: NDArray[np.uint8],
+    known: NDArray[np.bool_],
+    facts: dict[str, Any],
+    chosen: tuple[int, int],
+) -> list[Stage]:
+    """What must match, how badly all windows do, and those that were looked at."""
+    height, width = known.shape
+    middle = error_surface(sample, window, known)
+    errors = np.full_like(middle, np.inf)  # by the corner and not by the middle
+    errors[: sample.shape[0] - height + 1, : sample.shape[1] - width + 1] = middle[
+        height // 2 : height // 2 + sample.shape[0] - height + 1,
+        width // 2 : width // 2 + sample.shape[1] - width + 1,
+    ]
+    there = np.isfinite(errors)
+    seen = facts["errors"] >= 0
+    y, x = np.divmod(facts["places"][seen], facts["columns"])
+    candidates = np.stack([y, x, facts["errors"][seen]], axis=1)
+    best = candidates[np.argsort(candidates[:, 2], kind="stable")]
+    return [
+        Stage(
+            "boundary zone",
+            "The known pixels that the patch must match (Liang et al., section 2.2, Fig. 3).",
+            np.where(known[..., None], window, 0),
+            enlarged(made(window, known)),
+        ),
+        Stage(
+            "error surface",
+            "How much the zone differs from each window of the sample, by its corner (Liang et "
+            "al., eq. 2): bright is alike.",
+            errors,
+            enlarged(framed(heat(errors, there), (*chosen, 1, 1), MAGENTA)),
+        ),
+        Stage(
+            "candidates",
+            "Windows that were compared at the full resolution, the best in green (row, column "
+            "and sum of squares, or as much of it as ruled one out); one within the tolerance is "
+            "drawn, in magenta.",
+            best,
+            marked(colors(sample), best[:12, :2], chosen, (height, width)),
+        ),
+    ]
+
+
+def _made_before(output: Any, number: int) -> NDArray[np.bool_]:
+    """The pixels of the frame that earlier patches cover, or that are known."""
+    there = np.zeros(output.pixels.shape[:2], bool)
+    height, width = output.frame.window
+    for y, x in output.placements[:number, :2].tolist():
+        rows, columns = np.arange(y, y + height), np.arange(x, x + width)
+        there[np.ix_(rows % there.shape[0], columns % there.shape[1])] = True
+    if output.settings.pixelwise:
+        there[...] = output.pixels.any(axis=2)
+    return there
+
+
+def _box_mask(shape: tuple[int, ...], here: Any) -> NDArray[np.bool_]:
+    mask = np.zeros(shape, bool)
+    mask[here] = True
+    return mask
