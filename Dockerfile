@@ -2,7 +2,7 @@
 #
 #   docker build -t weftex .
 #   docker run --rm -v "$PWD:/work" weftex synth sample:pebbles -o pebbles.png --size 1k
-#   docker run --rm -v "$PWD:/work" -p 127.0.0.1:8000:8000 weftex studio --host 0.0.0.0 --port 8000
+#   docker run --rm -v "$PWD:/work" -p 127.0.0.1:8427:8427 weftex studio --host 0.0.0.0 --no-browser
 FROM python:3.13-slim-bookworm AS build
 RUN apt-get update && apt-get install -y --no-install-recommends gcc libc6-dev \
     && rm -rf /var/lib/apt/lists/*
@@ -12,7 +12,7 @@ RUN WEFTEX_ABI3=1 pip wheel --no-cache-dir --no-deps -w /wheels .
 
 FROM python:3.13-slim-bookworm
 COPY --from=build /wheels /wheels
-RUN pip install --no-cache-dir "$(echo /wheels/*.whl)[kdtree,materialx]" && rm -rf /wheels \
+RUN pip install --no-cache-dir "$(echo /wheels/*.whl)[kdtree,materialx,studio]" && rm -rf /wheels \
     && useradd --create-home weftex
 USER weftex
 WORKDIR /work

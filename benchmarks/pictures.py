@@ -46,6 +46,8 @@ def commands(page: str) -> list[list[str]]:
 def files_of(words: list[str], folder: Path) -> Iterator[str]:
     """What a command takes and makes, in order."""
     yield from (word for word in words if word.startswith("sample:"))
+    if words[0] == "batch":
+        yield str(folder / words[2])
     for option in ("-o", "--overlay"):
         if option in words:
             yield str(folder / words[words.index(option) + 1])
@@ -54,8 +56,11 @@ def files_of(words: list[str], folder: Path) -> Iterator[str]:
 
 
 def pictures_of(file: str) -> Iterator[Image.Image]:
-    """The picture in a file; every picture of a page."""
-    if file.endswith(".html"):
+    """The picture in a file; every picture of a page, and of a folder."""
+    if Path(file).is_dir():
+        for inner in sorted(path for path in Path(file).rglob("*") if path.is_file()):
+            yield from pictures_of(str(inner))
+    elif file.endswith(".html"):
         for data in re.findall(
             r'src="data:image/png;base64,([^"]+)"', Path(file).read_text("utf-8")
         ):
@@ -105,7 +110,10 @@ def draw(name: str) -> Path:
     """Run a page's first commands and write its picture."""
     shown: dict[bytes, Image.Image] = {}
     with tempfile.TemporaryDirectory() as folder:
-        for words in commands((DOCS / f"{name}.md").read_text("utf-8")):
+        page = (DOCS / f"{name}.md").read_text("utf-8")
+        for made in re.findall(r"^mkdir (\w+)$", page, re.M):
+            (Path(folder) / made).mkdir()
+        for words in commands(page):
             subprocess.run([sys.executable, "-m", "weftex", *words], cwd=folder, check=True)
             for file in files_of(words, Path(folder)):
                 shown |= {picture.tobytes(): picture for picture in pictures_of(file)}

@@ -7,6 +7,7 @@ import argparse
 from pathlib import Path
 
 import numpy as np
+from PIL import Image
 
 import weftex
 from weftex.raster.lighting import lit
@@ -25,6 +26,8 @@ plaster = np.full(result.shape, 190, np.uint8)
 weftex.write_image(folder / "light_color.png", lit(result.image, normal=result.maps["normal"]))
 weftex.write_image(folder / "light_laid.png", lit(plaster, height=laid))
 weftex.write_image(folder / "light_joined.png", lit(plaster, height=joined))
+both = [lit(plaster, height=values)[96:416, 41:471] for values in (laid, joined)]
+Image.fromarray(np.concatenate(both, axis=1)).save(folder / "light.webp", quality=45, method=6)
 
 # Steps across the border of two pieces, over the mean step of the sample.
 across = (np.diff(result.source.astype(int), axis=1) != (0, 1)).any(axis=2)

@@ -174,7 +174,10 @@ def test_one_bad_sample_does_not_stop_the_others(here, samples, capsys):
         (["--template", "{name"], "it may have {name} and {seed}"),
         (["--template", "{name.__class__}"], "it may have {name} and {seed}"),
         (["--template", "same"], "two outputs would be named 'same'"),
-        (["--template", "../{name}"], "is no name of a file"),
+        (["--template", "../{name}"], "is no name of an output"),
+        (["--template", ".weftex-{name}"], "is no name of an output"),
+        (["--template", "{name}\0"], "is no name of an output"),
+        (["--template", "{name}" + 252 * "z"], "a name of "),
         (["--count", "2", "--template", "{name}"], "two outputs would be named"),
         (["--skip-existing", "--force"], "not both"),
         (["--save-source", "a.npz"], "unknown option '--save-source'"),
@@ -189,6 +192,17 @@ def test_folders_that_hold_nothing(here, samples, capsys):
     assert "cannot read the folder" in fails(capsys, here, "batch", "nowhere", "out")
     write_image(samples / "wall.png", noise((40, 40, 3)))
     assert "would both make wall" in fails(capsys, here, "batch", "samples", "out")
+
+
+def test_samples_and_folders_of_others_are_not_replaced(here, samples, capsys):
+    words = [*WORDS, "--force"]
+    assert "is a sample" in fails(capsys, here, "batch", "samples", "samples", *words)
+    (here / "out" / "wall").mkdir(parents=True)
+    (here / "out" / "wall" / "mine.txt").write_text("mine")
+    assert "no batch made" in fails(capsys, here, "batch", "samples", "out", *words)
+    assert weft_run("batch", "samples", "samples/out", *WORDS) == 0
+    assert weft_run("batch", "samples", "samples/out", *words) == 0
+    assert len(records(samples / "out")) == 3
 
 
 def test_a_cut_off_manifest_is_read(here, samples):

@@ -23,6 +23,7 @@ _COMMANDS = {
     "analyze": "say what a sample is like: its scale, its lattice, whether it tiles",
     "prepare": "straighten a photo and even its light, before it is a sample",
     "estimate": "guess height and normals of a photo that has none",
+    "explain": "show how a method makes one pixel, step by step",
     "compare": "every method on one sample, side by side: pictures, figures, times",
     "studio": "see, paint, change and take materials in the browser",
     "report": "say how good a result is, in figures and maps of where it fails",

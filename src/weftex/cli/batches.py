@@ -17,17 +17,19 @@ from weftex.cli.terminal import Outputs
 from weftex.errors import CancelledError, FileError, InvalidInputError, WeftexError, shown
 from weftex.io.folders import map_files
 from weftex.io.formats import READABLE, suffix_of, written_as
-from weftex.io.manifest import unfinished
+from weftex.io.manifest import MANIFEST, unfinished
 from weftex.quality.sets import Eyes
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
 
+    from weftex.io.manifest import Manifest
     from weftex.material import Material
     from weftex.method import Method, Model
     from weftex.results.synthesis import Synthesis
 
 _FIELDS = {"name", "seed"}
+_LONGEST = 255  # bytes of a file's name
 
 
 @dataclass(frozen=True)
@@ -65,8 +67,10 @@ class Job:
     keep: int | None = None
 
 
-def entries_of(folder: str) -> list[Entry]:
+def entries_of(folder: str, output: str) -> list[Entry]:
     """Return the pictures of a folder, and the folders in it that have pictures.
+
+    The folder of the outputs is not one of them.
 
     Raises
     ------
@@ -82,7 +86,7 @@ def entries_of(folder: str) -> list[Entry]:
     found: dict[str, Entry] = {}
     for file in names:
         path, stem = os.path.join(folder, file), os.path.splitext(file)[0]
-        if file.startswith("."):
+        if file.startswith(".") or _same(path, output):
             continue
         if os.path.isdir(path):
             try:
@@ -129,8 +133,7 @@ def jobs_of(
     for entry in entries:
         outputs = {seed: template.format(name=entry.name, seed=seed) for seed in seeds}
         for seed, stem in outputs.items():
-            if os.path.basename(stem) != stem or stem in ("", ".", ".."):
-                raise InvalidInputError(f"the template makes '{stem}', which is no name of a file")
+            _check_name(stem, entry.suffix)
             if stem.casefold() in taken:
                 raise InvalidInputError(
                     f"two outputs would be named '{stem}'; use {{name}} and {{seed}} in --template"
@@ -158,6 +161,56 @@ class Done:
 
     made: list[tuple[dict[str, Any], str]]
     failure: str | None = None
+
+
+def _check_name(stem: str, suffix: str) -> None:
+    """Refuse names that files cannot have, hidden ones, and that of the manifest."""
+    plain = os.path.basename(stem) == stem and stem.isprintable()
+    if not plain or stem.startswith(".") or stem.casefold() in ("", MANIFEST):
+        raise InvalidInputError(f"the template makes {shown(stem)}, which is no name of an output")
+    if len(os.fsencode(stem + suffix)) > _LONGEST:
+        raise InvalidInputError(
+            f"the template makes a name of {len(stem + suffix)} letters; systems have room for "
+            f"{_LONGEST} bytes"
+        )
+
+
+def left_of(
+    jobs: Sequence[Job], folder: str, manifest: Manifest, *, skip: bool, force: bool
+) -> list[Job]:
+    """Return the jobs that are to be done.
+
+    Raises
+    ------
+    FileError
+        If an output is there, and nobody said what is to become of it, or it would take the place
+        of a sample or of a folder that no batch made.
+    """
+    left = []
+    for job in jobs:
+        paths = {one: os.path.join(folder, one) for one in job.outputs.values()}
+        there = [one for one, path in paths.items() if os.path.lexists(path)]
+        most = len(job.outputs) if job.keep is None else job.keep
+        if skip and len(there) >= most:
+            continue
+        foreign = [one for one in there if one not in manifest]
+        for one in foreign:
+            above = os.path.join(os.path.realpath(paths[one]), "")
+            if os.path.join(os.path.realpath(job.entry.path), "").startswith(above):
+                raise FileError(f"{paths[one]} is a sample; name another folder for outputs")
+            if force and os.path.isdir(paths[one]):
+                raise FileError(f"{paths[one]} is a folder that no batch made; move it away")
+        if there and not force and (not skip or foreign):
+            raise FileError(
+                f"{paths[there[0]]} is there; give --skip-existing to go on, or --force to make it "
+                "anew"
+            )
+        left.append(job)
+    return left
+
+
+def _same(one: str, other: str) -> bool:
+    return os.path.exists(other) and os.path.samefile(one, other) if os.path.exists(one) else False
 
 
 class Maker:
@@ -201,7 +254,8 @@ class Maker:
         except CancelledError:
             raise
         except WeftexError as error:
-            return Done(made, f"{job.entry.path}: {error}")
+            path, said = job.entry.path, str(error)
+            return Done(made, said if said.startswith(path) else f"{path}: {said}")
         except MemoryError:
             return Done(made, f"{job.entry.path}: not enough memory; make it smaller")
         return Done(made)

@@ -63,10 +63,14 @@ class Manifest:
         """
         target = self.path_of(record)
         try:
-            with self._lock, open(self._path, "a", encoding="utf-8") as file:
-                file.write(_line(record))
-                file.flush()
-                os.fsync(file.fileno())
+            with self._lock, open(self._path, "ab", buffering=0) as file:
+                end = file.tell()
+                try:
+                    file.write(_line(record).encode())
+                    os.fsync(file.fileno())
+                except OSError:  # a full disk may have taken a part of it
+                    file.truncate(end)
+                    raise
                 self._records[record["output"]] = record
             remove(target)
             os.replace(made, target)

@@ -9,7 +9,6 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from weftex.io.png import png_bytes
 from weftex.raster.levels import scale_to_bytes, to_bytes
 
 if TYPE_CHECKING:
@@ -32,6 +31,8 @@ class Shown:
         return np.array(found[0], dtype=dtype, copy=copy)
 
     def _repr_png_(self) -> bytes | None:
+        from weftex.io.png import png_bytes  # takes its time, and few pictures are looked at
+
         found = self._picture_shown()
         return None if found is None else png_bytes(small_bytes(*found))
 

@@ -46,15 +46,12 @@ class Synthesis(ShownResult, ABC):
     """Which pixels of the sample an output is made of.
 
     This is what all results have in common; `PatchSynthesis` keeps patches and `PixelSynthesis`
-    one source a pixel. A result takes little more memory than its picture, and can be replayed on
-    any map that is aligned with the sample.
+    one source a pixel. A result can be replayed on any map that is aligned with the sample.
 
     Parameters
     ----------
-    canvas : Canvas
-        What was made.
-    sample_shape : (int, int)
-        Height and width of the sample.
+    canvas, sample_shape
+        What was made, and height and width of the sample.
     exemplar : Exemplar, optional
         The sample; not there after `load` without one.
     known_from : (int, int), optional
@@ -71,8 +68,7 @@ class Synthesis(ShownResult, ABC):
     turn : str, optional
         Which copies its sample is made of, see `weftex.turned`; as the exemplar says, if given.
     is_window : bool
-        It is a part of an endless plane, which is laid as it is: to join its pieces asks for what
-        lies around.
+        It is a part of an endless plane, laid as it is: joining asks for what lies around.
     """
 
     #: The arrays that say where pixels come from, by the name of the parameter, and their types.
@@ -99,9 +95,8 @@ class Synthesis(ShownResult, ABC):
     ) -> None:
         self.canvas, self.exemplar = canvas, exemplar
         self.sample_shape, self.known_from = sample_shape, known_from
-        self.provenance = provenance or {}
+        self.provenance, self.tone_reach = provenance or {}, tone_reach
         self._picture, self.match_tone, self.is_window = picture, match_tone, is_window
-        self.tone_reach = tone_reach
         self.turn = exemplar.turn if isinstance(exemplar, Exemplar) else turn
 
     @abstractmethod

@@ -85,6 +85,11 @@ def tile(
         raise InvalidInputError(f"axes is {shown(axes)}; it must be True, 'x' or 'y'")
     sides = [side for side, wraps in zip(exemplar.shape, wrap, strict=True) if wraps]
     most = min(sides) // _LEAST
+    if not most:
+        raise InvalidInputError(
+            f"{exemplar.name} is {exemplar.shape[1]}x{exemplar.shape[0]}; sides that are to repeat "
+            f"must be {_LEAST} pixels or more"
+        )
     if border is None:
         border = max(1, min(exemplar.shape) // _SHARE)
     elif not isinstance(border, numbers.Integral) or isinstance(border, bool):

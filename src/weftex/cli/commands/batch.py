@@ -68,12 +68,12 @@ def run(argv: list[str]) -> None:
     chosen = method(**parameters)
 
     def work(bar: Bar, outputs: Outputs) -> str:
-        from weftex.cli.batches import entries_of, jobs_of
+        from weftex.cli.batches import entries_of, jobs_of, left_of
         from weftex.io.manifest import Manifest
         from weftex.random import seed_number
 
         first = seed_number(args.seed) if args.seed is not None else 0
-        entries = entries_of(args.folder)
+        entries = entries_of(args.folder, args.output)
         seeds = [(first + k) % 2**64 for k in range(args.count)]
         template = args.template or ("{name}" if args.count == 1 else "{name}_{seed}")
         jobs = jobs_of(entries, template, seeds, args.keep_best)
@@ -83,7 +83,8 @@ def run(argv: list[str]) -> None:
             raise FileError(f"{args.output}: cannot make this folder: {error.strerror}") from None
         manifest = Manifest(args.output)
         try:
-            left = _left(jobs, manifest, args.output, args.skip_existing, args.force)
+            how = {"skip": args.skip_existing, "force": args.force}
+            left = left_of(jobs, args.output, manifest, **how)
             failures = _do(left, manifest, (args.output, chosen, size), args, bar)
         finally:
             manifest.sweep()
@@ -143,27 +144,3 @@ def _do(
                     say(failure)
             check(done)
     return failures
-
-
-def _left(jobs: list[Job], manifest: Manifest, folder: str, skip: bool, force: bool) -> list[Job]:
-    """The jobs that are to be done.
-
-    Raises
-    ------
-    FileError
-        If an output is there, and nobody said what is to become of it.
-    """
-    left = []
-    for job in jobs:
-        there = [one for one in job.outputs.values() if os.path.exists(os.path.join(folder, one))]
-        most = len(job.outputs) if job.keep is None else job.keep
-        if skip and len(there) >= most:
-            continue
-        foreign = [one for one in there if one not in manifest]
-        if there and not force and (not skip or foreign):
-            raise FileError(
-                f"{os.path.join(folder, there[0])} is there; give --skip-existing to go on, or "
-                "--force to make it anew"
-            )
-        left.append(job)
-    return left

@@ -1,0 +1,79 @@
+"""weftex explain: show how a method makes one pixel, step by step."""
+
+from __future__ import annotations
+
+from time import perf_counter
+from typing import TYPE_CHECKING
+
+from weftex.cli.files import axes_of, load
+from weftex.cli.options import Parser, parse_size, parse_task
+from weftex.cli.terminal import finish
+from weftex.errors import InvalidInputError
+
+if TYPE_CHECKING:
+    import argparse
+
+    from weftex.cli.terminal import Bar, Outputs
+
+_ABOUT = """\
+Show how a method makes one pixel of an output, by pictures of what it has in hand while it runs:
+neighborhoods, errors, candidates, cuts, levels. OUT is a folder, or one picture of all beside each
+other.\
+"""
+
+_EXAMPLES = """\
+examples:
+  weftex explain sample:pebbles work/ --method quilting --size 160 --seed 7
+  weftex explain sample:bricks work.png --method near-regular --size 256 --seed 7
+  weftex explain moss.png work/ --method wei-levoy --size 64 --at 40,30
+"""
+
+
+def run(argv: list[str]) -> None:
+    """Run the command; `argv` is what follows its name."""
+    start = perf_counter()
+    parser = Parser("explain", _ABOUT, _EXAMPLES)
+    parser.add_argument("sample", metavar="SAMPLE", help="picture, or sample:NAME; small ones do")
+    text = "of the output, in pixels; default: 128"
+    parser.add_argument("--size", metavar="WxH|N", default="128", help=text)
+    text = "row and column of the pixel; default: one past the middle"
+    parser.add_argument("--at", metavar="Y,X", help=text)
+    args, method, parameters = parse_task(parser, argv, "patch-sampling", positional=True)
+    if args.threads is not None:
+        raise InvalidInputError("--threads has no effect: one thread works, so that it can be seen")
+    chosen, size, at = method(**parameters), parse_size(args.size, args.allow_huge), _at(args)
+
+    def work(bar: Bar, outputs: Outputs) -> str:
+        from weftex.explanation import explain
+        from weftex.io.formats import READABLE, suffix_of
+        from weftex.io.pictures import write_image
+
+        tileable = axes_of(args)
+        sample = load(args.sample, args)
+        found = explain(sample, size, method=chosen, seed=args.seed, at=at, tileable=tileable)
+        if suffix_of(args.output) in READABLE:
+            write_image(outputs.add(args.output), found.strip())
+        else:
+            outputs.make_folder(args.output)
+            for path in found.save(args.output):
+                outputs.add(str(path))
+        y, x = found.pixel
+        took = perf_counter() - start
+        return (
+            f"{len(found)} steps of {args.method} at row {y}, column {x}, in {args.output}, "
+            f"in {took:.2f} s"
+        )
+
+    finish(work, args.quiet)
+
+
+def _at(args: argparse.Namespace) -> tuple[int, int] | None:
+    if args.at is None:
+        return None
+    try:
+        y, x = (int(word) for word in args.at.split(","))
+    except ValueError:
+        raise InvalidInputError(
+            f"--at is '{args.at}'; it must be ROW,COLUMN, such as 40,30"
+        ) from None
+    return y, x
