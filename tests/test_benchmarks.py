@@ -18,6 +18,7 @@ import fusion  # noqa: E402
 import lattices  # noqa: E402
 import many_threads  # noqa: E402
 import pictures  # noqa: E402
+import planes_on_disk  # noqa: E402
 import repeats  # noqa: E402
 import run  # noqa: E402
 from shared import papers  # noqa: E402
@@ -51,6 +52,14 @@ def test_the_page_has_every_table():
     """As they are headed in the page of the repository; --update writes them there."""
     text = run.PAGE.read_text("utf-8")
     assert [line[3:] for line in text.splitlines() if line.startswith("## ")] == list(run.TABLES)
+
+
+def test_planes_on_disk(capsys):
+    pytest.importorskip("distributed")
+    planes_on_disk.main(["simulate", "--blocks", "60", "--workers", "1", "20"])
+    planes_on_disk.main(["speed", "--side", "200", "--formats", ".tif", "--workers", "0"])
+    out = capsys.readouterr().out
+    assert out.count("60 blocks of 2.0 s") == 2 and "times the method" in out
 
 
 def test_digests_are_compared(monkeypatch, capsys, tmp_path):
