@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 from weftex.canvas import FAR
+from weftex.planes.boxes import A_BLOCK
 from weftex.studio.about import is_endless
 from weftex.studio.materials import id_of, maps_of
 from weftex.studio.pictures import shown, whole_number
@@ -68,7 +69,7 @@ def begin(given: Any, bench: Bench) -> dict[str, Any]:
     def fit() -> tuple[Plane, int]:
         if not is_endless(recipe.method):
             recipe.method.require_kind("random_access")
-        recipe.method.require_plane()
+        recipe.method.require(A_BLOCK)
         loaded, model = bench.model(recipe)
         reason = model.choose(_ENDLESS).reason if isinstance(model, AutoModel) else None
         return Plane(model, loaded[0].material.main, recipe.seed, reason), 2**20
