@@ -185,8 +185,7 @@ def _means(pixels: NDArray[Any], mixing: Mixing) -> NDArray[Any]:
         total = np.add(parts[0], parts[1], dtype=np.uint32)
         for part in parts[2:]:
             total += part
-        halved: NDArray[Any] = ((total + 2) >> 2).astype(pixels.dtype)
-        return halved
+        return np.asarray((total + 2) >> 2, pixels.dtype)
     four = np.stack(parts).astype(np.float64)
     if mixing.kind is Kind.ALPHA:
         cover = four[..., -1:]
