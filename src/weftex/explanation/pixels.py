@@ -9,7 +9,6 @@ import numpy as np
 from weftex.explanation.drawing import colors, enlarged, made
 from weftex.explanation.stages import Stage
 from weftex.explanation.windows import choice_stages, window_around
-from weftex.search.weighted_windows import gaussian_weights
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -17,7 +16,6 @@ if TYPE_CHECKING:
     from weftex.exemplar import Exemplar
 
 _DRAWS = 256  # that show which windows may be drawn
-_SIGMAS = 6.4  # see `efros_leung.model`
 
 
 class EfrosLeungWatcher:
@@ -37,13 +35,13 @@ class EfrosLeungWatcher:
             self._order[(self._order < 0) & (growth.done > 0)] = self._layer
             self._layer += 1
             return
-        windows, width = growth.windows, facts["width"]
+        windows, weights = growth.windows, facts["search"].weights
         window, known = window_around(
-            growth.pixels, growth.done, self._pixel, width // 2, growth.canvas.wrap
+            growth.pixels, growth.done, self._pixel, len(weights) // 2, growth.canvas.wrap
         )
         place = np.full(_DRAWS, self._pixel[0] * growth.canvas.width + self._pixel[1], np.int32)
         bits = (np.arange(_DRAWS, dtype=np.uint64) << np.uint64(64 - 8)) + np.uint64(1)
-        drawn = np.unique(facts["search"](place, bits)[0])
+        drawn = np.unique(facts["draw"](place, bits)[0])
         columns = windows.pixels.shape[1]
         y, x = divmod(int(facts["chosen"]), columns)
         picture = made(growth.pixels, growth.done)
@@ -71,7 +69,7 @@ class EfrosLeungWatcher:
                         "tolerance of the best. The one drawn is framed."
                     ),
                 ),
-                weights=gaussian_weights(width, width / _SIGMAS),
+                weights=weights,
             ),
         ]
 

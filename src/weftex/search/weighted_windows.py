@@ -30,6 +30,8 @@ _VECTOR = 16  # bytes; rows of windows are whole vectors
 class WindowSearch(Protocol):
     """Draws windows that match what is known around a pixel."""
 
+    sample: WeightedWindows
+
     def on(
         self,
         pixels: NDArray[np.uint8],

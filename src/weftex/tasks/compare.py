@@ -77,7 +77,7 @@ def compare(
     >>> import weftex
     >>> found = compare("sample:weave", 96, methods=["best-tile", "quilting"], seed=1)
     >>> [entry.method for entry in found.entries], found.choice.method
-    (['quilting', 'best-tile'], 'near-regular')
+    (['quilting', 'best-tile'], 'graphcut')
     """
     if methods is not None and not isinstance(methods, (list, tuple)):
         raise InvalidInputError(f"methods is {shown(methods)}; it must be a list of names")

@@ -145,8 +145,8 @@ def grow_in_layers(prepared: Prepared, growth: Growth) -> None:
             for wave, bits in waves.of(layer, growth.done):
                 chosen, distances, weights = draw_match(wave, bits)
                 if (k := asked_among(wave, growth.canvas.width)) is not None:
-                    width = settings.window_width
-                    note("pixel", growth=growth, chosen=chosen[k], search=draw_match, width=width)
+                    search = prepared.search.sample
+                    note("pixel", growth=growth, chosen=chosen[k], draw=draw_match, search=search)
                 # "... normalizing the error by the total number of known pixels"; it is 1
                 # between black and white.
                 errors = distances / (255.0**2 * pixels.shape[1] * np.maximum(weights, 1))
