@@ -10,8 +10,8 @@ import sys
 import tempfile
 from pathlib import Path
 
-from PIL import Image
 from pictures import commands
+from PIL import Image
 
 DOCS = Path(__file__).resolve().parent.parent / "docs"
 _ACROSS, _QUALITY = 900, 70
