@@ -27,6 +27,7 @@ import numpy as np
 
 import weftex
 from weftex import cli
+from weftex.io.manifest import remove
 from weftex.io.pictures import write_image
 
 EVERY = 20  # commands between two looks at the process
@@ -157,15 +158,11 @@ def soak(commands: int, seconds: float, seed: int) -> tuple[Counter[str], list[t
             code = run(words)
             counts["done" if code == 0 else "refused"] += 1
             for file in Path("out").iterdir():
-                if file.is_dir():
-                    for one in file.iterdir():
-                        one.unlink()
-                    file.rmdir()
-                else:
-                    assert code == 0, f"{words} failed and left {file}"
-                    file.unlink()
+                assert code == 0, f"{words} failed and left {file}"
+                remove(str(file))
             for file in {*os.listdir()} - there:  # what nonsense as a name was good for
-                os.unlink(file)
+                assert code == 0, f"{words} failed and left {file}"
+                remove(file)
             if sum(counts.values()) % EVERY == 0:
                 seen.append((sum(counts.values()), looked(Path("tmp"))))
     return counts, seen
