@@ -196,7 +196,7 @@ def unpacked(path: Path) -> bytes:
 
 
 def seeds() -> dict[str, dict[str, bytes]]:
-    """Small inputs of every kind, which are read."""
+    """Small inputs of every kind."""
     import numpy as np
 
     import weftex
@@ -243,6 +243,13 @@ def seeds() -> dict[str, dict[str, bytes]]:
     found["studio"] = {name: json.dumps(one).encode() for name, one in recipes.items()}
     texts = ("auto", "graphcut placement=entire tolerance=0.5", "quilting 'patch_size=9'")
     found["method"] = {text.split()[0]: text.encode() for text in texts}
+    # And what was once a mistake.
+    found["saved"]["hidden"] = found["saved"]["efros-leung"] + BETWEEN + b"x\nno array"
+    stems = b'"stems": {', b'"stems": {"color": "../a"'
+    found["plane"]["elsewhere"] = found["plane"]["plane"].replace(*stems)
+    found["journal"]["list"] = b"[7]"
+    found["studio"]["other"] = b'[{"recipe": 7}, 7]'
+    found["method"]["control"] = b"graphcut placemen\x0bt=1"
     return found
 
 
