@@ -25,12 +25,14 @@ from PIL import Image
 from shared import HERE
 
 import weftex
+from weftex.tasks.opened import open_plane
 
 DOCS = HERE.parent / "docs"
 _ACROSS = 1100  # pixels of a row, in which the next picture finds no place
 _SHOWN = 860  # pixels of a page's column
 _GAP = 6
 _QUALITY = 70
+_VIEW = (256, 272)  # pixels of a zoom
 
 
 def commands(page: str) -> list[list[str]]:
@@ -63,10 +65,23 @@ def pictures_of(file: str) -> Iterator[Image.Image]:
             r'src="data:image/png;base64,([^"]+)"', Path(file).read_text("utf-8")
         ):
             yield Image.open(io.BytesIO(base64.b64decode(data))).convert("RGB")
+    elif file.endswith(".dzi"):
+        yield from zooms(file)
     elif file.endswith((".png", ".jpg", ".webp")):
         yield Image.open(file).convert("RGB")
     elif file.startswith("sample:"):
         yield Image.fromarray(weftex.load_exemplar(file).pixels.squeeze()).convert("RGB")
+
+
+def zooms(file: str) -> Iterator[Image.Image]:
+    """The middle of a plane, from near, from further away and from far."""
+    plane = open_plane(file)
+    (store,) = plane.stores.values()
+    for level in (0, 2, 3):
+        height, width = store.layout.shape(level)
+        size = (min(height, _VIEW[0]), min(width, _VIEW[1]))
+        corner = ((height - size[0]) // 2, (width - size[1]) // 2)
+        yield Image.fromarray(store.read(level, (*corner, *size))).convert("RGB")
 
 
 def side_by_side(pictures: list[Image.Image]) -> Image.Image:

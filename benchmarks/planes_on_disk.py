@@ -67,7 +67,7 @@ def speed(args: argparse.Namespace, folder: Path) -> None:
             for workers in args.workers:
                 target = folder / f"p{suffix}"
                 words = ["--method", method, *(("--workers", workers) if workers else ())]
-                words += ["--threads", 1] if not workers else []
+                words += ["--block", 2048, *(["--threads", 1] * (not workers))]
                 code, took, busy, memory = measured(command(target, args.side, *words))
                 assert code == 0
                 size = used(target) / 1e6
@@ -101,7 +101,7 @@ def growth(args: argparse.Namespace, folder: Path) -> None:
 def kills(args: argparse.Namespace, folder: Path) -> None:
     """A run that is killed at random moments, again and again, beside one that is not."""
     moments = random.Random(1)
-    for suffix in (".tif", ".zarr", ".dzi"):
+    for suffix in args.formats:
         side = args.side
         words = ["--method", "near-regular", "--block", 64, "--threads", 1]
         subprocess.run(command(folder / f"whole{suffix}", side, *words), check=True)

@@ -81,20 +81,20 @@ class Cluster:
 
     def run(self) -> str:
         """Make all blocks; say what came of it."""
-        clock, made = time.perf_counter(), min(self.blocks, max(16, 4 * self.workers))
+        clock, made = time.process_time(), min(self.blocks, max(16, 4 * self.workers))
         for number in range(made):
             self.state.submit(number)
-        free = time.perf_counter() - clock + made * self.message
+        free = time.process_time() - clock + made * self.message
         busy, done = free, 0
         self.begin(free)
         while self.events:
             at, *ended = heapq.heappop(self.events)
-            clock = time.perf_counter()
+            clock = time.process_time()
             self.state.end(*ended)
             if made < self.blocks:
                 self.state.submit(made)
                 made += 1
-            cost = time.perf_counter() - clock + self.message
+            cost = time.process_time() - clock + self.message
             free, busy, done = max(free, at) + cost, busy + cost, done + 1
             self.begin(free)
         end = max(free, *self.ready.values())

@@ -18,6 +18,7 @@ import fusion  # noqa: E402
 import lattices  # noqa: E402
 import many_threads  # noqa: E402
 import pictures  # noqa: E402
+import planes_on_disk  # noqa: E402
 import repeats  # noqa: E402
 import run  # noqa: E402
 import soak  # noqa: E402
@@ -52,6 +53,14 @@ def test_the_page_has_every_table():
     """As they are headed in the page of the repository; --update writes them there."""
     text = run.PAGE.read_text("utf-8")
     assert [line[3:] for line in text.splitlines() if line.startswith("## ")] == list(run.TABLES)
+
+
+def test_planes_on_disk(capsys):
+    pytest.importorskip("distributed")
+    planes_on_disk.main(["simulate", "--blocks", "60", "--workers", "1", "20"])
+    planes_on_disk.main(["speed", "--side", "200", "--formats", ".tif", "--workers", "0"])
+    out = capsys.readouterr().out
+    assert out.count("60 blocks of 2.0 s") == 2 and "times the method" in out
 
 
 def test_digests_are_compared(monkeypatch, capsys, tmp_path):
@@ -144,3 +153,10 @@ def test_soak():
     assert counts["done"] and counts["refused"] and counts.total() == 2 * soak.EVERY
     assert {"MiB", "files", "threads"} < soak.growth(seen).keys()
     assert seen[0][1]["left in /tmp"] == seen[1][1]["left in /tmp"] == 0
+
+
+def test_planes_are_scored_across_blocks_and_inside():
+    import planes
+
+    found = planes.scores("quilting", planes.SURFACES / "weave_red.webp", count=1)
+    assert len(found) == 3 and all(0 <= score < 30 for score in found)

@@ -31,7 +31,7 @@ WITHOUT_EFFECT = {
     "ashikhmin": {"jumps"},
     "exact-matching": {"tolerance", "nearest_colors"},
     "patch-sampling": {"randomness"},  # patch_size says it
-    "graphcut": {"halvings"},  # each patch has its own
+    "graphcut": {"halvings", "lattice"},  # each patch has its own; anywhere
     "quilting": {"randomness"},
     "refinement": {"joints", "seed_scale"},
     "near-regular": {"blend_width"},

@@ -14,7 +14,7 @@ from weftex.canvas import Canvas, as_canvas
 from weftex.errors import InvalidInputError, UnsupportedError, did_you_mean, shown
 from weftex.loading import load_exemplar
 from weftex.parameters import check_value, numbers_of
-from weftex.planes.boxes import Asked, as_period, box_of
+from weftex.planes.boxes import A_BLOCK, Asked, as_period, box_of
 from weftex.planes.grid import Sizes
 from weftex.random import seed_number
 from weftex.registry import supporting
@@ -53,7 +53,7 @@ class Model(ABC):
     method : Method
         The method with every parameter settled.
     asked : Method or None
-        The method as `fit` found it, which tells what somebody chose.
+        The method as `fit` found it.
     """
 
     exemplar: Exemplar
@@ -159,31 +159,27 @@ class Model(ABC):
     ) -> Synthesis:
         """Make a window of an endless plane.
 
-        Every pixel is a function of the sample, the parameters, the seed and its place, so windows
-        that overlap agree, whoever makes them and in whatever order. See docs/endless.md.
+        Every pixel hangs on the sample, parameters, seed and place alone (docs/endless.md).
 
         Parameters
         ----------
-        top, left : int
-            The window's upper left corner, from -2**40 to 2**40.
-        height, width : int
-            Its size.
+        top, left, height, width : int
+            The window's upper left corner, from -2**40 to 2**40, and its size.
         period : int or (int, int), optional
-            The plane comes back to itself after so many pixels down and across, up to 2**40: a
-            tileable picture of that size, of which a window may show any part.
+            The plane comes back to itself after so many pixels, up to 2**40, down and across.
         seed, threads, progress
             As for `sample`; give a number, or no two windows belong together.
 
         Raises
         ------
         UnsupportedError
-            If the method does not make windows of a plane, or none that repeats.
+            If the method makes no windows, or none of a plane that repeats.
         InvalidInputError
             If the period is too short for the method.
 
         Examples
         --------
-        >>> import numpy as np, weftex
+        >>> import weftex
         >>> model = weftex.GraphCut().fit("sample:pebbles")
         >>> far = model.window(2**39, -7, 60, 80, seed=7).image
         >>> bool((model.window(2**39 + 9, 3, 40, 50, seed=7).image == far[9:49, 10:60]).all())
@@ -193,13 +189,11 @@ class Model(ABC):
         asked = Asked(seed_number(seed), as_period(period), thread_count(threads))
         return self.make_window(box_of(*canvas.origin, *canvas.shape), asked, progress)
 
-    def make_window(
-        self, box: Box, asked: Asked, progress: ProgressCallback | None = None
-    ) -> Synthesis:
+    def make_window(self, box: Box, asked: Asked, progress: Any = None) -> Synthesis:
         """Make what `window` asks for, in a way of the method's own or as here: by blocks."""
         if "known" not in self.method.supports:
             self.method.require_kind("random_access")
-        (self.asked or self.method).require_plane()
+        self.require(A_BLOCK)
         from weftex.planes.plane import make_window  # threads and futures: only when needed
 
         return make_window(self, box, asked, self.method.describe(), progress)
@@ -388,13 +382,6 @@ class Method(ABC):
                 )
             if idle in canvas.kinds:
                 raise InvalidInputError(f"{field.name} has no effect with {CANVAS_NAMES[idle]}")
-
-    def require_plane(self) -> None:
-        """Refuse a chosen parameter that has no effect on blocks of a plane, which are holes."""
-        hole = np.zeros((1, 2), bool)
-        hole[0, 0] = True
-        known = np.zeros((1, 2), np.uint8)
-        self.require(Canvas(1, 2, known=known, hole=hole))
 
     def require_kind(self, kind: str) -> None:
         """Raise `UnsupportedError` unless the method supports this kind of canvas."""

@@ -33,7 +33,7 @@ def same(exemplar, canvas, seed=1, **parameters):
 @pytest.mark.parametrize("tiles", [False, True])
 def test_it_is_the_slow_twin(wrap, init, tiles):
     exemplar = weftex.Exemplar(blobs((13, 15, 2), 64), tileable=tiles)
-    same(exemplar, weftex.Canvas(9, 11, wrap), window_width=5, init=init)
+    same(exemplar, weftex.Canvas(7, 8, wrap), window_width=5, init=init)
     same(exemplar, weftex.Canvas(4, 3, wrap), window_width=7, init=init, repeat_distance=2)
 
 

@@ -12,11 +12,12 @@ from hypothesis import strategies as st
 import weftex
 from families import canvas_of, noise
 from twins import graphcut as reference
-from weftex.methods.graphcut import GraphCut, placement
+from weftex.methods.graphcut import GraphCut, lay, subpatch
 from weftex.methods.graphcut.cutting import Picture
 from weftex.methods.graphcut.draws import chances_of, variance
 from weftex.methods.graphcut.seams import CanvasSeams
 from weftex.methods.graphcut.subpatch import SubPatchMatching
+from weftex.random import draw as random_number
 from weftex.search.translation import Spectra, fast_size, overlap_mismatch, window_mismatch
 
 sys.path.insert(0, str(Path(__file__).parents[2] / "benchmarks"))
@@ -32,6 +33,8 @@ WAYS = {
     "papers": {"patch_size": 9, "boundary_width": 2, "variety": 0.0, "candidates": 1},
     "best": {"patch_size": 6, "tolerance": 0.0},
     "entire": {"placement": "entire", "tolerance": 0.03},
+    "lattice": {"placement": "entire", "lattice": (3.2, 0.0, 0.0, 3.4)},
+    "rows": {"placement": "entire", "lattice": (0.0, 3.4, 1.0, 0.0), "halvings": 1},
     "random": {"placement": "random", "refinements": 0.5},
 }
 
@@ -182,7 +185,7 @@ def test_old_seams_need_no_nodes(name):
     exemplar = weftex.Exemplar(material(name, 15, 16), tileable=True)
     canvas = weftex.Canvas(20, 20)
     method = (
-        GraphCut(patch_size=8, candidates=3, tolerance=0.1, seam_cost="difference")
+        GraphCut(patch_size=8, candidates=3, tolerance=0.1, seam_cost="difference", variety=0)
         .fit(exemplar)
         .method
     )
@@ -391,8 +394,8 @@ def test_a_boundary_wider_than_its_patch_is_refused_before_a_sample_is_read():
 @pytest.mark.parametrize("tileable", [False, True])
 def test_of_large_samples_each_patch_is_looked_for_in_a_part(monkeypatch, tileable):
     """Time and memory do not grow with the sample; patches come from all over it, and match."""
-    monkeypatch.setattr(placement, "_MOST_PIXELS", 5000)
-    monkeypatch.setattr(placement, "_PART", 1600)
+    monkeypatch.setattr(subpatch, "_MOST_PIXELS", 5000)
+    monkeypatch.setattr(subpatch, "_PART", 1600)
     y, x = np.indices((120, 160))
     levels = 90 * (x % 8 < 4) + 90 * (y % 8 < 4) + noise((120, 160)) % 16
     mask = np.ones((120, 160), bool)
@@ -464,3 +467,44 @@ def test_refinements_end_when_nothing_is_mended():
         for many in (500.0, 1000.0)
     ]
     assert np.array_equal(*pictures)
+
+
+# Several tries, lattices
+
+
+def test_of_several_tries_the_one_is_kept_whose_seams_cost_least():
+    exemplar = weftex.Exemplar(material("pebbles", 40, 40))
+    method = GraphCut(placement="entire", tries=3)
+    made = [method.fit(exemplar).sample((70, 60), seed=4, threads=n) for n in (1, 2)]
+    assert np.array_equal(made[0].source, made[1].source)
+    growths = []
+    model = GraphCut(placement="entire").fit(exemplar)
+
+    def grow(settings, growth):
+        growths.append(growth)
+
+    canvas = weftex.Canvas(70, 60)
+    type(model)(model.method, exemplar, model.prepared, grow).sample(canvas, seed=4)
+    (growth,) = growths
+    seeds = [4, *(int(random_number(4, "try", k)[()]) for k in (1, 2))]
+    tries = [growth.again(seed) for seed in seeds]
+    costs = [lay(model.prepared, one).cost(canvas) for one in tries]
+    assert len(set(costs)) == 3
+    best = tries[costs.index(min(costs))]
+    assert np.array_equal(made[0].index, best.source)
+
+
+def test_pieces_keep_to_a_lattice():
+    """Tiles keep their size, which the best matches of a sample with uneven joints do not."""
+    exemplar = weftex.load_exemplar("sample:tiles")
+    method = GraphCut(placement="entire", lattice=(31.05, 0, -0.25, 102.17))
+    result = method.fit(exemplar).sample(200, seed=2)
+    y, x = np.indices((200, 200))
+    off = np.stack([y, x], axis=2) - result.source
+    times = off @ np.linalg.inv(np.array([[0, 31.05], [102.17, -0.25]]))
+    strayed = abs((times - np.rint(times)) @ np.array([[0, 31.05], [102.17, -0.25]]))
+    assert strayed.max() <= 31.05 / 16
+    with pytest.raises(weftex.WeftexError, match="less than two tiles"):
+        GraphCut(placement="entire", lattice=(200, 0, 0, 200)).fit(exemplar)
+    with pytest.raises(weftex.WeftexError, match="lattice"):
+        GraphCut(lattice=(20, 0, 0, 20))

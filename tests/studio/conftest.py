@@ -2,9 +2,12 @@
 
 import sys
 import threading
+import time
 from contextlib import contextmanager
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from pathlib import Path
+from types import SimpleNamespace
+from typing import ClassVar
 
 import pytest
 
@@ -13,6 +16,10 @@ sys.path.insert(0, str(Path(__file__).parent))
 
 from pages import Client, Page
 
+import weftex
+from weftex.method import Model
+from weftex.methods.quilting import Quilting
+from weftex.progress import Progress
 from weftex.studio.limits import Limits
 from weftex.studio.server import Server, listen
 from weftex.studio.studio import Studio
@@ -43,6 +50,35 @@ def serving(studio):
     server.should_exit = True
     thread.join(20)
     assert not thread.is_alive()
+
+
+@dataclass(frozen=True)
+class Sleepy(Quilting):
+    """A method that takes 20 seconds and no processor."""
+
+    slug: ClassVar[str] = "sleepy"
+
+    def fit_exemplar(self, exemplar):
+        return SleepyModel(self, exemplar)
+
+
+class SleepyModel(Model):
+    def __init__(self, method, exemplar):
+        self.method, self.exemplar = method, exemplar
+
+    def sample(self, size, *, progress=None, **how):
+        steps = Progress(progress, 1000, "steps", lambda: self.exemplar.pixels)
+        for _ in range(1000):
+            time.sleep(0.02)
+            steps.advance(1)
+        raise AssertionError
+
+
+@pytest.fixture(scope="module", autouse=True)
+def sleepy():
+    weftex.METHODS._outside["sleepy"] = SimpleNamespace(load=lambda: Sleepy)  # as entry points
+    yield
+    del weftex.METHODS._outside["sleepy"]
 
 
 @pytest.fixture(scope="module")

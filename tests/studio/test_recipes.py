@@ -22,8 +22,8 @@ def photo(page, tmp_path, monkeypatch):
     pixels = read_image("sample:pebbles").pixels[:96, :90]
     hole = np.zeros((96, 90), np.uint8)
     hole[30:50, 40:70] = 255
-    labels = np.zeros((64, 72, 3), np.uint8)
-    labels[30:] = (200, 10, 0)
+    labels = np.zeros((32, 36, 3), np.uint8)
+    labels[15:] = (200, 10, 0)
     part = np.full((96, 90), 255, np.uint8)
     part[:10] = 0
     canvas = np.dstack([pixels[:48, :40], np.full((48, 40), 255, np.uint8)])  # as browsers make it
@@ -46,10 +46,9 @@ def recipes(photo):
     own = {"maps": {"color": photo["my photo"]}}
     quilting = {"method": "quilting", "parameters": {"patch_size": 24}}
     return {
-        "auto": {"materials": [own], "seed": 3},
-        "effort": {"materials": [own], "size": [80, 90], "parameters": {"effort": "quick"}},
+        "auto": {"materials": [own], "size": [64, 80], "parameters": {"effort": "quick"}},
         "method": {"materials": [BRICKS], "size": [60, 70], "tileable": "x", **quilting},
-        "lattice": {"materials": [BRICKS], "size": [128, 128], "method": "near-regular",
+        "lattice": {"materials": [BRICKS], "size": [96, 100], "method": "near-regular",
                     "parameters": {"lattice": [62.73, 41.85, 63.42, -41.69]}},
         "mended": {"materials": [own | {"even_light": 2, "turn": "flip", "mask": photo["part"]}],
                    "size": [64, 64], **quilting},
@@ -57,10 +56,11 @@ def recipes(photo):
                      "size": [64, 64], **quilting},
         "set": {"materials": [WALL | {"map_weights": {"height": 2}}], "size": [64, 64], **quilting},
         "several": {"materials": [own, BRICKS], "size": [64, 64], **quilting},
-        "best": {"materials": [WEAVE], "size": [96, 96], "best_of": 2, **quilting},
+        "best": {"materials": [own], "size": [64, 64], "best_of": 2, **quilting},
         "guide": {"materials": [own], "guide": photo["guide"], "method": "ashikhmin"},
-        "tile": {"task": "tile", "materials": [own], "border": 16, "seed": 2},
-        "tile x": {"task": "tile", "materials": [own | {"even_light": 1}], "axes": "x"},
+        "tile": {"task": "tile", "materials": [own], "border": 8, "seed": 2},
+        "tile x": {"task": "tile", "materials": [own | {"even_light": 1}], "axes": "x",
+                   "method": "quilting", "parameters": {"patch_size": 12}},
         "fill": {"task": "fill", "materials": [own], "mask": photo["hole"], "overlap": 3},
         "fill from": {"task": "fill", "materials": [own, BRICKS], "mask": photo["hole"],
                       "match_tone": True, "method": "patch-sampling",
@@ -68,12 +68,12 @@ def recipes(photo):
         "fuse": {"task": "fuse", "materials": [own, BRICKS], "map": photo["map"],
                  "colors": [[0, 0, 0], [200, 10, 0]], "belt_width": 12,
                  "method": "ashikhmin"},
-        "gradient": {"task": "fuse", "materials": [own, own | {"even_light": 1}], "size": [30, 40],
+        "gradient": {"task": "fuse", "materials": [own, own | {"even_light": 1}], "size": [20, 24],
                      "map": {"center": [0.5, 0.25], "width": 0.5}, "method": "ashikhmin"},
     }  # fmt: skip
 
 
-NAMES = ["auto", "effort", "method", "lattice", "mended", "straight", "set", "several", "best",
+NAMES = ["auto", "method", "lattice", "mended", "straight", "set", "several", "best",
          "guide", "tile", "tile x", "fill", "fill from", "fuse", "gradient"]  # fmt: skip
 
 

@@ -73,9 +73,10 @@ class GraphCutTwin(Placing):
             costs.append(np.abs(at_q - self.pixels[on_q]).sum())
             steep.append(np.abs(at_p - self.pixels[on_q]).sum())
         channels = self.pixels.shape[2]
-        cost, slope = 510 * channels, 0
-        if costs:
-            cost, slope = (int(sum(part) * 2 // len(part)) for part in (costs, steep))
+        cost, slope = 1020 * channels, 0
+        if costs:  # where one of both ends
+            more = [1, 1] if len(costs) == 2 else [4, 2]
+            cost, slope = (int(sum(part)) * n for part, n in zip((costs, steep), more, strict=True))
         return (
             256 * cost // (slope + 32 * channels) if self.method.seam_cost == "gradient" else cost
         )

@@ -7,6 +7,7 @@ import math
 import numpy as np
 
 from twins.randomness import random_bits
+from weftex.analysis.canvas_lattice import CanvasLattice
 
 
 def halved(pixels, mask):
@@ -114,12 +115,13 @@ class Placing:
 
     def nudged(self, place, boxes, samples, allowed, offset):
         """A place of the smallest copy on larger and larger ones: the best of nine on each."""
+        marked = [set(self.on_copy(allowed, samples, k)) for k in range(len(boxes))]
         for k in range(len(boxes) - 2, -1, -1):
             y, x = 2 * place[0], 2 * place[1]
             near = [(y, x), *((y + v, x + u) for v in (-1, 0, 1) for u in (-1, 0, 1))]
             costs = {}
             for at in near:
-                if at not in costs and (at[0] << k, at[1] << k) in allowed:
+                if at not in costs and at in marked[k]:
                     corner = (at[0] - (offset[0] >> k), at[1] - (offset[1] >> k))
                     costs[at] = mismatch(boxes[k], samples[k], *corner)
             place = min(costs, key=costs.get)
@@ -137,7 +139,9 @@ class Placing:
     def on_copy(self, places, samples, k):
         """Those of some places that the k-th copy has, on it."""
         height, width = samples[k][1].shape
-        found = [(y >> k, x >> k) for y, x in sorted(places) if y % 2**k == x % 2**k == 0]
+        whole = self.method.lattice is not None  # all of a block, not only its corner
+        found = [(y >> k, x >> k) for y, x in sorted(places) if whole or y % 2**k == x % 2**k == 0]
+        found = list(dict.fromkeys(sorted(found)))
         return [(y, x) for y, x in found if y < height and x < width]
 
     def patches(self, pixel, mend):
@@ -226,8 +230,6 @@ class Placing:
     def priced(self, shown):
         """By what the costs of places are multiplied: nearby, in line, at all."""
         weights, variety = (1.0, 0.25, 0.25), self.method.variety
-        if self.method.placement == "entire":
-            weights = (0.05, 0.025, 0.025)
         prices = dict.fromkeys(shown, 1.0)
         for at, each in shown.items():
             for weight, once in zip(weights, each, strict=False):
@@ -289,6 +291,10 @@ class Placing:
         usable = self.places()
         allowed = {at for at in usable if at[0] in rows and at[1] in columns} or set(usable)
         reduction = self.reduction()
+        if self.method.lattice is not None:
+            begun = any(label is not None for label in self.label.values())
+            on = self.on_lattice(pixel, near=begun)
+            allowed = allowed & on or set(usable) & on or allowed
         reach = [-(-(n - 1) // reduction) * reduction for n in (height, width)]
         lengths = [2 * n + reduction for n in reach]
         there = np.zeros(lengths, bool)
@@ -313,8 +319,6 @@ class Placing:
             if any(cost < math.inf for cost in found.values()):
                 costs = found
             if self.method.variety > 0:
-                near = height // 2, width // 2
-                shown = self.shown(costs, k, pixel, (height, width), near)
                 missing = []
                 for y in range(0, lengths[0], 2**k):
                     for x in range(0, lengths[1], 2**k):
@@ -325,8 +329,11 @@ class Placing:
                             and all(c in r for c, r in zip(cell, around, strict=True))
                         ):
                             missing.append(((y - reach[0]) >> k, (x - reach[1]) >> k))
-                used = self.used(costs, k, missing)
-                prices = self.priced({at: (*each, used[at]) for at, each in shown.items()})
+                used, again = self.used(costs, k, missing), self.in_sight(pixel, holes)
+                for at in costs:
+                    seen = again[tuple((c << k) // self.cell() for c in at)]
+                    more = 0.3 * seen + 0.05 * min(used[at], 4.0)
+                    prices[at] = 1 + self.method.variety * more
         copy = next(c for c in reversed(samples[: k + 1]) if c[1].any())
         result, costs = [], {at: cost * prices[at] for at, cost in costs.items()}
         for place in self.drawn(costs, [n >> k for n in size], copy):
@@ -348,6 +355,79 @@ class Placing:
             patch = self.rectangle(source, lengths, self.exemplar.shape)
             result.append((box, patch, lengths[1], prices[place]))
         return result
+
+    def on_lattice(self, pixel, near):
+        """Places from which whole multiples of the vectors lead to a pixel, or nearly."""
+        x1, y1, x2, y2 = self.method.lattice
+        vectors = np.array([[y1, x1], [y2, x2]])
+        lengths = [np.hypot(*v) for v in vectors]
+        shortest = min(n for n in lengths if n > 1.01 or min(lengths) > 1.01)
+        reach = min(max(shortest / 16, 0.75), 4.0) if near else 0.75
+        first = CanvasLattice(self.method.lattice, self.canvas).phase(*map(np.array, pixel)) / 65536
+        found = set()
+        for at in np.ndindex(self.exemplar.shape):
+            times = (at - first) @ np.linalg.inv(vectors)
+            if abs((times - np.rint(times)) @ vectors).max() <= reach:
+                found.add(at)
+        return found
+
+    def cell(self):
+        """Side of the squares by which the canvas is looked over for what it shows again."""
+        side = 1
+        while min(self.exemplar.shape) >= 32 * side:
+            side *= 2
+        return side
+
+    def in_sight(self, pixel, holes):
+        """Share of what a patch would newly show that is shown near there already, by salience."""
+        cell, shape = self.cell(), self.exemplar.shape
+        pixels, usable = copies(self.pixels, self.usable, cell)[-1]
+        count = max(usable.sum(), 1)
+        away = np.square(pixels - pixels[usable].sum(axis=0) / count).sum(axis=2) * usable
+        mean = float(away.sum() / count)
+        salience = np.rint(16 * (np.minimum(away / mean, 8) if mean else usable)).astype(int)
+        cells = [math.ceil(n / cell) for n in shape]
+
+        def around(reach, ends):
+            for y in range(-reach[0], reach[0] + 1, cell):
+                for x in range(-reach[1], reach[1] + 1, cell):
+                    at = [p + d for p, d in zip(pixel, (y, x), strict=True)]
+                    if all(
+                        wraps or low <= a < high
+                        for a, (low, high), wraps in zip(at, ends, self.canvas.wrap, strict=True)
+                    ):
+                        yield (y, x), self.label[tuple(np.mod(at, self.canvas.shape))]
+
+        missing = [
+            (y // cell, x // cell)
+            for (y, x), label in around([n * cell for n in cells], holes)
+            if label is None
+        ]
+        pieces = {}
+        far = [math.ceil(int(2.25 * n) / cell) * cell for n in shape]
+        for (y, x), label in around(far, [(0, n) for n in self.canvas.shape]):
+            if label not in (None, "known"):
+                place = [min(c // cell, n - 1) for c, n in zip(label, salience.shape, strict=True)]
+                pieces.setdefault((y - label[0], x - label[1]), set()).add(tuple(place))
+        result = {}
+        for at in np.ndindex(*cells):
+            total = 0
+            found = [tuple(np.add(at, m)) for m in missing]
+            found = [f for f in found if self.inside(f, salience.shape)]
+            new = sum(int(salience[f]) for f in found)
+            for shift, places in pieces.items():
+                off = [
+                    (a * cell + d) / (1.25 * n) for a, d, n in zip(at, shift, shape, strict=True)
+                ]
+                weight = int(np.rint(64 * (1 - np.sqrt(off[0] ** 2 + off[1] ** 2))))
+                if weight > 0:
+                    total += weight * sum(int(salience[f]) for f in found if f in places)
+            result[at] = total / max(64 * new, 1)
+        return result
+
+    @staticmethod
+    def inside(at, shape):
+        return all(0 <= a < n for a, n in zip(at, shape, strict=True))
 
     def patch_shape(self):
         """Squares; of a thin sample 0.45 of either side; or the entire sample."""

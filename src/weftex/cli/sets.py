@@ -56,7 +56,7 @@ class Plan:
             how["threads"] = max(1, at_once // len(pictures))
             write_image(temporary[name], pixels(name), **how)
 
-        for _ in in_turn(write_one, range(len(pictures)), at_once):
+        for _ in in_turn(write_one, range(len(pictures)), min(at_once, len(pictures))):
             pass  # the first that fails ends it
         for path, text in self.documents.items():
             write_text(outputs.add(path), text)

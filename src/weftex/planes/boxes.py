@@ -5,8 +5,13 @@ from __future__ import annotations
 import numbers
 from typing import Any, NamedTuple
 
+import numpy as np
+
 from weftex.canvas import FAR, Canvas
 from weftex.errors import InvalidInputError, shown
+
+#: What every block of a plane is, to refuse parameters that have no effect there: a hole.
+A_BLOCK = Canvas(1, 2, known=np.zeros((1, 2), np.uint8), hole=np.array([[True, False]]))
 
 
 class Span(NamedTuple):

@@ -156,9 +156,13 @@ def _tile(zone: NDArray[np.bool_], side: int) -> NDArray[np.int64]:
     left = zone.copy()
     chosen = []
     for own_share in (side * side, side * side // 2):  # whole blocks first
-        for v, u in np.argwhere(inside).tolist():
-            own = left[v : v + side, u : u + side]
-            if np.count_nonzero(own) >= own_share:
-                chosen.append((v, u))
-                own[:] = False
+        for v in np.flatnonzero(inside.any(axis=1)).tolist():
+            counts = np.cumsum(left[v : v + side].sum(axis=0))
+            own = np.append(counts[side - 1], counts[side:] - counts[:-side])
+            places = np.flatnonzero(inside[v] & (own >= own_share))
+            for u in places.tolist():
+                # What was chosen further left in this row may have taken some of it.
+                if np.count_nonzero(left[v : v + side, u : u + side]) >= own_share:
+                    chosen.append((v, u))
+                    left[v : v + side, u : u + side] = False
     return np.array(chosen, np.int64).reshape(-1, 2)

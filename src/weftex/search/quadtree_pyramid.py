@@ -8,7 +8,7 @@ of the same kind, and rows of one shift are contiguous, as the kernel wants them
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -47,19 +47,16 @@ class QuadtreePyramid:
             Pixels between the windows that will be looked at.
         """
         if (side, stride) not in self._nodes:
-            total = self.pixels.astype(np.uint32).transpose(2, 0, 1)
-            step = 1
-            while step < side:
-                total = total[:, :-step] + total[:, step:]
-                total = total[:, :, :-step] + total[:, :, step:]
-                step *= 2
-            means = ((total + side * side // 2) // (side * side)).astype(np.uint8)
-            channels, rows, columns = means.shape
-            means = np.pad(means, ((0, 0), (0, -rows % stride), (0, -columns % stride)))
-            sorted_ = means.reshape(
-                channels, means.shape[1] // stride, stride, means.shape[2] // stride, stride
-            ).transpose(0, 2, 4, 1, 3)
-            self._nodes[side, stride] = np.ascontiguousarray(sorted_)
+            rows, columns = (max(0, n - side + 1) for n in self.pixels.shape[:2])
+            down, across = -(-rows // stride), -(-columns // stride)
+            channels = self.pixels.shape[2]
+            found = np.zeros((channels, stride, stride, down, across), np.uint8)
+            means = np.zeros((down * stride, across * stride), np.uint8)
+            for channel in range(channels):  # one at a time: samples may be of 12 megapixels
+                means[:rows, :columns] = _block_means(self.pixels[..., channel], side)
+                blocks = means.reshape(down, stride, across, stride)
+                found[channel] = blocks.transpose(1, 3, 0, 2)
+            self._nodes[side, stride] = found
         return self._nodes[side, stride]
 
     def windows(
@@ -75,3 +72,16 @@ class QuadtreePyramid:
             i, j = v // stride, u // stride
             found[k] = nodes[:, v % stride, u % stride, i : i + rows, j : j + columns]
         return found.reshape(-1, rows * columns)
+
+
+def _block_means(level: NDArray[np.uint8], side: int) -> NDArray[Any]:
+    """Means over blocks, rounded, in numbers that hold their sums."""
+    total: NDArray[Any] = level.astype(np.uint16 if side <= 16 else np.uint32)
+    step = 1
+    while step < side:
+        total = total[:-step] + total[step:]
+        total = total[:, :-step] + total[:, step:]
+        step *= 2
+    total += total.dtype.type(side * side // 2)
+    total >>= total.dtype.type(2 * (side.bit_length() - 1))
+    return total

@@ -170,7 +170,8 @@ def halved(pixels: NDArray[Any], mixing: Mixing) -> NDArray[Any]:
     for top in range(0, len(out), _STRIP):
         strip = pixels[2 * top : 2 * (top + _STRIP)]
         odd = [(0, side % 2) for side in strip.shape[:2]] + [(0, 0)] * (pixels.ndim - 2)
-        strip = np.pad(strip, odd, "edge")
+        if any(sum(pair) for pair in odd):
+            strip = np.pad(strip, odd, "edge")
         out[top : top + _STRIP] = _means(strip, mixing)
     return out
 
@@ -179,7 +180,13 @@ def _means(pixels: NDArray[Any], mixing: Mixing) -> NDArray[Any]:
     """Half the size of pixels with even sides."""
     if mixing.kind is Kind.LABELS:
         return pixels[::2, ::2]
-    four = np.stack([pixels[y::2, x::2] for y in (0, 1) for x in (0, 1)]).astype(np.float64)
+    parts = [pixels[y::2, x::2] for y in (0, 1) for x in (0, 1)]
+    if mixing.kind is Kind.MEAN and pixels.dtype.kind == "u":
+        total = np.add(parts[0], parts[1], dtype=np.uint32)
+        for part in parts[2:]:
+            total += part
+        return np.asarray((total + 2) >> 2, pixels.dtype)
+    four = np.stack(parts).astype(np.float64)
     if mixing.kind is Kind.ALPHA:
         cover = four[..., -1:]
         total = cover.sum(axis=0)

@@ -51,7 +51,7 @@ def method_of(slug: str) -> dict[str, Any]:
         "slug": slug,
         "title": method.title,
         "paper": method.paper,
-        "supports": sorted(method.supports),
+        "supports": sorted({*method.supports, *(["random_access"] if is_endless(method) else [])}),
         "fast": "many" not in method.supports,  # that is what copying single pixels allows
         "parameters": [_parameter(field) for field in dataclasses.fields(method)],
     }
@@ -111,6 +111,6 @@ def _samples() -> list[dict[str, Any]]:
     return [one for one in found if one["name"] != "hole"]
 
 
-def is_endless(method: Method) -> bool:
+def is_endless(method: Method | type[Method]) -> bool:
     """Whether a method makes windows of an endless plane."""
-    return "random_access" in method.supports
+    return bool(method.supports & {"random_access", "known"})  # blocks of planes are holes

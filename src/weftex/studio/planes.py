@@ -6,15 +6,13 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 from weftex.canvas import FAR
-from weftex.errors import UnsupportedError
-from weftex.method import CANVAS_KINDS
-from weftex.registry import supporting
+from weftex.planes.boxes import A_BLOCK
 from weftex.studio.about import is_endless
 from weftex.studio.materials import id_of, maps_of
 from weftex.studio.pictures import shown, whole_number
 from weftex.studio.recipes import Recipe
 from weftex.studio.refusals import Refusal
-from weftex.tasks.auto import Auto
+from weftex.tasks.auto import AutoModel
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -28,6 +26,7 @@ if TYPE_CHECKING:
     Bytes = NDArray[np.uint8]
 
 _LARGEST = 1024  # pixels a side of a window
+_ENDLESS = 2**15  # pixels a side of a picture that has the method of a plane
 
 
 @dataclass(frozen=True)
@@ -68,19 +67,11 @@ def begin(given: Any, bench: Bench) -> dict[str, Any]:
     name = id_of({"plane": recipe.changed(size=None, tileable=False).as_json()})
 
     def fit() -> tuple[Plane, int]:
-        chosen, reason = recipe, None
-        if isinstance(recipe.method, Auto):
-            _, model = bench.model(recipe)
-            choice = model.choose(512)  # type: ignore[attr-defined]
-            reason = choice.reason
-            chosen = recipe.changed(method=choice.method, parameters=choice.parameters)
-        if not is_endless(chosen.method):
-            able = ", ".join(supporting("random_access"))
-            what = CANVAS_KINDS["random_access"]
-            raise UnsupportedError(
-                f"method {chosen.method.slug} does not do {what}; these do: {able}"
-            )
-        loaded, model = bench.model(chosen)
+        if not is_endless(recipe.method):
+            recipe.method.require_kind("random_access")
+        recipe.method.require(A_BLOCK)
+        loaded, model = bench.model(recipe)
+        reason = model.choose(_ENDLESS).reason if isinstance(model, AutoModel) else None
         return Plane(model, loaded[0].material.main, recipe.seed, reason), 2**20
 
     plane: Plane = bench.memory.find((bench.session.key, "plane", name), fit)

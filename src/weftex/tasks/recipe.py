@@ -15,6 +15,7 @@ from weftex.canvas import FAR
 from weftex.errors import FileError, InvalidInputError
 from weftex.exemplar import Exemplar
 from weftex.io.formats import show
+from weftex.planes.boxes import A_BLOCK
 from weftex.raster.levels import scale_between
 from weftex.roles import Role
 from weftex.stores.archive import read_archive, write_archive
@@ -249,7 +250,7 @@ def settled(model: Model, seed: int, period: tuple[int, int] | None) -> dict[str
         If the method makes no windows, or none that repeat.
     """
     asked = model.asked or model.method
-    asked.require_plane()
+    asked.require(A_BLOCK)
     if not is_auto(asked):
         return {"method": asked}
     made = model.window(0, 0, 8, 8, seed=seed, period=period).provenance

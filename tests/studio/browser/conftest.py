@@ -58,7 +58,7 @@ class Tab:
     def __init__(self, browser: Any, **options: Any) -> None:
         self.context = browser.new_context(accept_downloads=True, **options)
         self.page = self.context.new_page()
-        self.page.set_default_timeout(8_000)
+        self.page.set_default_timeout(30_000)
         self.tools = self.context.new_cdp_session(self.page)
         self.faults: list[str] = []
         self.page.on("console", lambda one: self.faults.append(one.text))

@@ -5,6 +5,7 @@ from __future__ import annotations
 import io
 import json
 import zipfile
+from importlib.resources import files
 from pathlib import Path
 from typing import Any
 
@@ -175,3 +176,27 @@ def test_a_wrong_value_is_told_beside_its_control(tab: Any, address: str) -> Non
     page.click("text=Make it")
     told = page.inner_text(".parameter:has(label:text('Patch size')) [role=alert]")
     assert "patch_size is 0" in told and "\n" not in told
+
+
+def test_what_is_written_while_a_preview_comes_stays(tab: Any, address: str) -> None:
+    one = tab()
+    page = one.open(address)
+    page.click(".samples button:has-text('grass')")
+    page.click("[data-screen=make]")
+    held: list[Any] = []
+    page.route("**/api/results/*/picture*", lambda route: held.append(route), times=1)
+    with page.expect_request("**/api/results/*/picture*"):
+        page.select_option("select", "quilting")
+    page.fill("input[type=number][step='1'][min='0']", "23")
+    page.keyboard.press("Tab")
+    held[0].continue_()
+    page.wait_for_selector(".strip >> text=quilting · 23")
+    assert page.input_value("input[type=number][step='1'][min='0']") == "23"
+
+
+def test_the_page_weighs_little() -> None:
+    """At most 300 kB, all of it together."""
+    static = files("weftex.studio") / "static"
+    names = ("", "view", "paint", "screens", "strings")
+    held = [one for name in names for one in (static / name).iterdir() if one.is_file()]
+    assert 100_000 < sum(len(one.read_bytes()) for one in held) < 300_000

@@ -74,8 +74,9 @@ def seam_cost(
     """M(s, t, A, B) of equation (1): the cost of a seam between p and its neighbor q.
 
     |A(p) - B(p)| + |A(q) - B(q)|, and with gradients divided by those of A and of B across the
-    seam (M' of section 5). Where a patch ends, the other half counts twice. A known pixel that is
-    not in the sample has the label -1, and no patch goes on from it.
+    seam (M' of section 5). Where a patch ends, the other half counts four times, and gradients
+    twice: what goes on beyond the sample's border would be cut off. A known pixel that is not in
+    the sample has the label -1, and no patch goes on from it.
     """
     cython.declare(at_p=cython.p_const_uchar, at_q=cython.p_const_uchar)
     cython.declare(other=cython.p_const_uchar, b_at_p=cython.int, cost=cython.int)
@@ -88,7 +89,7 @@ def seam_cost(
     cost = 0
     gradient = 0
     if b_at_p < 0 and a_at_q < 0:
-        cost = 510 * channels
+        cost = 1020 * channels
     else:
         at_p = cython.address(picture.pixels[p, 0])
         if label_p >= 0:

@@ -95,9 +95,15 @@ class PatchAnalysis:
         """Mark and number the upper left corners of windows in the usable part of the sample."""
         if (rows, columns) not in self._windows:
             height, width = self.exemplar.shape
-            bad = box_sums(~self.mask, rows, columns)
+            if self.mask.all():
+                sides = (
+                    max(0, n - k + 1) for n, k in zip(self.mask.shape, (rows, columns), strict=True)
+                )
+                usable = np.ones((*sides,), np.uint8)
+            else:
+                usable = np.asarray(box_sums(~self.mask, rows, columns) == 0, np.uint8)
             # A sample that tiles is padded: beyond its own size windows come a second time.
-            usable = np.ascontiguousarray(bad[:height, :width] == 0, np.uint8)
+            usable = np.ascontiguousarray(usable[:height, :width])
             if not usable.any():
                 raise InvalidInputError(
                     f"no {columns}x{rows} window lies in the usable part of {self.exemplar.name}; "

@@ -17,7 +17,6 @@ from weftex.methods.patches.pasting import Output
 from weftex.methods.patches.plane_order import PatchAxis, PlaneOrder, least_period
 from weftex.methods.patches.settings import PatchMethod, PatchSettings, settle_on
 from weftex.planes.boxes import canvas_of, check_period
-from weftex.planes.corners import Pieces
 from weftex.planes.grid import Sizes
 from weftex.progress import ProgressCallback
 from weftex.random import seed_number
@@ -26,6 +25,7 @@ from weftex.threads import thread_count
 
 if TYPE_CHECKING:
     from weftex.planes.boxes import Asked, Box
+    from weftex.planes.corners import Pieces
     from weftex.random import Seed
     from weftex.results.synthesis import Synthesis
 
@@ -141,6 +141,8 @@ class PatchModel(Model):
         axes = PatchAxis.of(side, width, down), PatchAxis.of(side, width, across)
         plan = PlaneOrder(axes, box)
         if self._pieces is None:
+            from weftex.planes.corners import Pieces  # looks for lattices: only when needed
+
             self._pieces = Pieces(self.exemplar, analysis.windows(side, side)[0])
         order = partial(plan.order, width=width, seed=asked.seed, pieces=self._pieces)
         canvas, method = Canvas(*plan.frame_shape), self._settled(settings)

@@ -34,9 +34,14 @@ export class App extends EventTarget {
     const found = await this.api.begin();
     this.limits = found.limits;
     this.kept = found.kept;
-    this.about = await this.api.get("about");
+    const about = this.api.get("about").then((one) => (this.about = one));
     window.addEventListener("pagehide", () => this.api.post("leave", {}, { keepalive: true }).catch(() => {}));
     window.addEventListener("hashchange", () => this.openAddress(location.hash));
+    await Promise.all([about, this.first(found)]);
+  }
+
+  /** What the page begins with: work that went on, a shared state, or what the command was given. */
+  async first(found) {
     if (found.resumed && (await this.resume())) return;
     if (await this.openAddress(location.hash)) return;
     if (found.opened) await this.open([found.opened]);
@@ -84,6 +89,8 @@ export class App extends EventTarget {
   async openFiles(files) {
     const uploads = [];
     for (const file of files) {
+      const [size, most] = [file.size, this.limits.upload_bytes].map((bytes) => Math.ceil(bytes / 1e6));
+      if (file.size > this.limits.upload_bytes) throw new StudioError(t("sample.large", { name: file.name, size, most }));
       this.tell("notice", { text: t("sample.uploading", { name: file.name }) });
       uploads.push((await this.api.upload(file)).id);
     }
@@ -156,13 +163,13 @@ export class App extends EventTarget {
 
   // -- steps
 
-  see(entry) {
+  see(entry, passing = false) {
     this.recipe = structuredClone(entry.state);
     this.result = entry.result;
     this.preview = null;
     history.replaceState(null, "", toAddress(entry.state, Boolean(entry.result)));
     this.tell("recipe");
-    this.tell("result");
+    this.tell("result", { passing });
   }
 
   async travel(entry) {
@@ -199,7 +206,8 @@ export class App extends EventTarget {
     this.cancel();
     const control = new AbortController();
     const posted = this.api.post(path, body, { signal: control.signal });
-    return this.watch(posted, body.recipe, control, { quiet, onresults });
+    const grows = path === "jobs" && !body.count && !body.methods; // into one picture
+    return this.watch(posted, grows ? body.recipe : null, control, { quiet, onresults });
   }
 
   async watch(posted, recipe, control, { quiet = false, onresults = () => {} }) {
@@ -212,7 +220,7 @@ export class App extends EventTarget {
           this.job = { ...job, quiet };
           this.tell("job");
           if (job.results.length) onresults(job);
-          if (job.preview && job.preview !== seen && job.state === "running") {
+          if (recipe && job.preview && job.preview !== seen && job.state === "running") {
             seen = job.preview;
             this.grow(job, recipe, control.signal);
           }
@@ -253,11 +261,15 @@ export class App extends EventTarget {
 
   /** Make the picture of a recipe, and a step of it. */
   async make(recipe, label) {
+    const begun = this.recipe;
     const job = await this.run({ recipe, leave: this.goOn ? "keep" : "cancel" });
     if (!job) return null;
     const [result] = job.results;
     if (result.error) throw new StudioError(result.error, { parameter: result.parameter });
-    return this.step(result, label);
+    const changed = this.recipe === begun ? null : this.recipe;
+    const step = await this.step(result, label);
+    if (changed) this.edit(changed); // what was written while it was made stays written
+    return step;
   }
 
   async pictureOf(result) {
@@ -283,8 +295,9 @@ export class App extends EventTarget {
    */
   async step(result, label, passing = false) {
     const whole = { ...result, ...(await this.pictureOf(result)) };
+    if (passing && !sameJson(result.recipe, this.recipe)) return null; // something was changed meanwhile
     const present = this.history.present;
-    if (present && sameJson(present.state, result.recipe)) this.history.complete(label, whole);
+    if (present && present.label !== t("history.sample") && sameJson(present.state, result.recipe)) this.history.complete(label, whole);
     else if (passing && present?.passing) this.history.replace(result.recipe, label, whole);
     else this.history.push(result.recipe, label, whole);
     this.history.present.passing = passing;
@@ -292,19 +305,22 @@ export class App extends EventTarget {
       old?.bitmap?.close();
       for (const key of ["bitmap", "pictures", "overlays"]) if (old) delete old[key];
     }
-    this.see(this.history.present);
+    this.see(this.history.present, passing);
     return whole;
   }
 
   /** A quick look at what the recipe would make; it is no step. */
   async tryOut() {
-    const recipe = this.smaller(this.recipe);
+    const asked = this.recipe;
+    const recipe = this.smaller(asked);
     const job = await this.run({ recipe, lane: "preview", leave: "cancel" }, { quiet: true });
     const result = job?.results[0];
     if (!result) return null;
     if (result.error) throw new StudioError(result.error, { parameter: result.parameter });
-    if (sameJson(recipe, this.recipe)) return this.step(result, t("history.changed"), true);
-    this.showPreview({ ...(await this.pictureOf(result)), recipe, result });
+    if (this.recipe !== asked) return null; // another try is on its way
+    if (sameJson(recipe, asked)) return this.step(result, t("history.changed"), true);
+    const picture = await this.pictureOf(result);
+    if (this.recipe === asked) this.showPreview({ ...picture, recipe, result });
     return result;
   }
 

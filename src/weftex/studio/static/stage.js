@@ -165,7 +165,7 @@ export class Stage {
   }
 
   async showLight(seen) {
-    if (!LightView.possible()) return this.say(t("stage.nolight"));
+    if (!LightView.possible()) return this.say(t("stage.nolight"), true);
     if (!this.light) {
       this.light = new LightView(this.main);
       this.main.element.addEventListener("pointermove", (this.follow = (event) => this.light?.follow(event)));
@@ -226,15 +226,13 @@ export class Stage {
 
   /** Say in passing what is being done. */
   note(text) {
-    this.say(text);
-    this.message.classList.add("passing");
-    clearTimeout(this.passing);
+    this.say(text, true);
     this.passing = setTimeout(() => this.say(null), 2500);
   }
 
-  say(text) {
+  say(text, calm = false) {
     clearTimeout(this.passing);
-    this.message.classList.remove("passing");
+    this.message.classList.toggle("passing", calm);
     this.message.hidden = !text;
     fill(this.message, text ? [icon("warn"), h("span", {}, text), iconButton("close", t("close"), () => this.say(null))] : []);
   }

@@ -50,7 +50,7 @@ class Auto(Method):
     >>> import weftex
     >>> made = weftex.Auto().fit(weftex.load_exemplar("sample:tiles")).sample(300, seed=7)
     >>> made.provenance["method"], made.provenance["reason"]
-    ('refinement', 'near-regular, lattice 31.1 x 102.2 px, confidence 0.95: refinement')
+    ('graphcut', 'near-regular, lattice 31.1 x 102.2 px, confidence 0.95: graphcut')
     """
 
     slug: ClassVar[str] = "auto"
@@ -148,8 +148,8 @@ class AutoModel(Model):
                 return self._fitted(one).sample(PREVIEW, seed=number, threads=threads)
 
             choices = [refined_if_whole(choices, lattice, self.exemplar, preview)]
-        if canvas.known is None:
-            choices = [tried_often(one, self._effort) for one in choices]
+        if len(choices) == 1 and canvas.known is None:
+            choices = [tried_often(choices[0], self._effort)]
         choice = choices[0]
         done: list[Synthesis] = []
         steps = Progress(progress, len(choices), "choices", lambda: done[-1].image)

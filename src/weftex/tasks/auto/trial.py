@@ -27,7 +27,7 @@ if TYPE_CHECKING:
 #: How much better another picture's score must be: an eye agrees in three of four cases then.
 MARGIN = 1.0
 _LARGEST = 2**20  # pixels of an output of which several are made to keep one
-_TRIES = {"quick": 1, "normal": 2, "best": 4}  # times that entire samples are laid
+_TRIES = {"normal": 2, "best": 4}  # times that entire samples are laid
 _WEAK = 0.3  # confidence from which a lattice is worth a trial
 #: Pixels of an output up to which blocks on a lattice are refined, which takes as long as the rest.
 _REFINED = 2**18
@@ -95,7 +95,7 @@ def tried_often(choice: Choice, effort: str) -> Choice:
 
     Of pictures of one sample by one method the cost of seams says which has fewer broken things.
     """
-    if choice.method != "graphcut" or choice.parameters.get("placement") != "entire":
+    if choice.parameters.get("placement") != "entire" or effort not in _TRIES:
         return choice
     return replace(choice, parameters={**choice.parameters, "tries": _TRIES[effort]})
 

@@ -2,7 +2,7 @@ import { field, fill, h, icon, iconButton, segments, tick } from "../dom.js";
 import { parameterForm } from "../form.js";
 import { duration, number, t } from "../strings.js";
 
-const CHANGED = 180; // milliseconds after the last change before a preview is asked for
+const CHANGED = 80; // milliseconds after the last change before a preview is asked for
 
 /** Size, repetition, seed, effort, method and its sliders; the picture as it grows; nine seeds. */
 export class MakeScreen {
@@ -10,7 +10,7 @@ export class MakeScreen {
     this.app = app;
     this.stage = stage;
     this.live = true;
-    this.update = () => this.panel && this.draw();
+    this.update = (event) => this.panel && this.refresh(event.detail?.passing);
   }
 
   enter(panel, { now = false } = {}) {
@@ -89,7 +89,7 @@ export class MakeScreen {
         tick(t("make.live"), this.live, (live) => (this.live = live)),
         tick(t("make.go_on"), app.goOn, (on) => (app.goOn = on)),
       ),
-      this.told(),
+      (this.toldBox = h("div", { class: "parameters" }, this.told())),
       others.length ? h("details", { open: this.open || beside, ontoggle: (event) => (this.open = event.target.open) }, h("summary", {}, t("make.parameters", { n: others.length })), h("div", {}, form(others))) : null,
     );
   }
@@ -110,6 +110,13 @@ export class MakeScreen {
       segments(t("make.axes"), [["x", t("tileable.x")], ["y", t("tileable.y")], ["xy", t("tileable.xy")]], recipe.axes === true ? "xy" : recipe.axes, (one) => this.change({ axes: one === "xy" ? true : one })),
       parameterForm(about.tasks.tile, values, (name, value) => this.change({ [name]: value ?? null }), this.fault),
     ];
+  }
+
+  /** Draw anew, but not under the hands of who writes or drags. */
+  refresh(passing) {
+    const held = document.activeElement;
+    if (passing || (this.panel.contains(held) && held.matches("input:not([type=radio], [type=checkbox])"))) fill(this.toldBox, this.told() ?? []);
+    else this.draw();
   }
 
   /** What the picture that is there cost, and what the library has to say about it. */

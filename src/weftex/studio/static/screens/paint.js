@@ -283,7 +283,7 @@ export class PaintScreen {
     if (used.length < 2) throw new Error(t("paint.fuse.none"));
     const colors = app.shelf.map((_, k) => LABELS[k] ?? [k, 255 - k, 128]);
     const map = await this.upload(mask, colors, "map.png");
-    await this.done({ task: "fuse", materials: used.map((k) => app.shelf[k]), map, colors: used.map((k) => [...colors[k], 255]), ...this.told.fuse, seed: app.recipe.seed }, t("history.fused"));
+    await this.done({ task: "fuse", materials: used.map((k) => app.shelf[k]), map, colors: used.map((k) => colors[k]), ...this.told.fuse, seed: app.recipe.seed }, t("history.fused"));
   }
 
   async follow() {

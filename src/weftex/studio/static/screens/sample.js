@@ -13,12 +13,16 @@ export class SampleScreen {
     });
     this.shown = true;
     this.update = () => this.draw();
+    this.begin = () => {
+      this.chosen = null; // a lattice of another sample
+      this.draw();
+    };
   }
 
   enter(panel) {
     this.panel = panel;
     this.app.addEventListener("look", this.update);
-    this.app.addEventListener("material", this.update);
+    this.app.addEventListener("material", this.begin);
     this.stage.mode = "picture";
     this.stage.setSubject("sample");
     this.stage.main.layers.push(this.lattice.paint);
@@ -29,7 +33,7 @@ export class SampleScreen {
   leave() {
     const { main } = this.stage;
     this.app.removeEventListener("look", this.update);
-    this.app.removeEventListener("material", this.update);
+    this.app.removeEventListener("material", this.begin);
     main.layers = main.layers.filter((one) => one !== this.lattice.paint);
     main.tools = main.tools.filter((one) => one !== this.lattice);
   }
@@ -90,7 +94,7 @@ export class SampleScreen {
         "section",
         { class: "section" },
         h("h3", {}, t("sample.auto")),
-        h("p", {}, look.auto.reason),
+        h("p", {}, this.chosen ? t("lattice.used", { words: this.chosen.words }) : look.auto.reason),
         look.auto.warnings.map((line) => h("p", { class: "note" }, line)),
         h("button", { type: "button", class: "main large", onclick: () => app.tell("go", { screen: "make", now: true }) }, t("make.go")),
       ),
@@ -183,11 +187,14 @@ export class SampleScreen {
   }
 }
 
-/** Vectors with the one that is nearest to level first, and made level. */
+/** The same lattice by the vector that is nearest to level, made level, and another; of rows the one there is. */
 function level(vectors) {
   const slope = ([x, y]) => Math.abs(y) / (Math.abs(x) || 1e-9);
-  const [first, ...rest] = [...vectors].sort((one, other) => slope(one) - slope(other));
-  return [[first[0], 0], ...rest];
+  if (vectors.length < 2) return [[0, Math.hypot(...vectors[0])]];
+  const [[a, b], [c, d]] = vectors;
+  const [along] = [[a, b], [c, d], [a + c, b + d], [a - c, b - d]].sort((one, other) => slope(one) - slope(other));
+  const across = slope([a, b]) > slope([c, d]) ? [a, b] : [c, d];
+  return [[Math.abs(along[0]), 0], across];
 }
 
 function tiling([down, right]) {
