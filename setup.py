@@ -3,7 +3,9 @@
 The kernels are Python files in Cython's pure Python mode. With ``WEFTEX_CHECKS=1`` they are built
 to run the tests against instead of for speed: Cython checks the bounds of arrays, and the compiler
 (GCC or Clang) ends the process at an integer overflow or beyond a fixed array. With
-``WEFTEX_ABI3=1`` one build serves Python 3.11 and later, but no free-threaded one, as wheels do.
+``WEFTEX_SANITIZE=address,undefined`` they say where they use memory that is not theirs, see
+CONTRIBUTING.md. With ``WEFTEX_ABI3=1`` one build serves Python 3.11 and later, but no free-threaded
+one, as wheels do.
 """
 
 import os
@@ -24,10 +26,12 @@ KERNELS = sorted(
 #: What every kernel needs for its arrays, compiled once and not in each of them.
 SHARED = "weftex._memoryviews"
 CHECKS = os.environ.get("WEFTEX_CHECKS") == "1"
+SANITIZE = os.environ.get("WEFTEX_SANITIZE", "")
 # Free-threaded Python has no stable interface before 3.15.
 ABI3 = os.environ.get("WEFTEX_ABI3") == "1" and not sysconfig.get_config_var("Py_GIL_DISABLED")
 # Apart, or one would take the other's objects.
-BASE = "build/checks" if CHECKS else "build/abi3" if ABI3 else "build/plain"
+KIND = "sanitize" if SANITIZE else "checks" if CHECKS else "abi3" if ABI3 else "plain"
+BASE = f"build/{KIND}"
 SHARED_C = Path(BASE, "c", "_memoryviews.c")
 MSVC = sys.platform == "win32"
 # No contraction into fused multiply-adds: floating point must give the same bytes everywhere.
@@ -40,7 +44,9 @@ elif sys.platform == "darwin":
 if CHECKS:
     FLAGS += ["-fno-wrapv", "-fsanitize-undefined-trap-on-error"]
     FLAGS += ["-fsanitize=signed-integer-overflow,shift,integer-divide-by-zero,bounds"]
-FAST = not CHECKS and platform.machine() in ("x86_64", "AMD64")
+if SANITIZE:
+    FLAGS += [f"-fsanitize={SANITIZE}", "-fno-omit-frame-pointer", "-fno-wrapv", "-g1", "-O1"]
+FAST = not (CHECKS or SANITIZE) and platform.machine() in ("x86_64", "AMD64")
 FAST &= not sysconfig.get_platform().startswith("emscripten")  # which is built elsewhere
 LIMITED = {"py_limited_api": True, "define_macros": [("Py_LIMITED_API", "0x030B0000")]}
 
@@ -151,6 +157,7 @@ def extension(name, kernel, flags):
 
 def module(name, sources, **options):
     """What setuptools is to compile."""
+    options["extra_link_args"] = [f"-fsanitize={SANITIZE}"] if SANITIZE else []
     return setuptools.Extension(name, sources, **options, **(LIMITED if ABI3 else {}))
 
 

@@ -21,6 +21,7 @@ import pictures  # noqa: E402
 import planes_on_disk  # noqa: E402
 import repeats  # noqa: E402
 import run  # noqa: E402
+import soak  # noqa: E402
 from shared import papers  # noqa: E402
 
 
@@ -145,6 +146,13 @@ def test_many_threads_make_the_same_bytes(monkeypatch, capsys):
     assert many_threads.main() == 0
     assert "2 methods, 8 threads" in capsys.readouterr().out
     sys.setswitchinterval(0.005)
+
+
+def test_soak():
+    counts, seen = soak.soak(2 * soak.EVERY, 60, seed=2)
+    assert counts["done"] and counts["refused"] and counts.total() == 2 * soak.EVERY
+    assert {"MiB", "files", "threads"} < soak.growth(seen).keys()
+    assert seen[0][1]["left in /tmp"] == seen[1][1]["left in /tmp"] == 0
 
 
 def test_planes_are_scored_across_blocks_and_inside():

@@ -12,7 +12,8 @@ import weftex
 ROOT = Path(__file__).parent.parent
 #: Tests of what stays in the repository.
 STAY = {
-    f"tests/test_{name}.py" for name in ("benchmarks", "fidelity", "gallery", "packaging", "readme")
+    f"tests/test_{name}.py"
+    for name in ("benchmarks", "fidelity", "fuzz", "gallery", "packaging", "readme")
 }
 SUFFIXES = {".py", ".pxd", ".typed", ".png", ".csv", ".json", ".html", ".css", ".js", ".svg"}
 

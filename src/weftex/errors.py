@@ -12,7 +12,18 @@ _LONGEST = 80  # characters of a value in a message
 
 
 class WeftexError(Exception):
-    """Base class of everything that weftex raises on purpose."""
+    r"""Base class of everything that weftex raises on purpose.
+
+    Whatever names a message repeats, it is one line that prints.
+
+    Examples
+    --------
+    >>> print(WeftexError("there is no " + chr(10)))
+    there is no \n
+    """
+
+    def __init__(self, *about: object) -> None:
+        super().__init__(*(printable(one) if isinstance(one, str) else one for one in about))
 
 
 class InvalidInputError(WeftexError, ValueError):
@@ -29,6 +40,15 @@ class FileError(WeftexError, OSError):
 
 class CancelledError(WeftexError):
     """The progress callback asked to stop."""
+
+
+def printable(text: str) -> str:
+    """Return a text with escapes for characters that would not print, or end the line."""
+    return (
+        text
+        if text.isprintable()
+        else "".join(c if c.isprintable() else ascii(c)[1:-1] for c in text)
+    )
 
 
 def shown(value: object) -> str:

@@ -45,14 +45,16 @@ def method_of(text: str) -> Method:
     try:
         slug, *words = shlex.split(text)
     except ValueError:  # nothing, or a quotation without an end
-        raise InvalidInputError(f"'{text}' is no method; write it as 'NAME name=value'") from None
+        raise InvalidInputError(
+            f"{shown(text)} is no method; write it as 'NAME name=value'"
+        ) from None
     given: dict[str, Any] = {}
     kinds = {field.name: kind_of(field) for field in dataclasses.fields(METHODS[slug])}
     for word in words:
         name, equals, value = word.partition("=")
         if not equals or name in given:
             raise InvalidInputError(
-                f"{slug} has '{word}'; it must be name=value, once for each name"
+                f"{slug} has {shown(word)}; it must be name=value, once for each name"
             )
         try:
             given[name] = kinds.get(name, str)(value)

@@ -12,7 +12,7 @@ from typing import IO, TYPE_CHECKING, Any
 
 import numpy as np
 
-from weftex.errors import FileError, InvalidInputError, shown
+from weftex.errors import FileError, InvalidInputError, printable, shown
 from weftex.io.png import SIGNATURE
 
 if TYPE_CHECKING:
@@ -320,4 +320,4 @@ def file_error(path: StrPath, what: str, why: object = "") -> FileError:
 
 def show(path: str) -> str:
     """Return a path that prints on one line."""
-    return "".join(c if c.isprintable() else ascii(c)[1:-1] for c in path) or "''"
+    return printable(path) or "''"

@@ -102,7 +102,7 @@ class Manifest:
                 for line in file:
                     try:
                         record = json.loads(line)
-                    except ValueError:
+                    except (ValueError, RecursionError):
                         continue
                     if isinstance(record, dict) and isinstance(record.get("output"), str):
                         found.append(record)

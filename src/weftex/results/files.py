@@ -14,6 +14,7 @@ import numpy as np
 from weftex.canvas import MAX_PIXELS
 from weftex.errors import FileError
 from weftex.io.formats import path_text, show
+from weftex.io.npz import MOST_FACTS, DamageError, opened
 from weftex.turns import TURNS
 
 if TYPE_CHECKING:
@@ -23,12 +24,7 @@ if TYPE_CHECKING:
 
 _FORMAT = 1
 MOST_REACH = 256.0  #: pixels in which steps of tone may be spread
-_MOST_ABOUT = 2**24  # bytes: far more than any facts
 _MOST_BYTES = 64  # a pixel of output and sample: patches of one pixel take 32
-
-
-class DamageError(ValueError):
-    """A saved file contains something that was never written so."""
 
 
 #: What a result is given beside its canvas, arrays and exemplar.
@@ -119,32 +115,17 @@ def write_result(
 
 def read_result(path: str | os.PathLike[str]) -> tuple[Facts, dict[str, NDArray[Any]]]:
     """Return the facts and the arrays that were written."""
-    with open(path, "rb") as raw, np.load(raw, allow_pickle=False) as file:
-        sizes = {key: _declared(file, key) for key in file}
-        if sizes["about"] > _MOST_ABOUT:
-            raise DamageError("its facts are too long")
-        about = json.loads(str(file["about"]))
+    with opened(path) as file:
+        about = file.facts
         number = about.pop("format")
         if number != _FORMAT:
             raise DamageError(f"its format is {number}, not {_FORMAT}")
         pairs = {k: tuple(v) for k, v in about.items() if isinstance(v, list)}
         facts = Facts(**about | pairs)
         most = _MOST_BYTES * (math.prod(facts.shape) + math.prod(facts.sample_shape))
-        if sum(sizes.values()) > most + _MOST_ABOUT:
+        if file.size > most + MOST_FACTS:
             raise DamageError("its arrays are larger than its sizes need")
-        arrays = {key: np.ascontiguousarray(file[key]) for key in file if key != "about"}
-    return facts, arrays
-
-
-def _declared(file: Any, key: str) -> int:
-    """Bytes that an array takes by its header; a few kilobytes of zeros may unpack to many."""
-    with file.zip.open(f"{key}.npy") as member:
-        version = np.lib.format.read_magic(member)
-        read = np.lib.format.read_array_header_1_0
-        if version != (1, 0):
-            read = np.lib.format.read_array_header_2_0
-        shape, _, dtype = read(member)
-    return math.prod(shape) * max(int(dtype.itemsize), 1)
+        return facts, file.read()
 
 
 def _whole(pair: Any) -> bool:

@@ -8,9 +8,9 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from weftex.canvas import MAX_PIXELS, Canvas
+from weftex.io.npz import DamageError
 from weftex.results import paste_kernels
 from weftex.results.drawing import gray_of
-from weftex.results.files import DamageError
 from weftex.results.synthesis import Synthesis
 
 if TYPE_CHECKING:

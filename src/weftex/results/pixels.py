@@ -7,8 +7,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from weftex.canvas import Canvas
+from weftex.io.npz import DamageError
 from weftex.results.drawing import gray_of
-from weftex.results.files import DamageError
 from weftex.results.synthesis import Synthesis
 
 if TYPE_CHECKING:

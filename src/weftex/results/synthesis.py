@@ -11,12 +11,12 @@ import numpy as np
 from weftex.canvas import Canvas
 from weftex.errors import InvalidInputError, shown
 from weftex.exemplar import Exemplar, as_rendered
+from weftex.io.npz import DamageError
 from weftex.raster.mixing import Kind
 from weftex.results import drawing
 from weftex.results.background import background_of
 from weftex.results.files import (
     ABOUT,
-    DamageError,
     Facts,
     one_line_errors,
     read_result,

@@ -6,8 +6,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from weftex.io.npz import DamageError
 from weftex.results import paste_kernels, warp_kernels
-from weftex.results.files import DamageError
 from weftex.results.patches import RectifiedSynthesis
 
 if TYPE_CHECKING:

@@ -9,7 +9,8 @@ import numpy as np
 
 from weftex.errors import FileError
 from weftex.io.formats import show
-from weftex.io.pictures import atomic
+from weftex.io.npz import opened
+from weftex.io.pictures import MAX_PIXELS, atomic
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -17,6 +18,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
 _FORMAT = "weftex plane 1"
+_MOST_BYTES = 64 * MAX_PIXELS
 
 
 def write_archive(path: str, header: dict[str, Any], arrays: Mapping[str, NDArray[Any]]) -> None:
@@ -35,11 +37,10 @@ def read_archive(path: str) -> tuple[dict[str, Any], dict[str, NDArray[Any]]]:
         If the file is missing, or something else.
     """
     try:
-        with open(path, "rb") as raw, np.load(raw, allow_pickle=False) as file:
-            header = json.loads(str(file["about"]))
-            if header["format"] != _FORMAT:
+        with opened(path) as file:
+            if file.facts["format"] != _FORMAT or file.size > _MOST_BYTES:
                 raise ValueError
-            return header, {name: file[name] for name in file if name != "about"}
+            return file.facts, file.read()
     except FileNotFoundError:
         raise FileError(f"{show(path)} does not exist") from None
     except Exception:  # numpy and zipfile raise many kinds, with advice that does not fit here

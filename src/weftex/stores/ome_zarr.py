@@ -129,6 +129,6 @@ def attributes(path: str) -> dict[str, Any]:
     try:
         with open(os.path.join(path, "zarr.json"), encoding="utf-8") as file:
             found = json.load(file)["attributes"]
-    except (OSError, ValueError, LookupError):
+    except (OSError, ValueError, LookupError, TypeError, RecursionError):
         return {}
     return found if isinstance(found, dict) else {}

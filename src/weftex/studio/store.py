@@ -12,6 +12,7 @@ import shutil
 import sys
 import threading
 import time
+from collections.abc import Mapping
 from contextlib import suppress
 from pathlib import Path
 from typing import Any
@@ -24,6 +25,9 @@ DAY = 86400.0
 _DAYS, _DAYS_KEPT = 2, 60  # that sessions outlive their last use, without and with kept things
 _KEPT = "kept.json"
 _ID = re.compile(r"[0-9a-f]{64}")
+# What must be known of what lies on disk, which another version may have written.
+_OF_UPLOAD = {"id": str, "suffix": str, "name": str, "bytes": int}
+_OF_KEPT = {"recipe": dict, "result": str}
 
 
 def default_folder() -> Path:
@@ -123,18 +127,21 @@ class Shelf:
         self.kept: list[dict[str, Any]] = []
         self.existed = self.folder.is_dir()
         for one in sorted(self.folder.glob("*.json")) if self.existed else ():
-            with suppress(OSError, ValueError, KeyError):
+            with suppress(OSError, ValueError, RecursionError):
                 about = json.loads(one.read_text("utf-8"))
                 if one.name == _KEPT:
-                    self.kept = [entry for entry in about if isinstance(entry["recipe"], dict)]
-                elif one.stem == about["id"] and self.path(about).is_file():
-                    self.uploads[about["id"]] = about
+                    entries = about if isinstance(about, list) else []
+                    self.kept = [entry for entry in entries if _has(entry, _OF_KEPT)]
+                elif _has(about, _OF_UPLOAD) and about["id"] == one.stem:
+                    if self.path(about).is_file():
+                        self.uploads[one.stem] = about
         if self.existed:
             os.utime(self.folder)
 
     def path(self, about: dict[str, Any]) -> Path:
         """Return where the bytes of an upload are."""
-        assert _ID.fullmatch(about["id"]) and re.fullmatch(r"\.[a-z]{3,4}", about["suffix"])
+        if not (_ID.fullmatch(about["id"]) and re.fullmatch(r"\.[a-z]{3,4}", about["suffix"])):
+            raise ValueError
         return self.folder / f"{about['id']}{about['suffix']}"
 
     def new_file(self) -> Path:
@@ -160,3 +167,10 @@ class Shelf:
         self.folder.mkdir(mode=0o700, exist_ok=True)
         write_text(self.folder / _KEPT, json.dumps(kept))
         self.kept = kept
+
+
+def _has(found: Any, fields: Mapping[str, type]) -> bool:
+    """Whether JSON is an object with these fields."""
+    return isinstance(found, dict) and all(
+        isinstance(found.get(name), kind) for name, kind in fields.items()
+    )

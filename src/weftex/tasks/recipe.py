@@ -24,7 +24,7 @@ from weftex.stores.layout import Layout, check_block
 from weftex.tasks.method_names import is_auto, make_method
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping
+    from collections.abc import Mapping, Sequence
 
     from numpy.typing import NDArray
 
@@ -203,6 +203,7 @@ class Recipe:
     @classmethod
     def _unpacked(cls, header: dict[str, Any], arrays: Mapping[str, NDArray[Any]]) -> Recipe:
         about, facts = header["about"], header["facts"]
+        _check_plain(about, [*facts["maps"], *facts["others"], *about["stems"].values()])
         samples = [_unpacked(k, one, arrays) for k, one in enumerate(facts["samples"])]
         own = 1 + len(facts["maps"])
         maps = dict(zip(facts["maps"], samples[1:own], strict=True))
@@ -218,6 +219,20 @@ class Recipe:
             about["stems"],
             header["reason"],
         )
+
+
+def _check_plain(about: Mapping[str, Any], names: Sequence[Any]) -> None:
+    """Refuse numbers that are none, and names of files that lead elsewhere."""
+    numbers = [about[name] for name in ("seed", "height", "width", "block")]
+    if {*map(type, numbers)} != {int} or not 0 <= about["seed"] < 2**64:
+        raise ValueError("its numbers are none")
+    if [*map(type, about["wrap"])] != [bool, bool]:
+        raise ValueError("it repeats in no known way")
+    for name in names:
+        if not isinstance(name, str) or name in ("", ".", "..") or not name.isprintable():
+            raise ValueError("a file has no name")
+        if "/" in name or "\\" in name:
+            raise ValueError("a name leads elsewhere")
 
 
 def period_of(shape: tuple[int, int], wrap: tuple[bool, bool]) -> tuple[int, int] | None:

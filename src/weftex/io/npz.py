@@ -1,0 +1,78 @@
+"""Facts and arrays in one compressed file, which may be anybody's: looked at before it is read."""
+
+from __future__ import annotations
+
+import json
+import math
+from contextlib import contextmanager
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+if TYPE_CHECKING:
+    import os
+    from collections.abc import Iterator
+
+    from numpy.typing import NDArray
+
+MOST_FACTS = 2**24  #: bytes: far more than any facts
+
+
+class DamageError(ValueError):
+    """A saved file contains something that was never written so."""
+
+
+class Arrays:
+    """An open file.
+
+    Attributes
+    ----------
+    facts : dict
+        What the JSON of its array "about" says.
+    size : int
+        Bytes that its arrays will take; a few kilobytes of zeros may unpack to many.
+    """
+
+    def __init__(self, file: Any) -> None:
+        self._file = file
+        entries = file.zip.namelist()
+        self._names = [entry.removesuffix(".npy") for entry in entries]
+        # NumPy would read the one of two namesakes that was not looked at here.
+        if len({*self._names}) < len(entries) or {f"{n}.npy" for n in self._names} != {*entries}:
+            raise DamageError("its arrays have no names of their own")
+        lengths = {name: self._lengths(name) for name in self._names}
+        if max(lengths["about"]) > MOST_FACTS:
+            raise DamageError("its facts are too long")
+        self.facts = json.loads(str(file["about"]))
+        if not isinstance(self.facts, dict):
+            raise ValueError("facts are an object")
+        self.size = sum(map(max, lengths.values()))
+        self._whole = all(said == there for said, there in lengths.values())
+
+    def read(self) -> dict[str, NDArray[Any]]:
+        """Return all arrays but the facts."""
+        if not self._whole:
+            raise DamageError("an array is not as long as it says")
+        names = (name for name in self._names if name != "about")
+        return {name: np.ascontiguousarray(self._file[name]) for name in names}
+
+    def _lengths(self, name: str) -> tuple[int, int]:
+        """Bytes that an array takes by its header, and bytes that follow it."""
+        entry = self._file.zip.getinfo(f"{name}.npy")
+        with self._file.zip.open(entry) as member:
+            version = np.lib.format.read_magic(member)
+            read = np.lib.format.read_array_header_1_0
+            if version != (1, 0):
+                read = np.lib.format.read_array_header_2_0
+            shape, _, dtype = read(member)
+            said = math.prod(map(abs, shape)) * int(dtype.itemsize)
+            return said, entry.file_size - member.tell()
+
+
+@contextmanager
+def opened(path: str | os.PathLike[str]) -> Iterator[Arrays]:
+    """Open a file; no pickles are read. What is wrong with it raises errors of many kinds."""
+    with open(path, "rb") as raw, np.load(raw, allow_pickle=False) as file:
+        if isinstance(file, np.ndarray):
+            raise DamageError("it is one array")
+        yield Arrays(file)
