@@ -22,6 +22,7 @@ import zlib
 from collections.abc import Callable
 from importlib import import_module
 from pathlib import Path
+from unittest import mock
 
 HERE = Path(__file__).resolve().parent
 CORPUS = HERE / "corpus"
@@ -53,8 +54,8 @@ def saved(data: bytes, folder: Path) -> None:
     import weftex
     from weftex.results import files
 
-    files.MAX_PIXELS = _PIXELS
-    result = weftex.Synthesis.load(_packed(data, folder))
+    with mock.patch.object(files, "MAX_PIXELS", _PIXELS):
+        result = weftex.Synthesis.load(_packed(data, folder))
     if max(result.sample_shape[0] * result.sample_shape[1], *result.shape) > 2**12:
         return
     sample = np.arange(result.sample_shape[0] * result.sample_shape[1], dtype=np.uint16)
