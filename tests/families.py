@@ -55,6 +55,8 @@ class Trial:
         Ways that follow no guide, although the method does.
     torus : bool
         A canvas that does not wrap is also made on a torus, so its border shows little.
+    plain : dict
+        Over all that: what is made is copied, pixel by pixel, where no hole is filled.
     """
 
     family: str
@@ -67,6 +69,7 @@ class Trial:
     real: tuple[dict[str, Any], ...] = ({},)
     unguided: tuple[str, ...] = ()
     torus: bool = False
+    plain: dict[str, Any] = field(default_factory=dict)
 
     def copies(self, way: str) -> bool:
         """Whether every pixel made in this way is one of the sample."""
@@ -102,6 +105,7 @@ TRIALS = {
         },
         window="patch_size",
         largest=120,
+        plain={"tone_reach": 0.0},
     ),
     "efros-leung": Trial(
         "pixel",

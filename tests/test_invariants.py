@@ -76,7 +76,8 @@ def test_a_copying_methods_picture_is_the_sample_at_its_source(method, kind, way
     if not TRIALS[method].copies(way):
         return
     pixels = noise((30, 31, 3), dtype)
-    result = make(method, pixels, kind, way)
+    plain = {} if canvas_of(kind, pixels).hole is not None else TRIALS[method].plain
+    result = make(method, pixels, kind, way, **plain)
     source, where = result.source, made(result)
     assert (source[~where] == -1).all()
     assert (source[where] >= 0).all() and (source[where] < (30, 31)).all()
@@ -365,13 +366,16 @@ def jobs(draw, method):
 @given(data=st.data(), seed=st.integers(0, 2**64 - 1))
 def test_anything_reasonable_works(method, data, seed):
     exemplar, canvas, way, parameters = data.draw(jobs(method))
+    plain = TRIALS[method].plain if canvas.known is None else {}
+    copied = TRIALS[method].copies(way) and (not plain or data.draw(st.booleans()))
+    parameters |= plain if copied else {}
     result = method_of(method, way, **parameters).fit(exemplar).sample(canvas, seed=seed)
     assert result.image.shape == (*canvas.shape, *exemplar.pixels.shape[2:])
     assert result.image.dtype == exemplar.pixels.dtype
     where, source = made(result), result.source
     assert (source[where] >= 0).all() and (source[where] < exemplar.shape).all()
     assert np.array_equal(result.render(), result.image)
-    if TRIALS[method].copies(way) or parameters.get("patch_size") == 1:
+    if copied or parameters.get("patch_size") == 1:
         expected = exemplar.pixels[source[where][:, 0], source[where][:, 1]]
         assert np.array_equal(result.image[where], expected)
     if canvas.known is not None:
