@@ -393,7 +393,7 @@ def test_it_starts_from_a_method_with_parameters(tmp_path):
         ("quilting 16", "init: quilting has '16'; it must be name=value"),
         ("quilting patch_size=16 patch_size=8", "once for each name"),
         ("quiltin patch_size=16", "init: unknown method 'quiltin'; did you mean 'quilting'"),
-        ("quilting 'x", "init: 'quilting 'x' is no method"),
+        ("quilting 'x", 'init: "quilting \'x" is no method'),
         ("seeds matches=3", "init: unknown method 'seeds'"),
         ("refinement iterations=2", "init is 'refinement iterations=2'"),
         (weftex.Refinement(init="quilting"), "init is 'refinement init=quilting'"),
