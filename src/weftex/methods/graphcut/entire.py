@@ -7,19 +7,18 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from weftex.methods.graphcut.copies import Copy, box_of, copies_of, places_in_full
-from weftex.methods.graphcut.draws import drawn_places
 from weftex.methods.graphcut.places import (
+    Matches,
     Place,
+    draw_matches,
     on_copies,
     sample_copies,
     size_on_canvas,
     smallest,
-    variance_of,
 )
 from weftex.methods.graphcut.regular import LatticePlaces, any_in_blocks
 from weftex.methods.graphcut.repeats import Repeats
 from weftex.methods.graphcut.sight import Sight
-from weftex.notes import note
 from weftex.search.translation import fast_size, overlap_mismatch
 
 if TYPE_CHECKING:
@@ -87,11 +86,10 @@ class EntirePatchMatching:
                 used = self.repeats.used_where(self._missing(pixel, k), k, first)
                 used = used[: allowed.shape[0], : allowed.shape[1]]
                 prices = self._prices(pixel, used, k)
-        spread = self.settings.tolerance * variance_of(self.copies[: k + 1])
-        draws = self.growth.seed, number, self.settings.candidates
-        size = tuple(n >> k for n in self.size)
-        drawn = drawn_places(costs * prices, allowed, spread, draws, size)
-        note("matches", costs=costs, prices=prices, allowed=allowed, drawn=drawn, halvings=k)
+        matches = Matches(costs, prices, allowed, k)
+        drawn = draw_matches(
+            self.settings, self.growth.seed, number, matches, self.copies, self.size
+        )
         found = places_in_full(drawn, boxes[: k + 1], self.copies, places, self.reach)
         return [
             self._clipped(pixel, at, float(prices[place]))

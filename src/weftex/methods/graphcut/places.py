@@ -7,6 +7,8 @@ from typing import TYPE_CHECKING, NamedTuple, Protocol
 import numpy as np
 
 from weftex.methods.graphcut.copies import Copy, copies_of
+from weftex.methods.graphcut.draws import drawn_places
+from weftex.notes import note
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -25,6 +27,15 @@ class Place(NamedTuple):
     source_top: int
     source_left: int
     price: float = 1.0  # by which the cost of its seam is multiplied for what it shows again
+
+
+class Matches(NamedTuple):
+    """How well each place of a copy of the sample matches."""
+
+    costs: NDArray[np.float64]  # C(t): mean squared differences
+    prices: NDArray[np.float64]  # by which they are multiplied for what is shown again
+    allowed: NDArray[np.bool_]
+    halvings: int  # of the copy
 
 
 class Placement(Protocol):
@@ -48,6 +59,26 @@ def sample_copies(settings: Settings, reduction: int) -> list[Copy]:
 def variance_of(copies: list[Copy]) -> float:
     """Variance of the sample, sigma**2, on the smallest of some copies that has a usable pixel."""
     return next(copy.variance for copy in reversed(copies) if copy.mask.any())
+
+
+def draw_matches(
+    settings: Settings,
+    seed: int,
+    number: int,
+    matches: Matches,
+    copies: list[Copy],
+    size: tuple[int, int],
+) -> list[tuple[int, int]]:
+    """Draw places on a copy for the `number`-th patch, of a size in full pixels.
+
+    They are drawn by P(t) = exp(-C(t) / (k sigma**2)), with the variance of the sample's copies.
+    """
+    costs, prices, allowed, k = matches
+    spread = settings.tolerance * variance_of(copies[: k + 1])
+    draws, on_copy = (seed, number, settings.candidates), tuple(n >> k for n in size)
+    drawn = drawn_places(costs * prices, allowed, spread, draws, on_copy)
+    note("matches", **matches._asdict(), drawn=drawn)
+    return drawn
 
 
 def on_copies(places: NDArray[np.uint8], copies: list[Copy]) -> list[NDArray[np.uint8]]:

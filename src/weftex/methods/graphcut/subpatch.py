@@ -7,17 +7,16 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 
 from weftex.methods.graphcut.copies import Copy, box_of, copies_of, places_in_full
-from weftex.methods.graphcut.draws import drawn_places
 from weftex.methods.graphcut.places import (
+    Matches,
     Place,
+    draw_matches,
     on_copies,
     sample_copies,
     size_on_canvas,
     smallest,
-    variance_of,
 )
 from weftex.methods.graphcut.repeats import Repeats
-from weftex.notes import note
 from weftex.random import draw
 from weftex.raster.boxes import box_sums
 from weftex.search.translation import window_mismatch
@@ -125,11 +124,10 @@ class SubPatchMatching:
                 prices = prices_of(self.settings, *shown, used)
                 apart = allowed & ~self._continuing(part, y, x, k)
                 allowed = apart if apart.any() else allowed
-        spread = self.settings.tolerance * variance_of(self.sample[: k + 1])
-        draws = self.growth.seed, number, self.settings.candidates
-        size = tuple(n >> k for n in self.size)
-        drawn = drawn_places(costs * prices, allowed, spread, draws, size)
-        note("matches", costs=costs, prices=prices, allowed=allowed, drawn=drawn, halvings=k)
+        matches = Matches(costs, prices, allowed, k)
+        drawn = draw_matches(
+            self.settings, self.growth.seed, number, matches, self.sample, self.size
+        )
         found = places_in_full(drawn, boxes[: k + 1], part.copies, part.corners, (0, 0))
         return [
             Place(top, left, *self.size, part.top + v, part.left + u, float(prices[at]))

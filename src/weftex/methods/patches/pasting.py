@@ -150,19 +150,17 @@ class Output:
             )
             zone, search = structure.kernel_zone, structure.kernel_search
             top, left = (at - over for at, over in zip((y, x), self.frame.margin, strict=True))
-            if not is_asked((top, left, *self.frame.window), self.frame.canvas.shape):
-                _kernels.lay_patches(
-                    self.pixels, self._sample, zone, search, rule, patches, scratch
-                )
-                continue
-            before, room = self.pixels.copy(), room_for(self.analysis, self.frame)
-            room["keys"].fill(-1)
-            own = _kernels.Scratch(wanted=self.settings.candidates, **room)
+            own, asked = scratch, is_asked((top, left, *self.frame.window), self.frame.canvas.shape)
+            if asked:
+                before, room = self.pixels.copy(), room_for(self.analysis, self.frame)
+                room["keys"].fill(-1)
+                own = _kernels.Scratch(wanted=self.settings.candidates, **room)
             _kernels.lay_patches(self.pixels, self._sample, zone, search, rule, patches, own)
-            note(
-                "patch", output=self, number=first, before=before, zone=structure.zone,
-                errors=room["keys"], places=room["places"], columns=structure.usable.shape[1],
-            )  # fmt: skip
+            if asked:
+                note(
+                    "patch", output=self, number=first, before=before, zone=structure.zone,
+                    errors=room["keys"], places=room["places"], columns=structure.usable.shape[1],
+                )  # fmt: skip
 
     def weights(self) -> NDArray[np.uint16]:
         """Weight of every zone's new pixels in 1/256: (zones, rows, columns)."""
