@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import asyncio
 import logging
+import sys
 from contextlib import asynccontextmanager, suppress
 from typing import TYPE_CHECKING, Any
 
@@ -30,6 +31,7 @@ if TYPE_CHECKING:
     Handler = Callable[[Call], Awaitable[Any]]
 
 _SWEEP = 1.0  # seconds
+_SWITCH = 2e-4  # seconds that imports may hold up the files of the page, a request several times
 _PAGE = "index.html"
 _log = logging.getLogger(__name__)
 
@@ -82,9 +84,14 @@ def make_app(studio: Studio, hosts: Collection[str]) -> ASGIApp:
 
 def _routes(studio: Studio) -> Router:
     """The routes under /api. They need most of weftex, which is imported while the page loads."""
-    from weftex.studio import routes_results, routes_start
-    from weftex.studio.answers import answer_of
-    from weftex.studio.requests import Call, as_plain
+    usual = sys.getswitchinterval()
+    sys.setswitchinterval(_SWITCH)
+    try:
+        from weftex.studio import routes_results, routes_start
+        from weftex.studio.answers import answer_of
+        from weftex.studio.requests import Call, as_plain
+    finally:
+        sys.setswitchinterval(usual)
 
     def endpoint(handler: Handler) -> Callable[[Request], Awaitable[Response]]:
         async def answer(request: Request) -> Response:
@@ -103,10 +110,12 @@ def _routes(studio: Studio) -> Router:
 
         return answer
 
-    return Router([
-        Route(path, endpoint(handler), methods=[method])
-        for method, path, handler in (*routes_start.ROUTES, *routes_results.ROUTES)
-    ])
+    return Router(
+        [
+            Route(path, endpoint(handler), methods=[method])
+            for method, path, handler in (*routes_start.ROUTES, *routes_results.ROUTES)
+        ]
+    )
 
 
 async def _sweep(studio: Studio) -> None:

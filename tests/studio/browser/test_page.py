@@ -22,6 +22,10 @@ def picture(data: bytes) -> np.ndarray[Any, Any]:
     return np.array(Image.open(io.BytesIO(data)))
 
 
+BROWSERS = pytest.mark.parametrize("browser", ["chromium", "firefox"], indirect=True)
+
+
+@BROWSERS
 def test_a_persons_whole_way(tab: Any, address: str, photo: Path) -> None:
     """Drop a photo, look, tile it, paint a hole, fuse, light, plane, export: without a fault."""
     one = tab()
@@ -126,6 +130,7 @@ def test_every_screen_has_contrast_and_names(tab: Any, address: str, scheme: str
         assert one.probe("unnamed") == [], screen
 
 
+@BROWSERS
 def test_keys_alone(tab: Any, address: str) -> None:
     """Choose, make, paint and undo without a pointer; the focus is always seen."""
     one = tab()
@@ -195,8 +200,12 @@ def test_what_is_written_while_a_preview_comes_stays(tab: Any, address: str) -> 
 
 
 def test_the_page_weighs_little() -> None:
-    """At most 300 kB, all of it together."""
+    """At most 300 kB, all of it together; modules are asked for at once, not one after the other."""
     static = files("weftex.studio") / "static"
     names = ("", "view", "paint", "screens", "strings")
     held = [one for name in names for one in (static / name).iterdir() if one.is_file()]
     assert 100_000 < sum(len(one.read_bytes()) for one in held) < 300_000
+    page = (static / "index.html").read_text("utf-8")
+    for one in held:
+        own = one.name.endswith(".js") and one.name != "notebook.js"
+        assert (f'{one.name}"' in page) is own or not one.name.endswith(".js"), one.name
