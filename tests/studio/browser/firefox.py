@@ -1,8 +1,8 @@
 """Firefox as Playwright wants it: what an older Firefox does not know is answered in its place.
 
-Playwright drives Firefox of the system by WebDriver BiDi, and asks for commands that come with later
-versions, such as the one that sets whether a page is dark. This runs Firefox, stands between the
-two, and answers such a command with success.
+Playwright drives Firefox of the system by WebDriver BiDi, and asks for commands that come with
+later versions, such as the one that sets whether a page is dark. This runs Firefox, stands between
+the two, and answers such a command with success.
 """
 
 from __future__ import annotations
@@ -11,6 +11,7 @@ import asyncio
 import json
 import re
 import sys
+from functools import partial
 from typing import Any
 
 from websockets.asyncio.client import connect
@@ -20,7 +21,7 @@ ADDRESS = re.compile(r"(?<=WebDriver BiDi listening on )ws://\S+")
 OPEN: dict[str, Any] = {"max_size": None, "compression": None}
 
 
-async def between(playwright: Any, address: str) -> None:
+async def between(address: str, playwright: Any) -> None:
     """Hand everything on, both ways."""
     async with connect(address + playwright.request.path, **OPEN) as firefox:
 
@@ -46,8 +47,7 @@ async def main(command: list[str]) -> None:
     async for line in run.stderr:
         text = line.decode()
         if found := ADDRESS.search(text):
-            address = found[0]
-            server = await serve(lambda one: between(one, address), "127.0.0.1", 0, **OPEN)
+            server = await serve(partial(between, found[0]), "127.0.0.1", 0, **OPEN)
             port = server.sockets[0].getsockname()[1]
             text = ADDRESS.sub(f"ws://127.0.0.1:{port}", text)
         sys.stderr.write(text)

@@ -200,7 +200,7 @@ def test_what_is_written_while_a_preview_comes_stays(tab: Any, address: str) -> 
 
 
 def test_the_page_weighs_little() -> None:
-    """At most 300 kB, all of it together; modules are asked for at once, not one after the other."""
+    """At most 300 kB in all; its modules are asked for at once, not one after the other."""
     static = files("weftex.studio") / "static"
     names = ("", "view", "paint", "screens", "strings")
     held = [one for name in names for one in (static / name).iterdir() if one.is_file()]
