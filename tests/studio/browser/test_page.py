@@ -5,7 +5,6 @@ from __future__ import annotations
 import io
 import json
 import zipfile
-from importlib.resources import files
 from pathlib import Path
 from typing import Any
 
@@ -197,15 +196,3 @@ def test_what_is_written_while_a_preview_comes_stays(tab: Any, address: str) -> 
     held[0].continue_()
     page.wait_for_selector(".strip >> text=quilting · 23")
     assert page.input_value("input[type=number][step='1'][min='0']") == "23"
-
-
-def test_the_page_weighs_little() -> None:
-    """At most 300 kB in all; its modules are asked for at once, not one after the other."""
-    static = files("weftex.studio") / "static"
-    names = ("", "view", "paint", "screens", "strings")
-    held = [one for name in names for one in (static / name).iterdir() if one.is_file()]
-    assert 100_000 < sum(len(one.read_bytes()) for one in held) < 300_000
-    page = (static / "index.html").read_text("utf-8")
-    for one in held:
-        own = one.name.endswith(".js") and one.name != "notebook.js"
-        assert (f'{one.name}"' in page) is own or not one.name.endswith(".js"), one.name
