@@ -5,7 +5,6 @@ from __future__ import annotations
 import io
 import json
 import zipfile
-from importlib.resources import files
 from pathlib import Path
 from typing import Any
 
@@ -22,6 +21,10 @@ def picture(data: bytes) -> np.ndarray[Any, Any]:
     return np.array(Image.open(io.BytesIO(data)))
 
 
+BROWSERS = pytest.mark.parametrize("browser", ["chromium", "firefox"], indirect=True)
+
+
+@BROWSERS
 def test_a_persons_whole_way(tab: Any, address: str, photo: Path) -> None:
     """Drop a photo, look, tile it, paint a hole, fuse, light, plane, export: without a fault."""
     one = tab()
@@ -126,6 +129,7 @@ def test_every_screen_has_contrast_and_names(tab: Any, address: str, scheme: str
         assert one.probe("unnamed") == [], screen
 
 
+@BROWSERS
 def test_keys_alone(tab: Any, address: str) -> None:
     """Choose, make, paint and undo without a pointer; the focus is always seen."""
     one = tab()
@@ -192,11 +196,3 @@ def test_what_is_written_while_a_preview_comes_stays(tab: Any, address: str) -> 
     held[0].continue_()
     page.wait_for_selector(".strip >> text=quilting · 23")
     assert page.input_value("input[type=number][step='1'][min='0']") == "23"
-
-
-def test_the_page_weighs_little() -> None:
-    """At most 300 kB, all of it together."""
-    static = files("weftex.studio") / "static"
-    names = ("", "view", "paint", "screens", "strings")
-    held = [one for name in names for one in (static / name).iterdir() if one.is_file()]
-    assert 100_000 < sum(len(one.read_bytes()) for one in held) < 300_000

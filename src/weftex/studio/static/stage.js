@@ -10,8 +10,9 @@ const MODES = { picture: "picture", split: "split", maps: "maps", light: "light"
 
 /** The picture's part of the page: one view, or several that move together, and the bar below them. */
 export class Stage {
-  constructor(app, element) {
+  constructor(app, element, modes = Object.keys(MODES)) {
     this.app = app;
+    this.modes = modes;
     this.element = element;
     this.camera = new Camera();
     this.views = h("div", { class: "views" });
@@ -28,6 +29,12 @@ export class Stage {
     app.addEventListener("job", () => this.tellJob());
     this.single();
     this.buildBar();
+  }
+
+  close() {
+    this.closeExtras(null);
+    for (const cell of this.cells) cell.view.close();
+    this.main.close();
   }
 
   // -- what is seen
@@ -269,7 +276,7 @@ export class Stage {
     if (!seen) return fill(this.bar);
     const held = document.activeElement?.closest?.(".stage-bar") && document.activeElement.dataset.key;
     const many = seen.owner?.maps?.length > 1;
-    const offered = this.custom ? [] : Object.keys(MODES).filter((mode) => (mode !== "maps" || many) && (mode !== "split" || !seen.isSample) && (mode !== "plane" || !seen.isSample));
+    const offered = this.custom ? [] : this.modes.filter((mode) => (mode !== "maps" || many) && (mode !== "split" || !seen.isSample) && (mode !== "plane" || !seen.isSample));
     const modes = offered.map((mode) =>
       h("button", { type: "button", class: "mode", "data-key": mode, "aria-pressed": String(mode === this.mode), title: t(`mode.${mode}.help`), onclick: () => this.setMode(mode) }, icon(MODES[mode]), h("span", {}, t(`mode.${mode}`))),
     );
