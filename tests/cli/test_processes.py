@@ -38,7 +38,8 @@ def test_a_full_disk(here, output):
         signal.signal(signal.SIGXFSZ, signal.SIG_IGN)
         resource.setrlimit(resource.RLIMIT_FSIZE, (50_000, 50_000))
 
-    run = weftex_process("synth", "sample.png", "-o", output, "--size", 300, preexec_fn=limit)
+    words = ["--size", 300, "--method", "quilting"]
+    run = weftex_process("synth", "sample.png", "-o", output, *words, preexec_fn=limit)
     err = run.communicate()[1]
     assert run.returncode == 2
     assert err.startswith("weftex: error: ") and err.count("\n") == 1, err

@@ -65,7 +65,7 @@ def check(exemplar, method, canvas, seed=5):
 @pytest.mark.parametrize("way", WAYS)
 def test_it_is_the_slow_twin(kind, way):
     pixels = few_levels((13, 14, 2)) if kind in ("x", "hole") else material("pebbles", 13, 14)
-    canvas = canvas_of(kind, pixels, (20, 18)) if "hole" not in kind else small_hole(kind, pixels)
+    canvas = canvas_of(kind, pixels, (16, 15)) if "hole" not in kind else small_hole(kind, pixels)
     check(weftex.Exemplar(pixels), GraphCut(**WAYS[way]), canvas)
 
 
@@ -81,7 +81,7 @@ def small_hole(kind, pixels):
 @pytest.mark.parametrize("wrap", [False, True])
 def test_samples_that_tile_and_samples_with_masks(way, wrap):
     pixels = few_levels((11, 12, 3), seed=3)
-    canvas = weftex.Canvas(14, 16, (wrap, wrap))
+    canvas = weftex.Canvas(10, 13, (wrap, wrap))
     check(weftex.Exemplar(pixels, tileable=True), GraphCut(**WAYS[way]), canvas)
     mask = np.ones((11, 12), bool)
     mask[2:4, 9:] = mask[10, :2] = False
