@@ -12,7 +12,7 @@ import pytest
 
 from commands import listing
 from families import noise
-from processes import ENVIRONMENT, hear_interrupts, weftex_process
+from processes import ENVIRONMENT, hear_interrupts, wait_until_it_listens, weftex_process
 from weftex.io.pictures import write_image
 
 
@@ -60,7 +60,8 @@ def test_stopping_leaves_nothing(here, number, code, kind):
     run = weftex_process(
         "synth", sample, "-o", output, "--size", 6000, *words, preexec_fn=hear_interrupts
     )
-    time.sleep(1.5)
+    wait_until_it_listens(run)
+    time.sleep(1)
     assert run.poll() is None, run.communicate()
     run.send_signal(number)
     try:
