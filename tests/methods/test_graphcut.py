@@ -11,7 +11,7 @@ import weftex
 from families import canvas_of, noise
 from twins import graphcut as reference
 from weftex.methods.graphcut import GraphCut, lay
-from weftex.methods.graphcut.draws import chances_of, variance
+from weftex.methods.graphcut.draws import chances_of, drawn_places, variance
 from weftex.methods.graphcut.seams import CanvasSeams
 from weftex.random import draw as random_number
 from weftex.search.translation import Spectra, fast_size, overlap_mismatch, window_mismatch
@@ -290,8 +290,8 @@ def test_chances_follow_the_exponential():
     costs = np.linspace(0, 300, 50).reshape(5, 10)
     chances = chances_of(costs, np.ones((5, 10), bool), 40.0)
     assert np.allclose(chances / chances[0, 0], np.exp(-costs / 40), rtol=0.03)
-    alone = chances_of(costs[::-1].copy(), np.ones((5, 10), bool), 0.0)
-    assert alone.sum() == 1 and alone[4, 0] == 1
+    drawn = drawn_places(costs[::-1], np.ones((5, 10), bool), 0.0, (7, 0, 3), (1, 1))
+    assert drawn == [(4, 0), (4, 1), (4, 2)]  # without a spread the best ones, in turn
 
 
 def test_variance_is_numpys():

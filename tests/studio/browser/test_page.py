@@ -196,3 +196,23 @@ def test_what_is_written_while_a_preview_comes_stays(tab: Any, address: str) -> 
     held[0].continue_()
     page.wait_for_selector(".strip >> text=quilting · 23")
     assert page.input_value("input[type=number][step='1'][min='0']") == "23"
+
+
+def test_seeds_that_nobody_waits_for_end(tab: Any, address: str) -> None:
+    """A kept seed, or another screen, ends the sheet's work; focus stays while panels change."""
+    one = tab()
+    page = one.open(address)
+    page.click(".samples button:has-text('grass')")
+    page.click("[data-screen=make]")
+    page.select_option("select", "efros-leung")
+    page.uncheck("text=Preview while I change things")
+    page.click("text=Nine seeds")
+    page.wait_for_selector(".progress >> text=of 9")
+    page.click("[data-screen=see]")
+    one.settle()
+    page.click("[data-screen=make]")
+    page.locator("input[value=x]").focus()
+    page.keyboard.press("ArrowRight")
+    page.wait_for_timeout(100)
+    assert one.probe("focused_value") == "y"
+    assert one.faults == []

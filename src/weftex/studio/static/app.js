@@ -213,18 +213,18 @@ export class App extends EventTarget {
     const control = new AbortController();
     const within = quiet ? "?within=250" : ""; // what is quick is told at once
     const posted = this.api.post(path + within, body, { signal: control.signal });
-    const grows = path === "jobs" && !body.count && !body.methods; // into one picture
-    return this.watch(posted, grows ? body.recipe : null, control, { quiet, onresults });
+    const many = body.count ?? body.methods?.length ?? (path === "jobs" ? 1 : 0); // pictures, if that is known
+    return this.watch(posted, many === 1 ? body.recipe : null, control, { quiet, many, onresults });
   }
 
-  async watch(posted, recipe, control, { quiet = false, onresults = () => {} }) {
+  async watch(posted, recipe, control, { quiet = false, many = 1, onresults = () => {} }) {
     this.stop = control;
     let seen = 0;
     try {
       return await this.api.follow(
         await posted,
         (job) => {
-          this.job = { ...job, quiet };
+          this.job = { ...job, quiet, many };
           this.tell("job");
           if (job.results.length) onresults(job);
           if (recipe && job.preview && job.preview !== seen && job.state === "running") {

@@ -209,7 +209,7 @@ export class MakeScreen {
     await this.attempt(async () => {
       const job = await app.run({ recipe, count: 9, leave: "cancel" }, { onresults: add });
       if (job) await add(job);
-      else if (!shown) this.closeSheet();
+      else if (!shown && stage.custom === "sheet") this.closeSheet();
     });
   }
 
@@ -219,6 +219,7 @@ export class MakeScreen {
   }
 
   closeSheet() {
+    this.app.cancel(); // the seeds that are not there yet
     this.stage.custom = null;
     this.stage.refresh();
   }

@@ -215,6 +215,7 @@ export class PaintScreen {
     };
     return [
       h("div", { class: "shelf", role: "group", "aria-label": t("paint.materials") }, chips),
+      chips.length < 2 ? h("p", { class: "hint" }, t("paint.fuse.none")) : null,
       h("div", { class: "row even" }, more, h("button", { type: "button", onclick: () => file.click() }, icon("open"), t("paint.file")), file),
       h("div", { class: "size" }, side(0, "make.width"), h("span", { "aria-hidden": "true" }, "×"), side(1, "make.height")),
     ];
