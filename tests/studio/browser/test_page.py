@@ -5,7 +5,6 @@ from __future__ import annotations
 import io
 import json
 import zipfile
-from importlib.resources import files
 from pathlib import Path
 from typing import Any
 
@@ -22,6 +21,10 @@ def picture(data: bytes) -> np.ndarray[Any, Any]:
     return np.array(Image.open(io.BytesIO(data)))
 
 
+BROWSERS = pytest.mark.parametrize("browser", ["chromium", "firefox"], indirect=True)
+
+
+@BROWSERS
 def test_a_persons_whole_way(tab: Any, address: str, photo: Path) -> None:
     """Drop a photo, look, tile it, paint a hole, fuse, light, plane, export: without a fault."""
     one = tab()
@@ -126,6 +129,7 @@ def test_every_screen_has_contrast_and_names(tab: Any, address: str, scheme: str
         assert one.probe("unnamed") == [], screen
 
 
+@BROWSERS
 def test_keys_alone(tab: Any, address: str) -> None:
     """Choose, make, paint and undo without a pointer; the focus is always seen."""
     one = tab()
@@ -194,9 +198,21 @@ def test_what_is_written_while_a_preview_comes_stays(tab: Any, address: str) -> 
     assert page.input_value("input[type=number][step='1'][min='0']") == "23"
 
 
-def test_the_page_weighs_little() -> None:
-    """At most 300 kB, all of it together."""
-    static = files("weftex.studio") / "static"
-    names = ("", "view", "paint", "screens", "strings")
-    held = [one for name in names for one in (static / name).iterdir() if one.is_file()]
-    assert 100_000 < sum(len(one.read_bytes()) for one in held) < 300_000
+def test_seeds_that_nobody_waits_for_end(tab: Any, address: str) -> None:
+    """A kept seed, or another screen, ends the sheet's work; focus stays while panels change."""
+    one = tab()
+    page = one.open(address)
+    page.click(".samples button:has-text('grass')")
+    page.click("[data-screen=make]")
+    page.select_option("select", "efros-leung")
+    page.uncheck("text=Preview while I change things")
+    page.click("text=Nine seeds")
+    page.wait_for_selector(".progress >> text=of 9")
+    page.click("[data-screen=see]")
+    one.settle()
+    page.click("[data-screen=make]")
+    page.locator("input[value=x]").focus()
+    page.keyboard.press("ArrowRight")
+    page.wait_for_timeout(100)
+    assert one.probe("focused_value") == "y"
+    assert one.faults == []
