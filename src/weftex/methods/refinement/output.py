@@ -58,9 +58,9 @@ class Output:
 
     def copy(self) -> Output:
         """The same, to be refined on its own."""
-        return Output(
-            self.number, self.pixels.copy(), self.source.copy(), self.known.copy(), self.wrap
-        )
+        other = Output(self.number, self.pixels.copy(), self.source.copy(), self.known, self.wrap)
+        other.done[:] = self.done
+        return other
 
     def take(self, other: Output, parts: list[tuple[slice, slice]]) -> None:
         """Show there what another one does."""
