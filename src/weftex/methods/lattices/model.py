@@ -5,6 +5,7 @@ from __future__ import annotations
 from abc import abstractmethod
 from typing import TYPE_CHECKING
 
+from weftex.analysis.canvas_lattice import VISIBLE_STRAIN, Around, CanvasLattice
 from weftex.canvas import Canvas, as_canvas
 from weftex.errors import UnsupportedError
 from weftex.method import Method, Model
@@ -109,6 +110,13 @@ class LatticeModel(Model):
         found.is_window = True
         found.provenance |= asked.told
         return found
+
+
+def is_strained(model: Model, around: Canvas | Around) -> bool:
+    """Whether a model's lattice would have to be stretched to go around so that it shows."""
+    if not isinstance(model, LatticeModel) or not (model.vectors and any(around.wrap)):
+        return False
+    return CanvasLattice(model.vectors, around).strain > VISIBLE_STRAIN
 
 
 def origin_of(canvas: Canvas, exemplar: Exemplar, vectors: tuple[float, ...]) -> tuple[int, int]:

@@ -152,9 +152,9 @@ class Axis:
         start = (joint if courses is not None else origin) if wraps else joint if around else 0
         self.places = np.array([edge(n) + start for n in names], np.int64)
         row = [n // self.share * self.share for n in every]
-        self._ends = tuple(
-            np.array([edge(n + last) - first for n in row], np.int64)
-            for last in (0, self.share - 1)
+        self._ends = (
+            np.array([edge(n) - first for n in row], np.int64),
+            np.array([edge(n + self.share - 1) - first for n in row], np.int64),
         )
 
     def ends_of_rows(self) -> tuple[NDArray[np.int64], NDArray[np.int64]]:

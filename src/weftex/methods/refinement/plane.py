@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 
 from weftex.errors import InvalidInputError
+from weftex.methods.refinement.levels import CoherentLevel
 from weftex.methods.refinement.output import Output, sources_of_children, sources_shown
 from weftex.methods.refinement.start import start_window
 from weftex.methods.refinement.sweeps import BlockSweep
@@ -69,7 +70,9 @@ def refined_window(
     start = np.stack(np.divmod(flat, np.int32(exemplar.shape[1])), axis=-1)
 
     def preview() -> NDArray[Any]:
-        return exemplar.pixels[tuple(np.moveaxis(start[box.within(begun)], -1, 0))]
+        y, x = np.moveaxis(start[box.within(begun)], -1, 0)
+        shown: NDArray[Any] = exemplar.pixels[y, x]
+        return shown
 
     progress = Progress(callback, sum(len(part.blocks) for part in parts), "blocks", preview)
     source = sources_shown(start, coarsest, levels[-1])
@@ -83,6 +86,7 @@ def refined_window(
                     output, levels[number + 1], part.box.shape, level, corners
                 )
                 output = _begun(level, number, source)
+            assert isinstance(level, CoherentLevel)
             near = _AROUND if number == coarsest else 0
             sweep = BlockSweep(prepared.settings, level, number, source, near)
             before = output

@@ -189,7 +189,9 @@ class BlockSweep:
         self._weight = round(_EVENNESS * settings.evenness / 2**coarser)
         self._sample = kernels.Sample(level, _NO_PERIOD)
         self._similar = kernels.Similar(level.similar, settings.margin)
-        self._guide = kernels.GuidePair(NO_GUIDE, np.ones((1, 1), np.uint8), *_room_for_window(0, 1))
+        self._guide = kernels.GuidePair(
+            NO_GUIDE, np.ones((1, 1), np.uint8), *_room_for_window(0, 1)
+        )
 
     def refine(self, output: Output, place: tuple[slice, slice]) -> None:
         """Refine the pixels of a block, to and fro, until they change too little."""
@@ -215,7 +217,7 @@ class BlockSweep:
             if not changed:
                 break
             # What changes is seldom less than an eighth brighter or darker.
-            if 0 < iteration and changed < 8 * self._threshold * len(line):
+            if iteration and changed < 8 * self._threshold * len(line):
                 ratio = changes(pixels.reshape(-1, channels), old.reshape(-1, channels))[1]
                 if _sum(ratio) < self._threshold * len(line):
                     break
@@ -314,7 +316,9 @@ def _usage_on(level: CoherentLevel, output: Output, guide: Guide, weight: int) -
     least = max(ONE >> 2 * output.number, 1)
     demand = guide.demand(output.wanted, level.centers, least)
     cells = level.cells[places[level.centers]]
-    return _usage(level, made, _ROOM * np.bincount(cells, demand, len(level.centers_in_cells)) // ONE, weight)
+    return _usage(
+        level, made, _ROOM * np.bincount(cells, demand, len(level.centers_in_cells)) // ONE, weight
+    )
 
 
 def rows_of(wanted: NDArray[np.bool_]) -> list[NDArray[np.int32]]:
