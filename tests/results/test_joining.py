@@ -35,7 +35,10 @@ def test_blocks_do_not_show(monkeypatch):
     result, values = make("cut", (True, True)), hills((30, 34))
     whole = result.render(values, role="height")
     monkeypatch.setattr(module, "_BLOCK", 16)
-    assert np.allclose(result.render(values, role="height"), whole, atol=1e-3)
+    blocks = result.render(values, role="height")
+    assert np.allclose(blocks, whole, atol=1e-3)
+    result.threads = 3
+    assert np.array_equal(result.render(values, role="height"), blocks)
 
 
 @pytest.mark.parametrize("method", ["quilting", "graphcut", "wei-levoy"])
