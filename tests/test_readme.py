@@ -117,7 +117,7 @@ def test_named_scripts_are_run_by_a_test(page):
     """Examples and experiments by those above; what is left by test_gallery and test_benchmarks."""
     names = ("gallery", "run", "pictures", "house", "digests", "fusion", "lattices", "repeats")
     names += ("everyday", "commits", "many_threads", "studio_page", "planes", "planes_on_disk")
-    names += ("soak",)
+    names += ("soak", "studio")
     others = {f"benchmarks/{name}.py" for name in names}
     for code in code_of(page):
         named = re.match(r"(?:python )?((?:examples|benchmarks)/\w+\.py)\b(.*)", code.strip())
