@@ -36,7 +36,7 @@ def judging() -> Table:
     }
     for result in made.values():
         _ = result.image, result.source
-    samples = [sample_of(256, name) for name in (*NAMES, "pebbles", "weave", "tiles", "wood")]
+    samples = [sample_of(256, name) for name in some((*NAMES, "pebbles", "weave", "tiles", "wood"))]
     wide = sample_of(2048, "pebbles")
     took = medians(
         {

@@ -20,7 +20,7 @@ def kernels() -> Table:
     """Kernels for AVX2 beside those for any processor, in processes of their own."""
     rows = []
     for method in PATCH_METHODS:
-        for side, size in ((200, 800), (256, 2048)):
+        for side, size in some(((200, 800), (256, 2048))):
             runs: dict[str, list[dict[str, float]]] = {"": [], "baseline": []}
             for _ in some(range(5)):
                 for kind, found in runs.items():
@@ -45,7 +45,7 @@ def startup() -> Table:
             "import weftex": [python, "-c", "import weftex"],
             "import weftex, numpy": [python, "-c", "import numpy, weftex"],
         }
-        for side, size in ((128, 200), (200, 800)):
+        for side, size in some(((128, 200), (200, 800))):
             weftex.write_image(f"{folder}/{side}.png", sample_of(side, "bricks"))
             for method in PATCH_METHODS:
                 label = f"weftex synth --method {method}, {side} to {size}"
