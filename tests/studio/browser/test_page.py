@@ -198,7 +198,7 @@ def test_what_is_written_while_a_preview_comes_stays(tab: Any, address: str) -> 
 
 
 def test_seeds_that_nobody_waits_for_end(tab: Any, address: str) -> None:
-    """A kept seed, or another screen, ends the sheet; the focus stays while panels change."""
+    """A kept seed, or another screen, ends the sheet; focus stays while panels change."""
     one = tab()
     page = one.open(address)
     page.click(".samples button:has-text('grass')")
