@@ -4,11 +4,10 @@ from __future__ import annotations
 
 import asyncio
 import logging
-import sys
 from contextlib import asynccontextmanager, suppress
+from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
-from anyio import to_thread
 from starlette.applications import Starlette
 from starlette.exceptions import HTTPException
 from starlette.requests import ClientDisconnect
@@ -31,7 +30,17 @@ if TYPE_CHECKING:
     Handler = Callable[[Call], Awaitable[Any]]
 
 _SWEEP = 1.0  # seconds
-_SWITCH = 2e-4  # seconds that imports may hold up the files of the page, a request several times
+_BREATH = 0.004  # seconds between two steps of the imports, in which files of the page are sent
+#: What the routes under /api need, in steps; a thread for it would hold up the page's files more.
+_STEPS = (
+    "weftex.material",
+    "weftex.methods",
+    "weftex.results.drawing",
+    "weftex.tasks.auto",
+    "weftex.tasks.analyze",
+    "weftex.studio.routes_start",
+    "weftex.studio.routes_results",
+)
 _PAGE = "index.html"
 _log = logging.getLogger(__name__)
 
@@ -68,7 +77,7 @@ def make_app(studio: Studio, hosts: Collection[str]) -> ASGIApp:
 
     @asynccontextmanager
     async def lifespan(app: Starlette) -> AsyncIterator[None]:
-        loading.append(asyncio.create_task(to_thread.run_sync(_routes, studio)))
+        loading.append(asyncio.create_task(_routes(studio)))
         sweeping = asyncio.create_task(_sweep(studio))
         yield
         sweeping.cancel()
@@ -82,16 +91,14 @@ def make_app(studio: Studio, hosts: Collection[str]) -> ASGIApp:
     return Guard(app, token=studio.token, hosts=hosts)
 
 
-def _routes(studio: Studio) -> Router:
+async def _routes(studio: Studio) -> Router:
     """The routes under /api. They need most of weftex, which is imported while the page loads."""
-    usual = sys.getswitchinterval()
-    sys.setswitchinterval(_SWITCH)
-    try:
-        from weftex.studio import routes_results, routes_start
-        from weftex.studio.answers import answer_of
-        from weftex.studio.requests import Call, as_plain
-    finally:
-        sys.setswitchinterval(usual)
+    for step in _STEPS:
+        await asyncio.sleep(_BREATH)
+        import_module(step)
+    from weftex.studio import routes_results, routes_start
+    from weftex.studio.answers import answer_of
+    from weftex.studio.requests import Call, as_plain
 
     def endpoint(handler: Handler) -> Callable[[Request], Awaitable[Response]]:
         async def answer(request: Request) -> Response:
