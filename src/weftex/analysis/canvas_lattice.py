@@ -204,7 +204,7 @@ def four_numbers(lattice: Lattice) -> tuple[float, float, float, float]:
         return (x, y, *other[0])
     length = float(np.hypot(x, y))
     along = [round(y / length, 4) + 0.0, round(-x / length, 4) + 0.0]
-    if np.hypot(*along) < 1:  # as rounded, and no vector may be shorter than a pixel
+    if np.hypot(along[0], along[1]) < 1:  # as rounded, and no vector may be shorter than a pixel
         along = [round(at + float(np.sign(at)) * 1e-4, 4) for at in along]
     return x, y, along[0], along[1]
 
