@@ -196,12 +196,17 @@ def four_numbers(lattice: Lattice) -> tuple[float, float, float, float]:
 
     >>> four_numbers(Lattice(((0, 47),)))
     (0.0, 47.0, 1.0, 0.0)
+    >>> four_numbers(Lattice(((0.94, 53.99),)))
+    (0.94, 53.99, 0.9999, -0.0175)
     """
     (x, y), *other = lattice.vectors
     if other:
         return (x, y, *other[0])
     length = float(np.hypot(x, y))
-    return x, y, round(y / length, 4) + 0.0, round(-x / length, 4) + 0.0
+    along = [round(y / length, 4) + 0.0, round(-x / length, 4) + 0.0]
+    if np.hypot(along[0], along[1]) < 1:  # as rounded, and no vector may be shorter than a pixel
+        along = [round(at + float(np.sign(at)) * 1e-4, 4) for at in along]
+    return x, y, along[0], along[1]
 
 
 def given_lattice(vectors: tuple[float, ...]) -> Lattice:
