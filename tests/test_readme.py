@@ -2,8 +2,8 @@
 
 import ast
 import dataclasses
+import functools
 import itertools
-import math
 import re
 import runpy
 import shlex
@@ -40,10 +40,12 @@ def run_script(script, words, monkeypatch):
 
 
 def smaller(size):
-    """Half of a size on a page, where that leaves 128 pixels: sides in pixels, or as 2k."""
-    sides = [re.sub("k$", "*1024", side) for side in size.split("x")]
-    sides = [math.prod(int(n) for n in side.split("*")) for side in sides]
-    return "x".join(str(max(side // 2, min(side, 128))) for side in sides)
+    """Half of a size, and half of that while a side has over 300 pixels; none below 128."""
+    sides = [int(side.replace("k", "")) * 1024 ** side.count("k") for side in size.split("x")]
+    while True:
+        sides = [max(side // 2, min(side, 128)) for side in sides]
+        if max(sides) <= 300:
+            return "x".join(map(str, sides))
 
 
 @pytest.mark.parametrize("page", PAGES, ids=lambda page: page.name)
@@ -71,10 +73,12 @@ def test_python_of_pages(page, tmp_path, monkeypatch):
 @pytest.mark.parametrize("example", EXAMPLES, ids=lambda example: example.name)
 def test_examples(example, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
-    run_script(example, ["-o", tmp_path], monkeypatch)
+    small = ["--size", 96] if "--size" in example.read_text("utf-8") else []
+    run_script(example, ["-o", tmp_path, *small], monkeypatch)
     assert list(tmp_path.iterdir())
 
 
+@functools.cache
 def experiments(script):
     """Names of what a script's tables FIGURES and TABLES list."""
     lists = [
@@ -113,7 +117,7 @@ def test_named_scripts_are_run_by_a_test(page):
     """Examples and experiments by those above; what is left by test_gallery and test_benchmarks."""
     names = ("gallery", "run", "pictures", "house", "digests", "fusion", "lattices", "repeats")
     names += ("everyday", "commits", "many_threads", "studio_page", "planes", "planes_on_disk")
-    names += ("soak",)
+    names += ("soak", "studio")
     others = {f"benchmarks/{name}.py" for name in names}
     for code in code_of(page):
         named = re.match(r"(?:python )?((?:examples|benchmarks)/\w+\.py)\b(.*)", code.strip())

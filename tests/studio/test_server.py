@@ -1,11 +1,13 @@
 """The command: addresses, tokens, what is left when it ends, and what a restart finds."""
 
 import os
+import runpy
 import signal
 import socket
 import stat
 import sys
 import time
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -143,3 +145,9 @@ def test_what_is_remembered_is_bounded():
     ]
     memory.forget(lambda key: key[1] == 48)
     assert (memory.get(("tab", 48)), memory.bytes) == (None, 60)
+
+
+def test_its_benchmark_runs(tmp_path):
+    script = Path(__file__).parents[2] / "benchmarks" / "studio.py"
+    [(what, figure)] = runpy.run_path(str(script))["start"](tmp_path, 1)
+    assert "to the sample's picture" in what and figure.endswith(")")

@@ -35,7 +35,9 @@ class GraphCutTwin(Placing):
                     at = canvas.known_from
                     self.label[cell] = "known" if at is None else (cell[0] + at[0], cell[1] + at[1])
         self.laid = 0
-        self.seam = functools.cache(self.seam)  # a seam is asked for again and again
+        # These are asked for again and again.
+        self.seam, self.places = functools.cache(self.seam), functools.cache(self.places)
+        self.reduction = functools.cache(self.reduction)
 
     # The plane and the sample
 

@@ -231,14 +231,16 @@ def _finer(
 
 
 def _spread(steps: Floats, reach: float) -> Floats:
-    """Solve c / reach^2 - c'' = steps, as far as its borders do not count, for each channel."""
+    """Solve c / reach^2 - c'' = steps for each channel, as far as its borders do not count.
+
+    It takes the place of the steps: blocks are large, and new memory is slow.
+    """
     shape = steps.shape[1:]
     size = [-(-side // 32) * 32 for side in shape]  # quick to transform
     turns = [2 - 2 * np.cos(2 * np.pi * np.arange(side) / side) for side in size]
     divisor = np.add.outer(turns[0], turns[1][: size[1] // 2 + 1]) + reach**-2
-    found = np.empty(steps.shape)
-    for one, out in zip(steps, found, strict=True):
+    for one in steps:
         spectrum = np.fft.rfft2(one, size)
         spectrum /= divisor
-        out[:] = np.fft.irfft2(spectrum, size)[: shape[0], : shape[1]]
-    return found
+        one[:] = np.fft.irfft2(spectrum, size)[: shape[0], : shape[1]]
+    return steps

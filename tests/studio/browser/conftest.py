@@ -113,6 +113,13 @@ class Tab:
         assert "exceptionDetails" not in found, found
         return found["result"].get("value")
 
+    def write(self, label: str, text: str) -> None:
+        """Write into a field as a person does; `fill` adds to numbers in Firefox."""
+        self.page.focus(f"[aria-label={label}]")
+        self.page.keyboard.press("Control+a")
+        self.page.keyboard.type(text)
+        self.page.keyboard.press("Tab")
+
     def settle(self) -> None:
         """Wait until no work is under way."""
         self.page.wait_for_selector(".stage:not(.busy)")

@@ -34,8 +34,8 @@ def test_a_persons_whole_way(tab: Any, address: str, photo: Path) -> None:
     assert "wall" in page.inner_text(".panel h2")
 
     page.click("[data-screen=make]")
-    page.fill("[aria-label=Width]", "160")
-    page.fill("[aria-label=Height]", "128")
+    one.write("Width", "160")
+    one.write("Height", "128")
     page.check("input[value=xy]")
     page.check("input[value=quick]")
     page.click("text=Make it")
@@ -62,8 +62,7 @@ def test_a_persons_whole_way(tab: Any, address: str, photo: Path) -> None:
     page.select_option("[aria-label^='Add a sample']", "pebbles")
     page.wait_for_selector(".shelf >> text=pebbles")
     for side in ("Width", "Height"):
-        page.fill(f"[aria-label={side}]", "96")
-        page.keyboard.press("Tab")
+        one.write(side, "96")
     page.wait_for_selector(".stage-bar >> text=96 × 96")
     one.stroke((0.4, 0.4), (0.6, 0.6), (0.4, 0.6))
     page.click("text=Fuse them")
@@ -199,7 +198,7 @@ def test_what_is_written_while_a_preview_comes_stays(tab: Any, address: str) -> 
 
 
 def test_seeds_that_nobody_waits_for_end(tab: Any, address: str) -> None:
-    """A kept seed, or another screen, ends the sheet's work; focus stays while panels change."""
+    """A kept seed, or another screen, ends the sheet; focus stays while panels change."""
     one = tab()
     page = one.open(address)
     page.click(".samples button:has-text('grass')")

@@ -205,6 +205,8 @@ export class App extends EventTarget {
   cancel() {
     this.stop?.abort();
     this.stop = null;
+    this.job = null;
+    this.tell("job");
   }
 
   /** Run a job and show how it goes; resolves to the job, or to null if it was cancelled. */
