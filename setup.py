@@ -46,6 +46,7 @@ if CHECKS:
     FLAGS += ["-fsanitize=signed-integer-overflow,shift,integer-divide-by-zero,bounds"]
 if SANITIZE:
     FLAGS += [f"-fsanitize={SANITIZE}", "-fno-omit-frame-pointer", "-fno-wrapv", "-g1", "-O1"]
+    FLAGS += ["-fno-sanitize-recover=all"]  # or pytest would swallow what is said, and pass
 FAST = not (CHECKS or SANITIZE) and platform.machine() in ("x86_64", "AMD64")
 FAST &= not sysconfig.get_platform().startswith("emscripten")  # which is built elsewhere
 LIMITED = {"py_limited_api": True, "define_macros": [("Py_LIMITED_API", "0x030B0000")]}
