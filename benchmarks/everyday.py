@@ -17,7 +17,7 @@ from time import perf_counter, process_time, thread_time
 from unittest.mock import patch
 
 from PIL import Image
-from shared import HERE, Table, busy, ms, sample_of, sized, some
+from shared import HERE, Table, busy, environment, ms, sample_of, sized, some
 
 import weftex
 from weftex.cli import terminal
@@ -57,7 +57,8 @@ def make(name: str, folder: str) -> None:
     """Run the command of a row."""
     words = MATERIALS[name][1].format(sized(1024)).split()
     command = [sys.executable, "-m", "weftex", *words, "-o", "out.png", "--seed", "7", "--quiet"]
-    subprocess.run([*command, "--save-source", "out.npz"], cwd=folder, check=True)
+    command += ["--save-source", "out.npz"]
+    subprocess.run(command, cwd=folder, check=True, env=environment())
 
 
 def materials() -> Table:

@@ -96,16 +96,28 @@ def overlap_mismatch(
     return _rounded(product, picture.size), area
 
 
-def correlation(picture: NDArray[Any], other: NDArray[Any], size: list[int]) -> NDArray[np.int64]:
-    """Sum of products of whole numbers for each place of the other picture's corner.
+def correlations(
+    pictures: NDArray[Any], other: NDArray[Any], size: tuple[int, ...]
+) -> NDArray[np.int64]:
+    """Sum of products of whole numbers, of each picture and the other at each place of its corner.
+
+    Parameters
+    ----------
+    pictures : array (n, H, W)
+    other : array (h, w)
+    size : (int, int)
+        Of the transforms; what leaves a picture comes in at its other side.
+
+    Returns
+    -------
+    int64 array (n, *size)
 
     Examples
     --------
-    >>> correlation(np.array([[3, 1, 2]]), np.array([[1, 10]]), [1, 3])[0, :2].tolist()
+    >>> correlations(np.array([[[3, 1, 2]]]), np.array([[1, 10]]), (1, 3))[0, 0, :2].tolist()
     [13, 21]
     """
-    first, second = (np.fft.rfft2(each, size) for each in (picture, other))
-    return _rounded(first * second.conj(), tuple(size))
+    return _rounded(np.fft.rfft2(pictures, size) * np.fft.rfft2(other, size).conj(), size)
 
 
 def _rounded(product: NDArray[np.complex128], size: tuple[int, ...]) -> NDArray[np.int64]:

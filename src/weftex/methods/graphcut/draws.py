@@ -45,39 +45,53 @@ def drawn_places(
     """
     seed, number, count = draws
     allowed = allowed & (costs < np.inf)
-    chances = np.where(allowed, chances_of(costs, allowed, spread), 0)
+    if spread > 0:
+        left = np.where(allowed, chances_of(costs, allowed, spread), 0)
+    else:
+        left = np.where(allowed, costs, np.inf)
     found: list[tuple[int, int]] = []
     for bits in draw(seed, "patch", number, np.arange(count)):
-        sums = chances.ravel().cumsum()
-        if not sums[-1]:
-            if spread > 0 or not allowed.any():
-                break
-            chances = np.where(allowed, chances_of(costs, allowed, 0.0), 0)
-            sums = chances.ravel().cumsum()
-        at = int(sums.searchsorted(int(bits) % int(sums[-1]), side="right"))
-        y, x = divmod(at, chances.shape[1])
+        at = _by_chance(left, int(bits)) if spread > 0 else _of_the_best(left, int(bits))
+        if at is None:
+            break
+        y, x = divmod(at, left.shape[1])
         found.append((y, x))
         near_y, near_x = (length // _APART for length in size)
         around = np.s_[max(y - near_y, 0) : y + near_y + 1, max(x - near_x, 0) : x + near_x + 1]
-        chances[around] = allowed[around] = 0
+        left[around] = 0 if spread > 0 else np.inf
     return found
+
+
+def _by_chance(chances: NDArray[np.int64], bits: int) -> int | None:
+    """A place, flat, in proportion to the chances; None where there is none."""
+    sums = chances.ravel().cumsum()
+    if not sums[-1]:
+        return None
+    return int(sums.searchsorted(bits % int(sums[-1]), side="right"))
+
+
+def _of_the_best(costs: NDArray[np.float64], bits: int) -> int | None:
+    """One of the places that cost least, flat; None where all costs are infinite."""
+    least = costs.min()
+    if least == np.inf:
+        return None
+    best = np.flatnonzero(costs == least)
+    return int(best[bits % len(best)])
 
 
 def chances_of(
     costs: NDArray[np.float64], allowed: NDArray[np.bool_], spread: float
 ) -> NDArray[np.int64]:
-    """Whole numbers in proportion to exp(-cost / spread).
+    """Whole numbers in proportion to exp(-cost / spread), of a spread above 0.
 
     exp(x) is taken as (1 + x / 1024)**1024, which every machine rounds alike.
     """
     above: NDArray[np.float64] = np.maximum(costs - costs[allowed].min(), 0)
-    if spread > 0:
-        with np.errstate(over="ignore"):  # a spread may be the least number that there is
-            power = 1 + np.minimum(above / spread, _LARGEST_EXPONENT) / 1024
-        for _ in range(10):
-            power *= power
-        return np.asarray(_BEST_CHANCE / power, np.int64)
-    return np.asarray(above == 0, np.int64)
+    with np.errstate(over="ignore"):  # a spread may be the least number that there is
+        power = 1 + np.minimum(above / spread, _LARGEST_EXPONENT) / 1024
+    for _ in range(10):
+        power *= power
+    return np.asarray(_BEST_CHANCE / power, np.int64)
 
 
 def variance(pixels: NDArray[np.uint8]) -> float:

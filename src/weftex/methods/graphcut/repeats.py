@@ -9,7 +9,7 @@ import numpy as np
 
 from weftex.methods.graphcut import repeat_kernels as kernels
 from weftex.raster.boxes import box_sums
-from weftex.search.translation import correlation, fast_size
+from weftex.search.translation import correlations, fast_size
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -131,11 +131,9 @@ class Repeats:
             The place of the box's corner that the first element is of.
         """
         counts = self._counts(halvings)
-        size = [fast_size(n + m) for n, m in zip(counts.shape, missing.shape, strict=True)]
-        shown, area = (
-            np.roll(correlation(a, missing, size), [-at for at in first], (0, 1))
-            for a in (counts, np.ones_like(counts))
-        )
+        rows, columns = (fast_size(n + m) for n, m in zip(counts.shape, missing.shape, strict=True))
+        both = correlations(np.stack([counts, np.ones_like(counts)]), missing, (rows, columns))
+        shown, area = np.roll(both, [-at for at in first], (1, 2))
         mean = counts.mean()
         result: NDArray[np.float64] = shown / np.maximum(area * mean, mean or 1)
         return result

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from weftex.methods.graphcut.copies import copies_of
-from weftex.search.translation import correlation, fast_size
+from weftex.search.translation import correlations, fast_size
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -64,27 +64,22 @@ class Sight:
         )
         missing = self.growth.done[np.ix_(rows[1], columns[1])] == 0
         missing &= rows[2][:, None] & columns[2]
-        size = [
-            fast_size(sum(pair)) for pair in zip(self.salience.shape, missing.shape, strict=True)
-        ]
         shifts, shown = self._pieces(pixel)
-        total = np.zeros(count, np.int64)
-        places = np.ogrid[: count[0], : count[1]]
-        for shift, piece in zip(shifts, shown, strict=True):
-            away = [
-                (place * self.cell + d) / (_FAR * n)
-                for place, d, n in zip(places, shift, self.shape, strict=True)
-            ]
-            weight = np.rint(_WEIGHTS * (1 - np.sqrt(away[0] ** 2 + away[1] ** 2)))
-            if (weight > 0).any():
-                both = self._at_places(correlation(piece, missing, size), count)
-                total += np.maximum(weight, 0).astype(np.int64) * both
-        new = self._at_places(correlation(self.salience, missing, size), count)
-        return total / np.maximum(_WEIGHTS * new, 1)
-
-    def _at_places(self, sums: NDArray[np.int64], count: list[int]) -> NDArray[np.int64]:
-        """Sums by where the corner of `missing` lies, as sums by where its middle does."""
-        return np.roll(sums, count, (0, 1))[: count[0], : count[1]]
+        away = [
+            (np.arange(n) * self.cell + shift[:, None]) / (_FAR * side)
+            for n, shift, side in zip(count, shifts, self.shape, strict=True)
+        ]
+        far = np.sqrt(np.square(away[0])[:, :, None] + np.square(away[1])[:, None])
+        weights = np.maximum(np.rint(_WEIGHTS * (1 - far)), 0).astype(np.int64)
+        near = weights.any(axis=(1, 2))
+        # Sums by where the corner of `missing` lies. Its middle lies a sample's length on.
+        height, width = (fast_size(n) for n in missing.shape)
+        pieces = np.concatenate([shown[near], self.salience[None]])
+        sums = np.roll(correlations(pieces, missing, (height, width)), count, (1, 2))
+        sums = sums[:, : count[0], : count[1]]
+        total = (weights[near] * sums[:-1]).sum(axis=0)
+        result: NDArray[np.float64] = total / np.maximum(_WEIGHTS * sums[-1], 1)
+        return result
 
     def _line(
         self, axis: int, at: int, reach: int, ends: tuple[int, int]
@@ -106,14 +101,19 @@ class Sight:
         )
         source = self.growth.source[np.ix_(rows[1], columns[1])]
         v, u = np.nonzero((source >= 0) & rows[2][:, None] & columns[2])
-        place = np.stack(np.divmod(source[v, u], self.shape[1]))
-        shifts, piece = np.unique(
-            np.stack([rows[0][v], columns[0][u]]) - place, axis=1, return_inverse=True
-        )
-        shown = np.zeros((shifts.shape[1], *self.salience.shape), np.int64)
+        y, x = np.divmod(source[v, u], self.shape[1])
+        # One number for each shift, and that of neighbors once, as most are of one piece.
+        down, along = rows[0][v] - y, columns[0][u] - x
+        width = 2 * int(abs(along).max(initial=0)) + 1
+        number = down * width + along
+        starts = np.flatnonzero(np.diff(number, prepend=number[:1] - 1))
+        found, run = np.unique(number[starts], return_inverse=True)
+        piece = np.repeat(run, np.diff(starts, append=len(number)))
+        along = (found + width // 2) % width - width // 2
+        shown = np.zeros((len(found), *self.salience.shape), np.int64)
         y, x = (
             np.minimum(p // self.cell, n - 1)
-            for p, n in zip(place, self.salience.shape, strict=True)
+            for p, n in zip((y, x), self.salience.shape, strict=True)
         )
-        shown[piece.ravel(), y, x] = self.salience[y, x]
-        return shifts.T, shown
+        shown[piece, y, x] = self.salience[y, x]
+        return np.stack([(found - along) // width, along]), shown
