@@ -11,7 +11,7 @@ import pytest
 import weftex
 from commands import listing
 from families import noise
-from weftex.errors import CancelledError, FileError, InvalidInputError, UnsupportedError
+from weftex.errors import CancelledError, FileError, InvalidInputError
 from weftex.stores.record import Record
 from weftex.stores.tiff import TiffStore
 from weftex.tasks.opened import open_plane
