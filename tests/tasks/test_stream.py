@@ -11,7 +11,7 @@ import pytest
 import weftex
 from commands import listing
 from families import noise
-from weftex.errors import CancelledError, FileError, InvalidInputError, UnsupportedError
+from weftex.errors import CancelledError, FileError, InvalidInputError
 from weftex.stores.record import Record
 from weftex.stores.tiff import TiffStore
 from weftex.tasks.opened import open_plane
@@ -193,8 +193,10 @@ def test_arguments_that_are_none(sample, tmp_path):
         how = {"size": 100} | HOW | change
         with pytest.raises(InvalidInputError, match=why):
             weftex.stream(sample, tmp_path / "p.tif", **how)
-    with pytest.raises(UnsupportedError):
-        weftex.stream(sample, tmp_path / "p.tif", 100, tileable=True, **HOW)
+    strained = HOW | {"method": weftex.BestTile(lattice=(12, 0, 0, 12))}
+    with pytest.raises(InvalidInputError, match="strained by .* would do"):
+        weftex.stream(sample, tmp_path / "p.tif", 67, tileable=True, **strained)
+    assert not list(tmp_path.iterdir())
 
 
 def test_sizes_in_words():

@@ -17,7 +17,7 @@ from weftex.methods.refinement.output import (
     sources_of_children,
     sources_shown,
 )
-from weftex.methods.refinement.plane import refined_window
+from weftex.methods.refinement.plane import goes_around, refined_window
 from weftex.methods.refinement.seeds import seed_sources
 from weftex.methods.refinement.settings import (
     Starts,
@@ -227,10 +227,11 @@ class RefinementModel(PixelModel):
     def make_window(
         self, box: Box, asked: Asked, progress: ProgressCallback | None = None
     ) -> Synthesis:
-        """See `Model.make_window`: a plane of the start is refined level by level."""
+        """See `Model.make_window`: a plane of the start is refined level by level, where it may."""
         prepared: Prepared = self.prepared
         settings = prepared.settings
-        if settings.search != "coherent" or settings.belt or not prepared.starts:
+        coherent = settings.search == "coherent" and not settings.belt and prepared.starts
+        if not coherent or not goes_around(prepared.levels, asked.period):
             return super().make_window(box, asked, progress)
         self.require(A_BLOCK)
         index = refined_window(prepared, self.exemplar, box, asked, progress)

@@ -13,12 +13,11 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
-from weftex.errors import InvalidInputError
 from weftex.methods.refinement.levels import CoherentLevel
 from weftex.methods.refinement.output import Output, sources_of_children, sources_shown
 from weftex.methods.refinement.start import start_window
 from weftex.methods.refinement.sweeps import BlockSweep
-from weftex.planes.boxes import Box, Span, around, check_period
+from weftex.planes.boxes import Box, Span, around
 from weftex.planes.grid import ACROSS, CORNER, DOWN, INSIDE, Axis, Grid, Sizes
 from weftex.progress import Progress
 from weftex.threads import thread_map
@@ -54,15 +53,8 @@ def refined_window(
     asked: Asked,
     callback: ProgressCallback | None = None,
 ) -> NDArray[np.int32]:
-    """Return flat indices (H, W) of the sample's pixels in a window of the refined plane.
-
-    Raises
-    ------
-    InvalidInputError
-        If a period is too short, or no multiple of the coarsest level's pixels.
-    """
+    """Return flat indices (H, W) of the sample's pixels in a window of the refined plane."""
     levels, coarsest = prepared.levels, len(prepared.levels) - 1
-    check_period_of(asked.period, 1 << coarsest)
     parts = parts_of(levels, box, asked)
     begun = _finer(parts[-1].box, coarsest)
     flat = start_window(prepared.starts, begun, asked)
@@ -122,16 +114,11 @@ def parts_of(levels: Sequence[Level], box: Box, asked: Asked) -> list[Part]:
     return parts
 
 
-def check_period_of(period: tuple[int, int] | None, step: int) -> None:
-    """Raise `InvalidInputError` unless levels with pixels so large come back to themselves."""
-    check_period(period, _FEWEST * _PITCHES[-1] * step)
-    for length in period or ():
-        if length % step:
-            lower = length // step * step
-            raise InvalidInputError(
-                f"period is {length}; it must be a multiple of {step} with this method and sample: "
-                f"{lower} or {lower + step} would do"
-            )
+def goes_around(levels: Sequence[Level], period: tuple[int, int] | None) -> bool:
+    """Whether all levels come back to themselves after a period, and their blocks have room."""
+    step = 1 << (len(levels) - 1)
+    least = _FEWEST * _PITCHES[-1] * step
+    return all(length % step == 0 and length >= least for length in period or ())
 
 
 def _begun(level: Level, number: int, source: NDArray[np.int32]) -> Output:

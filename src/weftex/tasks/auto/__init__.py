@@ -182,9 +182,8 @@ class AutoModel(Model):
         Nothing is tried, so that every window has the same method.
         """
         choice, model = self.chosen(_ENDLESS)
-        if asked.period is not None and (
-            is_strained(model, Around(*asked.period)) or "lattice" in choice.parameters
-        ):
+        cut = choice.method != "near-regular" and "lattice" in choice.parameters
+        if asked.period is not None and (cut or is_strained(model, Around(*asked.period))):
             said = f"{choice.reason.rpartition(':')[0]}, a plane that repeats: quilting"
             choice = Choice("quilting", {}, said, choice.warnings)
             model = self._fitted(choice)
