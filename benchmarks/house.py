@@ -11,6 +11,7 @@ from __future__ import annotations
 
 import ast
 import sys
+from functools import cache
 from pathlib import Path
 
 sys.path.append(str(Path(__file__).resolve().parent.parent / "tests"))
@@ -41,17 +42,20 @@ def lines_of(modules: set[str]) -> int:
 
 
 def code_of(modules: set[str]) -> int:
+    return sum(map(code_in, files_of(modules)))
+
+
+@cache
+def code_in(file: Path) -> int:
     """Lines that are neither blank, comment nor docstring."""
-    total = 0
-    for file in files_of(modules):
-        text = file.read_text("utf-8")
-        lines = text.splitlines()
-        total += sum(line.strip() != "" and not line.strip().startswith("#") for line in lines)
-        for node in ast.walk(ast.parse(text)) if file.suffix == ".py" else ():
-            alone = isinstance(node, ast.Expr) and isinstance(node.value, ast.Constant)
-            if alone and isinstance(node.value.value, str):
-                said = lines[node.lineno - 1 : node.end_lineno]
-                total -= sum(line.strip() != "" for line in said)
+    text = file.read_text("utf-8")
+    lines = text.splitlines()
+    total = sum(line.strip() != "" and not line.strip().startswith("#") for line in lines)
+    for node in ast.walk(ast.parse(text)) if file.suffix == ".py" else ():
+        alone = isinstance(node, ast.Expr) and isinstance(node.value, ast.Constant)
+        if alone and isinstance(node.value.value, str):
+            said = lines[node.lineno - 1 : node.end_lineno]
+            total -= sum(line.strip() != "" for line in said)
     return total
 
 

@@ -15,7 +15,7 @@ folder.mkdir(parents=True, exist_ok=True)
 
 sample = weftex.load_exemplar("sample:weave")
 model = weftex.EfrosLeung(window_width=15).fit(sample)
-result = model.sample((160, 200), seed=7, tileable=True)
+result = model.sample((96, 128), seed=7, tileable=True)
 
 weftex.write_image(folder / "efros_leung.png", result.image)
 weftex.write_image(folder / "efros_leung_sources.png", result.draw("sources"))

@@ -12,13 +12,14 @@ import weftex
 
 parser = argparse.ArgumentParser(description=__doc__)
 parser.add_argument("-o", "--output", type=Path, default=Path(), metavar="FOLDER")
-folder = parser.parse_args().output
+parser.add_argument("--size", type=int, default=320, help="pixels a side")
+folder, size = vars(parser.parse_args()).values()
 folder.mkdir(parents=True, exist_ok=True)
 
 sample = weftex.load_exemplar("sample:pebbles")
 
 # A soft light, a disc and a slope, from 0 to 1.
-y, x = np.indices((320, 320)) / 320 - 0.5
+y, x = np.indices((size, size)) / size - 0.5
 shape = np.exp(-((x + 0.12) ** 2 + (y + 0.12) ** 2) / 0.03)
 shape += 0.5 * (np.hypot(x - 0.2, y - 0.2) < 0.18) + 0.25 * x
 shape = (shape - shape.min()) / (shape.max() - shape.min())
@@ -47,8 +48,8 @@ around = (red - blue).astype(float)
 for axis in (0, 1):
     around = np.apply_along_axis(np.convolve, axis, around, kernel, mode="same")
 orange = (around > 75).astype(np.uint8)
-y, x = np.indices((256, 384))
-wave = (np.abs(y - 128 - 60 * np.sin(x / 40)) < 30).astype(np.uint8)
+y, x = np.indices((4 * size // 5, 6 * size // 5)) / size
+wave = (np.abs(y - 0.4 - 0.1875 * np.sin(8 * x)) < 0.09375).astype(np.uint8)
 result = weftex.synthesize(
     sample, wave.shape, method="refinement", guide=wave, sample_guide=orange, seed=3
 )

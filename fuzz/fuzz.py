@@ -4,9 +4,10 @@
     python fuzz/fuzz.py saved --seconds 300     one reader; what it finds is left in build/fuzz
     python fuzz/fuzz.py saved FILE ...          some inputs again
     python fuzz/fuzz.py --seeds                 write the corpus anew
+    python fuzz/fuzz.py --keep                  pack what reached new lines, to go on from it
 
-The suite reads `fuzz/corpus` with the same functions, without atheris. Inputs of `saved` and
-`plane` are the parts of an `.npz` file, so that the fuzzer need not learn to zip.
+The suite reads `fuzz/corpus` and `fuzz/found.zip` with the same functions, without atheris. Inputs
+of `saved` and `plane` are the parts of an `.npz` file, so that the fuzzer need not learn to zip.
 """
 
 from __future__ import annotations
@@ -26,6 +27,10 @@ from unittest import mock
 
 HERE = Path(__file__).resolve().parent
 CORPUS = HERE / "corpus"
+FOUND, LEFT = (
+    HERE / "found.zip",
+    HERE.parent / "build" / "fuzz",
+)  # what the fuzzer keeps, and packed
 BETWEEN = b"\n--\n"  # parts of an input; the first is JSON, of the others the first line is a name
 _MOST = 2**26  # bytes of memory: inputs are small, and so are the pictures that they may claim
 _PIXELS = 2**16
@@ -249,6 +254,8 @@ def seeds() -> dict[str, dict[str, bytes]]:
     stems = b'"stems": {', b'"stems": {"color": "../a"'
     found["plane"]["elsewhere"] = found["plane"]["plane"].replace(*stems)
     found["journal"]["list"] = b"[7]"
+    found["manifest"]["bytes"] = b'{"output": "\xff"}\n'
+    found["manifest"]["half"] = b'{"output": "a.png", "sample": "\\ud83d"}\n'
     found["studio"]["other"] = b'[{"recipe": 7}, 7]'
     found["method"]["control"] = b"graphcut placemen\x0bt=1"
     return found
@@ -263,12 +270,23 @@ def fuzz(name: str, seconds: int) -> None:
                     "weftex.io.manifest", "weftex.stores.ome_zarr", "weftex.stores.record",
                     "weftex.studio.recipes", "weftex.studio.store"):  # fmt: skip
             import_module(one)
-    left = HERE.parent / "build" / "fuzz" / name
+    left = LEFT / name
     left.mkdir(parents=True, exist_ok=True)
+    with zipfile.ZipFile(FOUND) as packed:
+        packed.extractall(LEFT, [one for one in packed.namelist() if one.startswith(f"{name}/")])
     options = [f"-max_total_time={seconds}", "-timeout=10", "-rss_limit_mb=2048", "-max_len=8192"]
     options += [f"-artifact_prefix={left}/", "-print_final_stats=1", str(left), str(CORPUS / name)]
     atheris.Setup([sys.argv[0], *options], lambda data: attempt(name, data))
     atheris.Fuzz()
+
+
+def keep() -> None:
+    """Pack what the fuzzer left, but for what went wrong."""
+    inputs = [file for name in TARGETS for file in sorted((LEFT / name).glob("[0-9a-f]" * 40))]
+    with zipfile.ZipFile(FOUND, "w", zipfile.ZIP_DEFLATED) as packed:
+        for file in inputs:
+            about = zipfile.ZipInfo(f"{file.parent.name}/{file.name}")  # of no day
+            packed.writestr(about, file.read_bytes(), zipfile.ZIP_DEFLATED)
 
 
 def main() -> None:
@@ -277,14 +295,17 @@ def main() -> None:
     parser.add_argument("files", nargs="*", type=Path)
     parser.add_argument("--seconds", type=int, default=300)
     parser.add_argument("--seeds", action="store_true", help="write the corpus anew")
+    parser.add_argument("--keep", action="store_true", help="pack what reached new lines")
     args = parser.parse_args()
-    if args.seeds:
+    if args.keep:
+        keep()
+    elif args.seeds:
         for name, inputs in seeds().items():
             (CORPUS / name).mkdir(parents=True, exist_ok=True)
             for one, data in inputs.items():
                 (CORPUS / name / one).write_bytes(data)
     elif args.target is None:
-        parser.error("name a reader, or --seeds")
+        parser.error("name a reader, --seeds or --keep")
     elif args.files:
         for file in args.files:
             attempt(args.target, file.read_bytes())

@@ -31,3 +31,11 @@ hypothesis.settings.load_profile("weftex")
 def rng() -> np.random.Generator:
     """Made-up pictures, the same in every run."""
     return np.random.default_rng(20010703)
+
+
+@pytest.hookimpl(optionalhook=True)
+def pytest_xdist_make_scheduler(config: pytest.Config, log: object) -> object:
+    """Each process takes neighbors, which share what they made; an idle one takes from another."""
+    from xdist.scheduler import WorkStealingScheduling
+
+    return WorkStealingScheduling(config, log) if config.getvalue("dist") == "load" else None

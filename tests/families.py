@@ -189,8 +189,9 @@ def every(*axes: str, family: str | None = None, kinds: Any = None) -> Any:
 
     Parameters
     ----------
-    *axes : {"method", "kind", "way", "real"}
+    *axes : {"method", "kind", "way", "real", "dtype"}
         "method" first; the kinds of canvas it supports, the names of its `ways`, its `real`.
+        Last, after a kind and a way, two of four types: together they have all.
     family : {"patch", "pixel"}, optional
         Only these methods.
     kinds : sequence of str, optional
@@ -206,9 +207,16 @@ def every(*axes: str, family: str | None = None, kinds: Any = None) -> Any:
                 "way": list(trial.ways),
                 "real": list(trial.real),
             }
-            product = itertools.product(*(values[axis] for axis in axes))
+            product = itertools.product(*(values[axis] for axis in axes if axis != "dtype"))
+            if "dtype" in axes:
+                order = values["kind"], values["way"]
+                product = [
+                    (*case, dtype)
+                    for case in product
+                    for dtype in DTYPES[sum(map(list.index, order, case[1:])) % 2 :: 2]
+                ]
             cases += [c for c in product if not ("guide" in c and set(c) & {*trial.unguided})]
-    ids = ["-".join(str(value) for value in case) for case in cases]
+    ids = ["-".join(getattr(v, "__name__", str(v)) for v in case) for case in cases]
     return pytest.mark.parametrize(
         ",".join(axes), [case if len(axes) > 1 else case[0] for case in cases], ids=ids
     )

@@ -7,6 +7,7 @@ import signal
 import subprocess
 import sys
 import textwrap
+import time
 from pathlib import Path
 
 import weftex
@@ -19,6 +20,14 @@ ENVIRONMENT = os.environ | {"PYTHONPATH": SRC}
 def hear_interrupts():
     """In a child: Ctrl-C counts, though runners in the background start with it ignored."""
     signal.signal(signal.SIGINT, signal.SIG_DFL)
+
+
+def wait_until_it_listens(process):
+    """Until a command catches SIGTERM, however busy the machine is; seen on Linux only."""
+    status, caught = Path(f"/proc/{process.pid}/status"), 0
+    while status.exists() and process.poll() is None and not caught >> signal.SIGTERM - 1 & 1:
+        time.sleep(0.05)
+        caught = int(status.read_text().split("SigCgt:")[1].split()[0], 16)
 
 
 def run(code, *args, **options):

@@ -42,8 +42,9 @@ def attempt(method, exemplar, canvas, **parameters):
 
 @every("method", family="patch")
 @pytest.mark.parametrize("search", SEARCHES)
-@pytest.mark.parametrize("value", [0, 1, 128, 255])
-@pytest.mark.parametrize("patch_size", [1, 2, 7, 8])
+@pytest.mark.parametrize(
+    "patch_size, value", [(1, 0), (1, 255), (2, 1), (7, 128), (8, 0), (8, 255)]
+)
 def test_constant_samples(method, search, value, patch_size):
     exemplar = weftex.Exemplar(np.full((20, 22, 3), value, np.uint8))
     for wrap in ((False, False), (True, True)):
@@ -195,7 +196,7 @@ def test_masks_with_one_window(method):
 
 
 @every("method", "way")
-@pytest.mark.parametrize("value", [0, 1, 128, 255])
+@pytest.mark.parametrize("value", [0, 255])
 def test_constant_samples_in_every_way(method, way, value):
     exemplar = weftex.Exemplar(np.full((20, 22, 3), value, np.uint8))
     model = method_of(method, way).fit(exemplar)
@@ -225,8 +226,9 @@ def test_defaults_work_on_tiny_samples(method, shape, tileable):
 def test_tiny_canvases_in_every_way(method, way):
     exemplar = weftex.Exemplar(noise((20, 22, 3)))
     model = method_of(method, way).fit(exemplar)
-    for size in ((1, 1), (1, 2), (2, 1), (2, 2), (1, 40), (40, 1), (3, 3), (6, 6), (7, 5)):
-        for wrap in wraps_of(method):
+    sizes = ((1, 1), (1, 2), (2, 1), (2, 2), (1, 40), (40, 1), (3, 3), (6, 6), (7, 5))
+    for number, size in enumerate(sizes):
+        for wrap in wraps_of(method)[number % 2 :: 2] or [(False, False)]:
             check(model.sample(weftex.Canvas(*size, wrap), seed=1), exemplar, size)
 
 
@@ -304,7 +306,7 @@ def test_masks_that_leave_few_windows(method, way, tileable):
     mask[15, 17] = False
     exemplar = weftex.Exemplar(noise((30, 30)), mask=mask, tileable=tileable)
     model = method_of(method, way).fit(exemplar)
-    for wrap in wraps_of(method):
+    for wrap in wraps_of(method)[tileable::2] or [(False, False)]:
         check(model.sample(weftex.Canvas(20, 20, wrap), seed=1), exemplar, (20, 20))
     stripes = weftex.Exemplar(noise((30, 30)), mask=np.indices((30, 30))[1] % 4 == 0)
     trial = TRIALS[method]

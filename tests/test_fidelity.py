@@ -1,6 +1,7 @@
 """The pages of fidelity leave out no figure of a paper, and what they name is there and runs."""
 
 import ast
+import functools
 import re
 import shlex
 from pathlib import Path
@@ -140,6 +141,13 @@ def test_pages_are_found_and_lead_back():
         assert f"](fidelity/{name}.md)" in index and PROMISE in page.read_text("utf-8")
 
 
+@functools.cache
+def functions(file):
+    """Names of what a file defines."""
+    body = ast.parse(file.read_text("utf-8")).body
+    return {node.name for node in body if isinstance(node, ast.FunctionDef)}
+
+
 @pytest.mark.parametrize("row", [row for _, row in ROWS], ids=NAMES)
 def test_rows_are_whole(row):
     """What is here has a proof, what is not has a reason; proofs and files that are named exist."""
@@ -147,8 +155,7 @@ def test_rows_are_whole(row):
     assert row.place and (missing or row.proof), row
     assert row.different or row.proof or row.weftex == "not drawn yet", row
     for name, test in re.findall(r"`(test_\w+\.py)::(test_\w+)`", row.proof):
-        tree = ast.parse(TESTS[name].read_text("utf-8"))
-        assert test in [n.name for n in tree.body if isinstance(n, ast.FunctionDef)], test
+        assert test in functions(TESTS[name]), test
     for script, experiment in re.findall(r"`examples/(\w+\.py)(?: (\w+))?`", row.proof):
         path = ROOT / "examples" / script
         assert experiment in experiments(path) if experiment else path in EXAMPLES

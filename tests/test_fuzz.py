@@ -39,10 +39,15 @@ def test_corpus(name):
     assert inputs
     for file in inputs:
         fuzz.attempt(name, file.read_bytes())
+    with zipfile.ZipFile(fuzz.FOUND) as found:
+        for one in found.namelist():
+            if one.startswith(f"{name}/"):
+                fuzz.attempt(name, found.read(one))
 
 
 def test_corpus_is_small():
     files = [p for p in (FUZZ / "corpus").rglob("*") if p.is_file()]
+    assert fuzz.FOUND.stat().st_size < 100_000
     assert len(files) <= 40 and sum(p.stat().st_size for p in files) < 100_000
 
 
@@ -125,3 +130,18 @@ def test_json_that_is_too_deep_or_something_else(tmp_path):
         assert kept.kept == [] and kept.uploads == {}
         assert attributes(str(tmp_path)) == {}
         Manifest(str(tmp_path)).sweep()
+
+
+def test_a_folder_is_let_go_whose_manifest_cannot_be_read(tmp_path):
+    (tmp_path / MANIFEST).write_bytes(b"\xff")
+    for _ in range(2):  # the second time it was another batch that had the folder
+        with pytest.raises(FileError, match="cannot read"):
+            Manifest(str(tmp_path))
+
+
+def test_half_a_letter_in_a_manifest(tmp_path):
+    line = b'{"output": "a.png", "sample": "\\ud83d"}\n'
+    (tmp_path / "a.png").touch()
+    (tmp_path / MANIFEST).write_bytes(line)
+    Manifest(str(tmp_path)).sweep()
+    assert (tmp_path / MANIFEST).read_bytes() == line

@@ -13,7 +13,7 @@ import pytest
 
 import weftex
 from families import METHODS, method_of, noise
-from twins.planes import whole_plane
+from twins.planes import refined_plane, whole_plane
 from weftex.method import Model
 from weftex.planes.cache import BlockCache
 from weftex.planes.grid import Sizes
@@ -58,12 +58,10 @@ def test_windows_agree_in_any_order_on_any_thread(slug, small_blocks):
     )
 
 
-@pytest.mark.parametrize("slug", ["graphcut", "refinement"])
 @pytest.mark.parametrize("period", [None, 331])
-def test_blocks_are_those_of_the_slow_twin(slug, period, monkeypatch):
-    sizes = Sizes(80, 30, loose=10) if slug == "graphcut" else Sizes(80, 24, around=12)
-    small = {"patch_size": 24, "candidates": 2} if slug == "graphcut" else {"iterations": 2}
-    model = weftex.METHODS[slug](**small).fit("sample:pebbles")
+def test_blocks_are_those_of_the_slow_twin(period, monkeypatch):
+    sizes = Sizes(80, 30, loose=10)
+    model = weftex.GraphCut(patch_size=24, candidates=2).fit("sample:pebbles")
     monkeypatch.setattr(type(model), "block_sizes", lambda _: sizes)
     area = whole_plane(model, 5, [-1, 0, 1], period)
     shown, (top, left) = area.shown, area.corner
@@ -74,7 +72,14 @@ def test_blocks_are_those_of_the_slow_twin(slug, period, monkeypatch):
     assert np.array_equal(found, shown[slack:-slack, slack:-slack])
 
 
-@pytest.mark.parametrize("slug", ["patch-sampling", "quilting", "graphcut", "ashikhmin"])
+def test_a_refined_plane_is_that_of_the_slow_twin():
+    model = weftex.Refinement(iterations=2).fit("sample:pebbles")
+    made = model.window(40, -60, 50, 70, seed=5, threads=2)
+    found = made.source[..., 0] * 192 + made.source[..., 1]
+    assert np.array_equal(found, refined_plane(model, (40, -60, 50, 70), seed=5))
+
+
+@pytest.mark.parametrize("slug", ["patch-sampling", "quilting", "graphcut", "near-regular"])
 def test_a_plane_with_a_period_comes_back_to_itself(slug, small_blocks):
     model, period = fitted(slug), (97, 112)
     start = model.window(0, 0, 40, 50, seed=3, period=period)
@@ -114,8 +119,10 @@ def test_auto_settles_on_one_method_for_all_windows():
     )
     assert np.array_equal(made.image[2:], model.window(-3, 7, 28, 40, seed=1).image)
     around = model.window(0, 0, 30, 40, seed=1, period=2**20)
-    assert around.provenance["method"] == "quilting"
-    assert "repeats" in around.provenance["reason"]
+    assert around.provenance["method"] == "near-regular"
+    strained = model.window(0, 0, 30, 40, seed=1, period=250)
+    assert strained.provenance["method"] == "quilting"
+    assert "repeats" in strained.provenance["reason"]
 
 
 def test_a_masked_sample_is_used_where_it_may_be():
@@ -147,9 +154,32 @@ def test_bad_periods_are_refused_in_one_line(period, said, slug):
     assert "\n" not in str(refused.value)
 
 
+@pytest.mark.parametrize("slug", ["near-regular", "best-tile", "refinement"])
+def test_lattices_are_stretched_to_come_back(slug):
+    model = weftex.METHODS[slug]().fit("sample:tiles")
+    around = (400, 408) if slug == "refinement" else (401, 409)
+    start = model.window(-9, -9, 29, 39, seed=3, period=around).source
+    down, across = 3 * around[0] - 9, -(2**21) * around[1] - 20
+    there = model.window(down, across, 29, 50, seed=3, period=around).source
+    assert np.array_equal(there[:, 11:], start)
+    huge = model.window(FAR - 9, -9, 9, 9, seed=3, period=FAR).source
+    assert np.array_equal(huge, model.window(-9, FAR - 9, 9, 9, seed=3, period=FAR).source)
+
+
+def test_a_best_tile_with_a_period_is_the_tileable_picture():
+    model = weftex.BestTile(lattice=(20, 3, -4, 24), tiles=3).fit("sample:tiles")
+    whole = model.sample((170, 146), seed=1, tileable=True).image
+    made = model.window(-170, 292, 200, 190, seed=1, period=(170, 146)).image
+    assert np.array_equal(made, np.tile(whole, (2, 2, 1))[:200, :190])
+
+
 def test_methods_that_cannot_refuse_in_one_line(monkeypatch):
-    with pytest.raises(weftex.UnsupportedError, match="no windows of a plane that repeats"):
-        fitted("near-regular").window(0, 0, 9, 9, seed=1, period=900)
+    for slug in ("near-regular", "best-tile"):
+        model = weftex.METHODS[slug]().fit("sample:tiles")
+        with pytest.raises(weftex.InvalidInputError, match="strained by .* would do$"):
+            model.window(0, 0, 9, 9, seed=1, period=250)
+    with pytest.raises(weftex.InvalidInputError, match="a multiple of 8 .*: 1000 or 1008 would do"):
+        weftex.Refinement().fit("sample:pebbles").window(0, 0, 9, 9, seed=1, period=1001)
     monkeypatch.setattr(weftex.GraphCut, "supports", frozenset({"wrap"}))
     with pytest.raises(weftex.UnsupportedError, match="graphcut does not do windows") as refused:
         fitted("graphcut").window(0, 0, 9, 9, seed=1)

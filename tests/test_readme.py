@@ -2,12 +2,12 @@
 
 import ast
 import dataclasses
+import functools
+import itertools
 import re
 import runpy
 import shlex
-import subprocess
 import sys
-import sysconfig
 import tomllib
 from pathlib import Path
 
@@ -25,7 +25,6 @@ PAPERS = sorted(ROOT.glob("examples/paper_*.py"))
 PARAMETERS = " ".join(
     f"--{field.name.replace('_', '-')}" for m in METHODS.values() for field in dataclasses.fields(m)
 )
-WEFTEX = Path(sysconfig.get_path("scripts"), "weftex")
 
 
 def blocks(page, language):
@@ -33,23 +32,35 @@ def blocks(page, language):
     return re.findall(rf"^```{language}\n(.*?)^```$", page.read_text("utf-8"), re.M | re.S)
 
 
-def run(command, folder):
-    done = subprocess.run(command, cwd=folder, capture_output=True, text=True, check=False)
-    assert done.returncode == 0, f"{shlex.join(map(str, command))}\n{done.stdout}{done.stderr}"
+def run_script(script, words, monkeypatch):
+    """What `python script words` does, in this process."""
+    monkeypatch.syspath_prepend(script.parent)
+    monkeypatch.setattr(sys, "argv", [str(script), *map(str, words)])
+    runpy.run_path(str(script), run_name="__main__")
+
+
+def smaller(size):
+    """Half of a size, and half of that while a side has over 300 pixels; none below 128."""
+    sides = [int(side.replace("k", "")) * 1024 ** side.count("k") for side in size.split("x")]
+    while True:
+        sides = [max(side // 2, min(side, 128)) for side in sides]
+        if max(sides) <= 300:
+            return "x".join(map(str, sides))
 
 
 @pytest.mark.parametrize("page", PAGES, ids=lambda page: page.name)
-def test_commands_of_pages(page, tmp_path):
+def test_commands_of_pages(page, tmp_path, monkeypatch):
     """In the order of the page, in one folder: a command may use what an earlier one made."""
-    for block in blocks(page, "sh"):
-        for line in block.splitlines():
-            words = shlex.split(line, comments=True)
-            if words[:1] == ["mkdir"]:
-                (tmp_path / words[1]).mkdir()
-            if words[:1] == ["weftex"]:
-                run([WEFTEX, *words[1:]], tmp_path)
-                if "-o" in words:
-                    assert (tmp_path / words[words.index("-o") + 1]).exists()
+    monkeypatch.chdir(tmp_path)
+    for line in (line for block in blocks(page, "sh") for line in block.splitlines()):
+        words = shlex.split(line, comments=True)
+        if words[:1] == ["mkdir"]:
+            Path(words[1]).mkdir()
+        if words[:1] == ["weftex"]:
+            options = itertools.pairwise(words)
+            words[2:] = [smaller(b) if a == "--size" else b for a, b in options][1:]
+            assert weft_run(*words[1:]) == 0, line
+            assert "-o" not in words or Path(words[words.index("-o") + 1]).exists(), line
 
 
 @pytest.mark.parametrize("page", PAGES, ids=lambda page: page.name)
@@ -60,11 +71,14 @@ def test_python_of_pages(page, tmp_path, monkeypatch):
 
 
 @pytest.mark.parametrize("example", EXAMPLES, ids=lambda example: example.name)
-def test_examples(example, tmp_path):
-    run([sys.executable, example, "-o", tmp_path], tmp_path)
+def test_examples(example, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    small = ["--size", 96] if "--size" in example.read_text("utf-8") else []
+    run_script(example, ["-o", tmp_path, *small], monkeypatch)
     assert list(tmp_path.iterdir())
 
 
+@functools.cache
 def experiments(script):
     """Names of what a script's tables FIGURES and TABLES list."""
     lists = [
@@ -85,9 +99,7 @@ def experiments(script):
 )
 def test_experiments_of_papers(script, experiment, tmp_path, monkeypatch, capsys):
     """Small ones, in this process: none is left out of what its script runs for `all`."""
-    monkeypatch.syspath_prepend(script.parent)
-    monkeypatch.setattr(sys, "argv", [str(script), experiment, "--small", "-o", str(tmp_path)])
-    runpy.run_path(str(script), run_name="__main__")
+    run_script(script, [experiment, "--small", "-o", tmp_path], monkeypatch)
     assert [path.suffix for path in tmp_path.iterdir()] in ([".png"], [".md"])
     assert capsys.readouterr().out.splitlines()[-1].startswith(f"{experiment}: ")
 
@@ -105,7 +117,7 @@ def test_named_scripts_are_run_by_a_test(page):
     """Examples and experiments by those above; what is left by test_gallery and test_benchmarks."""
     names = ("gallery", "run", "pictures", "house", "digests", "fusion", "lattices", "repeats")
     names += ("everyday", "commits", "many_threads", "studio_page", "planes", "planes_on_disk")
-    names += ("soak",)
+    names += ("soak", "studio")
     others = {f"benchmarks/{name}.py" for name in names}
     for code in code_of(page):
         named = re.match(r"(?:python )?((?:examples|benchmarks)/\w+\.py)\b(.*)", code.strip())

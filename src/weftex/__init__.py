@@ -40,6 +40,7 @@ if TYPE_CHECKING:
     from weftex.pages.report import Report
     from weftex.quality.assess import Assessment, assess
     from weftex.results.synthesis import Synthesis
+    from weftex.studio.notebook import view
     from weftex.tasks.analyze import analyze
     from weftex.tasks.auto import Auto
     from weftex.tasks.combined import together
@@ -89,6 +90,7 @@ _PUBLIC = {
     "methods.wei_levoy": ["WeiLevoy"],
     "quality.assess": ["Assessment", "assess"],
     "results.synthesis": ["Synthesis"],
+    "studio.notebook": ["view"],
     "tasks.analyze": ["analyze"],
     "tasks.auto": ["Auto"],
     "tasks.combined": ["together"],

@@ -130,7 +130,7 @@ def test_bad_input_is_one_line_and_leaves_everything(here, capsys, words, messag
     (here / "uneven").mkdir()
     write_image("uneven/a.png", noise((40, 40)))
     write_image("uneven/b.png", noise((40, 41)))
-    weftex.synthesize("sample.png", 80, seed=1).save("a.npz")
+    weftex.synthesize("sample.png", 80, method="quilting", seed=1).save("a.npz")
     assert re.search(message, fails(capsys, here, *words))
 
 

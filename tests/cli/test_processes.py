@@ -12,7 +12,7 @@ import pytest
 
 from commands import listing
 from families import noise
-from processes import ENVIRONMENT, hear_interrupts, weftex_process
+from processes import ENVIRONMENT, hear_interrupts, wait_until_it_listens, weftex_process
 from weftex.io.pictures import write_image
 
 
@@ -38,7 +38,8 @@ def test_a_full_disk(here, output):
         signal.signal(signal.SIGXFSZ, signal.SIG_IGN)
         resource.setrlimit(resource.RLIMIT_FSIZE, (50_000, 50_000))
 
-    run = weftex_process("synth", "sample.png", "-o", output, "--size", 300, preexec_fn=limit)
+    words = ["--size", 300, "--method", "quilting"]
+    run = weftex_process("synth", "sample.png", "-o", output, *words, preexec_fn=limit)
     err = run.communicate()[1]
     assert run.returncode == 2
     assert err.startswith("weftex: error: ") and err.count("\n") == 1, err
@@ -59,7 +60,8 @@ def test_stopping_leaves_nothing(here, number, code, kind):
     run = weftex_process(
         "synth", sample, "-o", output, "--size", 6000, *words, preexec_fn=hear_interrupts
     )
-    time.sleep(1.5)
+    wait_until_it_listens(run)
+    time.sleep(1)
     assert run.poll() is None, run.communicate()
     run.send_signal(number)
     try:

@@ -4,11 +4,13 @@ from __future__ import annotations
 
 import shutil
 import struct
+import sys
 import zlib
 
 import numpy as np
 import pytest
 
+from commands import weft_run
 from picture_files import PNG, PREMULTIPLIED, STRAIGHT, chunk, fails, noise, oiio_write, smooth
 from processes import run
 from weftex.io import pictures as io
@@ -327,6 +329,14 @@ def test_importing_does_not_load_the_library():
     done = run(code)
     assert done.returncode == 0, done.stderr
     assert set(done.stdout.split()) <= {"__future__", "copy", "dataclasses", "zlib"}
+
+
+def test_without_the_library(monkeypatch, tmp_path, capsys):
+    """As on a free-threaded Python, for which there is none."""
+    monkeypatch.setitem(sys.modules, "OpenImageIO", None)
+    assert weft_run("synth", "sample:pebbles", "-o", tmp_path / "a.png", "--size", 8) == 2
+    line = "picture files need OpenImageIO, which cannot be loaded here"
+    assert capsys.readouterr().err.splitlines() == [f"weftex: error: {line}"]
 
 
 def test_nothing_is_printed_at_the_end(tmp_path):

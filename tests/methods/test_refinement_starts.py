@@ -130,3 +130,99 @@ def test_belts_of_joints_are_as_wide_as_they_say():
     """A seam lies between two pixels, so a belt along it has an even width."""
     with pytest.raises(weftex.InvalidInputError, match="joints is 5; it must be even"):
         weftex.Refinement(joints=5)
+
+
+def test_it_starts_from_methods_that_are_added_later(monkeypatch):
+    with pytest.raises(weftex.InvalidInputError, match="init is 'mine'; known: ashik.*wei-levoy"):
+        weftex.Refinement(init="mine")
+    monkeypatch.setitem(weftex.METHODS._homes, "mine", "weftex.methods.quilting:Quilting")
+    weftex.Refinement(init="mine", joints=6)
+    with pytest.raises(weftex.InvalidInputError, match="init is 'mina'; did you mean 'mine'"):
+        weftex.Refinement(init="mina")
+    with pytest.raises(weftex.InvalidInputError, match="init is 'refinement'"):
+        weftex.Refinement(init="refinement")
+
+
+@pytest.mark.parametrize(
+    ("init", "message"),
+    [
+        ("graphcut placment=entire", "init: graphcut has no parameter 'placment'; did you mean"),
+        ("graphcut placement=all", "init: placement is 'all'"),
+        ("quilting patch_size=big", "init: patch_size is 'big'; it must be an integer"),
+        ("quilting 16", "init: quilting has '16'; it must be name=value"),
+        ("quilting patch_size=16 patch_size=8", "once for each name"),
+        ("quiltin patch_size=16", "init: unknown method 'quiltin'; did you mean 'quilting'"),
+        ("quilting 'x", 'init: "quilting \'x" is no method'),
+        ("seeds matches=3", "init: unknown method 'seeds'"),
+        ("refinement iterations=2", "init is 'refinement iterations=2'"),
+        (weftex.Refinement(init="quilting"), "init is 'refinement init=quilting'"),
+        (" ", "init: ' ' is no method"),
+        ("", "init is ''"),
+        (5, "init is 5"),
+    ],
+)
+def test_a_start_that_cannot_be_is_refused_in_one_line(init, message):
+    with pytest.raises(weftex.InvalidInputError) as caught:
+        weftex.Refinement(init=init)
+    assert message in str(caught.value) and "\n" not in str(caught.value)
+
+
+def test_a_start_that_does_not_fit_is_refused_before_work():
+    exemplar = weftex.Exemplar(noise((40, 40)))
+    with pytest.raises(weftex.InvalidInputError, match="init: .*window of 99"):
+        weftex.Refinement(init="quilting patch_size=99").fit(exemplar)
+
+
+def test_seed_points_farther_apart_than_the_sample_is_wide_take_no_memory():
+    method = weftex.Refinement(init="seeds", seed_scale=1e6, window_width=5)
+    made = method.fit(weftex.Exemplar(noise((16, 18), values=9))).sample((20, 20), seed=1)
+    assert made.shape == (20, 20)
+
+
+def test_a_margin_for_places_that_nothing_looks_for_is_refused():
+    """Without similar places only seed points, holes and guides have any that continue nothing."""
+    pixels = weftex.load_exemplar("sample:pebbles").pixels[:64, :64].copy()
+    hole = np.pad(np.ones((20, 20), bool), 22)
+    guide = np.pad(np.zeros((64, 32), bool), ((0, 0), (0, 32)), constant_values=True)
+
+    def made(coherence, task=weftex.synthesize, on=40, **more):
+        given = {"similar": 0, "coherence": coherence, "iterations": 2}
+        result = task(pixels, on, method="refinement", seed=1, **given, **more)
+        return result.source.tolist()
+
+    for more in ({}, {"joints": 8}, {"joints": 8, "task": weftex.fill, "on": hole}):
+        with pytest.raises(weftex.InvalidInputError, match="coherence has no effect where similar"):
+            made(9.0, **more)
+    guided = {"guide": guide, "sample_guide": pixels[..., 0] > 120, "on": (64, 64)}
+    for more in ({"init": "seeds"}, {"task": weftex.fill, "on": hole}, guided):
+        assert made(9.0, **more) != made(1.0, **more)
+
+
+def test_more_matches_than_there_are_tiles_are_all():
+    exemplar = weftex.Exemplar(noise((40, 40)))
+    sources = [
+        weftex.Refinement(init="seeds", seed_scale=8.0, matches=matches, window_width=7)
+        .fit(exemplar)
+        .sample(24, seed=1)
+        .source.tolist()
+        for matches in (25, 10**9, 5)
+    ]
+    assert sources[0] == sources[1] != sources[2]
+
+
+def test_a_guide_takes_the_parameters_of_seeds_where_these_are_named():
+    pixels = weftex.load_exemplar("sample:pebbles").pixels[:48, :48].copy()
+
+    def made(**how):
+        method = weftex.Refinement(iterations=2, **how)
+        guide = pixels[::-1].copy()
+        return weftex.synthesize(pixels, 48, method=method, guide=guide, seed=1).source.tolist()
+
+    assert made() == made(init="seeds") != made(init="seeds", matches=40)
+
+
+def test_settling_is_what_fitting_does():
+    for shape in ((2, 40), (40, 41)):
+        for search in ("coherent", "nearest"):
+            method, exemplar = weftex.Refinement(search=search), weftex.Exemplar(noise(shape))
+            assert method.settle(exemplar) == method.fit(exemplar).method

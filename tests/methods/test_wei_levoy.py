@@ -219,7 +219,7 @@ def test_a_hole_in_a_pattern_is_filled_with_it():
 def test_settled_parameters():
     def settled(shape, tileable=False, **parameters):
         exemplar = weftex.Exemplar(noise(shape), tileable=tileable)
-        method = weftex.WeiLevoy(**parameters).fit(exemplar).method
+        method = weftex.WeiLevoy(**parameters).settle(exemplar)
         return method.levels, method.window_width, method.parent_width
 
     assert settled((256, 256)) == (4, 9, 7)

@@ -8,6 +8,8 @@ from hypothesis import strategies as st
 import weftex
 from families import noise
 from twins import similar as reference
+from twins.windows import by_rows, window_centers
+from twins.windows import nearest_center as nearest_by_definition
 from weftex.exemplar import Exemplar
 from weftex.raster.pyramids import gaussian_pyramid
 from weftex.search.similar import nearest_center, similar_places
@@ -36,7 +38,7 @@ def test_the_coarsest_level_is_the_slow_twin(shape, colors, count, tileable, see
     pixels = (noise((*shape, 2), seed=seed) % colors).astype(np.uint8)
     exemplar = Exemplar(pixels, tileable=tileable, alpha=False)
     windows = windows_of(exemplar, (1, 1, 1, 1))
-    centers = reference.window_centers(np.ones(shape, bool), [1] * 4, tileable)
+    centers = window_centers(np.ones(shape, bool), [1] * 4, tileable)
     expected = reference.similar_places(pixels, centers, 1, count, lambda _: centers)
     found = similar_places(windows, 1, count)
     assert found.shape == (windows.usable.size, count) and found.dtype == np.int32
@@ -113,8 +115,8 @@ def test_where_no_window_is_the_nearest_stands_for_it():
     mask[4, 5] = False
     for tileable in (False, True):
         windows = windows_of(Exemplar(noise((9, 10)), mask=mask, tileable=tileable), (1, 1, 1, 1))
-        centers = list(zip(*np.nonzero(windows.usable), strict=True))
+        rows = by_rows(list(zip(*np.nonzero(windows.usable), strict=True)))
         result = nearest_center(windows.usable)
         for y, x in np.ndindex(result.shape):
-            expected = reference.nearest_center(centers, y, x)
+            expected = nearest_by_definition(rows, y, x)
             assert divmod(int(result[y, x]), result.shape[1]) == expected

@@ -21,7 +21,8 @@ from weftex.method import Model
 from weftex.methods.quilting import Quilting
 from weftex.progress import Progress
 from weftex.studio.limits import Limits
-from weftex.studio.server import Server, listen
+from weftex.studio.listening import listen
+from weftex.studio.server import Server
 from weftex.studio.studio import Studio
 
 SMALL = Limits(
@@ -41,11 +42,9 @@ SMALL = Limits(
 @contextmanager
 def serving(studio):
     """A server that answers on the loopback, in a thread."""
-    server = Server(listen("127.0.0.1", 0), "127.0.0.1", studio, lambda address: ready.set())
-    ready = threading.Event()
+    server = Server(listen("127.0.0.1", 0), "127.0.0.1", studio)
     thread = threading.Thread(target=server.run)
     thread.start()
-    assert ready.wait(20)
     yield server
     server.should_exit = True
     thread.join(20)

@@ -1,11 +1,13 @@
 """The command: addresses, tokens, what is left when it ends, and what a restart finds."""
 
 import os
+import runpy
 import signal
 import socket
 import stat
 import sys
 import time
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -14,7 +16,7 @@ from processes_of_studio import Process
 
 from weftex.cli import main
 from weftex.io.pictures import write_image
-from weftex.studio import server, store
+from weftex.studio import listening, server, store
 from weftex.studio.limits import Limits, Memory
 from weftex.studio.refusals import Refusal
 from weftex.studio.sessions import Sessions, key_of
@@ -61,25 +63,25 @@ def test_killed_and_started_again(tmp_path, rng):
 
 
 def test_its_socket_is_of_this_machine_alone():
-    with server.listen("127.0.0.1", None) as one, server.listen("127.0.0.1", None) as two:
+    with listening.listen("127.0.0.1", None) as one, listening.listen("127.0.0.1", None) as two:
         assert one.getsockname()[0] == two.getsockname()[0] == "127.0.0.1"
         assert one.getsockname()[1] != two.getsockname()[1]
         with pytest.raises(OSError, match="cannot listen at 127.0.0.1:"):
-            server.listen("127.0.0.1", one.getsockname()[1])
+            listening.listen("127.0.0.1", one.getsockname()[1])
 
 
 def test_another_address_only_with_a_warning(monkeypatch, tmp_path, capsys):
     served = []
     monkeypatch.setattr(server.Server, "run", lambda self: served.append(self))
-    words = ["studio", "--port", "0", "--data", str(tmp_path)]
+    words = ["studio", "--no-browser", "--port", "0", "--data", str(tmp_path)]
     assert main(words) == 0
-    assert capsys.readouterr().err == ""
+    assert capsys.readouterr().err.count("\n") == 1  # the address alone
     assert main([*words, "--host", "0.0.0.0"]) == 0
     assert "others on the network can reach the studio" in capsys.readouterr().err
     for one in served:
         one.listener.close()
-    assert "evil.example:80" not in server.hosts_of("0.0.0.0", 80)
-    assert f"{socket.gethostname()}:8427" in server.hosts_of("0.0.0.0", 8427)
+    assert "evil.example:80" not in listening.hosts_of("0.0.0.0", 80)
+    assert f"{socket.gethostname()}:8427" in listening.hosts_of("0.0.0.0", 8427)
 
 
 @pytest.mark.parametrize(
@@ -93,14 +95,7 @@ def test_wrong_words_are_one_line(words, tmp_path, capsys):
 
 
 def test_without_the_extra_it_says_what_to_install(monkeypatch, capsys):
-    monkeypatch.setitem(sys.modules, "weftex.studio.server", None)
-    monkeypatch.setattr("weftex.studio.server", None, raising=False)
-    for name in [name for name in sys.modules if name.startswith(("starlette", "uvicorn"))]:
-        monkeypatch.setitem(sys.modules, name, None)
-    monkeypatch.delitem(sys.modules, "weftex.studio.server")
-    import weftex.studio
-
-    monkeypatch.delattr(weftex.studio, "server")
+    monkeypatch.setitem(sys.modules, "starlette", None)
     assert main(["studio"]) == 2
     assert "pip install 'weftex[studio]'" in capsys.readouterr().err
 
@@ -150,3 +145,9 @@ def test_what_is_remembered_is_bounded():
     ]
     memory.forget(lambda key: key[1] == 48)
     assert (memory.get(("tab", 48)), memory.bytes) == (None, 60)
+
+
+def test_its_benchmark_runs(tmp_path):
+    script = Path(__file__).parents[2] / "benchmarks" / "studio.py"
+    [(what, figure)] = runpy.run_path(str(script))["start"](tmp_path, 1)
+    assert "to the sample's picture" in what and figure.endswith(")")

@@ -268,9 +268,9 @@ def test_the_result_is_that_of_the_method_by_name():
         )
         assert np.array_equal(made.image, again.image)
         assert np.array_equal(made.source, again.source)
-        options = {"method": "auto", "tileable": "x", "threads": 1}
-        same = weftex.synthesize(exemplar, size, seed=3, **options)
-        assert np.array_equal(made.image, same.image)
+    options = {"method": "auto", "tileable": "x", "threads": 1}
+    same = weftex.synthesize(exemplar, size, seed=3, **options)
+    assert np.array_equal(made.image, same.image)
 
 
 @pytest.mark.parametrize("kind", ["plain", "xy", "hole", "wrapped hole", "guide"])

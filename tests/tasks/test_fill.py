@@ -166,7 +166,8 @@ def test_masks_from_files_and_pil_are_the_same(tmp_path):
     photo, hole = noise((70, 90, 3)), HOLES["several"]
     image = Image.fromarray(hole)
     image.save(tmp_path / "hole.png")
-    images = [weftex.fill(photo, m, seed=1).image for m in (hole, image, tmp_path / "hole.png")]
+    masks = (hole, image, tmp_path / "hole.png")
+    images = [weftex.fill(photo, m, method="quilting", seed=1).image for m in masks]
     assert (images[0] == images[1]).all() and (images[0] == images[2]).all()
 
 

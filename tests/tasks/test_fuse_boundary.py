@@ -1,5 +1,6 @@
 """Boundaries that nobody could draw with a ruler: benchmarks/fusion.py, on small pictures."""
 
+import functools
 import sys
 from pathlib import Path
 
@@ -60,6 +61,7 @@ def test_mixed_regions_have_belts_too():
         assert broken[border - 1] < 0.5
 
 
+@functools.cache
 def halves(axis, tileable):
     """Pebbles and leaves in halves along an axis; the sample that each pixel is from."""
     samples = [weftex.load_exemplar(f"sample:{name}") for name in ("pebbles", "leaves")]

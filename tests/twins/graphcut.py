@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import functools
+
 import numpy as np
 
 from twins.graphcut_placement import Placing
@@ -33,6 +35,9 @@ class GraphCutTwin(Placing):
                     at = canvas.known_from
                     self.label[cell] = "known" if at is None else (cell[0] + at[0], cell[1] + at[1])
         self.laid = 0
+        # These are asked for again and again.
+        self.seam, self.places = functools.cache(self.seam), functools.cache(self.places)
+        self.reduction = functools.cache(self.reduction)
 
     # The plane and the sample
 

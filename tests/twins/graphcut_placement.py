@@ -409,11 +409,10 @@ class Placing:
             if label not in (None, "known"):
                 place = [min(c // cell, n - 1) for c, n in zip(label, salience.shape, strict=True)]
                 pieces.setdefault((y - label[0], x - label[1]), set()).add(tuple(place))
-        result = {}
+        result, salience = {}, dict(np.ndenumerate(salience))
         for at in np.ndindex(*cells):
             total = 0
-            found = [tuple(np.add(at, m)) for m in missing]
-            found = [f for f in found if self.inside(f, salience.shape)]
+            found = {(at[0] + y, at[1] + x) for y, x in missing} & salience.keys()
             new = sum(int(salience[f]) for f in found)
             for shift, places in pieces.items():
                 off = [
@@ -421,13 +420,9 @@ class Placing:
                 ]
                 weight = int(np.rint(64 * (1 - np.sqrt(off[0] ** 2 + off[1] ** 2))))
                 if weight > 0:
-                    total += weight * sum(int(salience[f]) for f in found if f in places)
+                    total += weight * sum(int(salience[f]) for f in found & places)
             result[at] = total / max(64 * new, 1)
         return result
-
-    @staticmethod
-    def inside(at, shape):
-        return all(0 <= a < n for a, n in zip(at, shape, strict=True))
 
     def patch_shape(self):
         """Squares; of a thin sample 0.45 of either side; or the entire sample."""

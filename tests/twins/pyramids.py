@@ -9,29 +9,17 @@ import numpy as np
 
 def coarser(levels, wrap, start=(0, 0)):
     """Every second pixel of the 1 4 6 4 1 mean, rounded; beyond a border the last pixel goes on."""
-    height, width = levels.shape[:2]
-    shape = (height + 1 - start[0]) // 2, (width + 1 - start[1]) // 2
-    result = np.zeros((*shape, levels.shape[2]), np.uint8)
-    for y, x in np.ndindex(result.shape[:2]):
-        total = np.full(levels.shape[2], 128)
-        for v, u in itertools.product(range(-2, 3), repeat=2):
-            weight = (1, 4, 6, 4, 1)[v + 2] * (1, 4, 6, 4, 1)[u + 2]
-            at = 2 * y + start[0] + v, 2 * x + start[1] + u
-            at = _tap(at[0], height, wrap[0]), _tap(at[1], width, wrap[1])
-            total += weight * levels[at].astype(int)
-        result[y, x] = total // 256
-    return result
+    total = 128
+    for v, u in itertools.product(range(-2, 3), repeat=2):
+        weight = (1, 4, 6, 4, 1)[v + 2] * (1, 4, 6, 4, 1)[u + 2]
+        total = total + weight * _taps(levels, wrap, start, (v, u)).astype(int)
+    return (total // 256).astype(np.uint8)
 
 
 def coarser_mask(mask, wrap, start=(0, 0)):
     """Whether all pixels that count for a coarser one are in the mask."""
-    height, width = mask.shape
-    result = np.ones(((height + 1 - start[0]) // 2, (width + 1 - start[1]) // 2), bool)
-    for y, x in np.ndindex(result.shape):
-        for v, u in itertools.product(range(-2, 3), repeat=2):
-            at = 2 * y + start[0] + v, 2 * x + start[1] + u
-            result[y, x] &= mask[_tap(at[0], height, wrap[0]), _tap(at[1], width, wrap[1])]
-    return result
+    steps = itertools.product(range(-2, 3), repeat=2)
+    return np.logical_and.reduce([_taps(mask, wrap, start, step) for step in steps])
 
 
 def pyramid(pixels, mask, wrap, count):
@@ -53,5 +41,10 @@ def stacked(levels, number, wrap, halve=coarser):
     return result
 
 
-def _tap(at, length, wraps):
-    return at % length if wraps else min(max(at, 0), length - 1)
+def _taps(levels, wrap, start, step):
+    """For each coarser pixel the one this step away from its own."""
+    places = []
+    for length, wraps, first, off in zip(levels.shape, wrap, start, step, strict=False):
+        at = np.arange(first, length, 2) + off
+        places.append(at % length if wraps else at.clip(0, length - 1))
+    return levels[np.ix_(*places)]

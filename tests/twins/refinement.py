@@ -12,13 +12,7 @@ from twins.pyramids import coarser, coarser_mask, pyramid, stacked
 from twins.randomness import random_bits
 from twins.seed_points import seed_points
 from twins.similar import registered_similar
-from twins.windows import (
-    known_window,
-    nearest_center,
-    steps_away,
-    usable,
-    window_centers,
-)
+from twins.windows import by_rows, known_window, nearest_center, steps_away, usable, window_centers
 from weftex.analysis.scale import dominant_scale
 
 
@@ -28,36 +22,34 @@ class RefinedLevel:
     def __init__(self, pixels, mask, tileable, number, reach, side, whole=False):
         self.pixels, self.mask, self.tileable = pixels, mask, tileable
         self.shape, self.number, self.reach, self.side = mask.shape, number, reach, side
-        self.whole, self.similar, self.guide, self.windows = whole, {}, None, {}
-        steps = list(itertools.product(range(-reach, reach + 1), repeat=2))
-        self.centers = [
-            (y, x)
-            for y, x in np.ndindex(mask.shape)
-            if all(at is not None and mask[at] for at in (self.at((y, x), *s) for s in steps))
-        ]
+        self.whole, self.similar, self.guide = whole, {}, None
+        self.rows, self.columns = self._steps(mask.shape[0]), self._steps(mask.shape[1])
+        there = self.rows[:, None, :, None], self.columns[None, :, None, :]
+        usable = mask[there] & (there[0] >= 0) & (there[1] >= 0)
+        self.centers = [tuple(at) for at in np.argwhere(usable.all(axis=(2, 3))).tolist()]
         self.center_set = set(self.centers)
+
+    def _steps(self, length):
+        """Where each step from each place of an axis leads; mirrored beyond a border, or -1."""
+        step = np.arange(-self.reach, self.reach + 1)
+        first, start = np.divmod(np.arange(length)[:, None], 2**self.number)
+        count = -(-(length - start) // 2**self.number)
+        at = first + step
+        inside = at % count if self.tileable else at % (2 * count)
+        inside = np.minimum(inside, 2 * count - 1 - inside) if not self.tileable else inside
+        beyond = (at < 0) | (at >= count) if self.whole and not self.tileable else False
+        return np.where(beyond, -1, start + inside * 2**self.number)
 
     def at(self, place, dy, dx):
         """The pixel beside a place, 2**number pixels for a step; mirrored beyond a border."""
-        result = []
-        for first, step, length in zip(place, (dy, dx), self.shape, strict=True):
-            first, start = divmod(first, 2**self.number)
-            count = len(range(start, length, 2**self.number))
-            step = first + step
-            if self.whole and not self.tileable and not 0 <= step < count:
-                return None
-            step %= count if self.tileable else 2 * count
-            step = min(step, 2 * count - 1 - step) if not self.tileable else step
-            result.append(start + step * 2**self.number)
-        return tuple(result)
+        steps = self.rows[place[0], dy + self.reach], self.columns[place[1], dx + self.reach]
+        return tuple(map(int, steps))
 
-    def around(self, place, steps):
-        """Rows and columns of the pixels at some steps from a place, to index with."""
-        if place not in self.windows:
-            reach = range(-self.reach, self.reach + 1)
-            self.windows[place] = {s: self.at(place, *s) for s in itertools.product(reach, reach)}
-        window = self.windows[place]
-        return tuple(np.array([window[s] for s in steps], int).reshape(-1, 2).T)
+    def around(self, places, steps):
+        """Rows and columns of the pixels at some steps from each place, to index with."""
+        y, x = np.array(places, int).reshape(-1, 2, 1).transpose(1, 0, 2)
+        dy, dx = np.array(steps, int).reshape(-1, 2).T + self.reach
+        return self.rows[y, dy], self.columns[x, dx]
 
     def beside(self, place, dy, dx):
         """Where a source goes on, or None."""
@@ -70,7 +62,7 @@ class RefinedLevel:
 
     def cell(self, place):
         """The square of the sample that a place lies in."""
-        return tuple(k // self.side for k in place)
+        return place[0] // self.side, place[1] // self.side
 
 
 def turned_lines(unknown, turn, cyclic, to_and_fro):
@@ -148,7 +140,7 @@ def refinement(method, exemplar, canvas, seed, start=None):
             level.guide = shown, stacked(own, level.number, tiles).astype(int), weight
     below = None
     for level, (picture, known) in list(zip(levels, stack, strict=True))[::-1]:
-        coarsest = below is None
+        coarsest, rows = below is None, by_rows(level.centers)
         step = 2**level.number
         source = [[None] * known.shape[1] for _ in range(known.shape[0])]
         seeds = coarsest and start is None
@@ -161,7 +153,7 @@ def refinement(method, exemplar, canvas, seed, start=None):
                 spacing, method.matches, seed, plain,
             )  # fmt: skip
             for (y, x), (v, u) in points.items():
-                source[y][x] = nearest_center(level.centers, v * step, u * step)
+                source[y][x] = nearest_center(rows, v * step, u * step)
         for y, x in np.ndindex(known.shape):
             if coarsest and not seeds:
                 v, u = (int(k) for k in start[y * step, x * step])
@@ -180,7 +172,7 @@ def refinement(method, exemplar, canvas, seed, start=None):
                     v, u = y * step + canvas.known_from[0], x * step + canvas.known_from[1]
                     source[y][x] = v, u
             if source[y][x] is not None and (not seeds or known[y, x]):
-                source[y][x] = nearest_center(level.centers, *source[y][x])
+                source[y][x] = nearest_center(rows, *source[y][x])
         done = np.array([[s is not None for s in row] for row in source]) | known
         for y, x in np.argwhere(done & ~known):
             picture[y, x] = level.pixels[source[y][x]]
@@ -188,7 +180,7 @@ def refinement(method, exemplar, canvas, seed, start=None):
         rounds = rounds if coarsest else max(1, method.iterations // 2)
         cyclic = not hole.all()
         sweep = _coherent_sweep if coherent else _nearest_sweep
-        usage = {}
+        usage, room = {}, _room(level, ~known) if coherent else None
         for y, x in np.argwhere(done & ~known):
             usage[level.cell(source[y][x])] = usage.get(level.cell(source[y][x]), 0) + 1
         above = len(levels) - 1 - levels.index(level)
@@ -200,7 +192,7 @@ def refinement(method, exemplar, canvas, seed, start=None):
             for line in turned_lines(~known, turn, cyclic, coherent):
                 sweep(
                     method, level, canvas, seed, picture, done, source, ~known, line, turn,
-                    cyclic, usage, above, settled,
+                    cyclic, usage, room, above, settled,
                 )  # fmt: skip
             if turn >= (3 if cyclic else 1):
                 ratios = []
@@ -243,9 +235,9 @@ def seam_belts(source, reach, wrap, exemplar):
     return belts
 
 
-def _known_distance(level, here, known, place):
-    """Sum of squared differences over the known pixels of a window, which are `here`."""
-    return int(((level.pixels[level.around(place, known)] - here) ** 2).sum())
+def _known_distances(level, here, known, places):
+    """Sums of squared differences over the known pixels of a window, which are `here`."""
+    return ((level.pixels[level.around(places, known)] - here) ** 2).sum(axis=(1, 2)).tolist()
 
 
 def _settle(level, picture, done, source, y, x, place):
@@ -267,26 +259,33 @@ def _asked(level, unknown):
     return {at: max(least, 256 * wanted.get(k, 0) // there[k]) for at, k in kinds.items()}
 
 
-def _coherent_sweep(
-    method, level, canvas, seed, picture, done, source, unknown, line, turn, cyclic, usage, above,
-    settled,
-):  # fmt: skip
-    weight = round(1024 * method.evenness / 2**above)
-    wanted = int(unknown.sum())
-    count = len(level.centers)
-    room = {}
+def _room(level, unknown):
+    """How often the sources of each square of the sample are to be used."""
+    wanted, count, room = int(unknown.sum()), len(level.centers), {}
     asked = _asked(level, unknown) if level.guide else {}
     for place in level.centers:
         room[level.cell(place)] = room.get(level.cell(place), 0) + asked.get(place, 1)
     if level.guide:
-        room = {cell: 2 * n // 256 for cell, n in room.items()}
-    else:
-        room = {
-            cell: 2 * n * max(wanted, count // 4**level.number) // count for cell, n in room.items()
-        }
+        return {cell: 2 * n // 256 for cell, n in room.items()}
+    wanted = max(wanted, count // 4**level.number)
+    return {cell: 2 * n * wanted // count for cell, n in room.items()}
+
+
+def _coherent_sweep(
+    method, level, canvas, seed, picture, done, source, unknown, line, turn, cyclic, usage, room,
+    above, settled,
+):  # fmt: skip
+    weight = round(1024 * method.evenness / 2**above)
+
+    def factor(cell):
+        """What the distances of a square that is used more than it should be are multiplied by."""
+        capacity = max(1, room[cell])
+        over = usage.get(cell, 0) - capacity
+        return 256 + min(weight * over // capacity, 2**14) if over > 0 else 256
+
     tried = []
     if not settled and turn == 0:
-        count = max(2**23 // wanted, 64)
+        count = max(2**23 // int(unknown.sum()), 64)
         first = line[0][0] * picture.shape[1] + line[0][1]
         tried = [
             level.centers[random_bits(seed, "tried place", first, k) % len(level.centers)]
@@ -302,40 +301,37 @@ def _coherent_sweep(
             places += [place] if place is not None and place not in places else []
         near = len(places)
         places += [other for p in places for other in level.similar[p]]
-        known = known_window(done, y, x, canvas.wrap, [level.reach] * 4)
-        here, best = steps_away(picture, y, x, known), None
-        for k, place in enumerate([*places, *tried]):
-            cell = level.cell(place)
-            capacity = max(1, room[cell])
-            over = usage.get(cell, 0) - capacity
-            factor = 256 + min(weight * over // capacity, 2**14) if over > 0 else 256
-            if k >= near:
-                factor = factor * round(256 * method.coherence) // 256
-            cost = _known_distance(level, here, known, place) * factor
-            if level.guide:
-                shown, theirs, heavy = level.guide
-                every = known_window(np.ones_like(done), y, x, canvas.wrap, [level.reach] * 4)
-                every += [(0, 0)]
-                away = theirs[level.around(place, every)] - steps_away(shown, y, x, every)
-                cost += heavy * int((away**2).sum())
-            if best is None or cost < best[0]:
-                best = cost, place
-        if best is None:
+        places += tried
+        if not places:
             continue
+        known = known_window(done, y, x, canvas.wrap, [level.reach] * 4)
+        costs = _known_distances(level, steps_away(picture, y, x, known), known, places)
+        factors = {cell: factor(cell) for cell in {level.cell(place) for place in places}}
+        for k, place in enumerate(places):
+            more = round(256 * method.coherence) if k >= near else 256
+            costs[k] *= factors[level.cell(place)] * more // 256
+        if level.guide:
+            shown, theirs, heavy = level.guide
+            every = known_window(np.ones_like(done), y, x, canvas.wrap, [level.reach] * 4)
+            every += [(0, 0)]
+            away = theirs[level.around(places, every)] - steps_away(shown, y, x, every)
+            apart = (away**2).sum(axis=(1, 2)).tolist()
+            costs = [cost + heavy * more for cost, more in zip(costs, apart, strict=True)]
+        best = places[costs.index(min(costs))]
         if own is not None:
             usage[level.cell(own)] = usage.get(level.cell(own), 0) - 1
-        usage[level.cell(best[1])] = usage.get(level.cell(best[1]), 0) + 1
-        _settle(level, picture, done, source, y, x, best[1])
+        usage[level.cell(best)] = usage.get(level.cell(best), 0) + 1
+        _settle(level, picture, done, source, y, x, best)
 
 
 def _nearest_sweep(
-    method, level, canvas, seed, picture, done, source, unknown, line, turn, cyclic, usage, above,
-    settled,
+    method, level, canvas, seed, picture, done, source, unknown, line, turn, cyclic, usage, room,
+    above, settled,
 ):  # fmt: skip
     reach = level.reach
     wrap = (True, True) if turn and not cyclic else canvas.wrap
     for y, x in line:
         known = known_window(done, y, x, wrap, [reach] * 4)
-        here = steps_away(picture, y, x, known)
-        best = min((_known_distance(level, here, known, place), place) for place in level.centers)
-        _settle(level, picture, done, source, y, x, best[1])
+        costs = _known_distances(level, steps_away(picture, y, x, known), known, level.centers)
+        best = level.centers[costs.index(min(costs))]
+        _settle(level, picture, done, source, y, x, best)

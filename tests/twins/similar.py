@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from twins.windows import nearest_center, window_at, window_centers
+from twins.windows import by_rows, nearest_center, window_centers, windows_at
 
 
 def similar_places(pixels, centers, reach, count, candidates):
@@ -16,16 +16,16 @@ def similar_places(pixels, centers, reach, count, candidates):
     def near(one, other):
         return max(abs(one[0] - other[0]), abs(one[1] - other[1])) <= 2
 
-    result = {}
+    result, number = {}, {center: k for k, center in enumerate(centers)}
+    windows = windows_at(pixels, centers, reach)
     for center in centers:
-        here, found = window_at(pixels, *center, reach), []
-        for place in candidates(center) if count else []:
-            if near(place, center):
-                continue
-            entry = int(((window_at(pixels, *place, reach) - here) ** 2).sum()), place
-            rivals = [k for k, (_, other) in enumerate(found) if near(place, other)]
+        places = [p for p in (candidates(center) if count else []) if not near(p, center)]
+        apart = windows[[number[p] for p in places]] - windows[number[center]]
+        found = []
+        for entry in zip((apart**2).sum(axis=1).tolist(), places, strict=True):
             if len(found) == count and entry[0] >= found[-1][0]:
                 continue
+            rivals = [k for k, (_, other) in enumerate(found) if near(entry[1], other)]
             if rivals:
                 if entry[0] >= found[rivals[0]][0]:
                     continue
@@ -57,7 +57,7 @@ def registered_similar(pictures, masks, tileable, reach, count):
             return [place for place in around if place in among]
 
         parents_similar = similar_places(pixels, centers, reach, count, candidates)
-        parents = centers
+        parents = by_rows(centers)
     return {
         (y, x): parents_similar[nearest_center(parents, y, x)]
         for y, x in np.ndindex(masks[0].shape)

@@ -31,13 +31,13 @@ def halves(vectors, rounds=8):
 def vector_tree(vectors, tree_size=None, leaf=32):
     """Nodes as dicts: members, centroid and, if split, children; always the worst leaf is split."""
     vectors = vectors.astype(np.int64)
-    nodes = [{"members": np.arange(len(vectors))}]
+    nodes = [{"members": np.arange(len(vectors)), "spread": _spread(vectors)}]
     while True:
         open_leaves = [
-            (-_spread(vectors[node["members"]]) if number else 0, number)
+            (-node["spread"] if number else 0, number)
             for number, node in enumerate(nodes)
             if "children" not in node
-            and _spread(vectors[node["members"]])
+            and node["spread"]
             and (tree_size is not None or len(node["members"]) > leaf)
         ]
         leaves = sum("children" not in node for node in nodes)
@@ -47,25 +47,29 @@ def vector_tree(vectors, tree_size=None, leaf=32):
         second = halves(vectors[node["members"]])
         node["children"] = (len(nodes), len(nodes) + 1)
         for members in (node["members"][~second], node["members"][second]):
-            nodes.append({"members": members, "centroid": _centroid(vectors[members])})
+            own = vectors[members]
+            nodes.append({"members": members, "centroid": _centroid(own), "spread": _spread(own)})
 
 
 def nearest_in_tree(nodes, vectors, query, counts, leaves):
     """The member nearest in the bytes that count, among those of the leaves that are looked at."""
 
-    def distance(vector):
-        return int(((vector[counts].astype(np.int64) - query[counts]) ** 2).sum())
+    asked = query[counts].astype(np.int64)
+
+    def distances(vectors):
+        return ((vectors[:, counts] - asked) ** 2).sum(axis=1).tolist()
 
     waiting, found = [(0, 0)], []
     while waiting and leaves:
         number = min(waiting)[1]
         waiting.remove(min(waiting))
         while "children" in nodes[number]:
-            near, far = sorted(
-                (distance(nodes[c]["centroid"]), c) for c in nodes[number]["children"]
-            )
+            children = nodes[number]["children"]
+            apart = distances(np.stack([nodes[child]["centroid"] for child in children]))
+            near, far = sorted(zip(apart, children, strict=True))
             waiting.append(far)
             number = near[1]
-        found += [(distance(vectors[m]), m) for m in nodes[number]["members"]]
+        members = nodes[number]["members"]
+        found += zip(distances(vectors[members]), members.tolist(), strict=True)
         leaves -= 1
     return min(found)[1]

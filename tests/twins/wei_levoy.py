@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import functools
 import itertools
 
 import numpy as np
@@ -73,53 +74,40 @@ def _wei_levoy_level(
     parents = list(itertools.product(range(-parent_reach, parent_reach + 1), repeat=2))
     parents = parents if parent_width else []
 
-    def windows(causal):
-        """Vectors and places of all pixels whose windows are whole."""
-        own = around[: len(around) // 2] if causal else around
-        box = [
-            (v, u)
-            for v in range(-reach, 1 if causal else reach + 1)
-            for u in range(-reach, reach + 1)
-        ]
-        vectors, places = [], []
-        for y, x in np.ndindex(sample.shape[:2]):
-            if not all(_usable(masks[level], y + v, x + u, tiles) for v, u in box):
-                continue
-            if not all(
-                _usable(masks[level + 1], y // 2 + v, x // 2 + u, tiles) for v, u in parents
-            ):
-                continue
-            vectors.append(
-                [
-                    samples[level + 1][_around(samples[level + 1], y // 2 + v, x // 2 + u)]
-                    for v, u in parents
-                ]
-                + [sample[_around(sample, y + v, x + u)] for v, u in own]
-            )
-            places.append(y * sample.shape[1] + x)
-        return np.array(vectors, np.uint8).reshape(len(places), -1), places, own
-
     size = 1 if method.search == "full" else method.tree_size
+
+    @functools.cache
+    def windows(causal):
+        """The places of all whole windows, their vectors, a tree over them; steps to the pixels."""
+        own = around[: len(around) // 2] if causal else around
+        box = [step for step in (*around, (0, 0)) if not causal or step[0] <= 0]
+        whole = _seen(masks[level], sample.shape, 1, box, tiles).all(axis=2)
+        vectors = [_seen(sample, sample.shape, 1, own)]
+        if parents:
+            whole &= _seen(masks[level + 1], sample.shape, 2, parents, tiles).all(axis=2)
+            vectors.insert(0, _seen(samples[level + 1], sample.shape, 2, parents))
+        vectors = np.concatenate([part[whole].reshape(whole.sum(), -1) for part in vectors], axis=1)
+        return np.flatnonzero(whole), vectors, vector_tree(vectors, size), own
+
     done = known.copy() if holed else np.ones(shape, bool)
 
     def run(pixels, causal, leaves):
-        vectors, places, own = windows(causal)
-        tree = vector_tree(vectors, size)
+        places, vectors, tree, own = windows(causal)
+        cells = [(picture, done, 1, own)]
+        if parents:
+            above = pictures[level + 1]
+            cells.insert(0, (above, np.ones(above.shape[:2], bool), 2, parents))
         for y, x in pixels:
             query, counts = [], []
-            cells = [(pictures[level + 1], None, y // 2 + v, x // 2 + u) for v, u in parents]
-            cells += [(picture, done, y + v, x + u) for v, u in own]
-            for values, made, v, u in cells:
-                inside = all(
-                    w or 0 <= at < length
-                    for w, at, length in zip(wrap, (v, u), values.shape, strict=False)
-                )
-                v, u = _around(values, v, u)
-                counts += [inside and (made is None or bool(made[v, u]))] * values.shape[2]
-                query += list(values[v, u])
+            for values, made, scale, steps in cells:
+                v, u = np.array(steps).T + [[y // scale], [x // scale]]
+                counts.append(_inside(values, v, u, wrap) & made[_around(values, v, u)])
+                query.append(values[_around(values, v, u)])
             done[y, x] = True
-            if any(counts):
-                found = nearest_in_tree(tree, vectors, np.array(query), np.array(counts), leaves)
+            counts = np.concatenate(counts).repeat(picture.shape[2])
+            if counts.any():
+                query = np.concatenate(query).ravel()
+                found = nearest_in_tree(tree, vectors, query, counts, leaves)
                 source[y, x] = places[found]
                 picture[y, x] = flat[places[found]]
 
@@ -150,9 +138,19 @@ def _around(values, y, x):
     return y % values.shape[0], x % values.shape[1]
 
 
-def _usable(mask, y, x, tiles):
-    inside = 0 <= y < mask.shape[0] and 0 <= x < mask.shape[1]
-    return (inside or tiles[0]) and bool(mask[_around(mask, y, x)])
+def _inside(values, y, x, wrap):
+    """Whether places are on a picture, all of them on one that goes around."""
+    return ((y >= 0) & (y < len(values)) | wrap[0]) & ((x >= 0) & (x < values.shape[1]) | wrap[1])
+
+
+def _seen(values, shape, scale, steps, wrap=(True, True)):
+    """What lies at some steps from each pixel, or its parent; 0 beyond borders: (H, W, N, ...)."""
+    y, x = np.indices(shape[:2])[..., None] // scale
+    dy, dx = np.array(steps).T
+    inside = _inside(values, y + dy, x + dx, wrap)
+    return values[_around(values, y + dy, x + dx)] * inside.reshape(
+        inside.shape + (1,) * (values.ndim - 2)
+    ).astype(values.dtype)
 
 
 def _wei_levoy_inwards(known, wrap, seed):

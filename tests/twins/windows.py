@@ -5,6 +5,7 @@ from __future__ import annotations
 import itertools
 
 import numpy as np
+from numpy.lib.stride_tricks import sliding_window_view
 
 #: Steps to the neighbors of a pixel: right, down, left and up.
 ARCS = ((0, 1), (1, 0), (0, -1), (-1, 0))
@@ -47,17 +48,10 @@ def inwards(known, wrap):
 def window_centers(mask, reach, tileable):
     """Pixels of a sample around which a whole window is usable, in scan order."""
     up, down, left, right = reach
-    height, width = mask.shape
-    centers = []
-    for y, x in np.ndindex(height, width):
-        window = list(
-            itertools.product(range(y - up, y + down + 1), range(x - left, x + right + 1))
-        )
-        if tileable:
-            window = [(v % height, u % width) for v, u in window]
-        if all(0 <= v < height and 0 <= u < width and mask[v, u] for v, u in window):
-            centers.append((y, x))
-    return centers
+    mode = "wrap" if tileable else "constant"
+    around = np.pad(mask, ((up, down), (left, right)), mode)
+    windows = sliding_window_view(around, (up + down + 1, left + right + 1))
+    return [tuple(at) for at in np.argwhere(windows.all(axis=(2, 3))).tolist()]
 
 
 def known_window(done, y, x, wrap, reach):
@@ -77,9 +71,12 @@ def known_window(done, y, x, wrap, reach):
     ]
 
 
-def window_at(pixels, y, x, reach):
-    """The window around a pixel of a sample, around its borders where it tiles."""
-    return rectangle(pixels, (y - reach, x - reach), [2 * reach + 1] * 2).astype(int)
+def windows_at(pixels, places, reach):
+    """The windows around pixels of a sample, around its borders, as (N, values)."""
+    steps = np.arange(-reach, reach + 1)
+    y, x = np.array(places, int).reshape(-1, 2, 1).transpose(1, 0, 2) + steps
+    windows = pixels[(y % len(pixels))[:, :, None], (x % pixels.shape[1])[:, None]]
+    return windows.reshape(len(windows), -1).astype(int)
 
 
 def steps_away(picture, y, x, steps):
@@ -88,7 +85,12 @@ def steps_away(picture, y, x, steps):
     return picture[(y + dy) % len(picture), (x + dx) % picture.shape[1]].astype(int)
 
 
-def nearest_center(centers, y, x):
+def by_rows(places):
+    """The columns of the places in each row, for `nearest_center`."""
+    return {row: sorted(x for y, x in places if y == row) for row in sorted({y for y, _ in places})}
+
+
+def nearest_center(rows, y, x):
     """The center nearest to (y, x) along the nearest row that has any; the first of equals."""
-    row = min(sorted({v for v, _ in centers}), key=lambda v: abs(v - y))
-    return row, min(sorted(u for v, u in centers if v == row), key=lambda u: abs(u - x))
+    row = min(rows, key=lambda v: abs(v - y))
+    return row, min(rows[row], key=lambda u: abs(u - x))

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
@@ -28,6 +28,23 @@ VISIBLE_STRAIN = 0.07
 ANYWHERE = (1.0, 0.0, 0.0, 1.0)
 
 
+class Around(NamedTuple):
+    """A plane that comes back to itself after so many pixels; larger than any canvas, maybe."""
+
+    height: int
+    width: int
+
+    @property
+    def shape(self) -> tuple[int, int]:
+        """Height and width."""
+        return self.height, self.width
+
+    @property
+    def wrap(self) -> tuple[bool, bool]:
+        """Both axes do."""
+        return True, True
+
+
 class CanvasLattice:
     """Two translation vectors, and how they lie on a canvas.
 
@@ -37,7 +54,7 @@ class CanvasLattice:
     ----------
     vectors : (float, float, float, float)
         x1, y1, x2, y2 of the sample's translation vectors.
-    canvas : Canvas, optional
+    canvas : Canvas or Around, optional
         What wraps; nothing by default.
     limit : float
         The largest strain that is taken.
@@ -60,7 +77,10 @@ class CanvasLattice:
     """
 
     def __init__(
-        self, vectors: tuple[float, ...], canvas: Canvas | None = None, limit: float = float("inf")
+        self,
+        vectors: tuple[float, ...],
+        canvas: Canvas | Around | None = None,
+        limit: float = float("inf"),
     ) -> None:
         x1, y1, x2, y2 = vectors
         self.sample = np.array([[y1, x1], [y2, x2]])
@@ -233,7 +253,7 @@ def _stretched(
     return (vectors, 0.0) if strain < 1e-12 else (vectors @ change, strain)
 
 
-def _good_size(vectors: NDArray[np.float64], canvas: Canvas, limit: float) -> str:
+def _good_size(vectors: NDArray[np.float64], canvas: Canvas | Around, limit: float) -> str:
     """Say which size close to the canvas's own would do."""
     reach = [range(-_SIZES_TRIED, _SIZES_TRIED + 1) if wraps else range(1) for wraps in canvas.wrap]
     steps = sorted((abs(dy) + abs(dx), dy, dx) for dy in reach[0] for dx in reach[1])

@@ -38,11 +38,15 @@ class Manifest:
     def __init__(self, folder: str) -> None:
         self._folder, self._path = folder, os.path.join(folder, MANIFEST)
         self._held, self._lock = _locked(folder), threading.Lock()
-        self._records = {record["output"]: record for record in self._read()}
-        kept = [one for one in self._records.values() if os.path.exists(self.path_of(one))]
-        self._records = {record["output"]: record for record in kept}
-        if os.path.exists(self._path):
-            self._rewrite()
+        try:
+            self._records = {record["output"]: record for record in self._read()}
+            kept = [one for one in self._records.values() if os.path.exists(self.path_of(one))]
+            self._records = {record["output"]: record for record in kept}
+            if os.path.exists(self._path):
+                self._rewrite()
+        except BaseException:
+            self._let_go()
+            raise
 
     def __contains__(self, output: str) -> bool:
         return output in self._records
@@ -66,7 +70,7 @@ class Manifest:
             with self._lock, open(self._path, "ab", buffering=0) as file:
                 end = file.tell()
                 try:
-                    file.write(_line(record).encode())
+                    file.write(_line(record))
                     os.fsync(file.fileno())
                 except OSError:  # a full disk may have taken a part of it
                     file.truncate(end)
@@ -90,6 +94,9 @@ class Manifest:
         for name in os.listdir(self._folder):
             if name.startswith(_UNFINISHED):
                 remove(os.path.join(self._folder, name))
+        self._let_go()
+
+    def _let_go(self) -> None:
         if self._held is not None:
             os.close(self._held)
             self._held = None
@@ -113,7 +120,7 @@ class Manifest:
         return found
 
     def _rewrite(self) -> None:
-        with atomic(self._path) as temporary, open(temporary, "w", encoding="utf-8") as file:
+        with atomic(self._path) as temporary, open(temporary, "wb") as file:
             file.writelines(map(_line, self._records.values()))
 
 
@@ -123,20 +130,22 @@ def _locked(folder: str) -> int | None:
         import fcntl
     except ImportError:  # Windows
         return None
-    held = None
+    held = -1
     try:
         held = os.open(folder, os.O_RDONLY)
         fcntl.flock(held, fcntl.LOCK_EX | fcntl.LOCK_NB)
     except BlockingIOError:
+        os.close(held)
         raise FileError(f"{folder}: another batch is at work in this folder") from None
     except OSError as error:  # some network folders know no locks
-        if held is None:
+        if held < 0:
             raise FileError(f"{folder}: cannot read the folder: {error.strerror}") from None
     return held
 
 
-def _line(record: dict[str, Any]) -> str:
-    return json.dumps(record, ensure_ascii=False, default=str) + "\n"
+def _line(record: dict[str, Any]) -> bytes:
+    line = json.dumps(record, ensure_ascii=False, default=str) + "\n"
+    return line.encode("utf-8", "backslashreplace")  # half a letter: JSON spells it so too
 
 
 @contextmanager

@@ -1,14 +1,25 @@
 # mypy: ignore-errors
-"""The kernel that compares slopes; compiled by Cython, see setup.py."""
+"""Kernels that compare slopes and shift values; compiled by Cython, see setup.py."""
 
 import cython
+from cython.cimports.libc.math import rint
+from cython.cimports.weftex.results.paste_kernels import value
+
+
+@cython.cfunc
+@cython.inline
+@cython.nogil
+@cython.exceptval(check=False)
+def difference(one: value, other: value) -> cython.double:
+    """How much more the one is."""
+    return cython.cast(cython.double, one) - cython.cast(cython.double, other)
 
 
 @cython.cfunc
 @cython.nogil
 @cython.exceptval(check=False)
 def led(
-    sample: cython.const[cython.double][:, :, ::1],
+    sample: cython.const[value][:, :, ::1],
     coordinates: cython.const[cython.int][:, :, :, ::1],
     shares: cython.const[cython.float][:, :, ::1],
     v: cython.Py_ssize_t,
@@ -35,15 +46,15 @@ def led(
         if b < 0 or a < 0 or b >= sample.shape[0] or a >= sample.shape[1]:
             continue
         for c in range(sample.shape[2]):
-            slope[c] += way * shares[v, u, k] * (sample[b, a, c] - sample[y, x, c])
+            slope[c] += way * shares[v, u, k] * difference(sample[b, a, c], sample[y, x, c])
         sure += shares[v, u, k]
     return sure
 
 
 def compare_slopes(
     total: cython.double[:, :, ::1],
-    made: cython.const[cython.double][:, :, ::1],
-    sample: cython.const[cython.double][:, :, ::1],
+    made: cython.const[value][:, :, ::1],
+    sample: cython.const[value][:, :, ::1],
     coordinates: cython.const[cython.int][:, :, :, ::1],
     shares: cython.const[cython.float][:, :, ::1],
     rows: cython.Py_ssize_t,
@@ -54,9 +65,11 @@ def compare_slopes(
 
     Parameters
     ----------
-    total, made : float64 array (rows or rows + 1, columns, channels)
-        What is added to, and the heights as they were laid; there may be a row below.
-    sample : float64 array (H, W, channels)
+    total : float64 array (channels, rows or rows + 1, columns)
+        What is added to; there may be a row below.
+    made : array (rows or rows + 1, columns, channels)
+        The heights as they were laid.
+    sample : array (H, W, channels)
     coordinates, shares : int32, float32 array
         Of `made`, as `Synthesis.layers` returns them.
     rows : int
@@ -96,6 +109,39 @@ def compare_slopes(
                     if sure <= 0:
                         continue
                     for c in range(slope.shape[0]):
-                        step = slope[c] / sure - (made[b, a, c] - made[v, u, c])
-                        total[b, a, c] += step
-                        total[v, u, c] -= step
+                        step = slope[c] / sure - difference(made[b, a, c], made[v, u, c])
+                        total[c, b, a] += step
+                        total[c, v, u] -= step
+
+
+def add_shifts(
+    result: value[:, :, :],
+    shifts: cython.const[cython.double][:, :, :],
+    least: cython.const[cython.double][::1],
+    most: cython.const[cython.double][::1],
+    grain: cython.double,
+):
+    """Shift values, and cut them to a range for each channel.
+
+    Parameters
+    ----------
+    result : array (H, W, channels)
+    shifts : float64 array (channels, H, W)
+        Of whole numbers they are rounded to 1 / `grain` first.
+    least, most : float64 arrays (channels,)
+    grain : float
+    """
+    cython.declare(v=cython.Py_ssize_t, u=cython.Py_ssize_t, c=cython.Py_ssize_t)
+    cython.declare(number=cython.double)
+    with cython.nogil:
+        for c in range(result.shape[2]):
+            for v in range(result.shape[0]):
+                for u in range(result.shape[1]):
+                    number = shifts[c, v, u]
+                    if value is cython.uchar or value is cython.ushort:
+                        number = rint(result[v, u, c] + rint(number * grain) / grain)
+                        number = min(max(number, least[c]), most[c])
+                        result[v, u, c] = cython.cast(cython.int, number)
+                    else:
+                        number = min(max(result[v, u, c] + number, least[c]), most[c])
+                        result[v, u, c] = number

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from itertools import product
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
@@ -9,6 +10,7 @@ import numpy as np
 from weftex.raster.mixing import Kind
 from weftex.results import height_kernels as kernels
 from weftex.results.tone import has_few_colors
+from weftex.threads import thread_map
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -40,6 +42,8 @@ class Laid(NamedTuple):
     wrap: tuple[bool, bool]
     """Axes along which it goes around."""
     scale: int = 1
+    threads: int = 1
+    """Use at most so many."""
 
 
 def reach_of(given: Exemplar, tones: float, hole: NDArray[np.bool_] | None) -> float:
@@ -95,48 +99,62 @@ def join_steps(laid: Laid, given: Exemplar, reach: float, window: Window) -> NDA
     True
     """
     made = laid.pixels(window)
-    if not reach:
+    if not reach or not _has_squares(made, given.pixels):
         return made
-    source = given.pixels.reshape(*given.shape, -1).astype(np.float64)
-    if max(float(np.abs(values).max()) for values in (made, source)) > _LARGEST:
-        return made
-    whole, result = made.dtype.kind == "u", made.reshape(*made.shape[:2], -1)
-    least, most = source.min(axis=(0, 1)), source.max(axis=(0, 1))
-    if given.role.kind == "height":
-        least, most = (0.0, float(np.iinfo(made.dtype).max)) if whole else (-np.inf, np.inf)
+    source = given.pixels.reshape(*given.shape, -1)
+    result = made.reshape(*made.shape[:2], -1)
+    least, most = (np.array(ends, np.float64) for ends in _ends(source, given.role.kind))
     top, left, height, width = window
     side = max(1, _BLOCK // laid.scale)
-    for row in range(top // side * side, top + height, side):
-        for column in range(left // side * side, left + width, side):
-            steps, margin = _divergence(laid, source, (row, column), side, reach)
-            ends = [
-                (max(first, start), min(first + side, start + n))
-                for first, start, n in zip((row, column), window[:2], window[2:], strict=True)
-            ]
-            corner = row - margin, column - margin
-            inside, here = (
-                tuple(
-                    slice((start - at) * laid.scale, (end - at) * laid.scale)
-                    for (start, end), at in zip(ends, first, strict=True)
-                )
-                for first in (corner, window[:2])
+    corners = product(
+        range(top // side * side, top + height, side),
+        range(left // side * side, left + width, side),
+    )
+
+    def join(corner: tuple[int, int]) -> None:
+        steps, margin = _divergence(laid, source, corner, side, reach)
+        ends = [
+            (max(at, start), min(at + side, start + n))
+            for at, start, n in zip(corner, window[:2], window[2:], strict=True)
+        ]
+        inside, here = (
+            tuple(
+                slice((start - at) * laid.scale, (end - at) * laid.scale)
+                for (start, end), at in zip(ends, first, strict=True)
             )
-            shift = _spread(steps, reach * laid.scale)[inside]
-            if whole:
-                values = np.rint(result[here] + np.rint(shift * _GRAIN) / _GRAIN)
-            else:
-                values = result[here] + shift
-            result[here] = np.clip(values, least, most)
+            for first in ((corner[0] - margin, corner[1] - margin), window[:2])
+        )
+        shifts = _spread(steps, reach * laid.scale)[(slice(None), *inside)]
+        kernels.add_shifts(result[here], shifts, least, most, _GRAIN)
+
+    with thread_map(laid.threads) as map_:
+        for _ in map_(join, corners):
+            pass  # the first that fails ends it
     return result.reshape(made.shape)
 
 
+def _has_squares(*pictures: NDArray[Any]) -> bool:
+    """Whether no number is so large that its square is none."""
+    return all(a.dtype.kind == "u" or float(np.abs(a).max()) <= _LARGEST for a in pictures)
+
+
+def _ends(source: NDArray[Any], kind: str) -> tuple[Any, Any]:
+    """The least and the largest value that each channel may have."""
+    if kind != "height":
+        return source.min(axis=(0, 1)), source.max(axis=(0, 1))
+    whole = source.dtype.kind == "u"
+    ends = (0.0, float(np.iinfo(source.dtype).max)) if whole else (-np.inf, np.inf)
+    least, most = ([end] * source.shape[2] for end in ends)
+    return least, most
+
+
 def _divergence(
-    laid: Laid, sample: Floats, corner: tuple[int, int], side: int, reach: float
+    laid: Laid, sample: NDArray[Any], corner: tuple[int, int], side: int, reach: float
 ) -> tuple[Floats, int]:
     """At each pixel the sum of g - h' over the edges that lead to it, less that over the others.
 
     For the pixels of a block and a margin around it, which comes back; beyond borders that do not
-    go around, the picture is mirrored.
+    go around, the picture is mirrored. An array for each channel.
     """
     margin, scale = int(_MARGIN * reach), laid.scale
     runs: list[list[tuple[int, int]]] = []  # first and length of what is looked up along each axis
@@ -160,8 +178,7 @@ def _divergence(
             inside.append(np.minimum(line, 2 * n * scale - 1 - line) - start * scale)
     pieces = [[laid_in(laid, (*run, *other)) for other in runs[1]] for run in runs[0]]
     made, coordinates, shares = (
-        np.concatenate([np.concatenate([piece[k] for piece in row], axis=1) for row in pieces])
-        for k in range(3)
+        _as_one([_as_one([piece[k] for piece in row], 1) for row in pieces], 0) for k in range(3)
     )
     layers = int((shares > 0).any(axis=(0, 1)).sum()) or 1  # the heaviest first
     coordinates, shares = _finer(coordinates[:, :, :layers], shares[:, :, :layers], scale)
@@ -170,23 +187,32 @@ def _divergence(
         made, coordinates, shares = (
             np.concatenate([a, a[:1]]) for a in (made, coordinates, shares)
         )
-    steps = np.zeros(made.shape)
+    steps = np.zeros((made.shape[2], *made.shape[:2]))
     kernels.compare_slopes(
         steps, made, sample, coordinates, shares, rows, around[1], np.zeros(made.shape[2])
     )
     if around[0]:
-        steps[0] += steps[rows]
-    return steps[np.ix_(*inside)], margin
+        steps[:, 0] += steps[:, rows]
+    for axis, line in enumerate(inside, 1):
+        if (np.diff(line) == 1).all():
+            steps = steps[(slice(None),) * axis + (slice(line[0], line[-1] + 1),)]
+        else:
+            steps = steps.take(line, axis)
+    return steps, margin
+
+
+def _as_one(pieces: list[NDArray[Any]], axis: int) -> NDArray[Any]:
+    return pieces[0] if len(pieces) == 1 else np.concatenate(pieces, axis)
 
 
 def laid_in(
     laid: Laid, window: tuple[int, int, int, int]
-) -> tuple[Floats, NDArray[np.int32], NDArray[np.float32]]:
+) -> tuple[NDArray[Any], NDArray[np.int32], NDArray[np.float32]]:
     """What is laid in a window (top, height, left, width), and where it comes from."""
     top, height, left, width = window
     made = laid.pixels((top, left, height, width))
     coordinates, shares = laid.layers((top, left, height, width))
-    return made.reshape(*made.shape[:2], -1).astype(np.float64), coordinates, shares
+    return made.reshape(*made.shape[:2], -1), coordinates, shares
 
 
 def _finer(
@@ -205,12 +231,16 @@ def _finer(
 
 
 def _spread(steps: Floats, reach: float) -> Floats:
-    """Solve c / reach^2 - c'' = steps, as far as its borders do not count."""
-    size = [-(-side // 32) * 32 for side in steps.shape[:2]]  # quick to transform
+    """Solve c / reach^2 - c'' = steps for each channel, as far as its borders do not count.
+
+    It takes the place of the steps: blocks are large, and new memory is slow.
+    """
+    shape = steps.shape[1:]
+    size = [-(-side // 32) * 32 for side in shape]  # quick to transform
     turns = [2 - 2 * np.cos(2 * np.pi * np.arange(side) / side) for side in size]
     divisor = np.add.outer(turns[0], turns[1][: size[1] // 2 + 1]) + reach**-2
-    found = np.empty(steps.shape)
-    for k in range(steps.shape[2]):
-        spectrum = np.fft.rfft2(steps[..., k], size) / divisor
-        found[..., k] = np.fft.irfft2(spectrum, size)[: steps.shape[0], : steps.shape[1]]
-    return found
+    for one in steps:
+        spectrum = np.fft.rfft2(one, size)
+        spectrum /= divisor
+        one[:] = np.fft.irfft2(spectrum, size)[: shape[0], : shape[1]]
+    return steps

@@ -8,6 +8,7 @@ import numpy as np
 
 from weftex.canvas import Canvas
 from weftex.io.npz import DamageError
+from weftex.results import copy_kernels
 from weftex.results.drawing import gray_of
 from weftex.results.synthesis import Synthesis
 
@@ -41,22 +42,24 @@ class PixelSynthesis(Synthesis):
         top, left, height, width = window
         index = self.index[top : top + height, left : left + width]
         made = index >= 0
-        coordinates = np.stack(np.divmod(index, self.sample_shape[1]), axis=-1)
-        coordinates[~made] = -1
-        return coordinates[:, :, None], made[..., None].astype(np.float32)
+        coordinates = np.empty((*index.shape, 1, 2), np.int32)
+        np.floor_divide(index, self.sample_shape[1], out=coordinates[:, :, 0, 0])
+        np.subtract(
+            index,
+            coordinates[:, :, 0, 0] * np.int32(self.sample_shape[1]),
+            out=coordinates[:, :, 0, 1],
+        )
+        if not made.all():
+            coordinates[~made] = -1
+        return coordinates, made[..., None].astype(np.float32)
 
     def _lay(self, out: NDArray[Any], pixels: NDArray[Any], window: Window, mixing: Mixing) -> None:
         """Copy: nothing is mixed."""
         top, left, height, width = window
+        index = self.index[top : top + height, left : left + width]
         scale = out.shape[0] // height
-        rows, columns = self.sample_shape
-        cells = pixels.reshape(rows, scale, columns, scale, -1).swapaxes(1, 2)
-        for line in range(height):
-            index = self.index[top + line, left : left + width]
-            made = np.flatnonzero(index >= 0)
-            target = out[line * scale : (line + 1) * scale].reshape(scale, width, scale, -1)
-            y, x = np.divmod(index[made], columns)
-            target[:, made] = cells[y, x].swapaxes(0, 1)
+        lines, sample = (a.view(np.uint8).reshape(len(a), -1) for a in (out, pixels))
+        copy_kernels.copy_pixels(lines, sample, index, self.sample_shape[1], scale)
 
     def _error(self) -> NDArray[np.int16]:
         """The larger difference from what the upper and the left neighbor go on with."""

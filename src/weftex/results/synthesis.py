@@ -69,6 +69,8 @@ class Synthesis(ShownResult, ABC):
         Which copies its sample is made of, see `weftex.turned`; as the exemplar says, if given.
     is_window : bool
         It is a part of an endless plane, laid as it is: joining asks for what lies around.
+    threads : int
+        Steps of heights and tones are joined in at most so many.
     """
 
     #: The arrays that say where pixels come from, by the name of the parameter, and their types.
@@ -92,8 +94,9 @@ class Synthesis(ShownResult, ABC):
         tone_reach: float = 0.0,
         is_window: bool = False,
         turn: str | None = None,
+        threads: int = 1,
     ) -> None:
-        self.canvas, self.exemplar = canvas, exemplar
+        self.canvas, self.exemplar, self.threads = canvas, exemplar, threads
         self.sample_shape, self.known_from = sample_shape, known_from
         self.provenance, self.tone_reach = provenance or {}, tone_reach
         self._picture, self.match_tone, self.is_window = picture, match_tone, is_window
@@ -297,7 +300,7 @@ class Synthesis(ShownResult, ABC):
             return out
 
         reach = 0.0 if self.is_window else reach_of(given, self.tone_reach, self.canvas.hole)
-        laid = Laid(lay, self.layers, self.shape, self.canvas.wrap, scale)
+        laid = Laid(lay, self.layers, self.shape, self.canvas.wrap, scale, self.threads)
         out = join_steps(laid, given, reach, (top, left, height, width))
         if self.canvas.hole is not None and base is not None:  # patches may hang over the hole
             known = ~self.canvas.hole[top : top + height, left : left + width]
@@ -328,9 +331,8 @@ class Synthesis(ShownResult, ABC):
         uint8 array (H, W, 3)
         """
         if not isinstance(what, str) or what not in drawing.DRAWINGS:
-            raise InvalidInputError(
-                f"cannot draw {shown(what)}; known: {', '.join(drawing.DRAWINGS)}"
-            )
+            known = ", ".join(drawing.DRAWINGS)
+            raise InvalidInputError(f"cannot draw {shown(what)}; known: {known}")
         if what == "error":
             return drawing.as_gray_picture(self._error())
         if what == "uncertainty":
@@ -348,8 +350,7 @@ class Synthesis(ShownResult, ABC):
     def _source_of(self, rows: slice) -> NDArray[np.int64]:
         """Row and column in the sample of the pixels of some rows."""
         window = (rows.start, 0, rows.stop - rows.start, self.shape[1])
-        source: NDArray[np.int64] = self.layers(window)[0][:, :, 0].astype(np.int64)
-        return source
+        return np.asarray(self.layers(window)[0][:, :, 0], np.int64)
 
     def save(self, path: str | os.PathLike[str]) -> None:
         """Write everything but the pictures to a compressed `.npz` file."""

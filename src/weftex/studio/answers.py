@@ -5,13 +5,11 @@ from __future__ import annotations
 import re
 
 from weftex.errors import WeftexError
-from weftex.studio.materials import FIELDS as SPEC_FIELDS
-from weftex.studio.recipes import FIELDS, GRADIENT
 from weftex.studio.refusals import Refusal
 
 #: Fields of requests beside recipes, and of `auto`.
 _OWN = {"height", "width", "effort", "recipe", "count", "methods", "lane", "leave", "seeds", "keep"}
-_OWN |= {"format", "names", *GRADIENT}
+_OWN |= {"format", "names"}
 #: What the library calls what a recipe calls otherwise.
 _ALIASES = {"degree": "even_light"}
 
@@ -48,6 +46,8 @@ def _names() -> frozenset[str]:
     from dataclasses import fields
 
     from weftex.methods import METHODS
+    from weftex.studio.materials import FIELDS as SPEC_FIELDS
+    from weftex.studio.recipes import FIELDS, GRADIENT
 
     own = {field.name for slug in METHODS for field in fields(METHODS[slug])}
-    return frozenset(own | _OWN | SPEC_FIELDS | FIELDS)
+    return frozenset(own | _OWN | SPEC_FIELDS | FIELDS | set(GRADIENT))

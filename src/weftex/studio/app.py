@@ -4,33 +4,34 @@ from __future__ import annotations
 
 import asyncio
 import logging
+import sys
 from contextlib import asynccontextmanager, suppress
 from typing import TYPE_CHECKING, Any
 
+from anyio import to_thread
 from starlette.applications import Starlette
 from starlette.exceptions import HTTPException
 from starlette.requests import ClientDisconnect
 from starlette.responses import JSONResponse, Response
-from starlette.routing import Route
+from starlette.routing import Mount, Route, Router
 
 from weftex.errors import WeftexError
-from weftex.studio import routes_results, routes_start
-from weftex.studio.answers import answer_of
 from weftex.studio.guard import Guard
 from weftex.studio.pages import static_files
-from weftex.studio.requests import Call, as_plain
 
 if TYPE_CHECKING:
     from collections.abc import AsyncIterator, Awaitable, Callable, Collection
 
     from starlette.requests import Request
-    from starlette.types import ASGIApp
+    from starlette.types import ASGIApp, Receive, Scope, Send
 
+    from weftex.studio.requests import Call
     from weftex.studio.studio import Studio
 
     Handler = Callable[[Call], Awaitable[Any]]
 
 _SWEEP = 1.0  # seconds
+_SWITCH = 2e-4  # seconds that imports may hold up the files of the page, a request several times
 _PAGE = "index.html"
 _log = logging.getLogger(__name__)
 
@@ -54,6 +55,44 @@ def make_app(studio: Studio, hosts: Collection[str]) -> ASGIApp:
         place, kind = known[name]
         return Response(place.read_bytes(), media_type=kind)
 
+    async def nothing(request: Request, error: Exception) -> Response:
+        status = error.status_code if isinstance(error, HTTPException) else 404
+        return JSONResponse(
+            {"error": "there is nothing at this address", "parameter": None}, status
+        )
+
+    loading: list[asyncio.Task[Router]] = []  # what begins with the server
+
+    async def api(scope: Scope, receive: Receive, send: Send) -> None:
+        await (await asyncio.shield(loading[0]))(scope, receive, send)
+
+    @asynccontextmanager
+    async def lifespan(app: Starlette) -> AsyncIterator[None]:
+        loading.append(asyncio.create_task(to_thread.run_sync(_routes, studio)))
+        sweeping = asyncio.create_task(_sweep(studio))
+        yield
+        sweeping.cancel()
+        with suppress(asyncio.CancelledError):
+            await sweeping
+        studio.close()
+
+    routes = [Route("/", page), Route("/static/{name:path}", page), Mount("/api", api)]
+    own: Any = {HTTPException: nothing}
+    app = Starlette(routes=routes, lifespan=lifespan, exception_handlers=own)
+    return Guard(app, token=studio.token, hosts=hosts)
+
+
+def _routes(studio: Studio) -> Router:
+    """The routes under /api. They need most of weftex, which is imported while the page loads."""
+    usual = sys.getswitchinterval()
+    sys.setswitchinterval(_SWITCH)
+    try:
+        from weftex.studio import routes_results, routes_start
+        from weftex.studio.answers import answer_of
+        from weftex.studio.requests import Call, as_plain
+    finally:
+        sys.setswitchinterval(usual)
+
     def endpoint(handler: Handler) -> Callable[[Request], Awaitable[Response]]:
         async def answer(request: Request) -> Response:
             try:
@@ -71,27 +110,12 @@ def make_app(studio: Studio, hosts: Collection[str]) -> ASGIApp:
 
         return answer
 
-    async def nothing(request: Request, error: Exception) -> Response:
-        status = error.status_code if isinstance(error, HTTPException) else 404
-        return JSONResponse(
-            {"error": "there is nothing at this address", "parameter": None}, status
-        )
-
-    @asynccontextmanager
-    async def lifespan(app: Starlette) -> AsyncIterator[None]:
-        sweeping = asyncio.create_task(_sweep(studio))
-        yield
-        sweeping.cancel()
-        with suppress(asyncio.CancelledError):
-            await sweeping
-        studio.close()
-
-    routes = [Route("/", page), Route("/static/{name:path}", page)]
-    for method, path, handler in (*routes_start.ROUTES, *routes_results.ROUTES):
-        routes.append(Route(f"/api{path}", endpoint(handler), methods=[method]))
-    own: Any = {HTTPException: nothing}
-    app = Starlette(routes=routes, lifespan=lifespan, exception_handlers=own)
-    return Guard(app, token=studio.token, hosts=hosts)
+    return Router(
+        [
+            Route(path, endpoint(handler), methods=[method])
+            for method, path, handler in (*routes_start.ROUTES, *routes_results.ROUTES)
+        ]
+    )
 
 
 async def _sweep(studio: Studio) -> None:

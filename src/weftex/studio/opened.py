@@ -7,9 +7,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from weftex.io.pictures import is_folder
-from weftex.material import read_material
-from weftex.studio.uploads import file_in, label_of
+from weftex.io.pictures import is_folder, sample_path
 
 if TYPE_CHECKING:
     from weftex.studio.limits import Limits
@@ -42,9 +40,12 @@ class Opened:
         WeftexError
             If it cannot be used.
         """
-        material = read_material(path, max_pixels=limits.upload_pixels)
         if path.startswith("sample:") and "/" not in path:
+            sample_path(path)
             return cls(path, path.removeprefix("sample:"), {})
+        from weftex.material import read_material
+
+        material = read_material(path, max_pixels=limits.upload_pixels)
         if not is_folder(path):
             (picture,) = material.pictures.values()
             return cls(material.name, None, {"color": Path(picture.path)})
@@ -55,6 +56,8 @@ class Opened:
         """Put the files among a session's uploads; the material's description."""
         if self.sample is not None:
             return {"sample": self.sample}
+        from weftex.studio.uploads import file_in, label_of
+
         maps = {}
         for name, path in self.files.items():
             maps[name] = file_in(path, label_of(os.path.basename(path)), session, limits)["id"]

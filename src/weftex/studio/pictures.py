@@ -21,6 +21,7 @@ if TYPE_CHECKING:
     Bytes = NDArray[np.uint8]
 
 _MOST_REDUCED = 64
+_MOST_RAW = 2**20  # pixels
 _QUICK = 1  # zlib's level: on one machine sending costs less than packing
 
 
@@ -147,6 +148,21 @@ def shown(like: Exemplar, pixels: NDArray[Any]) -> Bytes:
     return np.concatenate([levels, cover], axis=2)
 
 
-def encoded(picture: Bytes) -> bytes:
-    """Return a PNG file."""
-    return png_bytes(picture, _QUICK)
+def packed(picture: Bytes, query: Mapping[str, str]) -> tuple[bytes, dict[str, str]]:
+    """Return a picture for the screen, and headers that say what it is.
+
+    That is a PNG file; a page that says ``raw`` gets small ones as a canvas has them, RGBA: that
+    takes a tenth of the time to pack, and none to unpack.
+
+    Examples
+    --------
+    >>> list(packed(np.full((1, 1, 1), 7, np.uint8), {"raw": "1"})[0])
+    [7, 7, 7, 255]
+    """
+    height, width, channels = picture.shape
+    if "raw" not in query or height * width > _MOST_RAW:
+        return png_bytes(picture, _QUICK), {"content-type": "image/png"}
+    pixels = np.full((height, width, 4), 255, np.uint8)
+    pixels[..., : max(3, channels)] = picture
+    raw = {"content-type": "application/octet-stream", "x-weftex-pixels": f"{width}x{height}"}
+    return pixels.tobytes(), raw

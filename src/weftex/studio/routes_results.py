@@ -10,12 +10,12 @@ from starlette.responses import FileResponse, JSONResponse, Response
 
 from weftex.errors import InvalidInputError, shown
 from weftex.studio import exports, planes, results
-from weftex.studio.jobs import Job
-from weftex.studio.pictures import Part, encoded, whole_number
+from weftex.studio.jobs import ENDED, Job
+from weftex.studio.pictures import Part, whole_number
 from weftex.studio.recipes import Recipe
 from weftex.studio.refusals import Refusal
 from weftex.studio.requests import as_plain
-from weftex.studio.routes_start import picture_answer
+from weftex.studio.routes_start import picture_answer, pixels_answer
 from weftex.studio.work import Batch, compared, plain, several
 
 if TYPE_CHECKING:
@@ -31,8 +31,9 @@ _MOST_KEPT = 200
 
 
 async def add_job(call: Call) -> Any:
-    """POST /api/jobs."""
+    """POST /api/jobs: its end, if that comes within so many milliseconds."""
     given = await call.object("recipe", "count", "methods", "lane", "leave")
+    within = whole_number(call.query, "within", 0, 0, 1000)
     bench = call.bench
     recipe = Recipe.of(given.get("recipe"))
     recipes = several(recipe, given.get("count"), given.get("methods"))
@@ -41,7 +42,8 @@ async def add_job(call: Call) -> Any:
     first = recipes[0] if given.get("methods") is None else recipe
     await call.work(bench.sized, first)  # what is too large never waits
     work = plain(recipes, bench) if given.get("methods") is None else compared(recipes, bench)
-    return _queued(call, work, given)
+    job = _queued(call, work, given)
+    return JSONResponse(await _told(call, job, within / 1000, lambda: job.state in ENDED), 201)
 
 
 async def add_batch(call: Call) -> Any:
@@ -52,10 +54,11 @@ async def add_batch(call: Call) -> Any:
     for recipes in batch.recipes:
         for upload in recipes[0].uploads:
             call.session.upload(upload)
-    return _queued(call, batch.work(call.bench, call.studio.downloads), given)
+    job = _queued(call, batch.work(call.bench, call.studio.downloads), given)
+    return JSONResponse(as_plain(job.as_json(call.studio.jobs.ahead(job))), 201)
 
 
-def _queued(call: Call, work: Callable[[Job], None], given: dict[str, Any]) -> Response:
+def _queued(call: Call, work: Callable[[Job], None], given: dict[str, Any]) -> Job:
     lane, leave = given.get("lane"), given.get("leave") or "cancel"
     if lane is not None and not (isinstance(lane, str) and 0 < len(lane) <= _LONGEST_TEXT):
         raise InvalidInputError(f"lane is {shown(lane)}; it must be a short text")
@@ -63,7 +66,7 @@ def _queued(call: Call, work: Callable[[Job], None], given: dict[str, Any]) -> R
         raise InvalidInputError(f"leave is {shown(leave)}; it must be 'cancel' or 'keep'")
     job = Job(call.session, work, lane, leave)
     call.studio.jobs.add(job)
-    return JSONResponse(as_plain(job.as_json(call.studio.jobs.ahead(job))), 201)
+    return job
 
 
 async def all_jobs(call: Call) -> Any:
@@ -74,19 +77,24 @@ async def all_jobs(call: Call) -> Any:
 
 async def one_job(call: Call) -> Any:
     """GET /api/jobs/ID: at once, or as soon as there is news."""
-    jobs = call.studio.jobs
-    job = jobs.get(call.part("id"), call.session)
+    job = call.studio.jobs.get(call.part("id"), call.session)
     seen = whole_number(call.query, "seen", 0, 0, 2**31)
     wait = whole_number(call.query, "wait", 0, 0, _LONGEST_WAIT)
-    end = time.monotonic() + wait
+    return await _told(call, job, wait, lambda: job.version != seen)
+
+
+async def _told(call: Call, job: Job, seconds: float, is_news: Callable[[], bool]) -> Any:
+    """What the page is told of a job as soon as there is news, or after so many seconds."""
+    start = now = time.monotonic()
     while True:
-        job.asked, job.wanted = time.monotonic(), True
-        if job.version != seen or time.monotonic() >= end:
-            return job.as_json(jobs.ahead(job))
+        job.asked, job.wanted = now, True
+        if is_news() or now >= start + seconds:
+            return as_plain(job.as_json(call.studio.jobs.ahead(job)))
         if await call.request.is_disconnected():
             job.wanted = False
             return {}
-        await asyncio.sleep(_TICK)
+        await asyncio.sleep(min(_TICK, (now - start) / 8 + 0.001))  # what is quick is told quickly
+        now = time.monotonic()
 
 
 async def job_preview(call: Call) -> Any:
@@ -96,8 +104,7 @@ async def job_preview(call: Call) -> Any:
         raise Refusal(404, "there is no preview yet")
     picture, shape = shown_last
     headers = {"x-weftex-width": str(shape[1]), "x-weftex-height": str(shape[0])}
-    packed = await call.work(encoded, picture)
-    return Response(packed, media_type="image/png", headers=headers)
+    return await pixels_answer(call, lambda: picture, headers)
 
 
 async def end_job(call: Call) -> Any:
@@ -222,12 +229,8 @@ async def begin_plane(call: Call) -> Any:
 
 async def plane_window(call: Call) -> Any:
     """GET /api/planes/ID/window."""
-
-    def pack() -> bytes:
-        return encoded(planes.window(call.part("id"), call.query, bench))
-
     bench = call.bench
-    return Response(await call.work(pack), media_type="image/png")
+    return await pixels_answer(call, lambda: planes.window(call.part("id"), call.query, bench), {})
 
 
 ROUTES = [

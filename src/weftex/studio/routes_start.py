@@ -13,13 +13,13 @@ from weftex.io.pictures import sample_names
 from weftex.material import read_material
 from weftex.studio import looks, materials
 from weftex.studio.about import about
-from weftex.studio.pictures import Part, encoded
+from weftex.studio.pictures import Part, packed
 from weftex.studio.pictures import shown as as_shown
 from weftex.studio.refusals import Refusal
 from weftex.studio.uploads import label_of, receive
 
 if TYPE_CHECKING:
-    from collections.abc import AsyncIterator
+    from collections.abc import AsyncIterator, Callable
 
     import numpy as np
     from numpy.typing import NDArray
@@ -162,12 +162,19 @@ async def picture_answer(call: Call, shape: tuple[int, int], make: Any) -> Respo
     """Answer with the part of a picture that the query asks for."""
     part = Part.of(call.query, shape)
 
-    def pack() -> bytes:
-        picture: NDArray[np.uint8] = make()
-        return encoded(part.cut(picture))
+    def cut() -> NDArray[np.uint8]:
+        return part.cut(make())
 
     headers = {"x-weftex-width": str(shape[1]), "x-weftex-height": str(shape[0])}
-    return Response(await call.work(pack), media_type="image/png", headers=headers)
+    return await pixels_answer(call, cut, headers)
+
+
+async def pixels_answer(
+    call: Call, make: Callable[[], NDArray[np.uint8]], headers: dict[str, str]
+) -> Response:
+    """Answer with a picture for the screen."""
+    pixels, kind = await call.work(lambda: packed(make(), call.query))
+    return Response(pixels, headers=headers | kind)
 
 
 async def look(call: Call) -> Any:

@@ -251,9 +251,11 @@ def settled(model: Model, seed: int, period: tuple[int, int] | None) -> dict[str
     """
     asked = model.asked or model.method
     asked.require(A_BLOCK)
-    if not is_auto(asked):
+    if not is_auto(asked) and period is None:
         return {"method": asked}
     made = model.window(0, 0, 8, 8, seed=seed, period=period).provenance
+    if not is_auto(asked):
+        return {"method": asked}
     slug = made["method"]
     return {"method": make_method(slug, _parameters(slug, made)), "reason": made["reason"]}
 

@@ -1,8 +1,9 @@
-"""A studio of its own, and Chromium that looks at it; skipped where there is none."""
+"""A studio of its own, and browsers that look at it; skipped where there is none."""
 
 from __future__ import annotations
 
 import re
+import shlex
 import shutil
 import signal
 import subprocess
@@ -19,6 +20,8 @@ playwright = pytest.importorskip(
 
 NAMES = ("chromium", "chromium-browser", "google-chrome")
 CHROMIUM = next(filter(None, map(shutil.which, NAMES)), None)
+FIREFOX = shutil.which("firefox-esr") or shutil.which("firefox")
+BETWEEN = Path(__file__).with_name("firefox.py")
 PROBES = Path(__file__).with_name("probes.js").read_text(encoding="utf-8")
 
 
@@ -41,15 +44,45 @@ def address(tmp_path_factory: pytest.TempPathFactory) -> Iterator[str]:
 
 
 @pytest.fixture(scope="session")
-def browser() -> Iterator[Any]:
+def tools() -> Iterator[Any]:
+    """Playwright."""
+    with playwright.sync_playwright() as found:
+        yield found
+
+
+@pytest.fixture(scope="session")
+def chromium(tools: Any) -> Iterator[Any]:
     """Chromium without a window."""
     if CHROMIUM is None:
         pytest.skip("no chromium: apt-get install chromium")
     flags = ["--no-sandbox", "--use-angle=swiftshader", "--enable-unsafe-swiftshader"]
-    with playwright.sync_playwright() as tools:
-        opened = tools.chromium.launch(executable_path=CHROMIUM, args=flags)
-        yield opened
-        opened.close()
+    opened = tools.chromium.launch(executable_path=CHROMIUM, args=flags)
+    yield opened
+    opened.close()
+
+
+@pytest.fixture(scope="session")
+def firefox(tools: Any, tmp_path_factory: pytest.TempPathFactory) -> Iterator[Any]:
+    """Firefox without a window, as `firefox.py` runs it."""
+    if FIREFOX is None or sys.platform == "win32":
+        pytest.skip("no firefox: apt-get install firefox-esr")
+    pytest.importorskip("websockets", reason="no websockets: pip install 'weftex[browser]'")
+    command = tmp_path_factory.mktemp("firefox") / "firefox"
+    words = shlex.join([sys.executable, str(BETWEEN), FIREFOX])
+    command.write_text(f'#!/bin/sh\nexec {words} "$@"\n')
+    command.chmod(0o755)
+    try:
+        opened = tools.firefox.launch(channel="moz-firefox", executable_path=command)
+    except playwright.Error as error:
+        pytest.skip(f"this playwright does not drive this firefox: {error}")
+    yield opened
+    opened.close()
+
+
+@pytest.fixture
+def browser(request: pytest.FixtureRequest) -> Any:
+    """Chromium, or what a test is parametrized by."""
+    return request.getfixturevalue(getattr(request, "param", "chromium"))
 
 
 class Tab:
@@ -59,7 +92,6 @@ class Tab:
         self.context = browser.new_context(accept_downloads=True, **options)
         self.page = self.context.new_page()
         self.page.set_default_timeout(30_000)
-        self.tools = self.context.new_cdp_session(self.page)
         self.faults: list[str] = []
         self.page.on("console", lambda one: self.faults.append(one.text))
         self.page.on("pageerror", lambda one: self.faults.append(str(one)))
@@ -72,12 +104,21 @@ class Tab:
 
     def probe(self, name: str) -> Any:
         """What a probe finds; by the debugger, because the page's own policy forbids eval."""
-        found = self.tools.send(
-            "Runtime.evaluate",
-            {"expression": f"({PROBES}).{name}()", "returnByValue": True, "awaitPromise": True},
-        )
+        code = f"({PROBES}).{name}()"
+        if self.context.browser.browser_type.name != "chromium":
+            return self.page.evaluate(code)  # by the debugger there
+        tools = self.context.new_cdp_session(self.page)
+        wanted = {"expression": code, "returnByValue": True, "awaitPromise": True}
+        found = tools.send("Runtime.evaluate", wanted)
         assert "exceptionDetails" not in found, found
         return found["result"].get("value")
+
+    def write(self, label: str, text: str) -> None:
+        """Write into a field as a person does; `fill` adds to numbers in Firefox."""
+        self.page.focus(f"[aria-label={label}]")
+        self.page.keyboard.press("Control+a")
+        self.page.keyboard.type(text)
+        self.page.keyboard.press("Tab")
 
     def settle(self) -> None:
         """Wait until no work is under way."""

@@ -70,4 +70,8 @@
   focused() {
     return document.activeElement.textContent;
   },
+
+  focused_value() {
+    return document.activeElement.value;
+  },
 })

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import threading
+from importlib.util import find_spec
 from pathlib import Path
 
 from weftex.cli.options import Parser
@@ -44,16 +46,13 @@ def run(argv: list[str]) -> None:
         raise InvalidInputError(f"--port is {args.port}; it must be from 0 to 65535")
     if args.memory is not None and not 64 <= args.memory <= 2**20:
         raise InvalidInputError(f"--memory is {args.memory}; it must be from 64 to 1048576")
-    try:
-        from weftex.studio import server
-    except ModuleNotFoundError as error:
-        if (error.name or "").split(".")[0] not in ("starlette", "uvicorn", "anyio"):
-            raise
+    if any(find_spec(name) is None for name in ("starlette", "uvicorn", "anyio")):
         line = "the studio needs Starlette and uvicorn: pip install 'weftex[studio]'"
-        raise InvalidInputError(line) from None
+        raise InvalidInputError(line)
     from dataclasses import replace
 
     from weftex.studio.limits import usual_limits
+    from weftex.studio.listening import LOOPBACK, address_of, listen
     from weftex.studio.opened import Opened
     from weftex.studio.store import default_folder
     from weftex.studio.studio import Studio
@@ -62,17 +61,22 @@ def run(argv: list[str]) -> None:
     if args.memory is not None:
         limits = replace(limits, memory_bytes=args.memory * 2**20)
     opened = None if args.sample is None else Opened.of(args.sample, limits)
-    listener = server.listen(args.host, args.port)
-    if args.host not in server.LOOPBACK:
+    listener = listen(args.host, args.port)
+    if args.host not in LOOPBACK:
         say("warning: " + _WARNING.format(host=args.host))
-
-    def ready(address: str) -> None:
-        say(f"the studio is at {address}   (Ctrl-C ends it)")
-        if not args.no_browser:
-            import webbrowser
-
-            if not webbrowser.open(address):
-                say("no browser was found; open that address")
-
     folder = default_folder() if args.data is None else Path(args.data)
-    server.Server(listener, args.host, Studio(folder, limits, opened), ready).run()
+    studio = Studio(folder, limits, opened)
+    address = address_of(listener, args.host, studio.token)
+    say(f"the studio is at {address}   (Ctrl-C ends it)")
+    if not args.no_browser:  # it starts, and waits for the answer, while the server starts
+        threading.Thread(target=_open, args=(address,), daemon=True).start()
+    from weftex.studio.server import Server
+
+    Server(listener, args.host, studio).run()
+
+
+def _open(address: str) -> None:
+    import webbrowser
+
+    if not webbrowser.open(address):
+        say("no browser was found; open that address")

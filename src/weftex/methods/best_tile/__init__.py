@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, ClassVar
 
-from weftex.analysis.canvas_lattice import CanvasLattice
+from weftex.analysis.canvas_lattice import Around, CanvasLattice
 from weftex.errors import InvalidInputError
 from weftex.method import Method
 from weftex.methods.best_tile.repetition import repeated
@@ -128,15 +128,17 @@ class BestTileModel(LatticeModel):
         seed: int,
         threads: int | None,
         progress: ProgressCallback | None,
+        period: tuple[int, int] | None = None,
     ) -> PixelSynthesis:
         """Repeat the best tile: f(x) = f(x + a v1 + b v2) (eq. 4.1)."""
-        lattice = CanvasLattice(self.vectors, canvas, self.settings.limit)
+        around = canvas if period is None else Around(*period)
+        lattice = CanvasLattice(self.vectors, around, self.settings.limit)
         tile = self.anchors, self.rows
-        index = repeated(self.exemplar, *tile, lattice, canvas, origin, seed, progress)
+        index = repeated(self.exemplar, *tile, lattice, canvas, origin, seed, progress, period)
         if canvas.hole is not None:
             index[~canvas.hole] = -1
         about: dict[str, object] = {"seed": seed, "anchor": self.anchors[0].tolist()}
-        if any(canvas.wrap):
+        if any(around.wrap):
             about["strain"] = round(lattice.strain, 6)
         return PixelSynthesis(
             canvas,

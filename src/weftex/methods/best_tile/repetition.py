@@ -29,6 +29,7 @@ def repeated(
     origin: tuple[int, int],
     seed: int,
     callback: ProgressCallback | None,
+    period: tuple[int, int] | None = None,
 ) -> NDArray[np.int32]:
     """Paste copies of tiles beside each other in both directions of the vectors.
 
@@ -42,6 +43,8 @@ def repeated(
         The vectors, stretched to go around the canvas.
     origin : (int, int)
         Where the canvas's corner lies in the plane of the lattice.
+    period : (int, int), optional
+        The plane comes back to itself after so many pixels; the lattice is stretched for that.
 
     Returns
     -------
@@ -58,18 +61,22 @@ def repeated(
 
     # Coordinates up to 2**40 are exact to 2**-13 pixel in a float. On a canvas that wraps they
     # count from its corner.
-    corner = np.asarray(origin) - anchors[0]
+    lines = [np.arange(n) + at for n, at in zip(canvas.shape, origin, strict=True)]
+    wrap = canvas.wrap
+    if period is not None:
+        lines, wrap = [line % n for line, n in zip(lines, period, strict=True)], (True, True)
+    down, across = (line - at for line, at in zip(lines, anchors[0], strict=True))
     progress = Progress(callback, canvas.height, "rows", preview)
-    repeats = [np.rint(n @ lattice.inverse).astype(np.int64) for n in np.diag(canvas.shape)]
+    size = period or canvas.shape
+    repeats = [np.rint(n @ lattice.inverse).astype(np.int64) for n in np.diag(size)]
     for top in range(0, canvas.height, _BAND):
-        y = np.arange(top, min(top + _BAND, canvas.height))[:, None] + corner[0]
-        x = np.arange(canvas.width)[None, :] + corner[1]
+        y, x = down[top : top + _BAND, None], across[None, :]
         number = [np.floor(along + 2.0**-20) for along in lattice.multiples(y, x)]
         away = [number[0] * lattice.canvas[0, k] + number[1] * lattice.canvas[1, k] for k in (0, 1)]
         v, u = y - np.rint(away[0]), x - np.rint(away[1])
         place = anchors[0]
         if len(anchors) > 1:
-            which = draw(seed, "tile", *_first(number, repeats, canvas.wrap))
+            which = draw(seed, "tile", *_first(number, repeats, wrap))
             place = anchors[(which % np.uint64(len(anchors))).astype(np.int64)]
         # Vectors with fractions, or a lattice stretched to go around the canvas, lead a little past
         # the tile: there the tile's border is repeated.

@@ -26,7 +26,7 @@ if TYPE_CHECKING:
     from weftex.methods.graphcut.places import Place
     from weftex.methods.pixels.growth import Growth
 
-_LARGE = 2**15  # pixels of a patch from which on candidates are priced in threads
+_LARGE = 2**14  # pixels of a patch from which on candidates are priced in threads
 _PATCHES = 3  # in a row between two belts of a plane
 _IDLE = 4  # refinements that mend nothing, for each patch that covered the canvas, end it
 

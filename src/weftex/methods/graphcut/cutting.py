@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from weftex.methods.graphcut import cut_kernels, seam_kernels
+from weftex.methods.graphcut import cut_kernels, graph_kernels, seam_kernels
 from weftex.notes import is_asked, note
 from weftex.seams.maxflow import search_trees
 
@@ -48,6 +48,7 @@ class Picture:
             _joins(settings.windows.usable != 0, settings.exemplar.tileable).ravel(),
             self.sample_shape,
             settings.by_gradients,
+            np.zeros((self.usable.size if settings.by_gradients else 0, 2), np.int32),
         )
         self._picture = seam_kernels.Picture(
             growth.pixels.reshape(-1, channels),
@@ -146,7 +147,7 @@ class Picture:
         """
         seam_kernels.price_seams(self._picture, self._sample, rows, columns, costs, cells, side)
 
-    def _patch(self, place: Place) -> cut_kernels.Patch:
+    def _patch(self, place: Place) -> graph_kernels.Patch:
         lines = [
             ((first + np.arange(length)) % n).astype(np.int32)
             for first, length, n in (
@@ -156,17 +157,17 @@ class Picture:
                 (place.source_left, place.width, self.sample_shape[1]),
             )
         ]
-        return cut_kernels.Patch(*lines)
+        return graph_kernels.Patch(*lines)
 
 
-def _graph(height: int, width: int) -> cut_kernels.Graph:
+def _graph(height: int, width: int) -> graph_kernels.Graph:
     """Make room for the graph of a patch."""
     shape = height, width
     old, new, apart = np.empty((3, *shape), np.int32)
     arcs = np.empty((*shape, 4), np.int32)
     choice, side, shown, along = np.empty((4, *shape), np.uint8)
     trees = search_trees(height, width)
-    return cut_kernels.Graph(arcs, old, new, apart, choice, side, shown, along, trees)
+    return graph_kernels.Graph(arcs, old, new, apart, choice, side, shown, along, trees)
 
 
 def _joins(usable: NDArray[np.bool_], tiles: bool) -> NDArray[np.uint8]:

@@ -9,6 +9,7 @@ cdef class Sample:
     cdef int height
     cdef int width
     cdef bint by_gradients
+    cdef const int[:, ::1] gradients
 
 cdef class Picture:
     cdef unsigned char[:, ::1] pixels
@@ -35,16 +36,13 @@ cdef inline int difference(const unsigned char* a, const unsigned char* b,
         total += abs(<int> a[k] - <int> b[k])
     return total
 
-cdef inline int cost_within(Sample sample, int apart, int p_old, int q_old, int p_new,
-                            int q_new) noexcept nogil:
+cdef inline int cost_within(Sample sample, int apart, int old, int new, int d) noexcept nogil:
     """`seam_cost` where both pixels are in both patches, `apart` the sum of their differences."""
     cdef int gradient
-    cdef Py_ssize_t channels = sample.pixels.shape[1]
     if not sample.by_gradients:
         return apart
-    gradient = difference(&sample.pixels[p_old, 0], &sample.pixels[q_old, 0], channels)
-    gradient += difference(&sample.pixels[p_new, 0], &sample.pixels[q_new, 0], channels)
-    return SCALE * apart // (gradient + SOFT * <int> channels)
+    gradient = sample.gradients[old, d] + sample.gradients[new, d]
+    return SCALE * apart // (gradient + SOFT * <int> sample.pixels.shape[1])
 
 cdef inline int continued(Sample sample, int label, int d) noexcept nogil:
     """The place in the sample that a pixel's patch has beside it; -1 for none."""

@@ -14,14 +14,33 @@ class Sample:
     """The sample, and how its seams are weighed.
 
     Of a pixel's `joins`, bit d says that it has a usable neighbor in direction d, bit 4 + d that
-    this one is around the border of a sample that tiles.
+    this one is around the border of a sample that tiles. `gradients` is filled with the differences
+    of each pixel from the right and the lower one, if costs are weighed by them.
     """
 
-    def __init__(self, pixels, joins, shape, by_gradients):
+    def __init__(self, pixels, joins, shape, by_gradients, gradients):
         self.pixels = pixels
         self.joins = joins
         self.height, self.width = shape
         self.by_gradients = by_gradients
+        fill_gradients(self, gradients)
+        self.gradients = gradients
+
+
+@cython.cfunc
+@cython.exceptval(check=False)
+def fill_gradients(sample: Sample, gradients: cython.int[:, ::1]) -> cython.void:
+    """See `Sample`."""
+    cython.declare(p=cython.int, d=cython.int, q=cython.int)
+    for p in range(gradients.shape[0]):
+        for d in range(2):
+            q = continued(sample, p, d)
+            if q >= 0:
+                gradients[p, d] = difference(
+                    cython.address(sample.pixels[p, 0]),
+                    cython.address(sample.pixels[q, 0]),
+                    cython.cast(cython.Py_ssize_t, sample.pixels.shape[1]),
+                )
 
 
 @cython.cclass

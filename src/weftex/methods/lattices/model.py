@@ -5,6 +5,7 @@ from __future__ import annotations
 from abc import abstractmethod
 from typing import TYPE_CHECKING
 
+from weftex.analysis.canvas_lattice import VISIBLE_STRAIN, Around, CanvasLattice
 from weftex.canvas import Canvas, as_canvas
 from weftex.errors import UnsupportedError
 from weftex.method import Method, Model
@@ -61,8 +62,12 @@ class LatticeModel(Model):
         seed: int,
         threads: int | None,
         progress: ProgressCallback | None,
+        period: tuple[int, int] | None = None,
     ) -> Synthesis:
-        """Make an output whose corner lies at `origin` in the plane of the sample's lattice."""
+        """Make an output whose corner lies at `origin` in the plane of the sample's lattice.
+
+        With a period it is a window of a plane that repeats, and `origin` its corner.
+        """
 
     def sample(
         self,
@@ -95,16 +100,23 @@ class LatticeModel(Model):
     def make_window(
         self, box: Box, asked: Asked, progress: ProgressCallback | None = None
     ) -> Synthesis:
-        """See `Model.make_window`: any part of the plane can be made by itself."""
-        if asked.period is not None:
-            raise UnsupportedError(
-                f"{self.method.slug} makes no windows of a plane that repeats; leave period out, "
-                "or make a tileable picture"
-            )
+        """See `Model.make_window`: any part of the plane can be made by itself.
+
+        With a period the lattice is stretched as for a tileable picture of that size.
+        """
         corner = box.rows.first, box.columns.first
-        found = self.make(canvas_of(box), corner, asked.seed, asked.threads, progress)
+        canvas = canvas_of(box)
+        found = self.make(canvas, corner, asked.seed, asked.threads, progress, asked.period)
         found.is_window = True
+        found.provenance |= asked.told
         return found
+
+
+def is_strained(model: Model, around: Canvas | Around) -> bool:
+    """Whether a model's lattice would have to be stretched to go around so that it shows."""
+    if not isinstance(model, LatticeModel) or not (model.vectors and any(around.wrap)):
+        return False
+    return CanvasLattice(model.vectors, around).strain > VISIBLE_STRAIN
 
 
 def origin_of(canvas: Canvas, exemplar: Exemplar, vectors: tuple[float, ...]) -> tuple[int, int]:

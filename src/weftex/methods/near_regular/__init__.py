@@ -200,6 +200,7 @@ class NearRegularModel(LatticeModel):
         seed: int,
         threads: int | None,
         progress: ProgressCallback | None,
+        period: tuple[int, int] | None = None,
     ) -> PatchSynthesis:
         """Make an output by section 4.2, with the improvements that chapter 6 proposes."""
         settings, sample = self.settings, self.blocks
@@ -209,7 +210,7 @@ class NearRegularModel(LatticeModel):
         with thread_map(thread_count(threads)) as each:
             # 4.2: split the output into square blocks; f[x] = f[x + a v1 + b v2] (eq. 4.3) says
             # which patches of the sample are similar to each.
-            layout = divide(settings, sample, canvas, origin, seed)
+            layout = divide(settings, sample, canvas, origin, seed, period)
             hole = find_hole(settings, sample, layout)  # ours: holes, filled by the same steps
             plan = settings, sample, layout, hole
             place = known_places(*plan[1:])

@@ -8,12 +8,15 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from weftex.analysis.canvas_lattice import VISIBLE_STRAIN, CanvasLattice
+from weftex.analysis.canvas_lattice import VISIBLE_STRAIN, Around, CanvasLattice
 from weftex.methods.near_regular import block_kernels as kernels
 from weftex.methods.near_regular.rows import ANY, Courses, rows_shown
+from weftex.planes.boxes import check_period
 from weftex.random import draw
 
 if TYPE_CHECKING:
+    from collections.abc import Callable
+
     from numpy.typing import NDArray
 
     from weftex.canvas import Canvas
@@ -24,6 +27,47 @@ if TYPE_CHECKING:
 #: but the last, which is drawn with regard to the ones before.
 _RING = 7
 _UNIT = 1 << 16  # of a pixel, that distances of blocks are in
+
+
+class Turn:
+    """Blocks that go around once: `count` of them, a multiple of `by`.
+
+    Parameters
+    ----------
+    length, size : int
+        Of what they go around, and of a block at most.
+    courses : Courses, optional
+        Rows whose joints blocks end at; it begins at a joint.
+    by : int
+        2, so that every second block is a gap; 4, so that colors of blocks go around, too.
+    """
+
+    def __init__(self, length: int, size: int, courses: Courses | None, by: int) -> None:
+        self.length, self.share, self.rows = length, 1, 0
+        self.count = by * max(1, -(-length // (by * size)))
+        self.least = length // self.count
+        if courses is None:
+            return
+        rows = max(1, round(length / courses.height))
+        each, self.share = courses.division(size, length / rows)
+        self.count = by * -(-rows // (by * each))
+        if self.share == 1 and (self.count > rows or by * rows % 4):
+            self.share = 2
+        if self.share == 1:  # whole rows
+            self.rows = rows
+            self.least = rows // self.count * (length // rows)
+            return
+        while rows * self.share % by:  # or gaps would be beside gaps
+            self.share += 1
+        self.count = rows * self.share
+        self.least = length // self.count
+
+    def edge(self, number: int) -> int:
+        """Where a block begins."""
+        turns, k = divmod(number, self.count)
+        if self.rows:
+            return turns * self.length + k * self.rows // self.count * self.length // self.rows
+        return turns * self.length + k * self.length // self.count
 
 
 class Axis:
@@ -40,14 +84,22 @@ class Axis:
     courses : Courses, optional
         Rows whose joints blocks end at. A canvas that goes around begins at a joint.
 
+    around : int
+        The plane, of which the canvas is a window, comes back to itself after so many pixels; 0 if
+        it does not.
+
     Attributes
     ----------
     edges : int64 array (n + 1,)
         Where blocks begin and the last one ends, in canvas pixels.
+    places : int64 array (n,)
+        Where blocks begin in the plane of the lattice.
     side : int
         Of a block's window.
     sizes, numbers : int64 array (n,)
         Of the blocks; numbers count from the plane's origin.
+    least : int
+        A size that no block is smaller than.
     share : int
         Blocks that share a row; 1 where a block holds whole rows, or there are none.
     period : int
@@ -64,45 +116,46 @@ class Axis:
         margin: int,
         wraps: bool,
         courses: Courses | None,
+        around: int = 0,
     ) -> None:
         self.length, self.margin, self.side = length, margin, size + 2 * margin
-        self.share = 1
-        if wraps:
-            count = 2 * max(1, -(-length // (2 * size)))
-            numbers = np.arange(count + 1, dtype=np.int64)
-            if courses is not None:
-                rows = max(1, round(length / courses.height))
-                each, self.share = courses.division(size, length / rows)
-                count = 2 * -(-rows // (2 * each))
-                if self.share == 1 and count > rows:
-                    self.share = 2
-                self.share += rows * self.share % 2  # or gaps would be beside gaps
-                count = count if self.share == 1 else rows * self.share
-                numbers = np.arange(count + 1, dtype=np.int64)
-                if self.share == 1:  # whole rows
-                    numbers, count = numbers * rows // count, rows
-            first, self.period, self.shown = 0, length, slice(0, len(numbers) - 1)
-            self.edges = numbers * length // count
+        joint = 0 if courses is None else courses.joint
+        ring, self.period, first = _RING, 0, 0
+        if wraps or around:
+            turn = Turn(around or length, size, courses, 2 if wraps else 4)
+            edge, self.share, self.least = turn.edge, turn.share, turn.least
         else:
-            step, shift = size * _UNIT, 0
+            step, self.share = size * _UNIT, 1
             if courses is not None:
                 each, self.share = courses.division(size)
                 step = round(courses.height * each * _UNIT / self.share)
-                shift = courses.joint * _UNIT
-            begin = ((origin - margin) * _UNIT - shift) // step
-            end = ((origin + length - 1 + margin) * _UNIT - shift) // step + 1
-            first, self.period = begin - _RING, 0
-            self.shown = slice(_RING, end - begin + _RING)
-            numbers = np.arange(begin - _RING, end + _RING + 1, dtype=np.int64)
-            self.edges = (numbers * step + shift) // _UNIT - origin
-        self.sizes = np.diff(self.edges)
-        self.numbers = first + np.arange(len(self.sizes), dtype=np.int64)
-        row = self.numbers // self.share * self.share
-        if self.period:
-            self._ends = self.edges[row], self.edges[row + self.share - 1]
+            self.least = step // _UNIT
+
+            def edge(number: int) -> int:
+                return (number * step + joint * _UNIT) // _UNIT
+
+        if wraps:
+            ring, self.period, begin, end = 0, length, 0, turn.count
         else:
-            at = np.stack([row, row + self.share - 1]) * step + shift
-            self._ends = at[0] // _UNIT - origin, at[1] // _UNIT - origin
+            first = origin
+            begin, end = (
+                _block_at(edge, pixel, *((turn.count, around) if around else (_UNIT, step)))
+                for pixel in (origin - margin, origin + length - 1 + margin)
+            )
+            end += 1
+        every = range(begin - ring, end + ring)
+        self.shown = slice(ring, end - begin + ring)
+        self.edges = np.array([edge(n) - first for n in [*every, every.stop]], np.int64)
+        self.sizes = np.diff(self.edges)
+        names = [n % turn.count for n in every] if around else every
+        self.numbers = np.array(names, np.int64)
+        start = (joint if courses is not None else origin) if wraps else joint if around else 0
+        self.places = np.array([edge(n) + start for n in names], np.int64)
+        row = [n // self.share * self.share for n in every]
+        self._ends = (
+            np.array([edge(n) - first for n in row], np.int64),
+            np.array([edge(n + self.share - 1) - first for n in row], np.int64),
+        )
 
     def ends_of_rows(self) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
         """Where the first and the last begin of those blocks that share a row with each."""
@@ -202,10 +255,25 @@ class Layout:
         return canvas
 
 
+def _block_at(edge: Callable[[int], int], pixel: int, count: int, length: int) -> int:
+    """The last block that begins at a pixel or before, of `count` in about `length`."""
+    number = pixel * count // length
+    while edge(number) > pixel:
+        number -= 1
+    while edge(number + 1) <= pixel:
+        number += 1
+    return number
+
+
 def divide(
-    settings: Settings, sample: BlockSample, canvas: Canvas, origin: tuple[int, int], seed: int
+    settings: Settings,
+    sample: BlockSample,
+    canvas: Canvas,
+    origin: tuple[int, int],
+    seed: int,
+    period: tuple[int, int] | None = None,
 ) -> Layout:
-    """Divide a canvas into square blocks.
+    """Divide a canvas into square blocks, or a window of a plane that may have a period.
 
     Raises
     ------
@@ -214,23 +282,20 @@ def divide(
         right, and than the tolerance makes up for.
     """
     size, margin = settings.block_size, settings.margin
+    check_period(period, max(2 * size, 4))
+    around = canvas if period is None else Around(*period)
     lattice = CanvasLattice(
-        settings.lattice, canvas, max(VISIBLE_STRAIN, settings.tolerance / size)
+        settings.lattice, around, max(VISIBLE_STRAIN, settings.tolerance / size)
     )
     # What a canvas knows, it knows where it is.
     courses = sample.courses if canvas.known is None else (None, None)
     rows, columns = (
-        Axis(length, at, size, margin, wraps, own)
-        for length, at, wraps, own in zip(canvas.shape, origin, canvas.wrap, courses, strict=True)
+        Axis(length, at, size, margin, wraps, own, turn)
+        for length, at, wraps, own, turn in zip(
+            canvas.shape, origin, canvas.wrap, courses, period or (0, 0), strict=True
+        )
     )
-    least = min(int(rows.sizes.min()), int(columns.sizes.min()))
-    begin = [
-        own.joint if wraps and own is not None else at
-        for at, wraps, own in zip(origin, canvas.wrap, courses, strict=True)
-    ]
-    corner = [
-        axis.edges[:-1] + at - margin for axis, at in zip((rows, columns), begin, strict=True)
-    ]
+    corner = [axis.places - margin for axis in (rows, columns)]
     phase = lattice.phase(corner[0][:, None], corner[1][None, :])
     row = None
     if sample.row_axis is not None and canvas.known is None:
@@ -242,7 +307,7 @@ def divide(
         lattice=lattice,
         rows=rows,
         columns=columns,
-        reach=min(margin, max(0, least - 1) // 2),
+        reach=min(margin, max(0, min(rows.least, columns.least) - 1) // 2),
         bits=draw(seed, "block", rows.numbers[:, None], columns.numbers[None, :]),
         phase=np.ascontiguousarray(phase),
         row=row,

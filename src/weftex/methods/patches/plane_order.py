@@ -2,15 +2,16 @@
 
 The plane has the grid of patches of Fig. 3 (a). Every few patches both ways there is a node::
 
-    o + - - + o + -
-    + . . . . + . .     o  a node: any place of the sample
-    | . . . . | . .     +  beside it; these five are a corner, and hang on nothing else
-    + . . . . + . .     -  an edge across, |  down: hang on the corners at their ends
-    o + - - + o + -     .  inside, in scan order: hang on the corners and edges around
-    + . . . . + . .
+    o + - o + -
+    + . . + . .     o  a node: any place of the sample
+    | . . | . .     +  beside it; these three are a corner, and hang on nothing else
+    o + - o + -     -  an edge across, |  down: hang on the corners at their ends
+    + . . + . .     .  inside, in scan order: hang on the corners and edges around
+    | . . | . .
 
 A patch is laid as any other: beside every neighbor that it may hang on it has a boundary zone. What
-a window hangs on is found by going back from the patches that show in it.
+a window hangs on is found by going back from the patches that show in it. The closer the nodes are,
+the less is laid for a window that does not show in it.
 """
 
 from __future__ import annotations
@@ -36,7 +37,7 @@ if TYPE_CHECKING:
     Ints = NDArray[np.int64]
 
 CORNER, ACROSS, DOWN, INSIDE = range(4)
-_PITCH, _FEWEST, _MOST = 256, 4, 8  # pixels, or so many patches, from one node to the next
+_PITCH, _FEWEST, _MOST = 160, 3, 8  # pixels, or so many patches, from one node to the next
 _REACH = 2  # patches around that should not be repeated
 _AROUND = [
     (i, j)
@@ -45,6 +46,14 @@ _AROUND = [
     if (i, j) != (0, 0)
 ]
 _TOUCHING = [k for k, (i, j) in enumerate(_AROUND) if max(abs(i), abs(j)) == 1]
+_TWO_STEPS = [
+    (first, second, k)
+    for k, (i, j) in enumerate(_AROUND)
+    if k not in _TOUCHING
+    for first in _TOUCHING
+    for second in _TOUCHING
+    if (_AROUND[first][0] + _AROUND[second][0], _AROUND[first][1] + _AROUND[second][1]) == (i, j)
+]
 _THREADS_FROM, _IN_PIECE = 512, 16  # patches; see `scan_order`
 _TURN = 1 << 20  # more than any place within a block
 
@@ -83,7 +92,7 @@ class PatchAxis:
         first = self.patches.last_before(span.first - self.window) + 1
         stop = self.patches.last_before(span.last - 1) + 1
         node = self.nodes.last_before(first - 1)
-        low = self.nodes.node(node) - _REACH
+        low = self.nodes.node(node - 1)  # edges down hang on edges of the block before
         high = self.nodes.node(self.nodes.last_before(stop + 1) + 1) + _REACH + 1
         return np.arange(low, high), slice(first - low, stop - low)
 
@@ -133,37 +142,34 @@ class PlaneOrder:
         (gap_y, after_y), (gap_x, after_x) = (
             _gaps(axis, line) for axis, line in zip(self.axes, self.numbers, strict=True)
         )
-        (node_y, off_y), (node_x, off_x) = (
-            _nearest(axis, line) for axis, line in zip(self.axes, self.numbers, strict=True)
-        )
-        y, x = np.meshgrid(off_y, off_x, indexing="ij")
-        corner, across, down = np.abs(y) + np.abs(x) <= 1, y == 0, x == 0
-        kinds = [corner, across, down]
+        y, x = after_y[:, None], after_x
+        kinds = [y + x <= 1, y + 0 * x == 0, x + 0 * y == 0]
         self.kind = np.select(kinds, [CORNER, ACROSS, DOWN], INSIDE)
-        block_y = np.select([corner | across], [node_y[:, None] + 0 * x], gap_y[:, None] + 0 * x)
-        block_x = np.select([corner | down], [node_x + 0 * y], gap_x + 0 * y)
-        self.block = np.stack([self.kind, block_y, block_x])
-        # The node first, then right, left, below, above.
-        in_corner = np.where(y == 0, np.abs(x) + (x < 0), 2 * np.abs(y) + np.abs(y) + (y < 0))
-        scan = after_y[:, None] * (_TURN >> 10) + after_x
-        places = [in_corner, after_x + 0 * y, after_y[:, None] + 0 * x]
-        self.turn = self.kind * _TURN + np.select(kinds, places, scan)
+        self.block = np.stack([self.kind, gap_y[:, None] + 0 * x, gap_x + 0 * y])
+        # The node first, then right, then below; the rest in scan order.
+        in_corner = 2 * y + x
+        self.turn = self.kind * _TURN + np.where(kinds[0], in_corner, y * (_TURN >> 10) + x)
 
     @cached_property
     def hangs_on(self) -> NDArray[np.bool_]:
         """For each patch and each of those around: whether it may hang on that: (n, rows, columns).
 
-        On earlier ones of its own block and of corners; inside, of edges too.
+        On earlier ones of its own block and of corners; inside, of edges too. Farther ones, which
+        it should not repeat, are those that it hangs on by one between.
         """
         result = np.zeros((len(_AROUND), *self.shape), bool)
-        for k, (i, j) in enumerate(_AROUND):
+        for k in _TOUCHING:
+            i, j = _AROUND[k]
             (own_y, its_y), (own_x, its_x) = _shifted(i), _shifted(j)
             own, its = (slice(None), own_y, own_x), (slice(None), its_y, its_x)
             kind, other = self.kind[own[1:]], self.kind[its[1:]]
             same = (self.block[own] == self.block[its]).all(axis=0)
-            lower = (other < kind) & ((other == CORNER) | (kind == INSIDE))
+            lower = other < kind
             earlier = same & (self.turn[its[1:]] < self.turn[own[1:]])
             result[k][own[1:]] = lower | earlier
+        for first, second, k in _TWO_STEPS:
+            (own_y, its_y), (own_x, its_x) = (_shifted(n) for n in _AROUND[first])
+            result[k][own_y, own_x] |= result[first][own_y, own_x] & result[second][its_y, its_x]
         return result
 
     @cached_property
@@ -289,14 +295,6 @@ def _gaps(axis: PatchAxis, line: Ints) -> tuple[Ints, Ints]:
     """For each patch the last node at or before it, and how far after that it is."""
     nodes = np.array([axis.nodes.last_before(n) for n in line.tolist()], np.int64)
     return nodes, line - np.array([axis.nodes.node(n) for n in nodes.tolist()], np.int64)
-
-
-def _nearest(axis: PatchAxis, line: Ints) -> tuple[Ints, Ints]:
-    """For each patch the nearest node and how far after it that is; 2 for all that are farther."""
-    nodes, after = _gaps(axis, line)
-    before = np.array([axis.nodes.node(n + 1) for n in nodes.tolist()], np.int64) - line
-    offset = np.select([after <= 1, before == 1], [after, -1], 2)
-    return nodes + (offset == -1), offset
 
 
 def _shifted(by: int) -> tuple[slice, slice]:

@@ -187,6 +187,7 @@ class PixelModel(Model):
             exemplar=self.exemplar,
             known_from=canvas.known_from,
             tone_reach=growth.tone_reach,
+            threads=growth.threads,
             provenance=self.method.describe() | {"seed": number} | growth.about,
         )
 

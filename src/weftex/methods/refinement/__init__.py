@@ -17,6 +17,7 @@ from weftex.methods.refinement.output import (
     sources_of_children,
     sources_shown,
 )
+from weftex.methods.refinement.plane import refined_window
 from weftex.methods.refinement.seeds import seed_sources
 from weftex.methods.refinement.settings import (
     Starts,
@@ -34,7 +35,9 @@ from weftex.methods.refinement.start import (
 from weftex.methods.refinement.sweeps import Convergence, refine_texture, sweep_of
 from weftex.notes import note
 from weftex.parameters import parameter
+from weftex.planes.boxes import A_BLOCK, canvas_of
 from weftex.planes.grid import Sizes
+from weftex.results.pixels import PixelSynthesis
 
 if TYPE_CHECKING:
     import numpy as np
@@ -44,6 +47,8 @@ if TYPE_CHECKING:
     from weftex.exemplar import Exemplar
     from weftex.methods.pixels.growth import Growth
     from weftex.planes.boxes import Asked, Box
+    from weftex.progress import ProgressCallback
+    from weftex.results.synthesis import Synthesis
 
 _PITCH = 384  # pixels, at least, from one node of a plane to the next
 
@@ -219,6 +224,25 @@ class Refinement(WindowedMethod):
 class RefinementModel(PixelModel):
     """A sample prepared for iterative refinement."""
 
+    def make_window(
+        self, box: Box, asked: Asked, progress: ProgressCallback | None = None
+    ) -> Synthesis:
+        """See `Model.make_window`: a plane of the start is refined level by level."""
+        prepared: Prepared = self.prepared
+        settings = prepared.settings
+        if settings.search != "coherent" or settings.belt or not prepared.starts:
+            return super().make_window(box, asked, progress)
+        self.require(A_BLOCK)
+        index = refined_window(prepared, self.exemplar, box, asked, progress)
+        return PixelSynthesis(
+            canvas_of(box),
+            index,
+            sample_shape=self.exemplar.shape,
+            exemplar=self.exemplar,
+            is_window=True,
+            provenance=self.method.describe() | asked.told,
+        )
+
     def block_sizes(self) -> Sizes:
         """See `Model.block_sizes`; blocks begin with a plane of the start."""
         width = min(self.prepared.settings.window_width, 64)
@@ -255,7 +279,8 @@ def texture_synthesis(prepared: Prepared, growth: Growth) -> None:
     for number in range(coarsest, -1, -1):
         level, output, guide = levels[number], outputs[number], guides[number]
         if number < coarsest:
-            source = sources_of_children(outputs[number + 1], levels[number + 1], output, level)
+            shape = output.known.shape
+            source = sources_of_children(outputs[number + 1], levels[number + 1], shape, level)
         elif made is not None:
             source = sources_shown(made, number, level)
         else:  # step 3: PlantSeed, Fig. 5

@@ -98,6 +98,12 @@ class CoherentLevel(Level):
     similar: NDArray[np.int32]
     cells: NDArray[np.int32]
 
+    @cached_property
+    def centers_in_cells(self) -> NDArray[np.int64]:
+        """How many of the centers lie in each cell."""
+        own = self.cells[self.places.ravel()[self.centers]]
+        return np.bincount(own, minlength=int(self.cells.max()) + 1)
+
 
 @dataclass(frozen=True, eq=False)
 class NearestLevel(Level):

@@ -56,6 +56,17 @@ class Output:
         self.wanted = ~known
         self.count = int(self.wanted.sum())
 
+    def copy(self) -> Output:
+        """The same, to be refined on its own."""
+        other = Output(self.number, self.pixels.copy(), self.source.copy(), self.known, self.wrap)
+        other.done[:] = self.done
+        return other
+
+    def take(self, other: Output, parts: list[tuple[slice, slice]]) -> None:
+        """Show there what another one does."""
+        for part in parts:
+            self.pixels[part], self.source[part] = other.pixels[part], other.source[part]
+
     def begin(self, level: Level, source: NDArray[np.int32]) -> None:
         """Show the sources of the pixels that are to be made; -1 leaves one to be made later."""
         made = self.wanted & (source >= 0)
@@ -148,12 +159,20 @@ def sources_shown(sources: NDArray[np.int32], number: int, level: Level) -> NDAr
 
 
 def sources_of_children(
-    coarser: Output, coarser_level: Level, output: Output, level: Level
+    coarser: Output,
+    coarser_level: Level,
+    shape: tuple[int, ...],
+    level: Level,
+    corners: tuple[tuple[int, int], tuple[int, int]] = ((0, 0), (0, 0)),
 ) -> NDArray[np.int32]:
-    """Return a source for each pixel of a level: where its parent's goes on."""
-    step = 2**output.number
-    y, x = np.indices(output.known.shape)
-    parents = coarser_level.places.ravel()[coarser.source[y // 2, x // 2]]
+    """Return a source for each pixel of a level: where its parent's goes on.
+
+    `corners` say where the level's first pixel lies, and the coarser one's, each in its pixels.
+    """
+    step = 2 ** (coarser.number - 1)
+    y, x = (np.arange(n) + at for n, at in zip(shape, corners[0], strict=True))
+    y, above = y[:, None], corners[1]
+    parents = coarser_level.places.ravel()[coarser.source[y // 2 - above[0], x // 2 - above[1]]]
     v, u = np.divmod(parents, level.nearest.shape[1])
     return level.at(v + y % 2 * step, u + x % 2 * step)
 

@@ -8,10 +8,10 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from weftex.analysis.canvas_lattice import VISIBLE_STRAIN, CanvasLattice, four_numbers, is_sure
+from weftex.analysis.canvas_lattice import Around, four_numbers, is_sure
 from weftex.analysis.scale import dominant_scale
 from weftex.errors import InvalidInputError
-from weftex.methods.lattices.model import LatticeModel
+from weftex.methods.lattices.model import is_strained
 from weftex.naming import method_of, text_of
 from weftex.registry import METHODS
 from weftex.seams.belts import seam_belts
@@ -72,7 +72,7 @@ def starts_for(settings: Settings, starts: dict[str, Model], canvas: Canvas) -> 
     names = list(starts)
     if settings.by_canvas and canvas.guide is not None:
         return []
-    if settings.by_canvas and names and _strained(starts[names[0]], canvas):
+    if settings.by_canvas and names and is_strained(starts[names[0]], canvas):
         names.reverse()
     return names
 
@@ -104,10 +104,15 @@ def result_of(
 
 
 def start_window(starts: dict[str, Model], box: Box, asked: Asked) -> NDArray[np.int32] | None:
-    """Return flat indices of what the first start's plane shows in a box; None without a start."""
+    """Return flat indices of what the first start's plane shows in a box; None without a start.
+
+    The next start is that of planes whose period would strain the first one's lattice visibly.
+    """
     if not starts:
         return None
-    start = next(iter(starts.values()))
+    start, *others = starts.values()
+    if others and asked.period is not None and is_strained(start, Around(*asked.period)):
+        start = others[0]
     source = start.make_window(box, asked).source
     return source[..., 0] * np.int32(start.exemplar.shape[1]) + source[..., 1]
 
@@ -125,10 +130,3 @@ def keep_patches(sources: NDArray[np.int32], belt: int, windows: Windows, growth
     growth.source[kept] = windows.from_sample(place[kept])
     growth.done[kept] = 1
     growth.hole = None if not growth.done.any() else growth.done == 0
-
-
-def _strained(start: Model, canvas: Canvas) -> bool:
-    """Whether a lattice would have to be stretched to go around the canvas so that it shows."""
-    if not isinstance(start, LatticeModel) or not (start.vectors and any(canvas.wrap)):
-        return False
-    return CanvasLattice(start.vectors, canvas).strain > VISIBLE_STRAIN

@@ -1,3 +1,5 @@
+import { bitmapOf } from "./view/pixels.js";
+
 /** The server's one line about what went wrong, and the field that it is about. */
 export class StudioError extends Error {
   constructor(message, { status = 0, parameter = null } = {}) {
@@ -63,9 +65,9 @@ export class Api {
 
   /** A picture for the screen, and the whole size that it stands for. */
   async picture(path, options = {}, signal) {
-    const query = new URLSearchParams(Object.entries(options).filter(([, value]) => value !== undefined && value !== null));
+    const query = new URLSearchParams(Object.entries({ ...options, raw: 1 }).filter(([, value]) => value !== undefined && value !== null));
     const answer = await this.fetch(`${path}${path.includes("?") ? "&" : "?"}${query}`, { signal });
-    const bitmap = await createImageBitmap(await answer.blob(), { premultiplyAlpha: "default", colorSpaceConversion: "none" });
+    const bitmap = await bitmapOf(await answer.arrayBuffer(), answer.headers.get("X-Weftex-Pixels"));
     const side = (name, other) => Number(answer.headers.get(`X-Weftex-${name}`)) || other;
     return { bitmap, size: [side("Width", bitmap.width), side("Height", bitmap.height)] };
   }

@@ -30,14 +30,20 @@ export class App extends EventTarget {
     this.dispatchEvent(new CustomEvent(type, { detail }));
   }
 
-  async begin() {
-    const found = await this.api.begin();
+  /** Begin with what the server answered already, if it did; a picture comes first. */
+  async begin(begun) {
+    const found = await begun.catch(() => this.api.begin());
     this.limits = found.limits;
     this.kept = found.kept;
-    const about = this.api.get("about").then((one) => (this.about = one));
     window.addEventListener("pagehide", () => this.api.post("leave", {}, { keepalive: true }).catch(() => {}));
     window.addEventListener("hashchange", () => this.openAddress(location.hash));
-    await Promise.all([about, this.first(found)]);
+    await this.first(found);
+    await this.know();
+  }
+
+  /** What methods, samples and formats there are: all screens but the sample's need it. */
+  async know() {
+    this.about = await (this.asking ??= this.api.get("about"));
   }
 
   /** What the page begins with: work that went on, a shared state, or what the command was given. */
@@ -199,25 +205,28 @@ export class App extends EventTarget {
   cancel() {
     this.stop?.abort();
     this.stop = null;
+    this.job = null;
+    this.tell("job");
   }
 
   /** Run a job and show how it goes; resolves to the job, or to null if it was cancelled. */
   async run(body, { quiet = false, onresults = () => {}, path = "jobs" } = {}) {
     this.cancel();
     const control = new AbortController();
-    const posted = this.api.post(path, body, { signal: control.signal });
-    const grows = path === "jobs" && !body.count && !body.methods; // into one picture
-    return this.watch(posted, grows ? body.recipe : null, control, { quiet, onresults });
+    const within = quiet ? "?within=250" : ""; // what is quick is told at once
+    const posted = this.api.post(path + within, body, { signal: control.signal });
+    const many = body.count ?? body.methods?.length ?? (path === "jobs" ? 1 : 0); // pictures, if that is known
+    return this.watch(posted, many === 1 ? body.recipe : null, control, { quiet, many, onresults });
   }
 
-  async watch(posted, recipe, control, { quiet = false, onresults = () => {} }) {
+  async watch(posted, recipe, control, { quiet = false, many = 1, onresults = () => {} }) {
     this.stop = control;
     let seen = 0;
     try {
       return await this.api.follow(
         await posted,
         (job) => {
-          this.job = { ...job, quiet };
+          this.job = { ...job, quiet, many };
           this.tell("job");
           if (job.results.length) onresults(job);
           if (recipe && job.preview && job.preview !== seen && job.state === "running") {
@@ -311,16 +320,16 @@ export class App extends EventTarget {
 
   /** A quick look at what the recipe would make; it is no step. */
   async tryOut() {
-    const asked = this.recipe;
+    const [asked, entry] = [this.recipe, this.history.present];
     const recipe = this.smaller(asked);
     const job = await this.run({ recipe, lane: "preview", leave: "cancel" }, { quiet: true });
     const result = job?.results[0];
     if (!result) return null;
     if (result.error) throw new StudioError(result.error, { parameter: result.parameter });
-    if (this.recipe !== asked) return null; // another try is on its way
-    if (sameJson(recipe, asked)) return this.step(result, t("history.changed"), true);
+    const still = this.recipe === asked; // else another try follows
+    if (still && sameJson(recipe, asked)) return this.step(result, t("history.changed"), true);
     const picture = await this.pictureOf(result);
-    if (this.recipe === asked) this.showPreview({ ...picture, recipe, result });
+    if (this.recipe === asked || (!still && this.history.present === entry)) this.showPreview({ ...picture, recipe, result });
     return result;
   }
 

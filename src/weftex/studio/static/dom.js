@@ -25,10 +25,17 @@ export function set(element, name, value) {
   }
 }
 
-/** Replace what an element holds. */
+/** Replace what an element holds; the focus stays on the control that says the same. */
 export function fill(element, ...children) {
+  const held = element.contains(document.activeElement) && element !== document.activeElement ? sign(document.activeElement) : null;
   element.replaceChildren(...children.flat(Infinity).filter((child) => child !== null && child !== undefined && child !== false));
+  if (held) [...element.querySelectorAll("button, input, select, summary, [tabindex]")].find((one) => sign(one) === held)?.focus({ preventScroll: true });
   return element;
+}
+
+/** What tells a control from its neighbors. */
+function sign(one) {
+  return [one.tagName, one.type, one.ariaLabel ?? one.labels?.[0]?.textContent ?? one.textContent].join();
 }
 
 /** A path of each icon, drawn on 16 x 16. */

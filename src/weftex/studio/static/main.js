@@ -20,6 +20,7 @@ let stage, screens, present, opening;
 /** Show a screen; `options` are its own. */
 function go(name, options = {}) {
   if (!app.material) return;
+  if (name !== "sample" && !app.about) return app.guard(() => app.know().then(() => go(name, options)));
   opening?.remove();
   opening = null;
   document.body.classList.remove("empty");
@@ -234,6 +235,8 @@ function addDrops() {
 
 async function start() {
   if (remembered("theme")) setTheme(remembered("theme"));
+  const begun = app.api.begin();
+  begun.catch(() => {}); // asked again below, where what is wrong can be told
   await loadStrings(remembered("language"));
   document.querySelector(".skip").textContent = t("skip");
   app.api.onlost = tellLost;
@@ -245,7 +248,7 @@ async function start() {
   app.addEventListener("go", ({ detail }) => go(detail.screen, detail));
   app.addEventListener("fault", ({ detail }) => stage.say(detail.message));
   app.addEventListener("notice", ({ detail }) => stage.note(detail.text));
-  await app.guard(() => app.begin());
+  await app.guard(() => app.begin(begun));
   if (!app.material && app.about) showFront();
   document.documentElement.dataset.ready = "true";
 }

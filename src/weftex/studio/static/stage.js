@@ -10,8 +10,9 @@ const MODES = { picture: "picture", split: "split", maps: "maps", light: "light"
 
 /** The picture's part of the page: one view, or several that move together, and the bar below them. */
 export class Stage {
-  constructor(app, element) {
+  constructor(app, element, modes = Object.keys(MODES)) {
     this.app = app;
+    this.modes = modes;
     this.element = element;
     this.camera = new Camera();
     this.views = h("div", { class: "views" });
@@ -28,6 +29,12 @@ export class Stage {
     app.addEventListener("job", () => this.tellJob());
     this.single();
     this.buildBar();
+  }
+
+  close() {
+    this.closeExtras(null);
+    for (const cell of this.cells) cell.view.close();
+    this.main.close();
   }
 
   // -- what is seen
@@ -251,8 +258,9 @@ export class Stage {
     if (!slow) return;
     const share = job.total ? job.done / job.total : 0;
     const text = job.state === "waiting" && job.ahead ? t("job.waiting", { n: job.ahead }) : has(`job.${job.stage}`) ? t(`job.${job.stage}`) : job.stage || t("job.starting");
-    const count = job.total ? t("job.count", { done: number(job.done), total: number(job.total) }) : "";
-    const left = job.left ? t("job.left", { time: duration(job.left) }) : "";
+    const count = !job.total ? "" : job.total > 100 ? `${number(100 * share)} %` : t("job.count", { done: number(job.done), total: number(job.total) });
+    const left = job.left >= 1 ? t("job.left", { time: duration(job.left) }) : "";
+    const picture = job.many > 1 ? t("job.picture", { n: Math.min(job.many, job.results.length + 1), of: job.many }) : "";
     if (!this.chip.firstChild) {
       this.chip.append(
         h("div", { class: "progress-line" }, h("span")),
@@ -261,7 +269,7 @@ export class Stage {
       );
     }
     this.chip.querySelector(".progress-line span").style.width = `${100 * share}%`;
-    this.chip.querySelector(".progress-text").textContent = [text, count, left].filter(Boolean).join(" · ");
+    this.chip.querySelector(".progress-text").textContent = [picture, text, count, left].filter(Boolean).join(" · ");
   }
 
   buildBar() {
@@ -269,7 +277,7 @@ export class Stage {
     if (!seen) return fill(this.bar);
     const held = document.activeElement?.closest?.(".stage-bar") && document.activeElement.dataset.key;
     const many = seen.owner?.maps?.length > 1;
-    const offered = this.custom ? [] : Object.keys(MODES).filter((mode) => (mode !== "maps" || many) && (mode !== "split" || !seen.isSample) && (mode !== "plane" || !seen.isSample));
+    const offered = this.custom ? [] : this.modes.filter((mode) => (mode !== "maps" || many) && (mode !== "split" || !seen.isSample) && (mode !== "plane" || !seen.isSample));
     const modes = offered.map((mode) =>
       h("button", { type: "button", class: "mode", "data-key": mode, "aria-pressed": String(mode === this.mode), title: t(`mode.${mode}.help`), onclick: () => this.setMode(mode) }, icon(MODES[mode]), h("span", {}, t(`mode.${mode}`))),
     );
@@ -278,10 +286,10 @@ export class Stage {
     );
     this.zoomText = h("output", { class: "zoom-text" });
     const [width, height] = this.custom === "paint" ? this.main.size : seen.size;
-    const about = [`${width} × ${height}`, !this.custom && seen.seconds && duration(seen.seconds)].filter(Boolean).join(" · ");
+    const seconds = !this.custom && seen.seconds ? h("span", { class: "seconds" }, `· ${duration(seen.seconds)}`) : null;
     fill(
       this.bar,
-      h("div", { class: "about" }, h("strong", {}, this.title ?? seen.title), h("span", {}, about)),
+      h("div", { class: "about" }, h("strong", {}, this.title ?? seen.title), h("span", {}, `${width} × ${height}`), seconds),
       h("div", { class: "modes" }, modes, repeats.length ? h("span", { class: "gap" }) : null, repeats),
       h("div", { class: "zoom" }, iconButton("minus", t("stage.out"), () => this.camera.zoom(Math.SQRT1_2)), this.zoomText, iconButton("plus", t("stage.in"), () => this.camera.zoom(Math.SQRT2)), iconButton("fit", t("stage.fit"), () => (this.cells[0]?.view ?? this.main).fit())),
     );

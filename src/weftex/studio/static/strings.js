@@ -2,6 +2,7 @@
 
 let words = {};
 let english = {};
+let language = "en";
 
 async function load(language) {
   const answer = await fetch(new URL(`strings/${language}.json`, import.meta.url));
@@ -15,9 +16,14 @@ export async function loadStrings(chosen) {
   const known = english["languages"].split(" ");
   const wanted = chosen || navigator.language.split("-")[0];
   if (wanted !== "en" && known.includes(wanted)) words = (await load(wanted)) || english;
-  const language = words === english ? "en" : wanted;
+  language = words === english ? "en" : wanted;
   document.documentElement.lang = language;
   return language;
+}
+
+/** Take words from elsewhere: a notebook has no server to ask. */
+export function useStrings(table) {
+  words = english = table;
 }
 
 /** The text of a key, with {name} replaced by values. */
@@ -33,7 +39,7 @@ export function has(key) {
 
 /** A number as people of the language write it, with so many digits after the point at most. */
 export function number(value, digits = 0) {
-  return new Intl.NumberFormat(document.documentElement.lang, { maximumFractionDigits: digits }).format(value);
+  return new Intl.NumberFormat(language, { maximumFractionDigits: digits }).format(value);
 }
 
 /** Seconds as "3 s", "2 min 10 s". */

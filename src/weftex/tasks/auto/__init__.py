@@ -10,12 +10,14 @@ from dataclasses import dataclass
 from functools import cached_property
 from typing import TYPE_CHECKING, ClassVar
 
+from weftex.analysis.canvas_lattice import Around
 from weftex.canvas import Canvas, as_canvas
 from weftex.choice import Choice
 from weftex.errors import InvalidInputError
 from weftex.exemplar import Exemplar
 from weftex.method import Method, Model
 from weftex.methods import make_method
+from weftex.methods.lattices.model import is_strained
 from weftex.parameters import parameter
 from weftex.progress import Progress
 from weftex.random import seed_number
@@ -183,7 +185,7 @@ class AutoModel(Model):
         """
         choice, model = self.chosen(_ENDLESS)
         if asked.period is not None and (
-            choice.method == "near-regular" or "lattice" in choice.parameters
+            is_strained(model, Around(*asked.period)) or "lattice" in choice.parameters
         ):
             said = f"{choice.reason.rpartition(':')[0]}, a plane that repeats: quilting"
             choice = Choice("quilting", {}, said, choice.warnings)

@@ -2,7 +2,8 @@ import { field, fill, h, icon, iconButton, segments, tick } from "../dom.js";
 import { parameterForm } from "../form.js";
 import { duration, number, t } from "../strings.js";
 
-const CHANGED = 80; // milliseconds after the last change before a preview is asked for
+const CHANGED = 80; // milliseconds after the last change before a slow preview is asked for again
+const QUICK = 400; // milliseconds that a preview takes which follows a slider
 
 /** Size, repetition, seed, effort, method and its sliders; the picture as it grows; nine seeds. */
 export class MakeScreen {
@@ -10,6 +11,7 @@ export class MakeScreen {
     this.app = app;
     this.stage = stage;
     this.live = true;
+    this.took = 0; // milliseconds of the last preview
     this.update = (event) => this.panel && this.refresh(event.detail?.passing);
   }
 
@@ -25,7 +27,7 @@ export class MakeScreen {
   leave() {
     this.app.removeEventListener("result", this.update);
     this.app.removeEventListener("look", this.update);
-    clearTimeout(this.waiting);
+    this.stopTrying();
     if (this.stage.custom === "sheet") this.closeSheet();
     this.panel = null;
   }
@@ -135,15 +137,32 @@ export class MakeScreen {
     if (this.stage.custom === "sheet") this.closeSheet();
     if (redraw) this.draw();
     clearTimeout(this.waiting);
-    if (this.live) this.waiting = setTimeout(() => this.tryOut(), CHANGED);
+    if (!this.live) return;
+    if (!this.trying) this.tryOut();
+    else if (this.took < QUICK) this.again = true;
+    else this.waiting = setTimeout(() => this.tryOut(), CHANGED);
   }
 
+  /** Ask for a preview; quick ones come one after the other while a slider moves, slow ones give way. */
   async tryOut() {
+    const begun = performance.now();
+    const trying = (this.trying = {});
+    this.again = false;
     await this.attempt(() => this.app.tryOut());
+    if (this.trying !== trying) return;
+    this.trying = null;
+    this.took = performance.now() - begun;
+    if (this.again) this.tryOut();
+  }
+
+  stopTrying() {
+    clearTimeout(this.waiting);
+    this.trying = null;
+    this.again = false;
   }
 
   async make() {
-    clearTimeout(this.waiting);
+    this.stopTrying();
     if (this.stage.custom === "sheet") this.closeSheet();
     await this.attempt(() => this.app.make(this.app.recipe, t("history.made")));
   }
@@ -165,7 +184,7 @@ export class MakeScreen {
   /** Nine seeds beside each other; one of them is kept. */
   async sheet() {
     const { app, stage } = this;
-    clearTimeout(this.waiting);
+    this.stopTrying();
     const recipe = structuredClone(app.recipe);
     stage.custom = "sheet";
     let shown = 0;
@@ -190,7 +209,7 @@ export class MakeScreen {
     await this.attempt(async () => {
       const job = await app.run({ recipe, count: 9, leave: "cancel" }, { onresults: add });
       if (job) await add(job);
-      else if (!shown) this.closeSheet();
+      else if (!shown && stage.custom === "sheet") this.closeSheet();
     });
   }
 
@@ -200,6 +219,7 @@ export class MakeScreen {
   }
 
   closeSheet() {
+    this.app.cancel(); // the seeds that are not there yet
     this.stage.custom = null;
     this.stage.refresh();
   }

@@ -48,8 +48,8 @@ export class PaintScreen {
     this.stage.refresh();
   }
 
-  /** Lay out the canvas of the purpose, with what was painted on it before. */
-  async begin() {
+  /** Lay out the canvas of the purpose, with what was painted on it before; the panel is drawn `anew`. */
+  async begin(anew = true) {
     const { app, stage } = this;
     const { material } = app;
     if (!material || !this.panel) return;
@@ -75,7 +75,8 @@ export class PaintScreen {
       this.radius = radius;
       this.draw();
     };
-    this.draw();
+    if (anew) this.draw();
+    else this.tellCount();
   }
 
   labels() {
@@ -209,11 +210,12 @@ export class PaintScreen {
       await this.add((await app.api.post("sets", { uploads })).materials);
     }) });
     const side = (k, name) => {
-      const box = h("input", { type: "number", min: 16, value: this.size[k], "aria-label": t(name), onchange: () => { this.size = this.size.with(k, Math.max(16, Math.trunc(Number(box.value)))); this.begin(); } });
+      const box = h("input", { type: "number", min: 16, value: this.size[k], "aria-label": t(name), onchange: () => { this.size = this.size.with(k, Math.max(16, Math.trunc(Number(box.value)))); this.begin(false); } });
       return box;
     };
     return [
       h("div", { class: "shelf", role: "group", "aria-label": t("paint.materials") }, chips),
+      chips.length < 2 ? h("p", { class: "hint" }, t("paint.fuse.none")) : null,
       h("div", { class: "row even" }, more, h("button", { type: "button", onclick: () => file.click() }, icon("open"), t("paint.file")), file),
       h("div", { class: "size" }, side(0, "make.width"), h("span", { "aria-hidden": "true" }, "×"), side(1, "make.height")),
     ];

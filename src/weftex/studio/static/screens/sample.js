@@ -83,11 +83,9 @@ export class SampleScreen {
         "dl",
         { class: "facts" },
         h("dt", {}, t("sample.scale")),
-        h("dd", {}, t("sample.px", { n: number(look.scale, 1) }), " ", h("span", { class: "hint" }, t("sample.from", { what: look.scale_source, n: number(100 * look.confidence) }))),
-        h("dt", {}, t("sample.regularity")),
-        h("dd", {}, number(look.regularity, 2)),
-        h("dt", {}, t("sample.tiles")),
-        h("dd", {}, tiling(look.tiles)),
+        h("dd", {}, t("sample.px", { n: number(look.scale, 1) }), " ", look.confidence === null ? null : h("span", { class: "hint" }, t("sample.from", { what: look.scale_source, n: number(100 * look.confidence) }))),
+        look.regularity === null ? null : [h("dt", {}, t("sample.regularity")), h("dd", {}, number(look.regularity, 2))],
+        look.tiles === null ? null : [h("dt", {}, t("sample.tiles")), h("dd", {}, tiling(look.tiles))],
         look.colors ? [h("dt", {}, t("sample.colors")), h("dd", {}, number(look.colors))] : null,
       ),
       h(
@@ -127,7 +125,7 @@ export class SampleScreen {
         "label",
         {},
         h("input", { type: "radio", name: "lattice", checked: one.numbers === chosen?.numbers, onchange: () => this.choose(one) }),
-        h("span", {}, one.words, h("span", { class: "hint" }, one.mine ? t("lattice.mine") : k === 0 && look.lattice ? t("lattice.found") : t("lattice.next"))),
+        h("span", {}, one.words, h("span", { class: "hint" }, one.mine ? t("lattice.mine") : k === 0 && look.lattice ? t("lattice.found") : t(look.lattice ? "lattice.next" : "lattice.maybe"))),
         h("span", { class: "figure" }, one === look.lattice && one.confidence ? `${number(100 * one.confidence)} %` : ""),
       );
     const inputs = h("div", { class: "row even" });
@@ -143,7 +141,7 @@ export class SampleScreen {
       "section",
       { class: "section" },
       h("h3", {}, t("lattice.title")),
-      all.length ? null : h("p", { class: "hint" }, t("lattice.none")),
+      look.lattice ? null : h("p", { class: "hint" }, t("lattice.none")),
       h("div", { class: "choices", role: "radiogroup", "aria-label": t("lattice.title") }, all.map(option)),
       chosen ? [inputs, h("p", { class: "hint" }, t("lattice.drag"))] : h("button", { type: "button", onclick: () => this.rate([[look.scale, 0], [0, look.scale]]) }, t("lattice.draw")),
       h(

@@ -1,0 +1,47 @@
+from weftex.methods.graphcut.seam_kernels cimport Picture, Sample
+from weftex.seams.maxflow_kernels cimport Capacities, Trees
+
+cdef enum:
+    # The choices that a pixel of a box may have.
+    NOTHING = 0
+    OLD = 1
+    NEW = 2
+    EITHER = 3
+
+cdef class Patch:
+    cdef const int[::1] rows
+    cdef const int[::1] columns
+    cdef const int[::1] from_rows
+    cdef const int[::1] from_columns
+
+cdef class Graph:
+    cdef int[:, :, ::1] arcs  # to the right, lower, left and upper neighbor
+    cdef int[:, ::1] old  # from the source: the price of a block that stays old
+    cdef int[:, ::1] new  # to the sink: the price of one that becomes new
+    cdef unsigned char[:, ::1] choice  # of each pixel
+    cdef int[:, ::1] apart  # of each pixel that may be EITHER: how far its colors are apart
+    cdef unsigned char[:, ::1] side  # of each block: 1 inside the cut
+    cdef unsigned char[:, ::1] shown  # of each block: OLD and NEW, if it has such pixels
+    cdef unsigned char[:, ::1] along  # likewise of it and of those beside it
+    cdef Capacities capacities
+    cdef Trees trees
+    cdef long long before  # the cost of the seams that a patch may change, before it
+
+# Here, or they cannot be inlined.
+cdef inline Py_ssize_t blocks(Py_ssize_t length, int halvings) noexcept nogil:
+    """How many blocks there are along a side; they are 2**halvings pixels wide, or the rest."""
+    return ((length - 1) >> halvings) + 1
+
+cdef inline int on_canvas(Picture picture, Patch patch, Py_ssize_t i, Py_ssize_t j) noexcept nogil:
+    """A pixel of the box, flat."""
+    return patch.rows[i] * picture.width + patch.columns[j]
+
+cdef inline int in_sample(Sample sample, Patch patch, Py_ssize_t i, Py_ssize_t j) noexcept nogil:
+    """What the patch has there, flat."""
+    return patch.from_rows[i] * sample.width + patch.from_columns[j]
+
+cdef Py_ssize_t choose(Picture picture, const unsigned char[::1] usable, Sample sample, Patch patch,
+                       Graph graph) noexcept nogil
+
+cdef long long build(Picture picture, Sample sample, Patch patch, Graph graph,
+                     int halvings) noexcept nogil

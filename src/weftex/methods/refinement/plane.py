@@ -1,0 +1,152 @@
+"""Windows of a plane that is refined: level by level, and on each level block by block.
+
+A plane of the start is there, of any size. On the coarsest level its blocks are refined in the
+order of `weftex.planes.grid`, corners first, each with all its sweeps; then those of the next
+level, which are smaller. So a block sees all around it what the coarser level made, and where
+pixels are many a window hangs on little more than itself.
+"""
+
+from __future__ import annotations
+
+from functools import partial
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+import numpy as np
+
+from weftex.errors import InvalidInputError
+from weftex.methods.refinement.levels import CoherentLevel
+from weftex.methods.refinement.output import Output, sources_of_children, sources_shown
+from weftex.methods.refinement.start import start_window
+from weftex.methods.refinement.sweeps import BlockSweep
+from weftex.planes.boxes import Box, Span, around, check_period
+from weftex.planes.grid import ACROSS, CORNER, DOWN, INSIDE, Axis, Grid, Sizes
+from weftex.progress import Progress
+from weftex.threads import thread_map
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from numpy.typing import NDArray
+
+    from weftex.exemplar import Exemplar
+    from weftex.methods.refinement.levels import Level, Prepared
+    from weftex.planes.boxes import Asked
+    from weftex.planes.grid import Block
+    from weftex.progress import ProgressCallback
+
+_PITCHES = 64, 48, 32, 24  # pixels of each level from node to node, the finest level first
+_AROUND = 16  # pixels of the coarsest level around a block, where evenness is looked at
+_FEWEST = 2  # nodes around a plane that repeats
+
+
+class Part(NamedTuple):
+    """What a window hangs on at one level, in its pixels: blocks, and a box around them."""
+
+    grid: Grid
+    blocks: list[Block]
+    box: Box
+
+
+def refined_window(
+    prepared: Prepared,
+    exemplar: Exemplar,
+    box: Box,
+    asked: Asked,
+    callback: ProgressCallback | None = None,
+) -> NDArray[np.int32]:
+    """Return flat indices (H, W) of the sample's pixels in a window of the refined plane.
+
+    Raises
+    ------
+    InvalidInputError
+        If a period is too short, or no multiple of the coarsest level's pixels.
+    """
+    levels, coarsest = prepared.levels, len(prepared.levels) - 1
+    check_period_of(asked.period, 1 << coarsest)
+    parts = parts_of(levels, box, asked)
+    begun = _finer(parts[-1].box, coarsest)
+    flat = start_window(prepared.starts, begun, asked)
+    assert flat is not None
+    start = np.stack(np.divmod(flat, np.int32(exemplar.shape[1])), axis=-1)
+
+    def preview() -> NDArray[Any]:
+        y, x = np.moveaxis(start[box.within(begun)], -1, 0)
+        shown: NDArray[Any] = exemplar.pixels[y, x]
+        return shown
+
+    progress = Progress(callback, sum(len(part.blocks) for part in parts), "blocks", preview)
+    source = sources_shown(start, coarsest, levels[-1])
+    output = _begun(levels[-1], coarsest, source)
+    with thread_map(asked.threads) as each:
+        for number in range(coarsest, -1, -1):
+            level, part = levels[number], parts[number]
+            if number < coarsest:
+                corners = _corner(part.box), _corner(parts[number + 1].box)
+                source = sources_of_children(
+                    output, levels[number + 1], part.box.shape, level, corners
+                )
+                output = _begun(level, number, source)
+            assert isinstance(level, CoherentLevel)
+            near = _AROUND if number == coarsest else 0
+            sweep = BlockSweep(prepared.settings, level, number, source, near)
+            before = output
+            for kind in (CORNER, ACROSS, DOWN, INSIDE):
+                own = [part.grid.own(b).within(part.box) for b in part.blocks if b.kind == kind]
+                if kind == ACROSS:
+                    before = output.copy()
+                # Edges meet at their ends: those down do not see those across.
+                shown = before if kind == DOWN else output
+                for _ in each(partial(sweep.refine, shown), own):
+                    progress.advance(1)
+                if kind == DOWN:
+                    output.take(before, own)
+    made: NDArray[np.int32] = levels[0].places.ravel()[output.source[box.within(parts[0].box)]]
+    return made
+
+
+def parts_of(levels: Sequence[Level], box: Box, asked: Asked) -> list[Part]:
+    """What a window hangs on at each level, the finest first."""
+    parts = list[Part]()
+    for number, level in enumerate(levels):
+        pitch = _PITCHES[min(number, len(_PITCHES) - 1)]
+        axes = [Axis(pitch, 1)] * 2
+        if asked.period is not None:
+            lengths = [length >> number for length in asked.period]
+            axes = [Axis(n, max(_FEWEST, n // pitch), wraps=True) for n in lengths]
+        grid = Grid(Sizes(pitch, pitch // 2), *axes)
+        blocks = grid.of_window(box)
+        near = _AROUND if number == len(levels) - 1 else max(level.reach, 1)
+        seen = around([grid.own(block) for block in blocks]).grown(near, near)
+        parts.append(Part(grid, blocks, seen))
+        box = Box(*(Span(first // 2, (last + 1) // 2) for first, last in seen))
+    return parts
+
+
+def check_period_of(period: tuple[int, int] | None, step: int) -> None:
+    """Raise `InvalidInputError` unless levels with pixels so large come back to themselves."""
+    check_period(period, _FEWEST * _PITCHES[-1] * step)
+    for length in period or ():
+        if length % step:
+            lower = length // step * step
+            raise InvalidInputError(
+                f"period is {length}; it must be a multiple of {step} with this method and sample: "
+                f"{lower} or {lower + step} would do"
+            )
+
+
+def _begun(level: Level, number: int, source: NDArray[np.int32]) -> Output:
+    """The output at one level as the start or the coarser level shows it."""
+    nothing = np.zeros((*source.shape, level.pixels.shape[2]), np.uint8)
+    known = np.zeros(source.shape, bool)
+    output = Output(number, nothing, np.full_like(source, -1), known, (False, False))
+    output.begin(level, source)
+    return output
+
+
+def _finer(box: Box, number: int) -> Box:
+    """The pixels that a box of a level stands for."""
+    return Box(*(Span(first << number, last << number) for first, last in box))
+
+
+def _corner(box: Box) -> tuple[int, int]:
+    return box.rows.first, box.columns.first

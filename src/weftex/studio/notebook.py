@@ -1,0 +1,63 @@
+"""The studio's views in a notebook, from the page's own modules."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+from weftex.errors import InvalidInputError, UnsupportedError, shown
+
+if TYPE_CHECKING:
+    from weftex.loading import Sample
+    from weftex.results.synthesis import Synthesis
+
+LOWEST, HIGHEST = 160, 4000  # pixels of the screen
+
+
+def view(thing: Synthesis | Sample, *, height: int = 480) -> Any:
+    """Show a result, or a sample, in a notebook: to be panned and zoomed to single pixels.
+
+    The views are those of `weftex studio`: repeated, beside the repeated sample, all maps side by
+    side, under a light that follows the pointer, with the coordinates in the sample, the patches
+    and the seams laid over it. Needs the extra ``notebook``, and Python to answer while it is
+    looked at.
+
+    Parameters
+    ----------
+    thing : Synthesis, or what `weftex.load_exemplar` takes
+    height : int
+        Of the picture on the screen, from 160 to 4000 pixels.
+
+    Returns
+    -------
+    anywidget.AnyWidget
+        That shows itself as the last line of a cell.
+
+    Raises
+    ------
+    UnsupportedError
+        Without anywidget.
+    InvalidInputError
+        If there is no picture, or the height is out of its range.
+
+    Examples
+    --------
+    >>> import weftex
+    >>> made = weftex.synthesize("sample:bricks", 128, method="quilting", seed=1)
+    >>> weftex.view(made).height
+    480
+    """
+    if type(height) is not int or not LOWEST <= height <= HIGHEST:
+        raise InvalidInputError(f"height is {shown(height)}; it must be from {LOWEST} to {HIGHEST}")
+    try:
+        from weftex.studio.widget import View
+    except ModuleNotFoundError as error:
+        if (error.name or "").split(".")[0] != "anywidget":
+            raise
+        line = "views in notebooks need anywidget: pip install 'weftex[notebook]'"
+        raise UnsupportedError(line) from None
+    from weftex.loading import load_exemplar
+    from weftex.results.synthesis import Synthesis
+
+    if isinstance(thing, Synthesis):
+        return View(thing.sample, thing, height=height)
+    return View(load_exemplar(thing), None, height=height)

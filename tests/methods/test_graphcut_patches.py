@@ -1,0 +1,140 @@
+"""Patches of graph-cut textures: how large they are, and where in the sample they come from."""
+
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import weftex
+from families import noise
+from weftex.methods.graphcut import GraphCut, subpatch
+from weftex.methods.graphcut.cutting import Picture
+from weftex.methods.graphcut.subpatch import SubPatchMatching
+
+sys.path.insert(0, str(Path(__file__).parents[2] / "benchmarks"))
+import repeats
+
+
+def few_levels(shape):
+    return noise(shape, values=4)
+
+
+def test_entire_patches_show_all_of_the_sample():
+    """Its places are shown more evenly than in the paper's way, and less often in line."""
+    exemplar = weftex.Exemplar(weftex.load_exemplar("sample:pebbles").pixels[:128, :128])
+    uneven, in_line = np.zeros(2), np.zeros(2)
+    for seed in range(3):
+        for i, variety in enumerate((0.0, 1.0)):
+            model = GraphCut(placement="entire", variety=variety).fit(exemplar)
+            source = model.sample(320, seed=seed).source
+            uneven[i] += repeats.use(source, (128, 128))[0]
+            in_line[i] += repeats.again(source, 128)[0]
+    assert uneven[1] < 0.9 * uneven[0]
+    assert in_line[1] < 0.7 * in_line[0]
+
+
+def test_in_a_photo_only_what_is_around_a_hole_counts(monkeypatch):
+    """Entire patches are cut where the hole is, and far pixels do not change what fills it."""
+    pixels = np.tile(weftex.load_exemplar("sample:pebbles").pixels[40:100, 50:110], (3, 3, 1))
+    hole = np.zeros((180, 180), bool)
+    hole[80:100, 90:104] = True
+    laid, price = [], Picture.price
+
+    def priced(self, place, number):
+        laid.append(place)
+        return price(self, place, number)
+
+    monkeypatch.setattr(Picture, "price", priced)
+    sample = weftex.Exemplar(pixels[:60, :60])
+    method, filled = GraphCut(placement="entire"), []
+    for shade in (0, 90):
+        photo = pixels.copy()
+        photo[:40, :] = shade
+        canvas = weftex.Canvas(180, 180, hole=hole, known=photo)
+        filled.append(method.fit(sample).sample(canvas, seed=2).image[hole])
+    assert laid and all(p.top >= 80 and p.top + p.height <= 100 for p in laid)
+    assert all(p.left >= 90 and p.left + p.width <= 104 for p in laid)
+    assert np.array_equal(*filled)
+
+
+@pytest.mark.parametrize(
+    "wrong, message",
+    [
+        ({"patch_size": 31}, "patch_size is 31; .* room for 30"),
+        ({"patch_size": 10, "boundary_width": 5}, "boundary_width is 5; .* 4"),
+        ({"placement": "entire", "patch_size": 5}, "patch_size has no effect"),
+        ({"placement": "random", "tolerance": 0.5}, "tolerance has no effect"),
+        ({"placement": "random", "variety": 2.0}, "variety has no effect"),
+        ({"halvings": 9}, "halvings is 9"),
+        ({"candidates": 0}, "candidates is 0"),
+        ({"placement": "sub-patch"}, "placement is 'sub-patch'"),
+    ],
+)
+def test_wrong_parameters_are_named(wrong, message):
+    with pytest.raises(weftex.InvalidInputError, match=message):
+        GraphCut(**wrong).fit(weftex.Exemplar(few_levels((30, 31))))
+
+
+def test_a_boundary_wider_than_its_patch_is_refused_before_a_sample_is_read():
+    with pytest.raises(weftex.InvalidInputError, match="boundary_width is 5; .* 4"):
+        GraphCut(patch_size=10, boundary_width=5)
+
+
+@pytest.mark.parametrize("tileable", [False, True])
+def test_of_large_samples_each_patch_is_looked_for_in_a_part(monkeypatch, tileable):
+    """Time and memory do not grow with the sample; patches come from all over it, and match."""
+    monkeypatch.setattr(subpatch, "_MOST_PIXELS", 5000)
+    monkeypatch.setattr(subpatch, "_PART", 1600)
+    y, x = np.indices((120, 160))
+    levels = 90 * (x % 8 < 4) + 90 * (y % 8 < 4) + noise((120, 160)) % 16
+    mask = np.ones((120, 160), bool)
+    mask[:60, :50] = False
+    exemplar = weftex.Exemplar(levels.astype(np.uint8), tileable=tileable, mask=mask)
+    looked_at = []
+    made = SubPatchMatching.part
+
+    def part(self, number):
+        looked_at.append(made(self, number))
+        return looked_at[-1]
+
+    monkeypatch.setattr(SubPatchMatching, "part", part)
+    model = GraphCut(patch_size=24).fit(exemplar)
+    results = [model.sample((100, 90), seed=3, threads=threads) for threads in (1, 2)]
+    assert np.array_equal(results[0].image, results[1].image)
+    assert not np.array_equal(results[0].image, model.sample((100, 90), seed=4).image)
+    assert all(p.corners[0].shape == (40, 40) and p.corners[0].any() for p in looked_at)
+    assert max(p.top for p in looked_at) > 60 and max(p.left for p in looked_at) > 100
+    source = results[0].source
+    assert mask[source[..., 0], source[..., 1]].all()
+    # The chessboard goes on across seams: every pixel is as it is 8 pixels before.
+    image = results[0].image.astype(int)
+    assert (abs(image[8:] - image[:-8]) < 32).mean() > 0.9
+
+
+def test_a_mask_without_room_is_an_error_for_a_given_patch_only():
+    mask = np.zeros((30, 31), bool)
+    mask[::2] = True
+    exemplar = weftex.Exemplar(few_levels((30, 31)), mask=mask)
+    with pytest.raises(weftex.InvalidInputError, match="patch_size is 2; no patch"):
+        GraphCut(patch_size=2).fit(exemplar)
+    model = GraphCut().fit(exemplar)
+    assert model.method.patch_size == 1
+    assert mask[model.sample(20, seed=1).source[..., 0].ravel(), 0].all()
+
+
+def test_defaults_follow_from_the_sample():
+    method = GraphCut().fit(weftex.Exemplar(few_levels((100, 120)))).method
+    assert (method.patch_size, method.boundary_width) == (45, 15)
+
+
+@pytest.mark.parametrize("placement", ["subpatch", "entire", "random"])
+def test_the_patches_that_were_laid_are_on_record(placement):
+    exemplar = weftex.Exemplar(few_levels((40, 50)))
+    model = GraphCut(placement=placement).fit(exemplar)
+    assert None not in vars(model.prepared).values()
+    expected = [18, 18] if placement == "subpatch" else [40, 40]  # as far as the canvas goes
+    about = model.sample((60, 40), seed=1).provenance
+    assert about["patch_shape"] == expected
+    if placement == "subpatch":
+        assert (about["patch_size"], about["boundary_width"]) == (18, 6)
