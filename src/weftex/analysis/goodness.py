@@ -289,6 +289,14 @@ def _multiples(reach: int, phase: tuple[float, float]) -> Floats:
     return chosen
 
 
+@lru_cache(maxsize=64)
+def _multiples_between(reach: int) -> Floats:
+    """Those off by each phase of `_BETWEEN`, one after the other."""
+    chosen = np.concatenate([_multiples(reach, phase) for phase in _BETWEEN])
+    chosen.flags.writeable = False
+    return chosen
+
+
 def _places(
     field: Field, pairs: Floats, times: Floats, exact: bool = False
 ) -> tuple[Floats, Floats, NDArray[np.bool_]]:
@@ -312,11 +320,12 @@ def _places(
 
 def _between(field: Field, pairs: Floats, reach: int) -> Floats:
     """The highest mean correlation half or a third of the way between multiples."""
+    x, y, counts = _places(field, pairs, _multiples_between(reach))
+    weights = counts * field.shares(x, y)
+    sums = weights * field.values(x, y, pairs)
     highest = np.full(len(pairs), -1.0)
-    for phase in _BETWEEN:
-        x, y, counts = _places(field, pairs, _multiples(reach, phase))
-        weights = counts * field.shares(x, y)
-        highest = np.maximum(highest, _mean(field.values(x, y, pairs), weights))
+    for part, weight in zip(*(np.split(a, len(_BETWEEN), 1) for a in (sums, weights)), strict=True):
+        highest = np.maximum(highest, part.sum(axis=1) / np.maximum(weight.sum(axis=1), 1e-9))
     return highest
 
 

@@ -108,24 +108,38 @@ def fit_vectors(
     """
     height, width = (side // 2 + 1 for side in correlation.shape)
     window = max(1, min(3, int(np.hypot(*vectors.T).min() // 5)))
-    agreed, limit = 0, 1
+    agreed, limit, before = 0, 1, (0, np.zeros((0, 2)), np.zeros((0, 2)))
+    # Far shifts compare a small part of the sample; half of each side is enough.
+    far = 0.6 * np.array([width, height])
     while True:
-        times = _all_times(limit, len(vectors))
+        times = _all_times(min(limit, _most_times(vectors, far)), len(vectors))
         places = times @ vectors
-        # Far shifts compare a small part of the sample; half of each side is enough.
-        keep = (abs(places[:, 0]) <= 0.6 * width) & (abs(places[:, 1]) <= 0.6 * height)
-        times, places = times[keep], places[keep]
-        found, heights = _tops(correlation, places, window)
-        good = heights > 0
-        if good.any():
-            share = (1 - abs(found[:, 0]) / width) * (1 - abs(found[:, 1]) / height)
-            weights = np.sqrt(np.where(good, heights * share, 0))[:, None]
-            fitted, _, rank, _ = np.linalg.lstsq(weights * times, weights * found, rcond=None)
-            if rank == len(vectors):
-                vectors, agreed = fitted, int(good.sum())
+        keep = (abs(places) <= far).all(axis=1)
+        times, places = times[keep], np.rint(places[keep]).astype(int)
+        looked_at = window, times, places
+        if not all(map(np.array_equal, looked_at, before)):  # or the vectors come out the same
+            before = looked_at
+            found, heights = _tops(correlation, places, window)
+            good = heights > 0
+            if good.any():
+                share = (1 - abs(found[:, 0]) / width) * (1 - abs(found[:, 1]) / height)
+                weights = np.sqrt(np.where(good, heights * share, 0))[:, None]
+                fitted, _, rank, _ = np.linalg.lstsq(weights * times, weights * found, rcond=None)
+                if rank == len(vectors):
+                    vectors, agreed = fitted, int(good.sum())
         if limit >= reach:
             return vectors, agreed
         limit, window = min(2 * limit, reach), max(1, min(window, 2))
+
+
+def _most_times(vectors: NDArray[np.float64], far: NDArray[np.float64]) -> int:
+    """No multiple of more than so many times a vector is less far off, in x and in y."""
+    if len(vectors) == 1:
+        return int((far / np.maximum(abs(vectors[0]), 1e-9)).min()) + 1
+    (ax, ay), (bx, by) = abs(vectors).tolist()
+    area = abs(float(vectors[0, 0] * vectors[1, 1] - vectors[0, 1] * vectors[1, 0]))
+    most = max(far[0] * by + far[1] * bx, far[0] * ay + far[1] * ax)
+    return int(min(most / max(area, 1e-9), 1e6)) + 1
 
 
 @lru_cache(maxsize=64)
@@ -139,12 +153,12 @@ def _all_times(limit: int, number: int) -> NDArray[np.int64]:
 
 
 def _tops(
-    correlation: NDArray[np.float64], places: NDArray[np.float64], window: int
+    correlation: NDArray[np.float64], places: NDArray[np.int64], window: int
 ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
     """The peak within a window around each place, below a pixel; height 0 where there is none."""
     height, width = (side // 2 + 1 for side in correlation.shape)
     reach = window + 1
-    x, y = np.rint(places).astype(int).T + np.array([[width - 1], [height - 1]])
+    x, y = places.T + np.array([[width - 1], [height - 1]])
     side = np.arange(-reach, reach + 1)
     rows, columns = (
         np.minimum(np.maximum(at[:, None] + side, 0), 2 * n - 2)

@@ -273,6 +273,7 @@ def _octave_medians(power: NDArray[np.float64]) -> NDArray[np.float64]:
     """Median power from half to twice each radius; ten times an octave, and in a line between."""
     count = len(power)
     octaves = np.arange(0, np.log2(count) + 0.1, 0.1)
-    found = np.unique(np.rint(2**octaves).astype(int).clip(max=count - 1))
+    # Not np.unique, which loads masked arrays.
+    found = sorted(set(np.rint(2**octaves).astype(int).clip(max=count - 1).tolist()))
     medians = [median(power[k // 2 : 2 * k + 1]) for k in found]
     return np.interp(np.arange(count), found, medians)

@@ -59,9 +59,9 @@ def copying(sample: View, result: View, source: NDArray[Any]) -> Copying | None:
     two pixels is compared with the pixel that would continue the other's piece in the sample; the
     root mean square of the lesser difference, over that between neighbors in the sample.
 
-    *Unit.* Shares, pixels, and steps of the sample. *Good.* `largest` low, `evenness` and
-    `distinct` high, `joints` low: at 1 a joint is as large a step as any between two neighbors.
-    `copied` and `piece` say what a method does, not how well. *Blind to* everything else: sources
+    *Unit.* Shares, pixels, and steps of the sample. *Good.* `evenness` and `distinct` high,
+    `joints` low: at 1 a joint is as large a step as any between two neighbors. `copied`, `piece`
+    and `largest` say what a method does, not how well. *Blind to* everything else: sources
     that are laid evenly and at random join badly, and small pieces of a smooth sample are no fault.
 
     Parameters

@@ -181,10 +181,9 @@ FIGURES: dict[str, Figure] = {
         "whether copying is wanted",
     ),
     "largest": Figure(
-        "largest piece", "of the sample", "low", 0.5,
+        "largest piece", "of the sample", "", None,
         "The largest piece that was copied, as a share of the sample.",
-        "many smaller pieces",
-        "copies a large part of the sample in one piece",
+        "whether copying is wanted: an eye likes large pieces",
     ),
     "evenness": Figure(
         "evenness of use", "share", "high", 0.33,

@@ -5,6 +5,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from functools import cached_property
 from typing import TYPE_CHECKING, ClassVar
@@ -151,7 +152,8 @@ class AutoModel(Model):
 
             choices = [refined_if_whole(choices, lattice, self.exemplar, preview)]
         if len(choices) == 1 and canvas.known is None:
-            choices = [tried_often(choices[0], self._effort)]
+            times = canvas.height * canvas.width / math.prod(self.exemplar.shape)
+            choices = [tried_often(choices[0], self._effort, times)]
         choice = choices[0]
         done: list[Synthesis] = []
         steps = Progress(progress, len(choices), "choices", lambda: done[-1].image)
