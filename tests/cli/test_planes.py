@@ -110,7 +110,7 @@ def test_large_tiffs_are_planes(here, capsys):
         (["-o", "p.dzi", "--names", "gltf"], "sample.png is no folder"),
         (["-o", "no/p.dzi"], "does not exist"),
         (["-o", "p.dzi", "--block", 100], "a power of two"),
-        (["-o", "p.dzi", "--tileable"], "best-tile"),
+        (["-o", "p.dzi", "--tileable"], "144x125 would do"),
     ],
 )
 def test_bad_input(here, capsys, words, why):

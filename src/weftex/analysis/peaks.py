@@ -108,25 +108,25 @@ def fit_vectors(
     """
     height, width = (side // 2 + 1 for side in correlation.shape)
     window = max(1, min(3, int(np.hypot(*vectors.T).min() // 5)))
-    agreed, limit, before = 0, 1, (0, np.zeros((0, 2)), np.zeros((0, 2)))
+    agreed, limit, before = 0, 1, np.zeros((0, 0))
     # Far shifts compare a small part of the sample; half of each side is enough.
     far = 0.6 * np.array([width, height])
     while True:
         times = _all_times(min(limit, _most_times(vectors, far)), len(vectors))
         places = times @ vectors
         keep = (abs(places) <= far).all(axis=1)
-        times, places = times[keep], np.rint(places[keep]).astype(int)
-        looked_at = window, times, places
-        if not all(map(np.array_equal, looked_at, before)):  # or the vectors come out the same
+        times, nearest = times[keep], np.rint(places[keep]).astype(int)
+        looked_at = np.column_stack([times, nearest, np.full(len(times), window)])
+        if not np.array_equal(looked_at, before):  # or the vectors come out the same
             before = looked_at
-            found, heights = _tops(correlation, places, window)
+            found, heights = _tops(correlation, nearest, window)
             good = heights > 0
             if good.any():
                 share = (1 - abs(found[:, 0]) / width) * (1 - abs(found[:, 1]) / height)
                 weights = np.sqrt(np.where(good, heights * share, 0))[:, None]
                 fitted, _, rank, _ = np.linalg.lstsq(weights * times, weights * found, rcond=None)
                 if rank == len(vectors):
-                    vectors, agreed = fitted, int(good.sum())
+                    vectors, agreed = np.asarray(fitted, float), int(good.sum())
         if limit >= reach:
             return vectors, agreed
         limit, window = min(2 * limit, reach), max(1, min(window, 2))
