@@ -218,7 +218,7 @@ def lay(settings: Settings, growth: Growth) -> Picture:
         def place(pixel: tuple[int, int], number: int, *, centered: bool) -> Place:
             # Places that match, drawn by P(t) = exp(-C(t) / (k sigma**2)) (section 4); C(t) by FFT
             # (section 5): `search.translation`.
-            places = placement.candidates(pixel, number, centered)
+            places = placement.candidates(pixel, number, centered, map_)
             if len(places) == 1:
                 return places[0]
             # The minimum cut between old and new pixels; old seams are in the graph (section 3).

@@ -22,6 +22,9 @@ from weftex.methods.graphcut.sight import Sight
 from weftex.search.translation import fast_size, overlap_mismatch
 
 if TYPE_CHECKING:
+    from collections.abc import Callable
+    from typing import Any
+
     from numpy.typing import NDArray
 
     from weftex.methods.graphcut.settings import Settings
@@ -59,7 +62,9 @@ class EntirePatchMatching:
             self.repeats = Repeats(settings.exemplar, growth, shape, shape, _LOOK * self.reduction)
             self.sight = Sight(growth, self.copies[0], self.holes)
 
-    def candidates(self, pixel: tuple[int, int], number: int, centered: bool) -> list[Place]:
+    def candidates(
+        self, pixel: tuple[int, int], number: int, centered: bool, map_: Callable[..., Any] = map
+    ) -> list[Place]:
         """See `Placement.candidates`."""
         y, x = (
             min(max(at, low), high - 1) for at, (low, high) in zip(pixel, self.holes, strict=True)
@@ -79,13 +84,13 @@ class EntirePatchMatching:
         allowed = places[k] != 0
         costs, prices = np.zeros(allowed.shape), np.ones(allowed.shape)
         if not self.random:
-            costs = self._mismatch(boxes[k], allowed, k)
-            if self.repeats is not None:
-                # From the place of the box's corner to that of the pixel.
-                first = [-(reach >> k) for reach in self.reach]
-                used = self.repeats.used_where(self._missing(pixel, k), k, first)
-                used = used[: allowed.shape[0], : allowed.shape[1]]
-                prices = self._prices(pixel, used, k)
+
+            def look(what: str) -> NDArray[Any]:
+                if what == "mismatch":
+                    return self._mismatch(boxes[k], allowed, k)
+                return prices if self.repeats is None else self._prices(pixel, prices.shape, k)
+
+            costs, prices = map_(look, ("mismatch", "repeats"))
         matches = Matches(costs, prices, allowed, k)
         drawn = draw_matches(
             self.settings, self.growth.seed, number, matches, self.copies, self.size
@@ -97,12 +102,17 @@ class EntirePatchMatching:
         ]
 
     def _prices(
-        self, pixel: tuple[int, int], used: NDArray[np.float64], k: int
+        self, pixel: tuple[int, int], shape: tuple[int, ...], k: int
     ) -> NDArray[np.float64]:
         """By what the costs of places are multiplied for what they show again.
 
         These are shares of what a match costs, so one that is clearly better is never given up.
         """
+        assert self.repeats is not None
+        # From the place of the box's corner to that of the pixel.
+        first = [-(reach >> k) for reach in self.reach]
+        used = self.repeats.used_where(self._missing(pixel, k), k, first)
+        used = used[: shape[0], : shape[1]]
         rows, columns = ((np.arange(n) << k) // self.sight.cell for n in used.shape)
         again = self.sight.again(pixel)[np.ix_(rows, columns)]
         more = _AGAIN * again + _USED * np.minimum(used, _MOST)

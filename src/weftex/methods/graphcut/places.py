@@ -11,6 +11,9 @@ from weftex.methods.graphcut.draws import drawn_places
 from weftex.notes import note
 
 if TYPE_CHECKING:
+    from collections.abc import Callable
+    from typing import Any
+
     from numpy.typing import NDArray
 
     from weftex.methods.graphcut.settings import Settings
@@ -44,10 +47,13 @@ class Placement(Protocol):
     size: tuple[int, int]  # height and width of a patch on this canvas, in pixels
     reduction: int  # how many times smaller the copies are that matches and cuts begin on
 
-    def candidates(self, pixel: tuple[int, int], number: int, centered: bool) -> list[Place]:
+    def candidates(
+        self, pixel: tuple[int, int], number: int, centered: bool, map_: Callable[..., Any] = map
+    ) -> list[Place]:
         """Draw places for a patch, the `number`-th one, that covers a pixel (row, column).
 
         The pixel is in the middle of the patch if `centered`, else near its upper left corner.
+        What does not need each other is looked at by `map_`, perhaps in threads.
         """
 
 

@@ -23,6 +23,9 @@ from weftex.search.translation import window_mismatch
 from weftex.search.windows import windows_of
 
 if TYPE_CHECKING:
+    from collections.abc import Callable
+    from typing import Any
+
     from numpy.typing import NDArray
 
     from weftex.methods.graphcut.settings import Settings
@@ -100,7 +103,9 @@ class SubPatchMatching:
         ]
         return Part(top, left, on_copies(inside, copies), copies)
 
-    def candidates(self, pixel: tuple[int, int], number: int, centered: bool) -> list[Place]:
+    def candidates(
+        self, pixel: tuple[int, int], number: int, centered: bool, map_: Callable[..., Any] = map
+    ) -> list[Place]:
         """See `Placement.candidates`."""
         part, (top, left) = self.part(number), self._corner(pixel, centered)
         if self.repeats is not None:
@@ -112,16 +117,24 @@ class SubPatchMatching:
         allowed = part.corners[k] != 0
         costs, prices = np.zeros(allowed.shape), np.ones(allowed.shape)
         if boxes[k].mask.any():
-            spectra = part.copies[k].spectra
-            total = window_mismatch(spectra, boxes[k].spectra_of(spectra.size))  # section 5
-            costs = total[: allowed.shape[0], : allowed.shape[1]] / int(boxes[k].mask.sum())
-            if self.repeats is not None:  # not in the paper
-                rows, columns = (first >> k for first in (part.top, part.left))
-                shown = self.repeats.shown(top, left, k)[:, rows:, columns:]
-                shown = shown[:, : allowed.shape[0], : allowed.shape[1]]
-                used = self.repeats.used(k)[rows:, columns:]
-                used = used[: allowed.shape[0], : allowed.shape[1]]
-                prices = prices_of(self.settings, *shown, used)
+            spectra, box = part.copies[k].spectra, boxes[k]
+            rows, columns = (
+                slice(first >> k, (first >> k) + n)
+                for first, n in zip((part.top, part.left), allowed.shape, strict=True)
+            )
+
+            def look(what: str) -> NDArray[Any]:
+                if what == "mismatch":  # section 5
+                    total = window_mismatch(spectra, box.spectra_of(spectra.size))
+                    return total[: allowed.shape[0], : allowed.shape[1]] / int(box.mask.sum())
+                if self.repeats is None:
+                    return prices
+                shown = self.repeats.shown(top, left, k)[:, rows, columns]  # not in the paper
+                used = self.repeats.used(k)[rows, columns]
+                return prices_of(self.settings, *shown, used)
+
+            costs, prices = map_(look, ("mismatch", "repeats"))
+            if self.repeats is not None:
                 apart = allowed & ~self._continuing(part, y, x, k)
                 allowed = apart if apart.any() else allowed
         matches = Matches(costs, prices, allowed, k)
