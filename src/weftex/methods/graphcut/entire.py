@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from operator import call
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -85,12 +86,18 @@ class EntirePatchMatching:
         costs, prices = np.zeros(allowed.shape), np.ones(allowed.shape)
         if not self.random:
 
-            def look(what: str) -> NDArray[Any]:
-                if what == "mismatch":
-                    return self._mismatch(boxes[k], allowed, k)
-                return prices if self.repeats is None else self._prices(pixel, prices.shape, k)
+            def mismatch() -> NDArray[np.float64]:
+                return self._mismatch(boxes[k], allowed, k)
 
-            costs, prices = map_(look, ("mismatch", "repeats"))
+            def price() -> NDArray[np.float64]:
+                if self.repeats is None:
+                    return prices
+                # From the place of the box's corner to that of the pixel.
+                first = [-(reach >> k) for reach in self.reach]
+                used = self.repeats.used_where(self._missing(pixel, k), k, first)
+                return self._prices(pixel, used[: allowed.shape[0], : allowed.shape[1]], k)
+
+            costs, prices = map_(call, (mismatch, price))
         matches = Matches(costs, prices, allowed, k)
         drawn = draw_matches(
             self.settings, self.growth.seed, number, matches, self.copies, self.size
@@ -102,17 +109,12 @@ class EntirePatchMatching:
         ]
 
     def _prices(
-        self, pixel: tuple[int, int], shape: tuple[int, ...], k: int
+        self, pixel: tuple[int, int], used: NDArray[np.float64], k: int
     ) -> NDArray[np.float64]:
         """By what the costs of places are multiplied for what they show again.
 
         These are shares of what a match costs, so one that is clearly better is never given up.
         """
-        assert self.repeats is not None
-        # From the place of the box's corner to that of the pixel.
-        first = [-(reach >> k) for reach in self.reach]
-        used = self.repeats.used_where(self._missing(pixel, k), k, first)
-        used = used[: shape[0], : shape[1]]
         rows, columns = ((np.arange(n) << k) // self.sight.cell for n in used.shape)
         again = self.sight.again(pixel)[np.ix_(rows, columns)]
         more = _AGAIN * again + _USED * np.minimum(used, _MOST)

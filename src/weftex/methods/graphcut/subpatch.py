@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from operator import call
 from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
@@ -123,17 +124,17 @@ class SubPatchMatching:
                 for first, n in zip((part.top, part.left), allowed.shape, strict=True)
             )
 
-            def look(what: str) -> NDArray[Any]:
-                if what == "mismatch":  # section 5
-                    total = window_mismatch(spectra, box.spectra_of(spectra.size))
-                    return total[: allowed.shape[0], : allowed.shape[1]] / int(box.mask.sum())
+            def mismatch() -> NDArray[np.float64]:  # section 5
+                total = window_mismatch(spectra, box.spectra_of(spectra.size))
+                return total[: allowed.shape[0], : allowed.shape[1]] / int(box.mask.sum())
+
+            def price() -> NDArray[np.float64]:  # not in the paper
                 if self.repeats is None:
                     return prices
-                shown = self.repeats.shown(top, left, k)[:, rows, columns]  # not in the paper
-                used = self.repeats.used(k)[rows, columns]
-                return prices_of(self.settings, *shown, used)
+                shown = self.repeats.shown(top, left, k)[:, rows, columns]
+                return prices_of(self.settings, *shown, self.repeats.used(k)[rows, columns])
 
-            costs, prices = map_(look, ("mismatch", "repeats"))
+            costs, prices = map_(call, (mismatch, price))
             if self.repeats is not None:
                 apart = allowed & ~self._continuing(part, y, x, k)
                 allowed = apart if apart.any() else allowed
