@@ -220,10 +220,13 @@ class Plane:
         height, width = shown.shape
         canvas = Canvas(height, width)
         if not hole.all() or (shown >= 0).any():
-            known = self._pixels[shown]
+            known = self._pixels.take(shown, axis=0, mode="wrap")
             canvas = Canvas(height, width, known=known, hole=hole, shown=shown)
-        source = self.model.sample(canvas, seed=seed, threads=threads).source
-        flat = source[..., 0] * np.int32(self.model.exemplar.shape[1]) + source[..., 1]
+        made = self.model.sample(canvas, seed=seed, threads=threads)
+        if isinstance(made, PixelSynthesis):
+            flat = made.index
+        else:
+            flat = made.source[..., 0] * np.int32(self.model.exemplar.shape[1]) + made.source[..., 1]
         return np.where(hole, flat, shown)
 
 
