@@ -87,7 +87,9 @@ class SubPatchMatching:
         self.overlap = [min(settings.boundary_width, (n - 1) // 2) for n in self.size]
         exemplar = settings.exemplar
         arranged = kept(
-            settings.windows, (*self.size, settings.halvings), lambda: arranged_for(settings, self.size)
+            settings.windows,
+            (*self.size, settings.halvings),
+            lambda: arranged_for(settings, self.size),
         )
         self.corners, self.reduction = arranged.corners, arranged.reduction
         self.copies, self.sample = arranged.copies, arranged.sample
