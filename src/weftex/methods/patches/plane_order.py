@@ -235,12 +235,13 @@ class PlaneOrder:
 
     def _bits(self, y: Ints, x: Ints, seed: int, pieces: Pieces) -> NDArray[np.uint64]:
         """Bits by which the kernel draws the places that patches at nodes are to show."""
-        names = [
-            [axis.nodes.name(n) for n in numbers.tolist()]
-            for axis, numbers in zip(self.axes, self.block[1:, y, x], strict=True)
-        ]
-        starts = [self.starts[0][y], self.starts[1][x]]
-        v, u = pieces.pick(seed, np.array(names, np.int64).T, np.stack(starts, axis=1)).T
+        names, at = [], []  # the same for every time around
+        for axis, blocks, line, k in zip(
+            self.axes, self.block[1:, y, x], self.numbers, (y, x), strict=True
+        ):
+            names.append([axis.nodes.name(n) for n in blocks.tolist()])
+            at.append([axis.patches.node(axis.patches.name(n)) for n in line[k].tolist()])
+        v, u = pieces.pick(seed, np.array(names, np.int64).T, np.array(at, np.int64).T).T
         numbers = pieces.numbers
         count = int(numbers[-1, -1]) + 1
         share = (numbers[v, u] << 32) // count + 1
