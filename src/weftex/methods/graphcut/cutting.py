@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from weftex.methods.graphcut import cut_kernels, graph_kernels, seam_kernels
+from weftex.methods.graphcut import block_kernels, cut_kernels, graph_kernels, seam_kernels
 from weftex.notes import is_asked, note
 from weftex.seams.maxflow import search_trees
 
@@ -47,6 +47,7 @@ class Picture:
             settings.windows.pixels.reshape(-1, channels),
             _joins(settings.windows.usable != 0, settings.exemplar.tileable).ravel(),
             self.sample_shape,
+            bool(self.usable.all()),
             settings.by_gradients,
             np.zeros((self.usable.size if settings.by_gradients else 0, 2), np.int32),
         )
@@ -55,9 +56,11 @@ class Picture:
             growth.source.ravel(),
             self.done,
             self._frozen(growth),
+            np.zeros(self.done.size, np.int8),
             self.shape,
             growth.canvas.wrap,
         )
+        block_kernels.follow_all(self._picture, self._sample)
         self._graphs = [_graph(*size) for _ in range(settings.candidates)]
 
     @staticmethod
