@@ -64,7 +64,10 @@ class Picture:
         block_kernels.follow_all(self._picture, self._sample)
         # All lines of both, and as many on as a patch has, around the border.
         self._lines = [
-            [(np.arange(n + side) % n).astype(np.int32) for n, side in zip(shape, size, strict=True)]
+            [
+                (np.arange(n + side) % n).astype(np.int32)
+                for n, side in zip(shape, size, strict=True)
+            ]
             for shape in (self.shape, self.sample_shape)
         ]
         self._graphs = [_graph(*size) for _ in range(settings.candidates)]

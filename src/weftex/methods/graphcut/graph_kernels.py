@@ -11,7 +11,6 @@ from cython.cimports.weftex.methods.graphcut.seam_kernels import (
     Sample,
     beside,
     continued,
-    cost_within,
     difference,
     seam_cost,
 )

@@ -107,7 +107,7 @@ class Sight:
         width = 2 * int(abs(along).max(initial=0)) + 1
         number = down * width + along
         starts = np.flatnonzero(np.diff(number, prepend=number[:1] - 1))
-        found, run = np.unique(number[starts], return_inverse=True)
+        found, run = _different(number[starts])
         piece = np.repeat(run, np.diff(starts, append=len(number)))
         along = (found + width // 2) % width - width // 2
         shown = np.zeros((len(found), *self.salience.shape), np.int64)
@@ -117,3 +117,13 @@ class Sight:
         )
         shown[piece, y, x] = self.salience[y, x]
         return np.stack([(found - along) // width, along]), shown
+
+
+def _different(numbers: NDArray[np.int64]) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
+    """The different numbers, sorted, and for each which it is; np.unique loads masked arrays."""
+    order = numbers.argsort()
+    again = numbers[order]
+    first = np.diff(again, prepend=again[:1] - 1) != 0
+    which = np.empty(len(numbers), np.int64)
+    which[order] = np.cumsum(first) - 1
+    return again[first], which
