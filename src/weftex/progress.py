@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import sys
 from collections.abc import Callable
 from time import perf_counter
 from typing import Any, Literal
@@ -12,7 +13,8 @@ from weftex.errors import CancelledError, InvalidInputError, shown
 #: Returning False cancels, anything else goes on. True stands for a `Bar`.
 ProgressCallback = Callable[[int, int, str, Callable[[], Any]], object] | Literal[True]
 
-_PAUSE = 0.1  # seconds from one drawing to the next
+_PAUSE = 0.25  # seconds from one drawing to the next
+_WORTH = 5.0  # seconds of work beside which loading tqdm, 0.03 s, is little
 
 
 class Bar:
@@ -21,7 +23,8 @@ class Bar:
     Parameters
     ----------
     after : float
-        Seconds after which it appears.
+        Seconds after which it appears, if the work is to take long enough for it to cost less than
+        a hundredth.
 
     Attributes
     ----------
@@ -30,8 +33,8 @@ class Bar:
     """
 
     def __init__(self, after: float = 0.5) -> None:
-        self._begun = perf_counter()
-        self._next = self._begun + after
+        self._start = self._begun = perf_counter()
+        self._next = self._start + after
         self._now, self._drawn = (0, 0, "preparing"), (0, 0, "")
         self._bar: Any = None
         self.seconds: dict[str, float] = {}
@@ -43,11 +46,18 @@ class Bar:
             self._end_stage(clock)
         self._now = (done, total, stage)
         if clock >= self._next:
-            self.draw()
+            if self._is_worth(clock):
+                self.draw()
             self._next = perf_counter() + _PAUSE
         if done >= total:
             self.close()
         return True
+
+    def _is_worth(self, clock: float) -> bool:
+        """Whether loading tqdm is little beside the work, if its stage goes on as it did."""
+        done, total, _ = self._now
+        left = (clock - self._begun) * (total - done) / done if done else 0.0
+        return "tqdm" in sys.modules or clock - self._start + left >= _WORTH
 
     def draw(self) -> None:
         """Show how far it is."""
@@ -55,7 +65,10 @@ class Bar:
         if not total:
             return
         if self._bar is None:
-            from tqdm.auto import tqdm
+            if "IPython" in sys.modules:
+                from tqdm.auto import tqdm
+            else:  # the same, in half the time
+                from tqdm import tqdm
 
             self._bar = tqdm(total=total, unit=f" {stage}", leave=False, miniters=1, mininterval=0)
         elif (total, stage) != self._drawn[1:] or done < self._drawn[0]:  # another count begins

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import io
+import sys
 import time
 
 import numpy as np
@@ -70,3 +71,18 @@ def test_true_is_a_bar(capsys, monkeypatch):
     sample = np.random.default_rng(0).integers(0, 255, (32, 32), np.uint8)
     weftex.synthesize(sample, 48, method="quilting", seed=1, progress=True)
     assert "patches" in capsys.readouterr().err
+
+
+def test_a_bar_for_long_work_only(capsys, monkeypatch):
+    """Loading tqdm takes as long as a hundredth of what is done without a bar."""
+    monkeypatch.delitem(sys.modules, "tqdm")
+    bar = progress.Bar(after=0)
+    bar(1, 100, "rows", lambda: None)
+    bar._start = bar._begun = bar._begun - 1
+    bar._next = bar._start
+    bar(50, 100, "rows", lambda: None)  # a second to go
+    assert bar._bar is None and "tqdm" not in sys.modules
+    bar._next = bar._start
+    bar(10, 100, "rows", lambda: None)  # nine
+    assert "10/100" in capsys.readouterr().err
+    bar.close()
