@@ -13,7 +13,7 @@ from weftex.errors import CancelledError, InvalidInputError, shown
 #: Returning False cancels, anything else goes on. True stands for a `Bar`.
 ProgressCallback = Callable[[int, int, str, Callable[[], Any]], object] | Literal[True]
 
-_PAUSE = 0.25  # seconds from one drawing to the next
+PAUSE = 0.25  # seconds from one drawing to the next
 _WORTH = 5.0  # seconds of work beside which loading tqdm, 0.03 s, is little
 
 
@@ -48,7 +48,7 @@ class Bar:
         if clock >= self._next:
             if self._is_worth(clock):
                 self.draw()
-            self._next = perf_counter() + _PAUSE
+            self._next = perf_counter() + PAUSE
         if done >= total:
             self.close()
         return True

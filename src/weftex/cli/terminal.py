@@ -204,7 +204,7 @@ def run(
     try:
         try:
             threading.Thread(target=begin, daemon=True).start()
-            while not ended.wait(progress._PAUSE):  # without a limit Windows would not notice Ctrl-C
+            while not ended.wait(progress.PAUSE):  # for ever, and Windows would not notice Ctrl-C
                 bar.show()
         except (KeyboardInterrupt, Stopped) as error:
             for number in numbers:
