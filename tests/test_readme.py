@@ -21,6 +21,8 @@ ROOT = Path(__file__).parent.parent
 PAGES = sorted(p for p in [ROOT / "README.md", *ROOT.glob("docs/**/*.md")] if p.exists())
 EXAMPLES = sorted(p for p in ROOT.glob("examples/*.py") if not p.name.startswith(("paper_", "_")))
 PAPERS = sorted(ROOT.glob("examples/paper_*.py"))
+#: A line that a page says a command prints: of weftex synth, or of weftex analyze.
+SAID = r"^    (weftex: .+|map: .+|(?:scale|lattice|auto|runner-up 1|tiles) {3}.+| {14}\S.+)$"
 #: Parameters of all methods, as options.
 PARAMETERS = " ".join(
     f"--{field.name.replace('_', '-')}" for m in METHODS.values() for field in dataclasses.fields(m)
@@ -49,7 +51,7 @@ def smaller(size):
 
 
 @pytest.mark.parametrize("page", PAGES, ids=lambda page: page.name)
-def test_commands_of_pages(page, tmp_path, monkeypatch):
+def test_commands_of_pages(page, tmp_path, monkeypatch, capsys):
     """In the order of the page, in one folder: a command may use what an earlier one made."""
     monkeypatch.chdir(tmp_path)
     for line in (line for block in blocks(page, "sh") for line in block.splitlines()):
@@ -61,6 +63,9 @@ def test_commands_of_pages(page, tmp_path, monkeypatch):
             words[2:] = [smaller(b) if a == "--size" else b for a, b in options][1:]
             assert weft_run(*words[1:]) == 0, line
             assert "-o" not in words or Path(words[words.index("-o") + 1]).exists(), line
+    said = "".join(capsys.readouterr())
+    for line in re.findall(SAID, page.read_text("utf-8"), re.M):
+        assert line in said
 
 
 @pytest.mark.parametrize("page", PAGES, ids=lambda page: page.name)
