@@ -3,6 +3,7 @@
 import ast
 import dataclasses
 import functools
+import importlib
 import itertools
 import re
 import runpy
@@ -13,6 +14,7 @@ from pathlib import Path
 
 import pytest
 
+import weftex
 from commands import weft_run
 from weftex.methods import METHODS
 from weftex.quality.figures import FIGURES
@@ -186,6 +188,14 @@ def test_the_page_of_measures_lists_every_figure_as_it_is():
         limit = figure.within() or "describes only"
         row = f"| {figure.title} | {figure.unit} | {limit} | {figure.meaning} | {figure.blind} |"
         assert row in page
+
+
+def test_the_page_of_python_lists_every_public_name():
+    page = (ROOT / "docs" / "api.md").read_text("utf-8")
+    listed = re.findall(r"^::: (\S+)\.(\w+)$", page, re.M)
+    assert {name for _, name in listed} == {*weftex.__all__} - {"METHODS"} | {"Model"}
+    for module, name in listed:
+        assert hasattr(importlib.import_module(module), name)
 
 
 def test_the_readme_has_the_two_commands():
