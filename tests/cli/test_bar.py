@@ -25,7 +25,7 @@ def shown(monkeypatch):
 
     def call(done, total, stage):
         assert bar(done, total, stage, lambda: None)
-        bar.show()
+        bar.draw()
         states.append((bar._bar.n, bar._bar.total, bar._bar.unit.strip()))
         return states[-1]
 
@@ -51,10 +51,10 @@ def test_a_slow_stage_after_a_fast_one_is_shown(monkeypatch):
     bar = terminal.Bar(quiet=False)
     for done, total, stage in ((0, 9**6, "pixels"), (9**6, 9**6, "pixels"), (1, 40, "repairs")):
         bar(done, total, stage, lambda: None)
-        bar.show()
+        bar.draw()
         time.sleep(0.15)  # tqdm shows ten steps a second
     bar(7, 40, "repairs", lambda: None)
-    bar.show()
+    bar.draw()
     bar.close()
     assert "7/40" in screen.getvalue()
     assert [*bar.seconds] == ["preparing", "pixels", "repairs"] and bar.seconds["repairs"] > 0.1

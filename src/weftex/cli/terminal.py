@@ -77,8 +77,7 @@ class Bar(progress.Bar):
 
     def show(self) -> None:
         """Draw, if it is time."""
-        clock = perf_counter()
-        if self._shows and clock >= self._next and self._is_worth(clock):
+        if self._shows and self._is_time(perf_counter()):
             self.draw()
 
     def stop(self) -> None:
