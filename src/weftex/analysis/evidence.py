@@ -3,9 +3,11 @@
 Two figures say it. The contrast is how far the correlation at multiples is above that between
 them; colors and light make some of it by chance. What is clear is the same of the whitened sample
 (see `weftex.analysis.whitening`), less what chance makes there and in units of it; chance falls
-with the root of the number of multiples. A logistic regression puts both together. Its weights are
-those that `python benchmarks/lattices.py --fit` prints; docs/lattice.md has how often each
-confidence is right.
+with the root of the number of multiples. Rows of which joints alone tell (`weftex.analysis.joints`)
+have two of their own: the contrast of edges in different strips, and how far these are alike. A
+logistic regression puts figures together. Its weights are those that
+`python benchmarks/lattices.py --fit` prints; docs/lattice.md has how often each confidence is
+right.
 """
 
 from __future__ import annotations
@@ -22,6 +24,9 @@ if TYPE_CHECKING:
 PAIRS = (-4.32, 6.32, 1.54)
 #: The same of rows, whose contrast says nothing more.
 ROWS = (-5.46, 0.0, 3.01)
+
+#: What 1, the contrast, how far strips are alike, and the doublings of the number weigh.
+JOINTS = (-7.58, 11.70, 4.28, 0.71)
 
 #: Of the surest: some tiles pass for lattices that are part of one, whatever is seen.
 SUREST = 0.95
@@ -44,17 +49,22 @@ class Evidence:
         Of the whitened sample, in units of chance.
     number : int
         Of multiples.
+    alike : float, optional
+        Of rows that joints tell: how far the edges of different strips are alike.
     """
 
     vectors: NDArray[np.float64]
     contrast: float
     clear: float
     number: int
+    alike: float | None = None
 
     @property
-    def figures(self) -> tuple[float, float, float]:
-        """What is weighed; each grows more slowly the larger it is."""
+    def figures(self) -> tuple[float, ...]:
+        """What is weighed; of all but joints, each grows more slowly the larger it is."""
         contrast, clear = max(self.contrast, 0.0), max(self.clear, 0.0)
+        if self.alike is not None:
+            return 1.0, contrast, max(self.alike, 0.0), math.log2(self.number)
         return 1.0, contrast / (_HALF + contrast), math.asinh(clear * self.number**0.5)
 
     @property
@@ -65,6 +75,8 @@ class Evidence:
         >>> Evidence(np.eye(2), 0.4, 20.0, 60).confidence > 0.9
         True
         """
-        weights = PAIRS if len(self.vectors) == 2 else ROWS
+        weights: tuple[float, ...] = PAIRS if len(self.vectors) == 2 else ROWS
+        if self.alike is not None:
+            weights = JOINTS
         total = sum(part * weight for part, weight in zip(self.figures, weights, strict=True))
         return SUREST / (1 + math.exp(-min(max(total, -_MOST), _MOST)))

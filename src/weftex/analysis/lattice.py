@@ -22,6 +22,7 @@ from weftex.analysis.goodness import (
     reach_of,
     stand_out,
 )
+from weftex.analysis.joints import find_courses
 from weftex.analysis.pairs import MOST_MULTIPLES, best_pair, fitted, reduced
 from weftex.analysis.peaks import find_peaks
 from weftex.analysis.relief import Relief, maps_alone, relief
@@ -43,6 +44,7 @@ _LONGEST = 1e9  # pixels; no picture is as large, and products of vectors stay n
 _LEAST = 0.5  # confidence of what is reported
 _OFF = 0.15  # of a vector, that multiples of smaller tiles may be off a larger one
 _ERRORS = 4.0  # standard errors by which a larger tile's multiples stand out
+_TWICE = 0.06  # of the distance, that rows may be off twice that of joints
 _SIGMAS = 3.0  # of what chance makes of one multiple, that do not count
 
 
@@ -235,6 +237,8 @@ def lattice_in(seen: Views, goodness: str = "contrast") -> Lattice | None:
     else:
         best = rows_seen(seen)
         if best is None or best.confidence < _LEAST:
+            best = courses_seen(seen, best)
+        if best is None or best.confidence < _LEAST:
             return None
     lattice = Lattice(tuple((float(x), float(y)) for x, y in best.vectors * seen.flat.step))
     plain = [(round(x, 2) + 0.0, round(y, 2) + 0.0) for x, y in lattice.reduced().vectors]
@@ -310,3 +314,20 @@ def rows_seen(seen: Views) -> Evidence | None:
         return None
     clear, number = ridges(seen.white.correlation, rows[0])
     return Evidence(rows[0][None], rows[1], clear / max(seen.chance, 1e-12), number)
+
+
+def courses_seen(seen: Views, rows: Evidence | None) -> Evidence | None:
+    """The rows that joints tell best, whatever lies between them, and what speaks for them.
+
+    Joints at both sides of what repeats are two to a row: where the levels' rows are twice as far
+    apart in the same direction, they are taken.
+    """
+    found = find_courses(seen.flat)
+    if found is None:
+        return None
+    vector = found.vector
+    if rows is not None:
+        own = rows.vectors[0] * (1 if rows.vectors[0] @ vector > 0 else -1)
+        if np.hypot(*(own - 2 * vector)) < _TWICE * np.hypot(*own):
+            vector = own
+    return Evidence(vector[None], found.contrast, 0.0, found.number, found.alike)
