@@ -70,7 +70,8 @@ def test_small_and_even_samples_have_none():
 
 
 def test_confidence_of_joints_grows_with_each_figure():
-    def of(height, alike, number):
-        return Evidence(np.eye(2)[:1], height, 0.0, number, alike).confidence
+    def of(height, alike):
+        return Evidence(np.eye(2)[:1], height, 0.0, 3, alike).confidence
 
-    assert of(0.2, 0.3, 3) < of(0.5, 0.3, 3) < of(0.5, 0.8, 3) < of(0.5, 0.8, 8) < SUREST
+    assert of(-1, 0.5) == of(0, 0.5) == of(0.5, -1) < of(0.3, 0.5) < of(0.5, 0.5) < of(0.5, 0.8)
+    assert of(2, 1) == pytest.approx(SUREST, abs=1e-3)

@@ -26,7 +26,7 @@ _CLOSEST = 5.0  # pixels from row to row, at least
 _FINEST = 3.0  # of the pixels that all directions are tried on
 _SIDES = (128, 256)  # pixels a side, about, of what all directions are tried on, and near ones
 _COARSE = np.deg2rad(np.arange(0, 180, 3.0))
-_FINE = [np.deg2rad([-2 * step, -step, 0, step, 2 * step]) for step in (1.0, 0.25)]
+_FINE = [np.deg2rad([-step, 0, step]) for step in (1.2, 0.5, 0.25)]  # the last of near ones
 _STEP = 0.5  # pixels between distances that are tried
 _NEAR = np.linspace(0.94, 1.06, 25)  # of a distance, that a finer look tries
 _RIDGES = 8  # rows away that are rated, as far as the sample has them
@@ -110,16 +110,23 @@ class Joints:
         across = min(height / max(abs(c), 1e-9), width / max(abs(s), 1e-9)) / 2
         along = min(height / max(abs(s), 1e-9), width / max(abs(c), 1e-9)) / 2
         number = int(2 * across)
-        line = np.floor(np.add.outer(c * self.y, -s * self.x) + number / 2).astype(np.int64)
-        part = np.add.outer(s * self.y, c * self.x) + along
-        strip = np.floor(part * (_STRIPS / (2 * along))).astype(np.int64)
-        inside = self.inner & (line >= 0) & (line < number) & (strip >= 0) & (strip < _STRIPS)
-        place = (strip * number + line)[inside]
-        edges = (s * s) * self.parts[0] - (2 * s * c) * self.parts[1] + (c * c) * self.parts[2]
-        size = _STRIPS * number
+        line = np.add.outer(c * self.y + number / 2, -s * self.x).astype(np.int32)
+        part = np.add.outer(s * self.y + along, c * self.x)
+        part *= _STRIPS / (2 * along)
+        # What is outside of all strips and lines goes to a place of its own, the last.
+        outside = ~self.inner
+        place = part.astype(np.int32)
+        for number_of, one in ((number, line), (_STRIPS, place)):
+            outside |= one.view(np.uint32) >= number_of  # less than 0, too
+        place *= number
+        place += line
+        place[outside] = _STRIPS * number
+        edges = (s * s) * self.parts[0]
+        edges -= (2 * s * c) * self.parts[1]
+        edges += (c * c) * self.parts[2]
         count, total = (
-            np.bincount(place, part, size).reshape(_STRIPS, number)
-            for part in (None, edges[inside])
+            np.bincount(place.ravel(), weights, _STRIPS * number + 1)[:-1].reshape(_STRIPS, number)
+            for weights in (None, edges.ravel())
         )
         return total, count
 
@@ -175,14 +182,16 @@ def find_courses(flat: Relief) -> Courses | None:
         distances = np.arange(max(_CLOSEST / coarse.step, _FINEST), far, _STEP)
         found, rated = _highest(profile, distances)
         if rated > best:
-            best, angle, distance = rated, float(turn), found * coarse.step / fine.step
+            best, angle, distance = rated, float(turn), found * coarse.step
     if best <= 0:
         return None
-    for offs in _FINE:
-        profiles = [_blurred(fine.alike(angle + off), _BLUR * distance) for off in offs]
-        heights = [float(contrast(profile, distance * _NEAR)[0].max()) for profile in profiles]
-        angle += float(offs[int(np.argmax(heights))])
-    plain = fine.alike(angle)
+    for joints, offs in zip((coarse, coarse, fine), _FINE, strict=True):
+        away = distance / joints.step
+        tried = [joints.alike(angle + off) for off in offs]
+        near = [contrast(_blurred(one, _BLUR * away), away * _NEAR)[0].max() for one in tried]
+        angle += float(offs[int(np.argmax(near))])
+        plain = tried[int(np.argmax(near))]
+    distance /= fine.step
     distance = _settled(plain, distance, _CLOSEST / fine.step)
     own, number = contrast(_blurred(plain, _BLUR * distance), np.array([distance]))
     vector = distance * fine.step * np.array([-np.sin(angle), np.cos(angle)])
