@@ -3,9 +3,17 @@
 import numpy as np
 import pytest
 
+from weftex.analysis.bonds import Bonds
 from weftex.analysis.evidence import SUREST, Evidence
 from weftex.analysis.joints import Joints, contrast, find_courses
-from weftex.analysis.lattice import find_lattice
+from weftex.analysis.lattice import (
+    Lattice,
+    among_rows,
+    bond_seen,
+    courses_seen,
+    find_lattice,
+    views,
+)
 from weftex.analysis.relief import Relief, relief
 from weftex.exemplar import Exemplar
 
@@ -71,7 +79,36 @@ def test_small_and_even_samples_have_none():
 
 def test_confidence_of_joints_grows_with_each_figure():
     def of(height, alike):
-        return Evidence(np.eye(2)[:1], height, 0.0, 3, alike).confidence
+        return Evidence(np.eye(2)[:1], height, alike, 3, "joints").confidence
 
     assert of(-1, 0.5) == of(0, 0.5) == of(0.5, -1) < of(0.3, 0.5) < of(0.5, 0.5) < of(0.5, 0.8)
     assert of(2, 1) == pytest.approx(SUREST, abs=1e-3)
+
+
+def test_a_pair_by_chance_is_rows(rng):
+    """Two vectors that each lead some rows on, and stones of any width: nothing else tells them."""
+    rows = views(Exemplar(courses(rng, [34, 39, 36, 41, 35, 38])))
+    chance = Evidence(np.array([[92.0, -37.0], [76.0, 74.0]]), 0.1, 5.0, 9)
+    assert among_rows(rows, chance).vectors.shape == (1, 2)
+
+
+def test_a_mesh_is_no_rows(rng):
+    """Joints along both families of its lines tell a lattice that joints within rows do not."""
+    pixels = rng.normal(120, 30, (192, 192))
+    pixels[::32], pixels[:, ::24] = 220, 220
+    pixels[1::32], pixels[:, 1::24] = 220, 220
+    mesh = Evidence(np.array([[24.0, 0.0], [0.0, 32.0]]), 0.1, 5.0, 9)
+    seen = views(Exemplar(np.clip(np.rint(pixels), 0, 255).astype(np.uint8)))
+    assert among_rows(seen, mesh) is mesh
+
+
+def test_rows_of_a_bond_are_told_by_the_joints_within_them(rng):
+    seen = views(Exemplar(courses(rng, [36] * 6)))
+    y, x = np.mgrid[-143:144, -191:192]
+    piece = np.cos(2 * np.pi * x / 48 + np.pi * y / 18)
+    bonds = Bonds(piece * (np.cos(np.pi * y / 18) > 0.9), np.array([0.0, 18.0]))
+    vectors, sure = bonds.best()
+    assert Lattice(tuple(map(tuple, vectors))).same_as(Lattice(((48, 0), (24, 18))), 0.03)
+    assert sure > 3 > 1.5 > bonds.of(np.array([[30.0, 0.0], [8.0, 18.0]]))
+    assert bonds.of(np.array([[48.0, 5.0], [3.0, 40.0]])) is None
+    assert bond_seen(seen, courses_seen(seen, None)).clear < 3

@@ -4,10 +4,10 @@ Two figures say it. The contrast is how far the correlation at multiples is abov
 them; colors and light make some of it by chance. What is clear is the same of the whitened sample
 (see `weftex.analysis.whitening`), less what chance makes there and in units of it; chance falls
 with the root of the number of multiples. Rows of which joints alone tell (`weftex.analysis.joints`)
-have two of their own: the contrast of edges in different strips, and how far these are alike. A
-logistic regression puts figures together. Its weights are those that
-`python benchmarks/lattices.py --fit` prints; docs/lattice.md has how often each confidence is
-right.
+have two of their own: the contrast of edges in different strips, and how far these are alike; the
+bond of rows (`weftex.analysis.bonds`) has one, how surely it is told. A logistic regression puts
+figures together. Its weights are those that `python benchmarks/lattices.py --fit` prints;
+docs/lattice.md has how often each confidence is right.
 """
 
 from __future__ import annotations
@@ -27,6 +27,8 @@ ROWS = (-5.46, 0.0, 3.01)
 
 #: What 1, and the geometric mean of the contrast and of how far strips are alike, weigh.
 JOINTS = (-5.93, 13.96)
+#: What 1, and how surely joints within rows tell their bond, weigh.
+BONDS = (-9.02, 3.06)
 
 #: Of the surest: some tiles pass for lattices that are part of one, whatever is seen.
 SUREST = 0.95
@@ -49,22 +51,25 @@ class Evidence:
         Of the whitened sample, in units of chance.
     number : int
         Of multiples.
-    alike : float, optional
-        Of rows that joints tell: how far the edges of different strips are alike.
+    kind : str
+        "joints" of rows that joints tell: `clear` is how far edges of different strips are alike;
+        "bonds" of the bond of rows: `clear` is how surely it is told.
     """
 
     vectors: NDArray[np.float64]
     contrast: float
     clear: float
     number: int
-    alike: float | None = None
+    kind: str = ""
 
     @property
     def figures(self) -> tuple[float, ...]:
         """What is weighed; each grows more slowly the larger it is."""
         contrast, clear = max(self.contrast, 0.0), max(self.clear, 0.0)
-        if self.alike is not None:
-            return 1.0, math.sqrt(contrast * max(self.alike, 0.0))
+        if self.kind == "joints":
+            return 1.0, math.sqrt(contrast * clear)
+        if self.kind == "bonds":
+            return 1.0, clear
         return 1.0, contrast / (_HALF + contrast), math.asinh(clear * self.number**0.5)
 
     @property
@@ -75,8 +80,7 @@ class Evidence:
         >>> Evidence(np.eye(2), 0.4, 20.0, 60).confidence > 0.9
         True
         """
-        weights: tuple[float, ...] = PAIRS if len(self.vectors) == 2 else ROWS
-        if self.alike is not None:
-            weights = JOINTS
+        plain = PAIRS if len(self.vectors) == 2 else ROWS
+        weights: tuple[float, ...] = {"joints": JOINTS, "bonds": BONDS}.get(self.kind, plain)
         total = sum(part * weight for part, weight in zip(self.figures, weights, strict=True))
         return SUREST / (1 + math.exp(-min(max(total, -_MOST), _MOST)))

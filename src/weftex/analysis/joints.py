@@ -198,6 +198,15 @@ def find_courses(flat: Relief) -> Courses | None:
     return Courses(vector, float(own[0]), float(plain[0]), int(number[0]))
 
 
+def rated(flat: Relief, vector: Floats) -> Courses:
+    """What joints say of rows that are given by the vector from one to the next."""
+    joints = Joints(flat).coarser(_SIDES[1])
+    distance = float(np.hypot(*vector)) / joints.step
+    plain = joints.alike(float(np.arctan2(-vector[0], vector[1])))
+    own, number = contrast(_blurred(plain, _BLUR * distance), np.array([distance]))
+    return Courses(vector, float(own[0]), float(plain[0]), int(number[0]))
+
+
 def contrast(profile: Floats, distances: Floats) -> tuple[Floats, NDArray[np.int64]]:
     """How high multiples of distances are above half and a third of the way; how many there are."""
     size = len(profile)
