@@ -27,7 +27,7 @@ if TYPE_CHECKING:
     from weftex.methods.pixels.growth import Growth
 
 _LARGE = 2**14  # pixels of a patch from which on candidates are priced in threads
-_PATCHES = 3  # in a row between two belts of a plane
+_PATCHES = 2  # in a row between two belts of a plane
 _IDLE = 4  # refinements that mend nothing, for each patch that covered the canvas, end it
 
 

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from weftex.methods.graphcut import block_kernels, cut_kernels, graph_kernels, seam_kernels
+from weftex.methods.graphcut.kept import kept
 from weftex.notes import is_asked, note
 from weftex.seams.maxflow import search_trees
 
@@ -44,13 +45,8 @@ class Picture:
         self.done, self.halvings = growth.done.ravel(), block.bit_length() - 1
         self.usable = settings.windows.usable.ravel()
         channels = growth.pixels.shape[2]
-        self._sample = seam_kernels.Sample(
-            settings.windows.pixels.reshape(-1, channels),
-            _joins(settings.windows.usable != 0, settings.exemplar.tileable).ravel(),
-            self.sample_shape,
-            bool(self.usable.all()),
-            settings.by_gradients,
-            np.zeros((self.usable.size if settings.by_gradients else 0, 2), np.int32),
+        self._sample = kept(
+            settings.windows, settings.by_gradients, lambda: _sample_of(settings, channels)
         )
         self._picture = seam_kernels.Picture(
             growth.pixels.reshape(-1, channels),
@@ -182,6 +178,19 @@ class Picture:
             from_rows[v : v + place.height],
             from_columns[u : u + place.width],
         )
+
+
+def _sample_of(settings: Settings, channels: int) -> seam_kernels.Sample:
+    """The sample, with room for its gradients."""
+    windows, by_gradients = settings.windows, settings.by_gradients
+    return seam_kernels.Sample(
+        windows.pixels.reshape(-1, channels),
+        _joins(windows.usable != 0, settings.exemplar.tileable).ravel(),
+        settings.exemplar.shape,
+        bool((windows.usable != 0).all()),
+        by_gradients,
+        np.zeros((windows.usable.size if by_gradients else 0, 2), np.int32),
+    )
 
 
 def _graph(height: int, width: int) -> graph_kernels.Graph:
