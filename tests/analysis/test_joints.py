@@ -112,3 +112,9 @@ def test_rows_of_a_bond_are_told_by_the_joints_within_them(rng):
     assert sure > 3 > 1.5 > bonds.of(np.array([[30.0, 0.0], [8.0, 18.0]]))
     assert bonds.of(np.array([[48.0, 5.0], [3.0, 40.0]])) is None
     assert bond_seen(seen, courses_seen(seen, None)).clear < 3
+
+
+def test_a_copy_in_the_whitened_sample_alone_is_no_pair(rng):
+    seen = views(Exemplar(rng.integers(0, 256, (128, 128), np.uint8)))
+    copy, faint = (Evidence(np.array([[60.0, 0], [0, 50]]), c, 14.0, 6) for c in (-0.03, 0.01))
+    assert among_rows(seen, copy) is None and among_rows(seen, faint) is faint

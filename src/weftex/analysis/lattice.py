@@ -45,6 +45,7 @@ _LONGEST = 1e9  # pixels; no picture is as large, and products of vectors stay n
 _LEAST = 0.5  # confidence of what is reported
 _LEAST_BOND = 0.85  # the same of the bond of rows: of 150 rows without one the surest had 0.8
 _CLEAR = 0.945  # the same, of a pair that is not looked for among rows
+_NOTHING = -0.02  # contrast, less its error, that says of a pair that it is not seen
 _BETTER = 1.5  # times as surely as a pair, that another bond of its rows must be told
 _OF_ROWS = 2.4  # how surely joints within rows must tell a pair; 2.3 is the most that chance made
 _ASLANT = 0.9  # cosine below which lines are of another family than rows
@@ -238,10 +239,11 @@ def views(exemplar: Exemplar, alpha: float = ALPHA, significant: float = SIGNIFI
 def lattice_in(seen: Views, goodness: str = "contrast") -> Lattice | None:
     """The better pair of vectors, or else rows; see `find_lattice`."""
     best = better(seen, pairs_seen(seen, goodness))
+    usual = goodness == "contrast"
+    if usual and best is not None and _LEAST <= best.confidence < _CLEAR:
+        best = among_rows(seen, best)
     if best is not None and best.confidence >= _LEAST:
-        if goodness == "contrast":
-            best = among_rows(seen, best) if best.confidence < _CLEAR else best
-            best = in_turn(seen, best) if len(best.vectors) == 2 else best
+        best = in_turn(seen, best) if usual and len(best.vectors) == 2 else best
     else:
         best = rows_seen(seen)
         if best is None or best.confidence < _LEAST:
@@ -351,16 +353,17 @@ def bond_seen(seen: Views, rows: Evidence) -> Evidence | None:
     return Evidence(fitted(seen.white, reduced(found[0])), 0.0, found[1], 1, "bonds")
 
 
-def among_rows(seen: Views, pair: Evidence) -> Evidence:
-    """A pair itself; another bond of its rows that is told better; or the rows alone.
+def among_rows(seen: Views, pair: Evidence) -> Evidence | None:
+    """A pair itself; another bond of its rows that is told better; the rows alone; or nothing.
 
-    Rows make peaks along one line, and chance makes another: a pair that has joints along one
-    family of its lines is rows, if neither joints within them tell it nor joints along another
-    family, as of a mesh.
+    What only the whitened sample has is thin lines before something else, as a mesh, or a part of
+    the sample that is a copy of another: without joints it is no pair. Rows make peaks along one
+    line, and chance makes another: a pair that has joints along one family of its lines is rows, if
+    neither joints within them tell it nor joints along another family.
     """
     rows = courses_seen(seen, None)
     if rows is None or rows.confidence < _LEAST:
-        return pair
+        return pair if pair.contrast > _NOTHING else None
     down = rows.vectors[0]
     sure = Bonds(seen.white.correlation, down).of(pair.vectors)
     if sure is None:
