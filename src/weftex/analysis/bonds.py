@@ -27,6 +27,7 @@ _LONGEST = 0.65  # of what is compared: the longest
 _SHIFTS = 48  # shifts of a row against the next that are tried
 _SUMS = 6  # of vectors, that may lead along a row, or to the next
 _OFF, _SLANT = 0.1, 0.02  # of the distance, and of their length, that these may be off
+_CHANCE = 0.7  # of chance: the least spread, about, of a photograph along its rows
 _PHASES = (0.0, 1 / 2, 1 / 3, 2 / 3)  # of a piece; whole ones, and what is between
 
 
@@ -59,15 +60,20 @@ class Bonds:
         power = (self.table**2 * self.weights).sum() / max(float(self.weights.sum()), 1e-12)
         self.spread = max(float(np.sqrt(power)), 1e-12)
 
-    def best(self) -> tuple[Floats, float] | None:
+    def best(self, chance: float = 0.0) -> tuple[Floats, float] | None:
         """The bond that is told best, right or not; None where rows are too short.
+
+        Parameters
+        ----------
+        chance : float
+            The spread of the correlation by chance; stairs of a drawing come back, far below it.
 
         Returns
         -------
         (float64 array (2, 2), float) or None
             Vectors along a row and to the next, and how surely they are told: how far multiples
             are above what is between them, times the root of their number, in units of the spread
-            of all.
+            of all, or of chance if that is more.
         """
         best, found = 0.0, None
         shortest = max(_FINEST, _SHORTEST * self.distance)
@@ -79,6 +85,7 @@ class Bonds:
                 best, found = float(sure[k]), (length * self.along, shifts[k])
         if found is None:
             return None
+        best *= min(1.0, self.spread / max(_CHANCE * chance, 1e-12))
         return np.stack([found[0], self.rows + found[1] * self.along]), best
 
     def of(self, vectors: Floats) -> float | None:

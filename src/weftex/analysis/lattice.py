@@ -250,7 +250,7 @@ def lattice_in(seen: Views, goodness: str = "contrast") -> Lattice | None:
             best = courses_seen(seen, best)
         if best is None or best.confidence < _LEAST:
             return None
-        bond = bond_seen(seen, best)
+        bond = bond_seen(seen, best) if usual else None
         best = best if bond is None or bond.confidence < _LEAST_BOND else bond
     lattice = Lattice(tuple((float(x), float(y)) for x, y in best.vectors * seen.flat.step))
     plain = [(round(x, 2) + 0.0, round(y, 2) + 0.0) for x, y in lattice.reduced().vectors]
@@ -347,7 +347,7 @@ def courses_seen(seen: Views, rows: Evidence | None) -> Evidence | None:
 
 def bond_seen(seen: Views, rows: Evidence) -> Evidence | None:
     """The bond that joints within rows tell best, and what speaks for it."""
-    found = Bonds(seen.white.correlation, rows.vectors[0]).best()
+    found = Bonds(seen.white.correlation, rows.vectors[0]).best(seen.chance)
     if found is None:
         return None
     return Evidence(fitted(seen.white, reduced(found[0])), 0.0, found[1], 1, "bonds")
