@@ -43,11 +43,13 @@ Vector = tuple[float, float]
 
 _LONGEST = 1e9  # pixels; no picture is as large, and products of vectors stay numbers
 _LEAST = 0.5  # confidence of what is reported
-_LEAST_BOND = 0.85  # the same of the bond of rows: of 150 rows without one the surest had 0.8
+_LEAST_JOINTS = 0.6  # the same of rows of which joints alone tell: drawn rubble had up to 0.57
+_LEAST_BOND = 0.92  # the same of the bond of rows: of 150 rows without one the surest had 0.91
 _CLEAR = 0.945  # the same, of a pair that is not looked for among rows
 _NOTHING = -0.02  # contrast, less its error, that says of a pair that it is not seen
 _BETTER = 1.5  # times as surely as a pair, that another bond of its rows must be told
-_OF_ROWS = 2.4  # how surely joints within rows must tell a pair; 2.3 is the most that chance made
+_OF_ROWS = 2.3  # how surely joints within rows must tell a pair
+_SECOND = 0.2  # confidence of joints along a second family of lines, that keeps it
 _ASLANT = 0.9  # cosine below which lines are of another family than rows
 _OFF = 0.15  # of a vector, that multiples of smaller tiles may be off a larger one
 _ERRORS = 4.0  # standard errors by which a larger tile's multiples stand out
@@ -248,8 +250,8 @@ def lattice_in(seen: Views, goodness: str = "contrast") -> Lattice | None:
         best = rows_seen(seen)
         if best is None or best.confidence < _LEAST:
             best = courses_seen(seen, best)
-        if best is None or best.confidence < _LEAST:
-            return None
+            if best is None or best.confidence < _LEAST_JOINTS:
+                return None
         bond = bond_seen(seen, best) if usual else None
         best = best if bond is None or bond.confidence < _LEAST_BOND else bond
     lattice = Lattice(tuple((float(x), float(y)) for x, y in best.vectors * seen.flat.step))
@@ -378,7 +380,7 @@ def among_rows(seen: Views, pair: Evidence) -> Evidence | None:
     for side in (first, second, first + second, first - second):
         across = np.array([-side[1], side[0]]) * area / (side @ side)
         aslant = abs(across @ down) < _ASLANT * np.hypot(*across) * np.hypot(*down)
-        if aslant and _told(rated(seen.flat, across)).confidence >= _LEAST:
+        if aslant and _told(rated(seen.flat, across)).confidence >= _SECOND:
             return pair
     return rows
 
