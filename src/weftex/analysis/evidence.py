@@ -6,8 +6,8 @@ them; colors and light make some of it by chance. What is clear is the same of t
 with the root of the number of multiples. Rows of which joints alone tell (`weftex.analysis.joints`)
 have two of their own: the contrast of edges in different strips, and how far these are alike; the
 bond of rows (`weftex.analysis.bonds`) has one, how surely it is told. A logistic regression puts
-figures together. Its weights are those that `python benchmarks/lattices.py --fit` prints;
-docs/lattice.md has how often each confidence is right.
+figures together. `python benchmarks/lattices.py --fit` prints weights; docs/lattice.md says what
+these were fitted on, and how often each confidence is right.
 """
 
 from __future__ import annotations
