@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 import weftex
-from families import noise
+from families import canvas_of, noise
 from weftex.methods.graphcut import GraphCut, subpatch
 from weftex.methods.graphcut.cutting import Picture
 from weftex.methods.graphcut.subpatch import SubPatchMatching
@@ -138,3 +138,32 @@ def test_the_patches_that_were_laid_are_on_record(placement):
     assert about["patch_shape"] == expected
     if placement == "subpatch":
         assert (about["patch_size"], about["boundary_width"]) == (18, 6)
+
+
+@pytest.mark.parametrize("kind", ["plain", "x", "xy", "hole", "wrapped hole"])
+def test_cuts_that_end_early_and_runs_that_are_kept_change_nothing(kind, monkeypatch):
+    compared = []
+
+    def cheapest(self, places, map_=map):
+        prices = []
+        for place in places:
+            self._least = np.inf
+            prices.append(self.price(place, 0))
+        chosen = whole(self, places, map_)
+        assert chosen is places[int(np.argmin(prices))]
+        compared.append(max(prices) > min(prices))
+        return chosen
+
+    def pasted(self, place):
+        covered, kept = paste(self, place), self.runs.copy()
+        self.follow()
+        assert np.array_equal(self.runs, kept)
+        return covered
+
+    whole, paste = Picture.cheapest, Picture.paste
+    monkeypatch.setattr(Picture, "cheapest", cheapest)
+    monkeypatch.setattr(Picture, "paste", pasted)
+    pixels = np.ascontiguousarray(weftex.load_exemplar("sample:pebbles").pixels[40:90, 50:90])
+    model = GraphCut(placement="entire", halvings=2, refinements=1.0).fit(weftex.Exemplar(pixels))
+    made = model.sample(canvas_of(kind, pixels, (61, 70)), seed=1)
+    assert made.canvas.hole is not None or sum(compared) > 3

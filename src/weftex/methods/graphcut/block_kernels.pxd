@@ -8,5 +8,3 @@ cdef void spread(Patch patch, Graph graph, int halvings) noexcept nogil
 
 cdef long long build_from_kinds(Picture picture, Sample sample, Patch patch, Graph graph,
                                 int halvings) noexcept nogil
-
-cdef void follow(Picture picture, Sample sample, Patch patch) noexcept nogil

@@ -10,7 +10,6 @@ from cython.cimports.libc.limits import LLONG_MAX
 from cython.cimports.weftex.methods.graphcut.block_kernels import (
     build_from_kinds,
     choose,
-    follow,
     spread,
 )
 from cython.cimports.weftex.methods.graphcut.graph_kernels import (
@@ -25,6 +24,7 @@ from cython.cimports.weftex.methods.graphcut.graph_kernels import (
     in_sample,
     on_canvas,
 )
+from cython.cimports.weftex.methods.graphcut.run_kernels import follow
 from cython.cimports.weftex.methods.graphcut.seam_kernels import Picture, Sample
 from cython.cimports.weftex.seams.maxflow_kernels import minimum_cut
 

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from weftex.methods.graphcut import block_kernels, cut_kernels, graph_kernels, seam_kernels
+from weftex.methods.graphcut import cut_kernels, graph_kernels, run_kernels, seam_kernels
 from weftex.methods.graphcut.kept import kept
 from weftex.notes import is_asked, note
 from weftex.seams.maxflow import search_trees
@@ -80,7 +80,7 @@ class Picture:
 
     def follow(self) -> None:
         """Look through all of the canvas for what `runs` tells; patches keep it up to date."""
-        block_kernels.follow_all(self._picture, self._sample)
+        run_kernels.follow_all(self._picture, self._sample)
 
     def missing(self) -> Iterator[tuple[int, int]]:
         """Yield the first pixel that is missing, until none is."""

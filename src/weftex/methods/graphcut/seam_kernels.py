@@ -51,7 +51,7 @@ class Picture:
     A label is -1 for a known pixel that is not in the sample; `done` is 1 where a pixel is, `known`
     where it may not be replaced. `runs` tells how many pixels there are, from each on along its
     row, up to 127, that may be replaced and have no seam to the right or below; or, as less
-    than 0, how many that are missing. See `block_kernels.follow`.
+    than 0, how many that are missing. See `run_kernels.follow`.
     """
 
     def __init__(self, pixels, source, done, known, runs, shape, wrap):
