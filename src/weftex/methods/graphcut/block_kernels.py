@@ -27,6 +27,7 @@ from cython.cimports.weftex.methods.graphcut.seam_kernels import (
     Sample,
     beside,
     continued,
+    cost_within,
     difference,
 )
 
@@ -181,40 +182,148 @@ def add_right_or_lower(
 @cython.cfunc
 @cython.nogil
 @cython.exceptval(check=False)
+def add_border(
+    picture: Picture,
+    sample: Sample,
+    patch: Patch,
+    graph: Graph,
+    i: cython.Py_ssize_t,
+    j: cython.Py_ssize_t,
+    d: cython.int,
+    count: cython.Py_ssize_t,
+    halvings: cython.int,
+) -> cython.bint:
+    """Add the pairs along a block's right (d = 0) or lower border, all of them of one old patch.
+
+    From a pixel on, down or to the right. Returns whether all are of the new one too, or adds none.
+    """
+    cython.declare(k=cython.Py_ssize_t, p=cython.int, new=cython.int, apart=cython.int)
+    cython.declare(here=cython.p_const_uchar, there=cython.p_const_uchar)
+    channels: cython.Py_ssize_t = sample.pixels.shape[1]
+    v: cython.Py_ssize_t = i + d
+    u: cython.Py_ssize_t = j + 1 - d
+    cost: cython.int = 0
+    p = on_canvas(picture, patch, i, j)
+    new = in_sample(sample, patch, i, j)
+    # All rows and columns go on as these do, but for the last ones of what goes around.
+    across: cython.int = on_canvas(picture, patch, v, u) - p
+    over: cython.int = in_sample(sample, patch, v, u) - new
+    if across != (picture.width if d else 1) or over != (sample.width if d else 1):
+        return False
+    for k in range(count):
+        if d:
+            p = on_canvas(picture, patch, i, j + k)
+            new = in_sample(sample, patch, i, j + k)
+        else:
+            p = on_canvas(picture, patch, i + k, j)
+            new = in_sample(sample, patch, i + k, j)
+        here = cython.address(picture.pixels[p, 0])
+        there = cython.address(sample.pixels[new, 0])
+        apart = difference(here, there, channels)
+        apart += difference(here + across * channels, there + over * channels, channels)
+        cost += cost_within(sample, apart, picture.source[p], new, d)
+    graph.arcs[v >> halvings, u >> halvings, d + 2] += cost
+    graph.arcs[i >> halvings, j >> halvings, d] += cost
+    return True
+
+
+@cython.cfunc
+@cython.nogil
+@cython.exceptval(check=False)
+def add_mixed(
+    picture: Picture,
+    sample: Sample,
+    patch: Patch,
+    graph: Graph,
+    v: cython.Py_ssize_t,
+    u: cython.Py_ssize_t,
+    halvings: cython.int,
+) -> cython.longlong:
+    """Add the pairs of a mixed block's pixels and their right and lower neighbors."""
+    cython.declare(i=cython.Py_ssize_t, j=cython.Py_ssize_t, d=cython.int, may=cython.int)
+    cython.declare(joined=cython.bint, inside=cython.bint)
+    bottom: cython.Py_ssize_t = min((v + 1) << halvings, patch.rows.shape[0])
+    right: cython.Py_ssize_t = min((u + 1) << halvings, patch.columns.shape[0])
+    fixed: cython.longlong = 0
+    for i in range(v << halvings, bottom):
+        for j in range(u << halvings, right):
+            may = graph.choice[i, j]
+            if may == NOTHING:
+                continue
+            joined = may == NEW or picture.runs[on_canvas(picture, patch, i, j)] > 0
+            for d in range(2):
+                inside = i + 1 < bottom if d else j + 1 < right
+                if inside and joined and graph.choice[i + d, j + 1 - d] == may:
+                    continue
+                fixed += add_right_or_lower(picture, sample, patch, graph, i, j, d, may, halvings)
+    return fixed
+
+
+@cython.cfunc
+@cython.nogil
+@cython.exceptval(check=False)
+def add_uniform(
+    picture: Picture,
+    sample: Sample,
+    patch: Patch,
+    graph: Graph,
+    v: cython.Py_ssize_t,
+    u: cython.Py_ssize_t,
+    halvings: cython.int,
+) -> cython.longlong:
+    """Add the pairs along the right and the lower border of a block that is not mixed."""
+    cython.declare(i=cython.Py_ssize_t, j=cython.Py_ssize_t, k=cython.Py_ssize_t, d=cython.int)
+    cython.declare(count=cython.Py_ssize_t)
+    kind: cython.uchar = graph.shown[v, u]
+    top: cython.Py_ssize_t = v << halvings
+    left: cython.Py_ssize_t = u << halvings
+    bottom: cython.Py_ssize_t = min((v + 1) << halvings, patch.rows.shape[0])
+    right: cython.Py_ssize_t = min((u + 1) << halvings, patch.columns.shape[0])
+    fixed: cython.longlong = 0
+    for d in range(2):
+        i = bottom - 1 if d else top
+        j = left if d else right - 1
+        count = right - left if d else bottom - top
+        if bottom < patch.rows.shape[0] if d else right < patch.columns.shape[0]:
+            if kind == NEW and graph.shown[v + d, u + 1 - d] == NEW:
+                continue
+            if kind == EITHER and add_border(
+                picture, sample, patch, graph, i, j, d, count, halvings
+            ):
+                continue
+        for k in range(count):
+            fixed += add_right_or_lower(
+                picture,
+                sample,
+                patch,
+                graph,
+                i + (1 - d) * k,
+                j + d * k,
+                d,
+                kind,
+                halvings,
+            )
+    return fixed
+
+
+@cython.cfunc
+@cython.nogil
+@cython.exceptval(check=False)
 def build_from_kinds(
     picture: Picture, sample: Sample, patch: Patch, graph: Graph, halvings: cython.int
 ) -> cython.longlong:
     """`graph_kernels.build`, of blocks whose kinds are known."""
     cython.declare(i=cython.Py_ssize_t, j=cython.Py_ssize_t, d=cython.int, may=cython.int)
-    cython.declare(top=cython.Py_ssize_t, left=cython.Py_ssize_t, kind=cython.uchar)
-    cython.declare(bottom=cython.Py_ssize_t, right=cython.Py_ssize_t)
-    cython.declare(v=cython.Py_ssize_t, u=cython.Py_ssize_t)
     rows: cython.Py_ssize_t = patch.rows.shape[0]
     columns: cython.Py_ssize_t = patch.columns.shape[0]
-    block: cython.Py_ssize_t = 1 << halvings
     fixed: cython.longlong = 0
     clear(patch, graph, halvings)
-    for v in range(blocks(rows, halvings)):
-        top = v << halvings
-        bottom = min(top + block, rows)
-        for u in range(blocks(columns, halvings)):
-            left = u << halvings
-            right = min(left + block, columns)
-            kind = graph.shown[v, u]
-            for i in range(top, bottom):
-                for j in range(left if kind == MIXED else right - 1, right):
-                    may = graph.choice[i, j] if kind == MIXED else kind
-                    if may != NOTHING:
-                        fixed += add_right_or_lower(
-                            picture, sample, patch, graph, i, j, 0, may, halvings
-                        )
-            for i in range(top if kind == MIXED else bottom - 1, bottom):
-                for j in range(left, right):
-                    may = graph.choice[i, j] if kind == MIXED else kind
-                    if may != NOTHING:
-                        fixed += add_right_or_lower(
-                            picture, sample, patch, graph, i, j, 1, may, halvings
-                        )
+    for i in range(blocks(rows, halvings)):
+        for j in range(blocks(columns, halvings)):
+            if graph.shown[i, j] == MIXED:
+                fixed += add_mixed(picture, sample, patch, graph, i, j, halvings)
+            else:
+                fixed += add_uniform(picture, sample, patch, graph, i, j, halvings)
     for d in range(2, 4):
         for i in range(rows if d == 2 else 1):
             for j in range(columns if d == 3 else 1):

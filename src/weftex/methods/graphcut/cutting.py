@@ -48,16 +48,17 @@ class Picture:
         self._sample = kept(
             settings.windows, settings.by_gradients, lambda: _sample_of(settings, channels)
         )
+        self.runs = np.zeros(self.done.size, np.int8)
         self._picture = seam_kernels.Picture(
             growth.pixels.reshape(-1, channels),
             growth.source.ravel(),
             self.done,
             self._frozen(growth),
-            np.zeros(self.done.size, np.int8),
+            self.runs,
             self.shape,
             growth.canvas.wrap,
         )
-        block_kernels.follow_all(self._picture, self._sample)
+        self.follow()
         # All lines of both, and as many on as a patch has, around the border.
         self._lines = [
             [
@@ -76,6 +77,10 @@ class Picture:
             return growth.done.ravel().copy()
         assert growth.canvas.hole is not None
         return (~growth.canvas.hole).ravel().astype(np.uint8)
+
+    def follow(self) -> None:
+        """Look through all of the canvas for what `runs` tells; patches keep it up to date."""
+        block_kernels.follow_all(self._picture, self._sample)
 
     def missing(self) -> Iterator[tuple[int, int]]:
         """Yield the first pixel that is missing, until none is."""

@@ -95,7 +95,7 @@ class EntirePatchMatching:
                     return prices
                 offset = [reach >> k for reach in self.reach]
                 used = self.repeats.used_where(self._missing(pixel, k), k, offset, allowed)
-                return self._prices(pixel, used, k)
+                return self._prices(pixel, used, allowed, k)
 
             costs, prices = map_(call, (mismatch, price))
         matches = Matches(costs, prices, allowed, k)
@@ -109,14 +109,20 @@ class EntirePatchMatching:
         ]
 
     def _prices(
-        self, pixel: tuple[int, int], used: NDArray[np.float64], k: int
+        self,
+        pixel: tuple[int, int],
+        used: NDArray[np.float64],
+        allowed: NDArray[np.bool_],
+        k: int,
     ) -> NDArray[np.float64]:
         """By what the costs of places are multiplied for what they show again.
 
         These are shares of what a match costs, so one that is clearly better is never given up.
         """
         rows, columns = ((np.arange(n) << k) // self.sight.cell for n in used.shape)
-        again = self.sight.again(pixel)[np.ix_(rows, columns)]
+        cells, (v, u) = np.zeros(self.sight.count, np.uint8), np.nonzero(allowed)
+        cells[rows[v], columns[u]] = 1
+        again = self.sight.again(pixel, cells)[np.ix_(rows, columns)]
         more = _AGAIN * again + _USED * np.minimum(used, _MOST)
         prices: NDArray[np.float64] = 1 + self.settings.variety * more
         return prices

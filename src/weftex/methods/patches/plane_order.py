@@ -212,10 +212,11 @@ class PlaneOrder:
         bits = draw(seed, "patch", names[0][y], names[1][x])
         nodes = turn == 0
         bits[nodes] = self._bits(y[nodes], x[nodes], seed, pieces)
-        around = np.full((len(y), len(_AROUND)), -1, np.int32)
-        for k, (i, j) in enumerate(_AROUND):
-            hangs = np.flatnonzero(self.hangs_on[k, y, x])
-            around[hangs, k] = number[y[hangs] + i, x[hangs] + j]
+        i, j = np.array(_AROUND).T[:, :, None]
+        rows, columns = (
+            (at + by).clip(0, n - 1) for at, by, n in zip((y, x), (i, j), self.shape, strict=True)
+        )
+        around = np.where(self.hangs_on[:, y, x], number[rows, columns], np.int32(-1))
         corners = np.stack([self.starts[0][y], self.starts[1][x]], axis=1) - self.corner
         changes = np.flatnonzero((np.diff(zone) != 0) | (np.diff(turn) != 0)) + 1
         ends = [0, *changes.tolist(), len(y)]
@@ -226,7 +227,7 @@ class PlaneOrder:
         return Order(
             corners=corners.astype(np.int32),
             bits=bits,
-            around=around,
+            around=np.ascontiguousarray(around.T),
             steps=iter(steps),
             total=len(y),
             stage="patches",
@@ -235,12 +236,13 @@ class PlaneOrder:
 
     def _bits(self, y: Ints, x: Ints, seed: int, pieces: Pieces) -> NDArray[np.uint64]:
         """Bits by which the kernel draws the places that patches at nodes are to show."""
-        names = [
-            [axis.nodes.name(n) for n in numbers.tolist()]
-            for axis, numbers in zip(self.axes, self.block[1:, y, x], strict=True)
-        ]
-        starts = [self.starts[0][y], self.starts[1][x]]
-        v, u = pieces.pick(seed, np.array(names, np.int64).T, np.stack(starts, axis=1)).T
+        names, at = [], []  # the same for every time around
+        for axis, blocks, line, k in zip(
+            self.axes, self.block[1:, y, x], self.numbers, (y, x), strict=True
+        ):
+            names.append([axis.nodes.name(n) for n in blocks.tolist()])
+            at.append([axis.patches.node(axis.patches.name(n)) for n in line[k].tolist()])
+        v, u = pieces.pick(seed, np.array(names, np.int64).T, np.array(at, np.int64).T).T
         numbers = pieces.numbers
         count = int(numbers[-1, -1]) + 1
         share = (numbers[v, u] << 32) // count + 1
@@ -271,10 +273,17 @@ class PlaneOrder:
         keys = [bits]
         for start, at, axis in zip(self.starts, (y, x), self.axes, strict=True):
             keys += [axis.window - (start[at] - start[at - 1]), start[at + 1] - start[at]]
-        every, which = np.unique(np.stack(keys), axis=1, return_inverse=True)
+        code = np.zeros(len(y), np.int64)
+        for key in keys:
+            values, which = np.unique(key, return_inverse=True)
+            code = code * len(values) + which
+        first, which = np.unique(code, return_index=True, return_inverse=True)[1:]
         window = self.axes[0].window, self.axes[1].window
-        numbers = [zones.number(*known_of(window, *key), often=True) for key in every.T.tolist()]
-        return np.array(numbers, np.int64)[which.ravel()]
+        numbers = [
+            zones.number(*known_of(window, *(int(key[k]) for key in keys)), often=True)
+            for k in first.tolist()
+        ]
+        return np.array(numbers, np.int64)[which]
 
 
 @lru_cache(maxsize=256)
