@@ -112,7 +112,7 @@ JOBS = {
     "wei-levoy": 180,
     "ashikhmin": 560,
     "exact-matching": 360,
-    "refinement": 800,
+    "refinement": 560,
     "near-regular": 3600,
     "best-tile": 7000,
 }
