@@ -32,10 +32,11 @@ from drawn import KINDS, Vectors, draw
 from numpy.typing import NDArray
 
 import weftex
-from weftex.analysis.evidence import PAIRS, ROWS, SUREST, Evidence
+from weftex.analysis.evidence import JOINTS, PAIRS, ROWS, SUREST, Evidence
 from weftex.analysis.lattice import (
     Lattice,
     better,
+    courses_seen,
     in_turn,
     lattice_in,
     pairs_seen,
@@ -71,6 +72,7 @@ class Case:
     seconds: float
     pair: tuple[tuple[float, ...], bool] | None  # figures of the better pair, whether it is right
     rows: tuple[tuple[float, ...], bool] | None
+    courses: tuple[tuple[float, ...], bool] | None  # rows of which joints tell
 
     @property
     def right(self) -> bool:
@@ -113,7 +115,7 @@ def look(kind: str, real: bool, fitted: bool, pixels: NDArray, truth: Vectors) -
         pair = pair and in_turn(seen, pair)
         figures = [
             one and (one.figures, is_right(_plain(one, seen.flat.step), truth))
-            for one in (pair, rows)
+            for one in (pair, rows, courses_seen(seen, rows))
         ]
         made.append(Case(kind, real, fitted, crop, truth, found, shown, seconds, *figures))
     return made
@@ -153,38 +155,41 @@ def real_names(more: Sequence[Path]) -> list[tuple[str, str]]:
 def fit(cases: Sequence[Case]) -> list[NDArray]:
     """Weights by which figures say how often a lattice is right, and how often rows are.
 
-    Logistic regression over what would be chosen: the surer of the pairs, and rows where no pair
-    is right more often than not. That hangs on the weights, so they are fitted in turn. Every
-    surface counts as much, and drawn ones together as much as real ones.
+    Logistic regression over what would be chosen: the surer of the pairs, rows where no pair is
+    right more often than not, and rows of which joints tell where those are not, either. That hangs
+    on the weights, so they are fitted in turn. Every surface counts as much, and drawn ones
+    together as much as real ones.
     """
     crops_of: dict[tuple[bool, str], int] = defaultdict(int)
     for case in cases:
         crops_of[case.real, case.kind] += 1
-    weights = [np.array(PAIRS), np.array(ROWS)]
-    for turn in range(12):
-        vectors, chosen = (2 if turn < 8 else 1), []
+    weights = [np.array(PAIRS), np.array(ROWS), np.array(JOINTS)]
+    for step in [0] * 8 + [1] * 4 + [2]:
+        chosen = []
         for case in cases:
-            one = _chosen(case, weights, vectors)
+            one = _chosen(case, weights, step)
             if one is not None and case.shown:
                 surfaces = sum(real == case.real for real, _ in crops_of)
                 chosen.append((*one, 1 / crops_of[case.real, case.kind] / surfaces))
+        if not chosen:  # of a few surfaces alone
+            continue
         x = np.array([figures for figures, _, _ in chosen])
         y, w = (np.array([float(one[k]) for one in chosen]) for k in (1, 2))
-        if vectors == 1:
+        if step == 1:
             x[:, 1] = 0
-        weights[2 - vectors] = _logistic(x, y, w * len(w) / w.sum())
+        weights[step] = _logistic(x, y, w * len(w) / w.sum())
     return weights
 
 
 def _chosen(
-    case: Case, weights: Sequence[NDArray], vectors: int
+    case: Case, weights: Sequence[NDArray], step: int
 ) -> tuple[tuple[float, ...], bool] | None:
     """Figures of what is chosen of a case by weights, and whether it is right."""
-    if vectors == 2:
-        return case.pair
-    if case.pair is not None and SUREST / (1 + np.exp(-np.dot(case.pair[0], weights[0]))) >= 0.5:
-        return None
-    return case.rows
+    found = (case.pair, case.rows, case.courses)
+    for one, weight in zip(found[:step], weights, strict=False):
+        if one is not None and SUREST / (1 + np.exp(-np.dot(one[0], weight))) >= 0.5:
+            return None
+    return found[step]
 
 
 def _logistic(x: NDArray, y: NDArray, w: NDArray) -> NDArray:
@@ -257,7 +262,7 @@ def main(words: Sequence[str] | None = None) -> None:
             cases += made
     if args.fit:
         for name, weights in zip(
-            ("PAIRS", "ROWS"), fit([case for case in cases if case.fitted]), strict=True
+            ("PAIRS", "ROWS", "JOINTS"), fit([case for case in cases if case.fitted]), strict=True
         ):
             print(name, "=", ", ".join(f"{weight:.2f}" for weight in weights))
         print()

@@ -3,9 +3,11 @@
 Two figures say it. The contrast is how far the correlation at multiples is above that between
 them; colors and light make some of it by chance. What is clear is the same of the whitened sample
 (see `weftex.analysis.whitening`), less what chance makes there and in units of it; chance falls
-with the root of the number of multiples. A logistic regression puts both together. Its weights are
-those that `python benchmarks/lattices.py --fit` prints; docs/lattice.md has how often each
-confidence is right.
+with the root of the number of multiples. Rows of which joints alone tell (`weftex.analysis.joints`)
+have two of their own: the contrast of edges in different strips, and how far these are alike; the
+bond of rows (`weftex.analysis.bonds`) has one, how surely it is told. A logistic regression puts
+figures together. `python benchmarks/lattices.py --fit` prints weights; docs/lattice.md says what
+these were fitted on, and how often each confidence is right.
 """
 
 from __future__ import annotations
@@ -22,6 +24,11 @@ if TYPE_CHECKING:
 PAIRS = (-4.32, 6.32, 1.54)
 #: The same of rows, whose contrast says nothing more.
 ROWS = (-5.46, 0.0, 3.01)
+
+#: What 1, and the geometric mean of the contrast and of how far strips are alike, weigh.
+JOINTS = (-5.93, 13.96)
+#: What 1, and how surely joints within rows tell their bond, weigh.
+BONDS = (-9.02, 3.06)
 
 #: Of the surest: some tiles pass for lattices that are part of one, whatever is seen.
 SUREST = 0.95
@@ -44,17 +51,25 @@ class Evidence:
         Of the whitened sample, in units of chance.
     number : int
         Of multiples.
+    kind : str
+        "joints" of rows that joints tell: `clear` is how far edges of different strips are alike;
+        "bonds" of the bond of rows: `clear` is how surely it is told.
     """
 
     vectors: NDArray[np.float64]
     contrast: float
     clear: float
     number: int
+    kind: str = ""
 
     @property
-    def figures(self) -> tuple[float, float, float]:
+    def figures(self) -> tuple[float, ...]:
         """What is weighed; each grows more slowly the larger it is."""
         contrast, clear = max(self.contrast, 0.0), max(self.clear, 0.0)
+        if self.kind == "joints":
+            return 1.0, math.sqrt(contrast * clear)
+        if self.kind == "bonds":
+            return 1.0, clear
         return 1.0, contrast / (_HALF + contrast), math.asinh(clear * self.number**0.5)
 
     @property
@@ -65,6 +80,7 @@ class Evidence:
         >>> Evidence(np.eye(2), 0.4, 20.0, 60).confidence > 0.9
         True
         """
-        weights = PAIRS if len(self.vectors) == 2 else ROWS
+        plain = PAIRS if len(self.vectors) == 2 else ROWS
+        weights: tuple[float, ...] = {"joints": JOINTS, "bonds": BONDS}.get(self.kind, plain)
         total = sum(part * weight for part, weight in zip(self.figures, weights, strict=True))
         return SUREST / (1 + math.exp(-min(max(total, -_MOST), _MOST)))

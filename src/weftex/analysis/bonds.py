@@ -1,0 +1,164 @@
+"""The bond of rows: how long their pieces are, and how far each row is moved against the next.
+
+The courses of a wall have most of what its picture correlates with, and hide the joints within
+them. Where rows are known, the correlation is looked at along them, at so many rows away: what is
+the same everywhere along a row is taken off, and what is left comes back piece by piece.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    Floats = NDArray[np.float64]
+
+_ROWS = 3  # rows away that are compared
+_ACROSS = 0.08  # of the distance of rows, that courses may be off
+_ALONG = 0.05  # the same of joints, along them
+_REACH = 0.7  # of the sample: the farthest that is compared
+_LEAST = 0.1  # of the sample, that must overlap
+_SHORTEST = 0.5  # of the distance of rows, and
+_FINEST = 6.0  # pixels: the shortest piece
+_LONGEST = 0.65  # of what is compared, and
+_FLATTEST = 4.0  # of the distance of rows: the longest; slanted lines have longer stairs
+_SHIFTS = 48  # shifts of a row against the next that are tried
+_SUMS = 6  # of vectors, that may lead along a row, or to the next
+_OFF, _SLANT = 0.1, 0.02  # of the distance, and of their length, that these may be off
+_CHANCE = 0.7  # of chance: the least spread, about, of a photograph along its rows
+_PHASES = (0.0, 1 / 2, 1 / 3, 2 / 3)  # of a piece; whole ones, and what is between
+
+
+class Bonds:
+    """What joints within rows say of the bonds that rows may have.
+
+    Parameters
+    ----------
+    correlation : float64 array (2 * H - 1, 2 * W - 1)
+        Of the whitened sample, no shift in the middle.
+    rows : float64 array (2,)
+        The vector from one row to the next, as (x, y).
+
+    Examples
+    --------
+    >>> y, x = np.mgrid[-59:60, -99:100]
+    >>> tall = np.cos(2 * np.pi * x / 30 + np.pi * y / 12) * np.cos(np.pi * y / 12) ** 8
+    >>> bonds = Bonds(tall + np.cos(np.pi * y / 6), np.array([0.0, 12.0]))
+    >>> vectors, sure = bonds.best()
+    >>> (vectors.round() + 0).tolist(), sure > 3, abs(bonds.of(vectors) - sure) < 1e-9
+    ([[30.0, 0.0], [15.0, 12.0]], True, True)
+    """
+
+    def __init__(self, correlation: Floats, rows: Floats) -> None:
+        self.rows, self.distance = rows, float(np.hypot(*rows))
+        along = np.array([rows[1], -rows[0]]) / self.distance
+        self.along = along * (1 if along[0] + along[1] / 8 > 0 else -1)
+        self.table, self.weights = _along(correlation, rows, self.along, self.distance)
+        self.far = self.table.shape[1] // 2
+        power = (self.table**2 * self.weights).sum() / max(float(self.weights.sum()), 1e-12)
+        self.spread = max(float(np.sqrt(power)), 1e-12)
+
+    def best(self, chance: float = 0.0) -> tuple[Floats, float] | None:
+        """The bond that is told best, right or not; None where rows are too short.
+
+        Parameters
+        ----------
+        chance : float
+            The spread of the correlation by chance; stairs of a drawing come back, far below it.
+
+        Returns
+        -------
+        (float64 array (2, 2), float) or None
+            Vectors along a row and to the next, and how surely they are told: how far multiples
+            are above what is between them, times the root of their number, in units of the spread
+            of all, or of chance if that is more.
+        """
+        best, found = 0.0, None
+        shortest = max(_FINEST, _SHORTEST * self.distance)
+        for length in np.arange(shortest, min(_LONGEST * self.far, _FLATTEST * self.distance)):
+            shifts = np.arange(0, length, max(1.0, length / _SHIFTS))
+            sure = self._rated(float(length), shifts)
+            k = int(sure.argmax())
+            if sure[k] > best:
+                best, found = float(sure[k]), (length * self.along, shifts[k])
+        if found is None:
+            return None
+        best *= min(1.0, self.spread / max(_CHANCE * chance, 1e-12))
+        return np.stack([found[0], self.rows + found[1] * self.along]), best
+
+    def of(self, vectors: Floats) -> float | None:
+        """How surely the bond is told that a lattice is; None if it is none of these rows."""
+        times = np.stack(np.meshgrid(*[np.arange(-_SUMS, _SUMS + 1)] * 2), axis=-1).reshape(-1, 2)
+        sums = times[times.any(axis=1)] @ vectors
+        steps, places = sums @ self.rows / self.distance**2, sums @ self.along
+        off = _OFF + _SLANT * abs(places) / self.distance
+        same, next_one = (abs(steps) < off) & (places > 0), abs(steps - 1) < off
+        if not same.any() or not next_one.any():
+            return None
+        length = float(places[same].min())
+        return float(self._rated(length, places[next_one][:1] % length)[0])
+
+    def _rated(self, length: float, shifts: Floats) -> Floats:
+        """How surely multiples of a piece are told, for each shift."""
+        most = int(self.far / length) + 2
+        away, times = np.mgrid[: _ROWS + 1, -most - _ROWS : most + 1].reshape(2, -1)
+        ahead = (away > 0) | (times > 0)
+        away, times = away[ahead][:, None], times[ahead][:, None]
+        means, total = [], np.zeros(len(shifts))
+        for phase in _PHASES:
+            place = np.rint((times + phase) * length + away * shifts).astype(np.int64)
+            inside = abs(place) <= self.far
+            place = np.where(inside, place, 0) + self.far
+            share = self.weights[away, place] * inside
+            weight = share.sum(axis=0)
+            means.append((self.table[away, place] * share).sum(axis=0) / np.maximum(weight, 1e-9))
+            total = weight if phase == 0 else total
+        found: Floats = (means[0] - np.max(means[1:], axis=0)) * np.sqrt(total) / self.spread
+        return found
+
+
+def _along(
+    correlation: Floats, rows: Floats, along: Floats, distance: float
+) -> tuple[Floats, Floats]:
+    """The correlation some rows away and so many pixels along them, its mean along them taken off.
+
+    And the share of the sample that overlaps there, 0 where that is too little.
+    """
+    height, width = (side // 2 + 1 for side in correlation.shape)
+    far = int(_REACH * min(width / max(abs(along[0]), 1e-9), height / max(abs(along[1]), 1e-9)))
+    side = max(1, round(_ACROSS * distance))
+    across = np.arange(-side, side + 1)[:, None, None] / distance
+    away = np.arange(_ROWS + 1)[:, None] + across
+    place = np.arange(-far, far + 1)
+    x, y = (away * rows[axis] + place * along[axis] for axis in (0, 1))
+    share = np.maximum(1 - abs(x[side]) / width, 0) * np.maximum(1 - abs(y[side]) / height, 0)
+    share *= share > _LEAST
+    # Between pixels: rounded places of slanted rows go up and down like stairs.
+    table = _between(correlation, x + width - 1, y + height - 1).mean(axis=0)
+    level = (table * share).sum(axis=1) / np.maximum(share.sum(axis=1), 1e-9)
+    table -= level[:, None]
+    by = max(1.0, _ALONG * distance)
+    window = np.exp(-0.5 * (np.arange(-int(3 * by) - 1, int(3 * by) + 2) / by) ** 2)
+    soft, known = (
+        np.stack([np.convolve(row, window, "same") for row in part])
+        for part in (table * share, share)
+    )
+    found = np.where(share > 0, soft / np.maximum(known, 1e-9), 0)
+    return found, share
+
+
+def _between(values: Floats, x: Floats, y: Floats) -> Floats:
+    """Values at places between pixels, which at the border are those of the border."""
+    places = []
+    for at, size in ((y, values.shape[0]), (x, values.shape[1])):
+        inside = np.clip(at, 0, size - 1.001)
+        first = inside.astype(np.int64)
+        places.append((first, inside - first))
+    (i, down), (j, along) = places
+    upper = values[i, j] * (1 - along) + values[i, j + 1] * along
+    lower = values[i + 1, j] * (1 - along) + values[i + 1, j + 1] * along
+    found: Floats = upper * (1 - down) + lower * down
+    return found

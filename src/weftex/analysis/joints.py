@@ -1,0 +1,273 @@
+"""Rows by their joints: edges added up along lines, of parts of the sample that share no pixel.
+
+A joint is thin, and often faint beside the tones of what it parts, but it runs on. So the sample is
+cut across into strips, and edges are added up along lines in each of them. What has lines of one
+direction has them at the same places in every strip, and what has rows has them at one distance;
+stones and grain have neither, whatever the sums of one strip look like.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    from weftex.analysis.relief import Relief
+
+    Floats = NDArray[np.float64]
+
+_STRIPS = 4
+_STRONGEST = 3.0  # times the median edge; more counts as that
+_CLOSEST = 5.0  # pixels from row to row, at least
+_FINEST = 3.0  # of the pixels that all directions are tried on
+_SIDES = (128, 256)  # pixels a side, about, of what all directions are tried on, and near ones
+_COARSE = np.deg2rad(np.arange(0, 180, 3.0))
+_FINE = [np.deg2rad([-step, 0, step]) for step in (1.2, 0.5, 0.25)]  # the last of near ones
+_STEP = 0.5  # pixels between distances that are tried
+_NEAR = np.linspace(0.94, 1.06, 25)  # of a distance, that a finer look tries
+_RIDGES = 8  # rows away that are rated, as far as the sample has them
+_FEWEST = 2  # that it must have
+_REACH = 0.75  # of what is across: the farthest that is rated
+_PHASES = (0.0, 1 / 2, 1 / 3, 2 / 3)
+_CHANCE = 0.1  # standard error of one ridge, about
+_BLUR = 0.04  # of the distance, by which rows may be off
+_PARTS = 7  # closer rows that are tried
+_AS_HIGH = 0.8  # of the contrast, that closer rows must have
+_HIGHER = 0.8  # of its height: the most that every second ridge lies above the others
+
+
+@dataclass(frozen=True, eq=False)
+class Courses:
+    """Rows, and what joints say of them.
+
+    Attributes
+    ----------
+    vector : float64 array (2,)
+        From one row to the next, as (x, y).
+    contrast : float
+        How far the correlation of different strips at multiples is above that between them.
+    alike : float
+        The same correlation at no shift: 1 where lines are all that a sample has.
+    number : int
+        Of multiples.
+    """
+
+    vector: Floats
+    contrast: float
+    alike: float
+    number: int
+
+
+class Joints:
+    """The edges of a sample, to be added up along lines of any direction.
+
+    Parameters
+    ----------
+    flat : Relief
+        The sample without slow lighting.
+    """
+
+    def __init__(self, flat: Relief) -> None:
+        inner = flat.usable >= 0.5
+        if not inner.all():  # the border of a mask is no edge
+            framed = np.pad(inner, 1, mode="edge")
+            inner = inner & framed[:-2, 1:-1] & framed[2:, 1:-1]
+            inner &= framed[1:-1, :-2] & framed[1:-1, 2:]
+        down, along = (np.gradient(flat.levels, axis=axis) for axis in (1, 2))
+        parts = np.stack([(one * other).sum(axis=0) for one, other in
+                          ((along, along), (along, down), (down, down))])  # fmt: skip
+        square = parts[0] + parts[2]
+        strength = np.sqrt(square)
+        edges = strength[inner & (strength > 0)]
+        most = _STRONGEST * float(np.median(edges)) if len(edges) else 0.0
+        parts *= inner * np.minimum(strength, most) / np.maximum(square, 1e-12)
+        self._set(parts, inner, 1)
+
+    def _set(self, parts: Floats, inner: NDArray[np.bool_], step: int) -> None:
+        self.parts, self.inner, self.step = parts, inner, step
+        self.y, self.x = (np.arange(side) - (side - 1) / 2 for side in inner.shape)
+
+    def coarser(self, side: int) -> Joints:
+        """The same in squares of pixels, of which there are about so many a side."""
+        step = max(1, round(max(self.inner.shape) / side))
+        if step == 1 or min(self.inner.shape) < step:
+            return self
+        smaller = object.__new__(Joints)
+        smaller._set(
+            _means(self.parts, step), _means(self.inner.astype(np.float64), step) >= 0.5, step
+        )
+        return smaller
+
+    def lines(self, angle: float) -> tuple[NDArray[Any], NDArray[Any]]:
+        """Edges along lines of a direction: sums and counts (strip, line), lines a pixel apart."""
+        c, s = np.cos(angle), np.sin(angle)
+        height, width = self.inner.shape
+        # Half of what is across and along: as far as one of the sides goes.
+        across = min(height / max(abs(c), 1e-9), width / max(abs(s), 1e-9)) / 2
+        along = min(height / max(abs(s), 1e-9), width / max(abs(c), 1e-9)) / 2
+        number = int(2 * across)
+        line = np.add.outer(c * self.y + number / 2, -s * self.x).astype(np.int32)
+        part = np.add.outer(s * self.y + along, c * self.x)
+        part *= _STRIPS / (2 * along)
+        # What is outside of all strips and lines goes to a place of its own, the last.
+        outside = ~self.inner
+        place = part.astype(np.int32)
+        for number_of, one in ((number, line), (_STRIPS, place)):
+            outside |= one.view(np.uint32) >= number_of  # less than 0, too
+        place *= number
+        place += line
+        place[outside] = _STRIPS * number
+        edges = (s * s) * self.parts[0]
+        edges -= (2 * s * c) * self.parts[1]
+        edges += (c * c) * self.parts[2]
+        count, total = (
+            np.bincount(place.ravel(), weights, _STRIPS * number + 1)[:-1].reshape(_STRIPS, number)
+            for weights in (None, edges.ravel())
+        )
+        return total, count
+
+    def alike(self, angle: float) -> Floats:
+        """The correlation of each strip with the others, at distances of 0, 1, ... lines.
+
+        In units of that of strips with themselves at no shift, so 1 is the most.
+        """
+        total, count = self.lines(angle)
+        known = count > 0
+        mean = total.sum(axis=1) / np.maximum(count.sum(axis=1), 1)
+        values = np.where(known, total / np.maximum(count, 1) - mean[:, None], 0)
+        number = values.shape[1]
+        waves, masks = (np.fft.rfft(part, 2 * number, axis=1) for part in (values, known * 1.0))
+        # The sum over all pairs of strips, less that of each with itself.
+        own = (abs(waves) ** 2).sum(axis=0), (abs(masks) ** 2).sum(axis=0)
+        others = abs(waves.sum(axis=0)) ** 2 - own[0], abs(masks.sum(axis=0)) ** 2 - own[1]
+        products, overlap = (np.fft.irfft(part, 2 * number)[:number] for part in others)
+        power = float((values**2).sum()) / max(float(known.sum()), 1)
+        found: Floats = products / np.maximum(overlap, 1) / max(power, 1e-12)
+        return found
+
+
+def find_courses(flat: Relief) -> Courses | None:
+    """Find the rows that joints tell best, right or not.
+
+    Parameters
+    ----------
+    flat : Relief
+        The sample without slow lighting.
+
+    Returns
+    -------
+    Courses or None
+        None for a sample that is too small or constant.
+
+    Examples
+    --------
+    >>> from weftex.analysis.relief import Relief
+    >>> ribs = np.add.outer(np.arange(90) % 9 / 9, np.zeros(60))[None]
+    >>> courses = find_courses(Relief(ribs, np.ones((90, 60)), 1))
+    >>> abs(courses.vector).round().tolist(), courses.contrast > 0.8
+    ([0.0, 9.0], True)
+    """
+    if min(flat.usable.shape) < _CLOSEST * (_FEWEST + 1):
+        return None
+    joints = Joints(flat)
+    coarse, fine = (joints.coarser(side) for side in _SIDES)
+    best, angle, distance = 0.0, 0.0, 0.0
+    for turn in _COARSE:
+        profile = coarse.alike(turn)
+        far = _REACH * len(profile) / _FEWEST
+        distances = np.arange(max(_CLOSEST / coarse.step, _FINEST), far, _STEP)
+        found, rated = _highest(profile, distances)
+        if rated > best:
+            best, angle, distance = rated, float(turn), found * coarse.step
+    if best <= 0:
+        return None
+    for joints, offs in zip((coarse, coarse, fine), _FINE, strict=True):
+        away = distance / joints.step
+        tried = [joints.alike(angle + off) for off in offs]
+        near = [contrast(_blurred(one, _BLUR * away), away * _NEAR)[0].max() for one in tried]
+        angle += float(offs[int(np.argmax(near))])
+        plain = tried[int(np.argmax(near))]
+    distance /= fine.step
+    distance = _settled(plain, distance, _CLOSEST / fine.step)
+    own, number = contrast(_blurred(plain, _BLUR * distance), np.array([distance]))
+    vector = distance * fine.step * np.array([-np.sin(angle), np.cos(angle)])
+    return Courses(vector, float(own[0]), float(plain[0]), int(number[0]))
+
+
+def rated(flat: Relief, vector: Floats) -> Courses:
+    """What joints say of rows that are given by the vector from one to the next."""
+    joints = Joints(flat).coarser(_SIDES[1])
+    distance = float(np.hypot(*vector)) / joints.step
+    plain = joints.alike(float(np.arctan2(-vector[0], vector[1])))
+    own, number = contrast(_blurred(plain, _BLUR * distance), np.array([distance]))
+    return Courses(vector, float(own[0]), float(plain[0]), int(number[0]))
+
+
+def contrast(profile: Floats, distances: Floats) -> tuple[Floats, NDArray[np.int64]]:
+    """How high multiples of distances are above half and a third of the way; how many there are."""
+    size = len(profile)
+    count = np.clip((_REACH * size / distances).astype(np.int64), 1, _RIDGES)
+    times = np.arange(1, _RIDGES + 1)[:, None]
+    weights = np.where(times <= count, np.maximum(1 - times * distances / size, 0.05), 0.0)
+    weights /= weights.sum(axis=0)
+    place = np.stack([times - phase for phase in _PHASES]) * distances
+    heights = np.interp(np.minimum(place, size - 1), np.arange(size), profile)
+    ridges, *between = (heights * weights).sum(axis=1)
+    return ridges - np.max(between, axis=0), count
+
+
+def _highest(profile: Floats, distances: Floats) -> tuple[float, float]:
+    """The distance at which contrast is highest beyond chance, of those at which it has a peak."""
+    if len(distances) < 3:
+        return 0.0, 0.0
+    found, number = contrast(_blurred(profile, 0.7), distances)
+    # Contrast that still grows at the farthest distance tried belongs to rows that are farther.
+    peak = np.append(found[:-1] >= found[1:], False)
+    peak[1:] &= found[1:] >= found[:-1]
+    rated = np.where(peak, found - _CHANCE / np.sqrt(number), -1.0)
+    best = int(rated.argmax())
+    return float(distances[best]), float(rated[best])
+
+
+def _settled(profile: Floats, distance: float, closest: float) -> float:
+    """The distance itself, that of closer rows that stand out as much, or twice as far."""
+    near = distance * _NEAR
+    heights = contrast(_blurred(profile, _BLUR * distance), near)[0]
+    distance, own = float(near[heights.argmax()]), float(heights.max())
+    for parts in range(_PARTS, 1, -1):
+        closer = near / parts
+        heights = contrast(_blurred(profile, _BLUR * distance / parts), closer)[0]
+        if closer[heights.argmax()] >= closest and heights.max() >= _AS_HIGH * own:
+            distance = float(closer[heights.argmax()])
+            break
+    times = np.arange(1, int(_REACH * len(profile) / distance) + 1)
+    heights = np.interp(times * distance, np.arange(len(profile)), profile)
+    if len(times) >= 2 * _FEWEST:  # edges lie at both sides of what repeats
+        odd, even = float(heights[::2].mean()), float(heights[1::2].mean())
+        if even - odd > _HIGHER * even > 0:
+            distance *= 2
+    return distance
+
+
+def _blurred(profile: Floats, by: float) -> Floats:
+    """Blurred by a Gaussian; as at the ends, where it goes on."""
+    by = max(by, 0.7)
+    side = int(3 * by) + 1
+    window = np.exp(-0.5 * (np.arange(-side, side + 1) / by) ** 2)
+    before, after = profile[side:0:-1], np.repeat(profile[-1:], side)
+    framed = np.concatenate([before, profile, after])
+    found: Floats = np.convolve(framed, window / window.sum(), "valid")
+    return found
+
+
+def _means(values: Floats, step: int) -> Floats:
+    """Means over squares of step x step; those that are not whole are left out."""
+    *first, height, width = values.shape
+    rows, columns = height // step, width // step
+    cut = values[..., : rows * step, : columns * step]
+    found: Floats = cut.reshape(*first, rows, step, columns, step).mean(axis=(-3, -1))
+    return found

@@ -1,0 +1,120 @@
+"""Rows by their joints: edges along lines, of strips that share no pixel."""
+
+import numpy as np
+import pytest
+
+from weftex.analysis.bonds import Bonds
+from weftex.analysis.evidence import SUREST, Evidence
+from weftex.analysis.joints import Joints, contrast, find_courses
+from weftex.analysis.lattice import (
+    Lattice,
+    among_rows,
+    bond_seen,
+    courses_seen,
+    find_lattice,
+    views,
+)
+from weftex.analysis.relief import Relief, relief
+from weftex.exemplar import Exemplar
+
+
+def courses(rng, heights, side=192, turned=False):
+    """Stones of any tone and width in courses of such heights, with joints of one tone."""
+    pixels = np.full((side, side, 3), 90.0)
+    top = 0
+    for height in heights:
+        left = -int(rng.integers(0, 30))
+        while left < side:
+            wide = int(rng.integers(24, 60))
+            tone = rng.uniform(60, 200) + rng.normal(0, 12, 3)
+            pixels[max(top, 0) + 2 : top + height, max(left + 2, 0) : max(left + wide, 0)] = tone
+            left += wide
+        top += height
+    pixels += rng.normal(0, 12, pixels.shape)
+    found = np.clip(np.rint(pixels), 0, 255).astype(np.uint8)
+    return found.swapaxes(0, 1).copy() if turned else found
+
+
+@pytest.mark.parametrize("turned", [False, True])
+def test_courses_whose_heights_differ_by_a_tenth_are_rows(rng, turned):
+    """Their tones hide them from the correlation of the levels."""
+    heights = [34, 39, 36, 41, 35, 38]
+    found = find_lattice(Exemplar(courses(rng, heights, turned=turned)))
+    assert found is not None and len(found.vectors) == 1 and found.confidence > 0.6
+    assert found.vectors[0][0 if turned else 1] == pytest.approx(np.mean(heights), rel=0.05)
+    assert found.vectors[0][1 if turned else 0] == pytest.approx(0, abs=1)
+
+
+def test_courses_of_any_height_are_none(rng):
+    assert find_lattice(Exemplar(courses(rng, [20, 62, 31, 50, 18, 40]))) is None
+
+
+def test_a_strip_knows_nothing_of_the_others(rng):
+    """Noise is like itself and unlike other strips, whatever its sums look like."""
+    noise = Joints(Relief(rng.normal(size=(1, 96, 96)), np.ones((96, 96)), 1))
+    assert abs(noise.alike(0.3)[:48]).max() < 0.3
+    lines = np.repeat(rng.normal(size=(1, 96, 1)), 96, axis=2)
+    assert Joints(Relief(lines, np.ones((96, 96)), 1)).alike(0.0)[0] == pytest.approx(1, abs=1e-6)
+
+
+def test_contrast_is_of_multiples_above_what_is_between():
+    wave = np.cos(np.arange(80) * 2 * np.pi / 16)
+    (own, half, double), number = contrast(wave, np.array([16.0, 8.0, 32.0]))
+    assert own > 1.4 and half < 0 and double < 0.01 and number.tolist() == [3, 7, 1]
+
+
+def test_what_a_mask_leaves_out_has_no_joints(rng):
+    pixels = courses(rng, [36] * 6)
+    mask = np.ones(pixels.shape[:2], bool)
+    mask[60:110, 40:120] = False
+    pixels[~mask] = rng.integers(0, 256, (int((~mask).sum()), 3))
+    found = find_courses(relief(Exemplar(pixels, mask=mask)))
+    assert found is not None and abs(found.vector[1]) == pytest.approx(36, abs=1)
+
+
+def test_small_and_even_samples_have_none():
+    assert find_courses(Relief(np.zeros((1, 12, 90)), np.ones((12, 90)), 1)) is None
+    assert find_courses(Relief(np.zeros((1, 60, 60)), np.ones((60, 60)), 1)) is None
+
+
+def test_confidence_of_joints_grows_with_each_figure():
+    def of(height, alike):
+        return Evidence(np.eye(2)[:1], height, alike, 3, "joints").confidence
+
+    assert of(-1, 0.5) == of(0, 0.5) == of(0.5, -1) < of(0.3, 0.5) < of(0.5, 0.5) < of(0.5, 0.8)
+    assert of(2, 1) == pytest.approx(SUREST, abs=1e-3)
+
+
+def test_a_pair_by_chance_is_rows(rng):
+    """Two vectors that each lead some rows on, and stones of any width: nothing else tells them."""
+    rows = views(Exemplar(courses(rng, [34, 39, 36, 41, 35, 38])))
+    chance = Evidence(np.array([[92.0, -37.0], [76.0, 74.0]]), 0.1, 5.0, 9)
+    assert among_rows(rows, chance).vectors.shape == (1, 2)
+
+
+def test_a_mesh_is_no_rows(rng):
+    """Joints along both families of its lines tell a lattice that joints within rows do not."""
+    pixels = rng.normal(120, 30, (192, 192))
+    pixels[::32], pixels[:, ::24] = 220, 220
+    pixels[1::32], pixels[:, 1::24] = 220, 220
+    mesh = Evidence(np.array([[24.0, 0.0], [0.0, 32.0]]), 0.1, 5.0, 9)
+    seen = views(Exemplar(np.clip(np.rint(pixels), 0, 255).astype(np.uint8)))
+    assert among_rows(seen, mesh) is mesh
+
+
+def test_rows_of_a_bond_are_told_by_the_joints_within_them(rng):
+    seen = views(Exemplar(courses(rng, [36] * 6)))
+    y, x = np.mgrid[-143:144, -191:192]
+    piece = np.cos(2 * np.pi * x / 48 + np.pi * y / 18)
+    bonds = Bonds(piece * (np.cos(np.pi * y / 18) > 0.9), np.array([0.0, 18.0]))
+    vectors, sure = bonds.best()
+    assert Lattice(tuple(map(tuple, vectors))).same_as(Lattice(((48, 0), (24, 18))), 0.03)
+    assert sure > 3 > 1.5 > bonds.of(np.array([[30.0, 0.0], [8.0, 18.0]]))
+    assert bonds.of(np.array([[48.0, 5.0], [3.0, 40.0]])) is None
+    assert bond_seen(seen, courses_seen(seen, None)).clear < 3
+
+
+def test_a_copy_in_the_whitened_sample_alone_is_no_pair(rng):
+    seen = views(Exemplar(rng.integers(0, 256, (128, 128), np.uint8)))
+    copy, faint = (Evidence(np.array([[60.0, 0], [0, 50]]), c, 14.0, 6) for c in (-0.03, 0.01))
+    assert among_rows(seen, copy) is None and among_rows(seen, faint) is faint
