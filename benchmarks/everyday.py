@@ -103,7 +103,7 @@ def draw(target: Path) -> None:
         row.save(target / f"row_{name}.webp", quality=52, method=6)
 
 
-#: What a bar is measured beside: an output that takes about a quarter of a second.
+#: What a bar is measured beside: an output that takes a quarter of a second or more.
 JOBS = {
     "patch-sampling": 3600,
     "quilting": 3000,
@@ -112,9 +112,9 @@ JOBS = {
     "wei-levoy": 180,
     "ashikhmin": 560,
     "exact-matching": 360,
-    "refinement": 420,
-    "near-regular": 1900,
-    "best-tile": 3600,
+    "refinement": 560,
+    "near-regular": 3600,
+    "best-tile": 7000,
 }
 
 

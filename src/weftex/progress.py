@@ -13,7 +13,7 @@ from weftex.errors import CancelledError, InvalidInputError, shown
 #: Returning False cancels, anything else goes on. True stands for a `Bar`.
 ProgressCallback = Callable[[int, int, str, Callable[[], Any]], object] | Literal[True]
 
-PAUSE = 0.1  # seconds from one drawing to the next
+PAUSE = 0.2  # seconds from one drawing to the next
 _REST = 200  # times what a drawing took, which the process must have worked before the next
 _LONGEST = 2.0  # seconds after which it need not, as others may work for it
 _WORTH = 5.0  # seconds of work beside which loading tqdm, 0.03 s, is little

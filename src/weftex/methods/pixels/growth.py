@@ -71,6 +71,7 @@ class Growth:
         self.windows = windows
         self.about: dict[str, Any] = {}
         self.tone_reach = 0.0
+        self.coarse: tuple[NDArray[np.uint8], int] | None = None  # for previews, and its step
         if canvas.known is None or canvas.hole is None or canvas.hole.all():
             return
         self.hole = canvas.hole
@@ -94,11 +95,6 @@ class Growth:
         np.copyto(self.pixels, pixels, where=where[..., None])
         self.done[where] = 1
 
-    @property
-    def watched(self) -> bool:
-        """Whether anybody may ask for a preview."""
-        return self._callback is not None
-
     def again(self, seed: int) -> Growth:
         """Return the same, to be made with another seed."""
         other = copy(self)
@@ -117,7 +113,12 @@ class Growth:
         return Progress(self._callback, total, stage, self._preview)
 
     def _preview(self) -> NDArray[np.uint8]:
-        return self.pixels[..., : self.exemplar.channels].copy()
+        pixels = self.pixels[..., : self.exemplar.channels].copy()
+        if self.coarse is not None:
+            (small, step), unknown = self.coarse, self.done == 0
+            large = small[..., : pixels.shape[2]].repeat(step, 0).repeat(step, 1)
+            pixels[unknown] = large[: len(pixels), : pixels.shape[1]][unknown]
+        return pixels
 
 
 class Prepared(Protocol):

@@ -287,6 +287,7 @@ def texture_synthesis(prepared: Prepared, growth: Growth) -> None:
         else:  # step 3: PlantSeed, Fig. 5
             source = seed_sources(settings, level, output, guide, growth.seed)
         output.begin(level, source)
+        show_coarse(output, growth)
         note("start", output=output, level=level)
         # Search Tree Construction (section 3): `sweep_kernels.refine_to_nearest` is the paper's,
         # among all windows; `refine_coherently` is ours, among coherent and similar places.
@@ -295,7 +296,6 @@ def texture_synthesis(prepared: Prepared, growth: Growth) -> None:
             convergence.remember(output)
             changed = refine_texture(sweep, iteration, progress)  # step 6: RefineTexture
             note("sweep", output=output, level=level, iteration=iteration)
-            show_coarse(output, growth)
             if convergence.reached(output, iteration, changed):  # steps 7 and 8: eq. (1)
                 left = settings.rounds[number] - 1 - iteration
                 progress.advance(left * output.count)

@@ -179,11 +179,7 @@ def sources_of_children(
 
 def show_coarse(output: Output, growth: Growth) -> None:
     """Let the preview show a coarse level; it shows the finest by itself."""
-    if output.number and growth.watched:
-        step, (height, width) = 2**output.number, growth.done.shape
-        large = output.pixels.repeat(step, 0).repeat(step, 1)[:height, :width]
-        unknown = growth.done == 0
-        growth.pixels[unknown] = large[unknown]
+    growth.coarse = (output.pixels, 2**output.number) if output.number else None
 
 
 def finish(output: Output, level: Level, windows: Windows, growth: Growth) -> None:
