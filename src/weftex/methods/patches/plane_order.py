@@ -231,6 +231,7 @@ class PlaneOrder:
             corners=corners.astype(np.int32),
             bits=bits,
             around=around,
+            seen=around,  # it may hang on no others
             steps=iter(steps),
             total=len(y),
             stage="patches",
