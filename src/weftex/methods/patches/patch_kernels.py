@@ -20,6 +20,9 @@ from cython.cimports.weftex.search.zone_search_kernels import (
 # A patch that repeats nothing may have this times the squared distance of one that does.
 VARIETY = cython.declare(cython.double, 1.7)
 
+# No patch is taken for what it does not show again that has more than this times the best's.
+CLOSE = cython.declare(cython.double, 1.25)
+
 # Marks of `bar_repeats` and `weigh`.
 REPEATS = cython.declare(cython.int, 1)
 CONTINUES = cython.declare(cython.int, 2)
@@ -217,9 +220,8 @@ def choose(
         best = free
     limit = limit_of(energy, costs[best], rule)
     if patches.sight.variety > 0:
-        best = weigh(
-            p, count, width, max(bound, limit), 0.0 if rule.of_best else limit, patches, scratch
-        )
+        bound = max(min(CLOSE * costs[best], bound), limit)
+        best = weigh(p, count, width, bound, 0.0 if rule.of_best else limit, patches, scratch)
         limit = limit_of(energy, costs[best], rule)
     for i in range(count):
         if not barred[i] and in_set(costs[i], limit, rule):

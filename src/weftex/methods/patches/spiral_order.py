@@ -74,7 +74,9 @@ def spiral_patches(frame: Frame, zones: Zones, seed: int) -> Order:
     )
 
 
-def laid_nearby(corners: NDArray[np.int32], reach: NDArray[np.int64], most: int) -> NDArray[np.int32]:
+def laid_nearby(
+    corners: NDArray[np.int32], reach: NDArray[np.int64], most: int
+) -> NDArray[np.int32]:
     """For each patch the latest earlier ones nearer than `reach`, -1 where there are fewer."""
     around = np.full((len(corners), most), -1, np.int32)
     for k in range(1, len(corners)):
