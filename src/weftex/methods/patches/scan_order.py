@@ -180,8 +180,8 @@ def patches_around(rows: int, columns: int) -> NDArray[np.int32]:
 def patches_seen(shape: tuple[int, int], wrap: tuple[bool, bool]) -> NDArray[np.int32]:
     """Numbers of the earlier patches that each patch of the grid sees, -1 for none: (n, m).
 
-    Those are up to `_SIGHT` away both ways, or `_IN_LINE` in its own row and column, and laid before
-    it in every order of `wavefronts`.
+    Those are up to `_SIGHT` away both ways, or `_IN_LINE` in its own row and column, and laid
+    before it in every order of `wavefronts`.
     """
     (rows, columns), near, far = shape, range(-_SIGHT, _SIGHT + 1), range(_SIGHT + 1, _IN_LINE + 1)
     di, dj = np.meshgrid(near, near, indexing="ij")

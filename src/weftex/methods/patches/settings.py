@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
 _CANDIDATES, _MOST_CANDIDATES = 40, 10000
-_VARIED = 200  # candidates at least, where what is shown again counts
+_VARIED = 80  # candidates at least, where what is shown again counts
 #: With a wider tolerance so many more windows match: with the 8th power of the distance, about.
 #: (The power is 7 to 15 between the windows of bricks, grass, leaves, pebbles, tiles, weave, wood.)
 _MATCHING_POWER = 8
@@ -69,7 +69,7 @@ class PatchMethod(Method):
         "m: windows from the low resolution that are compared at the full one",
         low=1,
         high=_MOST_CANDIDATES,
-        default_text="200, 40 without variety, and more where the tolerance is wide",
+        default_text="80, 40 without variety, and more where the tolerance is wide",
         needs=("search", ("quadtree", "pca", "kdtree", "kdtree-pca")),
     )
     variance: float = parameter(
@@ -185,6 +185,8 @@ class PatchMethod(Method):
         suits: dict[str, Any] = {"patch_size": size}
         if self.boundary_width is None and size > 1:
             suits["boundary_width"] = min(_HOLE_ZONE, size // 2)
+        if given is not None and "variety" not in given:  # known pixels cannot be blended
+            suits["variety"] = 0.0
         # An exhaustive search takes no number of candidates.
         if given is not None and not self.anything and not given & {"candidates", "search"}:
             suits["candidates"] = self.candidates_for(_HOLE_CANDIDATES)
