@@ -47,7 +47,15 @@ def test_what_is_said_about_the_project_agrees():
     for need in project["dependencies"]:
         assert re.sub(r">=", " >=", need.lower()) in recipe, need
     assert f'version: "{weftex.__version__}"' in recipe
-    assert f"version: {weftex.__version__}\n" in (ROOT / "CITATION.cff").read_text("utf-8")
+    citation = (ROOT / "CITATION.cff").read_text("utf-8")
+    assert f"version: {weftex.__version__}\n" in citation
+    papers = (ROOT / "docs" / "papers.md").read_text("utf-8")
+    assert re.findall(r"doi.org/(\S+?)\)", papers) == re.findall(r" doi: (\S+)", citation) != []
+    cited = re.findall(r'- type: \w.*\n    title: "(.*)"', citation)
+    assert len(cited) >= 10 and all(title in papers for title in cited)
+    switches = re.findall(r"WEFTEX_[A-Z]+", (ROOT / "CONTRIBUTING.md").read_text("utf-8"))
+    assert {"WEFTEX_CHECKS", "WEFTEX_SANITIZE"} <= {*switches}
+    assert all(f'"{switch}"' in (ROOT / "setup.py").read_text("utf-8") for switch in switches)
     assert f"\n## {weftex.__version__}" in (ROOT / "CHANGELOG.md").read_text("utf-8")
     for workflow in (ROOT / ".github" / "workflows").glob("*.yml"):
         for action in re.findall(r"uses: (\S+.*)", workflow.read_text("utf-8")):

@@ -93,6 +93,13 @@ def test_a_plane_with_a_period_comes_back_to_itself(slug, small_blocks):
     assert np.array_equal(huge.image, model.window(-9, FAR - 9, 9, 9, seed=3, period=FAR).image)
 
 
+def test_patches_that_lie_on_a_lattice_come_back_too():
+    model = weftex.Quilting().fit("sample:bricks")  # whose vectors do not divide the period
+    start = model.window(0, 0, 90, 80, seed=3, period=(170, 200)).source
+    there = model.window(170 * 2**20 - 20, -400 - 9, 110, 89, seed=3, period=(170, 200)).source
+    assert np.array_equal(there[20:, 9:], start)
+
+
 def test_windows_hang_on_neither_process_nor_build_nor_save(tmp_path):
     code = (
         "import hashlib, sys, weftex\n"

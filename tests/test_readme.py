@@ -3,6 +3,7 @@
 import ast
 import dataclasses
 import functools
+import importlib
 import itertools
 import re
 import runpy
@@ -13,6 +14,7 @@ from pathlib import Path
 
 import pytest
 
+import weftex
 from commands import weft_run
 from weftex.methods import METHODS
 from weftex.quality.figures import FIGURES
@@ -21,6 +23,8 @@ ROOT = Path(__file__).parent.parent
 PAGES = sorted(p for p in [ROOT / "README.md", *ROOT.glob("docs/**/*.md")] if p.exists())
 EXAMPLES = sorted(p for p in ROOT.glob("examples/*.py") if not p.name.startswith(("paper_", "_")))
 PAPERS = sorted(ROOT.glob("examples/paper_*.py"))
+#: A line that a page says a command prints: of weftex synth, or of weftex analyze.
+SAID = r"^    (weftex: .+|map: .+|(?:scale|lattice|auto|runner-up 1|tiles) {3}.+| {14}\S.+)$"
 #: Parameters of all methods, as options.
 PARAMETERS = " ".join(
     f"--{field.name.replace('_', '-')}" for m in METHODS.values() for field in dataclasses.fields(m)
@@ -49,7 +53,7 @@ def smaller(size):
 
 
 @pytest.mark.parametrize("page", PAGES, ids=lambda page: page.name)
-def test_commands_of_pages(page, tmp_path, monkeypatch):
+def test_commands_of_pages(page, tmp_path, monkeypatch, capsys):
     """In the order of the page, in one folder: a command may use what an earlier one made."""
     monkeypatch.chdir(tmp_path)
     for line in (line for block in blocks(page, "sh") for line in block.splitlines()):
@@ -61,6 +65,9 @@ def test_commands_of_pages(page, tmp_path, monkeypatch):
             words[2:] = [smaller(b) if a == "--size" else b for a, b in options][1:]
             assert weft_run(*words[1:]) == 0, line
             assert "-o" not in words or Path(words[words.index("-o") + 1]).exists(), line
+    said = "".join(capsys.readouterr())
+    for line in re.findall(SAID, page.read_text("utf-8"), re.M):
+        assert line in said
 
 
 @pytest.mark.parametrize("page", PAGES, ids=lambda page: page.name)
@@ -181,6 +188,14 @@ def test_the_page_of_measures_lists_every_figure_as_it_is():
         limit = figure.within() or "describes only"
         row = f"| {figure.title} | {figure.unit} | {limit} | {figure.meaning} | {figure.blind} |"
         assert row in page
+
+
+def test_the_page_of_python_lists_every_public_name():
+    page = (ROOT / "docs" / "api.md").read_text("utf-8")
+    listed = re.findall(r"^::: (\S+)\.(\w+)$", page, re.M)
+    assert {name for _, name in listed} == {*weftex.__all__} - {"METHODS"} | {"Model"}
+    for module, name in listed:
+        assert hasattr(importlib.import_module(module), name)
 
 
 def test_the_readme_has_the_two_commands():

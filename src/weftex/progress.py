@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+import sys
 from collections.abc import Callable
-from time import perf_counter
+from time import perf_counter, process_time, thread_time
 from typing import Any, Literal
 
 from weftex.errors import CancelledError, InvalidInputError, shown
@@ -12,7 +13,10 @@ from weftex.errors import CancelledError, InvalidInputError, shown
 #: Returning False cancels, anything else goes on. True stands for a `Bar`.
 ProgressCallback = Callable[[int, int, str, Callable[[], Any]], object] | Literal[True]
 
-_PAUSE = 0.1  # seconds from one drawing to the next
+PAUSE = 0.1  # seconds from one drawing to the next
+_REST = 200  # times what a drawing took, which the process must have worked before the next
+_LONGEST = 2.0  # seconds after which it need not, as others may work for it
+_WORTH = 5.0  # seconds of work beside which loading tqdm, 0.03 s, is little
 
 
 class Bar:
@@ -21,7 +25,8 @@ class Bar:
     Parameters
     ----------
     after : float
-        Seconds after which it appears.
+        Seconds after which it appears, if the work is to take long enough for it to cost less than
+        a hundredth.
 
     Attributes
     ----------
@@ -30,8 +35,8 @@ class Bar:
     """
 
     def __init__(self, after: float = 0.5) -> None:
-        self._begun = perf_counter()
-        self._next = self._begun + after
+        self._start = self._begun = perf_counter()
+        self._next, self._rested = self._start + after, 0.0
         self._now, self._drawn = (0, 0, "preparing"), (0, 0, "")
         self._bar: Any = None
         self.seconds: dict[str, float] = {}
@@ -42,12 +47,21 @@ class Bar:
         if stage != self._now[2]:
             self._end_stage(clock)
         self._now = (done, total, stage)
-        if clock >= self._next:
+        if self._is_time(clock):
             self.draw()
-            self._next = perf_counter() + _PAUSE
         if done >= total:
             self.close()
         return True
+
+    def _is_time(self, clock: float) -> bool:
+        """Whether to draw: that must take less than a hundredth, also on a busy machine."""
+        if clock < self._next:
+            return False
+        done, total, _ = self._now
+        left = (clock - self._begun) * (total - done) / done if done else 0.0
+        if "tqdm" not in sys.modules and clock - self._start + left < _WORTH:
+            return False
+        return process_time() >= self._rested or clock >= self._next + _LONGEST
 
     def draw(self) -> None:
         """Show how far it is."""
@@ -55,14 +69,21 @@ class Bar:
         if not total:
             return
         if self._bar is None:
-            from tqdm.auto import tqdm
+            if "IPython" in sys.modules:
+                from tqdm.auto import tqdm
+            else:  # the same, in half the time
+                from tqdm import tqdm
 
             self._bar = tqdm(total=total, unit=f" {stage}", leave=False, miniters=1, mininterval=0)
-        elif (total, stage) != self._drawn[1:] or done < self._drawn[0]:  # another count begins
+            self._drawn = (0, total, stage)
+        start = thread_time()
+        if (total, stage) != self._drawn[1:] or done < self._drawn[0]:  # another count begins
             self._bar.unit = f" {stage}"
             self._bar.reset(total)
         self._bar.update(done - self._bar.n)
         self._drawn = self._now
+        self._next = perf_counter() + PAUSE
+        self._rested = process_time() + _REST * (thread_time() - start)
 
     def close(self) -> None:
         """Take the bar off the screen."""

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import io
+import sys
 import time
 
 import numpy as np
@@ -24,7 +25,7 @@ def shown(monkeypatch):
 
     def call(done, total, stage):
         assert bar(done, total, stage, lambda: None)
-        bar.show()
+        bar.draw()
         states.append((bar._bar.n, bar._bar.total, bar._bar.unit.strip()))
         return states[-1]
 
@@ -50,10 +51,10 @@ def test_a_slow_stage_after_a_fast_one_is_shown(monkeypatch):
     bar = terminal.Bar(quiet=False)
     for done, total, stage in ((0, 9**6, "pixels"), (9**6, 9**6, "pixels"), (1, 40, "repairs")):
         bar(done, total, stage, lambda: None)
-        bar.show()
+        bar.draw()
         time.sleep(0.15)  # tqdm shows ten steps a second
     bar(7, 40, "repairs", lambda: None)
-    bar.show()
+    bar.draw()
     bar.close()
     assert "7/40" in screen.getvalue()
     assert [*bar.seconds] == ["preparing", "pixels", "repairs"] and bar.seconds["repairs"] > 0.1
@@ -70,3 +71,18 @@ def test_true_is_a_bar(capsys, monkeypatch):
     sample = np.random.default_rng(0).integers(0, 255, (32, 32), np.uint8)
     weftex.synthesize(sample, 48, method="quilting", seed=1, progress=True)
     assert "patches" in capsys.readouterr().err
+
+
+def test_a_bar_for_long_work_only(capsys, monkeypatch):
+    """Loading tqdm takes as long as a hundredth of what is done without a bar."""
+    monkeypatch.delitem(sys.modules, "tqdm")
+    bar = progress.Bar(after=0)
+    bar(1, 100, "rows", lambda: None)
+    bar._start = bar._begun = bar._begun - 1
+    bar._next = bar._start
+    bar(50, 100, "rows", lambda: None)  # a second to go
+    assert bar._bar is None and "tqdm" not in sys.modules
+    bar._next = bar._start
+    bar(10, 100, "rows", lambda: None)  # nine
+    assert "10/100" in capsys.readouterr().err
+    bar.close()

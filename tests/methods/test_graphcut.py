@@ -11,6 +11,7 @@ import weftex
 from families import canvas_of, noise
 from twins import graphcut as reference
 from weftex.methods.graphcut import GraphCut, lay
+from weftex.methods.graphcut.cutting import Picture
 from weftex.methods.graphcut.draws import chances_of, drawn_places, variance
 from weftex.methods.graphcut.seams import CanvasSeams
 from weftex.random import draw as random_number
@@ -226,6 +227,35 @@ def test_refinement_never_makes_seams_worse(seam_cost, kind, monkeypatch):
     assert len(totals) > 5
     assert all(later <= before for before, later in itertools.pairwise(totals))
     assert totals[-1] < totals[0]
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_cuts_that_end_early_and_runs_that_are_kept_change_nothing(kind, monkeypatch):
+    compared = []
+
+    def cheapest(self, places, map_=map):
+        prices = []
+        for place in places:
+            self._least = np.inf
+            prices.append(self.price(place, 0))
+        chosen = whole(self, places, map_)
+        assert chosen is places[int(np.argmin(prices))]
+        compared.append(max(prices) > min(prices))
+        return chosen
+
+    def pasted(self, place):
+        covered, kept = paste(self, place), self.runs.copy()
+        self.follow()
+        assert np.array_equal(self.runs, kept)
+        return covered
+
+    whole, paste = Picture.cheapest, Picture.paste
+    monkeypatch.setattr(Picture, "cheapest", cheapest)
+    monkeypatch.setattr(Picture, "paste", pasted)
+    pixels = material("pebbles", 50, 40)
+    model = GraphCut(placement="entire", halvings=2, refinements=1.0).fit(weftex.Exemplar(pixels))
+    made = model.sample(canvas_of(kind, pixels, (61, 70)), seed=1)
+    assert made.canvas.hole is not None or sum(compared) > 3
 
 
 def test_refinement_improves_the_picture():

@@ -197,6 +197,15 @@ def test_maps_come_along():
     assert make().maps == {}
 
 
+def test_only_the_map_that_is_asked_for_is_rendered(monkeypatch):
+    values = np.arange(30 * 34, dtype=np.uint16).reshape(30, 34)
+    result, rendered = make(maps={"height": values, "roughness": values}), []
+    monkeypatch.setattr(result, "render", lambda given: rendered.append(given.name))
+    assert "roughness" in result.maps and result.maps["height"] is None and rendered == ["height"]
+    with pytest.raises(KeyError, match="normal"):
+        result.maps["normal"]
+
+
 def test_pictures_with_alpha():
     sample = np.concatenate([SAMPLE, SAMPLE[..., :1]], axis=2)
     result = make(sample=sample)

@@ -103,7 +103,7 @@ def test_blocks_are_thinned_out_evenly(most):
 @given(masks, widths, st.booleans(), st.booleans(), st.data())
 def test_bands_lie_along_the_box_that_the_patch_shows_in(known, width, hole, paste, data):
     frozen = data.draw(arrays(bool, known.shape)) & known if hole else None
-    zone = boundary_zone(known, width, frozen=frozen, paste=paste)
+    zone = boundary_zone(known, width, frozen=frozen, outlines=hole, paste=paste)
     weights = reference.zone_weights(known, width, frozen, paste)
     top, left, bottom, right = seams.box_of(weights)
     depth = seams.band_depth(weights, width, hole)

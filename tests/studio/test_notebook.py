@@ -1,6 +1,7 @@
 """The widget of notebooks, without a notebook: what it is told, and what it answers."""
 
 import re
+import subprocess
 import sys
 
 import numpy as np
@@ -84,3 +85,11 @@ def test_what_it_does_not_take(made, monkeypatch):
     monkeypatch.delitem(sys.modules, "weftex.studio.widget")
     with pytest.raises(UnsupportedError, match=r"pip install 'weftex\[notebook\]'"):
         weftex.view(made)
+
+
+def test_it_needs_no_server():
+    """The extra `notebook` brings none."""
+    code = "import sys; sys.modules.update(starlette=None, uvicorn=None); import weftex; "
+    command = [sys.executable, "-c", code + "weftex.view('sample:bricks')"]
+    done = subprocess.run(command, capture_output=True, text=True, check=False)
+    assert done.returncode == 0, done.stderr

@@ -90,7 +90,8 @@ def whole_plane(model, seed, nodes, period=None):
                 own = ends(i), ends(j)
                 made(area, corners, (0, i, j), own, (ends(i, around), ends(j, around)), own)
             else:
-                y, x = pieces.pick(seed, (name(i), name(j)), (ends(i)[0], ends(j)[0]))
+                at = np.array([[ends(i)[0], ends(j)[0]]])
+                y, x = pieces.pick(seed, np.array([[name(i), name(j)]]), at)[0].tolist()
                 line = np.arange(sizes.belt)
                 corners.part(ends(i), ends(j))[:] = (y + line)[:, None] * width + x + line
     edges = corners.copy()

@@ -49,10 +49,10 @@ class Bar(progress.Bar):
     left = "nothing was written"
 
     def __init__(self, quiet: bool, preview: str | None = None) -> None:
-        super().__init__()
+        super().__init__(_BAR_AFTER)
         self._at_stop: list[Callable[[], None]] = []
         self._shows = not quiet and sys.stderr.isatty()
-        self._appears, self.stopped = perf_counter() + _BAR_AFTER, False
+        self.stopped = False
         self._preview, self._wrote, self._due = preview, False, perf_counter() + _PREVIEW_AFTER
 
     def __call__(self, done: int, total: int, stage: str, preview: Callable[[], Any]) -> bool:
@@ -77,7 +77,7 @@ class Bar(progress.Bar):
 
     def show(self) -> None:
         """Draw, if it is time."""
-        if self._shows and perf_counter() >= self._appears:
+        if self._shows and self._is_time(perf_counter()):
             self.draw()
 
     def stop(self) -> None:
@@ -203,7 +203,7 @@ def run(
     try:
         try:
             threading.Thread(target=begin, daemon=True).start()
-            while not ended.wait(0.1):  # without a limit Windows would not notice Ctrl-C
+            while not ended.wait(progress.PAUSE):  # for ever, and Windows would not notice Ctrl-C
                 bar.show()
         except (KeyboardInterrupt, Stopped) as error:
             for number in numbers:

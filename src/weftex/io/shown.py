@@ -2,9 +2,7 @@
 
 from __future__ import annotations
 
-import base64
 from abc import abstractmethod
-from html import escape
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -40,6 +38,9 @@ class Shown:
         picture = self._repr_png_()
         if picture is None:
             return None
+        import base64
+        from html import escape
+
         data, text = base64.b64encode(picture).decode("ascii"), escape(repr(self))
         shown = f'<img alt="" src="data:image/png;base64,{data}">'
         return f"<figure>{shown}<figcaption>{text}</figcaption></figure>"

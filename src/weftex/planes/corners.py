@@ -55,27 +55,32 @@ class Pieces:
         counts: NDArray[np.int64] = (self.usable != 0).cumsum(dtype=np.int64) - 1
         return counts.reshape(self.usable.shape)
 
-    def pick(self, seed: int, node: tuple[int, int], at: tuple[int, int]) -> tuple[int, int]:
-        """Row and column in the sample of the piece at a node.
+    def pick(self, seed: int, nodes: NDArray[np.int64], at: NDArray[np.int64]) -> NDArray[np.int64]:
+        """Rows and columns in the sample of the pieces at nodes, int64 (n, 2).
 
         Parameters
         ----------
         seed : int
             Of the plane.
-        node : (int, int)
-            Row and column of the node.
-        at : (int, int)
-            Where on the plane the piece's corner lies, in pixels.
+        nodes : int64 array (n, 2)
+            Row and column of each node.
+        at : int64 array (n, 2)
+            Where on the plane each piece's corner lies, in pixels.
         """
-        quarter = self._quarters[node[0] % 2][node[1] % 2]
-        places = quarter[draw(seed, "piece", *node, np.arange(_TRIES)) % np.uint64(len(quarter))]
-        for y, x in places.tolist() if self.vectors else ():
-            v, u = self._in_phase(y, x, *at)
-            inside = 0 <= v < self.usable.shape[0] and 0 <= u < self.usable.shape[1]
-            if inside and self.usable[v, u]:
-                return v, u
-        y, x = places[0].tolist()
-        return y, x
+        tries = np.arange(_TRIES if self.vectors else 1)
+        bits = draw(seed, "piece", nodes[:, :1], nodes[:, 1:], tries)
+        found = np.empty((len(nodes), 2), np.int64)
+        for k, (i, j) in enumerate((nodes % 2).tolist()):
+            quarter = self._quarters[i][j]
+            places = quarter[bits[k] % np.uint64(len(quarter))]
+            found[k] = places[0]
+            for y, x in places.tolist() if self.vectors else ():
+                v, u = self._in_phase(y, x, *at[k].tolist())
+                inside = 0 <= v < self.usable.shape[0] and 0 <= u < self.usable.shape[1]
+                if inside and self.usable[v, u]:
+                    found[k] = v, u
+                    break
+        return found
 
     def _in_phase(self, y: int, x: int, top: int, left: int) -> tuple[int, int]:
         """The place nearest to (y, x) that is whole vectors away from (top, left)."""

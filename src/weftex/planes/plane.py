@@ -188,7 +188,7 @@ class Plane:
         """A corner: a piece of the sample, as it is."""
         own = self.grid.own(block)
         at = own.rows.first, own.columns.first
-        corner = pieces.pick(self.asked.seed, block[1:], at)
+        corner = pieces.pick(self.asked.seed, np.array([block[1:]]), np.array([at]))[0]
         v, u = (
             (first + np.arange(length)) % n
             for first, length, n in zip(corner, own.shape, pieces.usable.shape, strict=True)
@@ -220,10 +220,15 @@ class Plane:
         height, width = shown.shape
         canvas = Canvas(height, width)
         if not hole.all() or (shown >= 0).any():
-            known = self._pixels[shown]
+            known = self._pixels.take(shown, axis=0, mode="wrap")
             canvas = Canvas(height, width, known=known, hole=hole, shown=shown)
-        source = self.model.sample(canvas, seed=seed, threads=threads).source
-        flat = source[..., 0] * np.int32(self.model.exemplar.shape[1]) + source[..., 1]
+        made = self.model.sample(canvas, seed=seed, threads=threads)
+        if isinstance(made, PixelSynthesis):
+            flat = made.index
+        else:
+            flat = (
+                made.source[..., 0] * np.int32(self.model.exemplar.shape[1]) + made.source[..., 1]
+            )
         return np.where(hole, flat, shown)
 
 

@@ -151,7 +151,23 @@ def sums_along(
     later = tuple(slice(int(a == axis), None) for a in range(values.ndim))
     np.cumsum(values, axis=axis, dtype=values.dtype, out=running[later])
     ends, starts = np.minimum(last, values.shape[axis]), np.maximum(first, 0)
-    result: NDArray[Any] = running.take(ends, axis) - running.take(starts, axis)
+    result: NDArray[Any] = _taken(running, ends, axis) - _taken(running, starts, axis)
+    return result
+
+
+def _taken(values: NDArray[Any], places: NDArray[Any], axis: int) -> NDArray[Any]:
+    """`values.take`, whose columns are slow, for places that rise by one between equal ones."""
+    if len(places) < 2 or axis == 0:
+        return values.take(places, axis)
+    low, high = int(places[0]), int(places[-1])
+    start, end = int((places == low).sum()) - 1, len(places) - int((places == high).sum())
+    if high <= low or end - start != high - low:
+        return values.take(places, axis)
+    rest = (slice(None),) * axis
+    result = np.empty((*values.shape[:axis], len(places), *values.shape[axis + 1 :]), values.dtype)
+    result[(*rest, slice(start))] = values[(*rest, slice(low, low + 1))]
+    result[(*rest, slice(start, end + 1))] = values[(*rest, slice(low, high + 1))]
+    result[(*rest, slice(end + 1, None))] = values[(*rest, slice(high, high + 1))]
     return result
 
 

@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 import math
-from fractions import Fraction
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 if TYPE_CHECKING:
+    from fractions import Fraction
+
     from numpy.typing import NDArray
 
 _ORDINARY = 100  # powers of two: float32, too, subtracts and divides such numbers
@@ -74,16 +75,18 @@ def scale_between(shape: tuple[int, ...], other: tuple[int, ...]) -> Fraction | 
     >>> scale_between((15, 15), (10, 10)), scale_between((20, 10), (10, 10))
     (None, None)
     """
+    from fractions import Fraction  # takes its time
+
     scale, same = (Fraction(a, b) for a, b in zip(shape[:2], other[:2], strict=True))
     return scale if scale == same and 1 in (scale.numerator, scale.denominator) else None
 
 
-def resized(pixels: NDArray[Any], scale: Fraction | int) -> NDArray[Any]:
+def resized(pixels: NDArray[Any], scale: Fraction | float) -> NDArray[Any]:
     """Return pixels at an integer multiple of their size, repeated, or a fraction of it, as means.
 
     Examples
     --------
-    >>> resized(np.array([[1, 2], [4, 4]], np.uint8), 1 / Fraction(2)).tolist()
+    >>> resized(np.array([[1, 2], [4, 4]], np.uint8), 0.5).tolist()
     [[3]]
     >>> resized(np.array([[1, 2]], np.uint8), 2).tolist()
     [[1, 1, 2, 2], [1, 1, 2, 2]]

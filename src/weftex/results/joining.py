@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from itertools import product
+from itertools import pairwise, product
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
@@ -193,12 +193,31 @@ def _divergence(
     )
     if around[0]:
         steps[:, 0] += steps[:, rows]
-    for axis, line in enumerate(inside, 1):
-        if (np.diff(line) == 1).all():
-            steps = steps[(slice(None),) * axis + (slice(line[0], line[-1] + 1),)]
-        else:
-            steps = steps.take(line, axis)
-    return steps, margin
+    return _taken(steps, *inside), margin
+
+
+def _taken(steps: Floats, rows: NDArray[np.int64], columns: NDArray[np.int64]) -> Floats:
+    """These rows and columns; most are one run each, which is copied at once."""
+    (top, bottom), (left, right) = _longest_run(rows), _longest_run(columns)
+    within = (
+        steps[:, rows[top] : rows[top] + bottom - top],
+        slice(columns[left], columns[left] + right - left),
+    )
+    if bottom - top == len(rows) and right - left == len(columns):
+        return within[0][..., within[1]]
+    taken = np.empty((len(steps), len(rows), len(columns)))
+    taken[:, top:bottom, left:right] = within[0][..., within[1]]
+    for part in (slice(left), slice(right, None)):
+        taken[:, top:bottom, part] = within[0].take(columns[part], 2)
+    for part in (slice(top), slice(bottom, None)):
+        taken[:, part] = steps.take(rows[part], 1).take(columns, 2)
+    return taken
+
+
+def _longest_run(line: NDArray[np.int64]) -> tuple[int, int]:
+    """First and one after the last of the most numbers that go on by one."""
+    ends = [0, *(np.flatnonzero(np.diff(line) != 1) + 1).tolist(), len(line)]
+    return max(pairwise(ends), key=lambda run: run[1] - run[0])
 
 
 def _as_one(pieces: list[NDArray[Any]], axis: int) -> NDArray[Any]:

@@ -15,14 +15,9 @@ from weftex.io.npz import DamageError
 from weftex.raster.mixing import Kind
 from weftex.results import drawing
 from weftex.results.background import background_of
-from weftex.results.files import (
-    ABOUT,
-    Facts,
-    one_line_errors,
-    read_result,
-    write_result,
-)
+from weftex.results.files import ABOUT, Facts, one_line_errors, read_result, write_result
 from weftex.results.joining import Laid, join_steps, reach_of
+from weftex.results.maps import RenderedMaps
 from weftex.results.scales import check_window, in_few_pixels, room_for, scale_to
 from weftex.results.shown import ShownResult
 from weftex.results.tone import match_tone
@@ -179,9 +174,9 @@ class Synthesis(ShownResult, ABC):
         return self.exemplar
 
     @property
-    def maps(self) -> dict[str, NDArray[Any]]:
-        """The sample's maps, replayed at the same coordinates."""
-        return {name: self.render(self.sample.map(name)) for name in self.sample.maps}
+    def maps(self) -> Mapping[str, NDArray[Any]]:
+        """The sample's maps, replayed at the same coordinates, each when it is asked for."""
+        return RenderedMaps(self.sample.maps, lambda name: self.render(self.sample.map(name)))
 
     @property
     def source(self) -> NDArray[np.int32]:

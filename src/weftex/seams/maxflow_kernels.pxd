@@ -33,5 +33,5 @@ cdef class Trees:
     cdef Py_ssize_t width
     cdef int now
 
-cdef long long minimum_cut(Capacities capacities, Trees trees,
-                           unsigned char[:, ::1] side) noexcept nogil
+cdef long long minimum_cut(Capacities capacities, Trees trees, unsigned char[:, ::1] side,
+                           long long most) noexcept nogil

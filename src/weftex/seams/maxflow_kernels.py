@@ -8,6 +8,7 @@ Compiled by Cython, see setup.py.
 """
 
 import cython
+from cython.cimports.libc.limits import LLONG_MAX
 
 # A direction is right, down, left or up; the opposite of d is d ^ 2. A Node: see the .pxd.
 
@@ -304,11 +305,12 @@ def plant(capacities: Capacities, trees: Trees) -> cython.longlong:
 @cython.nogil
 @cython.exceptval(check=False)
 def minimum_cut(
-    capacities: Capacities, trees: Trees, side: cython.uchar[:, ::1]
+    capacities: Capacities, trees: Trees, side: cython.uchar[:, ::1], most: cython.longlong
 ) -> cython.longlong:
     """Fill `side` with 1 for nodes that the source reaches through residual capacities.
 
-    That set is the same for every maximum flow. Returns the flow, which is the value of the cut.
+    That set is the same for every maximum flow. Returns the flow, which is the value of the cut;
+    or, once it is more than `most`, the flow so far, and `side` is left.
     """
     cython.declare(y=cython.Py_ssize_t, x=cython.Py_ssize_t, i=cython.Py_ssize_t, d=cython.int)
     flow: cython.longlong = plant(capacities, trees)
@@ -316,6 +318,9 @@ def minimum_cut(
         i = take(trees.active)
         if i < 0:
             break
+        if flow > most:
+            trees.active[trees.active.shape[0] - 1] = 0
+            return flow
         trees.nodes[i].waits = 0
         while trees.nodes[i].parent != NOBODY:  # a path was found, and i may lead to more of them
             d = grow(trees, i)
@@ -336,5 +341,5 @@ def cut_grid(capacities: Capacities, trees: Trees, side: cython.uchar[:, ::1]):
     """Call `minimum_cut`, beside other threads."""
     cython.declare(flow=cython.longlong)
     with cython.nogil:
-        flow = minimum_cut(capacities, trees, side)
+        flow = minimum_cut(capacities, trees, side, LLONG_MAX)
     return flow

@@ -54,6 +54,7 @@ def boundary_zone(
     width: int,
     *,
     frozen: NDArray[np.bool_] | None = None,
+    outlines: bool = False,
     block_side: int = 4,
     most_blocks: int = 96,
     paste: bool = False,
@@ -69,6 +70,8 @@ def boundary_zone(
         Boundary width w_E in pixels.
     frozen : bool array (rows, columns), optional
         Known pixels that must stay as they are.
+    outlines : bool
+        The zone follows the outline of a hole, anywhere in the window, and not its sides.
     block_side : int
         Largest side of the low-resolution blocks, a power of two.
     most_blocks : int
@@ -103,7 +106,7 @@ def boundary_zone(
         box = (shown_rows[0], shown_columns[0], shown_rows[-1] + 1, shown_columns[-1] + 1)
     top, left, bottom, right = (int(k) for k in box)
     depth = min(width, bottom - top, right - left)
-    if frozen is not None:  # a hole's zone follows its outline, anywhere in the window
+    if outlines:
         depth = max(depth, min(bottom - top, right - left) // 2)
     shown = zone[top:bottom, left:right]
     sides = (shown[:, :depth], shown[:depth], shown[:, -depth:], shown[-depth:])

@@ -6,8 +6,6 @@ import hashlib
 from typing import TYPE_CHECKING, Any
 from urllib.parse import unquote
 
-from starlette.concurrency import run_in_threadpool
-
 from weftex.errors import FileError, InvalidInputError
 from weftex.io.formats import kind_of
 from weftex.io.pictures import Picture, read_image
@@ -63,6 +61,8 @@ async def receive(
     FileError
         If it is no picture that weftex reads.
     """
+    from starlette.concurrency import run_in_threadpool  # not there for notebooks
+
     coming = _Coming(name, session, limits)
     try:
         async for chunk in chunks:

@@ -27,7 +27,7 @@ if TYPE_CHECKING:
     from weftex.methods.pixels.growth import Growth
 
 _LARGE = 2**14  # pixels of a patch from which on candidates are priced in threads
-_PATCHES = 3  # in a row between two belts of a plane
+_PATCHES = 2  # in a row between two belts of a plane
 _IDLE = 4  # refinements that mend nothing, for each patch that covered the canvas, end it
 
 
@@ -222,8 +222,7 @@ def lay(settings: Settings, growth: Growth) -> Picture:
             if len(places) == 1:
                 return places[0]
             # The minimum cut between old and new pixels; old seams are in the graph (section 3).
-            prices = list(map_(picture.price, places, range(len(places))))
-            return places[prices.index(min(prices))]
+            return picture.cheapest(places, map_)
 
         # Patches that each cover the first missing pixel, until none is missing (section 4).
         laid = 0

@@ -6,6 +6,13 @@ All labellings of blocks are labellings of pixels with the same cost, so no step
 """
 
 import cython
+from cython.cimports.libc.limits import LLONG_MAX
+from cython.cimports.weftex.methods.graphcut.block_kernels import (
+    build_from_kinds,
+    choose,
+    follow,
+    spread,
+)
 from cython.cimports.weftex.methods.graphcut.graph_kernels import (
     EITHER,
     NEW,
@@ -15,7 +22,6 @@ from cython.cimports.weftex.methods.graphcut.graph_kernels import (
     Patch,
     blocks,
     build,
-    choose,
     in_sample,
     on_canvas,
 )
@@ -27,13 +33,27 @@ from cython.cimports.weftex.seams.maxflow_kernels import minimum_cut
 @cython.nogil
 @cython.exceptval(check=False)
 def cut(
-    picture: Picture, sample: Sample, patch: Patch, graph: Graph, halvings: cython.int
+    picture: Picture,
+    sample: Sample,
+    patch: Patch,
+    graph: Graph,
+    halvings: cython.int,
+    by_kinds: cython.bint,
+    most: cython.longlong,
 ) -> cython.longlong:
-    """Cut in blocks; return the cost of all seams in the box then."""
-    cost: cython.longlong = build(picture, sample, patch, graph, halvings)
+    """Cut in blocks, whose kinds may be known; return by how much seams are dearer then.
+
+    What is dearer by more than `most` is not cut to its end, and costs more than returned.
+    """
+    cython.declare(cost=cython.longlong)
+    if by_kinds and halvings > 0:
+        cost = build_from_kinds(picture, sample, patch, graph, halvings)
+    else:
+        cost = build(picture, sample, patch, graph, halvings)
     graph.capacities.height = blocks(patch.rows.shape[0], halvings)
     graph.capacities.width = blocks(patch.columns.shape[0], halvings)
-    return cost + minimum_cut(graph.capacities, graph.trees, graph.side)
+    cost -= graph.before
+    return cost + minimum_cut(graph.capacities, graph.trees, graph.side, most - cost)
 
 
 @cython.cfunc
@@ -98,23 +118,39 @@ def paste(picture: Picture, sample: Sample, patch: Patch, graph: Graph) -> cytho
     return covered
 
 
-def cost_in_blocks(picture: Picture, sample: Sample, usable, patch: Patch, graph: Graph, halvings):
-    """By how much a cut in blocks makes seams dearer, and how many missing pixels become new."""
+def cost_in_blocks(
+    picture: Picture, sample: Sample, usable, patch: Patch, graph: Graph, halvings, least
+):
+    """By how much a cut in blocks makes seams dearer, and how many missing pixels become new.
+
+    What costs more than `least` for each of these pixels is not cut to its end.
+    """
     cython.declare(cost=cython.longlong, covered=cython.Py_ssize_t, size=cython.int)
+    cython.declare(most=cython.double, limit=cython.longlong)
     pixels: cython.const[cython.uchar][::1] = usable
     size = halvings
-    with cython.nogil:
-        covered = choose(picture, pixels, sample, patch, graph)
-        cost = cut(picture, sample, patch, graph, size) - graph.before  # beside other threads
+    most = least
+    with cython.nogil:  # beside other threads
+        covered = choose(picture, pixels, sample, patch, graph, size)
+        if size == 0:
+            spread(patch, graph, size)
+        most *= max(covered, 1)
+        limit = LLONG_MAX // 2
+        if most < 1e18:
+            limit = cython.cast(cython.longlong, most) + 1
+        cost = cut(picture, sample, patch, graph, size, True, limit)
     return cost, covered
 
 
 def paste_patch(picture: Picture, sample: Sample, usable, patch: Patch, graph: Graph, halvings):
     """Cut in blocks, around that in smaller and smaller ones, and copy; see `paste`."""
-    choose(picture, usable, sample, patch, graph)
-    cut(picture, sample, patch, graph, halvings)
+    choose(picture, usable, sample, patch, graph, halvings)
+    spread(patch, graph, halvings)
+    cut(picture, sample, patch, graph, halvings, True, LLONG_MAX // 2)
     while halvings > 0:
         narrow(patch, graph, halvings)
         halvings = max(0, halvings - STEP)
-        cut(picture, sample, patch, graph, halvings)
-    return paste(picture, sample, patch, graph)
+        cut(picture, sample, patch, graph, halvings, False, LLONG_MAX // 2)
+    covered: cython.Py_ssize_t = paste(picture, sample, patch, graph)
+    follow(picture, sample, patch)
+    return covered

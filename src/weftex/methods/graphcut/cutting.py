@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-from typing import TYPE_CHECKING
+import math
+from collections.abc import Callable, Iterator
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from weftex.methods.graphcut import cut_kernels, graph_kernels, seam_kernels
+from weftex.methods.graphcut import block_kernels, cut_kernels, graph_kernels, seam_kernels
+from weftex.methods.graphcut.kept import kept
 from weftex.notes import is_asked, note
 from weftex.seams.maxflow import search_trees
 
@@ -43,22 +45,30 @@ class Picture:
         self.done, self.halvings = growth.done.ravel(), block.bit_length() - 1
         self.usable = settings.windows.usable.ravel()
         channels = growth.pixels.shape[2]
-        self._sample = seam_kernels.Sample(
-            settings.windows.pixels.reshape(-1, channels),
-            _joins(settings.windows.usable != 0, settings.exemplar.tileable).ravel(),
-            self.sample_shape,
-            settings.by_gradients,
-            np.zeros((self.usable.size if settings.by_gradients else 0, 2), np.int32),
+        self._sample = kept(
+            settings.windows, settings.by_gradients, lambda: _sample_of(settings, channels)
         )
+        self.runs = np.zeros(self.done.size, np.int8)
         self._picture = seam_kernels.Picture(
             growth.pixels.reshape(-1, channels),
             growth.source.ravel(),
             self.done,
             self._frozen(growth),
+            self.runs,
             self.shape,
             growth.canvas.wrap,
         )
+        self.follow()
+        # All lines of both, and as many on as a patch has, around the border.
+        self._lines = [
+            [
+                (np.arange(n + side) % n).astype(np.int32)
+                for n, side in zip(shape, size, strict=True)
+            ]
+            for shape in (self.shape, self.sample_shape)
+        ]
         self._graphs = [_graph(*size) for _ in range(settings.candidates)]
+        self._least = math.inf
 
     @staticmethod
     def _frozen(growth: Growth) -> NDArray[np.uint8]:
@@ -67,6 +77,10 @@ class Picture:
             return growth.done.ravel().copy()
         assert growth.canvas.hole is not None
         return (~growth.canvas.hole).ravel().astype(np.uint8)
+
+    def follow(self) -> None:
+        """Look through all of the canvas for what `runs` tells; patches keep it up to date."""
+        block_kernels.follow_all(self._picture, self._sample)
 
     def missing(self) -> Iterator[tuple[int, int]]:
         """Yield the first pixel that is missing, until none is."""
@@ -80,12 +94,21 @@ class Picture:
             first += at
             yield divmod(first, self.shape[1])
 
+    def cheapest(self, places: list[Place], map_: Callable[..., Any] = map) -> Place:
+        """The first of the places whose `price` is the least."""
+        self._least = math.inf
+        prices = list(map_(self.price, places, range(len(places))))
+        return places[prices.index(min(prices))]
+
     def price(self, place: Place, number: int) -> float:
         """By how much a patch makes seams dearer, for each missing pixel, times what repeats cost.
 
         Cut out along the seam of least cost, new and old seams counted (section 3.1), in blocks.
-        `number` is that of the candidate.
+        `number` is that of the candidate. Where another one was found cheaper than this one can
+        still be, something between both prices.
         """
+        # A little more, as what is rounded must not keep the cheapest one from its price.
+        least = max(self._least, 0.0) / place.price * (1 + 1e-9)
         more, covered = cut_kernels.cost_in_blocks(
             self._picture,
             self._sample,
@@ -93,9 +116,12 @@ class Picture:
             self._patch(place),
             self._graphs[number],
             self.halvings,
+            least,
         )
         each: float = more / max(covered, 1)
-        return each * place.price if each > 0 else each / place.price
+        price = each * place.price if each > 0 else each / place.price
+        self._least = min(self._least, price)
+        return price
 
     def paste(self, place: Place) -> int:
         """Cut a patch out in smaller and smaller blocks, and copy it.
@@ -148,16 +174,28 @@ class Picture:
         seam_kernels.price_seams(self._picture, self._sample, rows, columns, costs, cells, side)
 
     def _patch(self, place: Place) -> graph_kernels.Patch:
-        lines = [
-            ((first + np.arange(length)) % n).astype(np.int32)
-            for first, length, n in (
-                (place.top, place.height, self.shape[0]),
-                (place.left, place.width, self.shape[1]),
-                (place.source_top, place.height, self.sample_shape[0]),
-                (place.source_left, place.width, self.sample_shape[1]),
-            )
-        ]
-        return graph_kernels.Patch(*lines)
+        (down, along), (from_rows, from_columns) = self._lines
+        y, x = place.top % self.shape[0], place.left % self.shape[1]
+        v, u = place.source_top % self.sample_shape[0], place.source_left % self.sample_shape[1]
+        return graph_kernels.Patch(
+            down[y : y + place.height],
+            along[x : x + place.width],
+            from_rows[v : v + place.height],
+            from_columns[u : u + place.width],
+        )
+
+
+def _sample_of(settings: Settings, channels: int) -> seam_kernels.Sample:
+    """The sample, with room for its gradients."""
+    windows, by_gradients = settings.windows, settings.by_gradients
+    return seam_kernels.Sample(
+        windows.pixels.reshape(-1, channels),
+        _joins(windows.usable != 0, settings.exemplar.tileable).ravel(),
+        settings.exemplar.shape,
+        bool((windows.usable != 0).all()),
+        by_gradients,
+        np.zeros((windows.usable.size if by_gradients else 0, 2), np.int32),
+    )
 
 
 def _graph(height: int, width: int) -> graph_kernels.Graph:

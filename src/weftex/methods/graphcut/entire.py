@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from weftex.methods.graphcut import match_kernels
 from weftex.methods.graphcut.copies import Copy, box_of, copies_of, places_in_full
 from weftex.methods.graphcut.places import (
     Matches,
@@ -18,7 +19,7 @@ from weftex.methods.graphcut.places import (
     smallest,
 )
 from weftex.methods.graphcut.regular import LatticePlaces, any_in_blocks
-from weftex.methods.graphcut.repeats import Repeats
+from weftex.methods.graphcut.repeats import DIRECT, Repeats
 from weftex.methods.graphcut.sight import Sight
 from weftex.search.translation import fast_size, overlap_mismatch
 
@@ -92,10 +93,9 @@ class EntirePatchMatching:
             def price() -> NDArray[np.float64]:
                 if self.repeats is None:
                     return prices
-                # From the place of the box's corner to that of the pixel.
-                first = [-(reach >> k) for reach in self.reach]
-                used = self.repeats.used_where(self._missing(pixel, k), k, first)
-                return self._prices(pixel, used[: allowed.shape[0], : allowed.shape[1]], k)
+                offset = [reach >> k for reach in self.reach]
+                used = self.repeats.used_where(self._missing(pixel, k), k, offset, allowed)
+                return self._prices(pixel, used, allowed, k)
 
             costs, prices = map_(call, (mismatch, price))
         matches = Matches(costs, prices, allowed, k)
@@ -109,14 +109,20 @@ class EntirePatchMatching:
         ]
 
     def _prices(
-        self, pixel: tuple[int, int], used: NDArray[np.float64], k: int
+        self,
+        pixel: tuple[int, int],
+        used: NDArray[np.float64],
+        allowed: NDArray[np.bool_],
+        k: int,
     ) -> NDArray[np.float64]:
         """By what the costs of places are multiplied for what they show again.
 
         These are shares of what a match costs, so one that is clearly better is never given up.
         """
         rows, columns = ((np.arange(n) << k) // self.sight.cell for n in used.shape)
-        again = self.sight.again(pixel)[np.ix_(rows, columns)]
+        cells, (v, u) = np.zeros(self.sight.count, np.uint8), np.nonzero(allowed)
+        cells[rows[v], columns[u]] = 1
+        again = self.sight.again(pixel, cells)[np.ix_(rows, columns)]
         more = _AGAIN * again + _USED * np.minimum(used, _MOST)
         prices: NDArray[np.float64] = 1 + self.settings.variety * more
         return prices
@@ -161,8 +167,16 @@ class EntirePatchMatching:
 
     def _mismatch(self, box: Copy, allowed: NDArray[np.bool_], k: int) -> NDArray[np.float64]:
         """C(t) over the overlap, for each pixel of the sample that may come to lie on this one."""
+        copy = self.copies[k]
+        if allowed.sum() * copy.mask.size <= DIRECT:
+            direct = np.full(allowed.shape, np.inf)
+            offset = np.array([reach >> k for reach in self.reach], np.int32)
+            match_kernels.match_places(
+                box.kernel, copy.kernel, allowed.view(np.uint8), offset, copy.all_count, direct
+            )
+            return direct if (direct < np.inf).any() else np.zeros(allowed.shape)
         size = [fast_size(n) for n in box.mask.shape]
-        both = overlap_mismatch(box.spectra_of(size), self.copies[k].spectra_of(size))
+        both = overlap_mismatch(box.spectra_of(size), copy.spectra_of(size))
         # Place (0, 0) of the corner has the last pixel within reach on this one.
         rows, columns = (reach >> k for reach in self.reach)
         total, area = (

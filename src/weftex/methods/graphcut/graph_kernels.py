@@ -11,7 +11,6 @@ from cython.cimports.weftex.methods.graphcut.seam_kernels import (
     Sample,
     beside,
     continued,
-    cost_within,
     difference,
     seam_cost,
 )
@@ -53,48 +52,6 @@ class Graph:
 @cython.cfunc
 @cython.nogil
 @cython.exceptval(check=False)
-def choose(
-    picture: Picture,
-    usable: cython.const[cython.uchar][::1],
-    sample: Sample,
-    patch: Patch,
-    graph: Graph,
-) -> cython.Py_ssize_t:
-    """Fill in the choice that each pixel of the box has; return how many missing become new."""
-    cython.declare(i=cython.Py_ssize_t, j=cython.Py_ssize_t, p=cython.int, row=cython.int)
-    cython.declare(may=cython.p_uchar, new=cython.p_const_uchar, from_row=cython.int)
-    cython.declare(label=cython.int, apart=cython.p_int, old=cython.p_const_uchar)
-    columns: cython.p_const_int = cython.address(patch.columns[0])
-    from_columns: cython.p_const_int = cython.address(patch.from_columns[0])
-    done: cython.p_uchar = cython.address(picture.done[0])
-    known: cython.p_const_uchar = cython.address(picture.known[0])
-    width: cython.Py_ssize_t = patch.columns.shape[0]
-    channels: cython.Py_ssize_t = sample.pixels.shape[1]
-    missing: cython.Py_ssize_t = 0
-    new = cython.address(usable[0])
-    for i in range(patch.rows.shape[0]):
-        may = cython.address(graph.choice[i, 0])
-        apart = cython.address(graph.apart[i, 0])
-        row = patch.rows[i] * picture.width
-        from_row = patch.from_rows[i] * sample.width
-        for j in range(width):
-            p = row + columns[j]
-            label = from_row + from_columns[j]
-            if not new[label] or (done[p] and known[p]):
-                may[j] = OLD if done[p] else NOTHING
-            elif done[p]:
-                may[j] = EITHER
-                old = cython.address(picture.pixels[p, 0])
-                apart[j] = difference(old, cython.address(sample.pixels[label, 0]), channels)
-            else:
-                may[j] = NEW
-                missing += 1
-    return missing
-
-
-@cython.cfunc
-@cython.nogil
-@cython.exceptval(check=False)
 def add_outside(
     picture: Picture,
     sample: Sample,
@@ -103,14 +60,14 @@ def add_outside(
     i: cython.Py_ssize_t,
     j: cython.Py_ssize_t,
     d: cython.int,
+    may: cython.int,
     halvings: cython.int,
 ) -> cython.longlong:
     """Add the pair of a pixel and its neighbor outside the box, which stays as it is.
 
-    Returns its cost if the pixel has no choice.
+    `may` is the pixel's choice. Returns the pair's cost if that is none.
     """
     cython.declare(p_old=cython.longlong, q_old=cython.longlong)
-    may: cython.int = graph.choice[i, j]
     p: cython.int = on_canvas(picture, patch, i, j)
     way: cython.int = 1 - d // 2 * 2
     q: cython.int = beside(picture, p, d % 2 * way, (1 - d % 2) * way)
@@ -137,6 +94,8 @@ def add_pair(
     i: cython.Py_ssize_t,
     j: cython.Py_ssize_t,
     d: cython.int,
+    p_may: cython.int,
+    q_may: cython.int,
     halvings: cython.int,
 ) -> cython.longlong:
     """Add the pair of a pixel and its right (d = 0) or lower (d = 1) neighbor in the box.
@@ -147,14 +106,12 @@ def add_pair(
     c <= a + b, as with metrics. Where costs weighed by gradients break it, b is raised to c - a;
     the cheapest labels are still no worse than the old ones.
 
-    Returns its cost if neither has a choice.
+    `p_may` and `q_may` are their choices. Returns the pair's cost if neither has one.
     """
     cython.declare(p_old=cython.longlong, q_old=cython.longlong)  # and the other one new
     cython.declare(alpha=cython.longlong, p_new=cython.int, q_new=cython.int)
     v: cython.Py_ssize_t = i + d
     u: cython.Py_ssize_t = j + 1 - d
-    p_may: cython.int = graph.choice[i, j]
-    q_may: cython.int = graph.choice[v, u]
     both_old: cython.longlong = 0
     p: cython.int = on_canvas(picture, patch, i, j)
     q: cython.int = on_canvas(picture, patch, v, u)
@@ -200,33 +157,34 @@ def add_pair(
 
 
 @cython.cfunc
-@cython.inline
 @cython.nogil
 @cython.exceptval(check=False)
-def add_within(
-    sample: Sample,
-    patch: Patch,
-    graph: Graph,
-    i: cython.Py_ssize_t,
-    j: cython.Py_ssize_t,
-    d: cython.int,
-    halvings: cython.int,
-    label: cython.int,
-) -> cython.bint:
-    """`add_pair` where both pixels are in the old patch, if they are in the new one too.
+def clear(patch: Patch, graph: Graph, halvings: cython.int) -> cython.void:
+    """A graph without arcs."""
+    cython.declare(i=cython.Py_ssize_t, j=cython.Py_ssize_t, d=cython.int)
+    graph.before = 0
+    for i in range(blocks(patch.rows.shape[0], halvings)):
+        for j in range(blocks(patch.columns.shape[0], halvings)):
+            graph.old[i, j] = 0
+            graph.new[i, j] = 0
+            for d in range(4):
+                graph.arcs[i, j, d] = 0
 
-    Then a and b are the same, and c is 0.
-    """
-    v: cython.Py_ssize_t = i + d
-    u: cython.Py_ssize_t = j + 1 - d
-    new: cython.int = in_sample(sample, patch, i, j)
-    cost: cython.int
-    if continued(sample, new, d) != in_sample(sample, patch, v, u):
-        return False
-    cost = cost_within(sample, graph.apart[i, j] + graph.apart[v, u], label, new, d)
-    graph.arcs[v >> halvings, u >> halvings, d + 2] += cost
-    graph.arcs[i >> halvings, j >> halvings, d] += cost
-    return True
+
+@cython.cfunc
+@cython.nogil
+@cython.exceptval(check=False)
+def measure(picture: Picture, sample: Sample, patch: Patch, graph: Graph) -> cython.void:
+    """Fill in how far the colors of pixels are apart that may be old or new."""
+    cython.declare(i=cython.Py_ssize_t, j=cython.Py_ssize_t)
+    for i in range(patch.rows.shape[0]):
+        for j in range(patch.columns.shape[0]):
+            if graph.choice[i, j] == EITHER:
+                graph.apart[i, j] = difference(
+                    cython.address(picture.pixels[on_canvas(picture, patch, i, j), 0]),
+                    cython.address(sample.pixels[in_sample(sample, patch, i, j), 0]),
+                    cython.cast(cython.Py_ssize_t, sample.pixels.shape[1]),
+                )
 
 
 @cython.cfunc
@@ -237,9 +195,10 @@ def build(
 ) -> cython.longlong:
     """Fill in the graph whose minimum cut says which blocks of a box a patch replaces (section 3).
 
-    Returns the cost of pairs without a choice.
+    What each pixel may be is there already. Returns the cost of pairs without a choice.
     """
     cython.declare(i=cython.Py_ssize_t, j=cython.Py_ssize_t, d=cython.int, may=cython.p_uchar)
+    cython.declare(apart=cython.p_int, both=cython.int)
     cython.declare(other=cython.int, p=cython.int, q=cython.int, label=cython.int)
     cython.declare(row=cython.int, last=cython.bint, inside=cython.bint)
     rows: cython.Py_ssize_t = patch.rows.shape[0]
@@ -249,14 +208,10 @@ def build(
     source: cython.p_int = cython.address(picture.source[0])
     mask: cython.Py_ssize_t = (1 << halvings) - 1
     fixed: cython.longlong = 0
-    graph.before = 0
-    for i in range(blocks(rows, halvings)):
-        for j in range(blocks(width, halvings)):
-            graph.old[i, j] = 0
-            graph.new[i, j] = 0
-            for d in range(4):
-                graph.arcs[i, j, d] = 0
+    clear(patch, graph, halvings)
+    measure(picture, sample, patch, graph)
     for i in range(rows):
+        apart = cython.address(graph.apart[i, 0])
         may = cython.address(graph.choice[i, 0])
         row = patch.rows[i] * picture.width
         for j in range(width):
@@ -265,7 +220,7 @@ def build(
             for d in range(2):
                 last = i + 1 == rows if d else j + 1 == width
                 if last:
-                    fixed += add_outside(picture, sample, patch, graph, i, j, d, halvings)
+                    fixed += add_outside(picture, sample, patch, graph, i, j, d, may[j], halvings)
                     continue
                 other = may[j + side] if d else may[j + 1]
                 if other == NOTHING or may[j] | other != EITHER:  # both stay or both become new
@@ -276,11 +231,14 @@ def build(
                     label = continued(sample, source[p], d)
                     if label >= 0 and label == source[q]:  # mostly they are of one old patch
                         inside = ((i + 1 if d else j + 1) & mask) != 0
-                        if inside or add_within(sample, patch, graph, i, j, d, halvings, source[p]):
+                        both = apart[j] + (apart[j + side] if d else apart[j + 1])
+                        if inside or add_within(
+                            sample, patch, graph, i, j, d, halvings, source[p], both
+                        ):
                             continue
-                fixed += add_pair(picture, sample, patch, graph, i, j, d, halvings)
+                fixed += add_pair(picture, sample, patch, graph, i, j, d, may[j], other, halvings)
             if j == 0:
-                fixed += add_outside(picture, sample, patch, graph, i, j, 2, halvings)
+                fixed += add_outside(picture, sample, patch, graph, i, j, 2, may[j], halvings)
             if i == 0:
-                fixed += add_outside(picture, sample, patch, graph, i, j, 3, halvings)
+                fixed += add_outside(picture, sample, patch, graph, i, j, 3, may[j], halvings)
     return fixed

@@ -6,7 +6,7 @@ Compiled by Cython, see setup.py.
 
 import cython
 from cython.cimports.libc.math import INFINITY
-from cython.cimports.libc.string import memchr
+from cython.cimports.libc.string import memchr, memcpy, memset
 
 
 @cython.cclass
@@ -22,25 +22,47 @@ class Copy:
 
 
 @cython.cfunc
+@cython.inline
+@cython.nogil
+@cython.exceptval(check=False)
+def mean_of(
+    upper: cython.p_const_uchar, lower: cython.p_const_uchar, channels: cython.Py_ssize_t
+) -> cython.uchar:
+    """The rounded mean of a square of four pixels."""
+    total: cython.int = upper[0]
+    total += upper[channels]
+    total += lower[0]
+    total += lower[channels]
+    return cython.cast(cython.uchar, (total + 2) >> 2)
+
+
+@cython.cfunc
 @cython.nogil
 @cython.exceptval(check=False)
 def halve(whole: Copy, pixels: cython.uchar[:, :, ::1], mask: cython.uchar[:, ::1]) -> cython.void:
     """Means of squares of four pixels, rounded; those count all of whose pixels do."""
-    cython.declare(i=cython.Py_ssize_t, j=cython.Py_ssize_t, k=cython.Py_ssize_t, total=cython.int)
+    cython.declare(i=cython.Py_ssize_t, j=cython.Py_ssize_t, k=cython.Py_ssize_t)
+    cython.declare(upper=cython.p_const_uchar, lower=cython.p_const_uchar, half=cython.p_uchar)
+    channels: cython.Py_ssize_t = pixels.shape[2]
     for i in range(pixels.shape[0]):
+        upper = cython.address(whole.mask[2 * i, 0])
+        lower = cython.address(whole.mask[2 * i + 1, 0])
+        half = cython.address(mask[i, 0])
         for j in range(pixels.shape[1]):
-            mask[i, j] = (
-                whole.mask[2 * i, 2 * j]
-                & whole.mask[2 * i, 2 * j + 1]
-                & whole.mask[2 * i + 1, 2 * j]
-                & whole.mask[2 * i + 1, 2 * j + 1]
-            )
-            for k in range(pixels.shape[2]):
-                total = whole.pixels[2 * i, 2 * j, k]
-                total += whole.pixels[2 * i, 2 * j + 1, k]
-                total += whole.pixels[2 * i + 1, 2 * j, k]
-                total += whole.pixels[2 * i + 1, 2 * j + 1, k]
-                pixels[i, j, k] = cython.cast(cython.uchar, (total + 2) >> 2)
+            half[j] = upper[2 * j] & upper[2 * j + 1] & lower[2 * j] & lower[2 * j + 1]
+        upper = cython.address(whole.pixels[2 * i, 0, 0])
+        lower = cython.address(whole.pixels[2 * i + 1, 0, 0])
+        half = cython.address(pixels[i, 0, 0])
+        if channels == 3:  # most pictures; the loop for any number is slower
+            for j in range(pixels.shape[1]):
+                for k in range(3):
+                    half[3 * j + k] = mean_of(upper + 6 * j + k, lower + 6 * j + k, 3)
+            continue
+        for j in range(pixels.shape[1]):
+            for k in range(channels):
+                half[channels * j + k] = mean_of(
+                    upper + 2 * channels * j + k, lower + 2 * channels * j + k, channels
+                )
 
 
 @cython.cfunc
@@ -54,17 +76,32 @@ def gather(
     mask: cython.uchar[:, ::1],
 ) -> cython.void:
     """Copy a box of a canvas; nothing counts in rows and columns below 0."""
-    cython.declare(i=cython.Py_ssize_t, j=cython.Py_ssize_t, k=cython.Py_ssize_t)
-    for i in range(rows.shape[0]):
-        for j in range(columns.shape[0]):
-            mask[i, j] = 0
+    cython.declare(i=cython.Py_ssize_t, j=cython.Py_ssize_t, end=cython.Py_ssize_t)
+    channels: cython.Py_ssize_t = pixels.shape[2]
+    width: cython.Py_ssize_t = columns.shape[0]
+    j = 0
+    while j < width:  # runs of columns
+        end = j + 1
+        while end < width and (
+            columns[end] - columns[j] == end - j if columns[j] >= 0 else columns[end] < 0
+        ):
+            end += 1
+        for i in range(rows.shape[0]):
             if rows[i] < 0 or columns[j] < 0:
-                for k in range(pixels.shape[2]):
-                    pixels[i, j, k] = 0
+                memset(cython.address(mask[i, j]), 0, end - j)
+                memset(cython.address(pixels[i, j, 0]), 0, (end - j) * channels)
                 continue
-            mask[i, j] = canvas.mask[rows[i], columns[j]]
-            for k in range(pixels.shape[2]):
-                pixels[i, j, k] = canvas.pixels[rows[i], columns[j], k]
+            memcpy(
+                cython.address(mask[i, j]),
+                cython.address(canvas.mask[rows[i], columns[j]]),
+                end - j,
+            )
+            memcpy(
+                cython.address(pixels[i, j, 0]),
+                cython.address(canvas.pixels[rows[i], columns[j], 0]),
+                (end - j) * channels,
+            )
+        j = end
 
 
 @cython.cfunc
@@ -160,6 +197,25 @@ def mismatch(
 @cython.cfunc
 @cython.nogil
 @cython.exceptval(check=False)
+def match(
+    box: Copy,
+    sample: Copy,
+    allowed: cython.const[cython.uchar][:, ::1],
+    offset: cython.const[cython.int][::1],
+    whole: cython.bint,
+    costs: cython.double[:, ::1],
+) -> cython.void:
+    """Fill in the mismatch at each place; the box's corner lies on (place - offset)."""
+    cython.declare(y=cython.Py_ssize_t, x=cython.Py_ssize_t)
+    for y in range(allowed.shape[0]):
+        for x in range(allowed.shape[1]):
+            if allowed[y, x]:
+                costs[y, x] = mismatch(box, sample, y - offset[0], x - offset[1], whole, INFINITY)
+
+
+@cython.cfunc
+@cython.nogil
+@cython.exceptval(check=False)
 def nudge(
     box: Copy,
     sample: Copy,
@@ -211,6 +267,11 @@ def make_half(whole: Copy, pixels, mask):
 def gather_box(canvas: Copy, rows, columns, pixels, mask):
     """Call `gather`."""
     gather(canvas, rows, columns, pixels, mask)
+
+
+def match_places(box: Copy, sample: Copy, allowed, offset, whole, costs):
+    """Call `match`."""
+    match(box, sample, allowed, offset, whole, costs)
 
 
 def nudge_place(box: Copy, sample: Copy, allowed, offset, place, whole):

@@ -17,6 +17,7 @@ if TYPE_CHECKING:
     from weftex.exemplar import Exemplar
     from weftex.methods.pixels.growth import Growth
 
+DIRECT = 2**22  #: places times pixels up to which sums are quicker than transforms
 _STEP = 4  # every fourth pixel of the canvas or fewer, both ways, are looked at
 _ENOUGH = 2**14  # pixels of the canvas tell how evenly the sample is shown
 _ALIGNED = 16  # copies are in line if they are less than 1/16 of a patch off
@@ -117,7 +118,11 @@ class Repeats:
         return result
 
     def used_where(
-        self, missing: NDArray[np.bool_], halvings: int, first: Sequence[int]
+        self,
+        missing: NDArray[np.bool_],
+        halvings: int,
+        offset: Sequence[int],
+        allowed: NDArray[np.bool_],
     ) -> NDArray[np.float64]:
         """How often the canvas shows what each place would newly show, 1 as often as the mean.
 
@@ -127,13 +132,29 @@ class Repeats:
             Every 2**halvings-th pixel of a box of the canvas: whether it is missing.
         halvings : int
             Every 2**halvings-th place both ways.
-        first : (int, int)
-            The place of the box's corner that the first element is of.
+        offset : (int, int)
+            From the box's corner to the pixel that places are of.
+        allowed : bool array
+            The places; of others nothing is said.
         """
         counts = self._counts(halvings)
-        rows, columns = (fast_size(n + m) for n, m in zip(counts.shape, missing.shape, strict=True))
-        both = correlations(np.stack([counts, np.ones_like(counts)]), missing, (rows, columns))
-        shown, area = np.roll(both, [-at for at in first], (1, 2))
+        if allowed.sum() * counts.size <= DIRECT:
+            sums = np.zeros((*allowed.shape, 2), np.int64)
+            kernels.sum_over(
+                counts.astype(np.int32),
+                missing.view(np.uint8),
+                allowed.view(np.uint8),
+                np.array(offset, np.int32),
+                sums,
+            )
+            shown, area = sums[..., 0], sums[..., 1]
+        else:
+            rows, columns = (
+                fast_size(n + m) for n, m in zip(counts.shape, missing.shape, strict=True)
+            )
+            both = correlations(np.stack([counts, np.ones_like(counts)]), missing, (rows, columns))
+            both = np.roll(both, offset, (1, 2))
+            shown, area = both[:, : allowed.shape[0], : allowed.shape[1]]
         mean = counts.mean()
         result: NDArray[np.float64] = shown / np.maximum(area * mean, mean or 1)
         return result

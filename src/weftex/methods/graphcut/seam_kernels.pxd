@@ -8,6 +8,7 @@ cdef class Sample:
     cdef const unsigned char[::1] joins
     cdef int height
     cdef int width
+    cdef bint whole
     cdef bint by_gradients
     cdef const int[:, ::1] gradients
 
@@ -16,6 +17,7 @@ cdef class Picture:
     cdef int[::1] source
     cdef unsigned char[::1] done
     cdef const unsigned char[::1] known
+    cdef signed char[::1] runs
     cdef int height
     cdef int width
     cdef bint wrap_y

@@ -18,9 +18,10 @@ class Sample:
     of each pixel from the right and the lower one, if costs are weighed by them.
     """
 
-    def __init__(self, pixels, joins, shape, by_gradients, gradients):
+    def __init__(self, pixels, joins, shape, whole, by_gradients, gradients):
         self.pixels = pixels
         self.joins = joins
+        self.whole = whole
         self.height, self.width = shape
         self.by_gradients = by_gradients
         fill_gradients(self, gradients)
@@ -48,14 +49,17 @@ class Picture:
     """The canvas so far.
 
     A label is -1 for a known pixel that is not in the sample; `done` is 1 where a pixel is, `known`
-    where it may not be replaced.
+    where it may not be replaced. `runs` tells how many pixels there are, from each on along its
+    row, up to 127, that may be replaced and have no seam to the right or below; or, as less
+    than 0, how many that are missing. See `block_kernels.follow`.
     """
 
-    def __init__(self, pixels, source, done, known, shape, wrap):
+    def __init__(self, pixels, source, done, known, runs, shape, wrap):
         self.pixels = pixels
         self.source = source
         self.done = done
         self.known = known
+        self.runs = runs
         self.height, self.width = shape
         self.wrap_y, self.wrap_x = wrap
 

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from weftex.methods.graphcut.copies import copies_of
-from weftex.search.translation import correlations, fast_size
+from weftex.methods.graphcut.repeat_kernels import sum_over
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -50,14 +50,19 @@ class Sight:
         away = away.sum(axis=2) * usable
         mean = float(away.sum() / max(usable.sum(), 1))
         away = np.minimum(away / mean, _MOST) if mean else usable.astype(np.float64)
-        self.salience = np.rint(_LEVELS * away).astype(np.int64)
+        self.salience = np.rint(_LEVELS * away).astype(np.int32)
 
-    def again(self, pixel: tuple[int, int]) -> NDArray[np.float64]:
-        """For places that come to lie on a pixel, every `cell`-th both ways.
+    @property
+    def count(self) -> list[int]:
+        """How many cells there are along both axes."""
+        return [-(-n // self.cell) for n in self.shape]
+
+    def again(self, pixel: tuple[int, int], cells: NDArray[np.uint8]) -> NDArray[np.float64]:
+        """For the places of some cells that come to lie on a pixel; of others nothing is said.
 
         1 if all that is newly shown is shown once, at the same place, and at no other.
         """
-        count = [-(-n // self.cell) for n in self.shape]
+        count = self.count
         rows, columns = (
             self._line(axis, at, n * self.cell, self.holes[axis])
             for axis, (at, n) in enumerate(zip(pixel, count, strict=True))
@@ -72,13 +77,14 @@ class Sight:
         far = np.sqrt(np.square(away[0])[:, :, None] + np.square(away[1])[:, None])
         weights = np.maximum(np.rint(_WEIGHTS * (1 - far)), 0).astype(np.int64)
         near = weights.any(axis=(1, 2))
-        # Sums by where the corner of `missing` lies. Its middle lies a sample's length on.
-        height, width = (fast_size(n) for n in missing.shape)
-        pieces = np.concatenate([shown[near], self.salience[None]])
-        sums = np.roll(correlations(pieces, missing, (height, width)), count, (1, 2))
-        sums = sums[:, : count[0], : count[1]]
-        total = (weights[near] * sums[:-1]).sum(axis=0)
-        result: NDArray[np.float64] = total / np.maximum(_WEIGHTS * sums[-1], 1)
+        # Its middle, where a place may be, lies a sample's length from the corner of `missing`.
+        where, offset = missing.view(np.uint8), np.array(count, np.int32)
+        total, sums = np.zeros(count, np.int64), np.zeros((*count, 2), np.int64)
+        for piece, weight in zip(shown[near], weights[near], strict=True):
+            sum_over(piece, where, cells, offset, sums)
+            total += weight * sums[..., 0]
+        sum_over(self.salience, where, cells, offset, sums)
+        result: NDArray[np.float64] = total / np.maximum(_WEIGHTS * sums[..., 0], 1)
         return result
 
     def _line(
@@ -91,7 +97,7 @@ class Sight:
         inside = np.full(len(line), True) if wraps else (line >= ends[0]) & (line < ends[1])
         return away, line % n, inside
 
-    def _pieces(self, pixel: tuple[int, int]) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
+    def _pieces(self, pixel: tuple[int, int]) -> tuple[NDArray[np.int64], NDArray[np.int32]]:
         """The pieces in sight: how they are shifted as seen from the pixel, and what they show."""
         rows, columns = (
             self._line(axis, at, -(-int((1 + _FAR) * n) // self.cell) * self.cell, (0, m))
@@ -107,13 +113,23 @@ class Sight:
         width = 2 * int(abs(along).max(initial=0)) + 1
         number = down * width + along
         starts = np.flatnonzero(np.diff(number, prepend=number[:1] - 1))
-        found, run = np.unique(number[starts], return_inverse=True)
+        found, run = _different(number[starts])
         piece = np.repeat(run, np.diff(starts, append=len(number)))
         along = (found + width // 2) % width - width // 2
-        shown = np.zeros((len(found), *self.salience.shape), np.int64)
+        shown = np.zeros((len(found), *self.salience.shape), np.int32)
         y, x = (
             np.minimum(p // self.cell, n - 1)
             for p, n in zip((y, x), self.salience.shape, strict=True)
         )
         shown[piece, y, x] = self.salience[y, x]
         return np.stack([(found - along) // width, along]), shown
+
+
+def _different(numbers: NDArray[np.int64]) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
+    """The different numbers, sorted, and for each which it is; np.unique loads masked arrays."""
+    order = numbers.argsort()
+    again = numbers[order]
+    first = np.diff(again, prepend=again[:1] - 1) != 0
+    which = np.empty(len(numbers), np.int64)
+    which[order] = np.cumsum(first) - 1
+    return again[first], which

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 
 from weftex.methods.graphcut.copies import Copy, box_of, copies_of, places_in_full
+from weftex.methods.graphcut.kept import kept
 from weftex.methods.graphcut.places import (
     Matches,
     Place,
@@ -51,6 +52,28 @@ class Part(NamedTuple):
     copies: list[Copy]
 
 
+class Arranged(NamedTuple):
+    """A sample arranged for patches of one size."""
+
+    corners: NDArray[np.uint8]  # 1 where a patch's upper left corner may lie
+    reduction: int  # see `Placement`
+    copies: list[Copy]  # what is matched, so large that patches at all corners are whole
+    sample: list[Copy]
+    part: Part  # all of it
+
+
+def arranged_for(settings: Settings, size: tuple[int, int]) -> Arranged:
+    """Arrange a sample for patches of a size."""
+    exemplar = settings.exemplar
+    windows = windows_of(exemplar, (0, size[0] - 1, 0, size[1] - 1))
+    corners = windows.usable[: exemplar.shape[0], : exemplar.shape[1]]
+    reduction = settings.reduction_of(size, corners)
+    whole = Copy(windows.pixels, np.ones_like(windows.usable))  # windows at corners are whole
+    copies = copies_of(whole, reduction)
+    part = Part(0, 0, on_copies(corners, copies), copies)
+    return Arranged(corners, reduction, copies, sample_copies(settings, reduction), part)
+
+
 class SubPatchMatching:
     """Sub-patch matching: a patch of the canvas is looked for everywhere in the sample.
 
@@ -63,13 +86,19 @@ class SubPatchMatching:
         self.size = height, width = size_on_canvas(settings.patch_shape, growth)
         self.overlap = [min(settings.boundary_width, (n - 1) // 2) for n in self.size]
         exemplar = settings.exemplar
-        windows = windows_of(exemplar, (0, height - 1, 0, width - 1))
-        self.corners = windows.usable[: exemplar.shape[0], : exemplar.shape[1]]
-        self.reduction = settings.reduction_of(self.size, self.corners)
-        whole = Copy(windows.pixels, np.ones_like(windows.usable))  # windows at corners are whole
-        self.copies = copies_of(whole, self.reduction)
-        self.sample = sample_copies(settings, self.reduction)
+        arranged = kept(
+            settings.windows,
+            (*self.size, settings.halvings),
+            lambda: arranged_for(settings, self.size),
+        )
+        self.corners, self.reduction = arranged.corners, arranged.reduction
+        self.copies, self.sample = arranged.copies, arranged.sample
         self.on_canvas = Copy(growth.pixels, growth.done)
+        # Where the hole of a block of a plane ends.
+        self.ends: list[int] | None = None
+        if self.canvas.shown is not None:
+            missing = self.canvas.shown < 0
+            self.ends = [int(np.flatnonzero(missing.any(axis=1 - a))[-1]) + 1 for a in (0, 1)]
         self.repeats: Repeats | None = None
         if settings.variety > 0:
             near = _NEAR * height, _NEAR * width
@@ -77,7 +106,7 @@ class SubPatchMatching:
         self.sides = exemplar.shape
         self.whole: Part | None = None
         if exemplar.shape[0] * exemplar.shape[1] <= _MOST_PIXELS:
-            self.whole = Part(0, 0, on_copies(self.corners, self.copies), self.copies)
+            self.whole = arranged.part
         else:
             self.starts = np.flatnonzero(self.corners)
             self.sides = _sides_of_part(exemplar.shape, self.size)
@@ -155,9 +184,8 @@ class SubPatchMatching:
             pixel, self.size, self.overlap, self.canvas.shape, self.canvas.wrap, strict=True
         ):
             first = at - (size // 2 if centered else overlap)
-            if self.canvas.shown is not None and not centered:  # a block of a plane
-                missing = np.flatnonzero((self.canvas.shown < 0).any(axis=1 - len(corner)))
-                first = _evenly(at, int(missing[-1]) + 1, size, overlap)
+            if self.ends is not None and not centered:
+                first = _evenly(at, self.ends[len(corner)], size, overlap)
             corner.append(first if wraps else min(max(first, 0), n - size))
         return corner
 

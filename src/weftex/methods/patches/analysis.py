@@ -142,21 +142,24 @@ class PatchAnalysis:
         known : bool array (rows, columns)
             Pixels of the window that are on the canvas already.
         frozen : bool array (rows, columns), optional
-            Known pixels around a hole, which must stay. Such structures are each asked once and
-            not kept.
+            Known pixels which must stay: around a hole, where structures are each asked once and
+            not kept, or a part of those that lie along the window's sides.
         width : int
             Boundary width w_E.
         often : bool
             Many patches will ask, so that an analysis pays.
         """
-        key = (known.shape, known.tobytes(), width, often)
-        if frozen is None and key in self._structures:
+        of_hole = frozen is not None and not often
+        stays = b"" if frozen is None else frozen.tobytes()
+        key = (known.shape, known.tobytes(), width, often, stays)
+        if not of_hole and key in self._structures:
             return self._structures[key]
         settings = self.settings
         zone = boundary_zone(
             known,
             width,
             frozen=frozen,
+            outlines=of_hole,
             block_side=self.block_side,
             most_blocks=max(16, _MOST_NUMBERS // self.pixels.shape[2]),
             paste=settings.blend == "none",
@@ -171,7 +174,7 @@ class PatchAnalysis:
             variance=settings.variance,
             often=often,
         )
-        if frozen is None:
+        if not of_hole:
             self._structures[key] = structure
         return structure
 

@@ -144,7 +144,7 @@ class PatchModel(Model):
             from weftex.planes.corners import Pieces  # looks for lattices: only when needed
 
             self._pieces = Pieces(self.exemplar, analysis.windows(side, side)[0])
-        order = partial(plan.order, width=width, seed=asked.seed, pieces=self._pieces)
+        order = partial(plan.order, seed=asked.seed, pieces=self._pieces)
         canvas, method = Canvas(*plan.frame_shape), self._settled(settings)
         output = Output(analysis, canvas, asked.seed, asked.threads, progress, order)
         self._cover(output, method)

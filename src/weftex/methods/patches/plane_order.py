@@ -2,22 +2,24 @@
 
 The plane has the grid of patches of Fig. 3 (a). Every few patches both ways there is a node::
 
-    o + - o + -
-    + . . + . .     o  a node: any place of the sample
-    | . . | . .     +  beside it; these three are a corner, and hang on nothing else
-    o + - o + -     -  an edge across, |  down: hang on the corners at their ends
-    + . . + . .     .  inside, in scan order: hang on the corners and edges around
+    o - - o - -
+    | . . | . .     o  a node: any place of the sample
+    | . . | . .     -  an edge across, |  down: hang on the nodes at their ends
+    o - - o - -     .  inside, in scan order: hang on the nodes and edges around
+    | . . | . .
     | . . | . .
 
-A patch is laid as any other: beside every neighbor that it may hang on it has a boundary zone. What
-a window hangs on is found by going back from the patches that show in it. The closer the nodes are,
-the less is laid for a window that does not show in it.
+A patch is laid as any other: beside every neighbor that it may hang on it has a boundary zone.
+Where an edge across and one down overlap, beside a node, both leave what the node shows: so neither
+hangs on the other, and the patch inside that comes there last sees all three. What a window hangs
+on is found by going back from the patches that show in it. The closer the nodes are, the less is
+laid for a window that does not show in it.
 """
 
 from __future__ import annotations
 
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cached_property, lru_cache
 from itertools import pairwise
 from typing import TYPE_CHECKING
 
@@ -37,7 +39,7 @@ if TYPE_CHECKING:
     Ints = NDArray[np.int64]
 
 CORNER, ACROSS, DOWN, INSIDE = range(4)
-_PITCH, _FEWEST, _MOST = 160, 3, 8  # pixels, or so many patches, from one node to the next
+_PITCH, _FEWEST, _MOST = 144, 3, 8  # pixels, or so many patches, from one node to the next
 _REACH = 2  # patches around that should not be repeated
 _AROUND = [
     (i, j)
@@ -91,9 +93,8 @@ class PatchAxis:
         """Numbers of all patches that a span may hang on, and which of them show in it."""
         first = self.patches.last_before(span.first - self.window) + 1
         stop = self.patches.last_before(span.last - 1) + 1
-        node = self.nodes.last_before(first - 1)
-        low = self.nodes.node(node - 1)  # edges down hang on edges of the block before
-        high = self.nodes.node(self.nodes.last_before(stop + 1) + 1) + _REACH + 1
+        low = self.nodes.node(self.nodes.last_before(first)) - 1
+        high = self.nodes.node(self.nodes.last_before(stop - 1) + 1) + 2
         return np.arange(low, high), slice(first - low, stop - low)
 
 
@@ -143,18 +144,15 @@ class PlaneOrder:
             _gaps(axis, line) for axis, line in zip(self.axes, self.numbers, strict=True)
         )
         y, x = after_y[:, None], after_x
-        kinds = [y + x <= 1, y + 0 * x == 0, x + 0 * y == 0]
-        self.kind = np.select(kinds, [CORNER, ACROSS, DOWN], INSIDE)
+        self.kind = np.where(y > 0, np.where(x > 0, INSIDE, DOWN), np.where(x > 0, ACROSS, CORNER))
         self.block = np.stack([self.kind, gap_y[:, None] + 0 * x, gap_x + 0 * y])
-        # The node first, then right, then below; the rest in scan order.
-        in_corner = 2 * y + x
-        self.turn = self.kind * _TURN + np.where(kinds[0], in_corner, y * (_TURN >> 10) + x)
+        self.turn = self.kind * _TURN + y * (_TURN >> 10) + x
 
     @cached_property
     def hangs_on(self) -> NDArray[np.bool_]:
         """For each patch and each of those around: whether it may hang on that: (n, rows, columns).
 
-        On earlier ones of its own block and of corners; inside, of edges too. Farther ones, which
+        On earlier ones of its own block and on nodes; inside, on edges too. Farther ones, which
         it should not repeat, are those that it hangs on by one between.
         """
         result = np.zeros((len(_AROUND), *self.shape), bool)
@@ -164,7 +162,7 @@ class PlaneOrder:
             own, its = (slice(None), own_y, own_x), (slice(None), its_y, its_x)
             kind, other = self.kind[own[1:]], self.kind[its[1:]]
             same = (self.block[own] == self.block[its]).all(axis=0)
-            lower = other < kind
+            lower = (other < kind) & ((kind == INSIDE) | (other == CORNER))
             earlier = same & (self.turn[its[1:]] < self.turn[own[1:]])
             result[k][own[1:]] = lower | earlier
         for first, second, k in _TWO_STEPS:
@@ -188,22 +186,20 @@ class PlaneOrder:
                 flat[(own + steps[:, None])[hangs[:, own]]] = True
         return needed
 
-    def order(self, zones: Zones, width: int, seed: int, pieces: Pieces) -> Order:
+    def order(self, zones: Zones, seed: int, pieces: Pieces) -> Order:
         """The patches in their order, on a frame that begins with the first of them.
 
         Parameters
         ----------
         zones : Zones
             Numbers the boundary zones.
-        width : int
-            Of the boundary, in pixels.
         seed : int
             Of the plane.
         pieces : Pieces
             Places of the sample for patches at nodes.
         """
         y, x = np.nonzero(self.needed)
-        zone = self._zones(zones, width, y, x)
+        zone = self._zones(zones, y, x)
         ordered = np.lexsort((x, y, zone, self.turn[y, x]))
         y, x, zone = y[ordered], x[ordered], zone[ordered]
         turn = self.turn[y, x]
@@ -214,12 +210,14 @@ class PlaneOrder:
             for axis, line in zip(self.axes, self.numbers, strict=True)
         ]
         bits = draw(seed, "patch", names[0][y], names[1][x])
-        for k in np.flatnonzero(turn == 0).tolist():
-            bits[k] = self._bits(int(y[k]), int(x[k]), seed, pieces)
-        around = np.full((len(y), len(_AROUND)), -1, np.int32)
-        for k, (i, j) in enumerate(_AROUND):
-            hangs = np.flatnonzero(self.hangs_on[k, y, x])
-            around[hangs, k] = number[y[hangs] + i, x[hangs] + j]
+        nodes = turn == 0
+        bits[nodes] = self._bits(y[nodes], x[nodes], seed, pieces)
+        i, j = np.array(_AROUND).T[:, :, None]
+        rows, columns = (
+            (at + by).clip(0, n - 1) for at, by, n in zip((y, x), (i, j), self.shape, strict=True)
+        )
+        around = np.where(self.hangs_on[:, y, x], number[rows, columns], np.int32(-1))
+        around = np.ascontiguousarray(around.T)
         corners = np.stack([self.starts[0][y], self.starts[1][x]], axis=1) - self.corner
         changes = np.flatnonzero((np.diff(zone) != 0) | (np.diff(turn) != 0)) + 1
         ends = [0, *changes.tolist(), len(y)]
@@ -238,14 +236,20 @@ class PlaneOrder:
             parallel=len(y) >= _THREADS_FROM,
         )
 
-    def _bits(self, y: int, x: int, seed: int, pieces: Pieces) -> int:
-        """Bits by which the kernel draws the place that a patch at a node is to show."""
-        block, starts = self.block[1:, y, x].tolist(), [self.starts[0][y], self.starts[1][x]]
-        row, column = (axis.nodes.name(n) for axis, n in zip(self.axes, block, strict=True))
-        v, u = pieces.pick(seed, (row, column), (int(starts[0]), int(starts[1])))
+    def _bits(self, y: Ints, x: Ints, seed: int, pieces: Pieces) -> NDArray[np.uint64]:
+        """Bits by which the kernel draws the places that patches at nodes are to show."""
+        names, at = [], []  # the same for every time around
+        for axis, blocks, line, k in zip(
+            self.axes, self.block[1:, y, x], self.numbers, (y, x), strict=True
+        ):
+            names.append([axis.nodes.name(n) for n in blocks.tolist()])
+            at.append([axis.patches.node(axis.patches.name(n)) for n in line[k].tolist()])
+        v, u = pieces.pick(seed, np.array(names, np.int64).T, np.array(at, np.int64).T).T
         numbers = pieces.numbers
-        at, count = int(numbers[v, u]), int(numbers[-1, -1]) + 1
-        return ((at << 32) // count + 1) << 32
+        count = int(numbers[-1, -1]) + 1
+        share = (numbers[v, u] << 32) // count + 1
+        bits: NDArray[np.uint64] = share.astype(np.uint64) << np.uint64(32)
+        return bits
 
     @property
     def corner(self) -> tuple[int, int]:
@@ -261,35 +265,55 @@ class PlaneOrder:
         last = int(self.starts[0][rows[-1]]), int(self.starts[1][columns[-1]])
         return last[0] - top + self.axes[0].window, last[1] - left + self.axes[1].window
 
-    def _zones(self, zones: Zones, width: int, y: Ints, x: Ints) -> Ints:
+    def _zones(self, zones: Zones, y: Ints, x: Ints) -> Ints:
         """The number of each patch's boundary zone."""
         bits = np.zeros(len(y), np.int64)
         for k in _TOUCHING:
-            bits = 2 * bits + self.hangs_on[k][y, x]
-        below, right = (
-            np.append(np.diff(start), 0)[k] for start, k in zip(self.starts, (y, x), strict=True)
-        )
-        keys = np.stack([bits, below, right])
-        every, which = np.unique(keys, axis=1, return_inverse=True)
+            i, j = _AROUND[k]
+            crossing = self.kind[y, x] * self.kind[y + i, x + j] == ACROSS * DOWN
+            bits = 4 * bits + 2 * crossing + self.hangs_on[k][y, x]
+        keys = [bits]
+        for start, at, axis in zip(self.starts, (y, x), self.axes, strict=True):
+            keys += [axis.window - (start[at] - start[at - 1]), start[at + 1] - start[at]]
+        code = np.zeros(len(y), np.int64)
+        for key in keys:
+            values, which = np.unique(key, return_inverse=True)
+            code = code * len(values) + which
+        first, which = np.unique(code, return_index=True, return_inverse=True)[1:]
+        window = self.axes[0].window, self.axes[1].window
         numbers = [
-            zones.number(self._known((key[0], key[1], key[2]), width), often=True)
-            for key in every.T.tolist()
+            zones.number(*known_of(window, *(int(key[k]) for key in keys)), often=True)
+            for k in first.tolist()
         ]
-        return np.array(numbers, np.int64)[which.ravel()]
+        return np.array(numbers, np.int64)[which]
 
-    def _known(self, key: tuple[int, int, int], width: int) -> NDArray[np.bool_]:
-        """What of a patch is there already: by bits for those around, and where the next begin."""
-        bits, below, right = key
-        known = np.zeros([axis.window for axis in self.axes], bool)
-        lines = {-1: slice(0, width), 0: slice(None)}
-        for k in reversed(_TOUCHING):
-            if bits & 1:
-                i, j = _AROUND[k]
-                rows = slice(below, None) if i == 1 else lines[i]
-                columns = slice(right, None) if j == 1 else lines[j]
-                known[rows, columns] = True
-            bits >>= 1
-        return known
+
+@lru_cache(maxsize=256)
+def known_of(
+    window: tuple[int, int], bits: int, above: int, below: int, left: int, right: int
+) -> tuple[NDArray[np.bool_], NDArray[np.bool_] | None]:
+    """What of a patch is there already, and what of it must stay.
+
+    Parameters
+    ----------
+    window : (int, int)
+        Height and width of patches.
+    bits : int
+        Which of those around it hangs on, and which are edges that cross it.
+    above, left : int
+        How far the patches before reach into it.
+    below, right : int
+        Where the next ones begin.
+    """
+    known, stays = np.zeros((2, *window), bool)
+    rows = {-1: slice(0, above), 0: slice(None), 1: slice(below, None)}
+    columns = {-1: slice(0, left), 0: slice(None), 1: slice(right, None)}
+    for k in reversed(_TOUCHING):
+        i, j = _AROUND[k]
+        known[rows[i], columns[j]] |= bool(bits & 1)
+        stays[rows[i], columns[j]] |= bool(bits & 2)
+        bits >>= 2
+    return known, stays if stays.any() else None
 
 
 def _gaps(axis: PatchAxis, line: Ints) -> tuple[Ints, Ints]:

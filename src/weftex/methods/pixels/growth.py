@@ -88,9 +88,10 @@ class Growth:
     def show(self, where: NDArray[np.bool_]) -> None:
         """Begin with what the canvas shows at some pixels."""
         assert self.canvas.shown is not None
-        source = self.windows.from_sample(self.canvas.shown[where])
-        self.source[where] = source
-        self.pixels[where] = self.windows.pixels.reshape(-1, self.pixels.shape[2])[source]
+        source = self.windows.from_sample(np.maximum(self.canvas.shown, 0))
+        pixels = self.windows.pixels.reshape(-1, self.pixels.shape[2]).take(source, axis=0)
+        np.copyto(self.source, source, where=where)
+        np.copyto(self.pixels, pixels, where=where[..., None])
         self.done[where] = 1
 
     @property

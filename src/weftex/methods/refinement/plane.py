@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 
 from weftex.methods.refinement.levels import CoherentLevel
-from weftex.methods.refinement.output import Output, sources_of_children, sources_shown
+from weftex.methods.refinement.output import Output, sources_of_children
 from weftex.methods.refinement.start import start_window
 from weftex.methods.refinement.sweeps import BlockSweep
 from weftex.planes.boxes import Box, Span, around
@@ -57,17 +57,17 @@ def refined_window(
     levels, coarsest = prepared.levels, len(prepared.levels) - 1
     parts = parts_of(levels, box, asked)
     begun = _finer(parts[-1].box, coarsest)
-    flat = start_window(prepared.starts, begun, asked)
+    step = 1 << coarsest
+    flat = start_window(prepared.starts, begun, asked, step)
     assert flat is not None
-    start = np.stack(np.divmod(flat, np.int32(exemplar.shape[1])), axis=-1)
+    start = np.divmod(flat, np.int32(exemplar.shape[1]))
 
     def preview() -> NDArray[Any]:
-        y, x = np.moveaxis(start[box.within(begun)], -1, 0)
-        shown: NDArray[Any] = exemplar.pixels[y, x]
-        return shown
+        shown: NDArray[Any] = exemplar.pixels[start].repeat(step, 0).repeat(step, 1)
+        return shown[box.within(begun)]
 
     progress = Progress(callback, sum(len(part.blocks) for part in parts), "blocks", preview)
-    source = sources_shown(start, coarsest, levels[-1])
+    source = levels[-1].at(*start)
     output = _begun(levels[-1], coarsest, source)
     with thread_map(asked.threads) as each:
         for number in range(coarsest, -1, -1):

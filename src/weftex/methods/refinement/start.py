@@ -103,8 +103,13 @@ def result_of(
     raise InvalidInputError(f"init: {failure}")
 
 
-def start_window(starts: dict[str, Model], box: Box, asked: Asked) -> NDArray[np.int32] | None:
+def start_window(
+    starts: dict[str, Model], box: Box, asked: Asked, step: int = 1
+) -> NDArray[np.int32] | None:
     """Return flat indices of what the first start's plane shows in a box; None without a start.
+
+    Of every `step`-th row and column: where patches are mixed, to say what each pixel shows takes
+    longer than to lay them.
 
     The next start is that of planes whose period would strain the first one's lattice visibly.
     """
@@ -113,7 +118,13 @@ def start_window(starts: dict[str, Model], box: Box, asked: Asked) -> NDArray[np
     start, *others = starts.values()
     if others and asked.period is not None and is_strained(start, Around(*asked.period)):
         start = others[0]
-    source = start.make_window(box, asked).source
+    made = start.make_window(box, asked)
+    if step == 1:
+        source = made.source
+    else:
+        width = box.shape[1]
+        rows = [made.layers((y, 0, 1, width))[0][0] for y in range(0, box.shape[0], step)]
+        source = np.stack([row[::step, 0] for row in rows])
     return source[..., 0] * np.int32(start.exemplar.shape[1]) + source[..., 1]
 
 
