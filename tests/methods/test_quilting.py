@@ -66,7 +66,8 @@ def test_no_tolerance_takes_the_best(rng):
     ]
     # With as many candidates as windows the low resolution loses none.
     wide = weftex.Quilting(
-        patch_size=6, boundary_width=2, tolerance=0.0, repeat_distance=0, variety=0, search="quadtree",
+        patch_size=6, boundary_width=2, tolerance=0.0,
+        repeat_distance=0, variety=0, search="quadtree",
         candidates=169,
     ).fit(weftex.Exemplar(sample))  # fmt: skip
     exact = models[0].sample(40, seed=2)
