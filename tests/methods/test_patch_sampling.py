@@ -252,12 +252,30 @@ def test_masks_that_leave_no_window_on_the_coarse_grid(rng):
     assert mask[result.source[..., 0], result.source[..., 1]].all()
 
 
+@pytest.mark.parametrize("method", [weftex.PatchSampling, weftex.Quilting])
+def test_places_come_again_less_often_in_line_and_in_sight(method):
+    """What is laid again within half a sample, and within 4 pixels of a row or column of it."""
+    sample = weftex.load_exemplar("sample:pebbles")
+
+    def again(variety):
+        laid = method(patch_size=40, variety=variety).fit(sample).sample(640, seed=1).placements
+        corner, source = laid[:, :2], laid[:, 2:4]
+        apart = source[:, None] - source
+        away = np.abs(corner[:, None] - corner - apart)
+        shared = np.maximum(40 - np.abs(apart), 0).prod(axis=2) * (away > 4).any(axis=2)
+        sight = (away < min(sample.shape) // 2).all(axis=2)
+        return shared[(away <= 4).any(axis=2)].sum(), shared[sight].sum()
+
+    for kept, paper in zip(again(1.0), again(0.0), strict=True):
+        assert kept < 0.8 * paper
+
+
 def test_sources_nearby_keep_their_distance(rng):
     """repeat_distance: what lies within two patches does not show the same thing again."""
     exemplar = weftex.load_exemplar("sample:pebbles")
 
     def repeats(distance):
-        method = weftex.PatchSampling(patch_size=24, repeat_distance=distance)
+        method = weftex.PatchSampling(patch_size=24, repeat_distance=distance, variety=0.0)
         placements = method.fit(exemplar).sample((400, 400), seed=2).placements
         at, source = placements[:, :2], placements[:, 2:4]
         count = total = 0

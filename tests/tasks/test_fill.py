@@ -12,6 +12,7 @@ import families
 import weftex
 from families import noise
 from weftex.tasks import region
+from weftex.tasks.auto.rule import choose_for_hole
 
 METHODS = [slug for slug in families.METHODS if "hole" in families.kinds_of(slug)]
 
@@ -285,20 +286,42 @@ def test_progress_can_cancel():
 
 
 def test_joints_of_a_sure_lattice_go_on():
-    """By default near-regular fills where the photo has a lattice, and graph cuts among things."""
+    """By default pieces are shifted by the lattice of a photo, and are cut among things."""
     photo = weftex.load_exemplar("sample:tiles").pixels[:240, :250]
     hole = np.zeros(photo.shape[:2], bool)
     hole[90:150, 110:170] = True
     made = weftex.fill(photo, hole, seed=1).provenance
-    assert made["method"] == "near-regular" and "lattice" in made["reason"]
+    assert made["method"] == "graphcut" and "lattice" in made["reason"] and made["lattice"]
     for asked in ({"method": "patch-sampling"}, {"patch_size": 20}):
         assert weftex.fill(photo, hole, seed=1, **asked).provenance["method"] == "patch-sampling"
     canvas = weftex.Canvas(240, 250, known=photo, hole=hole, known_from=(0, 0))
     model = weftex.Auto().fit(weftex.Exemplar(photo, mask=~hole))
-    assert model.sample(canvas, seed=1).provenance["method"] == "near-regular"
+    assert model.sample(canvas, seed=1).provenance["method"] == "graphcut"
     leaves = weftex.load_exemplar("sample:leaves").pixels[:180, :190]
     for photo, method in ((leaves, "graphcut"), (noise((180, 190)), "patch-sampling")):
         assert weftex.fill(photo, hole[:180, :190], seed=1).provenance["method"] == method
+
+
+def test_rows_go_on():
+    """Ribs keep their places, and their width, through a hole."""
+    ribs = np.where(np.arange(200) % 25 < 6, 60, 180)
+    photo = (ribs + noise((160, 200, 1))[..., 0] % 24).astype(np.uint8)
+    hole = np.zeros(photo.shape, bool)
+    hole[50:110, 60:130] = True
+    result = weftex.fill(photo, hole, seed=1)
+    assert (
+        result.provenance["method"] == "graphcut" and "distance 25" in result.provenance["reason"]
+    )
+    assert abs(result.image - (ribs + 12.0)).max() < 20
+
+
+def test_large_photos_are_filled_by_blocks_of_the_lattice():
+    """All of the pixels around a hole are laid over it only where there are few."""
+    photo = np.tile(weftex.load_exemplar("sample:tiles").pixels[:204, :249], (3, 3, 1))
+    hole = np.zeros(photo.shape[:2], bool)
+    hole[250:330, 300:400] = True
+    canvas = weftex.Canvas(*hole.shape, known=photo, hole=hole, known_from=(0, 0))
+    assert choose_for_hole(weftex.Exemplar(photo, mask=~hole), canvas).method == "near-regular"
 
 
 @pytest.mark.parametrize("method", ["patch-sampling", "quilting", "graphcut", "near-regular"])

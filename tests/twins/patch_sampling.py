@@ -18,6 +18,8 @@ from twins.windows import rectangle, usable
 
 #: A source that repeats nothing may have this times the squared distance of one that does.
 VARIETY = 1.7
+#: One that is taken for what it does not show again, this times the best one's.
+CLOSE = 1.25
 
 
 #: Patches of a hole that one more should not repeat: so many, the latest laid.
@@ -40,7 +42,15 @@ def similarity_weights(distances, d_max):
     return alpha / alpha.sum()
 
 
-def choose(keys, marks, energy, bits, *, epsilon=None, tolerance=None, similarity=False):
+#: So many patches away others are seen, and so many in the same row or column of the grid.
+SIGHT, IN_LINE = 5, 16
+#: Patches that a thread lays at a time: more of the row above may not be there yet.
+PIECE = 16
+
+
+def choose(
+    keys, marks, energy, bits, *, epsilon=None, tolerance=None, similarity=False, dearer=None
+):
     """Index of the candidate drawn.
 
     Parameters
@@ -53,6 +63,8 @@ def choose(keys, marks, energy, bits, *, epsilon=None, tolerance=None, similarit
         A d_max**2 / epsilon**2.
     epsilon, tolerance : float
         One of the two: the rule of patch-based sampling or that of image quilting.
+    dearer : callable, optional
+        By what share of its cost a candidate is dearer for what it shows again.
     """
 
     def limit(best):
@@ -73,6 +85,14 @@ def choose(keys, marks, energy, bits, *, epsilon=None, tolerance=None, similarit
     bound = limit(keys[best])
     if fresh and keys[nearest(fresh)] <= VARIETY * keys[best]:
         eligible, best = fresh, nearest(fresh)
+        bound = limit(keys[best])
+    if dearer is not None:
+        every = [keys[i] for i in everything if marks[i] != "continues"] or keys
+        most = max(min(CLOSE * keys[best], VARIETY * min(every)), bound)
+        eligible = [i for i in eligible if keys[i] <= most]
+        fair = 0.0 if epsilon is None else bound
+        keys = {i: keys[i] + dearer(i) * max(keys[i], fair, 1.0) for i in eligible}
+        best = nearest(eligible)
         bound = limit(keys[best])
     matching = [i for i in eligible if within(i, bound)]
     if not matching:
@@ -111,6 +131,63 @@ def mark_repeats(corner, places, around, reach, leave):
                 break
         marks.append(mark)
     return marks
+
+
+def around(away, n, turns):
+    """The shortest way to a place, on an axis of n that goes around or does not."""
+    return min((away + k * n for k in ((0, -1, 1) if turns else (0,))), key=abs)
+
+
+def shown_again(corner, source, seen, window, canvas, exemplar):
+    """How much of a patch is shown already, in patches: the nearer the more, and more in line.
+
+    `seen` lists (y, x, source y, source x) of earlier patches.
+    """
+    total = 0.0
+    for y, x, *place in seen:
+        apart = [
+            around(a - b, n, exemplar.tileable)
+            for a, b, n in zip(source, place, exemplar.shape, strict=True)
+        ]
+        shared = [max(0, side - abs(d)) for side, d in zip(window, apart, strict=True)]
+        away = [
+            around(a - b - d, n, wrap)
+            for a, b, d, n, wrap in zip(
+                corner, (y, x), apart, canvas.shape, canvas.wrap, strict=True
+            )
+        ]
+        if away == [0, 0]:
+            continue  # it goes on as in the sample
+        weight = max(0.0, 1 - math.sqrt(away[0] ** 2 + away[1] ** 2) / (4.5 * max(window)))
+        if any(16 * abs(d) <= side for d, side in zip(away, window, strict=True)):
+            weight += 0.5
+        total += weight * (shared[0] * shared[1])
+    return min(total / (window[0] * window[1]), 4.0)
+
+
+def seen_from(step, laid, shape, wrap):
+    """What a patch of the grid sees: near it, or in line, and laid before it in any order.
+
+    `laid` has the placements by steps (row, column); in the kernel's order of adding up.
+    """
+    near, far = range(-SIGHT, SIGHT + 1), range(SIGHT + 1, IN_LINE + 1)
+    away = [(i, j) for i in near for j in near]
+    away += [(k, 0) for k in far] + [(-k, 0) for k in far]
+    away += [(0, k) for k in far] + [(0, -k) for k in far]
+    found = []
+    for by in away:
+        if any(
+            w and not -(n // 2) <= d < n - n // 2 for d, n, w in zip(by, shape, wrap, strict=True)
+        ):
+            continue
+        i, j = (
+            (at + d) % n if w else at + d for at, d, n, w in zip(step, by, shape, wrap, strict=True)
+        )
+        up, right = step[0] - i, j - step[1]
+        finished = up > 0 and (wrap[1] or right <= (up - 1) * PIECE + up)
+        if (finished or (up == 0 and right < 0)) and (i, j) in laid:
+            found.append(laid[i, j])
+    return found
 
 
 def patch_starts(length, size, overlap, wrap):
@@ -185,20 +262,36 @@ def sample_exhaustive(exemplar, method, canvas, seed, *, corners=None, finish=Tr
             marks = [""] * len(places)
             if method.repeat_distance > 0 and not pixelwise:
                 if holes:
-                    around = laid_nearby(corner, placements, window)
+                    nearby = laid_nearby(corner, placements, [2 * side for side in window], NEARBY)
                 else:
                     steps = _grid_steps(method, canvas)
                     grid = dict(zip(steps, placements, strict=False))
                     asked = [(step[0] + a, step[1] + b) for a, b in AROUND]
-                    around = [grid[k] for k in asked if k in grid]
+                    nearby = [grid[k] for k in asked if k in grid]
                 marks = mark_repeats(
                     corner,
                     places,
-                    around,
+                    nearby,
                     round(method.repeat_distance * size),
                     int(bits) & 1,
                 )
-            chosen = choose(keys, marks, int((wanted**2).sum()), bits, **rule)
+            dearer = None
+            if method.variety > 0 and not pixelwise:
+                if holes:
+                    reach = [SIGHT * side for side in window]
+                    seen = laid_nearby(corner, placements, reach, 82)
+                else:
+                    steps = _grid_steps(method, canvas)
+                    shape = [n + 1 for n in steps[-1]]
+                    grid = dict(zip(steps, placements, strict=False))
+                    seen = seen_from(step, grid, shape, canvas.wrap)
+
+                def dearer(i, corner=corner, seen=seen):
+                    again = shown_again(corner, places[i], seen, window, canvas, exemplar)
+                    return method.variety * again
+
+            energy = int((wanted**2).sum())
+            chosen = choose(keys, marks, energy, bits, dearer=dearer, **rule)
         source = places[chosen]
         weights = zone_weights(
             known, width, frozen[here] & inside if holes else None, method.blend == "none"
@@ -229,14 +322,14 @@ def sample_exhaustive(exemplar, method, canvas, seed, *, corners=None, finish=Tr
     return placements, _finish(exemplar, canvas, records) if finish else None
 
 
-def laid_nearby(corner, placements, window):
-    """In a hole: the latest few patches whose corners are within two windows along both axes."""
+def laid_nearby(corner, placements, reach, most):
+    """In a hole: the latest few patches whose corners are nearer than that along both axes."""
     near = [
         p
         for p in placements
-        if abs(p[0] - corner[0]) < 2 * window[0] and abs(p[1] - corner[1]) < 2 * window[1]
+        if abs(p[0] - corner[0]) < reach[0] and abs(p[1] - corner[1]) < reach[1]
     ]
-    return near[-NEARBY:]
+    return near[-most:]
 
 
 def zone_width(method, canvas):

@@ -73,10 +73,10 @@ def fill(
         Take patches from this instead of the photo; of the photo's dtype and channels, with maps
         of the same roles.
     method : str or Method
-        A name in `weftex.METHODS`, or a method with its parameters. By default `near-regular` where
-        the photo around the holes surely has a lattice, as tiles and bricks have, `graphcut` in a
-        photo of up to 512x512 that shows things as large as a twelfth of it, else `patch-sampling`,
-        which parameters belong to; the result's `provenance` says why.
+        A name in `weftex.METHODS`, or a method with its parameters. By default `graphcut` in a
+        photo of up to 512x512 that surely has a lattice or rows, as tiles and boards have, or that
+        shows things as large as a twelfth of it; `near-regular` in a larger one with a lattice;
+        else `patch-sampling`, which parameters belong to; the result's `provenance` says why.
     overlap : int
         So many pixels around the holes may change too: the boundary between photo and filling is
         then cut where they differ least, so that it does not follow the outline of the mask.

@@ -11,6 +11,7 @@ import numpy as np
 from weftex.canvas import Canvas
 from weftex.errors import InvalidInputError
 from weftex.methods.patches import patch_kernels as _kernels
+from weftex.methods.patches import sight_kernels
 from weftex.methods.patches.analysis import PatchAnalysis, Zones
 from weftex.methods.patches.scan_order import Order, Run, scan_patches, scan_pixels
 from weftex.methods.patches.settings import Frame, frame_of
@@ -147,6 +148,7 @@ class Output:
                 all_placements=self.placements,
                 around=self.order.around[here],
                 given=structure.ask_tree(self.pixels, y, x),
+                sight=self._sight(here),
             )
             zone, search = structure.kernel_zone, structure.kernel_search
             top, left = (at - over for at, over in zip((y, x), self.frame.margin, strict=True))
@@ -161,6 +163,19 @@ class Output:
                     "patch", output=self, number=first, before=before, zone=structure.zone,
                     errors=room["keys"], places=room["places"], columns=structure.usable.shape[1],
                 )  # fmt: skip
+
+    def _sight(self, here: slice) -> Any:
+        """What the patches of a run see of those laid before them."""
+        frame, exemplar = self.frame, self.analysis.exemplar
+        around = (exemplar.tileable,) * 2
+        turning = [
+            np.where(wraps, shape, 0).astype(np.int32)
+            for wraps, shape in ((frame.canvas.wrap, frame.shape), (around, exemplar.shape))
+        ]
+        window = np.array(frame.window, np.int32)
+        return sight_kernels.Sight(
+            self.settings.variety, self.placements, self.order.seen[here], window, *turning
+        )
 
     def weights(self) -> NDArray[np.uint16]:
         """Weight of every zone's new pixels in 1/256: (zones, rows, columns)."""
@@ -200,6 +215,7 @@ def room_for(analysis: PatchAnalysis, frame: Frame) -> dict[str, NDArray[Any]]:
         "query": np.empty(numbers, np.uint8),
         "means": np.empty(numbers, np.int32),
         "coordinates": np.empty(numbers, np.int16),
+        "costs": np.empty(room, np.float64),
         "barred": np.empty(room, np.uint8),
         "cost": np.empty((max(window), depth), np.int64),
     }

@@ -3,6 +3,7 @@
 
 import cython
 from cython.cimports.libc.math import sqrt
+from cython.cimports.weftex.methods.patches.sight_kernels import Sight, shown_again
 from cython.cimports.weftex.results.paste_kernels import Layout, View, paste
 from cython.cimports.weftex.seams.band_kernels import cut_bands
 from cython.cimports.weftex.search.zone_kernels import distance, gather
@@ -19,9 +20,13 @@ from cython.cimports.weftex.search.zone_search_kernels import (
 # A patch that repeats nothing may have this times the squared distance of one that does.
 VARIETY = cython.declare(cython.double, 1.7)
 
-# Marks of `bar_repeats`.
+# No patch is taken for what it does not show again that has more than this times the best's.
+CLOSE = cython.declare(cython.double, 1.25)
+
+# Marks of `bar_repeats` and `weigh`.
 REPEATS = cython.declare(cython.int, 1)
 CONTINUES = cython.declare(cython.int, 2)
+DEARER = cython.declare(cython.int, 3)
 
 
 @cython.cclass
@@ -74,6 +79,8 @@ class Patches:
         repeat; -1 for none.
     given : int32 array (candidates,)
         Windows that a kd-tree found, for a run of one patch.
+    sight : Sight
+        What of the patches laid before is not to be shown again.
     """
 
     placements: cython.int[:, ::1]
@@ -83,8 +90,9 @@ class Patches:
     all_placements: cython.const[cython.int][:, ::1]
     around: cython.const[cython.int][:, ::1]
     given: cython.const[cython.int][::1]
+    sight: Sight
 
-    def __init__(self, placements, cuts, layout, bits, all_placements, around, given):
+    def __init__(self, placements, cuts, layout, bits, all_placements, around, given, sight):
         self.placements = placements
         self.cuts = cuts
         self.layout = layout
@@ -92,17 +100,23 @@ class Patches:
         self.all_placements = all_placements
         self.around = around
         self.given = given
+        self.sight = sight
 
 
 @cython.cclass
 class Scratch(Candidates):
-    """Room for one patch at a time: its candidates, which of them are barred, and its cuts."""
+    """Room for one patch at a time: its candidates, their costs, which are barred, and its cuts.
 
+    A candidate costs its squared distance, and more for what it shows again.
+    """
+
+    costs: cython.double[::1]
     barred: cython.uchar[::1]
     cost: cython.longlong[:, ::1]
 
-    def __init__(self, barred, cost, **candidates):
+    def __init__(self, costs, barred, cost, **candidates):
         Candidates.__init__(self, **candidates)
+        self.costs = costs
         self.barred = barred
         self.cost = cost
 
@@ -110,8 +124,8 @@ class Scratch(Candidates):
 @cython.cfunc
 @cython.nogil
 @cython.exceptval(check=False)
-def limit_of(energy: cython.longlong, best: cython.longlong, rule: Rule) -> cython.double:
-    """The largest squared distance of the set: by the canvas's energy or by the best candidate.
+def limit_of(energy: cython.longlong, best: cython.double, rule: Rule) -> cython.double:
+    """The largest cost of the set: by the canvas's energy or by the best candidate.
 
     Both are A d**2: `energy` is the sum of squares whose mean is in d_max of section 2.4.
     """
@@ -124,64 +138,109 @@ def limit_of(energy: cython.longlong, best: cython.longlong, rule: Rule) -> cyth
 @cython.inline
 @cython.nogil
 @cython.exceptval(check=False)
-def in_set(key: cython.longlong, limit: cython.double, rule: Rule) -> cython.bint:
+def in_set(cost: cython.double, limit: cython.double, rule: Rule) -> cython.bint:
     """Whether a candidate is in Psi_B, eq. (1); of the best, itself included, or of d_max."""
-    return key < limit or (rule.of_best and key <= limit)
+    return cost < limit or (rule.of_best and cost <= limit)
+
+
+@cython.cfunc
+@cython.nogil
+@cython.exceptval(check=False)
+def weigh(
+    p: cython.Py_ssize_t,
+    count: cython.Py_ssize_t,
+    width: cython.Py_ssize_t,
+    bound: cython.double,
+    limit: cython.double,
+    patches: Patches,
+    scratch: Scratch,
+) -> cython.Py_ssize_t:
+    """Make candidates dearer by what they show again; bar those past a bound. Return the cheapest.
+
+    Dearer by a share of their squared distance, or of the `limit` where nearer ones match as well.
+    So none is taken that is clearly worse.
+    """
+    y: cython.Py_ssize_t = patches.placements[p, 0]
+    x: cython.Py_ssize_t = patches.placements[p, 1]
+    best: cython.Py_ssize_t = -1
+    costs: cython.p_double = cython.address(scratch.costs[0])
+    cython.declare(i=cython.Py_ssize_t, place=cython.Py_ssize_t, more=cython.double)
+    for i in range(count):
+        if scratch.barred[i]:
+            continue
+        if costs[i] > bound:
+            scratch.barred[i] = DEARER
+            continue
+        place = scratch.places[i]
+        more = shown_again(patches.sight, p, y, x, place // width, place % width)
+        costs[i] += patches.sight.variety * more * max(costs[i], limit, 1.0)
+        if best < 0 or costs[i] < costs[best]:
+            best = i
+    return best
 
 
 @cython.cfunc
 @cython.nogil
 @cython.exceptval(check=False)
 def choose(
+    p: cython.Py_ssize_t,
     count: cython.Py_ssize_t,
+    width: cython.Py_ssize_t,
     energy: cython.longlong,
-    bits: cython.ulonglong,
     rule: Rule,
+    patches: Patches,
     scratch: Scratch,
 ) -> cython.Py_ssize_t:
-    """Draw one of the candidates within the tolerance; the nearest if none is."""
+    """Draw one of the candidates within the tolerance; the cheapest if none is."""
     best: cython.Py_ssize_t = -1
     near: cython.Py_ssize_t = -1
     free: cython.Py_ssize_t = -1
     within: cython.longlong = 0
     total: cython.double = 0
-    keys: cython.p_longlong = cython.address(scratch.keys[0])
+    bits: cython.ulonglong = patches.bits[p]
+    costs: cython.p_double = cython.address(scratch.costs[0])
     barred: cython.p_uchar = cython.address(scratch.barred[0])
     cython.declare(i=cython.Py_ssize_t, limit=cython.double, target=cython.double)
+    cython.declare(bound=cython.double)
     for i in range(count):
-        if best < 0 or keys[i] < keys[best]:
+        costs[i] = cython.cast(cython.double, scratch.keys[i])
+        if best < 0 or costs[i] < costs[best]:
             best = i
-        if barred[i] < CONTINUES and (near < 0 or keys[i] < keys[near]):
+        if barred[i] < CONTINUES and (near < 0 or costs[i] < costs[near]):
             near = i
-        if not barred[i] and (free < 0 or keys[i] < keys[free]):
+        if not barred[i] and (free < 0 or costs[i] < costs[free]):
             free = i
     if near >= 0:
         best = near
-    limit = limit_of(energy, keys[best], rule)
-    if free < 0 or keys[free] > VARIETY * keys[best]:
+    bound = VARIETY * costs[best]
+    if free < 0 or costs[free] > bound:
         for i in range(count):
             barred[i] = 0 if barred[i] < CONTINUES or near < 0 else CONTINUES
     else:
         best = free
-        limit = limit_of(energy, keys[best], rule)
+    limit = limit_of(energy, costs[best], rule)
+    if patches.sight.variety > 0:
+        bound = max(min(CLOSE * costs[best], bound), limit)
+        best = weigh(p, count, width, bound, 0.0 if rule.of_best else limit, patches, scratch)
+        limit = limit_of(energy, costs[best], rule)
     for i in range(count):
-        if not barred[i] and in_set(keys[i], limit, rule):
+        if not barred[i] and in_set(costs[i], limit, rule):
             within += 1
             if rule.by_similarity and limit > 0:
-                total += 1 - sqrt(keys[i] / limit)
+                total += 1 - sqrt(costs[i] / limit)
     if within == 0:
         return best
     if rule.by_similarity and total > 0:
         target = total * (bits >> 11) * (1.0 / 9007199254740992.0)
         for i in range(count):
-            if not barred[i] and keys[i] < limit:
-                target -= 1 - sqrt(keys[i] / limit)
+            if not barred[i] and costs[i] < limit:
+                target -= 1 - sqrt(costs[i] / limit)
                 if target < 0:
                     return i
         return best
     within = cython.cast(cython.longlong, ((bits >> 32) * within) >> 32)
     for i in range(count):
-        if not barred[i] and in_set(keys[i], limit, rule):
+        if not barred[i] and in_set(costs[i], limit, rule):
             if within == 0:
                 return i
             within -= 1
@@ -244,6 +303,7 @@ def measure(
     rule: Rule,
     energy: cython.longlong,
     count: cython.Py_ssize_t,
+    variety: cython.double,
     scratch: Scratch,
 ) -> cython.void:
     """Compare candidates at the full resolution by eq. (2), each until it is hopeless."""
@@ -264,7 +324,7 @@ def measure(
             continue
         if scratch.barred[i] < CONTINUES and (best < 0 or key < best):
             best = key  # the worst that `choose` may take from here on
-            bound = VARIETY * best if rule.reach > 0 else best
+            bound = VARIETY * best if rule.reach > 0 or variety > 0 else best
             bound = max(bound, limit_of(energy, best, rule))
             if rule.of_best:
                 bound *= (1 + rule.tolerance) * (1 + rule.tolerance)
@@ -312,12 +372,12 @@ def lay_patches(
                 count = list_candidates(canvas, y, x, zone, search, patches.given, scratch)
                 if search.source != ALL:
                     bar_repeats(p, count, width, rule, patches, scratch)
-                measure(sample, zone, search, rule, energy, count, scratch)
+                measure(sample, zone, search, rule, energy, count, patches.sight.variety, scratch)
                 if search.source != ALL and search.nodes.shape[1] > 1:
                     count = climb(sample, zone, search, count, scratch)
                 bar_repeats(p, count, width, rule, patches, scratch)
                 # Steps 3 and 4: draw one of Psi_B, or take the closest.
-                chosen = scratch.places[choose(count, energy, patches.bits[p], rule, scratch)]
+                chosen = scratch.places[choose(p, count, width, energy, rule, patches, scratch)]
             patches.placements[p, 2] = cython.cast(cython.int, chosen // width)
             patches.placements[p, 3] = cython.cast(cython.int, chosen % width)
             if patches.cuts.shape[0] > 0:

@@ -217,6 +217,7 @@ class PlaneOrder:
             (at + by).clip(0, n - 1) for at, by, n in zip((y, x), (i, j), self.shape, strict=True)
         )
         around = np.where(self.hangs_on[:, y, x], number[rows, columns], np.int32(-1))
+        around = np.ascontiguousarray(around.T)
         corners = np.stack([self.starts[0][y], self.starts[1][x]], axis=1) - self.corner
         changes = np.flatnonzero((np.diff(zone) != 0) | (np.diff(turn) != 0)) + 1
         ends = [0, *changes.tolist(), len(y)]
@@ -227,7 +228,8 @@ class PlaneOrder:
         return Order(
             corners=corners.astype(np.int32),
             bits=bits,
-            around=np.ascontiguousarray(around.T),
+            around=around,
+            seen=around,  # it may hang on no others
             steps=iter(steps),
             total=len(y),
             stage="patches",

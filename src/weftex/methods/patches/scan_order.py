@@ -19,6 +19,7 @@ if TYPE_CHECKING:
 
 _THREADS_FROM = 512  # patches; fewer are laid faster by one thread
 _PATCHES_IN_PIECE = 16  # that a thread takes at a time
+_SIGHT, _IN_LINE = 5, 16  # patches away that one sees others, and those in its row or column
 
 
 class Run(NamedTuple):
@@ -46,6 +47,7 @@ class Order:
     corners: NDArray[np.int32]  # (n, 2): upper left corner of each window on the frame
     bits: NDArray[np.uint64]  # (n,): random, one number a patch
     around: NDArray[np.int32]  # (n, k): earlier patches that each should not repeat, -1 for none
+    seen: NDArray[np.int32]  # (n, m): those that it sees, which it should rather not
     steps: Iterator[Step]  # goes through all patches
     total: int  # what the steps add up to, in units of `stage`
     stage: str  # patches or pixels, for progress
@@ -108,12 +110,16 @@ def scan_patches(frame: Frame, zones: Zones, seed: int, threads: int) -> Order:
         fronts = wavefronts(rows, columns, _PATCHES_IN_PIECE, max(1, int(overlapped.max())))
     grid = np.meshgrid(*starts, indexing="ij")
     around = np.zeros((rows * columns, 0), np.int32)
+    seen = around
     if frame.settings.repeat_distance > 0:
         around = patches_around(rows, columns)
+    if frame.settings.variety > 0:
+        seen = patches_seen((rows, columns), canvas.wrap)
     return Order(
         corners=np.stack(grid, axis=-1).reshape(-1, 2).astype(np.int32),
         bits=draw(seed, "patch", *np.indices((rows, columns))).ravel(),
         around=around,
+        seen=seen,
         steps=(Step([runs(*piece) for piece in front], _count(front)) for front in fronts),
         total=rows * columns,
         stage="patches",
@@ -171,6 +177,32 @@ def patches_around(rows: int, columns: int) -> NDArray[np.int32]:
     return np.ascontiguousarray(np.where(inside, i * columns + j, -1), np.int32)
 
 
+def patches_seen(shape: tuple[int, int], wrap: tuple[bool, bool]) -> NDArray[np.int32]:
+    """Numbers of the earlier patches that each patch of the grid sees, -1 for none: (n, m).
+
+    Those are up to `_SIGHT` away both ways, or `_IN_LINE` in its own row and column, and laid
+    before it in every order of `wavefronts`.
+    """
+    (rows, columns), near, far = shape, range(-_SIGHT, _SIGHT + 1), range(_SIGHT + 1, _IN_LINE + 1)
+    di, dj = np.meshgrid(near, near, indexing="ij")
+    beyond, none = np.array([*far, *(-k for k in far)]), np.zeros(2 * len(far), np.int64)
+    di, dj = np.concatenate([di.ravel(), beyond, none]), np.concatenate([dj.ravel(), none, beyond])
+    once = np.ones(len(di), bool)
+    for d, n, wraps in zip((di, dj), shape, wrap, strict=True):
+        once &= (not wraps) | ((-(n // 2) <= d) & (d < n - n // 2))
+    i, j = np.indices((rows, columns)).reshape(2, -1, 1)
+    a, b = i + di[once], j + dj[once]
+    a, b = a % rows if wrap[0] else a, b % columns if wrap[1] else b
+    up, right = i - a, b - j
+    # The row above is finished as far as one patch to the right, each one above that by a piece
+    # more. Around a wrapped axis all of it is, as rows are laid one by one.
+    finished = (up - 1) * _PATCHES_IN_PIECE + up
+    earlier = ((up > 0) & ((right <= finished) | wrap[1])) | ((up == 0) & (right < 0))
+    earlier &= (a >= 0) & (b >= 0) & (b < columns)
+    found = np.where(earlier, a * columns + b, -1)
+    return np.ascontiguousarray(found[:, (found >= 0).any(axis=0)], np.int32)
+
+
 def wavefronts(
     rows: int, columns: int, length: int, reach: int = 1
 ) -> Iterator[list[tuple[int, int, int]]]:
@@ -218,10 +250,12 @@ def scan_pixels(frame: Frame, zones: Zones, seed: int) -> Order:
             numbers[key] = zones.number(_causal(frame, row, column))
         return numbers[key]
 
+    none = np.zeros((height * width, 0), np.int32)
     return Order(
         corners=(corners % frame.shape).astype(np.int32),
         bits=draw(seed, "patch", y, x),
-        around=np.zeros((height * width, 0), np.int32),
+        around=none,
+        seen=none,
         steps=(
             Step([runs_of([zone(row, column) for column in range(width)], row * width)], width)
             for row in range(height)

@@ -18,11 +18,13 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
 _CANDIDATES, _MOST_CANDIDATES = 40, 10000
+_VARIED = 80  # candidates at least, where what is shown again counts
 #: With a wider tolerance so many more windows match: with the 8th power of the distance, about.
 #: (The power is 7 to 15 between the windows of bricks, grass, leaves, pebbles, tiles, weave, wood.)
 _MATCHING_POWER = 8
+_OF_REPEATS = ("repeat_distance", "variety")
 #: What has no effect where every window matches.
-_OF_MATCHING = {"search", "candidates", "variance", "choice", "repeat_distance"}
+_OF_MATCHING = {"search", "candidates", "variance", "choice", *_OF_REPEATS}
 _SHARE = 0.3  # lambda of section 2.4, where nothing else is said
 _HOLE_ZONE, _HOLE_CANDIDATES = 4, 400  # boundary width in px and candidates for holes
 
@@ -67,7 +69,7 @@ class PatchMethod(Method):
         "m: windows from the low resolution that are compared at the full one",
         low=1,
         high=_MOST_CANDIDATES,
-        default_text="40, and more where the tolerance is wide",
+        default_text="80, 40 without variety, and more where the tolerance is wide",
         needs=("search", ("quadtree", "pca", "kdtree", "kdtree-pca")),
     )
     variance: float = parameter(
@@ -90,6 +92,12 @@ class PatchMethod(Method):
         low=0.0,
         high=10.0,
     )
+    variety: float = parameter(
+        1.0,
+        "cost of showing a place of the sample again in sight, or in line; 0 is the papers' way",
+        low=0.0,
+        high=1000.0,
+    )
 
     def __post_init__(self) -> None:
         super().__post_init__()
@@ -104,7 +112,7 @@ class PatchMethod(Method):
         """Where every window matches, none is searched for, weighed or kept apart."""
         for field in fields(self):
             value = getattr(self, field.name)
-            if field.name == "repeat_distance" and value == 0:
+            if field.name in _OF_REPEATS and value == 0:
                 continue
             if field.name in _OF_MATCHING and value != field.default:
                 raise InvalidInputError(
@@ -149,7 +157,8 @@ class PatchMethod(Method):
     def candidates_for(self, usual: int) -> int:
         """Return m: that many candidates, or more, so that those that match are among them."""
         wider = min(max(self.looseness, 1.0), 4.0) ** _MATCHING_POWER
-        return min(round(usual * wider), _MOST_CANDIDATES)
+        least = _VARIED if self.variety > 0 and self.patch_size != 1 else 0
+        return min(max(round(usual * wider), least), _MOST_CANDIDATES)
 
     def for_part(self, whole: Exemplar) -> Self:
         """See `Method.for_part`: a share is one of the whole."""
@@ -176,6 +185,8 @@ class PatchMethod(Method):
         suits: dict[str, Any] = {"patch_size": size}
         if self.boundary_width is None and size > 1:
             suits["boundary_width"] = min(_HOLE_ZONE, size // 2)
+        if given is not None and "variety" not in given:  # known pixels cannot be blended
+            suits["variety"] = 0.0
         # An exhaustive search takes no number of candidates.
         if given is not None and not self.anything and not given & {"candidates", "search"}:
             suits["candidates"] = self.candidates_for(_HOLE_CANDIDATES)
@@ -193,6 +204,7 @@ class PatchSettings:
     variance: float  # that the principal components keep
     edge_weight: float  # of outlines in distances
     repeat_distance: float  # how many patches the sources of near patches lie apart, at least
+    variety: float  # the cost of showing a place again
     blend: str  # how patches are joined: feather, feather-at-end, cut or none
     anything: bool  # every window matches, so that nothing is searched (chaos mosaic)
 
@@ -241,10 +253,12 @@ def settle(method: PatchMethod, exemplar: Exemplar, *, blend: str) -> PatchSetti
         patch_size=size,
         boundary_width=width,
         search=method.search,
-        candidates=method.candidates or method.candidates_for(_CANDIDATES),
+        candidates=method.candidates
+        or replace(method, patch_size=size).candidates_for(_CANDIDATES),
         variance=method.variance,
         edge_weight=method.edge_weight,
         repeat_distance=method.repeat_distance,
+        variety=method.variety,
         blend=blend,
         anything=method.anything,
     )
@@ -281,7 +295,7 @@ def settle_on(canvas: Canvas, method: PatchMethod, settings: PatchSettings) -> P
 def _refuse_for_pixels(method: PatchMethod) -> None:
     """A single pixel has no border to be joined at, and repeats nothing."""
     usual = {field.name: field.default for field in fields(method)}
-    for name, done in (("blend", "none"), ("repeat_distance", 0)):
+    for name, done in (("blend", "none"), *((name, 0) for name in _OF_REPEATS)):
         value = getattr(method, name)
         if value not in (usual[name], done):
             raise InvalidInputError(f"{name} has no effect on patches of one pixel (now {value})")

@@ -17,6 +17,7 @@ if TYPE_CHECKING:
     from weftex.methods.patches.analysis import Zones
 
 _MOST_AROUND = 11  # earlier patches that a patch should not repeat
+_SIGHT, _MOST_SEEN = 5, 82  # how many patches away it sees others, and how many of those
 
 
 def spiral_patches(frame: Frame, zones: Zones, seed: int) -> Order:
@@ -44,8 +45,11 @@ def spiral_patches(frame: Frame, zones: Zones, seed: int) -> Order:
     else:
         corners = _useful(_corners(frame, unknown), frame, unknown)
     around = np.zeros((len(corners), 0), np.int32)
+    seen = around
     if frame.settings.repeat_distance > 0 and not frame.settings.pixelwise:
-        around = laid_nearby(corners, frame.window)
+        around = laid_nearby(corners, 2 * np.array(frame.window), _MOST_AROUND)
+    if frame.settings.variety > 0 and not frame.settings.pixelwise:
+        seen = laid_nearby(corners, _SIGHT * np.array(frame.window), _MOST_SEEN)
 
     def steps() -> Iterator[Step]:
         for k, (y, x) in enumerate(corners.tolist()):
@@ -63,18 +67,20 @@ def spiral_patches(frame: Frame, zones: Zones, seed: int) -> Order:
         corners=corners,
         bits=draw(seed, "patch", np.arange(len(corners))),
         around=around,
+        seen=seen,
         steps=steps(),
         total=total,
         stage="pixels",
     )
 
 
-def laid_nearby(corners: NDArray[np.int32], window: tuple[int, int]) -> NDArray[np.int32]:
-    """For each patch the latest earlier ones within two windows, -1 where there are fewer."""
-    around = np.full((len(corners), _MOST_AROUND), -1, np.int32)
+def laid_nearby(
+    corners: NDArray[np.int32], reach: NDArray[np.int64], most: int
+) -> NDArray[np.int32]:
+    """For each patch the latest earlier ones nearer than `reach`, -1 where there are fewer."""
+    around = np.full((len(corners), most), -1, np.int32)
     for k in range(1, len(corners)):
-        away = np.abs(corners[:k] - corners[k])
-        near = np.flatnonzero((away < 2 * np.array(window)).all(axis=1))[-_MOST_AROUND:]
+        near = np.flatnonzero((np.abs(corners[:k] - corners[k]) < reach).all(axis=1))[-most:]
         around[k, : len(near)] = near
     return around
 

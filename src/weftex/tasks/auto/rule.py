@@ -93,7 +93,7 @@ def _quickly_cut(canvas: Canvas) -> bool:
 
 
 def choose_for_hole(exemplar: Exemplar, canvas: Canvas) -> Choice:
-    """The rule for holes: joints of a sure lattice go on, things stay whole, all else is patches.
+    """The rule for holes: joints and rows go on, things stay whole, all else is patches.
 
     Parameters
     ----------
@@ -113,14 +113,19 @@ def choose_for_hole(exemplar: Exemplar, canvas: Canvas) -> Choice:
     if things:
         said = f"{said}, irregular structure of {scale * step:.3g} px"
         return Choice("graphcut", dict(WHOLE), f"{said}: graphcut")
-    if lattice is None or not lattice.area or not is_sure(lattice, small.shape):
+    if lattice is None or not is_sure(lattice, small.shape):
         return Choice("patch-sampling", {}, f"{said}: patch-sampling")
     found = Lattice(tuple((x * step, y * step) for x, y in lattice.vectors), lattice.confidence)
-    vectors = four_numbers(found)
+    vectors, said = four_numbers(found), f"{said}, {words(found)}"
     if _strained(vectors, canvas):
-        return Choice("patch-sampling", {}, f"{said}, {words(found)}: patch-sampling")
+        return Choice("patch-sampling", {}, f"{said}: patch-sampling")
+    quickly_cut = math.prod(exemplar.shape) <= _QUICKLY_CUT
+    if quickly_cut and CanvasLattice(vectors, canvas).strain <= _STIFF:
+        return Choice("graphcut", {**WHOLE, "lattice": vectors}, f"{said}: graphcut")
+    if not lattice.area:
+        return Choice("patch-sampling", {}, f"{said}: patch-sampling")
     parameters = {"lattice": vectors} if step == 1 else {}
-    return Choice("near-regular", parameters, f"{said}, {words(found)}: near-regular")
+    return Choice("near-regular", parameters, f"{said}: near-regular")
 
 
 def is_sure(lattice: Lattice, shape: tuple[int, int]) -> bool:
