@@ -40,10 +40,7 @@ MORE: dict[str, dict[str, tuple[str, dict[str, Any]]]] = {
     "patch-sampling": {
         "similarity": ("pebbles", {"choice": "similarity", "epsilon": 0.4, "patch_size": 24}),
         "edges": ("leaves", {"edge_weight": 2.0, "repeat_distance": 0.0}),
-        "paper": (
-            "weave",
-            {"search": "quadtree", "repeat_distance": 0.0, "variety": 0.0, "epsilon": 0.2},
-        ),
+        "paper": ("weave", {"search": "quadtree", "repeat_distance": 0.0, "epsilon": 0.2}),
     },
     "quilting": {"wide": ("bricks", {"boundary_width": 12, "patch_size": 40, "tolerance": 0.3})},
     "graphcut": {"refined": ("leaves", {"patch_size": 40}), "default": ("bricks", {})},

@@ -150,7 +150,7 @@ def progress() -> Table:
         "Processor time, one thread, medians of 9 without the bar and with it, in turn. Counting "
         "is what the calls take from the work; the main thread draws meanwhile, here from the "
         "first moment on. The ratio has all noise of the machine. Loading tqdm comes to it, 31 ms, "
-        "so there is a bar for five seconds of work and more only: 0.6 %."
+        "so there is a bar for three seconds of work and more only: 1 %."
     )
     head = ["method", "output", "time", "calls", "counting", "drawing", "together", "ratio"]
     return notes, head, rows

@@ -144,13 +144,7 @@ def recall() -> Table:
         for search in ("quadtree", "kdtree", "kdtree-pca", "pca")
         for candidates in (10, 40, 160)
     ]
-    common = {
-        "patch_size": 32,
-        "boundary_width": 4,
-        "repeat_distance": 0,
-        "variety": 0,
-        "epsilon": 0,
-    }
+    common = {"patch_size": 32, "boundary_width": 4, "repeat_distance": 0, "epsilon": 0}
     ratios: dict[int, list[float]] = {k: [] for k in range(len(searches))}
     times: dict[int, list[float]] = {k: [] for k in range(len(searches))}
     for name in some(paper.SAMPLES):

@@ -27,7 +27,6 @@ SAMPLES = ("bricks", "grass", "leaves", "pebbles", "stone_wall", "tiles", "weave
 PAPER: dict[str, Any] = {
     "method": "patch-sampling",
     "repeat_distance": 0,
-    "variety": 0,
     "boundary_width": 4,
     "epsilon": 0.2,
 }
@@ -238,7 +237,7 @@ that is copied with one offset is measured in shares of the sample's area; one p
 mean half of the sample. The paper names no share and found 93 % without.
 """
     settings: dict[str, dict[str, Any]] = {
-        "paper's (repeat_distance, variety 0)": PAPER,
+        "paper's (repeat_distance 0)": PAPER,
         "weftex's": {"method": "patch-sampling"},
         "quilting": {"method": "quilting"},
     }
@@ -284,12 +283,7 @@ whose S and R are close (weave, leaves, pebbles, grass) cannot be measured so.
             own, density, limits = own_continuity(exemplar.pixels, zone)
 
             def shares(**parameters: Any) -> np.ndarray:
-                settings = {
-                    "repeat_distance": 0,
-                    "variety": 0,
-                    "patch_size": 40,
-                    "boundary_width": zone,
-                }
+                settings = {"repeat_distance": 0, "patch_size": 40, "boundary_width": zone}
                 model = weftex.PatchSampling(**settings | parameters).fit(exemplar)  # noqa: B023
                 made = (model.sample(sized(320), seed=k) for k in range(seeds))
                 return np.array([continuity(result, zone, limits) for result in made])  # noqa: B023
@@ -328,7 +322,7 @@ and means of 500 trials. "x" is how many times shorter synthesis is than with th
 """
     searches = ("exhaustive", "quadtree", "kdtree", "kdtree-pca", "pca")
     trials = len(some(range(trials)))
-    settings = {"patch_size": 32, "repeat_distance": 0, "variety": 0, "boundary_width": 4}
+    settings = {"patch_size": 32, "repeat_distance": 0, "boundary_width": 4}
     method = {s: weftex.PatchSampling(search=s, **settings) for s in searches}
     method["pca, weftex's defaults"] = weftex.PatchSampling()
     times: dict[str, list[tuple[float, float]]] = {label: [] for label in method}

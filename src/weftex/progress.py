@@ -16,7 +16,7 @@ ProgressCallback = Callable[[int, int, str, Callable[[], Any]], object] | Litera
 PAUSE = 0.2  # seconds from one drawing to the next
 _REST = 200  # times what a drawing took, which the process must have worked before the next
 _LONGEST = 2.0  # seconds after which it need not, as others may work for it
-_WORTH = 5.0  # seconds of work beside which loading tqdm, 0.03 s, is little
+_WORTH = 3.2  # seconds of work beside which loading tqdm, 0.03 s, is little
 
 
 class Bar:

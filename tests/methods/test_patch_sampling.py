@@ -275,7 +275,7 @@ def test_sources_nearby_keep_their_distance(rng):
     exemplar = weftex.load_exemplar("sample:pebbles")
 
     def repeats(distance):
-        method = weftex.PatchSampling(patch_size=24, repeat_distance=distance, variety=0.0)
+        method = weftex.PatchSampling(patch_size=24, repeat_distance=distance)
         placements = method.fit(exemplar).sample((400, 400), seed=2).placements
         at, source = placements[:, :2], placements[:, 2:4]
         count = total = 0

@@ -33,8 +33,7 @@ def test_every_choice_is_within_the_tolerance_of_the_best(tolerance, seed, color
     """The rule of Efros and Freeman: (1 + tolerance) times the best distance, none beyond."""
     sample = np.random.default_rng(color).integers(0, 64, (16, 16, 3)).astype(np.uint8)
     method = weftex.Quilting(
-        patch_size=6, boundary_width=2, tolerance=tolerance, repeat_distance=0, variety=0,
-        blend="none",
+        patch_size=6, boundary_width=2, tolerance=tolerance, repeat_distance=0, blend="none",
         search="exhaustive",
     )  # fmt: skip
     result = method.fit(weftex.Exemplar(sample)).sample((6, 20), seed=seed)
@@ -50,24 +49,16 @@ def test_every_choice_is_within_the_tolerance_of_the_best(tolerance, seed, color
 
 def test_no_tolerance_takes_the_best(rng):
     sample = rng.integers(0, 256, (18, 18)).astype(np.uint8)
-    method = weftex.Quilting(
-        patch_size=6, boundary_width=2, tolerance=0.0, repeat_distance=0, variety=0
-    )
+    method = weftex.Quilting(patch_size=6, boundary_width=2, tolerance=0.0, repeat_distance=0)
     models = [
         weftex.Quilting(
-            patch_size=6,
-            boundary_width=2,
-            tolerance=0.0,
-            repeat_distance=0,
-            variety=0,
-            search=search,
+            patch_size=6, boundary_width=2, tolerance=0.0, repeat_distance=0, search=search
         ).fit(weftex.Exemplar(sample))
         for search in ("exhaustive", "quadtree")
     ]
     # With as many candidates as windows the low resolution loses none.
     wide = weftex.Quilting(
-        patch_size=6, boundary_width=2, tolerance=0.0,
-        repeat_distance=0, variety=0, search="quadtree",
+        patch_size=6, boundary_width=2, tolerance=0.0, repeat_distance=0, search="quadtree",
         candidates=169,
     ).fit(weftex.Exemplar(sample))  # fmt: skip
     exact = models[0].sample(40, seed=2)

@@ -46,7 +46,7 @@ def compare(known, width, frozen, levels, rng):
     pixels = rng.integers(0, levels, (16, 17, 2)).astype(np.uint8)
     corner = int(rng.integers(0, 15)), int(rng.integers(0, 14))
     source = int(rng.integers(0, 17 - rows)), int(rng.integers(0, 18 - columns))
-    zone = boundary_zone(known, width, frozen=frozen)
+    zone = boundary_zone(known, width, frozen=frozen, outlines=frozen is not None)
     at = np.ix_((corner[0] + np.arange(rows)) % 15, (corner[1] + np.arange(columns)) % 14)
     new = pixels[source[0] : source[0] + rows, source[1] : source[1] + columns]
     weights, mask = zone_weights(known, width, frozen), zone_of(known, width)

@@ -126,8 +126,7 @@ def test_what_is_tried(changes, tried):
 def test_another_picture_is_kept_only_if_it_is_clearly_better():
     exemplar = weftex.load_exemplar("sample:bricks")
     bricks = weftex.synthesize(exemplar, 200, method="near-regular", seed=1)
-    small = weftex.PatchSampling(patch_size=9, variety=0.0)
-    broken = weftex.synthesize(exemplar, 200, method=small, seed=1)
+    broken = weftex.synthesize(exemplar, 200, method="patch-sampling", patch_size=9, seed=1)
     made = {"graphcut": broken, "near-regular": bricks, "quilting": broken}
     choices = [Choice("graphcut", {}, "irregular: graphcut"), Choice("near-regular")]
     kept, picture = best_of_choices(choices, exemplar, lambda choice: made[choice.method])
@@ -142,8 +141,7 @@ def test_another_picture_is_kept_only_if_it_is_clearly_better():
 def test_where_refinement_breaks_lines_joints_alone_are_refined():
     exemplar = weftex.load_exemplar("sample:tiles")
     laid = weftex.synthesize(exemplar, 200, method="near-regular", seed=1)
-    small = weftex.PatchSampling(patch_size=9, variety=0.0)
-    broken = weftex.synthesize(exemplar, 200, method=small, seed=1)
+    broken = weftex.synthesize(exemplar, 200, method="patch-sampling", patch_size=9, seed=1)
     choices = [Choice("near-regular", {}, "tiles: near-regular"), Choice("refinement")]
     for before, after, kept in (
         (laid, laid, "tiles: refinement"),

@@ -69,7 +69,7 @@ class PatchMethod(Method):
         "m: windows from the low resolution that are compared at the full one",
         low=1,
         high=_MOST_CANDIDATES,
-        default_text="80, 40 without variety, and more where the tolerance is wide",
+        default_text="40, 80 with variety, and more where the tolerance is wide",
         needs=("search", ("quadtree", "pca", "kdtree", "kdtree-pca")),
     )
     variance: float = parameter(
@@ -93,7 +93,7 @@ class PatchMethod(Method):
         high=10.0,
     )
     variety: float = parameter(
-        1.0,
+        0.0,
         "cost of showing a place of the sample again in sight, or in line; 0 is the papers' way",
         low=0.0,
         high=1000.0,
@@ -185,8 +185,6 @@ class PatchMethod(Method):
         suits: dict[str, Any] = {"patch_size": size}
         if self.boundary_width is None and size > 1:
             suits["boundary_width"] = min(_HOLE_ZONE, size // 2)
-        if given is not None and "variety" not in given:  # known pixels cannot be blended
-            suits["variety"] = 0.0
         # An exhaustive search takes no number of candidates.
         if given is not None and not self.anything and not given & {"candidates", "search"}:
             suits["candidates"] = self.candidates_for(_HOLE_CANDIDATES)

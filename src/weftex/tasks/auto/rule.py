@@ -80,6 +80,8 @@ def choose(findings: Findings, canvas: Canvas) -> Choice:
             slug, said = "quilting", f"{said}, few colors ({findings.colors}), not to be mixed"
         elif _quickly_cut(canvas):
             slug, parameters = "graphcut", dict(WHOLE)
+        else:
+            parameters["variety"] = 1.0
     else:
         slug, said = "graphcut", f"irregular structure of {findings.scale:.3g} px"
         parameters = dict(WHOLE)
