@@ -106,8 +106,8 @@ def shows_own(page: Path) -> bool:
     return bool(first) and first[1] == f"img/{page.stem}.webp"
 
 
-def draw(name: str) -> Path:
-    """Run a page's first commands and write its picture."""
+def draw(name: str) -> Path | None:
+    """Run a page's first commands and write its picture, if they show any."""
     shown: dict[bytes, Image.Image] = {}
     with tempfile.TemporaryDirectory() as folder:
         page = (DOCS / f"{name}.md").read_text("utf-8")
@@ -117,6 +117,8 @@ def draw(name: str) -> Path:
             subprocess.run([sys.executable, "-m", "weftex", *words], cwd=folder, check=True)
             for file in files_of(words, Path(folder)):
                 shown |= {picture.tobytes(): picture for picture in pictures_of(file)}
+    if not shown:
+        return None
     path = DOCS / "img" / f"{name}.webp"
     side_by_side(list(shown.values())).save(path, quality=_QUALITY, method=6)
     return path
@@ -130,7 +132,10 @@ def main() -> None:
     parser.add_argument("pages", nargs="*", metavar="PAGE", help=", ".join(known))
     for name in parser.parse_args().pages or known:
         path = draw(name)
-        print(f"{path}: {path.stat().st_size} bytes", flush=True)
+        told = (
+            f"{path}: {path.stat().st_size} bytes" if path else f"{name}: drawn by another script"
+        )
+        print(told, flush=True)
 
 
 if __name__ == "__main__":
