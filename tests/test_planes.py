@@ -100,6 +100,19 @@ def test_patches_that_lie_on_a_lattice_come_back_too():
     assert np.array_equal(there[20:, 9:], start)
 
 
+def test_entire_patches_leave_no_straight_seams_between_blocks():
+    """They may reach as far into the blocks around as these may be cut again."""
+    sample = weftex.load_exemplar("sample:leaves").pixels[:96, :96]
+    model = weftex.GraphCut(placement="entire").fit(sample)
+    source = model.window(1000, 1000, 260, 260, seed=1).source
+    for axis in (0, 1):
+        step = np.arange(2) == axis
+        cut = (np.roll(source, -1, axis) != source + step).any(axis=2)
+        for line in (cut if axis == 0 else cut.T)[:-1]:
+            runs = "".join(".#"[int(c)] for c in line).split(".")
+            assert max(map(len, runs)) < 80
+
+
 def test_windows_hang_on_neither_process_nor_build_nor_save(tmp_path):
     code = (
         "import hashlib, sys, weftex\n"

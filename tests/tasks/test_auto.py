@@ -36,8 +36,8 @@ RULE = [
     (with_(scale=21.3), Canvas(1100, 1100), "patch-sampling", "fine"),
     (with_(scale=21.4), Canvas(512, 512), "graphcut", "irregular structure of 21.4 px"),
     (with_(scale=40.0), Canvas(1024, 1024), "graphcut", "irregular"),
-    (with_(scale=40.0), Canvas(1024, 1025), "graphcut", "1.05 megapixels"),
-    (with_(scale=40.0), Canvas(8192, 8192), "graphcut", "67.1 megapixels"),
+    (with_(scale=60.0, shape=(512, 513)), Canvas(1024, 1025), "graphcut", "1.05 megapixels"),
+    (with_(scale=60.0, shape=(600, 600)), Canvas(8192, 8192), "graphcut", "67.1 megapixels"),
     (with_(colors=2), Canvas(512, 512), "quilting", r"few colors \(2\)"),
     (with_(lattice=ROWS), Canvas(512, 512), "graphcut", "rows, distance 46 px"),
     (with_(lattice=ROWS), Canvas(1024, 1025), "near-regular", "rows, distance 46 px"),
@@ -79,11 +79,12 @@ def test_a_lattice_that_does_not_go_around_names_the_size_that_does():
         assert choose(with_(lattice=lattice), again).method in ("near-regular", "graphcut")
 
 
-def test_large_outputs_are_made_of_patches():
-    """The entire sample takes several times as long."""
-    things = with_(scale=40.0)
-    assert choose(things, Canvas(1024, 1024)).parameters == {"placement": "entire"}
-    assert choose(things, Canvas(1024, 1025)).parameters == {}
+def test_large_outputs_of_large_samples_are_made_of_patches():
+    """The entire sample takes more than twice as long then."""
+    for shape, large in (((512, 512), {"placement": "entire"}), ((512, 513), {})):
+        things = with_(scale=60.0, shape=shape)
+        assert choose(things, Canvas(1024, 1024)).parameters == {"placement": "entire"}
+        assert choose(things, Canvas(1024, 1025)).parameters == large
 
 
 def test_rows_are_laid_by_their_vector():

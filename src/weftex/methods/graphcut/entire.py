@@ -52,8 +52,11 @@ class EntirePatchMatching:
         shape = settings.exemplar.shape
         # How far the sample reaches from a pixel that it covers, in whole pixels of all copies.
         self.reach = [-(-(n - 1) // self.reduction) * self.reduction for n in shape]
-        # What is missing, and what around it is matched: not all of a photo that has a hole.
+        # What is missing or may change, and what around it is matched: not all of a photo with a
+        # hole.
         missing = growth.done == 0
+        if self.canvas.shown is not None and self.canvas.hole is not None:
+            missing |= self.canvas.hole
         self.holes = [
             (0, n) if wraps else _ends(missing.any(axis=1 - axis))
             for axis, (n, wraps) in enumerate(zip(self.canvas.shape, self.canvas.wrap, strict=True))
