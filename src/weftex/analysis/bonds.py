@@ -11,6 +11,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from weftex.analysis.goodness import PHASES
+
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
@@ -29,7 +31,6 @@ _SHIFTS = 48  # shifts of a row against the next that are tried
 _SUMS = 6  # of vectors, that may lead along a row, or to the next
 _OFF, _SLANT = 0.1, 0.02  # of the distance, and of their length, that these may be off
 _CHANCE = 0.7  # of chance: the least spread, about, of a photograph along its rows
-_PHASES = (0.0, 1 / 2, 1 / 3, 2 / 3)  # of a piece; whole ones, and what is between
 
 
 class Bonds:
@@ -108,7 +109,7 @@ class Bonds:
         ahead = (away > 0) | (times > 0)
         away, times = away[ahead][:, None], times[ahead][:, None]
         means, total = [], np.zeros(len(shifts))
-        for phase in _PHASES:
+        for phase in PHASES:
             place = np.rint((times + phase) * length + away * shifts).astype(np.int64)
             inside = abs(place) <= self.far
             place = np.where(inside, place, 0) + self.far

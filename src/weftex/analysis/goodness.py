@@ -31,6 +31,8 @@ UNSURE = 0.25  # standard error of the contrast of one multiple, about
 SIGNIFICANT = 0.85  # share of a tile that an overlap must hold (section 3.3.1)
 GOODNESS = ("contrast", "height", "dominance")
 
+#: Multiples themselves, and half and a third of the way between them.
+PHASES = (0.0, 1 / 2, 1 / 3, 2 / 3)
 # Half and a third of the way between multiples, in both directions: every lattice of two or three
 # times the tile has multiples of the right one at some of these, and so no contrast.
 _BETWEEN = [(0.5, 0.0), (0.0, 0.5), (0.5, 0.5)]

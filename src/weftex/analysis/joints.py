@@ -13,6 +13,9 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from weftex.analysis.goodness import PHASES
+from weftex.analysis.relief import means
+
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
@@ -32,7 +35,6 @@ _NEAR = np.linspace(0.94, 1.06, 25)  # of a distance, that a finer look tries
 _RIDGES = 8  # rows away that are rated, as far as the sample has them
 _FEWEST = 2  # that it must have
 _REACH = 0.75  # of what is across: the farthest that is rated
-_PHASES = (0.0, 1 / 2, 1 / 3, 2 / 3)
 _CHANCE = 0.1  # standard error of one ridge, about
 _BLUR = 0.04  # of the distance, by which rows may be off
 _PARTS = 7  # closer rows that are tried
@@ -97,9 +99,7 @@ class Joints:
         if step == 1 or min(self.inner.shape) < step:
             return self
         smaller = object.__new__(Joints)
-        smaller._set(
-            _means(self.parts, step), _means(self.inner.astype(np.float64), step) >= 0.5, step
-        )
+        smaller._set(means(self.parts, step), means(self.inner, step) >= 0.5, step)
         return smaller
 
     def lines(self, angle: float) -> tuple[NDArray[Any], NDArray[Any]]:
@@ -214,7 +214,7 @@ def contrast(profile: Floats, distances: Floats) -> tuple[Floats, NDArray[np.int
     times = np.arange(1, _RIDGES + 1)[:, None]
     weights = np.where(times <= count, np.maximum(1 - times * distances / size, 0.05), 0.0)
     weights /= weights.sum(axis=0)
-    place = np.stack([times - phase for phase in _PHASES]) * distances
+    place = np.stack([times - phase for phase in PHASES]) * distances
     heights = np.interp(np.minimum(place, size - 1), np.arange(size), profile)
     ridges, *between = (heights * weights).sum(axis=1)
     return ridges - np.max(between, axis=0), count
@@ -261,13 +261,4 @@ def _blurred(profile: Floats, by: float) -> Floats:
     before, after = profile[side:0:-1], np.repeat(profile[-1:], side)
     framed = np.concatenate([before, profile, after])
     found: Floats = np.convolve(framed, window / window.sum(), "valid")
-    return found
-
-
-def _means(values: Floats, step: int) -> Floats:
-    """Means over squares of step x step; those that are not whole are left out."""
-    *first, height, width = values.shape
-    rows, columns = height // step, width // step
-    cut = values[..., : rows * step, : columns * step]
-    found: Floats = cut.reshape(*first, rows, step, columns, step).mean(axis=(-3, -1))
     return found

@@ -76,7 +76,7 @@ def _taken(exemplar: Exemplar) -> Relief:
     box = slice(rows[0], rows[-1] + 1), slice(columns[0], columns[-1] + 1)
     levels, usable = levels[box], usable[box]
     step = -(-max(usable.shape) // _LARGEST_SIDE)
-    share = _means(usable, step)
+    share = means(usable, step)
     down, along = (
         np.vander(np.linspace(-1, 1, side) if side > 1 else np.zeros(1), 5, increasing=True).T
         for side in share.shape
@@ -89,7 +89,7 @@ def _taken(exemplar: Exemplar) -> Relief:
     inverse = np.linalg.pinv(gram, hermitian=True)
     result = np.empty((levels.shape[2], *share.shape))
     for k in range(levels.shape[2]):
-        total = _means(levels[..., k] * usable, step)
+        total = means(levels[..., k] * usable, step)
         sums = _moments(total, down[:3], along[:3])
         lines = np.zeros((3, share.shape[1]))
         for (i, j), factor in zip(powers, inverse @ [sums[p] for p in powers], strict=True):
@@ -143,15 +143,16 @@ def maps_alone(exemplar: Exemplar) -> Exemplar | None:
     return Exemplar(levels, mask=exemplar.mask, alpha=False, name=exemplar.name)
 
 
-def _means(values: NDArray[Any], step: int) -> NDArray[np.float64]:
-    """Means over squares of step x step pixels; those that are not whole are left out."""
+def means(values: NDArray[Any], step: int) -> NDArray[np.float64]:
+    """Means over squares of step x step of the last two axes; those not whole are left out."""
     if step == 1:
         return values.astype(np.float64)
-    high, wide = (min(step, side) for side in values.shape)  # a thin sample has fewer
-    rows, columns = values.shape[0] // high, values.shape[1] // wide
-    cut = values[: rows * high, : columns * wide].reshape(rows, high, columns, wide)
-    means: NDArray[np.float64] = cut.mean(axis=(1, 3), dtype=np.float64)
-    return means
+    *first, height, width = values.shape
+    high, wide = min(step, height), min(step, width)  # a thin sample has fewer
+    rows, columns = height // high, width // wide
+    cut = values[..., : rows * high, : columns * wide].reshape(*first, rows, high, columns, wide)
+    found: NDArray[np.float64] = cut.mean(axis=(-3, -1), dtype=np.float64)
+    return found
 
 
 def _moments(
@@ -185,10 +186,10 @@ def smaller_copy(exemplar: Exemplar, largest: int) -> tuple[Exemplar, int]:
     if step == 1:
         return exemplar, 1
     levels = exemplar.matching()
-    pixels = np.stack([_means(levels[..., k], step) for k in range(levels.shape[2])], axis=2)
+    pixels = np.stack([means(levels[..., k], step) for k in range(levels.shape[2])], axis=2)
     mask = None
     if exemplar.mask is not None:
-        share = _means(exemplar.mask, step)
+        share = means(exemplar.mask, step)
         mask = share > (0.5 if (share > 0.5).any() else 0)
     pixels = np.rint(pixels).astype(np.uint8)
     return Exemplar(pixels, mask=mask, alpha=False, name=exemplar.name), step

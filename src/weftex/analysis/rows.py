@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from weftex.analysis.correlation import correlate
+from weftex.analysis.goodness import PHASES
 from weftex.analysis.relief import mixed
 
 if TYPE_CHECKING:
@@ -102,9 +103,7 @@ def _stand(profile: Floats, distance: float) -> Floats:
     """How far each ridge stands out above the highest that is half and a third of the way to it."""
     places = np.arange(len(profile))
     times = np.arange(1, max(1, min(_RIDGES, int((len(profile) - 1) / distance))) + 1)
-    ridges, *others = (
-        np.interp((times - phase) * distance, places, profile) for phase in (0, 1 / 2, 1 / 3, 2 / 3)
-    )
+    ridges, *others = (np.interp((times - phase) * distance, places, profile) for phase in PHASES)
     found: Floats = ridges - np.max(others, axis=0)
     return found
 

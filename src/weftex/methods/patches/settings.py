@@ -157,7 +157,7 @@ class PatchMethod(Method):
     def candidates_for(self, usual: int) -> int:
         """Return m: that many candidates, or more, so that those that match are among them."""
         wider = min(max(self.looseness, 1.0), 4.0) ** _MATCHING_POWER
-        least = _VARIED if self.variety > 0 and self.patch_size != 1 else 0
+        least = _VARIED if self.variety > 0 else 0
         return min(max(round(usual * wider), least), _MOST_CANDIDATES)
 
     def for_part(self, whole: Exemplar) -> Self:
@@ -251,8 +251,7 @@ def settle(method: PatchMethod, exemplar: Exemplar, *, blend: str) -> PatchSetti
         patch_size=size,
         boundary_width=width,
         search=method.search,
-        candidates=method.candidates
-        or replace(method, patch_size=size).candidates_for(_CANDIDATES),
+        candidates=method.candidates or method.candidates_for(_CANDIDATES),
         variance=method.variance,
         edge_weight=method.edge_weight,
         repeat_distance=method.repeat_distance,

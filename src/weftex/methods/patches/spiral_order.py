@@ -48,7 +48,7 @@ def spiral_patches(frame: Frame, zones: Zones, seed: int) -> Order:
     seen = around
     if frame.settings.repeat_distance > 0 and not frame.settings.pixelwise:
         around = laid_nearby(corners, 2 * np.array(frame.window), _MOST_AROUND)
-    if frame.settings.variety > 0 and not frame.settings.pixelwise:
+    if frame.settings.variety > 0:
         seen = laid_nearby(corners, _SIGHT * np.array(frame.window), _MOST_SEEN)
 
     def steps() -> Iterator[Step]:

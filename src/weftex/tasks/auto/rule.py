@@ -30,7 +30,7 @@ _FEW_COLORS = 32  # drawings, labels: no mixtures of colors
 PATIENCE = 2**20
 #: Pixels of a sample, or around a hole, up to which all of them are laid in any case: patches of a
 #: larger one are cut in less than half of the time.
-_QUICKLY_CUT = 2**18
+_SMALL = 2**18
 #: Whole things: the sample as it is, laid where it fits best, and cut around what is in the way.
 WHOLE = {"placement": "entire"}
 
@@ -86,9 +86,10 @@ def choose(findings: Findings, canvas: Canvas) -> Choice:
             parameters["variety"] = 1.0
     else:
         slug, said = "graphcut", f"irregular structure of {findings.scale:.3g} px"
-        parameters = dict(WHOLE)
-    if parameters == WHOLE and not (_quickly_cut(canvas) or _is_small(findings.shape)):
-        said, parameters = f"{said}, {canvas.height * canvas.width / 1e6:.3g} megapixels", {}
+        if _quickly_cut(canvas) or _is_small(findings.shape):
+            parameters = dict(WHOLE)
+        else:
+            said = f"{said}, {canvas.height * canvas.width / 1e6:.3g} megapixels"
     return Choice(slug, parameters, f"{said}: {slug}", tuple(warnings))
 
 
@@ -97,7 +98,7 @@ def _quickly_cut(canvas: Canvas) -> bool:
 
 
 def _is_small(shape: tuple[int, int]) -> bool:
-    return math.prod(shape) <= _QUICKLY_CUT
+    return math.prod(shape) <= _SMALL
 
 
 def choose_for_hole(exemplar: Exemplar, canvas: Canvas) -> Choice:
