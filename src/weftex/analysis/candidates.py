@@ -18,7 +18,7 @@ from weftex.analysis.bonds import Bonds
 from weftex.analysis.evidence import Evidence
 from weftex.analysis.goodness import contrast_of, rate, reach_of, stand_out
 from weftex.analysis.joints import Courses, find_courses, rated
-from weftex.analysis.pairs import MOST_MULTIPLES, TURNED, best_pair, fitted, made_of, reduced
+from weftex.analysis.pairs import MOST_MULTIPLES, best_pair, fitted, made_of, reduced
 from weftex.analysis.rows import find_rows, ridges
 
 if TYPE_CHECKING:
@@ -80,16 +80,8 @@ def better(seen: Views, pairs: Sequence[Evidence]) -> Evidence | None:
     if times is not None:
         reach = reach_of(seen.white, second.vectors, MOST_MULTIPLES)
         errors = stand_out(seen.white, second.vectors, times, reach)[1]
-        out = errors > _ERRORS or _turns(seen, second.vectors, times)
-        return first if out else second
+        return first if errors > _ERRORS else second
     return second if second.clear > first.clear else first
-
-
-def _turns(seen: Views, vectors: Floats, times: Floats) -> bool:
-    """Whether these multiples stand out of the others, as of blocks that turn."""
-    reach = reach_of(seen.field, vectors, MOST_MULTIPLES)
-    gap, errors, _ = stand_out(seen.field, vectors, times, reach)
-    return gap > TURNED[0] and errors > TURNED[1]
 
 
 def in_turn(seen: Views, one: Evidence) -> Evidence:
@@ -164,8 +156,6 @@ def among_rows(seen: Views, pair: Evidence) -> Evidence | None:
     if found is not None and found.confidence >= _LEAST_CROSSINGS:
         times = made_of(pair.vectors, found.vectors)
         if times is not None and abs(np.linalg.det(times)) < 1.5:  # they are one lattice
-            return pair
-        if times is not None and _turns(seen, found.vectors, times):
             return pair
         return found if _clear(seen, found.vectors) > _clear(seen, pair.vectors) else pair
     down = rows.vectors[0]

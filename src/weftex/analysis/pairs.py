@@ -33,7 +33,7 @@ _LOWER = 0.1  # a gap below which the smaller tile is as good
 _REFIT = 2.0  # times that, below which the smaller tile is fitted and tested again
 _UNSURE = (0.35, 4.0)  # a gap below which it is too, if it is of fewer standard errors
 _HIGHER = ((0.2, 5.0), (0.15, 20.0))  # gaps, and standard errors, above which the larger is better
-TURNED = (0.2, 10.0)  # the same, of tiles of more than three, of which there are many more
+_TURNED = (0.2, 10.0)  # the same, of tiles of more than three, of which there are many more
 _MOST_TURNED = 18  # smaller tiles in one whose parts turn
 _OFF = 0.15  # of a vector, that multiples of smaller tiles may be off a larger one
 _OWN = 6  # multiples that the larger tile must have for that
@@ -63,6 +63,10 @@ def best_pair(field: Field, goodness: str) -> Floats | None:
     if best is None or goodness != "contrast":
         return best
     best = _multiply(field, _divide(field, best))
+    if (
+        field.unsure is not None
+    ):  # threads are clear in the whitened sample, and checks made of them
+        return best
     return _turned(field, best, [vectors for vectors, _ in tried])
 
 
@@ -189,12 +193,12 @@ def _turned(field: Field, vectors: Floats, tried: Sequence[Floats]) -> Floats:
     Blocks of bricks that turn, as in a basket weave, match their neighbors in part; so the bricks
     are found, and two blocks are four to eighteen of them.
     """
-    reach, best, surest = reach_of(field, vectors, MOST_MULTIPLES), vectors, TURNED[1]
+    reach, best, surest = reach_of(field, vectors, MOST_MULTIPLES), vectors, _TURNED[1]
     for larger in tried:
         whole = made_of(larger, vectors)
         if whole is None or not 3.5 < abs(np.linalg.det(whole)) < _MOST_TURNED + 0.5:
             continue
         gap, errors, count = stand_out(field, vectors, whole, reach)
-        if gap > TURNED[0] and errors > surest and count >= _OWN:
+        if gap > _TURNED[0] and errors > surest and count >= _OWN:
             best, surest = reduced(larger), errors
     return best
