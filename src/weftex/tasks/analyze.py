@@ -332,7 +332,10 @@ def _rated(rated: Rated) -> str:
 def _words(lattice: Lattice) -> str:
     """The sides of the pieces, or how far rows are apart."""
     said = courses(lattice)
-    return said if len(lattice.vectors) == 2 else f"rows {said} apart"
+    if len(lattice.vectors) == 2:
+        return said
+    x, y = lattice.vectors[0]
+    return f"{'columns' if abs(x) > abs(y) else 'rows'} {said} apart"
 
 
 def _count_colors(exemplar: Exemplar) -> int:
