@@ -42,7 +42,7 @@ class Copy:
     @cached_property
     def kernel(self) -> kernels.Copy:
         """For kernels."""
-        return kernels.Copy(self.pixels, self.mask)
+        return kernels.Copy(self.pixels, self.mask, np.empty((len(self.mask), 2), np.int32))
 
     def part(self, top: int, left: int, height: int, width: int) -> Copy:
         """A part of it."""
