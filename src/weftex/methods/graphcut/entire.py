@@ -105,7 +105,7 @@ class EntirePatchMatching:
         drawn = draw_matches(
             self.settings, self.growth.seed, number, matches, self.copies, self.size
         )
-        found = places_in_full(drawn, boxes[: k + 1], self.copies, places, self.reach)
+        found = places_in_full(drawn, boxes[: k + 1], self.copies, places, self.reach, map_)
         return [
             self._clipped(pixel, at, float(prices[place]))
             for at, place in zip(found, drawn, strict=True)

@@ -326,6 +326,14 @@ def match_places(box: Copy, sample: Copy, allowed, offset, whole, costs):
     match(box, sample, allowed, offset, whole, costs)
 
 
-def nudge_place(box: Copy, sample: Copy, allowed, offset, place, whole):
-    """Call `nudge`."""
-    nudge(box, sample, allowed, offset, place, whole)
+def nudge_place(
+    box: Copy,
+    sample: Copy,
+    allowed: cython.const[cython.uchar][:, ::1],
+    offset: cython.const[cython.int][::1],
+    place: cython.int[::1],
+    whole: cython.bint,
+):
+    """Call `nudge`, beside other threads."""
+    with cython.nogil:
+        nudge(box, sample, allowed, offset, place, whole)
