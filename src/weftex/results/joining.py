@@ -112,7 +112,7 @@ def join_steps(laid: Laid, given: Exemplar, reach: float, window: Window) -> NDA
     )
 
     def join(corner: tuple[int, int]) -> None:
-        steps, margin = _divergence(laid, source, corner, side, reach)
+        steps, lines, margin = _divergence(laid, source, corner, side, reach)
         ends = [
             (max(at, start), min(at + side, start + n))
             for at, start, n in zip(corner, window[:2], window[2:], strict=True)
@@ -124,8 +124,10 @@ def join_steps(laid: Laid, given: Exemplar, reach: float, window: Window) -> NDA
             )
             for first in ((corner[0] - margin, corner[1] - margin), window[:2])
         )
-        shifts = _spread(steps, reach * laid.scale)[(slice(None), *inside)]
-        kernels.add_shifts(result[here], shifts, least, most, _GRAIN)
+        # A channel at a time, as new memory is slow.
+        for one, k in ((steps[k], slice(k, k + 1)) for k in range(len(steps))):
+            shifts = _spread(_taken(one, *lines), reach * laid.scale, *inside)
+            kernels.add_shifts(result[here][..., k], shifts[None], least[k], most[k], _GRAIN)
 
     with thread_map(laid.threads) as map_:
         for _ in map_(join, corners):
@@ -150,11 +152,11 @@ def _ends(source: NDArray[Any], kind: str) -> tuple[Any, Any]:
 
 def _divergence(
     laid: Laid, sample: NDArray[Any], corner: tuple[int, int], side: int, reach: float
-) -> tuple[Floats, int]:
+) -> tuple[Floats, list[NDArray[np.int64]], int]:
     """At each pixel the sum of g - h' over the edges that lead to it, less that over the others.
 
-    For the pixels of a block and a margin around it, which comes back; beyond borders that do not
-    go around, the picture is mirrored. An array for each channel.
+    An array for each channel. The rows and columns come back that are those of a block and of a
+    margin around it, and the margin; beyond borders that do not go around, they are mirrored.
     """
     margin, scale = int(_MARGIN * reach), laid.scale
     runs: list[list[tuple[int, int]]] = []  # first and length of what is looked up along each axis
@@ -193,24 +195,22 @@ def _divergence(
     )
     if around[0]:
         steps[:, 0] += steps[:, rows]
-    return _taken(steps, *inside), margin
+    return steps, inside, margin
 
 
 def _taken(steps: Floats, rows: NDArray[np.int64], columns: NDArray[np.int64]) -> Floats:
     """These rows and columns; most are one run each, which is copied at once."""
     (top, bottom), (left, right) = _longest_run(rows), _longest_run(columns)
-    within = (
-        steps[:, rows[top] : rows[top] + bottom - top],
-        slice(columns[left], columns[left] + right - left),
-    )
+    run = steps[rows[top] : rows[top] + bottom - top]
+    within = run[:, columns[left] : columns[left] + right - left]
     if bottom - top == len(rows) and right - left == len(columns):
-        return within[0][..., within[1]]
-    taken = np.empty((len(steps), len(rows), len(columns)))
-    taken[:, top:bottom, left:right] = within[0][..., within[1]]
+        return within
+    taken = np.empty((len(rows), len(columns)))
+    taken[top:bottom, left:right] = within
     for part in (slice(left), slice(right, None)):
-        taken[:, top:bottom, part] = within[0].take(columns[part], 2)
+        taken[top:bottom, part] = run.take(columns[part], 1)
     for part in (slice(top), slice(bottom, None)):
-        taken[:, part] = steps.take(rows[part], 1).take(columns, 2)
+        taken[part] = steps.take(rows[part], 0).take(columns, 1)
     return taken
 
 
@@ -249,17 +249,11 @@ def _finer(
     return fine, np.ascontiguousarray(shares)
 
 
-def _spread(steps: Floats, reach: float) -> Floats:
-    """Solve c / reach^2 - c'' = steps for each channel, as far as its borders do not count.
-
-    It takes the place of the steps: blocks are large, and new memory is slow.
-    """
-    shape = steps.shape[1:]
-    size = [-(-side // 32) * 32 for side in shape]  # quick to transform
+def _spread(steps: Floats, reach: float, rows: slice, columns: slice) -> Floats:
+    """These rows and columns of c, c / reach^2 - c'' = steps, as far as borders do not count."""
+    size = [-(-side // 32) * 32 for side in steps.shape]  # quick to transform
     turns = [2 - 2 * np.cos(2 * np.pi * np.arange(side) / side) for side in size]
-    divisor = np.add.outer(turns[0], turns[1][: size[1] // 2 + 1]) + reach**-2
-    for one in steps:
-        spectrum = np.fft.rfft2(one, size)
-        spectrum /= divisor
-        one[:] = np.fft.irfft2(spectrum, size)[: shape[0], : shape[1]]
-    return steps
+    spectrum = np.fft.fft(np.fft.rfft(steps, size[1]), size[0], axis=0)
+    spectrum *= 1 / (np.add.outer(turns[0], turns[1][: size[1] // 2 + 1]) + reach**-2)
+    np.fft.ifft(spectrum, axis=0, out=spectrum)
+    return np.fft.irfft(spectrum[rows], size[1])[:, columns]

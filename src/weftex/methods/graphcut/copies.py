@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -42,7 +42,7 @@ class Copy:
     @cached_property
     def kernel(self) -> kernels.Copy:
         """For kernels."""
-        return kernels.Copy(self.pixels, self.mask)
+        return kernels.Copy(self.pixels, self.mask, np.empty((len(self.mask), 2), np.int32))
 
     def part(self, top: int, left: int, height: int, width: int) -> Copy:
         """A part of it."""
@@ -94,6 +94,7 @@ def places_in_full(
     samples: list[Copy],
     allowed: list[NDArray[np.uint8]],
     offset: Sequence[int],
+    map_: Callable[..., Any] = map,
 ) -> list[tuple[int, int]]:
     """Find places that were found on the smallest copy in larger and larger ones.
 
@@ -109,11 +110,19 @@ def places_in_full(
         Where a place may be, likewise.
     offset : (int, int)
         In full size: the corner of the box lies on place - offset of the sample.
+    map_ : callable
+        Like `map`, perhaps in threads.
     """
-    found = np.array(places, np.int32).reshape(-1, 2)
+    steps = []
     for k in range(len(boxes) - 2, -1, -1):
-        found *= 2
-        box, sample, at = boxes[k].kernel, samples[k], np.array(offset, np.int32) >> k
-        for place in found:
-            kernels.nudge_place(box, sample.kernel, allowed[k], at, place, sample.all_count)
-    return [(int(y), int(x)) for y, x in found]
+        sample, at = samples[k], np.array(offset, np.int32) >> k
+        steps.append((boxes[k].kernel, sample.kernel, allowed[k], at, sample.all_count))
+
+    def in_full(place: tuple[int, int]) -> tuple[int, int]:
+        found = np.array(place, np.int32)
+        for box, sample, where, at, whole in steps:
+            found *= 2
+            kernels.nudge_place(box, sample, where, at, found, whole)
+        return int(found[0]), int(found[1])
+
+    return list(map_(in_full, places))

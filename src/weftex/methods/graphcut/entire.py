@@ -18,7 +18,7 @@ from weftex.methods.graphcut.places import (
     size_on_canvas,
     smallest,
 )
-from weftex.methods.graphcut.regular import LatticePlaces, any_in_blocks
+from weftex.methods.graphcut.regular import LatticePlaces, on_smaller
 from weftex.methods.graphcut.repeats import DIRECT, Repeats
 from weftex.methods.graphcut.sight import Sight
 from weftex.search.translation import fast_size, overlap_mismatch
@@ -105,7 +105,7 @@ class EntirePatchMatching:
         drawn = draw_matches(
             self.settings, self.growth.seed, number, matches, self.copies, self.size
         )
-        found = places_in_full(drawn, boxes[: k + 1], self.copies, places, self.reach)
+        found = places_in_full(drawn, boxes[: k + 1], self.copies, places, self.reach, map_)
         return [
             self._clipped(pixel, at, float(prices[place]))
             for at, place in zip(found, drawn, strict=True)
@@ -141,7 +141,7 @@ class EntirePatchMatching:
             on = self.regular.of(pixel, self.usable.shape, near=near)
             for some in (middle, self.usable):
                 if (found := on & (some != 0)).any():
-                    return [any_in_blocks(found, k) for k in range(len(self.copies))]
+                    return on_smaller(found, len(self.copies))
         return on_copies(middle if middle.any() else self.usable, self.copies)
 
     def _around(self, pixel: tuple[int, int]) -> list[Copy]:

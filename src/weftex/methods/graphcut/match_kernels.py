@@ -11,14 +11,21 @@ from cython.cimports.libc.string import memchr, memcpy, memset
 
 @cython.cclass
 class Copy:
-    """A picture, and which of its pixels count."""
+    """A picture, and which of its pixels count.
+
+    `runs` is filled with the first pixel of each row that counts and one after the last; with -1
+    where others between do not.
+    """
 
     pixels: cython.const[cython.uchar][:, :, ::1]
     mask: cython.const[cython.uchar][:, ::1]
+    runs: cython.int[:, ::1]
 
-    def __init__(self, pixels, mask):
+    def __init__(self, pixels, mask, runs):
         self.pixels = pixels
         self.mask = mask
+        self.runs = runs
+        fill_runs(self)
 
 
 @cython.cfunc
@@ -119,6 +126,40 @@ def run_of(
 
 
 @cython.cfunc
+@cython.exceptval(check=False)
+def fill_runs(copy: Copy) -> cython.void:
+    """See `Copy`."""
+    cython.declare(i=cython.Py_ssize_t, first=cython.Py_ssize_t, end=cython.Py_ssize_t)
+    width: cython.Py_ssize_t = copy.mask.shape[1]
+    if width == 0:
+        return
+    for i in range(copy.mask.shape[0]):
+        first = run_of(cython.address(copy.mask[i, 0]), 0, width, 1)
+        end = run_of(cython.address(copy.mask[i, 0]), first, width, 0)
+        if run_of(cython.address(copy.mask[i, 0]), end, width, 1) < width:
+            first = -1
+        copy.runs[i, 0] = cython.cast(cython.int, first)
+        copy.runs[i, 1] = cython.cast(cython.int, end)
+
+
+@cython.cfunc
+@cython.inline
+@cython.nogil
+@cython.exceptval(check=False)
+def squares(
+    one: cython.p_const_uchar, other: cython.p_const_uchar, count: cython.Py_ssize_t
+) -> cython.int:
+    """The sum of squared differences of so many bytes, not more than fit."""
+    cython.declare(k=cython.Py_ssize_t)
+    cython.declare(d=cython.short)  # whose products are summed up in pairs by one instruction
+    total: cython.int = 0
+    for k in range(count):
+        d = cython.cast(cython.short, one[k]) - cython.cast(cython.short, other[k])
+        total += cython.cast(cython.int, d) * d
+    return total
+
+
+@cython.cfunc
 @cython.nogil
 @cython.exceptval(check=False)
 def area_of(
@@ -130,6 +171,9 @@ def area_of(
     last: cython.Py_ssize_t = min(box.pixels.shape[1], sample.pixels.shape[1] - left + 1)
     area: cython.longlong = 0
     for i in range(max(0, -top - 1), min(box.pixels.shape[0], sample.pixels.shape[0] - top + 1)):
+        if box.runs[i, 0] >= 0:
+            area += max(0, min(last, box.runs[i, 1]) - max(first, box.runs[i, 0]))
+            continue
         run = 0
         for j in range(first, last):
             run += box.mask[i, j]
@@ -153,9 +197,8 @@ def mismatch(
     Infinite where nothing counts in both, or once the sum is `most` or more. `whole`: all pixels
     of the sample count.
     """
-    cython.declare(i=cython.Py_ssize_t, j=cython.Py_ssize_t, k=cython.Py_ssize_t)
-    cython.declare(end=cython.Py_ssize_t, d=cython.int, run=cython.int, turn=cython.int)
-    cython.declare(one=cython.p_const_uchar, other=cython.p_const_uchar)
+    cython.declare(i=cython.Py_ssize_t, j=cython.Py_ssize_t, at=cython.Py_ssize_t)
+    cython.declare(end=cython.Py_ssize_t, turn=cython.int)
     cython.declare(here=cython.p_const_uchar, there=cython.p_const_uchar)
     channels: cython.Py_ssize_t = box.pixels.shape[2]
     first: cython.Py_ssize_t = max(0, -left)
@@ -168,6 +211,17 @@ def mismatch(
         return INFINITY
     for turn in range(8):  # every eighth row first, so that bad places end early
         for i in range(upper + turn, lower, 8):
+            if whole and box.runs[i, 0] >= 0:  # mostly
+                j = max(first, box.runs[i, 0])
+                end = min(last, box.runs[i, 1])
+                for at in range(j, end, 4096):
+                    total += squares(
+                        cython.address(box.pixels[i, at, 0]),
+                        cython.address(sample.pixels[top + i, left + at, 0]),
+                        (min(end, at + 4096) - at) * channels,
+                    )
+                area += max(0, end - j)
+                continue
             here = cython.address(box.mask[i, 0])
             there = cython.address(sample.mask[top + i, left + first]) - first
             j = run_of(here, first, last, 1)
@@ -178,13 +232,11 @@ def mismatch(
                 end = run_of(here, j + 1, min(last, j + 4096), 0)
                 if not whole:
                     end = run_of(there, j + 1, end, 0)
-                one = cython.address(box.pixels[i, j, 0])
-                other = cython.address(sample.pixels[top + i, left + j, 0])
-                run = 0
-                for k in range((end - j) * channels):
-                    d = cython.cast(cython.int, one[k]) - other[k]
-                    run += d * d
-                total += run
+                total += squares(
+                    cython.address(box.pixels[i, j, 0]),
+                    cython.address(sample.pixels[top + i, left + j, 0]),
+                    (end - j) * channels,
+                )
                 area += end - j
                 j = run_of(here, end, last, 1)
         if total >= most:
@@ -274,6 +326,14 @@ def match_places(box: Copy, sample: Copy, allowed, offset, whole, costs):
     match(box, sample, allowed, offset, whole, costs)
 
 
-def nudge_place(box: Copy, sample: Copy, allowed, offset, place, whole):
-    """Call `nudge`."""
-    nudge(box, sample, allowed, offset, place, whole)
+def nudge_place(
+    box: Copy,
+    sample: Copy,
+    allowed: cython.const[cython.uchar][:, ::1],
+    offset: cython.const[cython.int][::1],
+    place: cython.int[::1],
+    whole: cython.bint,
+):
+    """Call `nudge`, beside other threads."""
+    with cython.nogil:
+        nudge(box, sample, allowed, offset, place, whole)

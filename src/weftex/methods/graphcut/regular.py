@@ -51,18 +51,24 @@ class LatticePlaces:
     ) -> NDArray[np.bool_]:
         """Mark the places of a sample of that shape for a pixel; those `near` the lattice too."""
         first = self._lattice.phase(*(np.array(at) for at in pixel)) / _UNIT
-        y, x = np.ogrid[: shape[0], : shape[1]]
-        times = np.tensordot(
-            self._inverse, np.array(np.broadcast_arrays(y - first[0], x - first[1])), (0, 0)
-        )
-        off = np.tensordot(self._lattice.sample, times - np.rint(times), (0, 0))
-        found: NDArray[np.bool_] = abs(off).max(axis=0) <= (self._drift if near else _LEAST)
+        y, x = (np.arange(n) - at for n, at in zip(shape, first, strict=True))
+        parts = []  # of multiples of the vectors, that are left
+        for down, along in self._inverse.T:
+            times = np.add.outer(down * y, along * x)
+            times -= np.rint(times)
+            parts.append(times)
+        most, found = self._drift if near else _LEAST, np.full(shape, True)
+        for one, other in self._lattice.sample.T:
+            found &= abs(one * parts[0] + other * parts[1]) <= most
         return found
 
 
-def any_in_blocks(places: NDArray[np.bool_], halvings: int) -> NDArray[np.uint8]:
-    """1 where one of the places lies in a block of 2**halvings pixels a side; whole blocks only."""
-    side = 1 << halvings
-    rows, columns = (n >> halvings for n in places.shape)
-    blocks = places[: rows * side, : columns * side].reshape(rows, side, columns, side)
-    return np.asarray(blocks.any(axis=(1, 3)), np.uint8)
+def on_smaller(places: NDArray[np.bool_], count: int) -> list[NDArray[np.uint8]]:
+    """So many copies, each half as large: 1 where one of four places is; whole squares only."""
+    copies = [places.view(np.uint8)]
+    while len(copies) < count:
+        rows, columns = (n // 2 * 2 for n in copies[-1].shape)
+        upper, lower = (copies[-1][first:rows:2, :columns] for first in (0, 1))
+        either = upper | lower
+        copies.append(either[:, ::2] | either[:, 1::2])
+    return copies

@@ -23,13 +23,18 @@ def may_change(picture: Picture, p: cython.int) -> cython.bint:
 
 
 @cython.cfunc
+@cython.inline
 @cython.nogil
 @cython.exceptval(check=False)
-def is_joined(picture: Picture, sample: Sample, p: cython.int, d: cython.int) -> cython.bint:
-    """Whether the neighbor in direction d is of the same patch and may change too, or is none."""
+def is_joined(
+    picture: Picture, sample: Sample, p: cython.int, d: cython.int, last: cython.bint
+) -> cython.bint:
+    """Whether the neighbor in direction d is of the same patch and may change too, or is none.
+
+    `last`: it is around the border, or beyond it.
+    """
     q: cython.int = p + (picture.width if d else 1)
-    y: cython.int = p // picture.width
-    if (y + 1 == picture.height) if d else (q == (y + 1) * picture.width):
+    if last:
         q = beside(picture, p, d, 1 - d)
         if q < 0:
             return True
@@ -58,7 +63,9 @@ def follow_row(
             if not picture.done[p]:
                 run = -1
             elif may_change(picture, p):
-                run = is_joined(picture, sample, p, 0) and is_joined(picture, sample, p, 1)
+                run = is_joined(picture, sample, p, 0, x + 1 == picture.width) and is_joined(
+                    picture, sample, p, 1, y + 1 == picture.height
+                )
         else:
             run = (picture.runs[p] > 0) - (picture.runs[p] < 0)
         if run > 0 and after > 0:
