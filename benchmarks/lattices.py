@@ -32,17 +32,10 @@ from drawn import KINDS, Vectors, draw
 from numpy.typing import NDArray
 
 import weftex
+from weftex.analysis.candidates import better, courses_seen, in_turn, pairs_seen, rows_seen
 from weftex.analysis.evidence import JOINTS, PAIRS, ROWS, SUREST, Evidence
-from weftex.analysis.lattice import (
-    Lattice,
-    better,
-    courses_seen,
-    in_turn,
-    lattice_in,
-    pairs_seen,
-    rows_seen,
-    views,
-)
+from weftex.analysis.lattice import Lattice, lattice_in
+from weftex.analysis.views import views
 
 HERE = Path(__file__).resolve().parent
 TRUTH: dict[str, Vectors] = {

@@ -17,6 +17,7 @@ from __future__ import annotations
 import argparse
 import csv
 import itertools
+import math
 from collections import defaultdict
 from collections.abc import Iterator
 from dataclasses import dataclass
@@ -51,22 +52,26 @@ class Pair:
     better: str
     worse: str
     ranks: float
-    marks: int
+    marks: int  # whole ones
 
 
-def pairs() -> list[Pair]:
-    """Every pair that a judge put in an order."""
-    given: dict[tuple[str, str], dict[str, tuple[int, int]]] = defaultdict(dict)
-    for line in table("judgements.csv"):
-        of = given[line["surface"], line["judge"]]
-        of[line["picture"]] = int(line["rank"]), int(line["mark"])
+def pairs(given: list[dict[str, str]] | None = None) -> list[Pair]:
+    """Every pair that a judge put in an order; by default those of judgements.csv.
+
+    Pictures that were looked at together have names that are the same but for their last word.
+    """
+    sets: dict[tuple[str, ...], dict[str, tuple[int, float]]] = defaultdict(dict)
+    for line in table("judgements.csv") if given is None else given:
+        together = line["picture"].rpartition(" ")[0]
+        of = sets[line["surface"], line["judge"], together]
+        of[line["picture"]] = int(line["rank"]), float(line["mark"])
     found = []
-    for (surface, judge), of in given.items():
+    for (surface, judge, _), of in sets.items():
         for first, second in itertools.combinations(sorted(of), 2):
             better, worse = sorted((first, second), key=lambda picture: of[picture][0])
-            ranks, marks = (int(b) - int(a) for a, b in zip(of[better], of[worse], strict=True))
+            ranks, marks = (b - a for a, b in zip(of[better], of[worse], strict=True))
             if ranks:
-                found.append(Pair(surface, judge, better, worse, ranks, -marks))
+                found.append(Pair(surface, judge, better, worse, ranks, math.floor(-marks)))
     return found
 
 
@@ -147,13 +152,13 @@ def pictures(folder: Path) -> Iterator[tuple[str, weftex.Exemplar, np.ndarray]]:
         yield name, half, worse
 
 
-def known() -> Known:
+def known(name: str = "figures.csv") -> Known:
     """The figures of each picture; those that could not be measured are left out."""
     return {
-        (line.pop("surface"), line.pop("picture")): {
-            name: float(value) for name, value in line.items() if value
+        (line["surface"], line["picture"]): {
+            figure: float(line[figure]) for figure in FIGURES if line.get(figure)
         }
-        for line in table("figures.csv")
+        for line in table(name)
     }
 
 
@@ -218,17 +223,33 @@ def fitted(figures: Known, ordered: list[Pair]) -> np.ndarray:
     return fit(steps(figures, ordered), heavy / 2 / heavy.mean())
 
 
-def left_out(figures: Known, ordered: list[Pair], more: list[Pair]) -> np.ndarray:
-    """By how much the worse picture's score is above, by weights fitted to other surfaces."""
+def left_out(
+    figures: Known, ordered: list[Pair], more: list[Pair], tried: list[Pair] | None = None
+) -> np.ndarray:
+    """By how much the worse picture's score is above, by weights fitted to other surfaces.
+
+    Of the ordered pairs themselves, or of others, which nothing is fitted to.
+    """
     names = sorted({pair.surface for pair in ordered})
     turn = np.argsort(draw(0, "folds of surfaces", np.arange(len(names))))
     fold = {name: int(turn[k]) % FOLDS for k, name in enumerate(names)}
-    apart, said = steps(figures, ordered), np.zeros(len(ordered))
+    tried = ordered if tried is None else tried
+    apart, said = steps(figures, tried), np.zeros(len(tried))
     for k in range(FOLDS):
-        part = np.array([fold[pair.surface] == k for pair in ordered])
+        part = np.array([fold.get(pair.surface, 0) == k for pair in tried])
         others = [pair for pair in ordered + more if fold[pair.surface] != k]
         said[part] = apart[part] @ fitted(figures, others)
     return said
+
+
+def by_marks(said: np.ndarray, of: list[Pair]) -> None:
+    """Print the share of pairs that a score orders as a judge, by how far their marks are apart."""
+    print(f"  {'all':16} {share(said):.3f} of {len(of)}")
+    for least in (0, 1, 2, 3):
+        part = np.array([min(max(pair.marks, 0), 3) == least for pair in of])
+        print(f"  {f'{least} marks apart':16} {share(said[part]):.3f} of {part.sum()}")
+    part = np.array([pair.marks >= 1 for pair in of])
+    print(f"  {'1 and more':16} {share(said[part]):.3f} of {part.sum()}")
 
 
 def main() -> None:
@@ -249,12 +270,11 @@ def main() -> None:
     old = {at: limits(found) for at, found in figures.items()}
     apart = [old[p.surface, p.worse] - old[p.surface, p.better] for p in ordered]
     print(f"  {'sum of limits':16} {share(np.array(apart)):.3f} of {len(ordered)}")
-    said = left_out(figures, ordered, more)
     print("score with a judge, on surfaces that were not fitted")
-    print(f"  {'all':16} {share(said):.3f} of {len(ordered)}")
-    for least in range(4):
-        part = np.array([min(pair.marks, 3) == least for pair in ordered])
-        print(f"  {f'{least} marks apart':16} {share(said[part]):.3f} of {part.sum()}")
+    by_marks(left_out(figures, ordered, more), ordered)
+    print("and on the pictures of other looks, which nothing was fitted to")
+    other = pairs(table("looks.csv"))
+    by_marks(left_out(figures | known("looks.csv"), ordered, more, other), other)
     found = fitted(figures, ordered + more)
     print(f"real before spoiled: {share(steps(figures, more) @ found):.3f} of {len(more)}")
     print("weights:", {name: round(float(w), 2) for name, w in zip(WEIGHTS, found, strict=True)})

@@ -21,6 +21,7 @@ from weftex.analysis.lattice import Lattice
         (((20, 0), (0, 20)), "20 x 20 px"),
         (((41, 64), (-41, 64)), "41 x 128 px, every other column shifted by half"),
         (((31, 0), (0, 102)), "31 x 102 px"),
+        (((85.34, -0.58), (43.08, 85.43)), "85.3 x 85.7 px, every other row shifted by half"),
         (((0, 18.75),), "18.8 px"),
     ],
 )

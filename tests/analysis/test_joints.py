@@ -4,17 +4,12 @@ import numpy as np
 import pytest
 
 from weftex.analysis.bonds import Bonds
+from weftex.analysis.candidates import among_rows, bond_seen, courses_seen
 from weftex.analysis.evidence import SUREST, Evidence
 from weftex.analysis.joints import Joints, contrast, find_courses
-from weftex.analysis.lattice import (
-    Lattice,
-    among_rows,
-    bond_seen,
-    courses_seen,
-    find_lattice,
-    views,
-)
+from weftex.analysis.lattice import Lattice, find_lattice
 from weftex.analysis.relief import Relief, relief
+from weftex.analysis.views import views
 from weftex.exemplar import Exemplar
 
 

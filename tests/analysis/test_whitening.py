@@ -9,11 +9,13 @@ import numpy as np
 import pytest
 
 from analysis.test_lattice import smooth
+from weftex.analysis.candidates import better, pairs_seen
 from weftex.analysis.correlation import correlate
 from weftex.analysis.evidence import PAIRS, SUREST, Evidence
-from weftex.analysis.lattice import Lattice, better, find_lattice, pairs_seen, views
+from weftex.analysis.lattice import Lattice, find_lattice
 from weftex.analysis.relief import Relief, relief
 from weftex.analysis.rows import find_rows, ridges
+from weftex.analysis.views import views
 from weftex.analysis.whitening import whitened
 from weftex.exemplar import Exemplar
 

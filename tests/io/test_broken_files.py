@@ -101,7 +101,7 @@ def test_content_counts_not_the_name(tmp_path):
                 io.read_image(tmp_path / f"wrong{wrong}").pixels, expected
             )
     # OpenImageIO has a reader that makes a black picture of any file of this name.
-    shutil.copy(tmp_path / "a.jpg", tmp_path / "a.null")
+    shutil.copy(tmp_path / "a.png", tmp_path / "a.null")
     fails(tmp_path / "a.null", "rename")
 
 

@@ -2,18 +2,14 @@
 
 from __future__ import annotations
 
-import re
-import zlib
-
 import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from hypothesis.extra import numpy as hnp
 
-from picture_files import chunk, fails, files_in, noise, oiio_write, smooth
+from picture_files import files_in, noise, oiio_write, smooth
 from weftex.io import pictures as io
-from weftex.io.plain_png import read_plain_png
 
 Image = pytest.importorskip("PIL.Image")
 
@@ -197,28 +193,3 @@ def test_exr_half_becomes_float(tmp_path):
     back = io.read_image(tmp_path / "half.exr").pixels
     assert back.dtype == np.float32
     np.testing.assert_array_equal(back, pixels.astype(np.float32))
-
-
-@pytest.mark.parametrize("dtype", ["uint8", "uint16"])
-@pytest.mark.parametrize("channels", [1, 2, 3, 4])
-def test_plain_pngs_are_read_without_the_library(tmp_path, dtype, channels):
-    path, pixels = tmp_path / "a.png", noise((23, 31, channels), dtype)
-    pixels[5:12, 4:20] = pixels[5, 4]
-    alpha = channels in (2, 4)
-    how = {"oiio__UnassociatedAlpha": 1, "alpha": channels - 1 if alpha else -1}
-    for kind in (8, 16, 32, 64, 128, 248):  # of libpng: none, sub, up, average, Paeth, any
-        oiio_write(path, "png", pixels, png__filter=kind, **how)
-        assert read_plain_png(path, None) is None  # as it has Exif, which may turn a picture
-        path.write_bytes(re.sub(rb"....eXIf.{18}", b"", path.read_bytes(), flags=re.DOTALL))
-        found, has_alpha = read_plain_png(path, None)
-        assert (found.dtype, has_alpha) == (dtype, alpha)
-        assert (found == pixels).all()
-        assert read_plain_png(path, pixels[..., 0].size - 1) is None
-    data = path.read_bytes()
-    at = data.index(b"IDAT")
-    lines = bytearray(zlib.decompress(data[at + 4 :]))
-    lines[0] = 5  # which is no filter
-    packed = chunk(b"IDAT", zlib.compress(lines)) + chunk(b"IEND", b"")
-    path.write_bytes(data[: at - 4] + packed)
-    assert read_plain_png(path, None) is None
-    fails(path, "damaged")

@@ -69,6 +69,22 @@ def test_edges_maps_and_masks(rng):
     assert not (result.source == (9, 10)).all(axis=2).any()
 
 
+@pytest.mark.parametrize("tiles", [False, True])
+def test_slow_tones(rng, tiles):
+    rising = noise((14, 15, 3), values=99, rng=rng) + np.arange(0, 150, 10, np.uint8)[:, None]
+    mask = np.ones((14, 15), bool)
+    mask[6, 9] = tiles
+    exemplar = weftex.Exemplar(rising, mask=mask, tileable=tiles)
+    compare(sampling(tone_weight=2.0), exemplar, weftex.Canvas(19, 22))
+
+
+def test_slow_tones_of_a_hole_are_not_known(rng):
+    photo, hole = noise((14, 15), rng=rng), np.zeros((14, 15), bool)
+    hole[6, 9] = True
+    with pytest.raises(weftex.InvalidInputError, match="tone_weight has no effect"):
+        weftex.fill(photo, hole, method=sampling(tone_weight=2.0))
+
+
 @pytest.mark.parametrize("wrap", WRAPS)
 def test_samples_that_tile(rng, wrap):
     exemplar = weftex.Exemplar(noise((9, 10, 3), rng=rng), tileable=True)

@@ -131,7 +131,7 @@ class Repeating:
             if label is None
         ]
         pieces = {}
-        far = [math.ceil(int(2.25 * n) / cell) * cell for n in shape]
+        far = [math.ceil(int(3 * n) / cell) * cell for n in shape]
         for (y, x), label in around(far, [(0, n) for n in self.canvas.shape]):
             if label not in (None, "known"):
                 place = [min(c // cell, n - 1) for c, n in zip(label, salience.shape, strict=True)]
@@ -142,10 +142,10 @@ class Repeating:
             found = {(at[0] + y, at[1] + x) for y, x in missing} & salience.keys()
             new = sum(int(salience[f]) for f in found)
             for shift, places in pieces.items():
-                off = [
-                    (a * cell + d) / (1.25 * n) for a, d, n in zip(at, shift, shape, strict=True)
-                ]
-                weight = int(np.rint(64 * (1 - np.sqrt(off[0] ** 2 + off[1] ** 2))))
+                off = [abs(a * cell + d) / n for a, d, n in zip(at, shift, shape, strict=True)]
+                away = np.sqrt(off[0] ** 2 + off[1] ** 2)
+                in_line = 2 * max(1 - 6 * min(off), 0) * max(1 - away / 2, 0)
+                weight = int(np.rint(64 * (max(1 - away / 1.25, 0) + in_line)))
                 if weight > 0:
                     total += weight * sum(int(salience[f]) for f in found & places)
             result[at] = total / max(64 * new, 1)

@@ -120,6 +120,24 @@ def patch_starts(length, size, overlap, wrap):
         count += 1
 
 
+def slow_tones(exemplar, sample, radius, weight):
+    """How far the mean of each pixel's square lies from the sample's, times a weight; 128 for 0."""
+    usable = np.ones(exemplar.shape, bool) if exemplar.mask is None else exemplar.mask
+    (height, width), tiles = exemplar.shape, exemplar.tileable
+    found = np.empty_like(sample)
+    for i, j in np.ndindex(height, width):
+        square = [
+            (v % height, u % width)
+            for v in range(i - radius, i + radius + 1)
+            for u in range(j - radius, j + radius + 1)
+            if tiles or (0 <= v < height and 0 <= u < width)
+        ]
+        shown = [sample[at] for at in square if usable[at]]
+        mean = np.mean(shown, axis=0) if shown else 0
+        found[i, j] = np.rint(np.clip(128 + weight * (mean - sample[usable].mean(0)), 0, 255))
+    return found
+
+
 def sample_exhaustive(exemplar, method, canvas, seed, *, corners=None, finish=True):
     """Steps 1 to 6 of section 2.2, by looking at every window of the sample for every patch.
 
@@ -144,6 +162,8 @@ def sample_exhaustive(exemplar, method, canvas, seed, *, corners=None, finish=Tr
     if not pixelwise:
         width = zone_width(method, canvas)
     sample = exemplar.matching(method.edge_weight).astype(int)
+    if weight := getattr(method, "tone_weight", 0):
+        sample = np.concatenate([sample, slow_tones(exemplar, sample, window[0] // 4, weight)], 2)
     places = _windows_of(exemplar, window)
     stack = np.array([rectangle(sample, place, window) for place in places])
     buffer = np.zeros((*canvas.shape, sample.shape[2]), int)

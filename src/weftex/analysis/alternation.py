@@ -53,14 +53,20 @@ def alternating(flat: Relief, vectors: Floats) -> Floats | None:
     rounding = _FAINT * float((flat.levels**2).mean()) * tiles.shape[1]
     best, highest = None, _ALIKE
     for index in (2, 3):
-        for whole, kinds in _kinds(cells, index):
-            alike = halves_agree(tiles, kinds, index, rounding)
+        for whole, lines in _turns(cells, index):
+            alike = halves_agree(tiles, lines % index, index, rounding, lines)
             if alike > highest:
                 best, highest = whole, alike
     return best
 
 
-def halves_agree(tiles: Floats, kinds: NDArray[np.int64], number: int, least: float = 0.0) -> float:
+def halves_agree(
+    tiles: Floats,
+    kinds: NDArray[np.int64],
+    number: int,
+    least: float = 0.0,
+    lines: NDArray[np.int64] | None = None,
+) -> float:
     """How the differences of the kinds' means correlate between random halves of the tiles.
 
     Parameters
@@ -73,6 +79,9 @@ def halves_agree(tiles: Floats, kinds: NDArray[np.int64], number: int, least: fl
         2 or more.
     least : float
         The least that chance makes the means differ by, as a sum of squares.
+    lines : int64 array (n,), optional
+        Which line of the lattice a tile is on; all of a line are of one kind. Threads and courses
+        have tones of their own, so tiles of a line may be alike, and lines are what chance draws.
 
     Returns
     -------
@@ -96,20 +105,40 @@ def halves_agree(tiles: Floats, kinds: NDArray[np.int64], number: int, least: fl
     sums = np.add.reduceat(tiles[order], starts, axis=0)
     means = sums / counts[:, None]
     within = float(np.einsum("ij,ij->", tiles, tiles) - (sums * means).sum())
-    chance = within / (len(tiles) - number) * float((1 / counts).mean()) * (number - 1)
+    single = within / (len(tiles) - number)
+    if lines is not None:
+        single = max(single, _of_lines(tiles, kinds, means, lines))
+    chance = single * float((1 / counts).mean()) * (number - 1)
     between = float(((means - means.mean(axis=0)) ** 2).sum())
     chance += least
     real = max(between - chance, 0.0)
     return real / max(real + 2 * chance, 1e-9)
 
 
-def _kinds(cells: NDArray[np.int64], index: int) -> list[tuple[Floats, NDArray[np.int64]]]:
-    """Every sublattice of an index that is prime, and which of its cosets each cell is in."""
+def _of_lines(
+    tiles: Floats, kinds: NDArray[np.int64], means: Floats, lines: NDArray[np.int64]
+) -> float:
+    """The variance of single tiles, as the means of lines of one kind differ."""
+    order = np.argsort(lines, kind="stable")
+    _, starts, counts = np.unique(lines[order], return_index=True, return_counts=True)
+    freedom = len(counts) - len(means)
+    if freedom < 1:
+        return 0.0
+    off = np.add.reduceat(tiles[order], starts, axis=0) / counts[:, None]
+    off -= means[kinds[order[starts]]]
+    return float(((off**2).sum(axis=1) * counts).sum()) / freedom
+
+
+def _turns(cells: NDArray[np.int64], index: int) -> list[tuple[Floats, NDArray[np.int64]]]:
+    """Every sublattice of an index that is prime, and on which line each cell is.
+
+    Which coset it is in is the line's number modulo the index.
+    """
     turns = [(np.array([[1.0, 0.0], [0.0, index]]), cells[:, 1])]
     for slant in range(index):
         turns.append((np.array([[index, 0.0], [-slant, 1.0]]), cells[:, 0] + slant * cells[:, 1]))
     # Tiles of one row may all be alike, so each kind must come back.
-    return [(whole, turn % index) for whole, turn in turns if np.ptp(turn) + 1 >= _TURNS * index]
+    return [(whole, turn) for whole, turn in turns if np.ptp(turn) + 1 >= _TURNS * index]
 
 
 def _tiles(flat: Relief, vectors: Floats) -> tuple[Floats, NDArray[np.int64], Floats]:

@@ -13,6 +13,7 @@ if TYPE_CHECKING:
 _UPRIGHT = 0.05  # of its length, that a vector along an axis may be off it
 _LONGEST = 12.0  # a piece, for its height
 _LYING = 1.5  # the same, from which courses are taken to lie
+_SQUARE = 1.1  # times as long as high, at most
 _SHIFT = 0.06  # of a piece, that a shift may be off a name
 _NAMES = {1 / 2: "every other {} shifted by half"}
 _NAMES |= {1 / 3: "each {} shifted by a third", 1 / 4: "each {} shifted by a quarter"}
@@ -58,8 +59,10 @@ def courses(lattice: Lattice) -> str:
             found.append((round(length**2 / lattice.area, 2), -axis, length, piece))
     if not found:
         return " x ".join(_number(math.hypot(*vector)) for vector in shortest) + " px"
-    # Courses lie where pieces are clearly longer than high, and else where they are longest.
+    # Courses lie where pieces are clearly longer than high, else where they are as long as high, as
+    # scales are, and else where they are longest.
     lying = [one for one in found if one[1] == 0 and one[0] >= _LYING]
+    lying += [one for one in found if 1 / _SQUARE <= one[0] <= _SQUARE]
     _, axis, length, piece = lying[0] if lying else max(found, key=lambda one: one[:2])
     # How far along it the next course is moved, of the sums that are one course on.
     on = sums[np.rint(sums @ np.array([-piece[1], piece[0]]) / lattice.area) == 1]

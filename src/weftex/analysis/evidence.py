@@ -27,6 +27,8 @@ ROWS = (-5.46, 0.0, 3.01)
 
 #: What 1, and the geometric mean of the contrast and of how far strips are alike, weigh.
 JOINTS = (-5.93, 13.96)
+#: The same of a second family of joints, that crosses rows.
+CROSSINGS = (-4.78, 15.82)
 #: What 1, and how surely joints within rows tell their bond, weigh.
 BONDS = (-9.02, 3.06)
 
@@ -66,7 +68,7 @@ class Evidence:
     def figures(self) -> tuple[float, ...]:
         """What is weighed; each grows more slowly the larger it is."""
         contrast, clear = max(self.contrast, 0.0), max(self.clear, 0.0)
-        if self.kind == "joints":
+        if self.kind in ("joints", "crossings"):
             return 1.0, math.sqrt(contrast * clear)
         if self.kind == "bonds":
             return 1.0, clear
@@ -81,6 +83,10 @@ class Evidence:
         True
         """
         plain = PAIRS if len(self.vectors) == 2 else ROWS
-        weights: tuple[float, ...] = {"joints": JOINTS, "bonds": BONDS}.get(self.kind, plain)
+        weights: tuple[float, ...] = {
+            "joints": JOINTS,
+            "crossings": CROSSINGS,
+            "bonds": BONDS,
+        }.get(self.kind, plain)
         total = sum(part * weight for part, weight in zip(self.figures, weights, strict=True))
         return SUREST / (1 + math.exp(-min(max(total, -_MOST), _MOST)))

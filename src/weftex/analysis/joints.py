@@ -10,6 +10,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
+from weakref import WeakKeyDictionary
 
 import numpy as np
 
@@ -30,6 +31,7 @@ _FINEST = 3.0  # of the pixels that all directions are tried on
 _SIDES = (128, 256)  # pixels a side, about, of what all directions are tried on, and near ones
 _COARSE = np.deg2rad(np.arange(0, 180, 3.0))
 _FINE = [np.deg2rad([-step, 0, step]) for step in (1.2, 0.5, 0.25)]  # the last of near ones
+_CROSSING = 0.42  # sine of the least angle between lines that cross
 _STEP = 0.5  # pixels between distances that are tried
 _NEAR = np.linspace(0.94, 1.06, 25)  # of a distance, that a finer look tries
 _RIDGES = 8  # rows away that are rated, as far as the sample has them
@@ -40,6 +42,10 @@ _BLUR = 0.04  # of the distance, by which rows may be off
 _PARTS = 7  # closer rows that are tried
 _AS_HIGH = 0.8  # of the contrast, that closer rows must have
 _HIGHER = 0.8  # of its height: the most that every second ridge lies above the others
+
+
+#: Rows, and what crosses them, are told by the same joints.
+_TAKEN: WeakKeyDictionary[Relief, Joints] = WeakKeyDictionary()
 
 
 @dataclass(frozen=True, eq=False)
@@ -91,6 +97,7 @@ class Joints:
 
     def _set(self, parts: Floats, inner: NDArray[np.bool_], step: int) -> None:
         self.parts, self.inner, self.step = parts, inner, step
+        self._coarser: dict[int, Joints] = {}
         self.y, self.x = (np.arange(side) - (side - 1) / 2 for side in inner.shape)
 
     def coarser(self, side: int) -> Joints:
@@ -98,9 +105,10 @@ class Joints:
         step = max(1, round(max(self.inner.shape) / side))
         if step == 1 or min(self.inner.shape) < step:
             return self
-        smaller = object.__new__(Joints)
-        smaller._set(means(self.parts, step), means(self.inner, step) >= 0.5, step)
-        return smaller
+        if step not in self._coarser:
+            self._coarser[step] = object.__new__(Joints)
+            self._coarser[step]._set(means(self.parts, step), means(self.inner, step) >= 0.5, step)
+        return self._coarser[step]
 
     def lines(self, angle: float) -> tuple[NDArray[Any], NDArray[Any]]:
         """Edges along lines of a direction: sums and counts (strip, line), lines a pixel apart."""
@@ -150,13 +158,21 @@ class Joints:
         return found
 
 
-def find_courses(flat: Relief) -> Courses | None:
+def _joints_of(flat: Relief) -> Joints:
+    if flat not in _TAKEN:
+        _TAKEN[flat] = Joints(flat)
+    return _TAKEN[flat]
+
+
+def find_courses(flat: Relief, across: Floats | None = None) -> Courses | None:
     """Find the rows that joints tell best, right or not.
 
     Parameters
     ----------
     flat : Relief
         The sample without slow lighting.
+    across : float64 array (2,), optional
+        From one row to the next of others that are known: those sought cross them.
 
     Returns
     -------
@@ -173,10 +189,10 @@ def find_courses(flat: Relief) -> Courses | None:
     """
     if min(flat.usable.shape) < _CLOSEST * (_FEWEST + 1):
         return None
-    joints = Joints(flat)
+    joints = _joints_of(flat)
     coarse, fine = (joints.coarser(side) for side in _SIDES)
     best, angle, distance = 0.0, 0.0, 0.0
-    for turn in _COARSE:
+    for turn in _COARSE if across is None else _crossing(across):
         profile = coarse.alike(turn)
         far = _REACH * len(profile) / _FEWEST
         distances = np.arange(max(_CLOSEST / coarse.step, _FINEST), far, _STEP)
@@ -198,9 +214,16 @@ def find_courses(flat: Relief) -> Courses | None:
     return Courses(vector, float(own[0]), float(plain[0]), int(number[0]))
 
 
+def _crossing(vector: Floats) -> Floats:
+    """The directions of lines that cross rows."""
+    turned = _COARSE - np.arctan2(-vector[0], vector[1])
+    crossing: Floats = _COARSE[abs(np.sin(turned)) > _CROSSING]
+    return crossing
+
+
 def rated(flat: Relief, vector: Floats) -> Courses:
     """What joints say of rows that are given by the vector from one to the next."""
-    joints = Joints(flat).coarser(_SIDES[1])
+    joints = _joints_of(flat).coarser(_SIDES[1])
     distance = float(np.hypot(*vector)) / joints.step
     plain = joints.alike(float(np.arctan2(-vector[0], vector[1])))
     own, number = contrast(_blurred(plain, _BLUR * distance), np.array([distance]))

@@ -3,58 +3,33 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING
+from dataclasses import dataclass
 from weakref import WeakKeyDictionary
 
 import numpy as np
 
-from weftex.analysis.alternation import alternating
-from weftex.analysis.bonds import Bonds
-from weftex.analysis.correlation import correlate
-from weftex.analysis.evidence import Evidence
-from weftex.analysis.goodness import (
-    ALPHA,
-    SIGNIFICANT,
-    Field,
-    check_rule,
-    contrast_of,
-    rate,
-    reach_of,
-    stand_out,
+from weftex.analysis.candidates import (
+    among_rows,
+    better,
+    courses_seen,
+    in_turn,
+    pairs_seen,
+    rows_seen,
+    within_rows,
 )
-from weftex.analysis.joints import Courses, find_courses, rated
-from weftex.analysis.pairs import MOST_MULTIPLES, best_pair, fitted, reduced
-from weftex.analysis.peaks import find_peaks
-from weftex.analysis.relief import Relief, maps_alone, relief
-from weftex.analysis.rows import find_rows, ridges
-from weftex.analysis.whitening import whitened
+from weftex.analysis.goodness import ALPHA, SIGNIFICANT, check_rule
+from weftex.analysis.pairs import reduced
+from weftex.analysis.relief import maps_alone
+from weftex.analysis.views import Views, views
 from weftex.errors import InvalidInputError
 from weftex.exemplar import Exemplar
-
-if TYPE_CHECKING:
-    from collections.abc import Sequence
-
-    from numpy.typing import NDArray
-
-    Floats = NDArray[np.float64]
 
 Vector = tuple[float, float]
 
 _LONGEST = 1e9  # pixels; no picture is as large, and products of vectors stay numbers
 _LEAST = 0.5  # confidence of what is reported
-_LEAST_JOINTS = 0.6  # the same of rows of which joints alone tell: drawn rubble had up to 0.57
-_LEAST_BOND = 0.92  # the same of the bond of rows: of 150 rows without one the surest had 0.91
+_LEAST_ROWS = 0.6  # the same of rows: drawn rubble had up to 0.57
 _CLEAR = 0.945  # the same, of a pair that is not looked for among rows
-_NOTHING = -0.02  # contrast, less its error, that says of a pair that it is not seen
-_BETTER = 1.5  # times as surely as a pair, that another bond of its rows must be told
-_OF_ROWS = 2.3  # how surely joints within rows must tell a pair
-_SECOND = 0.2  # confidence of joints along a second family of lines, that keeps it
-_ASLANT = 0.9  # cosine below which lines are of another family than rows
-_OFF = 0.15  # of a vector, that multiples of smaller tiles may be off a larger one
-_ERRORS = 4.0  # standard errors by which a larger tile's multiples stand out
-_TWICE = 0.06  # of the distance, that rows may be off twice that of joints
-_SIGMAS = 3.0  # of what chance makes of one multiple, that do not count
 
 
 @dataclass(frozen=True)
@@ -219,25 +194,6 @@ def find_lattice(
     return known[rule]
 
 
-@dataclass(frozen=True, eq=False)
-class Views:
-    """A sample without slow lighting, and its correlations: as it is, and whitened."""
-
-    flat: Relief
-    field: Field
-    white: Field
-    chance: float
-
-
-def views(exemplar: Exemplar, alpha: float = ALPHA, significant: float = SIGNIFICANT) -> Views:
-    """What lattices of a sample are looked for in; alpha and significant as for `find_lattice`."""
-    flat = relief(exemplar)
-    own = correlate(np.moveaxis(flat.levels, 0, 2), first_mask=flat.usable >= 0.5)
-    even, chance = whitened(flat)
-    white = Field(even, find_peaks(even), alpha, significant, _SIGMAS * chance)
-    return Views(flat, Field(own, find_peaks(own), alpha, significant), white, chance)
-
-
 def lattice_in(seen: Views, goodness: str = "contrast") -> Lattice | None:
     """The better pair of vectors, or else rows; see `find_lattice`."""
     best = better(seen, pairs_seen(seen, goodness))
@@ -248,142 +204,11 @@ def lattice_in(seen: Views, goodness: str = "contrast") -> Lattice | None:
         best = in_turn(seen, best) if usual and len(best.vectors) == 2 else best
     else:
         best = rows_seen(seen)
-        if best is None or best.confidence < _LEAST:
+        if best is None or best.confidence < _LEAST_ROWS:
             best = courses_seen(seen, best)
-            if best is None or best.confidence < _LEAST_JOINTS:
+            if best is None or best.confidence < _LEAST_ROWS:
                 return None
-        bond = bond_seen(seen, best) if usual else None
-        best = best if bond is None or bond.confidence < _LEAST_BOND else bond
+        best = within_rows(seen, best) if usual else best
     lattice = Lattice(tuple((float(x), float(y)) for x, y in best.vectors * seen.flat.step))
     plain = [(round(x, 2) + 0.0, round(y, 2) + 0.0) for x, y in lattice.reduced().vectors]
     return Lattice(tuple(plain), round(best.confidence, 2))
-
-
-def pairs_seen(seen: Views, goodness: str = "contrast") -> list[Evidence]:
-    """The best pair of vectors of the correlation, that of the whitened one, and their evidence.
-
-    Stones behind a mesh hide it in the first, and what has no edges is lost in the second.
-    """
-    found: list[Evidence] = []
-    for field in (seen.field, seen.white) if goodness == "contrast" else (seen.field,):
-        vectors = best_pair(field, goodness)
-        if vectors is not None:
-            found.append(evidence_of(seen, vectors))
-    return found
-
-
-def better(seen: Views, pairs: Sequence[Evidence]) -> Evidence | None:
-    """Of the two pairs the second, if it is clearer or the first is made of its tiles.
-
-    It must have half of the first one's contrast too: the threads of a checked cloth are clear, and
-    have far less than its checks. Of larger tiles chance makes one better than the right one, but
-    not so that its multiples stand out of the others in the whitened sample.
-    """
-    if len(pairs) < 2:
-        return pairs[0] if pairs else None
-    first, second = pairs
-    if max(second.contrast, 0.0) < max(first.contrast, 0.0) / 2:
-        return first
-    if _made_of(second, first) is not None:  # or they are one lattice
-        return first
-    times = _made_of(first, second)
-    if times is not None:
-        reach = reach_of(seen.white, second.vectors, MOST_MULTIPLES)
-        errors = stand_out(seen.white, second.vectors, times, reach)[1]
-        return first if errors > _ERRORS else second
-    return second if second.clear > first.clear else first
-
-
-def _made_of(larger: Evidence, smaller: Evidence) -> Floats | None:
-    """Which multiples of a smaller tile's vectors a larger one's are, if they are."""
-    times = larger.vectors @ np.linalg.inv(smaller.vectors)
-    whole: Floats = np.rint(times)
-    apart = abs(times - whole).max() < _OFF and abs(np.linalg.det(whole)) > 0.5
-    return whole if apart else None
-
-
-def in_turn(seen: Views, one: Evidence) -> Evidence:
-    """The larger tile, where cells alternate; as sure as the smaller one is."""
-    whole = alternating(seen.flat, one.vectors)
-    if whole is None:
-        return one
-    return replace(one, vectors=fitted(seen.field, reduced(whole @ one.vectors)))
-
-
-def evidence_of(seen: Views, vectors: Floats) -> Evidence:
-    """What speaks for two vectors."""
-    reach = reach_of(seen.field, vectors, MOST_MULTIPLES)
-    return Evidence(
-        vectors,
-        contrast_of(seen.field, vectors, reach),
-        contrast_of(seen.white, vectors, reach) / max(seen.chance, 1e-12),
-        int(rate(seen.field, vectors[None], reach, "contrast").count[0]),
-    )
-
-
-def rows_seen(seen: Views) -> Evidence | None:
-    """The best rows, and what speaks for them."""
-    rows = find_rows(seen.flat)
-    if rows is None:
-        return None
-    clear, number = ridges(seen.white.correlation, rows[0])
-    return Evidence(rows[0][None], rows[1], clear / max(seen.chance, 1e-12), number)
-
-
-def courses_seen(seen: Views, rows: Evidence | None) -> Evidence | None:
-    """The rows that joints tell best, whatever lies between them, and what speaks for them.
-
-    Joints at both sides of what repeats are two to a row: where the levels' rows are twice as far
-    apart in the same direction, they are taken.
-    """
-    found = find_courses(seen.flat)
-    if found is None:
-        return None
-    vector = found.vector
-    if rows is not None:
-        own = rows.vectors[0] * (1 if rows.vectors[0] @ vector > 0 else -1)
-        if np.hypot(*(own - 2 * vector)) < _TWICE * np.hypot(*own):
-            vector = own
-    return _told(replace(found, vector=vector))
-
-
-def bond_seen(seen: Views, rows: Evidence) -> Evidence | None:
-    """The bond that joints within rows tell best, and what speaks for it."""
-    found = Bonds(seen.white.correlation, rows.vectors[0]).best(seen.chance)
-    if found is None:
-        return None
-    return Evidence(fitted(seen.white, reduced(found[0])), 0.0, found[1], 1, "bonds")
-
-
-def among_rows(seen: Views, pair: Evidence) -> Evidence | None:
-    """A pair itself; another bond of its rows that is told better; the rows alone; or nothing.
-
-    What only the whitened sample has is thin lines before something else, as a mesh, or a part of
-    the sample that is a copy of another: without joints it is no pair. Rows make peaks along one
-    line, and chance makes another: a pair that has joints along one family of its lines is rows, if
-    neither joints within them tell it nor joints along another family.
-    """
-    rows = courses_seen(seen, None)
-    if rows is None or rows.confidence < _LEAST:
-        return pair if pair.contrast > _NOTHING else None
-    down = rows.vectors[0]
-    sure = Bonds(seen.white.correlation, down).of(pair.vectors)
-    if sure is None:
-        return pair
-    bond = bond_seen(seen, rows)
-    if bond is not None and bond.confidence >= _LEAST_BOND and bond.clear > _BETTER * sure:
-        return bond
-    if sure >= _OF_ROWS:
-        return pair
-    area = abs(float(np.linalg.det(pair.vectors)))
-    first, second = reduced(pair.vectors)
-    for side in (first, second, first + second, first - second):
-        across = np.array([-side[1], side[0]]) * area / (side @ side)
-        aslant = abs(across @ down) < _ASLANT * np.hypot(*across) * np.hypot(*down)
-        if aslant and _told(rated(seen.flat, across)).confidence >= _SECOND:
-            return pair
-    return rows
-
-
-def _told(rows: Courses) -> Evidence:
-    return Evidence(rows.vector[None], rows.contrast, rows.alike, rows.number, "joints")

@@ -16,6 +16,8 @@ from weftex.analysis.goodness import Field, contrast_of, rate, reach_of, stand_o
 from weftex.analysis.peaks import Peaks, fit_vectors
 
 if TYPE_CHECKING:
+    from collections.abc import Sequence
+
     from numpy.typing import NDArray
 
     Floats = NDArray[np.float64]
@@ -31,6 +33,9 @@ _LOWER = 0.1  # a gap below which the smaller tile is as good
 _REFIT = 2.0  # times that, below which the smaller tile is fitted and tested again
 _UNSURE = (0.35, 4.0)  # a gap below which it is too, if it is of fewer standard errors
 _HIGHER = ((0.2, 5.0), (0.15, 20.0))  # gaps, and standard errors, above which the larger is better
+_TURNED = (0.2, 10.0)  # the same, of tiles of more than three, of which there are many more
+_MOST_TURNED = 18  # smaller tiles in one whose parts turn
+_OFF = 0.15  # of a vector, that multiples of smaller tiles may be off a larger one
 _OWN = 6  # multiples that the larger tile must have for that
 _NEAR = 0.3  # pixels from a whole shift within which the smaller tile's multiples are compared
 
@@ -51,12 +56,18 @@ def best_pair(field: Field, goodness: str) -> Floats | None:
         Vectors as rows (x, y); None where no pair has two significant vectors.
     """
     best, highest = None, 0.0
-    for vectors, rated in rated_pairs(field, goodness):
+    tried = rated_pairs(field, goodness)
+    for vectors, rated in tried:
         if rated > highest * (1 + 1e-9):  # of pairs that differ by rounding alone, the first
             best, highest = vectors, rated
-    if best is None:
-        return None
-    return _multiply(field, _divide(field, best)) if goodness == "contrast" else best
+    if best is None or goodness != "contrast":
+        return best
+    best = _multiply(field, _divide(field, best))
+    if (
+        field.unsure is not None
+    ):  # threads are clear in the whitened sample, and checks made of them
+        return best
+    return _turned(field, best, [vectors for vectors, _ in tried])
 
 
 def rated_pairs(field: Field, goodness: str) -> list[tuple[Floats, float]]:
@@ -162,3 +173,32 @@ def _multiply(field: Field, vectors: Floats) -> Floats:
                     larger = reduced(whole @ vectors)
                     return fitted(field, larger)
     return vectors
+
+
+def made_of(larger: Floats, smaller: Floats) -> Floats | None:
+    """Which multiples of a smaller tile's vectors a larger one's are, if they are.
+
+    >>> made_of(np.array([[6.1, 0.0], [3.0, 8.0]]), np.array([[3.0, 0.0], [0.0, 4.0]])).tolist()
+    [[2.0, 0.0], [1.0, 2.0]]
+    """
+    times = larger @ np.linalg.inv(smaller)
+    whole: Floats = np.rint(times)
+    apart = abs(times - whole).max() < _OFF and abs(np.linalg.det(whole)) > 0.5
+    return whole if apart else None
+
+
+def _turned(field: Field, vectors: Floats, tried: Sequence[Floats]) -> Floats:
+    """The larger tile of those tried whose own multiples stand out most, if they do.
+
+    Blocks of bricks that turn, as in a basket weave, match their neighbors in part; so the bricks
+    are found, and two blocks are four to eighteen of them.
+    """
+    reach, best, surest = reach_of(field, vectors, MOST_MULTIPLES), vectors, _TURNED[1]
+    for larger in tried:
+        whole = made_of(larger, vectors)
+        if whole is None or not 3.5 < abs(np.linalg.det(whole)) < _MOST_TURNED + 0.5:
+            continue
+        gap, errors, count = stand_out(field, vectors, whole, reach)
+        if gap > _TURNED[0] and errors > surest and count >= _OWN:
+            best, surest = reduced(larger), errors
+    return best

@@ -117,7 +117,8 @@ def fit_vectors(
         keep = (abs(places) <= far).all(axis=1)
         times, nearest = times[keep], np.rint(places[keep]).astype(int)
         looked_at = np.column_stack([times, nearest, np.full(len(times), window)])
-        if not np.array_equal(looked_at, before):  # or the vectors come out the same
+        # None is near where a vector is longer than that; the same say the same vectors again.
+        if len(times) and not np.array_equal(looked_at, before):
             before = looked_at
             found, heights = _tops(correlation, nearest, window)
             good = heights > 0

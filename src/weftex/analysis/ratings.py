@@ -9,10 +9,11 @@ import numpy as np
 
 from weftex.analysis.correlation import correlate
 from weftex.analysis.goodness import ALPHA, SIGNIFICANT, Field, check_rule, rate, reach_of
-from weftex.analysis.lattice import Lattice, Views, views
+from weftex.analysis.lattice import Lattice
 from weftex.analysis.pairs import MOST_MULTIPLES, rated_pairs
 from weftex.analysis.relief import relief
 from weftex.analysis.rows import ridges
+from weftex.analysis.views import Views, views
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray

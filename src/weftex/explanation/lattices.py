@@ -7,8 +7,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from weftex.analysis.canvas_lattice import given_lattice
-from weftex.analysis.lattice import views
 from weftex.analysis.overlay import draw_correlation, draw_lattice
+from weftex.analysis.views import views
 from weftex.explanation.drawing import colors, enlarged, framed, heat, made
 from weftex.explanation.stages import Stage
 from weftex.methods.lattices.mean_tile import MeanTile

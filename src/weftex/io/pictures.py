@@ -50,7 +50,6 @@ from weftex.io.formats import (
     upright,
     varies,
 )
-from weftex.io.plain_png import read_plain_png
 from weftex.io.png import write_png
 from weftex.threads import thread_count
 
@@ -115,10 +114,6 @@ def read_image(path: StrPath, *, max_pixels: int | None = MAX_PIXELS) -> Picture
         raise InvalidInputError(f"max_pixels is {shown(max_pixels)}; it must be 1 or more, or None")
     name, given = locate(path)
     kind = kind_of(name, given)
-    plain = read_plain_png(name, max_pixels) if kind == "png" else None
-    if plain is not None:
-        pixels, alpha = plain
-        return Picture(pixels[..., 0] if pixels.shape[2] == 1 else pixels, alpha, None, given)
     oiio = image_library()
     # Some readers decode while they open, so the library must know the limit before. Four floats
     # are 16 bytes; the floor is for pictures of few pixels and many channels.

@@ -51,6 +51,13 @@ class PatchSampling(PatchMethod):
         "relative error of a matching zone, 0.2 in the paper; inf takes anything (chaos mosaic)",
         low=0.0,
     )
+    tone_weight: float = parameter(
+        0.0,
+        "how much slow tones count beside color when zones are compared; 0 is the paper's metric",
+        low=0.0,
+        high=10.0,
+        idle_canvas="known",
+    )
     choice: str = parameter(
         "uniform",
         "draw from the matching patches evenly or by the similarity factors alpha_i",
@@ -83,7 +90,7 @@ class PatchSampling(PatchMethod):
 
     def fit_exemplar(self, exemplar: Exemplar) -> PatchModel:
         """Settle w_B and w_E (section 2.4) and analyze the sample (section 3)."""
-        settings = settle(self, exemplar, blend=self.blend)  # step 6
+        settings = settle(self, exemplar, blend=self.blend, tone_weight=self.tone_weight)  # step 6
         return PatchModel(self, settings, exemplar, sample_by_patches)
 
 

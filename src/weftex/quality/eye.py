@@ -59,12 +59,12 @@ class Look:
 
 
 WEIGHTS = {
-    "broken": 3.75,
-    "uneven": 3.56,
-    "alike": 1.11,
-    "lattice": 3.83,
-    "autocorrelation": 1.67,
-    "seams": 0.75,
+    "broken": 3.25,
+    "uneven": 3.63,
+    "alike": 1.08,
+    "lattice": 6.08,
+    "autocorrelation": 1.55,
+    "seams": 0.74,
 }
 """Of the terms of the score, as benchmarks/judged/agreement.py fits them to judged pictures."""
 
@@ -236,8 +236,10 @@ class Eye:
 def distances(first: Floats, second: Floats) -> Floats:
     """Mean squared differences of all pairs, (n, m), of whole numbers that float32 sums exactly."""
     squares = [np.einsum("nk,nk->n", side, side) for side in (first, second)]
-    sums = squares[0][:, None] - 2 * (first @ second.T) + squares[1]
-    means: Floats = sums / np.float32(first.shape[1])
+    means: Floats = first @ (-2 * second).T
+    for part in (squares[0][:, None], squares[1]):
+        means += part
+    means /= np.float32(first.shape[1])
     return means
 
 

@@ -133,7 +133,7 @@ FIGURES: dict[str, Figure] = {
         "How much of the sample's repetition is left in the result.",
         "order over more than three repetitions",
         "loses the sample's regular order",
-        agrees=0.80,
+        agrees=0.83,
     ),
     "seams": Figure(
         "seams", "1 = as the sample's own", "low", 1.75,

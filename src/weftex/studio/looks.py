@@ -16,8 +16,8 @@ from weftex.tasks.analyze import analyze
 from weftex.tasks.auto import Auto, AutoModel
 
 if TYPE_CHECKING:
-    from weftex.analysis.lattice import Views
     from weftex.analysis.ratings import Rated
+    from weftex.analysis.views import Views
     from weftex.choice import Choice
     from weftex.exemplar import Exemplar
     from weftex.studio.making import Bench
@@ -104,8 +104,8 @@ def rate(loaded: Loaded, vectors: str, bench: Bench) -> dict[str, Any]:
         If it is none of the sample.
     """
     from weftex.analysis.goodness import ALPHA, SIGNIFICANT
-    from weftex.analysis.lattice import views
     from weftex.analysis.ratings import rate_lattices
+    from weftex.analysis.views import views
     from weftex.tasks.analyze import given_lattice
 
     if not vectors:

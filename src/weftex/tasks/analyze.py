@@ -14,11 +14,12 @@ from weftex.analysis import canvas_lattice
 from weftex.analysis.courses import courses
 from weftex.analysis.evenness import Evenness
 from weftex.analysis.goodness import ALPHA, SIGNIFICANT, check_rule
-from weftex.analysis.lattice import Lattice, lattice_in, views
+from weftex.analysis.lattice import Lattice, lattice_in
 from weftex.analysis.ratings import Rated, rate_lattices
 from weftex.analysis.regularity import regularity
 from weftex.analysis.scale import DominantScale, dominant_scale
 from weftex.analysis.tiling import SEAMLESS, border_steps
+from weftex.analysis.views import views
 from weftex.choice import Choice
 from weftex.errors import InvalidInputError
 from weftex.loading import load_exemplar
@@ -27,7 +28,7 @@ from weftex.parameters import numbers_of
 from weftex.tasks.auto import Auto
 
 if TYPE_CHECKING:
-    from weftex.analysis.lattice import Views
+    from weftex.analysis.views import Views
     from weftex.exemplar import Exemplar
     from weftex.loading import Sample
 
@@ -331,7 +332,10 @@ def _rated(rated: Rated) -> str:
 def _words(lattice: Lattice) -> str:
     """The sides of the pieces, or how far rows are apart."""
     said = courses(lattice)
-    return said if len(lattice.vectors) == 2 else f"rows {said} apart"
+    if len(lattice.vectors) == 2:
+        return said
+    x, y = lattice.vectors[0]
+    return f"{'columns' if abs(x) > abs(y) else 'rows'} {said} apart"
 
 
 def _count_colors(exemplar: Exemplar) -> int:

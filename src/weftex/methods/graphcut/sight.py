@@ -19,6 +19,9 @@ _CELLS = 16  # of the sample's shorter side, or up to twice as many, are looked 
 _LEVELS = 16  # of salience, so that sums are of whole numbers
 _MOST = 8  # times the mean; what stands out more than that counts as much
 _FAR = 1.25  # sides of the sample from which on nothing is in sight
+# What comes again in the same row or column counts so much more, and farther away; a sixth of a
+# side off it is in another one.
+_IN_LINE, _LINE_FAR, _LINES = 2.0, 2.0, 6.0
 _WEIGHTS = 64  # of distances, likewise
 
 
@@ -60,7 +63,7 @@ class Sight:
     def again(self, pixel: tuple[int, int], cells: NDArray[np.uint8]) -> NDArray[np.float64]:
         """For the places of some cells that come to lie on a pixel; of others nothing is said.
 
-        1 if all that is newly shown is shown once, at the same place, and at no other.
+        The weight of its distance if all that is newly shown is shown once.
         """
         count = self.count
         rows, columns = (
@@ -70,12 +73,11 @@ class Sight:
         missing = self.growth.done[np.ix_(rows[1], columns[1])] == 0
         missing &= rows[2][:, None] & columns[2]
         shifts, shown = self._pieces(pixel)
-        away = [
-            (np.arange(n) * self.cell + shift[:, None]) / (_FAR * side)
+        down, along = (
+            (np.arange(n) * self.cell + shift[:, None]) / side
             for n, shift, side in zip(count, shifts, self.shape, strict=True)
-        ]
-        far = np.sqrt(np.square(away[0])[:, :, None] + np.square(away[1])[:, None])
-        weights = np.maximum(np.rint(_WEIGHTS * (1 - far)), 0).astype(np.int64)
+        )
+        weights = _weights(down[:, :, None], along[:, None]) * (cells != 0)
         near = weights.any(axis=(1, 2))
         # Its middle, where a place may be, lies a sample's length from the corner of `missing`.
         where, offset = missing.view(np.uint8), np.array(count, np.int32)
@@ -100,7 +102,7 @@ class Sight:
     def _pieces(self, pixel: tuple[int, int]) -> tuple[NDArray[np.int64], NDArray[np.int32]]:
         """The pieces in sight: how they are shifted as seen from the pixel, and what they show."""
         rows, columns = (
-            self._line(axis, at, -(-int((1 + _FAR) * n) // self.cell) * self.cell, (0, m))
+            self._line(axis, at, -(-int((1 + _LINE_FAR) * n) // self.cell) * self.cell, (0, m))
             for axis, (at, n, m) in enumerate(
                 zip(pixel, self.shape, self.growth.canvas.shape, strict=True)
             )
@@ -123,6 +125,17 @@ class Sight:
         )
         shown[piece, y, x] = self.salience[y, x]
         return np.stack([(found - along) // width, along]), shown
+
+
+def _weights(down: NDArray[np.float64], along: NDArray[np.float64]) -> NDArray[np.int64]:
+    """What a repetition counts at a distance, in sides of the sample: the nearer, the more."""
+    far = np.sqrt(np.square(down) + np.square(along))
+    off = np.minimum(np.abs(down), np.abs(along))  # the row or the column, whichever is nearer
+    line = _IN_LINE * np.maximum(1 - _LINES * off, 0) * np.maximum(1 - far / _LINE_FAR, 0)
+    weights: NDArray[np.int64] = np.rint(_WEIGHTS * (np.maximum(1 - far / _FAR, 0) + line)).astype(
+        np.int64
+    )
+    return weights
 
 
 def _different(numbers: NDArray[np.int64]) -> tuple[NDArray[np.int64], NDArray[np.int64]]:

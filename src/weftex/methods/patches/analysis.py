@@ -11,6 +11,7 @@ from weftex.errors import InvalidInputError
 from weftex.exemplar import Exemplar
 from weftex.methods.patches.settings import PatchSettings
 from weftex.raster.boxes import box_sums
+from weftex.raster.levels import tones_of
 from weftex.search.boundary_zone import boundary_zone
 from weftex.search.quadtree_pyramid import QuadtreePyramid
 from weftex.search.zone_search import ZoneSearch
@@ -47,6 +48,12 @@ class PatchAnalysis:
         self.pixels = exemplar.matching(settings.edge_weight)
         self.mask = np.ones(exemplar.shape, bool) if exemplar.mask is None else exemplar.mask
         side = settings.window_side
+        if settings.tone_weight > 0:
+            radius = settings.window_side // 4
+            tones = tones_of(
+                self.pixels, self.mask, radius, settings.tone_weight, wraps=exemplar.tileable
+            )
+            self.pixels = np.concatenate([self.pixels, tones], axis=2)
         if exemplar.tileable:  # edge handling of section 2.4
             beyond = ((0, side - 1), (0, side - 1))
             self.pixels = np.pad(self.pixels, (*beyond, (0, 0)), mode="wrap")

@@ -81,11 +81,11 @@ class Output:
                 raise InvalidInputError(
                     "a hole's surroundings lack the sample's maps; use weftex.fill"
                 )
-            edges, exemplar = self.settings.edge_weight, analysis.exemplar
+            exemplar = analysis.exemplar
             if shown is None:
-                matching = exemplar.as_matching(known, edges)
+                matching = exemplar.as_matching(known, self.settings.edge_weight)
             else:  # a block of a plane
-                matching = exemplar.matching(edges)[np.divmod(shown, exemplar.shape[1])]
+                matching = analysis.pixels[np.divmod(shown, exemplar.shape[1])]
             self.pixels[self.frame.inside] = matching
             self.order = spiral_patches(self.frame, self._zones, seed)
         self.placements = np.zeros((len(self.order.corners), 5), np.int32)

@@ -24,7 +24,7 @@ _VARIED = 80  # candidates at least, where what is shown again counts
 _MATCHING_POWER = 8
 _OF_REPEATS = ("repeat_distance", "variety")
 #: What has no effect where every window matches.
-_OF_MATCHING = {"search", "candidates", "variance", "choice", *_OF_REPEATS}
+_OF_MATCHING = {"search", "candidates", "variance", "choice", "tone_weight", *_OF_REPEATS}
 _SHARE = 0.3  # lambda of section 2.4, where nothing else is said
 _HOLE_ZONE, _HOLE_CANDIDATES = 4, 400  # boundary width in px and candidates for holes
 
@@ -201,6 +201,7 @@ class PatchSettings:
     candidates: int  # m of section 3.2
     variance: float  # that the principal components keep
     edge_weight: float  # of outlines in distances
+    tone_weight: float  # of slow tones in distances
     repeat_distance: float  # how many patches the sources of near patches lie apart, at least
     variety: float  # the cost of showing a place again
     blend: str  # how patches are joined: feather, feather-at-end, cut or none
@@ -222,7 +223,9 @@ class PatchSettings:
         return round(self.repeat_distance * self.patch_size)
 
 
-def settle(method: PatchMethod, exemplar: Exemplar, *, blend: str) -> PatchSettings:
+def settle(
+    method: PatchMethod, exemplar: Exemplar, *, blend: str, tone_weight: float = 0.0
+) -> PatchSettings:
     """Settle what a method leaves open for a sample (section 2.4).
 
     Parameters
@@ -233,6 +236,8 @@ def settle(method: PatchMethod, exemplar: Exemplar, *, blend: str) -> PatchSetti
         The sample; it must hold at least one whole window.
     blend : str
         See `PatchSettings`.
+    tone_weight : float
+        Likewise.
 
     Raises
     ------
@@ -254,6 +259,7 @@ def settle(method: PatchMethod, exemplar: Exemplar, *, blend: str) -> PatchSetti
         candidates=method.candidates or method.candidates_for(_CANDIDATES),
         variance=method.variance,
         edge_weight=method.edge_weight,
+        tone_weight=tone_weight,
         repeat_distance=method.repeat_distance,
         variety=method.variety,
         blend=blend,
