@@ -87,6 +87,13 @@ def test_large_outputs_of_large_samples_are_made_of_patches():
         assert choose(things, Canvas(1024, 1025)).parameters == large
 
 
+def test_fine_grain_is_made_of_patches():
+    """Of an entire sample the same marks come again, and no thing is there to be kept whole."""
+    for scale, placed in ((12.8, {}), (12.9, {"placement": "entire"})):
+        choice = choose(with_(scale=scale), Canvas(512, 512))
+        assert (choice.method, choice.parameters) == ("graphcut", placed)
+
+
 def test_rows_are_laid_by_their_vector():
     """What is chosen is what near-regular finds by itself."""
     found = choose(with_(lattice=ROWS), Canvas(99, 99)).parameters

@@ -21,6 +21,7 @@ if TYPE_CHECKING:
 
 _ROWS = 0.6  # confidence from which blocks are laid by rows
 _FINE = 1 / 12  # scale over the side: a patch, a quarter of it, holds three things in a row
+_GRAIN = 1 / 20  # up to this no thing is large enough to be seen cut, but copies of it all are
 #: Strain of a lattice that goes around a canvas, up to which the entire sample is laid by it as it
 #: is: blocks are smaller, and stray less.
 _STIFF = 0.02
@@ -81,7 +82,7 @@ def choose(findings: Findings, canvas: Canvas) -> Choice:
         if findings.colors <= _FEW_COLORS:
             slug, said = "quilting", f"{said}, few colors ({findings.colors}), not to be mixed"
         elif _quickly_cut(canvas):
-            slug, parameters = "graphcut", dict(WHOLE)
+            slug, parameters = "graphcut", {} if findings.scale <= _GRAIN * shorter else dict(WHOLE)
         else:
             parameters["variety"] = 1.0
     else:

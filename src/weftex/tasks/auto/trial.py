@@ -84,7 +84,7 @@ def others(first: Choice, findings: Findings, canvas: Canvas, effort: str) -> li
     found = []
     if lattice is not None and not is_sure(lattice, findings.shape) and lattice.confidence >= _WEAK:
         vectors = {"lattice": four_numbers(lattice)} if findings.exact else {}
-        stiff = first.parameters == WHOLE and findings.exact
+        stiff = first.method == "graphcut" and findings.exact
         slug, placed = ("graphcut", WHOLE) if stiff else ("near-regular", {})
         found.append(Choice(slug, {**placed, **vectors}))
     if effort == "best":
