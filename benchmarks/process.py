@@ -11,7 +11,19 @@ import tempfile
 from dataclasses import fields
 from time import perf_counter, process_time
 
-from shared import PATCH_METHODS, Table, child, environment, medians, ms, sample_of, sized, some
+import numpy as np
+from shared import (
+    HERE,
+    PATCH_METHODS,
+    Table,
+    child,
+    environment,
+    medians,
+    ms,
+    sample_of,
+    sized,
+    some,
+)
 
 import weftex
 
@@ -100,9 +112,9 @@ def rivals() -> Table:
     rows, gmic = [], shutil.which("gmic")
     with tempfile.TemporaryDirectory() as folder:
         for side, size in some(((128, 200), (200, 800), (256, 1024), (512, 2048))):
-            for name in some(("pebbles", "stone_wall", "bricks", "weave")):
+            for name in some(("pebbles_mixed", "stone_wall", "brick_castle", "weave_red")):
                 source, edge = f"{folder}/{name}{side}.png", str(sized(size))
-                weftex.write_image(source, sample_of(side, name))
+                weftex.write_image(source, _photo(name, sized(side)))
                 ours = [*(sys.executable, "-m", "weftex", "synth", source, "--quiet")]
                 ours += ["-o", f"{folder}/a.png", "--size", edge, "--seed", "7", "--threads", "1"]
                 theirs = [gmic or "", source, "srand", "7", "syntexturize_matchpatch"]
@@ -126,6 +138,14 @@ def rivals() -> Table:
         "elapsed time, ratio of the first; medians of 5 in turn, of 1024 pixels and more one."
     )
     return notes, ["", "", "weftex", "elapsed", "G'MIC", "elapsed", "ratio"], rows
+
+
+def _photo(name: str, side: int) -> np.ndarray:
+    """A crop of a surface, or more of it made by weftex; it has copies in it, as photos do not."""
+    pixels = weftex.read_image(HERE / f"surfaces/{name}.webp").pixels
+    if side > min(pixels.shape[:2]):
+        return weftex.synthesize(pixels, side, seed=0).image
+    return np.ascontiguousarray(pixels[:side, :side])
 
 
 def _process(command: list[str]) -> tuple[float, float]:
