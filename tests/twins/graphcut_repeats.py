@@ -145,6 +145,7 @@ class Repeating:
                 off = [abs(a * cell + d) / n for a, d, n in zip(at, shift, shape, strict=True)]
                 away = np.sqrt(off[0] ** 2 + off[1] ** 2)
                 in_line = 2 * max(1 - 6 * min(off), 0) * max(1 - away / 2, 0)
+                in_line *= self.canvas.hole is None
                 weight = int(np.rint(64 * (max(1 - away / 1.25, 0) + in_line)))
                 if weight > 0:
                     total += weight * sum(int(salience[f]) for f in found & places)

@@ -77,7 +77,7 @@ class Sight:
             (np.arange(n) * self.cell + shift[:, None]) / side
             for n, shift, side in zip(count, shifts, self.shape, strict=True)
         )
-        weights = _weights(down[:, :, None], along[:, None]) * (cells != 0)
+        weights = self._weights(down[:, :, None], along[:, None]) * (cells != 0)
         near = weights.any(axis=(1, 2))
         # Its middle, where a place may be, lies a sample's length from the corner of `missing`.
         where, offset = missing.view(np.uint8), np.array(count, np.int32)
@@ -88,6 +88,16 @@ class Sight:
         sum_over(self.salience, where, cells, offset, sums)
         result: NDArray[np.float64] = total / np.maximum(_WEIGHTS * sums[..., 0], 1)
         return result
+
+    def _weights(self, down: NDArray[np.float64], along: NDArray[np.float64]) -> NDArray[np.int64]:
+        """What a repetition counts at a distance, in sides of the sample: the nearer, the more."""
+        far = np.sqrt(np.square(down) + np.square(along))
+        weights: NDArray[np.float64] = np.maximum(1 - far / _FAR, 0)
+        if self.growth.canvas.hole is None:  # what is around a hole stays, and is to be met
+            off = np.minimum(np.abs(down), np.abs(along))  # the row or the column that is nearer
+            line = np.maximum(1 - _LINES * off, 0) * np.maximum(1 - far / _LINE_FAR, 0)
+            weights += _IN_LINE * line
+        return np.rint(_WEIGHTS * weights).astype(np.int64)
 
     def _line(
         self, axis: int, at: int, reach: int, ends: tuple[int, int]
@@ -125,17 +135,6 @@ class Sight:
         )
         shown[piece, y, x] = self.salience[y, x]
         return np.stack([(found - along) // width, along]), shown
-
-
-def _weights(down: NDArray[np.float64], along: NDArray[np.float64]) -> NDArray[np.int64]:
-    """What a repetition counts at a distance, in sides of the sample: the nearer, the more."""
-    far = np.sqrt(np.square(down) + np.square(along))
-    off = np.minimum(np.abs(down), np.abs(along))  # the row or the column, whichever is nearer
-    line = _IN_LINE * np.maximum(1 - _LINES * off, 0) * np.maximum(1 - far / _LINE_FAR, 0)
-    weights: NDArray[np.int64] = np.rint(_WEIGHTS * (np.maximum(1 - far / _FAR, 0) + line)).astype(
-        np.int64
-    )
-    return weights
 
 
 def _different(numbers: NDArray[np.int64]) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
