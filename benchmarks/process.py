@@ -11,7 +11,6 @@ import tempfile
 from dataclasses import fields
 from time import perf_counter, process_time
 
-import numpy as np
 from shared import (
     HERE,
     PATCH_METHODS,
@@ -20,6 +19,7 @@ from shared import (
     environment,
     medians,
     ms,
+    of_side,
     sample_of,
     sized,
     some,
@@ -114,7 +114,8 @@ def rivals() -> Table:
         for side, size in some(((128, 200), (200, 800), (256, 1024), (512, 2048))):
             for name in some(("pebbles_mixed", "stone_wall", "brick_castle", "weave_red")):
                 source, edge = f"{folder}/{name}{side}.png", str(sized(size))
-                weftex.write_image(source, _photo(name, sized(side)))
+                photo = weftex.read_image(HERE / f"surfaces/{name}.webp").pixels
+                weftex.write_image(source, of_side(side, photo))
                 ours = [*(sys.executable, "-m", "weftex", "synth", source, "--quiet")]
                 ours += ["-o", f"{folder}/a.png", "--size", edge, "--seed", "7", "--threads", "1"]
                 theirs = [gmic or "", source, "srand", "7", "syntexturize_matchpatch"]
@@ -138,14 +139,6 @@ def rivals() -> Table:
         "elapsed time, ratio of the first; medians of 5 in turn, of 1024 pixels and more one."
     )
     return notes, ["", "", "weftex", "elapsed", "G'MIC", "elapsed", "ratio"], rows
-
-
-def _photo(name: str, side: int) -> np.ndarray:
-    """A crop of a surface, or more of it made by weftex; it has copies in it, as photos do not."""
-    pixels = weftex.read_image(HERE / f"surfaces/{name}.webp").pixels
-    if side > min(pixels.shape[:2]):
-        return weftex.synthesize(pixels, side, seed=0).image
-    return np.ascontiguousarray(pixels[:side, :side])
 
 
 def _process(command: list[str]) -> tuple[float, float]:

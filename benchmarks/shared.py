@@ -46,11 +46,15 @@ def machine() -> str:
 
 
 def sample_of(side: int, name: str = "pebbles") -> np.ndarray:
-    """A crop of a packaged sample, or more of it made by weftex where it is too small.
+    """So much of a packaged sample; see `of_side`."""
+    return of_side(side, papers.load(name))
+
+
+def of_side(side: int, pixels: np.ndarray) -> np.ndarray:
+    """A crop of a picture, or more of it made by weftex where it is too small.
 
     With --small, as much of it as ever, in fewer pixels.
     """
-    pixels = papers.load(name)
     if sized(side) < side:
         pixels = papers.shrunk(pixels, max(1, min(pixels.shape[:2]) // sized(side)))
         side = min(side, *pixels.shape[:2])

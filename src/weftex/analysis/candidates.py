@@ -30,7 +30,7 @@ if TYPE_CHECKING:
 
     Floats = NDArray[np.float64]
 
-_LEAST = 0.5  # confidence of what is reported
+LEAST = 0.5  # confidence of what is reported
 _LEAST_CROSSINGS = 0.6  # the same of what crosses rows, which are surer
 _LEAST_BOND = 0.92  # the same of the bond of rows: of 150 rows without one the surest had 0.91
 _NOTHING = -0.02  # contrast, less its error, that says of a pair that it is not seen
@@ -150,7 +150,7 @@ def among_rows(seen: Views, pair: Evidence) -> Evidence | None:
     neither joints within them tell it nor joints along another family.
     """
     rows = courses_seen(seen, None)
-    if rows is None or rows.confidence < _LEAST:
+    if rows is None or rows.confidence < LEAST:
         return pair if pair.contrast > _NOTHING else None
     found = crossings_seen(seen, rows)
     if found is not None and found.confidence >= _LEAST_CROSSINGS:

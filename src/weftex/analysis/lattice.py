@@ -9,6 +9,7 @@ from weakref import WeakKeyDictionary
 import numpy as np
 
 from weftex.analysis.candidates import (
+    LEAST,
     among_rows,
     better,
     courses_seen,
@@ -27,8 +28,7 @@ from weftex.exemplar import Exemplar
 Vector = tuple[float, float]
 
 _LONGEST = 1e9  # pixels; no picture is as large, and products of vectors stay numbers
-_LEAST = 0.5  # confidence of what is reported
-_LEAST_ROWS = 0.6  # the same of rows: drawn rubble had up to 0.57
+_LEAST_ROWS = 0.6  # confidence of rows that are reported: drawn rubble had up to 0.57
 _CLEAR = 0.945  # the same, of a pair that is not looked for among rows
 
 
@@ -198,9 +198,9 @@ def lattice_in(seen: Views, goodness: str = "contrast") -> Lattice | None:
     """The better pair of vectors, or else rows; see `find_lattice`."""
     best = better(seen, pairs_seen(seen, goodness))
     usual = goodness == "contrast"
-    if usual and best is not None and _LEAST <= best.confidence < _CLEAR:
+    if usual and best is not None and LEAST <= best.confidence < _CLEAR:
         best = among_rows(seen, best)
-    if best is not None and best.confidence >= _LEAST:
+    if best is not None and best.confidence >= LEAST:
         best = in_turn(seen, best) if usual and len(best.vectors) == 2 else best
     else:
         best = rows_seen(seen)

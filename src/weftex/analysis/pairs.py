@@ -63,9 +63,8 @@ def best_pair(field: Field, goodness: str) -> Floats | None:
     if best is None or goodness != "contrast":
         return best
     best = _multiply(field, _divide(field, best))
-    if (
-        field.unsure is not None
-    ):  # threads are clear in the whitened sample, and checks made of them
+    # In the whitened sample threads are clear, and checks are made of them.
+    if field.unsure is not None:
         return best
     return _turned(field, best, [vectors for vectors, _ in tried])
 

@@ -103,16 +103,10 @@ def _features(channels: int, scale: int) -> NDArray[np.float32]:
 
 
 def _quantiles(values: NDArray[np.float32]) -> Floats:
-    """(features, quantiles) of whole numbers; those of a small range are sorted by their digits."""
-    low = values.min(axis=0)
-    small = values.max(axis=0) - low < 2**16
-    at = ((np.arange(_QUANTILES) + 0.5) / _QUANTILES * len(values)).astype(int)
-    result = np.empty((values.shape[1], _QUANTILES))
-    for part, dtype in ((small, np.uint16), (~small, np.float32)):
-        above = np.ascontiguousarray((values[:, part] - low[part]).T, dtype)
-        above.sort(axis=1, kind="stable" if part is small else None)
-        result[part] = above[:, at] + low[part, None]
-    return result
+    """(features, quantiles)."""
+    ordered = np.sort(np.ascontiguousarray(values.T), axis=1)
+    at = (np.arange(_QUANTILES) + 0.5) / _QUANTILES * len(values)
+    return ordered[:, at.astype(int)].astype(np.float64)
 
 
 def _apart(first: Floats, second: Floats, spread: Floats) -> float:

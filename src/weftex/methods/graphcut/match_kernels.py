@@ -201,6 +201,7 @@ def mismatch(
     cython.declare(end=cython.Py_ssize_t, turn=cython.int)
     cython.declare(here=cython.p_const_uchar, there=cython.p_const_uchar)
     channels: cython.Py_ssize_t = box.pixels.shape[2]
+    at_once: cython.Py_ssize_t = 32768 // channels  # pixels whose squares fit into an int
     first: cython.Py_ssize_t = max(0, -left)
     last: cython.Py_ssize_t = min(box.pixels.shape[1], sample.pixels.shape[1] - left)
     upper: cython.Py_ssize_t = max(0, -top)
@@ -212,15 +213,16 @@ def mismatch(
     for turn in range(8):  # every eighth row first, so that bad places end early
         for i in range(upper + turn, lower, 8):
             if whole and box.runs[i, 0] >= 0:  # mostly
-                j = max(first, box.runs[i, 0])
+                at = max(first, box.runs[i, 0])
                 end = min(last, box.runs[i, 1])
-                for at in range(j, end, 4096):
+                area += max(0, end - at)
+                while at < end:
                     total += squares(
                         cython.address(box.pixels[i, at, 0]),
                         cython.address(sample.pixels[top + i, left + at, 0]),
-                        (min(end, at + 4096) - at) * channels,
+                        min(end - at, at_once) * channels,
                     )
-                area += max(0, end - j)
+                    at += at_once
                 continue
             here = cython.address(box.mask[i, 0])
             there = cython.address(sample.mask[top + i, left + first]) - first
@@ -229,7 +231,7 @@ def mismatch(
                 if not (whole or there[j]):
                     j = run_of(here, j + 1, last, 1)
                     continue
-                end = run_of(here, j + 1, min(last, j + 4096), 0)
+                end = run_of(here, j + 1, min(last, j + at_once), 0)
                 if not whole:
                     end = run_of(there, j + 1, end, 0)
                 total += squares(

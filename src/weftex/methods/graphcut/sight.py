@@ -44,6 +44,7 @@ class Sight:
 
     def __init__(self, growth: Growth, sample: Copy, holes: list[tuple[int, int]]) -> None:
         self.growth, self.shape, self.holes = growth, sample.mask.shape, holes
+        self.lines = growth.canvas.hole is None  # what is around a hole stays, and is to be met
         self.cell = 1
         while min(self.shape) >= 2 * self.cell * _CELLS:
             self.cell *= 2
@@ -93,7 +94,7 @@ class Sight:
         """What a repetition counts at a distance, in sides of the sample: the nearer, the more."""
         far = np.sqrt(np.square(down) + np.square(along))
         weights: NDArray[np.float64] = np.maximum(1 - far / _FAR, 0)
-        if self.growth.canvas.hole is None:  # what is around a hole stays, and is to be met
+        if self.lines:
             off = np.minimum(np.abs(down), np.abs(along))  # the row or the column that is nearer
             line = np.maximum(1 - _LINES * off, 0) * np.maximum(1 - far / _LINE_FAR, 0)
             weights += _IN_LINE * line
@@ -111,8 +112,9 @@ class Sight:
 
     def _pieces(self, pixel: tuple[int, int]) -> tuple[NDArray[np.int64], NDArray[np.int32]]:
         """The pieces in sight: how they are shifted as seen from the pixel, and what they show."""
+        far = _LINE_FAR if self.lines else _FAR
         rows, columns = (
-            self._line(axis, at, -(-int((1 + _LINE_FAR) * n) // self.cell) * self.cell, (0, m))
+            self._line(axis, at, -(-int((1 + far) * n) // self.cell) * self.cell, (0, m))
             for axis, (at, n, m) in enumerate(
                 zip(pixel, self.shape, self.growth.canvas.shape, strict=True)
             )

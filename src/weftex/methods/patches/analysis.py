@@ -49,10 +49,8 @@ class PatchAnalysis:
         self.mask = np.ones(exemplar.shape, bool) if exemplar.mask is None else exemplar.mask
         side = settings.window_side
         if settings.tone_weight > 0:
-            radius = settings.window_side // 4
-            tones = tones_of(
-                self.pixels, self.mask, radius, settings.tone_weight, wraps=exemplar.tileable
-            )
+            weight, wraps = settings.tone_weight, exemplar.tileable
+            tones = tones_of(self.pixels, self.mask, side // 4, weight, wraps=wraps)
             self.pixels = np.concatenate([self.pixels, tones], axis=2)
         if exemplar.tileable:  # edge handling of section 2.4
             beyond = ((0, side - 1), (0, side - 1))
