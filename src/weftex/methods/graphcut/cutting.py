@@ -67,7 +67,7 @@ class Picture:
             ]
             for shape in (self.shape, self.sample_shape)
         ]
-        self._graphs = [_graph(*size) for _ in range(settings.candidates)]
+        self._graphs = [_graph(*size, channels) for _ in range(settings.candidates)]
         self._least = math.inf
 
     @staticmethod
@@ -194,18 +194,21 @@ def _sample_of(settings: Settings, channels: int) -> seam_kernels.Sample:
         settings.exemplar.shape,
         bool((windows.usable != 0).all()),
         by_gradients,
-        np.zeros((windows.usable.size if by_gradients else 0, 2), np.int32),
+        np.zeros((2, windows.usable.size if by_gradients else 0), np.int32),
     )
 
 
-def _graph(height: int, width: int) -> graph_kernels.Graph:
+def _graph(height: int, width: int, channels: int) -> graph_kernels.Graph:
     """Make room for the graph of a patch."""
     shape = height, width
     old, new, apart = np.empty((3, *shape), np.int32)
     arcs = np.empty((*shape, 4), np.int32)
     choice, side, shown, along = np.empty((4, *shape), np.uint8)
     trees = search_trees(height, width)
-    return graph_kernels.Graph(arcs, old, new, apart, choice, side, shown, along, trees)
+    apart_in, sums = np.empty((2, width * channels), np.uint8), np.empty((3, width), np.int32)
+    return graph_kernels.Graph(
+        arcs, old, new, apart, choice, side, shown, along, trees, apart_in, sums
+    )
 
 
 def _joins(usable: NDArray[np.bool_], tiles: bool) -> NDArray[np.uint8]:
