@@ -29,7 +29,7 @@ cdef class Graph:
     cdef Capacities capacities
     cdef Trees trees
     cdef unsigned char[:, ::1] bytes  # of two rows: how far the colors of pixels are apart
-    cdef int[:, ::1] sums  # of a row: costs of blocks or pixels; what they are made of
+    cdef int[:, ::1] sums  # of a row's blocks or pixels: what they cost; of all rows: see `paste`
     cdef long long before  # the cost of the seams that a patch may change, before it
 
 # Here, or they cannot be inlined.
