@@ -95,28 +95,31 @@ class Picture:
             yield divmod(first, self.shape[1])
 
     def cheapest(self, places: list[Place], map_: Callable[..., Any] = map) -> Place:
-        """The first of the places whose seams are the least dear.
+        """The first of the places whose `price` is the least.
 
-        By how much the patch makes seams dearer, for each missing pixel, times what repeats cost.
-        Candidates may meet in one place, which is cut once.
+        Candidates may meet in one place, which is cut once, where repeats cost least.
         """
         different: dict[tuple[int, ...], Place] = {}
         for place in places:
-            same = different.setdefault(_box(place), place)
-            if place.price < same.price:
-                different[_box(place)] = place
+            if place.price < different.setdefault(place[:-1], place).price:
+                different[place[:-1]] = place
         self._least = math.inf
-        found = map_(self._dearer, different.values(), range(len(different)))
-        dearer = dict(zip(different, found, strict=True))
-        prices = [_price(dearer[_box(place)], place) for place in places]
-        return places[prices.index(min(prices))]
+        found = map_(self.price, different.values(), range(len(different)))
+        prices = dict(zip(different, found, strict=True))
+        least = min(prices.values())
+        return next(
+            place
+            for place in places
+            if prices[place[:-1]] == least
+            and (least == 0 or place.price == different[place[:-1]].price)
+        )
 
-    def _dearer(self, place: Place, number: int) -> float:
-        """By how much a patch makes seams dearer, for each missing pixel.
+    def price(self, place: Place, number: int) -> float:
+        """By how much a patch makes seams dearer, for each missing pixel, times what repeats cost.
 
         Cut out along the seam of least cost, new and old seams counted (section 3.1), in blocks.
         `number` is that of the candidate. Where another one was found cheaper than this one can
-        still be, something too little that is dearer than the other.
+        still be, something between both prices.
         """
         # A little more, as what is rounded must not keep the cheapest one from its price.
         least = max(self._least, 0.0) / place.price * (1 + 1e-9)
@@ -130,8 +133,9 @@ class Picture:
             least,
         )
         each: float = more / max(covered, 1)
-        self._least = min(self._least, _price(each, place))
-        return each
+        price = each * place.price if each > 0 else each / place.price
+        self._least = min(self._least, price)
+        return price
 
     def paste(self, place: Place) -> int:
         """Cut a patch out in smaller and smaller blocks, and copy it.
@@ -198,10 +202,6 @@ class Picture:
 def _box(place: Place) -> tuple[int, ...]:
     """All but what repeats cost."""
     return place[:-1]
-
-
-def _price(dearer: float, place: Place) -> float:
-    return dearer * place.price if dearer > 0 else dearer / place.price
 
 
 def _sample_of(settings: Settings, channels: int) -> seam_kernels.Sample:
