@@ -19,7 +19,7 @@ from weftex.quality.patches import patch_distance
 from weftex.quality.repetition import repetition
 from weftex.quality.sharpness import sharpness
 from weftex.quality.spectrum import spectrum_distance
-from weftex.quality.view import middle, views
+from weftex.quality.view import middle
 from weftex.quality.wrap import wrap_seam
 from weftex.results.synthesis import Synthesis
 
@@ -183,10 +183,9 @@ def assess(
             tileable = result.canvas.wrap
         result = result.image if result.exemplar is not None else result.render(exemplar)
     wrap = tileable if isinstance(tileable, tuple) else (bool(tileable),) * 2
-    whole = views(exemplar, result)[1]
-    made = whole.center(LARGEST_MEASURED)
     eye, used = Eye(exemplar), None
-    own = eye.own
+    own, whole = eye.own, eye.view(result)
+    made = whole.center(LARGEST_MEASURED)
     if source is not None:
         source = check_source(source, own.shape, whole.shape)
         used = copying(own, made, middle(source, made.shape))

@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from weftex.quality.quantiles import at_quantiles
 from weftex.quality.view import View, over_halves, some
 from weftex.random import draw
 
@@ -16,7 +17,6 @@ _PIXELS = 2**15
 _QUANTILES = 256
 _DIRECTIONS = 12
 _FLOOR = 1.0  # of 255
-_FEW = 16  # channels, of which a mixture stays within 16 bits
 
 
 def color_distance(sample: View, result: View) -> tuple[float | None, float | None]:
@@ -48,17 +48,16 @@ def _quantiles(view: View) -> NDArray[np.float64]:
     # The spelling of a purpose is part of the bits that are drawn for it.
     places = some(np.flatnonzero(view.usable), _PIXELS, "colours")
     channels = view.values.shape[2]
-    pixels = view.values.reshape(-1, channels)[places].astype(np.float32)
+    pixels = np.ascontiguousarray(view.values.reshape(-1, channels)[places].T, np.float32)
     bits = draw(0, "measure colours", np.arange(_DIRECTIONS)[:, None], np.arange(channels))
     mixtures = (bits % np.uint64(17)).astype(np.float32) - 8
     mixtures[~mixtures.any(axis=1)] = 1
     values, lengths = pixels, np.ones(channels)
     if channels > 1:
         # Products of small whole numbers: exact, so the same on every machine.
-        values = np.concatenate([pixels, pixels @ mixtures.T], axis=1)
+        values = np.concatenate([pixels, np.einsum("dk,kn->dn", mixtures, pixels)])
         lengths = np.append(lengths, np.sqrt((mixtures.astype(np.float64) ** 2).sum(axis=1)))
-    small = np.int16 if channels <= _FEW else np.int32  # short integers are sorted by radix
-    ordered = np.sort(np.ascontiguousarray(values.T, small), axis=1, kind="stable")
-    at = ((np.arange(_QUANTILES) + 0.5) / _QUANTILES * ordered.shape[1]).astype(int)
-    found: NDArray[np.float64] = ordered[:, at] / lengths[:, None]
+    found: NDArray[np.float64] = (
+        at_quantiles(values.astype(np.int32), _QUANTILES) / lengths[:, None]
+    )
     return found

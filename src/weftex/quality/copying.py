@@ -9,6 +9,7 @@ import numpy as np
 
 from weftex.errors import InvalidInputError
 from weftex.exemplar import as_array
+from weftex.quality import piece_kernels as kernels
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -85,18 +86,19 @@ def copying(sample: View, result: View, source: NDArray[Any]) -> Copying | None:
     known = source[..., 0] >= 0
     if not known.any():
         return None
-    place = np.indices(result.shape, np.int32).transpose(1, 2, 0)
-    piece = pieces(source - place, known)
-    areas = np.bincount(piece[known])
-    own = areas[piece[known]]
-    index = np.where(known, source[..., 0] * sample.shape[1] + source[..., 1], -1)
+    shift = source.copy()
+    shift[..., 0] -= np.arange(result.shape[0], dtype=np.int32)[:, None]
+    shift[..., 1] -= np.arange(result.shape[1], dtype=np.int32)
+    areas = np.bincount(pieces(shift, known)[known])
+    count = int(areas.sum())
+    index = np.where(known, source[..., 0] * np.int32(sample.shape[1]) + source[..., 1], -1)
     return Copying(
-        copied=float((own >= _PIECE).mean()),
-        piece=float(np.sqrt(own.mean())),
+        copied=float(areas[areas >= _PIECE].sum() / count),
+        piece=float(np.sqrt((areas**2).sum() / count)),
         largest=float(areas.max() / sample.usable.sum()),
-        evenness=_evenness(sample, source[known]),
+        evenness=_evenness(sample, index[known]),
         distinct=_distinct(index, max(1, sample.side // 2)),
-        joints=_joints(sample, result, source, known),
+        joints=_joints(sample, result, source),
     )
 
 
@@ -116,43 +118,27 @@ def check_source(
             f"the source leaves the sample, which is {sample[1]}x{sample[0]}; give the sample that "
             "the result was made from"
         )
-    whole: NDArray[np.int32] = np.maximum(given, -1).astype(np.int32)
-    whole[(whole < 0).any(axis=2)] = -1
+    whole: NDArray[np.int32] = np.maximum(given, -1).astype(np.int32, "C")
+    whole[(whole[..., 0] < 0) | (whole[..., 1] < 0)] = -1
     return whole
 
 
-def pieces(shift: NDArray[np.int32], known: NDArray[np.bool_]) -> NDArray[np.int64]:
+def pieces(shift: NDArray[np.integer], known: NDArray[np.bool_]) -> NDArray[np.int32]:
     """Number the connected areas of one shift, (H, W); each pixel without a source is its own."""
-    height, width = known.shape
-    alike_x = (shift[:, 1:] == shift[:, :-1]).all(axis=2) & known[:, 1:] & known[:, :-1]
-    alike_y = (shift[1:] == shift[:-1]).all(axis=2) & known[1:] & known[:-1]
-    starts = np.ones((height, width), bool)
-    starts[:, 1:] = ~alike_x
-    run = starts.ravel().cumsum().reshape(height, width) - 1  # runs along rows, then joined
-    joined = np.unique(run[:-1][alike_y] * np.int64(run.max() + 1) + run[1:][alike_y])
-    upper, lower = np.divmod(joined, np.int64(run.max() + 1))
-    root = np.arange(run.max() + 1)
-    while True:
-        first, second = root[upper], root[lower]
-        apart = first != second
-        if not apart.any():
-            break
-        upper, lower, first, second = upper[apart], lower[apart], first[apart], second[apart]
-        np.minimum.at(root, np.maximum(first, second), np.minimum(first, second))
-        while (root != root[root]).any():
-            root = root[root]
-    names: NDArray[np.int64] = np.unique(root, return_inverse=True)[1].astype(np.int64)
-    numbered: NDArray[np.int64] = names[run]
-    return numbered
+    names = np.empty(known.shape, np.int32)
+    plain = np.ascontiguousarray(known, np.uint8)
+    kernels.number_pieces(np.ascontiguousarray(shift, np.int32), plain, names)
+    return names
 
 
 def _evenness(sample: View, used: NDArray[np.int32]) -> float:
+    """Of the places that were used, as flat indices."""
     rows, columns = (min(_GRID, side) for side in sample.shape)
     y = np.arange(sample.shape[0]) * rows // sample.shape[0]
     x = np.arange(sample.shape[1]) * columns // sample.shape[1]
     cell = y[:, None] * columns + x
     size = np.bincount(cell[sample.usable], minlength=rows * columns).astype(np.float64)
-    count = np.bincount(cell[used[:, 0], used[:, 1]], minlength=rows * columns)
+    count = np.bincount(cell.ravel()[used], minlength=rows * columns)
     # For each usable pixel, so that a cell that the mask cuts does not count as used less.
     there = size > 0
     share = count[there] / size[there]
@@ -162,18 +148,15 @@ def _evenness(sample: View, used: NDArray[np.int32]) -> float:
     return float(min(1.0, np.exp(entropy)))
 
 
-def _distinct(index: NDArray[np.int64], side: int) -> float:
+def _distinct(index: NDArray[np.int32], side: int) -> float:
     """Mean over squares that overlap by half."""
-    found, places = [], int(index.max()) + 1
-    for top in _starts(index.shape[0], side):
-        for left in _starts(index.shape[1], side):
-            square = index[top : top + side, left : left + side].ravel()
-            square = square[square >= 0]
-            if len(square):
-                seen = np.zeros(places, bool)
-                seen[square] = True
-                found.append(np.count_nonzero(seen) / len(square))
-    return float(np.mean(found))
+    height, width = index.shape
+    corners = [(y, x) for y in _starts(height, side) for x in _starts(width, side)]
+    boxes = np.array([(y, x, min(y + side, height), min(x + side, width)) for y, x in corners])
+    counts = np.empty((len(boxes), 2), np.int64)
+    kernels.count_different(index, boxes, np.zeros(int(index.max()) + 1, np.int32), counts)
+    counts = counts[counts[:, 1] > 0]
+    return float(np.mean(counts[:, 0] / counts[:, 1]))
 
 
 def _starts(length: int, side: int) -> list[int]:
@@ -183,29 +166,19 @@ def _starts(length: int, side: int) -> list[int]:
     return [k * (length - side) // (count - 1) for k in range(count)]
 
 
-def _joints(
-    sample: View, result: View, source: NDArray[np.int32], known: NDArray[np.bool_]
-) -> float | None:
-    total, count, steps, pairs = 0.0, 0, 0.0, 0
-    own, made = sample.values.astype(np.int32), result.values.astype(np.int32)
+def _joints(sample: View, result: View, source: NDArray[np.int32]) -> float | None:
+    found, steps, pairs = np.zeros(2, np.int64), 0, 0
+    pixels, made = (np.ascontiguousarray(view.values) for view in (sample, result))
+    kernels.differ_at_joints(pixels, made, source, found)
+    total, count = found.tolist()
+    own = sample.values.astype(np.int32)
     for axis in (0, 1):
         later = tuple(slice(axis == a, None) for a in (0, 1))
         earlier = tuple(slice(None, -1 if axis == a else None) for a in (0, 1))
         both = sample.usable[later] & sample.usable[earlier]
-        steps += float(((own[later] - own[earlier])[both] ** 2).sum())
+        squares = (own[later] - own[earlier]) ** 2
+        steps += int((squares if both.all() else squares[both]).sum())
         pairs += int(both.sum())
-        step = np.arange(2) == axis
-        meet = known[later] & known[earlier]
-        meet &= (source[later] - source[earlier] != step).any(axis=2)
-        least = np.full(int(meet.sum()), np.inf)
-        for at, beside, way in ((earlier, later, 1), (later, earlier, -1)):
-            goes_on = source[at][meet] + way * step
-            inside = ((goes_on >= 0) & (goes_on < sample.shape)).all(axis=1)
-            goes_on = goes_on.clip(0, np.array(sample.shape) - 1)
-            differs = ((made[beside][meet] - own[goes_on[:, 0], goes_on[:, 1]]) ** 2).sum(axis=1)
-            least = np.minimum(least, np.where(inside, differs, np.inf))
-        least = least[np.isfinite(least)]
-        total, count = total + float(least.sum()), count + len(least)
     if count < _JOINTS or not pairs:
         return None
     channels = sample.values.shape[2]

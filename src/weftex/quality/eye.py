@@ -11,10 +11,11 @@ import numpy as np
 
 from weftex.analysis.lattice import find_lattice
 from weftex.exemplar import Exemplar
+from weftex.quality import patch_kernels as kernels
 from weftex.quality.lattice import lattice_kept
 from weftex.quality.seams import Seams, seams
 from weftex.quality.spectrum import autocorrelation_distance
-from weftex.quality.view import View, views, window_corners
+from weftex.quality.view import View, view_beside, view_of, window_corners
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -24,12 +25,13 @@ if TYPE_CHECKING:
     from weftex.analysis.lattice import Lattice
 
     Floats = NDArray[np.float32]
-    Places = NDArray[np.int64]
+    Places = NDArray[np.int32]
 
 _SIDE = 32  # pixels, about, of the sample's shorter side on the coarse copy
 _MOST = 1600  # windows of a picture
-_EXACT = 2**23  # float32 holds sums of whole numbers up to twice this
+_EXACT = 2**23  # of squared distances below it float32 holds every mean
 _QUANTILE = 0.97
+_AT_ONCE = 16  # numbers that processors multiply at once
 _SEEN = 0.05  # of the sample's contrast: a distance that an eye sees, and half of it
 _ROUNDING = 0.05  # what rounding to so few bits adds to a distance
 _CELLS = 4  # a side, for how evenly the sample was used
@@ -111,17 +113,17 @@ class Eye:
         self.exemplar = exemplar
         side = min(exemplar.shape)
         self._levels = max(1, 1 + round(math.log2(side / _SIDE)))
-        self.own = views(exemplar, exemplar.pixels)[0]
+        self.own = view_of(exemplar)
         own = self._coarse(self.own)
         self._width = max(2, min(own.shape) // 3)
         values = self._width**2 * own.values.shape[2]
         self._shift = next(s for s in range(9) if values * (255 >> s) ** 2 < _EXACT)
-        self._own, self._places = self._windows(own)
+        self._own = self._windows(own)
         if len(self._own):
             contrast = own.values[own.usable].astype(np.float64).var(axis=0).mean()
             self._seen = _SEEN * float(contrast) / 4**self._shift + _ROUNDING
             self._usual = self._between_halves(own.shape)
-            self._alone = self._closeness(self._own, self._places)
+            self._alone = self._closeness(self._own)
 
     @cached_property
     def lattice(self) -> Lattice | None:
@@ -133,19 +135,22 @@ class Eye:
         """What its steps are like."""
         return Seams(self.own)
 
+    def view(self, picture: NDArray[Any]) -> View:
+        """Return a picture as the measures see it, beside the sample."""
+        return view_beside(self.own, self.exemplar, picture)
+
     def look(self, made: View) -> Look | None:
         """Return the figures of a picture as `views` has it; None where it is too small."""
         made = self._coarse(made)
         if min(made.shape) < self._width or not len(self._own):
             return None
-        windows, places = self._windows(made)
-        apart = distances(windows, self._own)
-        worst = float(np.quantile(apart.min(axis=1), _QUANTILE))
-        source = self._places[apart.argmin(axis=1)]
+        windows = self._windows(made)
+        apart, which = nearest(windows, self._own)
+        worst = float(np.quantile(apart, _QUANTILE))
         return Look(
             broken=worst / (self._usual + self._seen),
-            uneven=self._uneven(source),
-            alike=max(0.0, self._closeness(windows, places) - self._alone - _KIN),
+            uneven=self._uneven(self._own.places[which]),
+            alike=max(0.0, self._closeness(windows) - self._alone - _KIN),
         )
 
     def figures(self, made: View) -> dict[str, float | None]:
@@ -178,32 +183,35 @@ class Eye:
             measured adds nothing, as windows of a picture smaller than a third of the sample. None
             where nothing can, and where a mask leaves no such window.
         """
-        return weigh(self.figures(views(self.exemplar, picture)[1]))
+        return weigh(self.figures(self.view(picture)))
 
     def _coarse(self, view: View) -> View:
         return view.pyramid(self._levels)[-1]
 
-    def _windows(self, view: View) -> tuple[Floats, Places]:
-        """Usable windows (n, values) on a grid, in so few bits that sums are exact; places."""
+    def _windows(self, view: View) -> Windows:
+        """Usable windows on a grid, in so few bits that distances are exact."""
         width, (height, across) = self._width, view.shape
+        length = width**2 * view.values.shape[2]
         if min(height, across) < width:
-            return np.zeros((0, 1), np.float32), np.zeros((0, 2), np.int64)
+            return Windows(np.zeros((0, 0), np.int16), np.zeros((0, 2), np.int32), length)
         rows, columns = height - width + 1, across - width + 1
         step = max(1, math.ceil(math.sqrt(rows * columns / _MOST)))
         places = np.stack(np.divmod(window_corners(view.usable, width), across), axis=1)
         places = places[(places % step == 0).all(axis=1)]
-        bits = (view.values >> self._shift).astype(np.float32)
+        bits = view.values >> self._shift
         found = np.lib.stride_tricks.sliding_window_view(bits, (width, width), axis=(0, 1))
-        values = width**2 * view.values.shape[2]
-        return found[places[:, 0], places[:, 1]].reshape(len(places), values), places
+        values = np.zeros((len(places), -(-length // _AT_ONCE) * _AT_ONCE), np.int16)
+        values[:, :length] = found[places[:, 0], places[:, 1]].reshape(len(places), length)
+        return Windows(values, places.astype(np.int32), length)
 
     def _uneven(self, source: Places) -> float:
         """Relative entropy of the use of cells to an even one."""
-        sides = self._places.max(axis=0) + 1
+        own = self._own.places
+        sides = own.max(axis=0) + 1
         even, used = (
             np.bincount((place * _CELLS // sides) @ np.array([_CELLS, 1]), minlength=_CELLS**2)
             / len(place)
-            for place in (self._places, source)
+            for place in (own, source)
         )
         seen = used > 0
         return max(0.0, float((used[seen] * np.log(used[seen] / even[seen])).sum()))
@@ -215,36 +223,65 @@ class Eye:
         """
         found = [0.0]
         for axis, side in enumerate(shape):
-            at = self._places[:, axis]
-            apart = distances(
-                self._own[at + self._width <= side // 2], self._own[at >= side - side // 2]
-            )
-            if apart.size:
-                nearest = np.concatenate([apart.min(axis=0), apart.min(axis=1)])
-                found.append(float(nearest.mean(dtype=np.float64)))
+            at = self._own.places[:, axis]
+            first = self._own.of(at + self._width <= side // 2)
+            second = self._own.of(at >= side - side // 2)
+            if len(first) and len(second):
+                apart = np.concatenate([nearest(second, first)[0], nearest(first, second)[0]])
+                found.append(float(apart.mean(dtype=np.float64)))
         return max(found)
 
-    def _closeness(self, windows: Floats, places: Places) -> float:
+    def _closeness(self, windows: Windows) -> float:
         """Of windows to the nearest that they do not touch: minus the mean logarithm."""
-        apart = distances(windows, windows)
-        apart[~_apart(places, self._width)] = np.inf
-        nearest = apart.min(axis=1)
-        known = nearest[np.isfinite(nearest)].astype(np.float64)
+        apart = nearest(windows, windows, self._width)[0]
+        known = apart[np.isfinite(apart)].astype(np.float64)
         return -float(np.log(known + self._seen / 2).mean()) if len(known) else 0.0
 
 
-def distances(first: Floats, second: Floats) -> Floats:
-    """Mean squared differences of all pairs, (n, m), of whole numbers that float32 sums exactly."""
-    squares = [np.einsum("nk,nk->n", side, side) for side in (first, second)]
-    means: Floats = first @ (-2 * second).T
-    for part in (squares[0][:, None], squares[1]):
-        means += part
-    means /= np.float32(first.shape[1])
-    return means
+@dataclass(frozen=True, eq=False)
+class Windows:
+    """Square parts of a picture.
+
+    Attributes
+    ----------
+    values : int16 array (n, m)
+        The numbers of each, and zeros up to a multiple of 16.
+    places : int32 array (n, 2)
+        Row and column of each.
+    length : int
+        Numbers of a window.
+    """
+
+    values: NDArray[np.int16]
+    places: Places
+    length: int
+
+    def __len__(self) -> int:
+        return len(self.places)
+
+    def of(self, chosen: NDArray[np.bool_]) -> Windows:
+        """Some of them."""
+        return Windows(self.values[chosen], self.places[chosen], self.length)
 
 
-def _apart(places: Places, least: int) -> NDArray[np.bool_]:
-    """Which pairs of places differ by at least so many lines or columns."""
-    y, x = places.astype(np.int32).T
-    apart: NDArray[np.bool_] = (abs(y[:, None] - y) >= least) | (abs(x[:, None] - x) >= least)
-    return apart
+def nearest(first: Windows, second: Windows, least: int = 0) -> tuple[Floats, Places]:
+    """Find for each window the nearest of others, the first of equals.
+
+    Parameters
+    ----------
+    first, second : Windows
+        The windows, and the others; of one length.
+    least : int
+        Windows that are less than so many rows and columns apart are not compared.
+
+    Returns
+    -------
+    (float32 array (n,), int32 array (n,))
+        Mean squared differences, infinite where there is none to compare; and numbers of `second`.
+    """
+    best, which = np.empty(len(first), np.int32), np.empty(len(first), np.int32)
+    others = np.pad(second.values, [(0, -len(second) % 4), (0, 0)])  # four are compared at once
+    squares = np.empty(len(others), np.int32)
+    kernels.nearest(first.values, others, first.places, second.places, least, best, which, squares)
+    apart = best.astype(np.float32) / np.float32(first.length)
+    return np.where(best < 0, np.float32(np.inf), apart), which

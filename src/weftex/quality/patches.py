@@ -6,8 +6,9 @@ from functools import lru_cache
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.lib.stride_tricks import sliding_window_view
 
+from weftex.quality import patch_kernels as kernels
+from weftex.quality.quantiles import at_quantiles
 from weftex.quality.view import View, some, window_corners
 from weftex.random import draw
 
@@ -20,6 +21,7 @@ _WIDTH = 7  # pixels of a patch
 _SCALES = 4
 _PATCHES = 4096  # of each picture and scale
 _FEATURES = 48
+_AT_ONCE = 16  # numbers that processors multiply at once
 _QUANTILES = 128
 _FLOOR = 0.03  # standard deviations: what two draws of so many patches differ by
 
@@ -51,37 +53,40 @@ def patch_distance(sample: View, result: View) -> tuple[float | None, tuple[floa
     found = []
     scales = zip(sample.pyramid(_SCALES), result.pyramid(_SCALES), strict=True)
     for scale, (own, made) in enumerate(scales):
-        drawn = [_patches(half) for pair in own.halves for half in pair]
-        whole, ours = _patches(own), _patches(made)
-        if ours is None or whole is None or any(patches is None for patches in drawn):
-            break
         features = _features(own.values.shape[2], scale)
-        values = whole @ features
-        floor = 0.5 * np.sqrt((features**2).sum(axis=0))  # a feature of less is rounding
-        spread = np.maximum(values.std(axis=0, dtype=np.float64), floor)
-        quantiles = [_quantiles(patches @ features) for patches in drawn if patches is not None]
+        drawn = [_described(half, features) for pair in own.halves for half in pair]
+        values, ours = _described(own, features), _described(made, features)
+        if ours is None or values is None or any(part is None for part in drawn):
+            break
+        squares = (features.astype(np.float32) ** 2).sum(axis=1)
+        floor = 0.5 * np.sqrt(squares)  # a feature of less is rounding
+        spread = np.maximum(values.std(axis=1, dtype=np.float64), floor)
+        quantiles = [_quantiles(part) for part in drawn if part is not None]
         between = [_apart(quantiles[k], quantiles[k + 1], spread) for k in (0, 2)]
-        apart = _apart(_quantiles(values), _quantiles(ours @ features), spread)
+        apart = _apart(_quantiles(values), _quantiles(ours), spread)
         found.append(apart / max(float(np.mean(between)), _FLOOR))
     if not found:
         return None, ()
     return float(np.sqrt(np.mean(np.square(found)))), tuple(found)
 
 
-def _patches(view: View) -> NDArray[np.float32] | None:
-    """Some patches (n, 7 * 7 * K), or None if there are fewer than 16."""
+def _described(view: View, features: NDArray[np.int16]) -> NDArray[np.int32] | None:
+    """Some patches by their features (48, n), or None if there are fewer than 16 patches."""
     corners = window_corners(view.usable, _WIDTH)
     if len(corners) < 16:
         return None
-    y, x = np.divmod(some(corners, _PATCHES, "patches"), view.shape[1])
-    windows = sliding_window_view(view.values, (_WIDTH, _WIDTH), axis=(0, 1))
-    return windows[y, x].reshape(len(y), -1).astype(np.float32)
+    corners = some(corners, _PATCHES, "patches")
+    values = np.ascontiguousarray(view.values)
+    found = np.empty((_FEATURES, len(corners)), np.int32)
+    scratch = np.zeros(features.shape[1], np.int16)
+    kernels.describe(values, corners, _WIDTH, features, scratch, found)
+    return found
 
 
 @lru_cache(maxsize=16)
-def _features(channels: int, scale: int) -> NDArray[np.float32]:
-    """Weights (K * 7 * 7, 48), whole and so small that sums in float32 are exact."""
-    result = np.zeros((_FEATURES, channels, _WIDTH, _WIDTH), np.float32)
+def _features(channels: int, scale: int) -> NDArray[np.int16]:
+    """Weights (48, m) of a patch's 7 * 7 * K bytes, and zeros up to a multiple of 16."""
+    result = np.zeros((_FEATURES, _WIDTH, _WIDTH, channels), np.int16)
     for k in range(_FEATURES):
         bits = draw(0, "measure features", scale, k, np.arange(8 + channels))
         sizes = 1 + (bits[:4] % np.uint64(4)).astype(int)
@@ -90,7 +95,7 @@ def _features(channels: int, scale: int) -> NDArray[np.float32]:
         mixture = mixture if mixture.any() else np.ones(channels, int)
         boxes = []
         for y, x, h, w in ((*corners[:2], *sizes[:2]), (*corners[2:], *sizes[2:])):
-            box = np.zeros((_WIDTH, _WIDTH), np.float32)
+            box = np.zeros((_WIDTH, _WIDTH), np.int16)
             box[y : y + h, x : x + w] = 1
             boxes.append(box)
         first, second = boxes
@@ -98,15 +103,14 @@ def _features(channels: int, scale: int) -> NDArray[np.float32]:
             first = first * second.sum() - second * first.sum()
         if not first.any():
             first = boxes[0]
-        result[k] = mixture[:, None, None] * first
-    return np.ascontiguousarray(result.reshape(_FEATURES, -1).T)
+        result[k] = first[..., None] * mixture
+    flat = result.reshape(_FEATURES, -1)
+    return np.pad(flat, [(0, 0), (0, -flat.shape[1] % _AT_ONCE)])
 
 
-def _quantiles(values: NDArray[np.float32]) -> Floats:
+def _quantiles(values: NDArray[np.int32]) -> Floats:
     """(features, quantiles)."""
-    ordered = np.sort(np.ascontiguousarray(values.T), axis=1)
-    at = (np.arange(_QUANTILES) + 0.5) / _QUANTILES * len(values)
-    return ordered[:, at.astype(int)].astype(np.float64)
+    return at_quantiles(values, _QUANTILES).astype(np.float64)
 
 
 def _apart(first: Floats, second: Floats, spread: Floats) -> float:

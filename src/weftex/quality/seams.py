@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, TypeVar
+from typing import TYPE_CHECKING
 
 import numpy as np
 
+from weftex.quality import step_kernels as kernels
 from weftex.quality.view import View, some
 from weftex.raster.boxes import centered_sums
 
@@ -14,8 +15,6 @@ if TYPE_CHECKING:
 
     Floats = NDArray[np.float32]
     Model = tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.float64]]
-
-Kind = TypeVar("Kind", bound=np.generic)
 
 _REACH = 3  # steps before and after that predict one
 _ROWS = 2  # lines above and below
@@ -56,8 +55,7 @@ class Seams:
         """The surprise at each step along an axis: its prediction error over the usual one."""
         model = self._models[axis]
         assert model is not None
-        gray = view.gray if axis else view.gray.T
-        surprise = _pooled(_surprise(gray, model))
+        surprise = _surprise(_steps(view.gray if axis else view.gray.T), model)
         return surprise if axis else surprise.T
 
     def excess(self, result: View, axis: int) -> tuple[Floats, float]:
@@ -126,7 +124,8 @@ def seam_map(model: Seams, result: View) -> Floats | None:
 
 
 def _steps(gray: Floats) -> Floats:
-    return gray[:, 1:] - gray[:, :-1]
+    rows = np.ascontiguousarray(gray)
+    return rows[:, 1:] - rows[:, :-1]
 
 
 def _beside() -> list[tuple[int, int]]:
@@ -134,11 +133,22 @@ def _beside() -> list[tuple[int, int]]:
     return [(dy, dx) for dy in range(-_ROWS, _ROWS + 1) for dx in across]
 
 
-def _inner(steps: NDArray[Kind], dy: int = 0, dx: int = 0) -> NDArray[Kind]:
-    """The steps that have all their neighbors, or their neighbors at (dy, dx)."""
-    height, width = steps.shape
-    rows = slice(_ROWS + dy, height - _ROWS + dy)
-    return steps[rows, _REACH + dx : width - _REACH + dx]
+def _shifts(width: int) -> NDArray[np.int64]:
+    """The same as differences of flat indices."""
+    return np.array([dy * width + dx for dy, dx in _beside()])
+
+
+def _predicted(usable: NDArray[np.bool_]) -> NDArray[np.bool_]:
+    """Where steps that have all their neighbors are usable, like these."""
+    whole = usable[:, 1:] & usable[:, :-1]
+    height, width = whole.shape
+    shape = max(height - 2 * _ROWS, 0), max(width - 2 * _REACH, 0)
+    place = np.ones(shape, bool)
+    if 0 not in shape and not usable.all():
+        for dy, dx in (*_beside(), (0, 0)):
+            rows = slice(_ROWS + dy, _ROWS + dy + shape[0])
+            place &= whole[rows, _REACH + dx : _REACH + dx + shape[1]]
+    return place
 
 
 def _fit(gray: Floats, usable: NDArray[np.bool_]) -> Model | None:
@@ -146,20 +156,20 @@ def _fit(gray: Floats, usable: NDArray[np.bool_]) -> Model | None:
     height, width = gray.shape
     if height <= 2 * _ROWS + _ALONG or width <= 2 * _REACH + 2 * _ALONG:
         return None
-    steps, whole = _steps(gray), usable[:, 1:] & usable[:, :-1]
-    place = _inner(whole).copy()
-    for dy, dx in _beside():
-        place &= _inner(whole, dy, dx)
+    place = _predicted(usable)
     places = some(np.flatnonzero(place), _LEARN, "steps")
     if len(places) < 200:
         return None
     y, x = np.divmod(places, place.shape[1])
-    beside = np.stack([_inner(steps, *at)[y, x] for at in _beside()], axis=1).astype(np.float64)
-    step = _inner(steps)[y, x].astype(np.float64)
-    gram = np.einsum("ni,nj->ij", beside, beside, optimize=False)  # in one order everywhere
+    steps = _steps(gray)
+    at = (y + _ROWS) * steps.shape[1] + x + _REACH
+    step, shifts = steps.ravel()[at].astype(np.float64), _shifts(steps.shape[1])
+    beside, gram = np.empty((len(at), len(shifts))), np.zeros((len(shifts), len(shifts)))
+    kernels.beside(steps, at, shifts, beside, gram)
     ridge = 1e-4 * np.trace(gram) / len(gram) + len(places) / 12  # the rounding to bytes
+    # Not by matrix products, whose order of summation is not the same everywhere.
     weights = np.linalg.solve(gram + ridge * np.eye(len(gram)), np.einsum("ni,n->i", beside, step))
-    left = (step - beside @ weights) ** 2
+    left = (step - np.einsum("ni,i->n", beside, weights)) ** 2
     activity = (beside**2).mean(axis=1)
     order = np.argsort(activity, kind="stable")
     bins = np.array_split(order, min(24, len(places) // 50))
@@ -168,33 +178,20 @@ def _fit(gray: Floats, usable: NDArray[np.bool_]) -> Model | None:
     return weights, knots, np.maximum.accumulate(usual)
 
 
-def _surprise(gray: Floats, model: Model) -> Floats:
-    """The prediction error of each step over the usual one at its activity."""
+def _surprise(steps: Floats, model: Model) -> Floats:
+    """The prediction error of each step over the usual one at its activity; means along lines."""
     weights, knots, usual = model
-    steps = _steps(gray)
-    left, activity = _inner(steps).copy(), np.zeros_like(_inner(steps))
-    for weight, at in zip(weights, _beside(), strict=True):
-        beside = _inner(steps, *at)
-        left -= np.float32(weight) * beside
-        activity += beside * beside
-    expected = np.interp(activity / len(weights), knots, usual)
-    return np.sqrt(left * left / expected).astype(np.float32)
-
-
-def _pooled(surprise: Floats) -> Floats:
-    """Means along the lines."""
-    sums = centered_sums(surprise, _ALONG, (0,))[_ALONG:-_ALONG]
-    return (sums / (2 * _ALONG + 1)).astype(np.float32)
+    height, width = steps.shape[0] - 2 * _ROWS - 2 * _ALONG, steps.shape[1] - 2 * _REACH
+    scratch, sums = np.empty((2, width), np.float32), np.zeros((2 * _ALONG + 1, width))
+    found = np.empty((height, width), np.float32)
+    shifts, factors = _shifts(steps.shape[1]), weights.astype(np.float32)
+    kernels.surprise(steps, shifts, factors, knots, usual, _ROWS, _REACH, scratch, sums, found)
+    return found
 
 
 def _whole(usable: NDArray[np.bool_], axis: int) -> NDArray[np.bool_]:
     """Places of `Seams._along` whose steps, and all that predict them, are usable."""
-    turned = usable if axis else usable.T
-    whole = turned[:, 1:] & turned[:, :-1]
-    place = _inner(whole).copy()
-    for dy, dx in _beside():
-        place &= _inner(whole, dy, dx)
-    full = 2 * _ALONG + 1
+    place, full = _predicted(usable if axis else usable.T), 2 * _ALONG + 1
     inside = centered_sums(place, _ALONG, (0,))[_ALONG:-_ALONG] > full - 0.5
     return inside if axis else inside.T
 

@@ -69,9 +69,11 @@ class View:
     @cached_property
     def gray(self) -> NDArray[np.float32]:
         """Brightness along the axis, in the unit of `values`; (H, W)."""
-        # Sums of whole numbers that float32 holds exactly, so the same in any order.
-        along: NDArray[np.float32] = self.values.astype(np.float32) @ self.axis.astype(np.float32)
-        return along / np.float32(np.sqrt(float(self.axis @ self.axis)))
+        # Not a matrix product, whose threads wait for one another longer than it takes.
+        along = np.zeros(self.shape, np.int32)
+        for k, weight in enumerate(self.axis.astype(np.int32)):
+            along += np.multiply(self.values[..., k], weight, dtype=np.int32)
+        return along.astype(np.float32) / np.float32(np.sqrt(float(self.axis @ self.axis)))
 
     @cached_property
     def flat(self) -> NDArray[np.float32]:
@@ -148,29 +150,39 @@ def views(sample: Exemplar, result: NDArray[Any]) -> tuple[View, View]:
     >>> [view.shape for view in views(sample, np.zeros((8, 9, 3), np.uint8))]
     [(4, 6), (8, 9)]
     """
+    own = view_of(sample)
+    return own, view_beside(own, sample, result)
+
+
+def view_of(sample: Exemplar) -> View:
+    """Make a view of a sample."""
+    values = sample.as_matching(sample.pixels)
+    usable = np.ones(sample.shape, bool) if sample.mask is None else sample.mask
+    return View(values, usable, _axis(values[usable]), sample.shape)
+
+
+def view_beside(own: View, sample: Exemplar, result: NDArray[Any]) -> View:
+    """Make a view of a result, beside that of its sample; see `views`."""
     pixels = check_pixels(result, "result")
-    own = sample.pixels
-    if (pixels.shape[2:] or (1,)) != (own.shape[2:] or (1,)) or pixels.dtype != own.dtype:
+    theirs = sample.pixels
+    if (pixels.shape[2:] or (1,)) != (theirs.shape[2:] or (1,)) or pixels.dtype != theirs.dtype:
         kinds = [
-            f"{p.dtype} with {np.prod(p.shape[2:], dtype=int)} channels" for p in (pixels, own)
+            f"{p.dtype} with {np.prod(p.shape[2:], dtype=int)} channels" for p in (pixels, theirs)
         ]
         raise InvalidInputError(
             f"the result is {kinds[0]}, the sample {kinds[1]}; dtype and channels must be equal"
         )
-    values = sample.as_matching(own)
-    usable = np.ones(sample.shape, bool) if sample.mask is None else sample.mask
-    axis = _axis(values[usable])
     made = sample.as_matching(pixels)
-    return (
-        View(values, usable, axis, sample.shape),
-        View(made, np.ones(made.shape[:2], bool), axis, sample.shape),
-    )
+    return View(made, np.ones(made.shape[:2], bool), own.axis, sample.shape)
 
 
 def _axis(pixels: NDArray[np.uint8]) -> NDArray[np.int64]:
     """The first principal component of the colors, in whole numbers up to 127."""
-    spread = np.atleast_2d(np.cov(pixels.T.astype(np.float64), ddof=0))
-    weights, vectors = np.linalg.eigh(spread)
+    levels, count = np.ascontiguousarray(pixels.T, np.float64), len(pixels)
+    levels -= np.rint(levels.mean(axis=1, keepdims=True))
+    sums = levels.sum(axis=1)  # whole numbers, like the products: the same in any order
+    products = np.einsum("ki,li->kl", levels, levels)
+    weights, vectors = np.linalg.eigh((products - np.outer(sums, sums) / count) / count)
     if not weights[-1] > 0:
         return np.ones(len(vectors), np.int64)
     first = vectors[:, -1] / abs(vectors[:, -1]).max()

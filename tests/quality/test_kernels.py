@@ -1,0 +1,96 @@
+"""The kernels of the measures beside slow twins of them."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from twins.measures import differ_at_joints, prediction_error
+from weftex.quality import patch_kernels, piece_kernels, seams
+from weftex.quality.quantiles import at_quantiles
+
+
+@pytest.mark.parametrize("top", [1, 7, 5000, 2**17, 2**30])
+@pytest.mark.parametrize("size", [1, 3, 700, 4096])
+def test_what_lies_at_ranks_is_what_sorting_puts_there(top, size, rng):
+    values = rng.integers(-top, top, (3, size)).astype(np.int32)
+    values[1] = np.rint(rng.normal(size=size) ** 3)  # most of one row are equal
+    for number in (1, 5, 128):
+        ranks = ((np.arange(number) + 0.5) / number * size).astype(int)
+        assert (at_quantiles(values, number) == np.sort(values, axis=1)[:, ranks]).all()
+
+
+def test_patches_are_weighed_by_definition(rng):
+    pixels = rng.integers(0, 256, (12, 17, 3), np.uint8)
+    features = np.zeros((8, 80), np.int16)
+    features[:, :75] = rng.integers(-99, 100, (8, 75))
+    corners = rng.integers(0, 8, 30) * 17 + rng.integers(0, 13, 30)
+    found = np.empty((8, 30), np.int32)
+    patch_kernels.describe(pixels, corners, 5, features, np.zeros(80, np.int16), found)
+    for i, corner in enumerate(corners):
+        y, x = divmod(int(corner), 17)
+        patch = pixels[y : y + 5, x : x + 5].ravel().astype(int)
+        assert (found[:, i] == features[:, :75].astype(int) @ patch).all()
+
+
+@pytest.mark.parametrize("shape", [(21, 32), (30, 23), (40, 41)])
+def test_the_surprise_by_definition(shape, rng):
+    gray = rng.integers(0, 256, shape).astype(np.float32) / np.float32(np.sqrt(3))
+    weights = rng.normal(size=30)
+    knots = np.sort(rng.random(7)) * 2000 + 4000
+    usual = np.sort(rng.random(7)) * 9000 + 100
+    steps = gray[:, 1:] - gray[:, :-1]
+    found = seams._surprise(steps, (weights, knots, usual))
+    error = prediction_error(steps, weights, knots, usual)
+    means = [error[y : y + 17].mean(axis=0) for y in range(len(error) - 16)]
+    assert found.shape == (shape[0] - 20, shape[1] - 7)
+    np.testing.assert_allclose(found, means, rtol=1e-5)
+
+
+def test_steps_are_fitted_by_definition(rng):
+    gray = np.cumsum(rng.normal(size=(40, 44)), axis=1).astype(np.float32)
+    usable = np.ones(gray.shape, bool)
+    usable[10:13, 9:14] = False
+    weights, knots, usual = seams._fit(gray, usable)
+    steps = (gray[:, 1:] - gray[:, :-1]).astype(float)
+    beside, own = [], []
+    for y in range(2, 38):
+        for x in range(3, 40):
+            if usable[y - 2 : y + 3, x - 3 : x + 5].all():
+                around = np.delete(steps[y - 2 : y + 3, x - 3 : x + 4], 3, axis=1)
+                beside.append(around.ravel())
+                own.append(steps[y, x])
+    beside, own = np.array(beside), np.array(own)
+    gram = beside.T @ beside
+    ridge = 1e-4 * np.trace(gram) / 30 + len(own) / 12
+    expected = np.linalg.solve(gram + ridge * np.eye(30), beside.T @ own)
+    np.testing.assert_allclose(weights, expected, rtol=1e-9)
+    activity, left = (beside**2).mean(axis=1), (own - beside @ weights) ** 2
+    parts = np.array_split(np.argsort(activity, kind="stable"), 24)
+    np.testing.assert_allclose(knots, [activity[part].mean() for part in parts])
+    assert (np.diff(usual) >= 0).all()
+    np.testing.assert_allclose(usual[0], left[parts[0]].mean() + 1 / 6)
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_joints_by_definition(seed):
+    rng = np.random.default_rng(seed)
+    own = rng.integers(0, 256, (7, 9, 2), np.uint8)
+    made = rng.integers(0, 256, (11, 13, 2), np.uint8)
+    source = np.stack([rng.integers(0, 7, (11, 13)), rng.integers(0, 9, (11, 13))], axis=2)
+    source[3:8, 2:9] = np.indices((5, 7)).transpose(1, 2, 0) + (seed, 1)
+    source[rng.random((11, 13)) < 0.1] = -1
+    source = source.clip(-1, (6, 8)).astype(np.int32)
+    found = np.zeros(2, np.int64)
+    piece_kernels.differ_at_joints(own, made, source, found)
+    assert found.tolist() == list(differ_at_joints(own, made, source))
+
+
+def test_different_numbers_are_counted_in_each_part(rng):
+    index = rng.integers(-1, 20, (15, 18)).astype(np.int32)
+    boxes = np.array([[0, 0, 15, 18], [2, 3, 9, 4], [5, 5, 15, 18], [4, 4, 4, 9]])
+    counts = np.empty((4, 2), np.int64)
+    piece_kernels.count_different(index, boxes, np.zeros(20, np.int32), counts)
+    for (top, left, bottom, right), (different, every) in zip(boxes, counts, strict=True):
+        part = index[top:bottom, left:right]
+        assert (different, every) == (len({*part[part >= 0].tolist()}), (part >= 0).sum())
