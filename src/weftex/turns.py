@@ -20,10 +20,13 @@ if TYPE_CHECKING:
 
     #: How often a copy is turned to the left by a quarter, after it was mirrored or not.
     Copy = tuple[int, bool]
+    #: Top, left, height and width.
+    Box = tuple[int, int, int, int]
 
 #: The copies of each way to turn a sample; those in one row are of one shape.
 TURNS: dict[str, list[list[Copy]]] = {
     "flip": [[(0, False), (0, True)]],
+    "half": [[(0, False), (2, False)]],
     "4": [[(0, False), (2, False)], [(1, False), (3, False)]],
     "8": [
         [(0, False), (2, False), (0, True), (2, True)],
@@ -43,8 +46,8 @@ def turned(sample: Sample, turn: str) -> Exemplar:
     ----------
     sample : path, array, PIL image or Exemplar
         Of a material that has no way up, or no left and right.
-    turn : {"flip", "4", "8"}
-        Mirrored left to right; turned by quarters; both.
+    turn : {"flip", "half", "4", "8"}
+        Mirrored left to right; upside down, by half a turn; turned by quarters; both.
 
     Returns
     -------
@@ -126,6 +129,34 @@ def turned_pixels(
             left += made.shape[1] + gap
         top += made.shape[0] + gap
     return result
+
+
+def copies_in(exemplar: Exemplar) -> list[Box]:
+    """Return where the copies lie in a picture of them, the sample as it is first.
+
+    Parameters
+    ----------
+    exemplar : Exemplar
+        See `turned`.
+    """
+    assert exemplar.turn is not None and exemplar.mask is not None
+    rows = TURNS[exemplar.turn]
+    height, width = exemplar.shape
+    side = (width + 1) // len(rows[0]) - 1
+    shapes = [(height, side)]
+    if len(rows) > 1:  # the longer side is known, and both together
+        shapes = [(height - 1 - side, side), (side, height - 1 - side)]
+    shape = next(
+        shape
+        for shape in shapes
+        if not exemplar.mask[~turned_pixels(np.ones(shape, bool), exemplar.turn, between=False)].any()
+    )
+    boxes, top = [], 0
+    for row in rows:
+        high, wide = shape if row[0][0] % 2 == 0 else shape[::-1]
+        boxes += [(top, k * (wide + 1), high, wide) for k in range(len(row))]
+        top += high + 1
+    return boxes
 
 
 def as_copies(given: Exemplar, turn: str, size: tuple[int, int]) -> Exemplar:

@@ -108,8 +108,11 @@ def add_sample_mask(parser: Parser) -> None:
 
 def add_turn(parser: Parser) -> None:
     """Add the option of every command that can make more of a sample by mirroring and turning."""
-    text = "use mirrored copies of the sample too (flip), or quarter turns (4), or both (8)"
-    parser.add_argument("--turn", metavar="flip|4|8", help=text)
+    text = (
+        "use copies of the sample too: mirrored (flip), upside down (half), turned by quarters (4), "
+        "or all of these (8)"
+    )
+    parser.add_argument("--turn", metavar="flip|half|4|8", help=text)
 
 
 def add_mending(parser: Parser) -> None:

@@ -6,6 +6,7 @@ import math
 from dataclasses import asdict, dataclass, replace
 from typing import TYPE_CHECKING, ClassVar, Self
 
+from weftex.errors import InvalidInputError
 from weftex.method import Method
 from weftex.methods.graphcut.cutting import Picture
 from weftex.methods.graphcut.placement import placement_of
@@ -17,6 +18,7 @@ from weftex.parameters import parameter
 from weftex.planes.grid import Sizes
 from weftex.random import draw
 from weftex.threads import thread_map
+from weftex.turns import turned
 
 if TYPE_CHECKING:
     import numpy as np
@@ -138,6 +140,13 @@ class GraphCut(Method):
         needs=("placement", ("entire",)),
     )
 
+    orientations: str = parameter(
+        "upright",
+        "ways that the entire sample lies: as it is, or upside down too, so that there is more of it",
+        choices=("upright", "half-turns"),
+        needs=("placement", ("entire",)),
+    )
+
     def __post_init__(self) -> None:
         super().__post_init__()
         if self.patch_size is not None and self.boundary_width is not None:
@@ -157,8 +166,14 @@ class GraphCut(Method):
         return replace(self, patch_size=patch_size_for(hole, usable, 1))
 
     def fit_exemplar(self, exemplar: Exemplar) -> GraphCutModel:
-        """Prepare a sample."""
-        settings = settle(exemplar, **asdict(self))
+        """Prepare a sample, and perhaps a copy of it upside down."""
+        if self.orientations == "half-turns":
+            if self.lattice is not None:
+                raise InvalidInputError("copies that are turned share no lattice")
+            exemplar = turned(exemplar, "half")
+        given = asdict(self)
+        del given["orientations"]
+        settings = settle(exemplar, **given)
         method = replace(self, candidates=settings.candidates, refinements=settings.refinements)
         if self.placement != "random":
             method = replace(method, tolerance=settings.tolerance)

@@ -46,7 +46,9 @@ class Picture:
         self.usable = settings.windows.usable.ravel()
         channels = growth.pixels.shape[2]
         self._sample = kept(
-            settings.windows, settings.by_gradients, lambda: _sample_of(settings, channels)
+            settings.windows,
+            (settings.by_gradients, settings.whole),
+            lambda: _sample_of(settings, channels),
         )
         self.runs = np.zeros(self.done.size, np.int8)
         self._picture = seam_kernels.Picture(
@@ -211,7 +213,7 @@ def _sample_of(settings: Settings, channels: int) -> seam_kernels.Sample:
         windows.pixels.reshape(-1, channels),
         _joins(windows.usable != 0, settings.exemplar.tileable).ravel(),
         settings.exemplar.shape,
-        bool((windows.usable != 0).all()),
+        settings.whole,
         by_gradients,
         np.zeros((2, windows.usable.size if by_gradients else 0), np.int32),
     )

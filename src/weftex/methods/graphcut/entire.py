@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from operator import call
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
@@ -19,37 +19,71 @@ from weftex.methods.graphcut.places import (
     smallest,
 )
 from weftex.methods.graphcut.regular import LatticePlaces, on_smaller
-from weftex.methods.graphcut.repeats import DIRECT, Repeats
-from weftex.methods.graphcut.sight import Sight
+from weftex.methods.graphcut.repeats import DIRECT
+from weftex.methods.graphcut.shown import ShownAgain
 from weftex.search.translation import fast_size, overlap_mismatch
 
 if TYPE_CHECKING:
     from collections.abc import Callable
-    from typing import Any
+    from typing import Any, Protocol
 
     from numpy.typing import NDArray
 
     from weftex.methods.graphcut.settings import Settings
     from weftex.methods.pixels.growth import Growth
 
-# What it costs to show again in sight all that is new, and as often as the mean what is anywhere.
-_AGAIN, _USED = 0.3, 0.05
-_MOST = 4.0  # times the mean that count; more are no worse
+    class Prices(Protocol):
+        """What it costs to show again what the canvas shows already; see `ShownAgain`."""
+
+        def turn_to(self, pixel: tuple[int, int]) -> None:
+            """Say which pixel the next patch covers; the one before is laid."""
+
+        def of(
+            self,
+            pixel: tuple[int, int],
+            allowed: NDArray[np.bool_],
+            k: int,
+            offset: list[int],
+            missing: Callable[[], NDArray[np.bool_]],
+        ) -> NDArray[np.float64]:
+            """By what the costs of places are multiplied."""
+
+
 _AROUND = 32  # pixels around a hole that are matched, or half as many as it is wide
-_LOOK = 2  # pixels of the smallest copy; so many apart what is shown is looked at
+
+
+class Found(NamedTuple):
+    """How well places match that come to lie on a pixel of the canvas."""
+
+    pixel: tuple[int, int]
+    boxes: list[Copy]  # what the sample may cover there, in full size and on smaller copies
+    places: list[NDArray[np.uint8]]  # of the sample, likewise
+    matches: Matches
 
 
 class EntirePatchMatching:
-    """Entire patch matching, or random placement: the sample is shifted over the canvas."""
+    """Entire patch matching, or random placement: the sample is shifted over the canvas.
 
-    def __init__(self, settings: Settings, growth: Growth, *, random: bool) -> None:
+    Parameters
+    ----------
+    settings, growth
+        The sample and the canvas.
+    random : bool
+        Anywhere, whether it matches or not.
+    prices : Prices, optional
+        What it costs to show a place again, instead of `ShownAgain`.
+    """
+
+    def __init__(
+        self, settings: Settings, growth: Growth, *, random: bool, prices: Prices | None = None
+    ) -> None:
         self.settings, self.growth, self.canvas = settings, growth, growth.canvas
         self.size, self.random = size_on_canvas(settings.patch_shape, growth), random
         self.usable = settings.windows.usable
         self.reduction = settings.reduction_of(self.size, self.usable)
         self.copies = sample_copies(settings, self.reduction)
         self.on_canvas = Copy(growth.pixels, growth.done)
-        shape = settings.exemplar.shape
+        shape = settings.windows.shape
         # How far the sample reaches from a pixel that it covers, in whole pixels of all copies.
         self.reach = [-(-(n - 1) // self.reduction) * self.reduction for n in shape]
         # What is missing or may change, and what around it is matched: not all of a photo with a
@@ -62,30 +96,45 @@ class EntirePatchMatching:
             for axis, (n, wraps) in enumerate(zip(self.canvas.shape, self.canvas.wrap, strict=True))
         ]
         self.regular = LatticePlaces(settings.lattice, self.canvas) if settings.lattice else None
-        self.repeats: Repeats | None = None
-        if settings.variety > 0 and not random:
-            self.repeats = Repeats(settings.exemplar, growth, shape, shape, _LOOK * self.reduction)
-            self.sight = Sight(growth, self.copies[0], self.holes)
+        self.prices = prices
+        if prices is None and settings.variety > 0 and not random:
+            self.prices = ShownAgain(settings, growth, self.copies[0], self.holes, self.reduction)
 
     def candidates(
         self, pixel: tuple[int, int], number: int, centered: bool, map_: Callable[..., Any] = map
     ) -> list[Place]:
         """See `Placement.candidates`."""
+        found = self.found(pixel, centered, map_)
+        copies, seed = self.copies, self.growth.seed
+        drawn = draw_matches(self.settings, seed, number, found.matches, copies, self.size)
+        return self.placed(found, drawn, map_)
+
+    def found(
+        self,
+        pixel: tuple[int, int],
+        centered: bool,
+        map_: Callable[..., Any] = map,
+        halvings: int | None = None,
+    ) -> Found:
+        """Match all places; see `Placement.candidates`.
+
+        On the copy that is halved `halvings` times, if that is given.
+        """
         y, x = (
             min(max(at, low), high - 1) for at, (low, high) in zip(pixel, self.holes, strict=True)
         )
         pixel = y, x
-        if self.repeats is not None:
-            self.repeats.turn_to(y, x)
+        if self.prices is not None:
+            self.prices.turn_to(pixel)
         # Eighths of the sample that cover the pixel. With fewer, little of it is on what is there
         # already, and it matches worse; with more, it covers little that is missing.
-        low, high = (2, 6) if centered else (2, 4) if self.repeats is None else (1, 6)
+        low, high = (2, 6) if centered else (2, 4) if self.prices is None else (1, 6)
         middle = np.zeros_like(self.usable)
         rows, columns = (slice(n * low // 8, n * high // 8 + 1) for n in self.usable.shape)
         middle[rows, columns] = self.usable[rows, columns]
         boxes = self._around(pixel)
         places = self._places(pixel, middle, bool(boxes[0].mask.any()))
-        k = smallest(boxes, places)
+        k = smallest(boxes, places) if halvings is None else halvings
         allowed = places[k] != 0
         costs, prices = np.zeros(allowed.shape), np.ones(allowed.shape)
         if not self.random:
@@ -94,41 +143,24 @@ class EntirePatchMatching:
                 return self._mismatch(boxes[k], allowed, k)
 
             def price() -> NDArray[np.float64]:
-                if self.repeats is None:
+                if self.prices is None:
                     return prices
                 offset = [reach >> k for reach in self.reach]
-                used = self.repeats.used_where(self._missing(pixel, k), k, offset, allowed)
-                return self._prices(pixel, used, allowed, k)
+                return self.prices.of(pixel, allowed, k, offset, lambda: self._missing(pixel, k))
 
             costs, prices = map_(call, (mismatch, price))
-        matches = Matches(costs, prices, allowed, k)
-        drawn = draw_matches(
-            self.settings, self.growth.seed, number, matches, self.copies, self.size
-        )
-        found = places_in_full(drawn, boxes[: k + 1], self.copies, places, self.reach, map_)
+        return Found(pixel, boxes, places, Matches(costs, prices, allowed, k))
+
+    def placed(
+        self, found: Found, drawn: list[tuple[int, int]], map_: Callable[..., Any] = map
+    ) -> list[Place]:
+        """The patches of places that were drawn on a smaller copy."""
+        pixel, boxes, places, (_, prices, _, k) = found
+        full = places_in_full(drawn, boxes[: k + 1], self.copies, places, self.reach, map_)
         return [
             self._clipped(pixel, at, float(prices[place]))
-            for at, place in zip(found, drawn, strict=True)
+            for at, place in zip(full, drawn, strict=True)
         ]
-
-    def _prices(
-        self,
-        pixel: tuple[int, int],
-        used: NDArray[np.float64],
-        allowed: NDArray[np.bool_],
-        k: int,
-    ) -> NDArray[np.float64]:
-        """By what the costs of places are multiplied for what they show again.
-
-        These are shares of what a match costs, so one that is clearly better is never given up.
-        """
-        rows, columns = ((np.arange(n) << k) // self.sight.cell for n in used.shape)
-        cells, (v, u) = np.zeros(self.sight.count, np.uint8), np.nonzero(allowed)
-        cells[rows[v], columns[u]] = 1
-        again = self.sight.again(pixel, cells)[np.ix_(rows, columns)]
-        more = _AGAIN * again + _USED * np.minimum(used, _MOST)
-        prices: NDArray[np.float64] = 1 + self.settings.variety * more
-        return prices
 
     def _places(
         self, pixel: tuple[int, int], middle: NDArray[np.uint8], near: bool

@@ -248,6 +248,16 @@ def weight_of(how: Distances, down: cython.double, along: cython.double) -> cyth
     return cython.cast(cython.longlong, rint(how.unit * weight))
 
 
+def weigh_cells(how: Distances, weights: cython.int[:, ::1]):
+    """Fill in what a repetition counts so many cells away, the middle being no distance."""
+    cython.declare(i=cython.Py_ssize_t, j=cython.Py_ssize_t)
+    up: cython.Py_ssize_t = weights.shape[0] // 2
+    left: cython.Py_ssize_t = weights.shape[1] // 2
+    for i in range(weights.shape[0]):
+        for j in range(weights.shape[1]):
+            weights[i, j] = weight_of(how, (i - up) * how.side, (j - left) * how.side)
+
+
 def find_pieces(
     source: cython.const[cython.int][:, ::1],
     rows: cython.const[cython.int][:, ::1],

@@ -11,6 +11,7 @@ from weftex.analysis.canvas_lattice import check_lattice
 from weftex.errors import InvalidInputError
 from weftex.methods.patches.sizes import patch_size_of, patch_size_on
 from weftex.search.windows import windows_of
+from weftex.turns import copies_in
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -48,6 +49,15 @@ class Settings:
     least: int  # pixels a side that a patch has on those
     size_given: bool  # patch_shape was chosen by the caller
     boundary_given: bool  # likewise
+
+    @property
+    def whole(self) -> bool:
+        """Whether all pixels are usable that patches show."""
+        usable = self.windows.usable
+        if self.placement == "entire" and self.exemplar.turn is not None:
+            parts = copies_in(self.exemplar)  # there is a line between any two
+            return all(usable[y : y + h, x : x + w].all() for y, x, h, w in parts)
+        return bool(usable.all())
 
     def on(self, canvas: Canvas) -> Settings:
         """Settle for one output, of which patches take no larger share than of the sample."""

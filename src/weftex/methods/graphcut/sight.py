@@ -42,6 +42,8 @@ class Sight:
         First row and one after the last where something is missing, and columns.
     """
 
+    UNIT = _WEIGHTS  #: of what repetitions count
+
     def __init__(self, growth: Growth, sample: Copy, holes: list[tuple[int, int]]) -> None:
         self.growth, self.shape, self.holes = growth, sample.mask.shape, holes
         self.lines = growth.canvas.hole is None  # what is around a hole stays, and is to be met
@@ -71,19 +73,32 @@ class Sight:
         The weight of its distance if all that is newly shown is shown once.
         """
         count = self.count
-        rows, columns = (
-            self._line(axis, at, n * self.cell, self.holes[axis])
-            for axis, (at, n) in enumerate(zip(pixel, count, strict=True))
-        )
-        missing = self.growth.done[np.ix_(rows[1], columns[1])] == 0
-        missing &= rows[2][:, None] & columns[2]
-        where, offset = missing.view(np.uint8), np.array(count, np.int32)
+        missing = self.missing(pixel, *count)
+        offset = np.array(count, np.int32)
         # Its middle, where a place may be, lies a sample's length from the corner of `missing`.
         total, sums = np.zeros(count, np.int64), np.zeros((*count, 2), np.int64)
-        kernels.sum_pieces(*self._pieces(pixel), where, cells, self.distances, total)
-        kernels.sum_over(self.salience, where, cells, offset, sums)
+        kernels.sum_pieces(*self._pieces(pixel), missing, cells, self.distances, total)
+        kernels.sum_over(self.salience, missing, cells, offset, sums)
         result: NDArray[np.float64] = total / np.maximum(_WEIGHTS * sums[..., 0], 1)
         return result
+
+    def missing(self, pixel: tuple[int, int], down: int, along: int) -> NDArray[np.uint8]:
+        """Whether a pixel is missing up to so many cells away: every `cell`-th, both ways."""
+        rows, columns = (
+            self._line(axis, at, n * self.cell, self.holes[axis])
+            for axis, (at, n) in enumerate(zip(pixel, (down, along), strict=True))
+        )
+        missing: NDArray[np.bool_] = self.growth.done[np.ix_(rows[1], columns[1])] == 0
+        missing &= rows[2][:, None] & columns[2]
+        return missing.view(np.uint8)
+
+    def weights(self) -> NDArray[np.int32]:
+        """What a repetition counts that lies so many cells away; the middle is no distance."""
+        far = max(_FAR, _LINE_FAR) if self.lines else _FAR
+        reach = [-(-int(far * n) // self.cell) for n in self.shape]
+        weights = np.empty([2 * n + 1 for n in reach], np.int32)
+        kernels.weigh_cells(self.distances, weights)
+        return weights
 
     def _line(
         self, axis: int, at: int, reach: int, ends: tuple[int, int]
@@ -95,18 +110,22 @@ class Sight:
         inside = np.full(len(line), True) if wraps else (line >= ends[0]) & (line < ends[1])
         return away, line % n, inside
 
-    def _pieces(
-        self, pixel: tuple[int, int]
-    ) -> tuple[NDArray[np.int32], NDArray[np.int32], NDArray[np.int32]]:
-        """The pieces in sight: what they show, where, and how they are shifted from the pixel."""
-        far = _LINE_FAR if self.lines else _FAR
-        lines = []
+    def lines_of(self, pixel: tuple[int, int]) -> list[NDArray[np.int32]]:
+        """The rows and the columns in sight: every `cell`-th, and how many pixels away it is."""
+        far, lines = _LINE_FAR if self.lines else _FAR, []
         for axis, (at, n, m) in enumerate(
             zip(pixel, self.shape, self.growth.canvas.shape, strict=True)
         ):
             reach = -(-int((1 + far) * n) // self.cell) * self.cell
             away, line, inside = self._line(axis, at, reach, (0, m))
             lines.append(np.array([line[inside], away[inside]], np.int32))
+        return lines
+
+    def _pieces(
+        self, pixel: tuple[int, int]
+    ) -> tuple[NDArray[np.int32], NDArray[np.int32], NDArray[np.int32]]:
+        """The pieces in sight: what they show, where, and how they are shifted from the pixel."""
+        lines = self.lines_of(pixel)
         source, size = self.growth.source, [line.shape[1] for line in lines]
         shifts, pieces = np.empty((size[0] * size[1], 2), np.int32), np.empty(size, np.int32)
         count = kernels.find_pieces(source, *lines, self.shape[1], shifts, pieces)

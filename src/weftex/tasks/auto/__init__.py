@@ -22,7 +22,7 @@ from weftex.parameters import parameter
 from weftex.progress import Progress
 from weftex.random import seed_number
 from weftex.tasks.auto.findings import Findings, look
-from weftex.tasks.auto.rule import WHOLE, choose, choose_for_hole
+from weftex.tasks.auto.rule import choose, choose_for_hole, lays_anywhere
 from weftex.tasks.auto.trial import (
     PREVIEW,
     best_of_choices,
@@ -184,7 +184,7 @@ class AutoModel(Model):
         Nothing is tried, so that every window has the same method.
         """
         choice, model = self.chosen(_ENDLESS)
-        if choice.parameters == WHOLE:  # patches join blocks better, in half of the time
+        if lays_anywhere(choice):  # patches join blocks better, in half of the time
             choice = replace(choice, parameters={})
             model = self._fitted(choice)
         cut = choice.method != "near-regular" and "lattice" in choice.parameters

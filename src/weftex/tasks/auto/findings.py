@@ -10,6 +10,7 @@ from weftex.analysis.evenness import Evenness, evenness
 from weftex.analysis.lattice import Lattice, find_lattice
 from weftex.analysis.relief import maps_alone, smaller_copy
 from weftex.analysis.scale import dominant_scale
+from weftex.analysis.sidedness import sidedness
 from weftex.exemplar import Exemplar
 
 LOOK = 320  #: pixels a side; of larger samples a smaller copy and a part are looked at
@@ -34,6 +35,8 @@ class Findings:
         Different colors; many of more than some thousand.
     evenness : Evenness
         See `weftex.analysis.evenness`.
+    sidedness : float
+        See `weftex.analysis.sidedness`; 1 where copies that are turned cannot be made.
     """
 
     shape: tuple[int, int]
@@ -42,6 +45,7 @@ class Findings:
     scale: float
     colors: int
     evenness: Evenness
+    sidedness: float = 1.0
 
 
 def look(exemplar: Exemplar) -> Findings:
@@ -74,6 +78,7 @@ def look(exemplar: Exemplar) -> Findings:
         scale=round(scale * step, 2),
         colors=count_colors(small if step == 1 else _part(exemplar)),
         evenness=evenness(small),
+        sidedness=1.0 if exemplar.pieces or exemplar.tileable else sidedness(small),
     )
 
 

@@ -25,6 +25,9 @@ _GRAIN = 1 / 20  # up to this no thing is large enough to be seen cut, but copie
 #: Strain of a lattice that goes around a canvas, up to which the entire sample is laid by it as it
 #: is: blocks are smaller, and stray less.
 _STIFF = 0.02
+#: Sidedness up to which a material looks as right upside down; what is lit from a side, drips or
+#: stands has more.
+_NO_WAY_UP = 0.06
 _FEW_COLORS = 32  # drawings, labels: no mixtures of colors
 #: Pixels of the output above which the entire sample is laid only where large things are to stay
 #: whole, since other ways take a tenth of the time.
@@ -82,16 +85,30 @@ def choose(findings: Findings, canvas: Canvas) -> Choice:
         if findings.colors <= _FEW_COLORS:
             slug, said = "quilting", f"{said}, few colors ({findings.colors}), not to be mixed"
         elif _quickly_cut(canvas):
-            slug, parameters = "graphcut", {} if findings.scale <= _GRAIN * shorter else dict(WHOLE)
+            slug = "graphcut"
+            parameters = {} if findings.scale <= _GRAIN * shorter else _whole(findings)
         else:
             parameters["variety"] = 1.0
     else:
         slug, said = "graphcut", f"irregular structure of {findings.scale:.3g} px"
         if _quickly_cut(canvas) or _is_small(findings.shape):
-            parameters = dict(WHOLE)
+            parameters = _whole(findings)
         else:
             said = f"{said}, {canvas.height * canvas.width / 1e6:.3g} megapixels"
+    if "orientations" in parameters:
+        said = f"{said}, no way up"
     return Choice(slug, parameters, f"{said}: {slug}", tuple(warnings))
+
+
+def _whole(findings: Findings) -> dict[str, Any]:
+    """The entire sample, also upside down where that looks as right: things come again later."""
+    turned = {"orientations": "half-turns"} if findings.sidedness <= _NO_WAY_UP else {}
+    return {**WHOLE, **turned}
+
+
+def lays_anywhere(choice: Choice) -> bool:
+    """Whether entire samples are laid, and by no lattice."""
+    return choice.parameters.get("placement") == "entire" and "lattice" not in choice.parameters
 
 
 def _quickly_cut(canvas: Canvas) -> bool:

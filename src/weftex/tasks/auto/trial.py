@@ -13,7 +13,7 @@ from weftex.errors import InvalidInputError
 from weftex.methods import make_method
 from weftex.naming import text_of
 from weftex.tasks.auto.likeness import detail, like_itself
-from weftex.tasks.auto.rule import WHOLE, is_sure
+from weftex.tasks.auto.rule import WHOLE, is_sure, lays_anywhere
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -89,7 +89,7 @@ def others(first: Choice, findings: Findings, canvas: Canvas, effort: str) -> li
         found.append(Choice(slug, {**placed, **vectors}))
     if effort == "best":
         found.append(Choice("refinement"))
-        found.append(Choice("graphcut", {} if first.parameters == WHOLE else dict(WHOLE)))
+        found.append(Choice("graphcut", {} if lays_anywhere(first) else dict(WHOLE)))
     return found
 
 

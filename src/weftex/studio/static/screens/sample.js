@@ -73,7 +73,7 @@ export class SampleScreen {
   found(look) {
     const { app } = this;
     const spec = app.recipe.materials[0];
-    const turns = [["", t("turn.none")], ["flip", t("turn.flip")], ["4", t("turn.4")], ["8", t("turn.8")]];
+    const turns = [["", t("turn.none")], ["flip", t("turn.flip")], ["half", t("turn.half")], ["4", t("turn.4")], ["8", t("turn.8")]];
     return [
       look.mending.map((one) =>
         h("div", { class: "note" }, icon("light"), h("div", {}, h("span", {}, one.why), h("button", { type: "button", onclick: () => app.guard(() => app.mend(one.spec, t(`mend.${one.what}`))) }, t(`mend.${one.what}`)))),
