@@ -110,6 +110,9 @@ class Sight:
         source, size = self.growth.source, [line.shape[1] for line in lines]
         shifts, pieces = np.empty((size[0] * size[1], 2), np.int32), np.empty(size, np.int32)
         count = kernels.find_pieces(source, *lines, self.shape[1], shifts, pieces)
-        shown, boxes = np.zeros((count, *self.salience.shape), np.int32), np.empty((count, 4), np.int32)
+        shown, boxes = (
+            np.zeros((count, *self.salience.shape), np.int32),
+            np.empty((count, 4), np.int32),
+        )
         kernels.show_pieces(source, *lines, pieces, self.distances, self.salience, shown, boxes)
         return shown, boxes, shifts[:count]
