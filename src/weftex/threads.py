@@ -59,8 +59,8 @@ def thread_map(threads: int) -> Iterator[Callable[..., Any]]:
 def quick_map(threads: int) -> Iterator[Callable[..., Any]]:
     """`thread_map` for calls of less than a millisecond, which are all made before it returns.
 
-    The thread that asks takes part, and each takes the next call as soon as it has made one: to hand
-    over every single call would take a tenth as long as the call.
+    The thread that asks takes part, and each takes the next call as soon as it has made one: to
+    hand over every single one would take a tenth as long as the call.
 
     Examples
     --------
