@@ -30,7 +30,7 @@ cdef class Trees:
     cdef Node[::1] nodes
     cdef int[::1] active
     cdef int[::1] orphans
-    cdef Py_ssize_t width
+    cdef Py_ssize_t[4] steps
     cdef int now
 
 cdef long long minimum_cut(Capacities capacities, Trees trees, unsigned char[:, ::1] side,

@@ -31,9 +31,9 @@ class Capacities:
 class Trees:
     """The two search trees, and two rings of nodes: those that may grow, and orphans.
 
-    Nodes are row by row, in a grid with a border, `width` nodes wide. A ring's last two entries are
-    the place of its first node and how many nodes it holds, zeros at first. `now`, a time stamp,
-    is the number of augmentations.
+    Nodes are row by row, in a grid with a border; `steps` lead from each to its neighbors. A ring's
+    last two entries are the place of its first node and how many nodes it holds, zeros at first.
+    `now`, a time stamp, is the number of augmentations.
     """
 
     def __init__(self, nodes, active, orphans):
@@ -46,10 +46,9 @@ class Trees:
 @cython.inline
 @cython.nogil
 @cython.exceptval(check=False)
-def beside(i: cython.Py_ssize_t, d: cython.int, width: cython.Py_ssize_t) -> cython.Py_ssize_t:
-    """The neighbor of node i in direction d."""
-    along: cython.Py_ssize_t = width if d & 1 else 1
-    return i - along if d & 2 else i + along
+def beside(trees: Trees, node: cython.pointer(Node), d: cython.int) -> cython.pointer(Node):
+    """The neighbor of a node in direction d."""
+    return node + trees.steps[d]
 
 
 @cython.cfunc
@@ -86,107 +85,103 @@ def take(ring: cython.int[::1]) -> cython.Py_ssize_t:
 @cython.inline
 @cython.nogil
 @cython.exceptval(check=False)
-def wake(trees: Trees, i: cython.Py_ssize_t) -> cython.void:
+def wake(trees: Trees, node: cython.pointer(Node)) -> cython.void:
     """Let a node's tree grow from it."""
-    if not trees.nodes[i].waits:
-        trees.nodes[i].waits = 1
-        put(trees.active, i)
+    if not node.waits:
+        node.waits = 1
+        put(trees.active, node - cython.address(trees.nodes[0]))
 
 
 @cython.cfunc
 @cython.inline
 @cython.nogil
 @cython.exceptval(check=False)
-def lose(trees: Trees, i: cython.Py_ssize_t) -> cython.void:
+def lose(trees: Trees, node: cython.pointer(Node)) -> cython.void:
     """Make a node an orphan."""
-    trees.nodes[i].parent = LOST
-    put(trees.orphans, i)
+    node.parent = LOST
+    put(trees.orphans, node - cython.address(trees.nodes[0]))
 
 
 @cython.cfunc
 @cython.nogil
 @cython.exceptval(check=False)
-def grow(trees: Trees, i: cython.Py_ssize_t) -> cython.int:
-    """Grow a tree from node i; return the direction in which it meets the other tree, or -1."""
-    cython.declare(d=cython.int, left=cython.int, j=cython.Py_ssize_t)
-    tree: cython.int = trees.nodes[i].tree
+def grow(trees: Trees, node: cython.pointer(Node)) -> cython.int:
+    """Grow a tree from a node; return the direction in which it meets the other tree, or -1."""
+    cython.declare(d=cython.int, left=cython.int, near=cython.pointer(Node))
+    tree: cython.int = node.tree
     for d in range(4):
-        j = beside(i, d, trees.width)
-        left = trees.nodes[i].arcs[d] if tree == SOURCE else trees.nodes[j].arcs[d ^ 2]
+        near = beside(trees, node, d)
+        left = node.arcs[d] if tree == SOURCE else near.arcs[d ^ 2]
         if left == 0:
             continue
-        if trees.nodes[j].parent == NOBODY:
-            trees.nodes[j].tree = tree
-            trees.nodes[j].parent = d ^ 2
-            trees.nodes[j].stamp = trees.nodes[i].stamp
-            trees.nodes[j].distance = trees.nodes[i].distance + 1
-            wake(trees, j)
-        elif trees.nodes[j].tree != tree:
+        if near.parent == NOBODY:
+            near.tree = tree
+            near.parent = d ^ 2
+            near.stamp = node.stamp
+            near.distance = node.distance + 1
+            wake(trees, near)
+        elif near.tree != tree:
             return d
-        elif (
-            trees.nodes[j].stamp <= trees.nodes[i].stamp
-            and trees.nodes[j].distance > trees.nodes[i].distance
-        ):
-            trees.nodes[j].parent = d ^ 2  # a shorter way to the root
-            trees.nodes[j].stamp = trees.nodes[i].stamp
-            trees.nodes[j].distance = trees.nodes[i].distance + 1
+        elif near.stamp <= node.stamp and near.distance > node.distance:
+            near.parent = d ^ 2  # a shorter way to the root
+            near.stamp = node.stamp
+            near.distance = node.distance + 1
     return -1
 
 
 @cython.cfunc
 @cython.nogil
 @cython.exceptval(check=False)
-def augment(trees: Trees, i: cython.Py_ssize_t, d: cython.int) -> cython.int:
-    """Push the largest flow along the path through node i and its neighbor in direction d.
+def augment(trees: Trees, node: cython.pointer(Node), d: cython.int) -> cython.int:
+    """Push the largest flow along the path through a node and its neighbor in direction d.
 
     Nodes whose arc to their parent is full become orphans.
     """
-    cython.declare(k=cython.Py_ssize_t, up=cython.Py_ssize_t, p=cython.int, flow=cython.int)
-    width: cython.Py_ssize_t = trees.width
-    start: cython.Py_ssize_t = i  # in the tree of the source
-    end: cython.Py_ssize_t = beside(i, d, width)
-    if trees.nodes[i].tree == SINK:
+    cython.declare(k=cython.pointer(Node), up=cython.pointer(Node), p=cython.int, flow=cython.int)
+    start: cython.pointer(Node) = node  # in the tree of the source
+    end: cython.pointer(Node) = beside(trees, node, d)
+    if node.tree == SINK:
         start = end
-        end = i
+        end = node
         d ^= 2
-    flow = trees.nodes[start].arcs[d]
+    flow = start.arcs[d]
     k = start
-    while trees.nodes[k].parent != ROOT:
-        p = trees.nodes[k].parent
-        k = beside(k, p, width)
-        flow = min(flow, trees.nodes[k].arcs[p ^ 2])
-    flow = min(flow, trees.nodes[k].terminal)
+    while k.parent != ROOT:
+        p = k.parent
+        k = beside(trees, k, p)
+        flow = min(flow, k.arcs[p ^ 2])
+    flow = min(flow, k.terminal)
     k = end
-    while trees.nodes[k].parent != ROOT:
-        flow = min(flow, trees.nodes[k].arcs[trees.nodes[k].parent])
-        k = beside(k, trees.nodes[k].parent, width)
-    flow = min(flow, -trees.nodes[k].terminal)
+    while k.parent != ROOT:
+        flow = min(flow, k.arcs[k.parent])
+        k = beside(trees, k, k.parent)
+    flow = min(flow, -k.terminal)
 
-    trees.nodes[start].arcs[d] -= flow
-    trees.nodes[end].arcs[d ^ 2] += flow
+    start.arcs[d] -= flow
+    end.arcs[d ^ 2] += flow
     k = start
-    while trees.nodes[k].parent != ROOT:
-        p = trees.nodes[k].parent
-        up = beside(k, p, width)
-        trees.nodes[up].arcs[p ^ 2] -= flow
-        trees.nodes[k].arcs[p] += flow
-        if trees.nodes[up].arcs[p ^ 2] == 0:
+    while k.parent != ROOT:
+        p = k.parent
+        up = beside(trees, k, p)
+        up.arcs[p ^ 2] -= flow
+        k.arcs[p] += flow
+        if up.arcs[p ^ 2] == 0:
             lose(trees, k)
         k = up
-    trees.nodes[k].terminal -= flow
-    if trees.nodes[k].terminal == 0:
+    k.terminal -= flow
+    if k.terminal == 0:
         lose(trees, k)
     k = end
-    while trees.nodes[k].parent != ROOT:
-        p = trees.nodes[k].parent
-        up = beside(k, p, width)
-        trees.nodes[k].arcs[p] -= flow
-        trees.nodes[up].arcs[p ^ 2] += flow
-        if trees.nodes[k].arcs[p] == 0:
+    while k.parent != ROOT:
+        p = k.parent
+        up = beside(trees, k, p)
+        k.arcs[p] -= flow
+        up.arcs[p ^ 2] += flow
+        if k.arcs[p] == 0:
             lose(trees, k)
         k = up
-    trees.nodes[k].terminal += flow
-    if trees.nodes[k].terminal == 0:
+    k.terminal += flow
+    if k.terminal == 0:
         lose(trees, k)
     return flow
 
@@ -194,67 +189,67 @@ def augment(trees: Trees, i: cython.Py_ssize_t, d: cython.int) -> cython.int:
 @cython.cfunc
 @cython.nogil
 @cython.exceptval(check=False)
-def distance_to_root(trees: Trees, i: cython.Py_ssize_t) -> cython.int:
+def distance_to_root(trees: Trees, node: cython.pointer(Node)) -> cython.int:
     """The number of arcs from a node to its terminal; -1 if an orphan is on the way."""
     cython.declare(left=cython.int)
     now: cython.int = trees.now
-    k: cython.Py_ssize_t = i
+    k: cython.pointer(Node) = node
     away: cython.int = 0
-    while trees.nodes[k].stamp != now:
-        if trees.nodes[k].parent == LOST:
+    while k.stamp != now:
+        if k.parent == LOST:
             return -1
         away += 1
-        if trees.nodes[k].parent == ROOT:
-            trees.nodes[k].stamp = now
-            trees.nodes[k].distance = 1
+        if k.parent == ROOT:
+            k.stamp = now
+            k.distance = 1
             break
-        k = beside(k, trees.nodes[k].parent, trees.width)
+        k = beside(trees, k, k.parent)
     else:
-        away += trees.nodes[k].distance
+        away += k.distance
     left = away
-    k = i
-    while trees.nodes[k].stamp != now:
-        trees.nodes[k].stamp = now
-        trees.nodes[k].distance = left
+    k = node
+    while k.stamp != now:
+        k.stamp = now
+        k.distance = left
         left -= 1
-        k = beside(k, trees.nodes[k].parent, trees.width)
+        k = beside(trees, k, k.parent)
     return away
 
 
 @cython.cfunc
 @cython.nogil
 @cython.exceptval(check=False)
-def adopt(trees: Trees, i: cython.Py_ssize_t) -> cython.void:
+def adopt(trees: Trees, node: cython.pointer(Node)) -> cython.void:
     """Find an orphan the parent that is nearest to the terminal, or let it and its children go."""
-    cython.declare(away=cython.int, left=cython.int, d=cython.int, j=cython.Py_ssize_t)
-    tree: cython.int = trees.nodes[i].tree
+    cython.declare(away=cython.int, left=cython.int, d=cython.int, near=cython.pointer(Node))
+    tree: cython.int = node.tree
     best: cython.int = NOBODY
     least: cython.int = 0
     for d in range(4):
-        j = beside(i, d, trees.width)
-        if trees.nodes[j].tree != tree or trees.nodes[j].parent == NOBODY:
+        near = beside(trees, node, d)
+        if near.tree != tree or near.parent == NOBODY:
             continue
-        left = trees.nodes[j].arcs[d ^ 2] if tree == SOURCE else trees.nodes[i].arcs[d]
+        left = near.arcs[d ^ 2] if tree == SOURCE else node.arcs[d]
         if left == 0:
             continue
-        away = distance_to_root(trees, j)
+        away = distance_to_root(trees, near)
         if away >= 0 and (best == NOBODY or away < least):
             best = d
             least = away
-    trees.nodes[i].parent = best
+    node.parent = best
     if best != NOBODY:
-        trees.nodes[i].stamp = trees.now
-        trees.nodes[i].distance = least + 1
+        node.stamp = trees.now
+        node.distance = least + 1
         return
     for d in range(4):
-        j = beside(i, d, trees.width)
-        if trees.nodes[j].tree != tree or trees.nodes[j].parent == NOBODY:
+        near = beside(trees, node, d)
+        if near.tree != tree or near.parent == NOBODY:
             continue
-        left = trees.nodes[j].arcs[d ^ 2] if tree == SOURCE else trees.nodes[i].arcs[d]
+        left = near.arcs[d ^ 2] if tree == SOURCE else node.arcs[d]
         if left > 0:
-            wake(trees, j)
-        if trees.nodes[j].parent == d ^ 2:
-            lose(trees, j)
+            wake(trees, near)
+        if near.parent == d ^ 2:
+            lose(trees, near)
 
 
 @cython.cfunc
@@ -265,39 +260,44 @@ def plant(capacities: Capacities, trees: Trees) -> cython.longlong:
 
     Returns the flow from the source through single nodes to the sink.
     """
-    cython.declare(y=cython.Py_ssize_t, x=cython.Py_ssize_t, i=cython.Py_ssize_t, d=cython.int)
+    cython.declare(y=cython.Py_ssize_t, x=cython.Py_ssize_t, d=cython.int)
     cython.declare(arcs=cython.p_const_int, source=cython.int, sink=cython.int)
+    node: cython.pointer(Node) = cython.address(trees.nodes[0])
     height: cython.Py_ssize_t = capacities.height
     width: cython.Py_ssize_t = capacities.width
     flow: cython.longlong = 0
-    trees.width = width + 2
+    trees.steps[0] = 1
+    trees.steps[1] = width + 2
+    trees.steps[2] = -1
+    trees.steps[3] = -width - 2
     trees.now = 1
     for y in range(height + 2):
         for x in range(width + 2):
-            i = y * trees.width + x
-            trees.nodes[i].parent = NOBODY
-            trees.nodes[i].tree = 0
-            trees.nodes[i].distance = 0
-            trees.nodes[i].stamp = 0
-            trees.nodes[i].waits = 0
+            node.parent = NOBODY
+            node.tree = 0
+            node.distance = 0
+            node.stamp = 0
+            node.waits = 0
             if y == 0 or x == 0 or y > height or x > width:
                 for d in range(4):
-                    trees.nodes[i].arcs[d] = 0
+                    node.arcs[d] = 0
+                node += 1
                 continue
             arcs = cython.address(capacities.arcs[y - 1, x - 1, 0])
-            trees.nodes[i].arcs[0] = arcs[0] if x < width else 0
-            trees.nodes[i].arcs[1] = arcs[1] if y < height else 0
-            trees.nodes[i].arcs[2] = arcs[2] if x > 1 else 0
-            trees.nodes[i].arcs[3] = arcs[3] if y > 1 else 0
+            node.arcs[0] = arcs[0] if x < width else 0
+            node.arcs[1] = arcs[1] if y < height else 0
+            node.arcs[2] = arcs[2] if x > 1 else 0
+            node.arcs[3] = arcs[3] if y > 1 else 0
             source = capacities.source[y - 1, x - 1]
             sink = capacities.sink[y - 1, x - 1]
             flow += min(source, sink)
-            trees.nodes[i].terminal = source - sink
+            node.terminal = source - sink
             if source != sink:
-                trees.nodes[i].tree = SOURCE if source > sink else SINK
-                trees.nodes[i].parent = ROOT
-                trees.nodes[i].distance = 1
-                wake(trees, i)
+                node.tree = SOURCE if source > sink else SINK
+                node.parent = ROOT
+                node.distance = 1
+                wake(trees, node)
+            node += 1
     return flow
 
 
@@ -313,6 +313,8 @@ def minimum_cut(
     or, once it is more than `most`, the flow so far, and `side` is left.
     """
     cython.declare(y=cython.Py_ssize_t, x=cython.Py_ssize_t, i=cython.Py_ssize_t, d=cython.int)
+    cython.declare(node=cython.pointer(Node))
+    first: cython.pointer(Node) = cython.address(trees.nodes[0])
     flow: cython.longlong = plant(capacities, trees)
     while True:
         i = take(trees.active)
@@ -321,19 +323,20 @@ def minimum_cut(
         if flow > most:
             trees.active[trees.active.shape[0] - 1] = 0
             return flow
-        trees.nodes[i].waits = 0
-        while trees.nodes[i].parent != NOBODY:  # a path was found, and i may lead to more of them
-            d = grow(trees, i)
+        node = first + i
+        node.waits = 0
+        while node.parent != NOBODY:  # a path was found, and it may lead to more of them
+            d = grow(trees, node)
             if d < 0:
                 break
             trees.now += 1
-            flow += augment(trees, i, d)
+            flow += augment(trees, node, d)
             while trees.orphans[trees.orphans.shape[0] - 1] > 0:
-                adopt(trees, take(trees.orphans))
+                adopt(trees, first + take(trees.orphans))
     for y in range(capacities.height):
+        node = beside(trees, first + 1, 1) + y * trees.steps[1]
         for x in range(capacities.width):
-            i = (y + 1) * trees.width + x + 1
-            side[y, x] = trees.nodes[i].parent != NOBODY and trees.nodes[i].tree == SOURCE
+            side[y, x] = node[x].parent != NOBODY and node[x].tree == SOURCE
     return flow
 
 

@@ -6,6 +6,7 @@ pairs of pixels on their borders are looked at, which makes the graph five times
 """
 
 import cython
+from cython.cimports.weftex.methods.graphcut.border_kernels import add_run, run_end
 from cython.cimports.weftex.methods.graphcut.graph_kernels import (
     EITHER,
     MIXED,
@@ -22,12 +23,7 @@ from cython.cimports.weftex.methods.graphcut.graph_kernels import (
     in_sample,
     on_canvas,
 )
-from cython.cimports.weftex.methods.graphcut.seam_kernels import (
-    Picture,
-    Sample,
-    cost_within,
-    difference,
-)
+from cython.cimports.weftex.methods.graphcut.seam_kernels import Picture, Sample, difference
 
 
 @cython.cfunc
@@ -180,54 +176,6 @@ def add_right_or_lower(
 @cython.cfunc
 @cython.nogil
 @cython.exceptval(check=False)
-def add_border(
-    picture: Picture,
-    sample: Sample,
-    patch: Patch,
-    graph: Graph,
-    i: cython.Py_ssize_t,
-    j: cython.Py_ssize_t,
-    d: cython.int,
-    count: cython.Py_ssize_t,
-    halvings: cython.int,
-) -> cython.bint:
-    """Add the pairs along a block's right (d = 0) or lower border, all of them of one old patch.
-
-    From a pixel on, down or to the right. Returns whether all are of the new one too, or adds none.
-    """
-    cython.declare(k=cython.Py_ssize_t, p=cython.int, new=cython.int, apart=cython.int)
-    cython.declare(here=cython.p_const_uchar, there=cython.p_const_uchar)
-    channels: cython.Py_ssize_t = sample.pixels.shape[1]
-    v: cython.Py_ssize_t = i + d
-    u: cython.Py_ssize_t = j + 1 - d
-    cost: cython.int = 0
-    p = on_canvas(picture, patch, i, j)
-    new = in_sample(sample, patch, i, j)
-    # All rows and columns go on as these do, but for the last ones of what goes around.
-    across: cython.int = on_canvas(picture, patch, v, u) - p
-    over: cython.int = in_sample(sample, patch, v, u) - new
-    if across != (picture.width if d else 1) or over != (sample.width if d else 1):
-        return False
-    for k in range(count):
-        if d:
-            p = on_canvas(picture, patch, i, j + k)
-            new = in_sample(sample, patch, i, j + k)
-        else:
-            p = on_canvas(picture, patch, i + k, j)
-            new = in_sample(sample, patch, i + k, j)
-        here = cython.address(picture.pixels[p, 0])
-        there = cython.address(sample.pixels[new, 0])
-        apart = difference(here, there, channels)
-        apart += difference(here + across * channels, there + over * channels, channels)
-        cost += cost_within(sample, apart, picture.source[p], new, d)
-    graph.arcs[v >> halvings, u >> halvings, d + 2] += cost
-    graph.arcs[i >> halvings, j >> halvings, d] += cost
-    return True
-
-
-@cython.cfunc
-@cython.nogil
-@cython.exceptval(check=False)
 def add_mixed(
     picture: Picture,
     sample: Sample,
@@ -260,47 +208,77 @@ def add_mixed(
 @cython.cfunc
 @cython.nogil
 @cython.exceptval(check=False)
-def add_uniform(
+def add_side(
     picture: Picture,
     sample: Sample,
     patch: Patch,
     graph: Graph,
     v: cython.Py_ssize_t,
     u: cython.Py_ssize_t,
+    d: cython.int,
     halvings: cython.int,
 ) -> cython.longlong:
-    """Add the pairs along the right and the lower border of a block that is not mixed."""
-    cython.declare(i=cython.Py_ssize_t, j=cython.Py_ssize_t, k=cython.Py_ssize_t, d=cython.int)
-    cython.declare(count=cython.Py_ssize_t)
+    """Add the pairs along the right (d = 0) or the lower border of a block that is not mixed."""
+    cython.declare(k=cython.Py_ssize_t)
     kind: cython.uchar = graph.shown[v, u]
     top: cython.Py_ssize_t = v << halvings
     left: cython.Py_ssize_t = u << halvings
     bottom: cython.Py_ssize_t = min((v + 1) << halvings, patch.rows.shape[0])
     right: cython.Py_ssize_t = min((u + 1) << halvings, patch.columns.shape[0])
     fixed: cython.longlong = 0
-    for d in range(2):
-        i = bottom - 1 if d else top
-        j = left if d else right - 1
-        count = right - left if d else bottom - top
-        if bottom < patch.rows.shape[0] if d else right < patch.columns.shape[0]:
-            if kind == NEW and graph.shown[v + d, u + 1 - d] == NEW:
-                continue
-            if kind == EITHER and add_border(
-                picture, sample, patch, graph, i, j, d, count, halvings
-            ):
-                continue
-        for k in range(count):
-            fixed += add_right_or_lower(
-                picture,
-                sample,
-                patch,
-                graph,
-                i + (1 - d) * k,
-                j + d * k,
-                d,
-                kind,
-                halvings,
-            )
+    if bottom < patch.rows.shape[0] if d else right < patch.columns.shape[0]:
+        if kind == NEW and graph.shown[v + d, u + 1 - d] == NEW:
+            return 0
+    for k in range(right - left if d else bottom - top):
+        fixed += add_right_or_lower(
+            picture,
+            sample,
+            patch,
+            graph,
+            bottom - 1 if d else top + k,
+            left + k if d else right - 1,
+            d,
+            kind,
+            halvings,
+        )
+    return fixed
+
+
+@cython.cfunc
+@cython.nogil
+@cython.exceptval(check=False)
+def add_row(
+    picture: Picture,
+    sample: Sample,
+    patch: Patch,
+    graph: Graph,
+    v: cython.Py_ssize_t,
+    halvings: cython.int,
+) -> cython.longlong:
+    """Add the pairs of a row of blocks, and those to the right and below."""
+    cython.declare(end=cython.Py_ssize_t, beyond=cython.bint, d=cython.int)
+    count: cython.Py_ssize_t = blocks(patch.columns.shape[0], halvings)
+    last: cython.bint = (v + 1) << halvings >= patch.rows.shape[0]
+    u: cython.Py_ssize_t = 0
+    fixed: cython.longlong = 0
+    while u < count:
+        if graph.shown[v, u] == MIXED:
+            fixed += add_mixed(picture, sample, patch, graph, v, u, halvings)
+            u += 1
+            continue
+        end = run_end(picture, patch, graph, v, u, halvings)
+        if end == u:
+            for d in range(2):
+                fixed += add_side(picture, sample, patch, graph, v, u, d, halvings)
+            u += 1
+            continue
+        beyond = add_run(picture, sample, patch, graph, v, u, end, halvings)
+        if not beyond:
+            fixed += add_side(picture, sample, patch, graph, v, end - 1, 0, halvings)
+        while u < end:
+            if last:
+                fixed += add_side(picture, sample, patch, graph, v, u, 1, halvings)
+            u += 1
     return fixed
 
 
@@ -317,11 +295,7 @@ def build_from_kinds(
     fixed: cython.longlong = 0
     clear(patch, graph, halvings)
     for i in range(blocks(rows, halvings)):
-        for j in range(blocks(columns, halvings)):
-            if graph.shown[i, j] == MIXED:
-                fixed += add_mixed(picture, sample, patch, graph, i, j, halvings)
-            else:
-                fixed += add_uniform(picture, sample, patch, graph, i, j, halvings)
+        fixed += add_row(picture, sample, patch, graph, i, halvings)
     for d in range(2, 4):
         for i in range(rows if d == 2 else 1):
             for j in range(columns if d == 3 else 1):

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cached_property, partial
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -117,12 +117,19 @@ def places_in_full(
     for k in range(len(boxes) - 2, -1, -1):
         sample, at = samples[k], np.array(offset, np.int32) >> k
         steps.append((boxes[k].kernel, sample.kernel, allowed[k], at, sample.all_count))
+    # Places side by side often lead to the same one, which is looked up once in full size.
+    for some in (steps[:-1], steps[-1:]):
+        different = list(dict.fromkeys(places))
+        found = map_(partial(_in_larger, some), different)
+        larger = dict(zip(different, found, strict=True))
+        places = [larger[place] for place in places]
+    return places
 
-    def in_full(place: tuple[int, int]) -> tuple[int, int]:
-        found = np.array(place, np.int32)
-        for box, sample, where, at, whole in steps:
-            found *= 2
-            kernels.nudge_place(box, sample, where, at, found, whole)
-        return int(found[0]), int(found[1])
 
-    return list(map_(in_full, places))
+def _in_larger(steps: list[Any], place: tuple[int, int]) -> tuple[int, int]:
+    """The best match on one larger copy after the other."""
+    found = np.array(place, np.int32)
+    for box, sample, where, at, whole in steps:
+        found *= 2
+        kernels.nudge_place(box, sample, where, at, found, whole)
+    return int(found[0]), int(found[1])

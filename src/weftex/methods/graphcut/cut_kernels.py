@@ -98,23 +98,42 @@ def narrow(patch: Patch, graph: Graph, halvings: cython.int) -> cython.void:
 
 
 @cython.cfunc
+@cython.inline
+@cython.nogil
+@cython.exceptval(check=False)
+def is_new(graph: Graph, i: cython.Py_ssize_t, j: cython.Py_ssize_t) -> cython.bint:
+    """Whether the cut has a pixel on the new side."""
+    return graph.choice[i, j] == NEW or (graph.choice[i, j] == EITHER and graph.side[i, j])
+
+
+@cython.cfunc
 @cython.nogil
 @cython.exceptval(check=False)
 def paste(picture: Picture, sample: Sample, patch: Patch, graph: Graph) -> cython.Py_ssize_t:
-    """Copy the pixels that the cut has on the new side; return how many were missing before."""
+    """Copy the pixels that the cut has on the new side; return how many were missing before.
+
+    `graph.sums` gets the first and the last column of each row that changed, see `follow`.
+    """
     cython.declare(i=cython.Py_ssize_t, j=cython.Py_ssize_t, k=cython.Py_ssize_t)
-    cython.declare(p=cython.int, label=cython.int)
+    cython.declare(p=cython.int, label=cython.int, last=cython.Py_ssize_t)
     covered: cython.Py_ssize_t = 0
     for i in range(patch.rows.shape[0]):
+        graph.sums[0, i] = 0
+        last = -1
         for j in range(patch.columns.shape[0]):
-            if graph.choice[i, j] == NEW or (graph.choice[i, j] == EITHER and graph.side[i, j]):
-                p = on_canvas(picture, patch, i, j)
-                label = in_sample(sample, patch, i, j)
-                covered += not picture.done[p]
-                picture.done[p] = 1
-                picture.source[p] = label
-                for k in range(sample.pixels.shape[1]):
-                    picture.pixels[p, k] = sample.pixels[label, k]
+            if not is_new(graph, i, j):
+                continue
+            if last < 0:
+                graph.sums[0, i] = cython.cast(cython.int, j)
+            last = j
+            p = on_canvas(picture, patch, i, j)
+            label = in_sample(sample, patch, i, j)
+            covered += not picture.done[p]
+            picture.done[p] = 1
+            picture.source[p] = label
+            for k in range(sample.pixels.shape[1]):
+                picture.pixels[p, k] = sample.pixels[label, k]
+        graph.sums[1, i] = cython.cast(cython.int, last)
     return covered
 
 
@@ -152,5 +171,5 @@ def paste_patch(picture: Picture, sample: Sample, usable, patch: Patch, graph: G
         halvings = max(0, halvings - STEP)
         cut(picture, sample, patch, graph, halvings, False, LLONG_MAX // 2)
     covered: cython.Py_ssize_t = paste(picture, sample, patch, graph)
-    follow(picture, sample, patch)
+    follow(picture, sample, patch, graph.sums)
     return covered

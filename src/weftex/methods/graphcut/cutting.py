@@ -67,7 +67,7 @@ class Picture:
             ]
             for shape in (self.shape, self.sample_shape)
         ]
-        self._graphs = [_graph(*size) for _ in range(settings.candidates)]
+        self._graphs = [_graph(*size, channels) for _ in range(settings.candidates)]
         self._least = math.inf
 
     @staticmethod
@@ -95,10 +95,24 @@ class Picture:
             yield divmod(first, self.shape[1])
 
     def cheapest(self, places: list[Place], map_: Callable[..., Any] = map) -> Place:
-        """The first of the places whose `price` is the least."""
+        """The first of the places whose `price` is the least.
+
+        Candidates may meet in one place, which is cut once, where repeats cost least.
+        """
+        different: dict[tuple[int, ...], Place] = {}
+        for place in places:
+            if place.price < different.setdefault(place[:-1], place).price:
+                different[place[:-1]] = place
         self._least = math.inf
-        prices = list(map_(self.price, places, range(len(places))))
-        return places[prices.index(min(prices))]
+        found = map_(self.price, different.values(), range(len(different)))
+        prices = dict(zip(different, found, strict=True))
+        least = min(prices.values())
+        return next(
+            place
+            for place in places
+            if prices[place[:-1]] == least
+            and (least == 0 or place.price == different[place[:-1]].price)
+        )
 
     def price(self, place: Place, number: int) -> float:
         """By how much a patch makes seams dearer, for each missing pixel, times what repeats cost.
@@ -185,6 +199,11 @@ class Picture:
         )
 
 
+def _box(place: Place) -> tuple[int, ...]:
+    """All but what repeats cost."""
+    return place[:-1]
+
+
 def _sample_of(settings: Settings, channels: int) -> seam_kernels.Sample:
     """The sample, with room for its gradients."""
     windows, by_gradients = settings.windows, settings.by_gradients
@@ -194,18 +213,24 @@ def _sample_of(settings: Settings, channels: int) -> seam_kernels.Sample:
         settings.exemplar.shape,
         bool((windows.usable != 0).all()),
         by_gradients,
-        np.zeros((windows.usable.size if by_gradients else 0, 2), np.int32),
+        np.zeros((2, windows.usable.size if by_gradients else 0), np.int32),
     )
 
 
-def _graph(height: int, width: int) -> graph_kernels.Graph:
+def _graph(height: int, width: int, channels: int) -> graph_kernels.Graph:
     """Make room for the graph of a patch."""
     shape = height, width
     old, new, apart = np.empty((3, *shape), np.int32)
     arcs = np.empty((*shape, 4), np.int32)
     choice, side, shown, along = np.empty((4, *shape), np.uint8)
     trees = search_trees(height, width)
-    return graph_kernels.Graph(arcs, old, new, apart, choice, side, shown, along, trees)
+    apart_in, sums = (
+        np.empty((2, width * channels), np.uint8),
+        np.empty((3, max(height, width)), np.int32),
+    )
+    return graph_kernels.Graph(
+        arcs, old, new, apart, choice, side, shown, along, trees, apart_in, sums
+    )
 
 
 def _joins(usable: NDArray[np.bool_], tiles: bool) -> NDArray[np.uint8]:

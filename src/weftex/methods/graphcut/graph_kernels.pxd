@@ -28,6 +28,8 @@ cdef class Graph:
     cdef unsigned char[:, ::1] along  # likewise of it and of those beside it
     cdef Capacities capacities
     cdef Trees trees
+    cdef unsigned char[:, ::1] bytes  # of two rows: how far the colors of pixels are apart
+    cdef int[:, ::1] sums  # of a row's blocks or pixels: what they cost; of all rows: see `paste`
     cdef long long before  # the cost of the seams that a patch may change, before it
 
 # Here, or they cannot be inlined.

@@ -32,10 +32,10 @@ class Patch:
 class Graph:
     """A node for each block of a box; a cut says which ones stay old and which become new.
 
-    There is room for the largest box.
+    There is room for the largest box, and for what is worked out of its rows.
     """
 
-    def __init__(self, arcs, old, new, apart, choice, side, shown, along, trees):
+    def __init__(self, arcs, old, new, apart, choice, side, shown, along, trees, bytes, sums):
         self.arcs = arcs
         self.old = old
         self.new = new
@@ -46,6 +46,8 @@ class Graph:
         self.along = along
         self.capacities = Capacities(arcs, old, new)
         self.trees = trees
+        self.bytes = bytes
+        self.sums = sums
         self.before = 0
 
 

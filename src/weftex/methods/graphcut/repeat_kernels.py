@@ -7,6 +7,7 @@ summed up as differences at their corners.
 """
 
 import cython
+from cython.cimports.libc.math import fabs, rint, sqrt
 
 
 @cython.cclass
@@ -202,3 +203,182 @@ def sum_over(
                 sum_missing(
                     counts, missing, y - offset[0], x - offset[1], cython.address(sums[y, x, 0])
                 )
+
+
+@cython.cclass
+class Distances:
+    """What a repetition counts at a distance: the nearer, the more, and more in line.
+
+    Cells have `side` pixels, the sample `height` and `width`; all else is in sides of the sample.
+    """
+
+    side: cython.int
+    height: cython.int
+    width: cython.int
+    far: cython.double
+    line: cython.double
+    line_far: cython.double
+    lines: cython.double
+    unit: cython.double
+
+    def __init__(self, side, shape, far, line, line_far, lines, unit):
+        self.side = side
+        self.height, self.width = shape
+        self.far = far
+        self.line = line
+        self.line_far = line_far
+        self.lines = lines
+        self.unit = unit
+
+
+@cython.cfunc
+@cython.nogil
+@cython.exceptval(check=False)
+def weight_of(how: Distances, down: cython.double, along: cython.double) -> cython.longlong:
+    """What a repetition counts at a distance in pixels."""
+    cython.declare(weight=cython.double, off=cython.double, line=cython.double)
+    down /= how.height
+    along /= how.width
+    away: cython.double = sqrt(down * down + along * along)
+    weight = max(1 - away / how.far, 0.0)
+    if how.line > 0:
+        off = min(fabs(down), fabs(along))  # the row or the column that is nearer
+        line = max(1 - how.lines * off, 0.0) * max(1 - away / how.line_far, 0.0)
+        weight += how.line * line
+    return cython.cast(cython.longlong, rint(how.unit * weight))
+
+
+def find_pieces(
+    source: cython.const[cython.int][:, ::1],
+    rows: cython.const[cython.int][:, ::1],
+    columns: cython.const[cython.int][:, ::1],
+    width: cython.int,
+    shifts: cython.int[:, ::1],
+    pieces: cython.int[:, ::1],
+):
+    """Tell pieces of the sample, `width` pixels wide, by their shifts; return how many there are.
+
+    `rows` and `columns` have the numbers of lines of `source`, and how far away they are; `pieces`
+    is filled with which one shows there, -1 for none.
+    """
+    cython.declare(i=cython.Py_ssize_t, j=cython.Py_ssize_t, label=cython.int, k=cython.int)
+    cython.declare(down=cython.int, along=cython.int, last=cython.int)
+    count: cython.int = 0
+    for i in range(rows.shape[1]):
+        last = 0
+        for j in range(columns.shape[1]):
+            label = source[rows[0, i], columns[0, j]]
+            if label < 0:
+                pieces[i, j] = -1
+                continue
+            down = rows[1, i] - label // width
+            along = columns[1, j] - label % width
+            if not (last < count and shifts[last, 0] == down and shifts[last, 1] == along):
+                k = count - 1
+                while k >= 0 and not (shifts[k, 0] == down and shifts[k, 1] == along):
+                    k -= 1
+                if k < 0:
+                    k = count
+                    shifts[k, 0] = down
+                    shifts[k, 1] = along
+                    count += 1
+                last = k
+            pieces[i, j] = last
+    return count
+
+
+def show_pieces(
+    source: cython.const[cython.int][:, ::1],
+    rows: cython.const[cython.int][:, ::1],
+    columns: cython.const[cython.int][:, ::1],
+    pieces: cython.const[cython.int][:, ::1],
+    how: Distances,
+    salience: cython.const[cython.int][:, ::1],
+    shown: cython.int[:, :, ::1],
+    boxes: cython.int[:, ::1],
+):
+    """Fill in the salience of the cells that each piece shows, and the box that they lie in.
+
+    A box has its first row, one after the last, and likewise columns.
+    """
+    cython.declare(i=cython.Py_ssize_t, j=cython.Py_ssize_t, label=cython.int, k=cython.int)
+    cython.declare(y=cython.int, x=cython.int)
+    height: cython.int = cython.cast(cython.int, salience.shape[0])
+    width: cython.int = cython.cast(cython.int, salience.shape[1])
+    for k in range(shown.shape[0]):
+        boxes[k, 0] = height
+        boxes[k, 1] = 0
+        boxes[k, 2] = width
+        boxes[k, 3] = 0
+    for i in range(rows.shape[1]):
+        for j in range(columns.shape[1]):
+            k = pieces[i, j]
+            if k < 0:
+                continue
+            label = source[rows[0, i], columns[0, j]]
+            y = min(label // how.width // how.side, height - 1)
+            x = min(label % how.width // how.side, width - 1)
+            shown[k, y, x] = salience[y, x]
+            boxes[k, 0] = min(boxes[k, 0], y)
+            boxes[k, 1] = max(boxes[k, 1], y + 1)
+            boxes[k, 2] = min(boxes[k, 2], x)
+            boxes[k, 3] = max(boxes[k, 3], x + 1)
+
+
+@cython.cfunc
+@cython.nogil
+@cython.exceptval(check=False)
+def sum_in_box(
+    shown: cython.const[cython.int][:, ::1],
+    box: cython.p_const_int,
+    missing: cython.const[cython.uchar][:, ::1],
+    top: cython.Py_ssize_t,
+    left: cython.Py_ssize_t,
+) -> cython.longlong:
+    """The sum of what is shown in a box where something is missing, its corner on (top, left)."""
+    cython.declare(i=cython.Py_ssize_t, j=cython.Py_ssize_t, total=cython.int)
+    cython.declare(one=cython.p_const_int, other=cython.p_const_uchar)
+    first: cython.Py_ssize_t = max(box[2], left)
+    last: cython.Py_ssize_t = min(box[3], left + missing.shape[1])
+    result: cython.longlong = 0
+    if first >= last:
+        return 0
+    for i in range(max(box[0], top), min(box[1], top + missing.shape[0])):
+        one = cython.address(shown[i, first])
+        other = cython.address(missing[i - top, first - left])
+        total = 0
+        for j in range(last - first):
+            total += one[j] * other[j]
+        result += total
+    return result
+
+
+def sum_pieces(
+    shown: cython.const[cython.int][:, :, ::1],
+    boxes: cython.const[cython.int][:, ::1],
+    shifts: cython.const[cython.int][:, ::1],
+    missing: cython.const[cython.uchar][:, ::1],
+    cells: cython.const[cython.uchar][:, ::1],
+    how: Distances,
+    sums: cython.longlong[:, ::1],
+):
+    """Add up, for each of some cells, what comes again of it, by distance.
+
+    The corner of `missing` lies as many cells before a place as there are.
+    """
+    cython.declare(k=cython.Py_ssize_t, y=cython.Py_ssize_t, x=cython.Py_ssize_t)
+    cython.declare(weight=cython.longlong)
+    for k in range(shifts.shape[0]):
+        for y in range(cells.shape[0]):
+            for x in range(cells.shape[1]):
+                if not cells[y, x]:
+                    continue
+                weight = weight_of(how, y * how.side + shifts[k, 0], x * how.side + shifts[k, 1])
+                if weight:
+                    sums[y, x] += weight * sum_in_box(
+                        shown[k],
+                        cython.address(boxes[k, 0]),
+                        missing,
+                        y - cells.shape[0],
+                        x - cells.shape[1],
+                    )

@@ -53,6 +53,7 @@ def follow_row(
 ) -> cython.void:
     """Bring `runs` of a row up to date where something changed from column `first` to `last`."""
     cython.declare(x=cython.int, p=cython.int, run=cython.int, after=cython.int)
+    lowest: cython.bint = y + 1 == picture.height
     after = 0
     if last + 1 < picture.width:
         after = picture.runs[y * picture.width + last + 1]
@@ -64,7 +65,7 @@ def follow_row(
                 run = -1
             elif may_change(picture, p):
                 run = is_joined(picture, sample, p, 0, x + 1 == picture.width) and is_joined(
-                    picture, sample, p, 1, y + 1 == picture.height
+                    picture, sample, p, 1, lowest
                 )
         else:
             run = (picture.runs[p] > 0) - (picture.runs[p] < 0)
@@ -81,22 +82,58 @@ def follow_row(
 @cython.cfunc
 @cython.nogil
 @cython.exceptval(check=False)
-def follow(picture: Picture, sample: Sample, patch: Patch) -> cython.void:
-    """Bring `runs` up to date after a patch in this box; see `seam_kernels.Picture`."""
-    cython.declare(i=cython.Py_ssize_t, y=cython.int, first=cython.int, last=cython.int)
-    count: cython.Py_ssize_t = patch.columns.shape[0]
-    last = patch.columns[count - 1]
-    first = patch.columns[0] - 1  # its neighbor to the right may have changed
-    if first < 0 or last - first != count:
-        first = 0
+def follow_part(
+    picture: Picture,
+    sample: Sample,
+    patch: Patch,
+    i: cython.Py_ssize_t,
+    first: cython.int,
+    last: cython.int,
+) -> cython.void:
+    """Bring `runs` of a row of a box up to date where a patch changed it or what is around it.
+
+    From column `first` of the box to `last`, -1 for what is to its left; row -1 is above it.
+    """
+    y: cython.int = patch.rows[i] if i >= 0 else patch.rows[0] - 1
+    left: cython.int = patch.columns[0]
+    if y < 0:
+        if not picture.wrap_y:
+            return
+        y = picture.height - 1
+    if patch.columns[patch.columns.shape[0] - 1] - left != patch.columns.shape[0] - 1:
+        first = 0  # it goes around
         last = picture.width - 1
-    for i in range(-1, patch.rows.shape[0]):
-        y = patch.rows[i] if i >= 0 else beside(picture, patch.rows[0] * picture.width, -1, 0)
-        if i < 0:
-            if y < 0:
-                continue
-            y //= picture.width
-        follow_row(picture, sample, y, first, last)
+    elif left + first < 0:
+        first = 0
+        last = picture.width - 1 if picture.wrap_x else left + last
+    else:
+        first += left
+        last += left
+    follow_row(picture, sample, y, first, last)
+
+
+@cython.cfunc
+@cython.nogil
+@cython.exceptval(check=False)
+def follow(picture: Picture, sample: Sample, patch: Patch, ends: cython.int[:, ::1]) -> cython.void:
+    """Bring `runs` up to date after a patch in this box; see `seam_kernels.Picture`.
+
+    `ends` has the first column of the box that changed in each row, and the last one; one before
+    where none did.
+    """
+    cython.declare(i=cython.Py_ssize_t, first=cython.int, last=cython.int)
+    rows: cython.Py_ssize_t = patch.rows.shape[0]
+    for i in range(-1, rows):
+        first = cython.cast(cython.int, patch.columns.shape[0])
+        last = -1
+        if i >= 0 and ends[0, i] <= ends[1, i]:
+            first = ends[0, i] - 1  # its neighbor to the right changed
+            last = ends[1, i]
+        if i + 1 < rows and ends[0, i + 1] <= ends[1, i + 1]:
+            first = min(first, ends[0, i + 1])
+            last = max(last, ends[1, i + 1])
+        if first <= last:
+            follow_part(picture, sample, patch, i, first, last)
 
 
 def follow_all(picture: Picture, sample: Sample):

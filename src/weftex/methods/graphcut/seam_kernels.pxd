@@ -43,7 +43,7 @@ cdef inline int cost_within(Sample sample, int apart, int old, int new, int d) n
     cdef int gradient
     if not sample.by_gradients:
         return apart
-    gradient = sample.gradients[old, d] + sample.gradients[new, d]
+    gradient = sample.gradients[d, old] + sample.gradients[d, new]
     return SCALE * apart // (gradient + SOFT * <int> sample.pixels.shape[1])
 
 cdef inline int continued(Sample sample, int label, int d) noexcept nogil:

@@ -33,11 +33,11 @@ class Sample:
 def fill_gradients(sample: Sample, gradients: cython.int[:, ::1]) -> cython.void:
     """See `Sample`."""
     cython.declare(p=cython.int, d=cython.int, q=cython.int)
-    for p in range(gradients.shape[0]):
+    for p in range(gradients.shape[1]):
         for d in range(2):
             q = continued(sample, p, d)
             if q >= 0:
-                gradients[p, d] = difference(
+                gradients[d, p] = difference(
                     cython.address(sample.pixels[p, 0]),
                     cython.address(sample.pixels[q, 0]),
                     cython.cast(cython.Py_ssize_t, sample.pixels.shape[1]),

@@ -6,8 +6,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from weftex.methods.graphcut import repeat_kernels as kernels
 from weftex.methods.graphcut.copies import copies_of
-from weftex.methods.graphcut.repeat_kernels import sum_over
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -55,6 +55,10 @@ class Sight:
         mean = float(away.sum() / max(usable.sum(), 1))
         away = np.minimum(away / mean, _MOST) if mean else usable.astype(np.float64)
         self.salience = np.rint(_LEVELS * away).astype(np.int32)
+        line = _IN_LINE if self.lines else 0.0
+        self.distances = kernels.Distances(
+            self.cell, self.shape, _FAR, line, _LINE_FAR, _LINES, _WEIGHTS
+        )
 
     @property
     def count(self) -> list[int]:
@@ -73,32 +77,13 @@ class Sight:
         )
         missing = self.growth.done[np.ix_(rows[1], columns[1])] == 0
         missing &= rows[2][:, None] & columns[2]
-        shifts, shown = self._pieces(pixel)
-        down, along = (
-            (np.arange(n) * self.cell + shift[:, None]) / side
-            for n, shift, side in zip(count, shifts, self.shape, strict=True)
-        )
-        weights = self._weights(down[:, :, None], along[:, None]) * (cells != 0)
-        near = weights.any(axis=(1, 2))
-        # Its middle, where a place may be, lies a sample's length from the corner of `missing`.
         where, offset = missing.view(np.uint8), np.array(count, np.int32)
+        # Its middle, where a place may be, lies a sample's length from the corner of `missing`.
         total, sums = np.zeros(count, np.int64), np.zeros((*count, 2), np.int64)
-        for piece, weight in zip(shown[near], weights[near], strict=True):
-            sum_over(piece, where, cells, offset, sums)
-            total += weight * sums[..., 0]
-        sum_over(self.salience, where, cells, offset, sums)
+        kernels.sum_pieces(*self._pieces(pixel), where, cells, self.distances, total)
+        kernels.sum_over(self.salience, where, cells, offset, sums)
         result: NDArray[np.float64] = total / np.maximum(_WEIGHTS * sums[..., 0], 1)
         return result
-
-    def _weights(self, down: NDArray[np.float64], along: NDArray[np.float64]) -> NDArray[np.int64]:
-        """What a repetition counts at a distance, in sides of the sample: the nearer, the more."""
-        far = np.sqrt(np.square(down) + np.square(along))
-        weights: NDArray[np.float64] = np.maximum(1 - far / _FAR, 0)
-        if self.lines:
-            off = np.minimum(np.abs(down), np.abs(along))  # the row or the column that is nearer
-            line = np.maximum(1 - _LINES * off, 0) * np.maximum(1 - far / _LINE_FAR, 0)
-            weights += _IN_LINE * line
-        return np.rint(_WEIGHTS * weights).astype(np.int64)
 
     def _line(
         self, axis: int, at: int, reach: int, ends: tuple[int, int]
@@ -110,40 +95,27 @@ class Sight:
         inside = np.full(len(line), True) if wraps else (line >= ends[0]) & (line < ends[1])
         return away, line % n, inside
 
-    def _pieces(self, pixel: tuple[int, int]) -> tuple[NDArray[np.int64], NDArray[np.int32]]:
-        """The pieces in sight: how they are shifted as seen from the pixel, and what they show."""
+    def _pieces(
+        self, pixel: tuple[int, int]
+    ) -> tuple[NDArray[np.int32], NDArray[np.int32], NDArray[np.int32]]:
+        """The pieces in sight: what they show, where, and how they are shifted from the pixel."""
         far = _LINE_FAR if self.lines else _FAR
         rows, columns = (
-            self._line(axis, at, -(-int((1 + far) * n) // self.cell) * self.cell, (0, m))
-            for axis, (at, n, m) in enumerate(
-                zip(pixel, self.shape, self.growth.canvas.shape, strict=True)
-            )
+            self._in_sight(axis, at, int((1 + far) * n))
+            for axis, (at, n) in enumerate(zip(pixel, self.shape, strict=True))
         )
-        source = self.growth.source[np.ix_(rows[1], columns[1])]
-        v, u = np.nonzero((source >= 0) & rows[2][:, None] & columns[2])
-        y, x = np.divmod(source[v, u], self.shape[1])
-        # One number for each shift, and that of neighbors once, as most are of one piece.
-        down, along = rows[0][v] - y, columns[0][u] - x
-        width = 2 * int(abs(along).max(initial=0)) + 1
-        number = down * width + along
-        starts = np.flatnonzero(np.diff(number, prepend=number[:1] - 1))
-        found, run = _different(number[starts])
-        piece = np.repeat(run, np.diff(starts, append=len(number)))
-        along = (found + width // 2) % width - width // 2
-        shown = np.zeros((len(found), *self.salience.shape), np.int32)
-        y, x = (
-            np.minimum(p // self.cell, n - 1)
-            for p, n in zip((y, x), self.salience.shape, strict=True)
+        source, size = self.growth.source, (rows.shape[1], columns.shape[1])
+        shifts, pieces = np.empty((size[0] * size[1], 2), np.int32), np.empty(size, np.int32)
+        count = kernels.find_pieces(source, rows, columns, self.shape[1], shifts, pieces)
+        shown = np.zeros((count, *self.salience.shape), np.int32)
+        boxes = np.empty((count, 4), np.int32)
+        kernels.show_pieces(
+            source, rows, columns, pieces, self.distances, self.salience, shown, boxes
         )
-        shown[piece, y, x] = self.salience[y, x]
-        return np.stack([(found - along) // width, along]), shown
+        return shown, boxes, shifts[:count]
 
-
-def _different(numbers: NDArray[np.int64]) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
-    """The different numbers, sorted, and for each which it is; np.unique loads masked arrays."""
-    order = numbers.argsort()
-    again = numbers[order]
-    first = np.diff(again, prepend=again[:1] - 1) != 0
-    which = np.empty(len(numbers), np.int64)
-    which[order] = np.cumsum(first) - 1
-    return again[first], which
+    def _in_sight(self, axis: int, at: int, reach: int) -> NDArray[np.int32]:
+        """The rows or columns up to a reach, and how far away they are."""
+        reach = -(-reach // self.cell) * self.cell
+        away, line, inside = self._line(axis, at, reach, (0, self.growth.canvas.shape[axis]))
+        return np.array([line[inside], away[inside]], np.int32)
