@@ -14,6 +14,7 @@ from weakref import WeakKeyDictionary
 
 import numpy as np
 
+from weftex.analysis import line_kernels as kernels
 from weftex.analysis.goodness import PHASES
 from weftex.analysis.relief import means
 
@@ -118,24 +119,12 @@ class Joints:
         across = min(height / max(abs(c), 1e-9), width / max(abs(s), 1e-9)) / 2
         along = min(height / max(abs(s), 1e-9), width / max(abs(c), 1e-9)) / 2
         number = int(2 * across)
-        line = np.add.outer(c * self.y + number / 2, -s * self.x).astype(np.int32)
-        part = np.add.outer(s * self.y + along, c * self.x)
-        part *= _STRIPS / (2 * along)
-        # What is outside of all strips and lines goes to a place of its own, the last.
-        outside = ~self.inner
-        place = part.astype(np.int32)
-        for number_of, one in ((number, line), (_STRIPS, place)):
-            outside |= one.view(np.uint32) >= number_of  # less than 0, too
-        place *= number
-        place += line
-        place[outside] = _STRIPS * number
-        edges = (s * s) * self.parts[0]
-        edges -= (2 * s * c) * self.parts[1]
-        edges += (c * c) * self.parts[2]
-        count, total = (
-            np.bincount(place.ravel(), weights, _STRIPS * number + 1)[:-1].reshape(_STRIPS, number)
-            for weights in (None, edges.ravel())
-        )
+        down = np.stack([c * self.y + number / 2, s * self.y + along])
+        across_them = np.stack([-s * self.x, c * self.x])
+        direction = np.array([s * s, 2 * s * c, c * c, _STRIPS / (2 * along)])
+        total, count = np.zeros((_STRIPS, number)), np.zeros((_STRIPS, number), np.int64)
+        parts, inner = np.ascontiguousarray(self.parts), self.inner.view(np.uint8)
+        kernels.edges_along(parts, inner, direction, down, across_them, total, count)
         return total, count
 
     def alike(self, angle: float) -> Floats:

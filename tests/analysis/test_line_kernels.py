@@ -1,0 +1,50 @@
+"""Sums along lines beside slow twins of them."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from weftex.analysis.joints import Joints
+from weftex.analysis.relief import Relief
+from weftex.analysis.rows import _profiles
+
+
+@pytest.mark.parametrize("angle", [0.0, 0.3, 1.2, np.pi / 2, 2.9])
+@pytest.mark.parametrize("shape", [(24, 31), (40, 17)])
+def test_edges_are_added_up_line_by_line(angle, shape, rng):
+    usable = np.ones(shape)
+    usable[4:9, 5:8] = 0
+    joints = Joints(Relief(rng.normal(size=(2, *shape)), usable, 1))
+    total, count = joints.lines(angle)
+    height, width = shape
+    c, s = np.cos(angle), np.sin(angle)
+    along = min(height / max(abs(s), 1e-9), width / max(abs(c), 1e-9)) / 2
+    edges, number = np.zeros(total.shape), np.zeros(total.shape, int)
+    for y, x in np.ndindex(shape):
+        v, u = y - (height - 1) / 2, x - (width - 1) / 2
+        line = int(c * v + total.shape[1] / 2 - s * u)
+        strip = int((s * v + along + c * u) * 4 / (2 * along))
+        if joints.inner[y, x] and 0 <= line < total.shape[1] and 0 <= strip < 4:
+            across = np.array([-s, c])  # of the lines: steps along it are what they are seen by
+            xx, xy, yy = joints.parts[:, y, x]
+            edges[strip, line] += across @ np.array([[xx, xy], [xy, yy]]) @ across
+            number[strip, line] += 1
+    assert (count == number).all() and 0 < count.sum() <= joints.inner.sum()
+    np.testing.assert_allclose(total, edges, atol=1e-9)
+
+
+def test_profiles_are_means_along_lines(rng):
+    correlation = rng.normal(size=(39, 59))
+    angles = np.array([0.0, 0.4, np.pi / 2, 2.0])
+    found = _profiles(correlation, angles, 14)
+    for k, angle in enumerate(angles):
+        c, s = np.cos(angle), np.sin(angle)
+        far = min(30 / max(abs(c), 1e-9), 20 / max(abs(s), 1e-9))
+        for distance in range(14):
+            values = []
+            for share in np.linspace(-0.5, 0.5, 61):
+                x, y = share * far * c - distance * s, share * far * s + distance * c
+                row, column = np.clip(round(y) + 19, 0, 38), np.clip(round(x) + 29, 0, 58)
+                values.append(correlation[row, column])
+            assert found[k, distance] == pytest.approx(np.mean(values))
