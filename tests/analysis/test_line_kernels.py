@@ -1,11 +1,12 @@
-"""Sums along lines beside slow twins of them."""
+"""Sums along lines, and what follows from them, beside slow twins."""
 
 from __future__ import annotations
 
 import numpy as np
 import pytest
 
-from weftex.analysis.joints import Joints
+from weftex.analysis.joints import Joints, contrast
+from weftex.analysis.peaks import _tops
 from weftex.analysis.relief import Relief
 from weftex.analysis.rows import _profiles
 
@@ -48,3 +49,41 @@ def test_profiles_are_means_along_lines(rng):
                 row, column = np.clip(round(y) + 19, 0, 38), np.clip(round(x) + 29, 0, 58)
                 values.append(correlation[row, column])
             assert found[k, distance] == pytest.approx(np.mean(values))
+
+
+@pytest.mark.parametrize("size", [1, 5, 90])
+def test_contrast_is_what_multiples_have_above_places_between(size, rng):
+    profile, distances = rng.normal(size=size), np.array([2.0, 7.3, 11.25, 40.0, 200.0])
+    found, counts = contrast(profile, distances)
+    for distance, value, count in zip(distances, found, counts, strict=True):
+        assert count == min(max(int(0.75 * size / distance), 1), 8)
+        times = np.arange(1, count + 1)
+        weights = np.maximum(1 - times * distance / size, 0.05)
+        at = {
+            phase: np.interp((times - phase) * distance, np.arange(size), profile)
+            for phase in (0, 1 / 2, 1 / 3, 2 / 3)
+        }
+        means = {phase: (at[phase] * weights).sum() / weights.sum() for phase in at}
+        own = means.pop(0)
+        assert value == pytest.approx(own - max(means.values()))
+
+
+@pytest.mark.parametrize("window", [1, 2, 3])
+def test_tops_are_peaks_within_a_window(window, rng):
+    correlation = rng.normal(size=(21, 27))
+    places = np.stack([rng.integers(-14, 15, 80), rng.integers(-11, 12, 80)], axis=1)
+    found, heights = _tops(correlation, places, window)
+    framed = np.pad(correlation, 9, mode="edge")
+    for (x, y), at, height in zip(places, found, heights, strict=True):
+        row, column = y + 10 + 9, x + 13 + 9
+        near = framed[row - window :, column - window :][: 2 * window + 1, : 2 * window + 1]
+        dy, dx = np.unravel_index(near.argmax(), near.shape)
+        v, u = row - window + dy, column - window + dx
+        top = framed[v, u]
+        beside = framed[v, u - 1], framed[v, u + 1], framed[v - 1, u], framed[v + 1, u]
+        assert height == (top if top >= max(beside) and top > 0 else 0)
+        if height:
+            across = np.polyfit([-1, 0, 1], [beside[0], top, beside[1]], 2)
+            down = np.polyfit([-1, 0, 1], [beside[2], top, beside[3]], 2)
+            off = [np.clip(-b / (2 * min(a, -5e-13)), -0.5, 0.5) for a, b, _ in (across, down)]
+            np.testing.assert_allclose(at, [u - 22 + off[0], v - 19 + off[1]], atol=1e-6)

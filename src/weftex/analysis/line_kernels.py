@@ -101,3 +101,67 @@ def edges_along(
                 edge = direction[0] * parts[0, y, x] - direction[1] * parts[1, y, x]
                 sums[strip, line] += edge + direction[2] * parts[2, y, x]
                 counts[strip, line] += 1
+
+
+@cython.cfunc
+@cython.inline
+@cython.nogil
+@cython.exceptval(check=False)
+def between(values: cython.const[cython.double][::1], at: cython.double) -> cython.double:
+    """The value at a place from 0 on, in a line between two; beyond the last it is the last."""
+    k: cython.Py_ssize_t = cython.cast(cython.Py_ssize_t, at)
+    if k >= values.shape[0] - 1:
+        return values[values.shape[0] - 1]
+    return (values[k + 1] - values[k]) * (at - k) + values[k]
+
+
+def stand_out(
+    profile: cython.const[cython.double][::1],
+    distances: cython.const[cython.double][::1],
+    phases: cython.const[cython.double][::1],
+    reach: cython.double,
+    most: cython.Py_ssize_t,
+    least: cython.double,
+    out: cython.double[::1],
+    counts: cython.longlong[::1],
+):
+    """Say how high multiples of distances are above places between them.
+
+    Parameters
+    ----------
+    profile : float64 array (n,)
+    distances : float64 array (m,)
+    phases : float64 array (k,)
+        0, and how far before a multiple the places between lie, in shares of a distance.
+    reach : float
+        Of the profile, as far as multiples count.
+    most : int
+        Multiples that count at most.
+    least : float
+        Multiples count by the share that is beyond them, or this if that is more.
+    out : float64 array (m,)
+    counts : int64 array (m,)
+        How many multiples counted.
+    """
+    cython.declare(i=cython.Py_ssize_t, k=cython.Py_ssize_t, t=cython.Py_ssize_t)
+    cython.declare(total=cython.double, height=cython.double, highest=cython.double)
+    cython.declare(weight=cython.double, own=cython.double, d=cython.double)
+    size: cython.double = profile.shape[0]
+    with cython.nogil:
+        for i in range(distances.shape[0]):
+            d = distances[i]
+            counts[i] = cython.cast(cython.longlong, reach * size / d)
+            counts[i] = min(max(counts[i], 1), most)
+            total = own = highest = 0
+            for t in range(1, counts[i] + 1):
+                total += max(1 - t * d / size, least)
+            for k in range(phases.shape[0]):
+                height = 0
+                for t in range(1, counts[i] + 1):
+                    weight = max(1 - t * d / size, least) / total
+                    height += between(profile, (t - phases[k]) * d) * weight
+                if k == 0:
+                    own = height
+                else:
+                    highest = max(highest, height) if k > 1 else height
+            out[i] = own - highest
