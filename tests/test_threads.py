@@ -4,20 +4,21 @@ from __future__ import annotations
 
 import os
 import sys
+import threading
 
 import numpy as np
 import pytest
 
 import weftex
 from processes import run
-from weftex.threads import thread_count
+from weftex.threads import quick_map, thread_count
 
 
 @pytest.mark.skipif(not hasattr(os, "sched_setaffinity"), reason="Linux only")
 def test_no_more_than_this_process_may_use():
     code = """
         import os
-        from weftex.threads import thread_count
+        from weftex.threads import quick_map, thread_count
         os.sched_setaffinity(0, {min(os.sched_getaffinity(0))})
         print(thread_count(None), thread_count(3))
     """
@@ -30,3 +31,26 @@ def test_numbers_of_numpy_are_numbers():
     for wrong in (0, -1, True, 1.0, "2", [1]):
         with pytest.raises(weftex.InvalidInputError, match="threads is"):
             thread_count(wrong)
+
+
+def test_quick_calls_are_shared_and_end_with_the_first_that_fails():
+    seen, both = set(), threading.Barrier(2, timeout=60)
+
+    def square(number):
+        if number < 2:
+            both.wait()  # only another thread lets this one go on
+        seen.add(threading.get_ident())
+        return number**2
+
+    def fail(number):
+        if number == 3:
+            raise KeyError(number)
+        return number
+
+    with quick_map(2) as map_:
+        assert map_(square, range(50)) == [k**2 for k in range(50)]
+        assert len(seen) == 2 and threading.get_ident() in seen
+        assert map_(square, []) == []
+        with pytest.raises(KeyError):
+            map_(fail, range(1000))
+        assert map_(abs, [-1]) == [1]

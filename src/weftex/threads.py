@@ -55,6 +55,54 @@ def thread_map(threads: int) -> Iterator[Callable[..., Any]]:
         yield pool.map
 
 
+@contextmanager
+def quick_map(threads: int) -> Iterator[Callable[..., Any]]:
+    """`thread_map` for calls of less than a millisecond, which are all made before it returns.
+
+    The thread that asks takes part, and each takes the next call as soon as it has made one: to
+    hand over every single one would take a tenth as long as the call.
+
+    Examples
+    --------
+    >>> with quick_map(2) as map_:
+    ...     list(map_(pow, [2, 3, 4], [3, 2, 1]))
+    [8, 9, 4]
+    """
+    if threads == 1:
+        yield map
+        return
+    from collections import deque
+    from concurrent.futures import ThreadPoolExecutor
+
+    with ThreadPoolExecutor(threads - 1) as pool:
+
+        def made(function: Callable[..., Any], *over: Iterable[Any]) -> list[Any]:
+            left = deque(enumerate(zip(*over, strict=False)))
+            results = [None] * len(left)
+
+            def work() -> None:
+                while True:
+                    try:
+                        number, given = left.popleft()
+                    except IndexError:
+                        return
+                    try:
+                        results[number] = function(*given)
+                    except BaseException:
+                        left.clear()
+                        raise
+
+            others = [pool.submit(work) for _ in range(min(threads, len(left)) - 1)]
+            try:
+                work()
+            finally:
+                for other in others:
+                    other.result()
+            return results
+
+        yield made
+
+
 def in_turn(work: Callable[[int], Any], over: Iterable[int], threads: int) -> Iterator[Any]:
     """Yield `work` of each number in their order, a few of them made ahead in threads.
 

@@ -8,7 +8,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from twins.lattice import normalized_correlation
-from weftex.analysis.correlation import correlate
+from weftex.analysis.correlation import correlate, correlation_and_power, wrapped_length
 from weftex.errors import InvalidInputError
 
 SIZES = [((8, 9), (8, 9)), ((7, 5), (3, 9)), ((3, 4), (6, 7)), ((1, 6), (4, 2)), ((9, 2), (1, 1))]
@@ -38,6 +38,19 @@ def test_a_picture_with_itself(shape, masked, rng):
     np.testing.assert_allclose(found, found[::-1, ::-1], atol=1e-9)
     if min(shape[:2]) > 1:
         assert found[shape[0] - 1, shape[1] - 1] == pytest.approx(1)
+
+
+@pytest.mark.parametrize("shape", [(11, 8), (6, 13), (1, 9)])
+def test_the_power_is_that_of_the_levels(shape, rng):
+    levels = rng.normal(size=(3, *shape)) + 7
+    found, power = correlation_and_power(levels)
+    np.testing.assert_allclose(found, correlate(np.moveaxis(levels, 0, 2)), atol=1e-12)
+    around = levels - levels.mean(axis=(1, 2), keepdims=True)
+    products = np.fft.irfft2(power, [wrapped_length(2 * side - 1) for side in shape])
+    for dy, dx in ((0, 0), (0, 5), (shape[0] - 1, 2)):
+        height, width = shape[0] - dy, shape[1] - dx
+        expected = (around[:, :height, :width] * around[:, dy:, dx:]).sum()
+        assert products[dy, dx] == pytest.approx(expected)
 
 
 @pytest.mark.parametrize("masked", [False, True])

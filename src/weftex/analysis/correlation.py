@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from weftex.analysis import overlap_kernels as kernels
 from weftex.errors import InvalidInputError
 from weftex.raster.boxes import touching_sums
 
@@ -75,8 +76,11 @@ def correlate(
         g, g_mask = _checked(second, second_mask, "second")
     if f.shape[0] != g.shape[0]:
         raise InvalidInputError(f"first has {f.shape[0]} channels and second {g.shape[0]}")
-    sums = _Sums(f.shape[1:], g.shape[1:], f_mask, g_mask, reach)
     alike = g is f
+    if alike and f_mask is None:
+        f = np.ascontiguousarray(f)
+        return _with_itself(f, power_of(f, _wrapped(f.shape[1:], reach)), reach)
+    sums = _Sums(f.shape[1:], g.shape[1:], f_mask, g_mask, reach)
     above, below = np.zeros(sums.shape), np.zeros(sums.shape)
     spectrum = np.zeros((), np.complex128)
     for k in range(len(f)):
@@ -92,10 +96,69 @@ def correlate(
             spread_g = _spread(sums.count, s_g, sums.over_second(g[k] ** 2))
         above -= s_f * s_g
         below += np.sqrt(spread_f * spread_g)
-    # Eq. 3.13: the sum of the numerators over the sum of the denominators.
     above += sums.count * sums.cut(np.fft.irfft2(spectrum, sums.padded))
     result = np.divide(above, below, out=np.zeros(sums.shape), where=below > 0)
     return np.clip(result, -1, 1, out=result)
+
+
+def correlation_and_power(levels: Floats) -> tuple[Floats, Floats]:
+    """Correlate a picture without a mask with itself at every shift.
+
+    Parameters
+    ----------
+    levels : float64 array (K, H, W)
+
+    Returns
+    -------
+    (float64 array (2 * H - 1, 2 * W - 1), float64 array)
+        As `correlate` has it, of levels around 0; and their `power_of`.
+    """
+    around = levels - levels.mean(axis=(1, 2), keepdims=True)
+    power = power_of(around, _wrapped(levels.shape[1:], None))
+    return _with_itself(around, power, None), power
+
+
+def power_of(levels: Floats, size: tuple[int, int]) -> Floats:
+    """The power spectrum of a picture of these channels, as `numpy.fft.rfft2` orders it."""
+    power = np.zeros((size[0], size[1] // 2 + 1))
+    for level in levels:
+        waves = np.fft.rfft2(level, size)
+        power += waves.real**2 + waves.imag**2
+    return power
+
+
+def _wrapped(shape: tuple[int, ...], reach: tuple[int, int] | None) -> tuple[int, int]:
+    """Sides at which nothing wraps around into a shift within reach."""
+    far = (side if reach is None else min(side, reach[k] + 1) for k, side in enumerate(shape))
+    down, along = (wrapped_length(side + most - 1) for side, most in zip(shape, far, strict=True))
+    return down, along
+
+
+def _with_itself(levels: Floats, power: Floats, reach: tuple[int, int] | None) -> Floats:
+    """The correlation of levels around 0, from their power spectrum."""
+    _, height, width = levels.shape
+    (rows, high), (columns, wide) = (
+        _overlaps(side, side - 1 if reach is None else min(side - 1, reach[k]))
+        for k, side in enumerate((height, width))
+    )
+    shape = len(high), len(wide)
+    above, below = np.zeros(shape), np.zeros(shape)
+    sums, squares = np.empty(shape), np.empty(shape)
+    down, along = np.empty((2, height + 1, width)), np.empty((2, width + 1))
+    for level in levels:
+        most = kernels.overlap_sums(level, rows, columns, down, along, sums, squares)
+        kernels.add_channel(sums, squares, high, wide, _FLAT * most, above, below)
+    size = power.shape[0], _wrapped((height, width), reach)[1]
+    # Eq. 3.13: the sum of the numerators over the sum of the denominators.
+    kernels.divide(above, below, high, wide, np.fft.irfft2(power, size))
+    return above
+
+
+def _overlaps(side: int, most: int) -> tuple[NDArray[np.int64], Floats]:
+    """First and last of what overlaps at shifts of at most so much, and how much that is."""
+    shifts = np.arange(-most, most + 1)
+    ends = np.stack([np.maximum(shifts, 0), side + np.minimum(shifts, 0)], axis=1)
+    return ends, (side - abs(shifts)).astype(np.float64)
 
 
 def _checked(

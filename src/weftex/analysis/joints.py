@@ -14,6 +14,8 @@ from weakref import WeakKeyDictionary
 
 import numpy as np
 
+from weftex.analysis import line_kernels as kernels
+from weftex.analysis.correlation import wrapped_length
 from weftex.analysis.goodness import PHASES
 from weftex.analysis.relief import means
 
@@ -35,6 +37,8 @@ _CROSSING = 0.42  # sine of the least angle between lines that cross
 _STEP = 0.5  # pixels between distances that are tried
 _NEAR = np.linspace(0.94, 1.06, 25)  # of a distance, that a finer look tries
 _RIDGES = 8  # rows away that are rated, as far as the sample has them
+_FARTHEST = 0.05  # what ridges count at least, as near ones count 1
+_PHASES = np.array(PHASES)
 _FEWEST = 2  # that it must have
 _REACH = 0.75  # of what is across: the farthest that is rated
 _CHANCE = 0.1  # standard error of one ridge, about
@@ -118,24 +122,12 @@ class Joints:
         across = min(height / max(abs(c), 1e-9), width / max(abs(s), 1e-9)) / 2
         along = min(height / max(abs(s), 1e-9), width / max(abs(c), 1e-9)) / 2
         number = int(2 * across)
-        line = np.add.outer(c * self.y + number / 2, -s * self.x).astype(np.int32)
-        part = np.add.outer(s * self.y + along, c * self.x)
-        part *= _STRIPS / (2 * along)
-        # What is outside of all strips and lines goes to a place of its own, the last.
-        outside = ~self.inner
-        place = part.astype(np.int32)
-        for number_of, one in ((number, line), (_STRIPS, place)):
-            outside |= one.view(np.uint32) >= number_of  # less than 0, too
-        place *= number
-        place += line
-        place[outside] = _STRIPS * number
-        edges = (s * s) * self.parts[0]
-        edges -= (2 * s * c) * self.parts[1]
-        edges += (c * c) * self.parts[2]
-        count, total = (
-            np.bincount(place.ravel(), weights, _STRIPS * number + 1)[:-1].reshape(_STRIPS, number)
-            for weights in (None, edges.ravel())
-        )
+        down = np.stack([c * self.y + number / 2, s * self.y + along])
+        across_them = np.stack([-s * self.x, c * self.x])
+        direction = np.array([s * s, 2 * s * c, c * c, _STRIPS / (2 * along)])
+        total, count = np.zeros((_STRIPS, number)), np.zeros((_STRIPS, number), np.int64)
+        parts, inner = np.ascontiguousarray(self.parts), self.inner.view(np.uint8)
+        kernels.edges_along(parts, inner, direction, down, across_them, total, count)
         return total, count
 
     def alike(self, angle: float) -> Floats:
@@ -148,11 +140,12 @@ class Joints:
         mean = total.sum(axis=1) / np.maximum(count.sum(axis=1), 1)
         values = np.where(known, total / np.maximum(count, 1) - mean[:, None], 0)
         number = values.shape[1]
-        waves, masks = (np.fft.rfft(part, 2 * number, axis=1) for part in (values, known * 1.0))
+        size = wrapped_length(2 * number)
+        waves, masks = (np.fft.rfft(part, size, axis=1) for part in (values, known * 1.0))
         # The sum over all pairs of strips, less that of each with itself.
         own = (abs(waves) ** 2).sum(axis=0), (abs(masks) ** 2).sum(axis=0)
         others = abs(waves.sum(axis=0)) ** 2 - own[0], abs(masks.sum(axis=0)) ** 2 - own[1]
-        products, overlap = (np.fft.irfft(part, 2 * number)[:number] for part in others)
+        products, overlap = (np.fft.irfft(part, size)[:number] for part in others)
         power = float((values**2).sum()) / max(float(known.sum()), 1)
         found: Floats = products / np.maximum(overlap, 1) / max(power, 1e-12)
         return found
@@ -232,15 +225,9 @@ def rated(flat: Relief, vector: Floats) -> Courses:
 
 def contrast(profile: Floats, distances: Floats) -> tuple[Floats, NDArray[np.int64]]:
     """How high multiples of distances are above half and a third of the way; how many there are."""
-    size = len(profile)
-    count = np.clip((_REACH * size / distances).astype(np.int64), 1, _RIDGES)
-    times = np.arange(1, _RIDGES + 1)[:, None]
-    weights = np.where(times <= count, np.maximum(1 - times * distances / size, 0.05), 0.0)
-    weights /= weights.sum(axis=0)
-    place = np.stack([times - phase for phase in PHASES]) * distances
-    heights = np.interp(np.minimum(place, size - 1), np.arange(size), profile)
-    ridges, *between = (heights * weights).sum(axis=1)
-    return ridges - np.max(between, axis=0), count
+    found, count = np.empty(len(distances)), np.empty(len(distances), np.int64)
+    kernels.stand_out(profile, distances, _PHASES, _REACH, _RIDGES, _FARTHEST, found, count)
+    return found, count
 
 
 def _highest(profile: Floats, distances: Floats) -> tuple[float, float]:

@@ -8,9 +8,12 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from weftex.analysis import peak_kernels as kernels
+
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
+_ONE_LINE = 1e-10  # of the square of its trace: what the determinant of multiples on a line has
 _LARGEST_DOMINANCE = 64  # pixels; larger regions count as this
 
 
@@ -124,10 +127,11 @@ def fit_vectors(
             good = heights > 0
             if good.any():
                 share = (1 - abs(found[:, 0]) / width) * (1 - abs(found[:, 1]) / height)
-                weights = np.sqrt(np.where(good, heights * share, 0))[:, None]
-                fitted, _, rank, _ = np.linalg.lstsq(weights * times, weights * found, rcond=None)
-                if rank == len(vectors):
-                    vectors, agreed = np.asarray(fitted, float), int(good.sum())
+                # Normal equations: of few small whole numbers they are as good as any other way.
+                weighed = (np.where(good, heights * share, 0)[:, None] * times).T
+                gram, sums = weighed @ times, weighed @ found
+                if np.linalg.det(gram) > _ONE_LINE * np.trace(gram) ** len(vectors):
+                    vectors, agreed = np.linalg.solve(gram, sums), int(good.sum())
         if limit >= reach:
             return vectors, agreed
         limit, window = min(2 * limit, reach), max(1, min(window, 2))
@@ -157,30 +161,6 @@ def _tops(
     correlation: NDArray[np.float64], places: NDArray[np.int64], window: int
 ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
     """The peak within a window around each place, below a pixel; height 0 where there is none."""
-    height, width = (side // 2 + 1 for side in correlation.shape)
-    reach = window + 1
-    x, y = places.T + np.array([[width - 1], [height - 1]])
-    side = np.arange(-reach, reach + 1)
-    rows, columns = (
-        np.minimum(np.maximum(at[:, None] + side, 0), 2 * n - 2)
-        for at, n in ((y, height), (x, width))
-    )
-    around = correlation[rows[:, :, None], columns[:, None, :]]
-    inside = around[:, 1:-1, 1:-1].reshape(len(x), -1)
-    best = inside.argmax(axis=1)
-    dy, dx = best // (2 * window + 1) + 1, best % (2 * window + 1) + 1
-    k = np.arange(len(x))
-    top = around[k, dy, dx]
-    left, right = around[k, dy, dx - 1], around[k, dy, dx + 1]
-    above, below = around[k, dy - 1, dx], around[k, dy + 1, dx]
-    peak = (top >= np.maximum(left, right)) & (top >= np.maximum(above, below)) & (top > 0)
-
-    def offset(before: NDArray[np.float64], after: NDArray[np.float64]) -> NDArray[np.float64]:
-        bend = np.minimum(before - 2 * top + after, -1e-12)
-        moved: NDArray[np.float64] = 0.5 * (before - after) / bend
-        return np.minimum(np.maximum(moved, -0.5), 0.5)
-
-    found = np.empty((len(x), 2))
-    found[:, 0] = x - width + 1 + dx - reach + offset(left, right)
-    found[:, 1] = y - height + 1 + dy - reach + offset(above, below)
-    return found, np.where(peak, top, 0)
+    found, heights = np.empty((len(places), 2)), np.empty(len(places))
+    kernels.tops(correlation, places, window, found, heights)
+    return found, heights

@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from weftex.analysis import line_kernels as kernels
 from weftex.analysis.correlation import correlate
 from weftex.analysis.goodness import PHASES
 from weftex.analysis.relief import mixed
@@ -160,17 +161,12 @@ def _highest(correlation: Floats, angles: Floats, reach: int) -> tuple[float, fl
 def _profiles(correlation: Floats, angles: Floats, reach: int) -> Floats:
     """Mean correlation along lines of each angle, at distances 0 to reach - 1 from no shift."""
     middle, center = (side // 2 for side in correlation.shape)
-    along, across = np.linspace(-0.5, 0.5, _SAMPLES)[:, None], np.arange(reach)
+    cosines, sines = np.cos(angles), np.sin(angles)
+    # As far along as shifts in this direction leave half of the sample to overlap.
+    far = np.minimum(
+        (center + 1) / np.maximum(abs(cosines), 1e-9), (middle + 1) / np.maximum(abs(sines), 1e-9)
+    )
     result = np.empty((len(angles), reach))
-    for k, (c, s) in enumerate(zip(np.cos(angles), np.sin(angles), strict=True)):
-        # As far along as shifts in this direction leave half of the sample to overlap.
-        far = min((center + 1) / max(abs(c), 1e-9), (middle + 1) / max(abs(s), 1e-9))
-        x, y = along * far * c - across * s, along * far * s + across * c
-        place = []
-        for at, side in zip((y, x), correlation.shape, strict=True):
-            at = np.rint(at, out=at).astype(np.int64)
-            at += side // 2
-            np.maximum(at, 0, out=at)
-            place.append(np.minimum(at, side - 1, out=at))
-        result[k] = correlation[place[0], place[1]].mean(axis=0)
+    along = np.linspace(-0.5, 0.5, _SAMPLES)
+    kernels.means_along(correlation, cosines, sines, far, along, result)
     return result

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from weftex.analysis.correlation import correlate
+from weftex.analysis.correlation import correlate, correlation_and_power
 from weftex.analysis.goodness import ALPHA, SIGNIFICANT, Field
 from weftex.analysis.peaks import find_peaks
 from weftex.analysis.relief import Relief, relief
@@ -32,7 +32,11 @@ class Views:
 def views(exemplar: Exemplar, alpha: float = ALPHA, significant: float = SIGNIFICANT) -> Views:
     """What lattices of a sample are looked for in; alpha and significant as for `find_lattice`."""
     flat = relief(exemplar)
-    own = correlate(np.moveaxis(flat.levels, 0, 2), first_mask=flat.usable >= 0.5)
-    even, chance = whitened(flat)
+    usable, power = flat.usable >= 0.5, None
+    if usable.all():
+        own, power = correlation_and_power(flat.levels)
+    else:
+        own = correlate(np.moveaxis(flat.levels, 0, 2), first_mask=usable)
+    even, chance = whitened(flat, power)
     white = Field(even, find_peaks(even), alpha, significant, _SIGMAS * chance)
     return Views(flat, Field(own, find_peaks(own), alpha, significant), white, chance)

@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from weftex.analysis.correlation import wrapped_length
+from weftex.analysis.correlation import power_of, wrapped_length
 from weftex.raster.medians import median
 
 if TYPE_CHECKING:
@@ -30,13 +30,15 @@ _ENOUGH = 0.2  # the same, where chance is measured
 _EMPTY = 1e-9  # of the highest power; less is rounding
 
 
-def whitened(flat: Relief) -> tuple[Floats, float]:
+def whitened(flat: Relief, power: Floats | None = None) -> tuple[Floats, float]:
     """Correlate a sample with itself, all frequencies being as strong as those around them.
 
     Parameters
     ----------
     flat : Relief
         The sample without slow lighting.
+    power : float64 array, optional
+        What `correlation_and_power` says of its levels, if that is at hand. It is changed.
 
     Returns
     -------
@@ -55,10 +57,8 @@ def whitened(flat: Relief) -> tuple[Floats, float]:
     """
     height, width = flat.usable.shape
     size = wrapped_length(2 * height - 1), wrapped_length(2 * width - 1)
-    power = np.zeros((size[0], size[1] // 2 + 1))
-    for level in flat.levels:
-        waves = np.fft.rfft2(level, size)
-        power += waves.real**2 + waves.imag**2
+    if power is None:
+        power = power_of(flat.levels, size)
     v, u = np.fft.fftfreq(size[0])[:, None], np.fft.rfftfreq(size[1])
     # A product of the correlation with a Gaussian is the spectrum smoothed by one.
     down, along = (

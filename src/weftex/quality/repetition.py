@@ -92,7 +92,7 @@ def repetition(sample: View, result: View, lattice: Lattice | None = None) -> Re
     height, width = shares.shape[0] - 1, shares.shape[1] // 2
     share = shares.copy()
     share[0, : width + 1] = 0  # mirrors the rest of the line
-    y, x = np.nonzero((share > 0) & _local_maxima(share))
+    y, x = _local_maxima(share)
     values, shifts = share[y, x], np.stack([y, x - width], axis=1)
     reach = sample.side // 2
     near = abs(shifts).max(axis=1, initial=0) <= reach
@@ -198,25 +198,31 @@ def _whitened(view: View, width: int) -> Floats | None:
     height, across = view.shape
     y, x = np.fft.fftfreq(height)[:, None] * width, np.fft.rfftfreq(across)[None] * width
     full = np.concatenate([power, power[:1]]) + 1 / 12  # frequency -0.5 is 0.5
-    rows, columns = y % width, np.broadcast_to(x, (1, across // 2 + 1))
-    top, left = np.floor(rows).astype(int), np.floor(columns).astype(int)
+    rows, columns = y % width, x
+    top, left = np.floor(rows[:, 0]).astype(int), np.floor(columns[0]).astype(int)
     left = np.minimum(left, full.shape[1] - 2)
-    dy, dx = rows - top, columns - left
-    smooth = (1 - dy) * ((1 - dx) * full[top, left] + dx * full[top, left + 1]) + dy * (
-        (1 - dx) * full[top + 1, left] + dx * full[top + 1, left + 1]
-    )
+    dy, dx = rows - top[:, None], columns - left
+    along = (1 - dx) * full[:, left] + dx * full[:, left + 1]
+    smooth = (1 - dy) * along[top] + dy * along[top + 1]
     fade = [np.minimum(1, (np.minimum(k, k[::-1]) + 1) / _RIM) for k in map(np.arange, view.shape)]
-    faded = view.flat * np.outer(*fade)
-    white = np.fft.irfft2(np.fft.rfft2(faded) / np.sqrt(smooth), view.shape)
-    white = np.where(view.usable, white, 0)
-    white -= white[view.usable].mean() * view.usable
-    spread = float(np.sqrt((white[view.usable] ** 2).mean()))
+    waves = np.fft.rfft2(view.flat * np.outer(*fade))
+    waves /= np.sqrt(smooth, out=smooth)
+    white = np.fft.irfft2(waves, view.shape)
+
+    def inside() -> Floats:
+        return white[view.usable] if view.masked else white
+
+    white -= inside().mean()
+    spread = float(np.sqrt((inside() ** 2).mean()))
     if not spread > 0:
         return None
     # A few strong edges must not stand for the whole picture.
-    white = np.clip(white / spread, -3, 3)
-    result: Floats = white / np.sqrt((white[view.usable] ** 2).mean())
-    return result
+    white /= spread
+    np.clip(white, -3, 3, out=white)
+    white /= np.sqrt((inside() ** 2).mean())
+    if view.masked:
+        white[~view.usable] = 0
+    return white
 
 
 def _alike(white: Floats, usable: NDArray[np.bool_]) -> tuple[Floats, Floats]:
@@ -226,32 +232,38 @@ def _alike(white: Floats, usable: NDArray[np.bool_]) -> tuple[Floats, Floats]:
     """
     height, width = white.shape
     size = wrapped_length(2 * height - 1), wrapped_length(2 * width - 1)
-    products = np.fft.irfft2(np.abs(np.fft.rfft2(white, size)) ** 2, size)
-    products = _downwards(products, height, width)
+    products = _products(white, size)
     if usable.all():
         across = width - abs(np.arange(1 - width, width))
         count = np.outer(np.arange(height, 0, -1), across).astype(np.float64)
     else:
-        count = np.fft.irfft2(np.abs(np.fft.rfft2(usable.astype(float), size)) ** 2, size)
-        count = np.rint(_downwards(count, height, width))
+        count = np.rint(_products(usable.astype(float), size))
     some = np.maximum(count, 1)
-    alike = np.clip(products / some - _ERRORS / np.sqrt(some), 0, 1)
+    alike = np.divide(products, some, out=products)
+    alike -= np.divide(_ERRORS, np.sqrt(some, out=some), out=some)
+    np.clip(alike, 0, 1, out=alike)
     # At short shifts the correlation says how smooth the picture is.
-    y, x = np.ogrid[:height, 1 - width : width]
-    alike[(np.maximum(abs(y), abs(x)) <= _NEAR) | (count < _FEWEST)] = 0
-    return alike, count / usable.sum()
+    alike[: _NEAR + 1, max(0, width - 1 - _NEAR) : width + _NEAR] = 0
+    alike[count < _FEWEST] = 0
+    count /= usable.sum()
+    return alike, count
 
 
-def _downwards(wrapped: Floats, height: int, width: int) -> Floats:
-    left = wrapped[:height, wrapped.shape[1] - width + 1 :]
-    return np.concatenate([left, wrapped[:height, :width]], axis=1)
-
-
-def _local_maxima(values: Floats) -> NDArray[np.bool_]:
-    around = np.pad(values, 1, constant_values=-np.inf)
+def _products(values: Floats, size: tuple[int, int]) -> Floats:
+    """Sums of products with itself at every shift downwards, those to the left first."""
     height, width = values.shape
-    result = np.ones(values.shape, bool)
+    waves = np.fft.rfft2(values, size)
+    power = waves.real**2 + waves.imag**2
+    wrapped = np.fft.irfft(np.fft.ifft(power, axis=0)[:height], size[1], axis=1)
+    return np.concatenate([wrapped[:, size[1] - width + 1 :], wrapped[:, :width]], axis=1)
+
+
+def _local_maxima(values: Floats) -> tuple[NDArray[np.intp], NDArray[np.intp]]:
+    """Rows and columns above 0 of which no neighbor is higher."""
+    around = np.pad(values, 1)
+    y, x = np.nonzero(values > 0)
+    highest, own = np.ones(len(y), bool), values[y, x]
     for dy in range(3):
         for dx in range(3):
-            result &= values >= around[dy : dy + height, dx : dx + width]
-    return result
+            highest &= own >= around[y + dy, x + dx]
+    return y[highest], x[highest]

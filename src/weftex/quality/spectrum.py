@@ -64,7 +64,10 @@ def mean_power(view: View, width: int) -> Floats | None:
     bell = np.sin(np.pi * (np.arange(width) + 0.5) / width) ** 2
     bell = np.outer(bell, bell)
     around = windows - windows.mean(axis=(1, 2), keepdims=True, dtype=np.float64)
-    power = np.abs(np.fft.rfft2(around * bell)) ** 2
+    around *= bell
+    waves = np.fft.rfft2(around)
+    power = waves.real**2
+    power += waves.imag**2
     mean: Floats = power.mean(axis=0) / (bell**2).sum()
     return mean
 

@@ -122,12 +122,17 @@ class View:
 
     def pyramid(self, count: int) -> list[View]:
         """The picture and its coarser versions, each of half the size."""
-        levels = gaussian_pyramid(self.values, count)
-        masks = mask_pyramid(self.usable, count)
-        return [
-            View(level, mask, self.axis, (max(1, self.sample[0] >> k), max(1, self.sample[1] >> k)))
-            for k, (level, mask) in enumerate(zip(levels, masks, strict=True))
-        ]
+        levels = [self]
+        while len(levels) < count:
+            levels.append(levels[-1].coarser)
+        return levels
+
+    @cached_property
+    def coarser(self) -> View:
+        """The picture at half its size."""
+        values = gaussian_pyramid(self.values, 2)[1]
+        sample = max(1, self.sample[0] >> 1), max(1, self.sample[1] >> 1)
+        return View(values, mask_pyramid(self.usable, 2)[1], self.axis, sample)
 
 
 def middle(values: NDArray[Kind], shape: tuple[int, int]) -> NDArray[Kind]:

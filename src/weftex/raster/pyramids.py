@@ -19,7 +19,6 @@ import numpy as np
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-_WEIGHTS = (1, 4, 6, 4, 1)
 _STARTS = ((0, 0), (0, 1), (1, 0), (1, 1))
 
 
@@ -156,21 +155,32 @@ def _halved(
     pixels: NDArray[np.uint8], wrap: tuple[bool, bool], start: tuple[int, int] = (0, 0)
 ) -> NDArray[np.uint8]:
     """The next coarser level, whose first pixel lies on the one at `start`."""
+    # Weights of 1, 4, 6, 4 and 1.
     total = pixels.astype(np.uint16)  # 255 * 16 * 16 + 128 fits
     for axis in (0, 1):
-        taps = _taps(total.shape[axis], wrap[axis], start[axis])
-        total = np.sum(
-            [np.uint16(w) * total.take(t, axis) for w, t in zip(_WEIGHTS, taps, strict=True)],
-            axis=0,
-            dtype=np.uint16,
-        )
-    return np.ascontiguousarray((total + np.uint16(128)) >> np.uint16(8), np.uint8)
+        around = _reached(total.shape[axis], wrap[axis], start[axis])
+        even, odd = total.take(around[::2], axis), total.take(around[1::2], axis)
+        ends = [slice(k, even.shape[axis] - 2 + k) for k in range(3)]
+        first, middle, last = (even[(slice(None),) * axis + (part,)] for part in ends)
+        total = 6 * middle
+        for part in ends[:2]:
+            total += 4 * odd[(slice(None),) * axis + (part,)]
+        total += first
+        total += last
+    total += np.uint16(128)
+    total >>= np.uint16(8)
+    return np.ascontiguousarray(total, np.uint8)
 
 
 def _halved_mask(
     mask: NDArray[np.bool_], wrap: tuple[bool, bool], start: tuple[int, int] = (0, 0)
 ) -> NDArray[np.bool_]:
     """Which pixels of `_halved` are means of pixels of the mask alone."""
+    if mask.all():
+        height, width = (
+            len(range(at, side, 2)) for at, side in zip(start, mask.shape, strict=True)
+        )
+        return np.ones((height, width), bool)
     for axis in (0, 1):
         taps = _taps(mask.shape[axis], wrap[axis], start[axis])
         mask = np.logical_and.reduce([mask.take(t, axis) for t in taps])
@@ -179,6 +189,14 @@ def _halved_mask(
 
 def _taps(length: int, wrap: bool, start: int = 0) -> list[NDArray[np.intp]]:
     """For each weight, the pixels of an axis that it goes to."""
-    every = np.arange(start, length, 2)
-    reach = range(-2, 3)
-    return [(every + k) % length if wrap else (every + k).clip(0, length - 1) for k in reach]
+    around = _reached(length, wrap, start)
+    return [around[k : len(around) - 3 + k : 2] for k in range(5)]
+
+
+def _reached(length: int, wrap: bool, start: int) -> NDArray[np.intp]:
+    """The pixels of an axis from two before the first that is kept to two after the last."""
+    if start >= length:
+        return np.zeros(0, np.intp)
+    last = length - 1 - (length - 1 - start) % 2
+    around = np.arange(start - 2, last + 3)
+    return around % length if wrap else around.clip(0, length - 1)

@@ -17,7 +17,7 @@ from weftex.methods.pixels.growth import PixelModel
 from weftex.parameters import parameter
 from weftex.planes.grid import Sizes
 from weftex.random import draw
-from weftex.threads import thread_map
+from weftex.threads import quick_map
 from weftex.turns import turned
 
 if TYPE_CHECKING:
@@ -228,7 +228,7 @@ def lay(settings: Settings, growth: Growth) -> Picture:
         growth.about |= settings.sizes()
 
     threads = min(growth.threads, settings.candidates) if math.prod(placement.size) >= _LARGE else 1
-    with thread_map(threads) as map_:
+    with quick_map(threads) as map_:
 
         def place(pixel: tuple[int, int], number: int, *, centered: bool) -> Place:
             # Places that match, drawn by P(t) = exp(-C(t) / (k sigma**2)) (section 4); C(t) by FFT

@@ -226,7 +226,10 @@ def _graph(height: int, width: int, channels: int) -> graph_kernels.Graph:
     arcs = np.empty((*shape, 4), np.int32)
     choice, side, shown, along = np.empty((4, *shape), np.uint8)
     trees = search_trees(height, width)
-    apart_in, sums = np.empty((2, width * channels), np.uint8), np.empty((3, max(height, width)), np.int32)
+    apart_in, sums = (
+        np.empty((2, width * channels), np.uint8),
+        np.empty((3, max(height, width)), np.int32),
+    )
     return graph_kernels.Graph(
         arcs, old, new, apart, choice, side, shown, along, trees, apart_in, sums
     )

@@ -110,25 +110,32 @@ class Sight:
         inside = np.full(len(line), True) if wraps else (line >= ends[0]) & (line < ends[1])
         return away, line % n, inside
 
-    def lines_of(self, pixel: tuple[int, int]) -> list[NDArray[np.int32]]:
+    def lines_of(self, pixel: tuple[int, int]) -> tuple[NDArray[np.int32], NDArray[np.int32]]:
         """The rows and the columns in sight: every `cell`-th, and how many pixels away it is."""
-        far, lines = _LINE_FAR if self.lines else _FAR, []
-        for axis, (at, n, m) in enumerate(
-            zip(pixel, self.shape, self.growth.canvas.shape, strict=True)
-        ):
-            reach = -(-int((1 + far) * n) // self.cell) * self.cell
-            away, line, inside = self._line(axis, at, reach, (0, m))
-            lines.append(np.array([line[inside], away[inside]], np.int32))
-        return lines
+        far = _LINE_FAR if self.lines else _FAR
+        rows, columns = (
+            self._in_sight(axis, at, int((1 + far) * n))
+            for axis, (at, n) in enumerate(zip(pixel, self.shape, strict=True))
+        )
+        return rows, columns
 
     def _pieces(
         self, pixel: tuple[int, int]
     ) -> tuple[NDArray[np.int32], NDArray[np.int32], NDArray[np.int32]]:
         """The pieces in sight: what they show, where, and how they are shifted from the pixel."""
-        lines = self.lines_of(pixel)
-        source, size = self.growth.source, [line.shape[1] for line in lines]
+        rows, columns = self.lines_of(pixel)
+        source, size = self.growth.source, (rows.shape[1], columns.shape[1])
         shifts, pieces = np.empty((size[0] * size[1], 2), np.int32), np.empty(size, np.int32)
-        count = kernels.find_pieces(source, *lines, self.shape[1], shifts, pieces)
-        shown, boxes = np.zeros((count, *self.salience.shape), np.int32), np.empty((count, 4), np.int32)
-        kernels.show_pieces(source, *lines, pieces, self.distances, self.salience, shown, boxes)
+        count = kernels.find_pieces(source, rows, columns, self.shape[1], shifts, pieces)
+        shown = np.zeros((count, *self.salience.shape), np.int32)
+        boxes = np.empty((count, 4), np.int32)
+        kernels.show_pieces(
+            source, rows, columns, pieces, self.distances, self.salience, shown, boxes
+        )
         return shown, boxes, shifts[:count]
+
+    def _in_sight(self, axis: int, at: int, reach: int) -> NDArray[np.int32]:
+        """The rows or columns up to a reach, and how far away they are."""
+        reach = -(-reach // self.cell) * self.cell
+        away, line, inside = self._line(axis, at, reach, (0, self.growth.canvas.shape[axis]))
+        return np.array([line[inside], away[inside]], np.int32)

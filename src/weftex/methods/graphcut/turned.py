@@ -13,7 +13,7 @@ from weftex.methods.graphcut.places import Matches, Place, draw_matches
 from weftex.methods.graphcut.shown import cells_of, priced
 from weftex.methods.graphcut.sight import Sight
 from weftex.search.windows import Windows
-from weftex.turns import copies_in, turned_pixels
+from weftex.turns import TURNS, copies_in, turned_pixels
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -25,11 +25,12 @@ if TYPE_CHECKING:
     from weftex.methods.pixels.growth import Growth
     from weftex.turns import Box
 
-# A thing beside itself, turned or in a mirror, is seen at once, and costs nothing to cut between.
-# So it costs so much to lay something within a seventh of a side of a turned copy of it, by its share
-# of the patch; from a twentieth on that is done only where nothing else can be.
-_BESIDE, _NEAR = 10.0, 0.15
-_SHARE, _NEVER = 0.05, 1e6
+# It costs so much to show something within a third of a side of a turned copy of it, by its share of
+# what is new, but no more than the most.
+_BESIDE, _NEAR, _MOST = 10.0, 0.35, 4.0
+# A thing beside its mirror image is seen at once, and costs nothing to cut between. So that is done
+# only where nothing else can be, if more than a share of a patch lies within a seventh of a side.
+_CLOSE, _SHARE, _NEVER = 0.15, 0.05, 1e6
 
 
 class TurnedMatching:
@@ -120,7 +121,9 @@ class CopiesInSight:
         known = self.sight.salience
         salience[: known.shape[0], : known.shape[1]] = known
         self.salience = salience.ravel()
-        self.near = int((_NEAR * min(height, width)) ** 2)
+        self.near, self.close = (int((far * min(height, width)) ** 2) for far in (_NEAR, _CLOSE))
+        copies = [copy for row in TURNS[exemplar.turn] for copy in row]
+        self.mirrored = np.array([mirrored for _, mirrored in copies], np.uint8)
         self.weights = self.sight.weights()
 
     def look(self, pixel: tuple[int, int]) -> None:
@@ -145,7 +148,9 @@ class CopiesInSight:
             counts.astype(np.int32),
             self.salience,
             self.weights,
+            self.mirrored,
             self.near,
+            self.close,
         )
         self.missing = self.sight.missing(pixel, max(self.cells[0].shape), max(self.cells[0].shape))
 
@@ -180,14 +185,14 @@ class TurnedAgain:
         """See `ShownAgain.of`."""
         shown, own = self.shown, self.shown.cells[self.number]
         rows, columns, cells = cells_of(allowed, k, shown.cell, list(own.shape))
-        sums = np.zeros((*own.shape, 5), np.int64)
+        sums = np.zeros((*own.shape, 6), np.int64)
         kernels.sum_seen(shown.seen, own, self.number, shown.missing, cells, sums)
-        again, salience, used, beside, area = np.moveaxis(sums, 2, 0)
+        again, salience, used, beside, area, mirrored = np.moveaxis(sums, 2, 0)
         again = again / np.maximum(Sight.UNIT * salience, 1)
         used = used / np.maximum(area * shown.mean, 1)
         prices = priced(shown.variety, again, used)
-        share = beside / own.size
-        prices += shown.variety * np.where(share < _SHARE, _BESIDE * share, _NEVER)
+        prices += shown.variety * np.minimum(_BESIDE * beside / np.maximum(area, 1), _MOST)
+        prices[mirrored > _SHARE * own.size] += shown.variety * _NEVER
         result: NDArray[np.float64] = prices[np.ix_(rows, columns)]
         return result
 

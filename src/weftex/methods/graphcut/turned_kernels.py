@@ -10,8 +10,9 @@ class Seen:
 
     Cell k is shown at `where[first[k]:first[k + 1]]`: rows and columns of cells from the pixel on,
     and the number of the copy that is shown there. `counts` says how often all of the canvas shows
-    each. `weights` has what a repetition counts at a distance, its middle being none; `near`
-    is the square of the distance within which another copy counts as beside it.
+    each. `weights` has what a repetition counts at a distance, its middle being none. `near` is the
+    square of the distance within which another copy counts as beside it, `close` of that within
+    which one does that is `mirrored` where the other is not.
     """
 
     first: cython.const[cython.int][::1]
@@ -19,15 +20,19 @@ class Seen:
     counts: cython.const[cython.int][::1]
     salience: cython.const[cython.int][::1]
     weights: cython.const[cython.int][:, ::1]
+    mirrored: cython.const[cython.uchar][::1]
     near: cython.int
+    close: cython.int
 
-    def __init__(self, first, where, counts, salience, weights, near):
+    def __init__(self, first, where, counts, salience, weights, mirrored, near, close):
         self.first = first
         self.where = where
         self.counts = counts
         self.salience = salience
         self.weights = weights
+        self.mirrored = mirrored
         self.near = near
+        self.close = close
 
 
 @cython.cfunc
@@ -43,26 +48,25 @@ def add_cell(
     sums: cython.p_longlong,
 ) -> cython.void:
     """Add what a cell of the sample, shown by a copy so many cells from the pixel, shows again."""
-    cython.declare(k=cython.int, y=cython.Py_ssize_t, x=cython.Py_ssize_t, each=cython.int)
+    cython.declare(k=cython.int, y=cython.Py_ssize_t, x=cython.Py_ssize_t, other=cython.int)
     far_y: cython.Py_ssize_t = seen.weights.shape[0] // 2
     far_x: cython.Py_ssize_t = seen.weights.shape[1] // 2
     weight: cython.longlong = 0
     for k in range(seen.first[cell], seen.first[cell + 1]):
         y = seen.where[k, 0] - down
         x = seen.where[k, 1] - along
-        each = 0
-        if -far_y <= y <= far_y and -far_x <= x <= far_x:
-            each = seen.weights[y + far_y, x + far_x]
-        if seen.where[k, 2] != copy:
-            each //= 2  # what is turned is seen less
-            sums[3] += y * y + x * x <= seen.near
-        weight += each
-    if not missing:
-        return
-    sums[0] += weight * seen.salience[cell]
-    sums[1] += seen.salience[cell]
-    sums[2] += seen.counts[cell]
-    sums[4] += 1
+        other = seen.where[k, 2]
+        if seen.mirrored[other] != seen.mirrored[copy]:
+            sums[5] += y * y + x * x <= seen.close
+        if missing:
+            sums[3] += other != copy and y * y + x * x <= seen.near
+            if -far_y <= y <= far_y and -far_x <= x <= far_x:
+                weight += seen.weights[y + far_y, x + far_x]
+    if missing:
+        sums[0] += weight * seen.salience[cell]
+        sums[1] += seen.salience[cell]
+        sums[2] += seen.counts[cell]
+        sums[4] += 1
 
 
 def sum_seen(
@@ -77,7 +81,8 @@ def sum_seen(
 
     `cells` has the cells of the sample that the copy shows. The middle of `missing` is the pixel.
     The sums are those of saliences times weights, of saliences, of counts, of what other copies
-    show beside it, missing or not, as a cut may run there, and how many cells would be shown.
+    show beside it, how many cells would be shown, and what is shown in a mirror close by, missing
+    or not, as a cut may run there.
     """
     cython.declare(y=cython.Py_ssize_t, x=cython.Py_ssize_t)
     cython.declare(i=cython.Py_ssize_t, j=cython.Py_ssize_t)

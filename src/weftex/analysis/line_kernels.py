@@ -1,0 +1,167 @@
+# mypy: ignore-errors
+"""Kernels that add up along lines of any direction; compiled by Cython, see setup.py.
+
+Sums are taken in one order, without fused products, so they are the same on every machine.
+"""
+
+import cython
+from cython.cimports.libc.math import rint
+
+
+@cython.cfunc
+@cython.inline
+@cython.nogil
+@cython.exceptval(check=False)
+def place(at: cython.double, side: cython.Py_ssize_t) -> cython.Py_ssize_t:
+    """The pixel at a distance from the middle of a side, or the last one."""
+    return min(max(cython.cast(cython.Py_ssize_t, rint(at)) + side // 2, 0), side - 1)
+
+
+def means_along(
+    values: cython.const[cython.double][:, ::1],
+    cosines: cython.const[cython.double][::1],
+    sines: cython.const[cython.double][::1],
+    far: cython.const[cython.double][::1],
+    along: cython.const[cython.double][::1],
+    out: cython.double[:, ::1],
+):
+    """Average along lines of some directions, each so many pixels from the middle.
+
+    Parameters
+    ----------
+    values : float64 array (H, W)
+    cosines, sines : float64 arrays (k,)
+        Of the directions.
+    far : float64 array (k,)
+        How far along lines of each are looked at, in all.
+    along : float64 array (n,)
+        Where, in shares of that; the line at distance 0 goes through the middle.
+    out : float64 array (k, m)
+        The means at distances 0, 1, ...
+    """
+    cython.declare(k=cython.Py_ssize_t, i=cython.Py_ssize_t, j=cython.Py_ssize_t)
+    cython.declare(c=cython.double, s=cython.double, x=cython.double, y=cython.double)
+    height: cython.Py_ssize_t = values.shape[0]
+    width: cython.Py_ssize_t = values.shape[1]
+    number: cython.double = along.shape[0]
+    with cython.nogil:
+        for k in range(out.shape[0]):
+            c = cosines[k]
+            s = sines[k]
+            for j in range(out.shape[1]):
+                out[k, j] = 0
+            for i in range(along.shape[0]):
+                x = along[i] * far[k] * c
+                y = along[i] * far[k] * s
+                for j in range(out.shape[1]):
+                    out[k, j] += values[place(y + j * c, height), place(x - j * s, width)]
+            for j in range(out.shape[1]):
+                out[k, j] /= number
+
+
+def edges_along(
+    parts: cython.const[cython.double][:, :, ::1],
+    inner: cython.const[cython.uchar][:, ::1],
+    direction: cython.const[cython.double][::1],
+    down: cython.const[cython.double][:, ::1],
+    across: cython.const[cython.double][:, ::1],
+    sums: cython.double[:, ::1],
+    counts: cython.longlong[:, ::1],
+):
+    """Add up edges along lines of a direction, apart in strips across them.
+
+    Parameters
+    ----------
+    parts : float64 array (3, H, W)
+        Products of steps along x with themselves, with those along y, and of these.
+    inner : uint8 array (H, W)
+        0 where there is no edge.
+    direction : float64 array (4,)
+        What each part is multiplied by, the second one taken off; and the strips to a pixel.
+    down, across : float64 arrays (2, H) and (2, W)
+        What rows and columns add to the number of a line, and to the distance along it.
+    sums, counts : float64, int64 arrays (strips, lines)
+        Zeros, to which edges and their number are added.
+    """
+    cython.declare(y=cython.Py_ssize_t, x=cython.Py_ssize_t, line=cython.int, strip=cython.int)
+    cython.declare(edge=cython.double)
+    with cython.nogil:
+        for y in range(inner.shape[0]):
+            for x in range(inner.shape[1]):
+                line = cython.cast(cython.int, down[0, y] + across[0, x])
+                strip = cython.cast(cython.int, (down[1, y] + across[1, x]) * direction[3])
+                if (
+                    not inner[y, x]
+                    or line < 0
+                    or strip < 0
+                    or line >= sums.shape[1]
+                    or strip >= sums.shape[0]
+                ):
+                    continue
+                edge = direction[0] * parts[0, y, x] - direction[1] * parts[1, y, x]
+                sums[strip, line] += edge + direction[2] * parts[2, y, x]
+                counts[strip, line] += 1
+
+
+@cython.cfunc
+@cython.inline
+@cython.nogil
+@cython.exceptval(check=False)
+def between(values: cython.const[cython.double][::1], at: cython.double) -> cython.double:
+    """The value at a place from 0 on, in a line between two; beyond the last it is the last."""
+    k: cython.Py_ssize_t = cython.cast(cython.Py_ssize_t, at)
+    if k >= values.shape[0] - 1:
+        return values[values.shape[0] - 1]
+    return (values[k + 1] - values[k]) * (at - k) + values[k]
+
+
+def stand_out(
+    profile: cython.const[cython.double][::1],
+    distances: cython.const[cython.double][::1],
+    phases: cython.const[cython.double][::1],
+    reach: cython.double,
+    most: cython.Py_ssize_t,
+    least: cython.double,
+    out: cython.double[::1],
+    counts: cython.longlong[::1],
+):
+    """Say how high multiples of distances are above places between them.
+
+    Parameters
+    ----------
+    profile : float64 array (n,)
+    distances : float64 array (m,)
+    phases : float64 array (k,)
+        0, and how far before a multiple the places between lie, in shares of a distance.
+    reach : float
+        Of the profile, as far as multiples count.
+    most : int
+        Multiples that count at most.
+    least : float
+        Multiples count by the share that is beyond them, or this if that is more.
+    out : float64 array (m,)
+    counts : int64 array (m,)
+        How many multiples counted.
+    """
+    cython.declare(i=cython.Py_ssize_t, k=cython.Py_ssize_t, t=cython.Py_ssize_t)
+    cython.declare(total=cython.double, height=cython.double, highest=cython.double)
+    cython.declare(weight=cython.double, own=cython.double, d=cython.double)
+    size: cython.double = profile.shape[0]
+    with cython.nogil:
+        for i in range(distances.shape[0]):
+            d = distances[i]
+            counts[i] = cython.cast(cython.longlong, reach * size / d)
+            counts[i] = min(max(counts[i], 1), most)
+            total = own = highest = 0
+            for t in range(1, counts[i] + 1):
+                total += max(1 - t * d / size, least)
+            for k in range(phases.shape[0]):
+                height = 0
+                for t in range(1, counts[i] + 1):
+                    weight = max(1 - t * d / size, least) / total
+                    height += between(profile, (t - phases[k]) * d) * weight
+                if k == 0:
+                    own = height
+                else:
+                    highest = max(highest, height) if k > 1 else height
+            out[i] = own - highest
