@@ -149,7 +149,9 @@ def copies_in(exemplar: Exemplar) -> list[Box]:
     shape = next(
         shape
         for shape in shapes
-        if not exemplar.mask[~turned_pixels(np.ones(shape, bool), exemplar.turn, between=False)].any()
+        if not exemplar.mask[
+            ~turned_pixels(np.ones(shape, bool), exemplar.turn, between=False)
+        ].any()
     )
     boxes, top = [], 0
     for row in rows:

@@ -109,8 +109,8 @@ def add_sample_mask(parser: Parser) -> None:
 def add_turn(parser: Parser) -> None:
     """Add the option of every command that can make more of a sample by mirroring and turning."""
     text = (
-        "use copies of the sample too: mirrored (flip), upside down (half), turned by quarters (4), "
-        "or all of these (8)"
+        "use copies of the sample too: mirrored (flip), upside down (half), turned by quarters "
+        "(4), or all of these (8)"
     )
     parser.add_argument("--turn", metavar="flip|half|4|8", help=text)
 

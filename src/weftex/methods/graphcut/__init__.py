@@ -142,7 +142,7 @@ class GraphCut(Method):
 
     orientations: str = parameter(
         "upright",
-        "ways that the entire sample lies: as it is, or upside down too, so that there is more of it",
+        "ways that the entire sample lies: as it is, or upside down too, so there is more of it",
         choices=("upright", "half-turns"),
         needs=("placement", ("entire",)),
     )

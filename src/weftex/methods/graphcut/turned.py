@@ -25,8 +25,8 @@ if TYPE_CHECKING:
     from weftex.methods.pixels.growth import Growth
     from weftex.turns import Box
 
-# It costs so much to show something within a third of a side of a turned copy of it, by its share of
-# what is new, but no more than the most.
+# It costs so much to show something within a third of a side of a turned copy of it, by its share
+# of what is new, but no more than the most.
 _BESIDE, _NEAR, _MOST = 10.0, 0.35, 4.0
 # A thing beside its mirror image is seen at once, and costs nothing to cut between. So that is done
 # only where nothing else can be, if more than a share of a patch lies within a seventh of a side.
@@ -105,7 +105,7 @@ class CopiesInSight:
         rows, columns = (np.arange(n) // side for n in self.sight.shape)
         own = (rows[:, None] * width + columns).astype(np.int32)
         assert exemplar.turn is not None
-        #: Of each pixel of the picture of copies, the cell of the sample that it is of, and the copy.
+        #: Of each pixel of the picture of copies, the cell of the sample, and the copy.
         self.cell_of = turned_pixels(own, exemplar.turn)
         self.copy_of = np.zeros(exemplar.shape, np.int32)
         self.cells = []
