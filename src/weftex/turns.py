@@ -87,6 +87,11 @@ def turned(sample: Sample, turn: str) -> Exemplar:
     )
 
 
+def as_made_from(exemplar: Exemplar, turn: str | None) -> Exemplar:
+    """Return the sample, or the picture of its copies that a result was made from."""
+    return exemplar if turn is None or exemplar.turn == turn else turned(exemplar, turn)
+
+
 def turned_pixels(
     pixels: NDArray[Any],
     turn: str,

@@ -22,6 +22,7 @@ from weftex.quality.spectrum import spectrum_distance
 from weftex.quality.view import middle
 from weftex.quality.wrap import wrap_seam
 from weftex.results.synthesis import Synthesis
+from weftex.turns import as_made_from
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -172,6 +173,7 @@ def assess(
     if not all(isinstance(axis, (bool, np.bool_)) for axis in axes):
         raise InvalidInputError(f"tileable is {tileable!r}; it must be True, False or two of them")
     if isinstance(result, Synthesis):
+        exemplar = as_made_from(exemplar, result.turn)
         if result.sample_shape != exemplar.shape:
             raise InvalidInputError(
                 f"the result was made from a sample of {result.sample_shape[1]}x"

@@ -21,7 +21,7 @@ from weftex.results.maps import RenderedMaps
 from weftex.results.scales import check_window, in_few_pixels, room_for, scale_to
 from weftex.results.shown import ShownResult
 from weftex.results.tone import match_tone
-from weftex.turns import as_copies, turned
+from weftex.turns import as_copies, as_made_from
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -388,8 +388,8 @@ class Synthesis(ShownResult, ABC):
             kind._check(canvas, facts.sample_shape, arrays)
         if hole is not None:
             canvas = Canvas(*facts.shape, facts.wrap, known, hole)
-        if isinstance(exemplar, Exemplar) and exemplar.turn != facts.turn is not None:
-            exemplar = turned(exemplar, facts.turn)
+        if isinstance(exemplar, Exemplar):
+            exemplar = as_made_from(exemplar, facts.turn)
         about: dict[str, Any] = {name: getattr(facts, name) for name in ABOUT}
         about |= {name: arrays[name] for name in kind.ARRAYS}
         return kind(canvas, exemplar=exemplar, **about)

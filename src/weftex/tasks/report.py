@@ -20,6 +20,7 @@ from weftex.quality.seams import Seams, seam_map
 from weftex.quality.view import middle, views
 from weftex.quality.yardstick import real_crops
 from weftex.results.synthesis import Synthesis
+from weftex.turns import as_made_from
 
 if TYPE_CHECKING:
     from collections.abc import Collection, Mapping
@@ -78,6 +79,9 @@ def report(
     exemplar = load_exemplar(sample)
     if isinstance(source, (str, os.PathLike)):
         source = Synthesis.load(source)
+    origin = source if isinstance(source, Synthesis) else result
+    if isinstance(origin, Synthesis):
+        exemplar = as_made_from(exemplar, origin.turn)
     named = "result"
     made_maps: Mapping[str, NDArray[Any]] = {}
     if isinstance(result, Synthesis):

@@ -27,7 +27,8 @@ _GRAIN = 1 / 20  # up to this no thing is large enough to be seen cut, but copie
 _STIFF = 0.02
 #: Sidedness up to which a material looks as right upside down; what is lit from a side, drips or
 #: stands has more.
-_NO_WAY_UP = 0.06
+_SIDED = 0.06
+NO_WAY_UP = ", no way up"  #: what reasons say of it
 _FEW_COLORS = 32  # drawings, labels: no mixtures of colors
 #: Pixels of the output above which the entire sample is laid only where large things are to stay
 #: whole, since other ways take a tenth of the time.
@@ -96,13 +97,13 @@ def choose(findings: Findings, canvas: Canvas) -> Choice:
         else:
             said = f"{said}, {canvas.height * canvas.width / 1e6:.3g} megapixels"
     if "orientations" in parameters:
-        said = f"{said}, no way up"
+        said += NO_WAY_UP
     return Choice(slug, parameters, f"{said}: {slug}", tuple(warnings))
 
 
 def _whole(findings: Findings) -> dict[str, Any]:
     """The entire sample, also upside down where that looks as right: things come again later."""
-    turned = {"orientations": "half-turns"} if findings.sidedness <= _NO_WAY_UP else {}
+    turned = {"orientations": "half-turns"} if findings.sidedness <= _SIDED else {}
     return {**WHOLE, **turned}
 
 

@@ -1,0 +1,146 @@
+"""Entire patches of a sample and of copies that are turned."""
+
+import numpy as np
+import pytest
+from tests.twins import graphcut_turned as twin
+
+import weftex
+from weftex.methods.graphcut import turned_kernels as kernels
+from weftex.turns import TURNS, copies_in, turned_pixels
+
+
+def laid(sample, size=(330, 300), **given):
+    given = {"method": "graphcut", "placement": "entire", "seed": 3} | given
+    return weftex.synthesize(sample, size, **given)
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_the_kernel_equals_its_twin(seed):
+    rng = np.random.default_rng(seed)
+    high, wide, copies = 4, 5, 3
+    count = high * wide
+    shown = [
+        (int(cell), int(row), int(column), int(of))
+        for cell, row, column, of in zip(
+            np.sort(rng.integers(0, count, 60)),
+            rng.integers(-9, 10, 60),
+            rng.integers(-9, 10, 60),
+            rng.integers(0, copies, 60),
+            strict=True,
+        )
+    ]
+    first = np.searchsorted([each[0] for each in shown], np.arange(count + 1)).astype(np.int32)
+    where = np.array([each[1:] for each in shown], np.int32)
+    counts, salience = rng.integers(0, 90, (2, count)).astype(np.int32)
+    weights = rng.integers(0, 64, (7, 9)).astype(np.int32)
+    mirrored, near, close = np.array([0, 1, 0], np.uint8), 9, 4
+    seen = kernels.Seen(first, where, counts, salience, weights, mirrored, near, close)
+    cells = rng.integers(0, count, (high, wide)).astype(np.int32)
+    missing = rng.integers(0, 2, (2 * high + 1, 2 * wide + 1)).astype(np.uint8)
+    places = rng.integers(0, 2, (high, wide)).astype(np.uint8)
+    for copy in range(copies):
+        sums = np.zeros((high, wide, 6), np.int64)
+        kernels.sum_seen(seen, cells, copy, missing, places, sums)
+        expected = twin.sum_seen(
+            *(shown, counts, salience, weights, mirrored, near, close),
+            *(cells, copy, missing, places),
+        )
+        np.testing.assert_array_equal(sums, expected)
+        assert expected[..., 3].any() and expected[..., 5].any()
+
+
+@pytest.mark.parametrize("turn", list(TURNS))
+@pytest.mark.parametrize("shape", [(20, 20), (20, 31), (31, 20)])
+def test_copies_are_found_in_a_picture_of_them(rng, turn, shape):
+    sample = weftex.Exemplar(rng.integers(0, 256, shape).astype(np.uint8))
+    found = weftex.turned(sample, turn)
+    copies = [copy for row in TURNS[turn] for copy in row]
+    boxes = copies_in(found)
+    assert boxes[0] == (0, 0, *shape)
+    for (top, left, height, width), (quarters, mirrored) in zip(boxes, copies, strict=True):
+        own = sample.pixels[:, ::-1] if mirrored else sample.pixels
+        part = found.pixels[top : top + height, left : left + width]
+        np.testing.assert_array_equal(part, np.rot90(own, quarters))
+
+
+@pytest.mark.parametrize("turn", list(TURNS))
+def test_every_patch_is_of_one_copy(turn):
+    """The joint line between two copies, which are beside each other, is never shown."""
+    sample = weftex.turned("sample:pebbles", turn)
+    result = laid(sample)
+    y, x = result.source[..., 0], result.source[..., 1]
+    assert sample.mask[y, x].all()
+    copy_of = np.full(sample.shape, -1)
+    for number, (top, left, height, width) in enumerate(copies_in(sample)):
+        copy_of[top : top + height, left : left + width] = number
+    shown, counts = np.unique(copy_of[y, x], return_counts=True)
+    assert len(shown) > 1 and counts.max() < 0.98 * y.size
+
+
+def test_nothing_meets_its_mirror_image():
+    """What lies across a seam from a thing is not that thing in a mirror."""
+    sample = weftex.turned("sample:pebbles", "flip")
+    height, width = weftex.read_image("sample:pebbles").pixels.shape[:2]
+    own = np.arange(height * width).reshape(height, width)
+    result = laid(sample, size=(400, 400))
+    place = turned_pixels(own, "flip")[result.source[..., 0], result.source[..., 1]]
+    column, row = place % width, place // width
+    mirrored = result.source[..., 1] > width
+    beside = mirrored[:, 1:] != mirrored[:, :-1]
+    apart = np.abs(np.diff(column, axis=1)) + np.abs(np.diff(row, axis=1))
+    assert beside.sum() > 100
+    assert (apart[beside] < 8).mean() < 0.1
+
+
+def test_half_turns_are_laid_by_name_and_replayed(tmp_path):
+    result = laid("sample:leaves", orientations="half-turns")
+    assert result.provenance["orientations"] == "half-turns"
+    assert result.turn == "half"
+    leaves = weftex.read_image("sample:leaves").pixels
+    half = leaves.shape[1]
+    share = (result.source[..., 1] > half).mean()
+    assert 0.02 < share < 0.98
+    result.save(tmp_path / "r.npz")
+    again = weftex.Synthesis.load(tmp_path / "r.npz", weftex.load_exemplar("sample:leaves"))
+    np.testing.assert_array_equal(again.image, result.image)
+
+
+@pytest.mark.parametrize("threads", [1, 2, 3])
+def test_half_turns_do_not_hang_on_threads(threads):
+    expected = laid("sample:leaves", size=300, orientations="half-turns", threads=2)
+    found = laid("sample:leaves", size=300, orientations="half-turns", threads=threads)
+    np.testing.assert_array_equal(found.image, expected.image)
+
+
+def test_without_variety_copies_are_laid_too():
+    result = laid("sample:pebbles", orientations="half-turns", variety=0)
+    assert (result.source >= 0).all()
+
+
+def test_wrapped_and_larger_and_smaller_canvases():
+    for size, tileable in (((90, 400), True), ((40, 40), False), ((300, 100), "x")):
+        result = laid("sample:pebbles", size=size, tileable=tileable, orientations="half-turns")
+        assert result.image.shape[:2] == size
+
+
+def test_what_cannot_be_turned_is_refused():
+    with pytest.raises(weftex.InvalidInputError, match="orientations .*placement"):
+        weftex.GraphCut(orientations="half-turns")
+    with pytest.raises(weftex.InvalidInputError, match="share no lattice"):
+        laid("sample:tiles", orientations="half-turns", lattice=(31, 0, 0, 102))
+    with pytest.raises(weftex.InvalidInputError, match="turned copies already"):
+        laid(weftex.turned("sample:pebbles", "4"), orientations="half-turns")
+
+
+def test_auto_turns_what_has_no_way_up_and_all_else_goes_on(tmp_path):
+    """Reports, figures and replay take the sample as it was."""
+    made = weftex.synthesize("sample:leaves", 300, seed=3)
+    assert made.provenance["orientations"] == "half-turns"
+    assert "no way up" in made.provenance["reason"]
+    names = ("method", "placement", "orientations", "tries", "seed")
+    again = weftex.synthesize("sample:leaves", 300, **{k: made.provenance[k] for k in names})
+    np.testing.assert_array_equal(again.image, made.image)
+    leaves = weftex.load_exemplar("sample:leaves")
+    assert weftex.assess(leaves, made).score == weftex.report(leaves, made).assessment.score
+    upright = weftex.synthesize("sample:pebbles", 300, seed=3)
+    assert upright.provenance.get("orientations", "upright") == "upright"
