@@ -19,7 +19,7 @@ from weftex.quality.patches import patch_distance
 from weftex.quality.repetition import repetition
 from weftex.quality.sharpness import sharpness
 from weftex.quality.spectrum import spectrum_distance
-from weftex.quality.view import middle
+from weftex.quality.view import middle, view_of
 from weftex.quality.wrap import wrap_seam
 from weftex.results.synthesis import Synthesis
 from weftex.turns import as_made_from
@@ -172,12 +172,13 @@ def assess(
     axes = tileable if isinstance(tileable, tuple) and len(tileable) == 2 else (tileable or False,)
     if not all(isinstance(axis, (bool, np.bool_)) for axis in axes):
         raise InvalidInputError(f"tileable is {tileable!r}; it must be True, False or two of them")
+    pictured = exemplar
     if isinstance(result, Synthesis):
-        exemplar = as_made_from(exemplar, result.turn)
-        if result.sample_shape != exemplar.shape:
+        pictured = as_made_from(exemplar, result.turn)
+        if result.sample_shape != pictured.shape:
             raise InvalidInputError(
                 f"the result was made from a sample of {result.sample_shape[1]}x"
-                f"{result.sample_shape[0]}, not {exemplar.shape[1]}x{exemplar.shape[0]}"
+                f"{result.sample_shape[0]}, not {pictured.shape[1]}x{pictured.shape[0]}"
             )
         if source is None:
             source = made_from(result)
@@ -185,12 +186,24 @@ def assess(
             tileable = result.canvas.wrap
         result = result.image if result.exemplar is not None else result.render(exemplar)
     wrap = tileable if isinstance(tileable, tuple) else (bool(tileable),) * 2
+    return measured(exemplar, result, source, pictured, wrap)
+
+
+def measured(
+    exemplar: Exemplar,
+    result: NDArray[Any],
+    source: NDArray[Any] | None,
+    pictured: Exemplar,
+    wrap: tuple[bool, bool],
+) -> Assessment:
+    """See `assess`; the source has places in `pictured`, the sample or a picture of its copies."""
     eye, used = Eye(exemplar), None
     own, whole = eye.own, eye.view(result)
     made = whole.center(LARGEST_MEASURED)
     if source is not None:
-        source = check_source(source, own.shape, whole.shape)
-        used = copying(own, made, middle(source, made.shape))
+        source = check_source(source, pictured.shape, whole.shape)
+        copied = own if pictured is exemplar else view_of(pictured)
+        used = copying(copied, made, middle(source, made.shape))
     came_back = repetition(own, made, eye.lattice)
     patches, scales = patch_distance(own, made)
     color_difference, color = color_distance(own, made)

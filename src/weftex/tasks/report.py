@@ -13,7 +13,7 @@ from weftex.exemplar import Exemplar, check_pixels
 from weftex.loading import load_exemplar
 from weftex.pages.html import as_shown
 from weftex.pages.report import MapReport, Report
-from weftex.quality.assess import LARGEST_MEASURED, assess, made_from
+from weftex.quality.assess import LARGEST_MEASURED, assess, made_from, measured
 from weftex.quality.copying import check_source
 from weftex.quality.repetition import repetition, repetition_map
 from weftex.quality.seams import Seams, seam_map
@@ -80,8 +80,8 @@ def report(
     if isinstance(source, (str, os.PathLike)):
         source = Synthesis.load(source)
     origin = source if isinstance(source, Synthesis) else result
-    if isinstance(origin, Synthesis):
-        exemplar = as_made_from(exemplar, origin.turn)
+    turn = origin.turn if isinstance(origin, Synthesis) else None
+    pictured = as_made_from(exemplar, turn)
     named = "result"
     made_maps: Mapping[str, NDArray[Any]] = {}
     if isinstance(result, Synthesis):
@@ -97,15 +97,16 @@ def report(
     if isinstance(source, Synthesis):
         provenance = source.provenance
         tileable = source.canvas.wrap if tileable is None else tileable
-        if source.sample_shape != exemplar.shape or source.shape != pixels.shape[:2]:
+        if source.sample_shape != pictured.shape or source.shape != pixels.shape[:2]:
             raise InvalidInputError(
                 f"the source makes {_size(source.shape)} from {_size(source.sample_shape)}, but "
-                f"result and sample are {_size(pixels.shape)} and {_size(exemplar.shape)}"
+                f"result and sample are {_size(pixels.shape)} and {_size(pictured.shape)}"
             )
-        notes += _another(source, exemplar, pixels)
+        notes += _another(source, pictured, pixels)
         source = made_from(source)
     wraps = False if tileable is None else tileable
-    found = assess(exemplar, pixels, source, tileable=wraps)
+    both = wraps if isinstance(wraps, tuple) else (wraps, wraps)
+    found = measured(exemplar, pixels, source, pictured, both)
     same = {name: _same_map(name, made_maps) for name in exemplar.maps}
     if source is None:
         notes.append("Without a source it is not known what was copied from where.")
@@ -124,7 +125,7 @@ def report(
         result_name=named,
         assessment=found,
         real=real_crops(exemplar),
-        maps=fault_maps(exemplar, pixels, source),
+        maps=fault_maps(exemplar, pixels, source, pictured),
         provenance=provenance,
         notes=tuple(notes),
         of_maps={
@@ -167,7 +168,10 @@ def _another(source: Synthesis, exemplar: Exemplar, pixels: NDArray[Any]) -> lis
 
 
 def fault_maps(
-    exemplar: Exemplar, pixels: NDArray[Any], source: NDArray[Any] | None
+    exemplar: Exemplar,
+    pixels: NDArray[Any],
+    source: NDArray[Any] | None,
+    pictured: Exemplar | None = None,
 ) -> dict[str, Bytes]:
     """Draw where a result fails: the pictures of a `Report`, by their names.
 
@@ -179,6 +183,8 @@ def fault_maps(
         The result.
     source : int array (H, W, 2) or None
         See `report`.
+    pictured : Exemplar, optional
+        What the source has places in, if that is a picture of the sample's copies.
 
     Returns
     -------
@@ -186,8 +192,9 @@ def fault_maps(
         Of the middle of large results; `use` is of the sample.
     """
     shape = (min(pixels.shape[0], LARGEST_MEASURED), min(pixels.shape[1], LARGEST_MEASURED))
+    pictured = exemplar if pictured is None else pictured
     if source is not None:
-        source = middle(check_source(source, exemplar.shape, pixels.shape[:2]), shape)
+        source = middle(check_source(source, pictured.shape, pixels.shape[:2]), shape)
     pixels = middle(pixels, shape)
     own, made = views(exemplar, pixels)
     picture = as_shown(exemplar, pixels)
@@ -202,16 +209,16 @@ def fault_maps(
             maps["repetition"] = _marked(picture, strength, (255, 0, 200))
     if source is not None:
         known = source[..., 0] >= 0
-        scale = 255 / np.maximum(np.array(exemplar.shape) - 1, 1)
+        scale = 255 / np.maximum(np.array(pictured.shape) - 1, 1)
         color = np.full((*made.shape, 3), 96, np.uint8)
         color[..., 1::-1] = np.rint(np.maximum(source, 0) * scale)
         color[~known] = 0
         maps["source"] = color
-        count = np.zeros(exemplar.shape)
+        count = np.zeros(pictured.shape)
         np.add.at(count, (source[known][:, 0], source[known][:, 1]), 1)
         usual = max(float(count.mean()), 1e-9)
         often = np.clip(np.log2((count + usual / 8) / usual) / 3, -1, 1)
-        shown = as_shown(exemplar, exemplar.pixels)
+        shown = as_shown(pictured, pictured.pixels)
         seldom = _marked(shown, np.maximum(-often, 0), (0, 90, 255))
         maps["use"] = _marked(seldom, np.maximum(often, 0), (255, 150, 0), 1.0)
     return maps
