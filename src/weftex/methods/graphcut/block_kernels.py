@@ -93,6 +93,7 @@ def choose(
                 for j in range(left, right):
                     graph.choice[i, j] = choice_of(
                         picture,
+                        sample,
                         usable,
                         on_canvas(picture, patch, i, j),
                         in_sample(sample, patch, i, j),
