@@ -9,6 +9,7 @@ Compiled by Cython, see setup.py.
 
 import cython
 from cython.cimports.libc.limits import LLONG_MAX
+from cython.cimports.libc.string import memset
 
 # A direction is right, down, left or up; the opposite of d is d ^ 2. A Node: see the .pxd.
 
@@ -273,30 +274,23 @@ def plant(capacities: Capacities, trees: Trees) -> cython.longlong:
     trees.now = 1
     for y in range(height + 2):
         for x in range(width + 2):
+            memset(node, 0, cython.sizeof(Node))
             node.parent = NOBODY
-            node.tree = 0
-            node.distance = 0
-            node.stamp = 0
-            node.waits = 0
-            if y == 0 or x == 0 or y > height or x > width:
-                for d in range(4):
-                    node.arcs[d] = 0
-                node += 1
-                continue
-            arcs = cython.address(capacities.arcs[y - 1, x - 1, 0])
-            node.arcs[0] = arcs[0] if x < width else 0
-            node.arcs[1] = arcs[1] if y < height else 0
-            node.arcs[2] = arcs[2] if x > 1 else 0
-            node.arcs[3] = arcs[3] if y > 1 else 0
-            source = capacities.source[y - 1, x - 1]
-            sink = capacities.sink[y - 1, x - 1]
-            flow += min(source, sink)
-            node.terminal = source - sink
-            if source != sink:
-                node.tree = SOURCE if source > sink else SINK
-                node.parent = ROOT
-                node.distance = 1
-                wake(trees, node)
+            if y > 0 and x > 0 and y <= height and x <= width:
+                arcs = cython.address(capacities.arcs[y - 1, x - 1, 0])
+                node.arcs[0] = arcs[0] if x < width else 0
+                node.arcs[1] = arcs[1] if y < height else 0
+                node.arcs[2] = arcs[2] if x > 1 else 0
+                node.arcs[3] = arcs[3] if y > 1 else 0
+                source = capacities.source[y - 1, x - 1]
+                sink = capacities.sink[y - 1, x - 1]
+                flow += min(source, sink)
+                node.terminal = source - sink
+                if source != sink:
+                    node.tree = SOURCE if source > sink else SINK
+                    node.parent = ROOT
+                    node.distance = 1
+                    wake(trees, node)
             node += 1
     return flow
 

@@ -93,6 +93,7 @@ def choose(
                 for j in range(left, right):
                     graph.choice[i, j] = choice_of(
                         picture,
+                        sample,
                         usable,
                         on_canvas(picture, patch, i, j),
                         in_sample(sample, patch, i, j),
@@ -187,16 +188,27 @@ def add_mixed(
 ) -> cython.longlong:
     """Add the pairs of a mixed block's pixels and their right and lower neighbors."""
     cython.declare(i=cython.Py_ssize_t, j=cython.Py_ssize_t, d=cython.int, may=cython.int)
-    cython.declare(joined=cython.bint, inside=cython.bint)
+    cython.declare(joined=cython.bint, inside=cython.bint, run=cython.int)
     bottom: cython.Py_ssize_t = min((v + 1) << halvings, patch.rows.shape[0])
     right: cython.Py_ssize_t = min((u + 1) << halvings, patch.columns.shape[0])
+    left: cython.Py_ssize_t = u << halvings
+    # What goes on is of one choice, too, if the patch may replace all of it.
+    leap: cython.bint = sample.whole and (
+        patch.columns[right - 1] - patch.columns[left] == right - 1 - left
+    )
     fixed: cython.longlong = 0
     for i in range(v << halvings, bottom):
-        for j in range(u << halvings, right):
+        j = left - 1
+        while j + 1 < right:
+            j += 1
             may = graph.choice[i, j]
             if may == NOTHING:
                 continue
-            joined = may == NEW or picture.runs[on_canvas(picture, patch, i, j)] > 0
+            run = picture.runs[on_canvas(picture, patch, i, j)]
+            if leap and run > 1 and may == EITHER and i + 1 < bottom and j + 1 < right:
+                j = min(j + run, right - 1) - 1
+                continue
+            joined = may == NEW or run > 0
             for d in range(2):
                 inside = i + 1 < bottom if d else j + 1 < right
                 if inside and joined and graph.choice[i + d, j + 1 - d] == may:

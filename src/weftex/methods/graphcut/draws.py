@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from weftex.methods.graphcut.match_kernels import best_places
 from weftex.random import draw
 
 if TYPE_CHECKING:
@@ -45,20 +46,25 @@ def drawn_places(
     """
     seed, number, count = draws
     allowed = allowed & (costs < np.inf)
-    if spread > 0:
-        left = np.where(allowed, chances_of(costs, allowed, spread), 0)
-    else:
-        left = np.where(allowed, costs, np.inf)
+    several, near = draw(seed, "patch", number, np.arange(count)), [n // _APART for n in size]
+    if spread <= 0:
+        left = np.ascontiguousarray(np.where(allowed, costs, np.inf))
+        places = np.empty((count, 2), np.int32)
+        many = best_places(left, several, tuple(near), places) if left.size else 0
+        return [(y, x) for y, x in places[:many].tolist()]
+    chances = np.where(allowed, chances_of(costs, allowed, spread), 0)
     found: list[tuple[int, int]] = []
-    for bits in draw(seed, "patch", number, np.arange(count)):
-        at = _by_chance(left, int(bits)) if spread > 0 else _of_the_best(left, int(bits))
+    for bits in several:
+        at = _by_chance(chances, int(bits))
         if at is None:
             break
-        y, x = divmod(at, left.shape[1])
+        y, x = divmod(at, chances.shape[1])
         found.append((y, x))
-        near_y, near_x = (length // _APART for length in size)
-        around = np.s_[max(y - near_y, 0) : y + near_y + 1, max(x - near_x, 0) : x + near_x + 1]
-        left[around] = 0 if spread > 0 else np.inf
+        rows, columns = (
+            slice(max(middle - reach, 0), middle + reach + 1)
+            for middle, reach in zip((y, x), near, strict=True)
+        )
+        chances[rows, columns] = 0
     return found
 
 
@@ -68,15 +74,6 @@ def _by_chance(chances: NDArray[np.int64], bits: int) -> int | None:
     if not sums[-1]:
         return None
     return int(sums.searchsorted(bits % int(sums[-1]), side="right"))
-
-
-def _of_the_best(costs: NDArray[np.float64], bits: int) -> int | None:
-    """One of the places that cost least, flat; None where all costs are infinite."""
-    least = costs.min()
-    if least == np.inf:
-        return None
-    best = np.flatnonzero(costs == least)
-    return int(best[bits % len(best)])
 
 
 def chances_of(

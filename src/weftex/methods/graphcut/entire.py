@@ -157,10 +157,7 @@ class EntirePatchMatching:
         """The patches of places that were drawn on a smaller copy."""
         pixel, boxes, places, (_, prices, _, k) = found
         full = places_in_full(drawn, boxes[: k + 1], self.copies, places, self.reach, map_)
-        return [
-            self._clipped(pixel, at, float(prices[place]))
-            for at, place in zip(full, drawn, strict=True)
-        ]
+        return self._clipped(pixel, full, [float(prices[place]) for place in drawn])
 
     def _places(
         self, pixel: tuple[int, int], middle: NDArray[np.uint8], near: bool
@@ -223,24 +220,26 @@ class EntirePatchMatching:
             costs[area == 0] = np.inf
         return costs
 
-    def _clipped(self, pixel: tuple[int, int], at: tuple[int, int], price: float) -> Place:
-        """The part of the sample that is on the canvas if its pixel `at` lies on this one."""
+    def _clipped(
+        self, pixel: tuple[int, int], found: list[tuple[int, int]], prices: list[float]
+    ) -> list[Place]:
+        """The part of the sample that is on the canvas if these pixels of it lie on this one."""
         tops, lengths, sources = [], [], []
-        for p, s, side, size, (low, high), wraps in zip(
-            pixel, at, self.usable.shape, self.size, self.holes, self.canvas.wrap,
-            strict=True,
+        for p, at, side, size, (low, high), wraps in zip(
+            pixel, np.array(found).reshape(-1, 2).T, self.usable.shape, self.size, self.holes,
+            self.canvas.wrap, strict=True,
         ):  # fmt: skip
-            first, last = p - s, p - s + side
+            start = p - at
             if wraps:
-                first = max(first, p - size // 2)
-                last = min(last, first + size)
+                first = np.maximum(start, p - size // 2)
+                last = np.minimum(start + side, first + size)
             else:
-                first, last = max(first, low), min(last, high)
+                first, last = np.maximum(start, low), np.minimum(start + side, high)
             tops.append(first)
             lengths.append(last - first)
-            sources.append(first - (p - s))
-        (top, left), (height, width), (y, x) = tops, lengths, sources
-        return Place(top, left, height, width, y, x, price)
+            sources.append(first - start)
+        boxes = (part.tolist() for part in (*tops, *lengths, *sources))
+        return [Place(*box) for box in zip(*boxes, prices, strict=True)]
 
 
 def _ends(some: NDArray[np.bool_]) -> tuple[int, int]:

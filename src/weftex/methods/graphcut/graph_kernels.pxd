@@ -45,10 +45,11 @@ cdef inline int in_sample(Sample sample, Patch patch, Py_ssize_t i, Py_ssize_t j
     """What the patch has there, flat."""
     return patch.from_rows[i] * sample.width + patch.from_columns[j]
 
-cdef inline unsigned char choice_of(Picture picture, const unsigned char[::1] usable, int p,
+cdef inline unsigned char choice_of(Picture picture, Sample sample,
+                                    const unsigned char[::1] usable, int p,
                                     int label) noexcept nogil:
     """The choice that a pixel of the canvas has where a patch has this label."""
-    if not usable[label] or (picture.done[p] and picture.known[p]):
+    if not (sample.whole or usable[label]) or (picture.done[p] and picture.known[p]):
         return OLD if picture.done[p] else NOTHING
     return EITHER if picture.done[p] else NEW
 

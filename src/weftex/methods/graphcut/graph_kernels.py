@@ -6,6 +6,7 @@ same cost.
 """
 
 import cython
+from cython.cimports.libc.string import memset
 from cython.cimports.weftex.methods.graphcut.seam_kernels import (
     Picture,
     Sample,
@@ -163,14 +164,13 @@ def add_pair(
 @cython.exceptval(check=False)
 def clear(patch: Patch, graph: Graph, halvings: cython.int) -> cython.void:
     """A graph without arcs."""
-    cython.declare(i=cython.Py_ssize_t, j=cython.Py_ssize_t, d=cython.int)
+    cython.declare(i=cython.Py_ssize_t)
+    row: cython.size_t = blocks(patch.columns.shape[0], halvings) * cython.sizeof(cython.int)
     graph.before = 0
     for i in range(blocks(patch.rows.shape[0], halvings)):
-        for j in range(blocks(patch.columns.shape[0], halvings)):
-            graph.old[i, j] = 0
-            graph.new[i, j] = 0
-            for d in range(4):
-                graph.arcs[i, j, d] = 0
+        memset(cython.address(graph.old[i, 0]), 0, row)
+        memset(cython.address(graph.new[i, 0]), 0, row)
+        memset(cython.address(graph.arcs[i, 0, 0]), 0, 4 * row)
 
 
 @cython.cfunc
