@@ -29,6 +29,8 @@ ROWS = (-5.46, 0.0, 3.01)
 JOINTS = (-5.93, 13.96)
 #: The same of a second family of joints, that crosses rows.
 CROSSINGS = (-4.78, 15.82)
+#: The same of stripes along both vectors of a lattice.
+STRIPES = (-2.09, 12.34)
 #: What 1, and how surely joints within rows tell their bond, weigh.
 BONDS = (-9.02, 3.06)
 
@@ -55,6 +57,7 @@ class Evidence:
         Of multiples.
     kind : str
         "joints" of rows that joints tell: `clear` is how far edges of different strips are alike;
+        "crossings" of what crosses them, and "stripes" of levels along both vectors of a lattice;
         "bonds" of the bond of rows: `clear` is how surely it is told.
     """
 
@@ -68,7 +71,7 @@ class Evidence:
     def figures(self) -> tuple[float, ...]:
         """What is weighed; each grows more slowly the larger it is."""
         contrast, clear = max(self.contrast, 0.0), max(self.clear, 0.0)
-        if self.kind in ("joints", "crossings"):
+        if self.kind in ("joints", "crossings", "stripes"):
             return 1.0, math.sqrt(contrast * clear)
         if self.kind == "bonds":
             return 1.0, clear
@@ -86,6 +89,7 @@ class Evidence:
         weights: tuple[float, ...] = {
             "joints": JOINTS,
             "crossings": CROSSINGS,
+            "stripes": STRIPES,
             "bonds": BONDS,
         }.get(self.kind, plain)
         total = sum(part * weight for part, weight in zip(self.figures, weights, strict=True))
