@@ -3,8 +3,9 @@
 import numpy as np
 import pytest
 
+from weftex.analysis import candidates
 from weftex.analysis.bonds import Bonds
-from weftex.analysis.candidates import among_rows, bond_seen, courses_seen
+from weftex.analysis.candidates import among_rows, bond_seen, courses_seen, within_rows
 from weftex.analysis.evidence import SUREST, Evidence
 from weftex.analysis.joints import Joints, checked, contrast, find_courses
 from weftex.analysis.lattice import Lattice, find_lattice
@@ -140,3 +141,22 @@ def test_a_copy_in_the_whitened_sample_alone_is_no_pair(rng):
     seen = views(Exemplar(rng.integers(0, 256, (128, 128), np.uint8)))
     copy, faint = (Evidence(np.array([[60.0, 0], [0, 50]]), c, 14.0, 6) for c in (-0.03, 0.01))
     assert among_rows(seen, copy) is None and among_rows(seen, faint) is faint
+
+
+@pytest.mark.parametrize(
+    ("across", "within", "sure"), [(0.35, 3.7, 2), (0.1, 3.7, 1), (0.35, 2.5, 1)]
+)
+def test_a_bond_is_sure_where_joints_across_rows_and_within_them_tell_it(
+    rng, monkeypatch, across, within, sure
+):
+    """Neither alone is: rows without a bond have one or the other by chance."""
+    seen = views(Exemplar(courses(rng, [36] * 6)))
+    vectors = np.array([[50.0, 0.0], [25.0, 36.0]])
+    crossing = Evidence(vectors, across, across, 3, "crossings")
+    bond = Evidence(vectors, 0.0, within, 1, "bonds")
+    monkeypatch.setattr(candidates, "_LEAST_CROSSINGS", 0.95)
+    monkeypatch.setattr(candidates, "crossings_seen", lambda *_: crossing)
+    monkeypatch.setattr(candidates, "bond_seen", lambda *_: bond)
+    rows = Evidence(vectors[1:] * [0, 1], 0.3, 5.0, 4)
+    assert bond.confidence < 0.92
+    assert len(within_rows(seen, rows).vectors) == sure

@@ -33,7 +33,7 @@ if TYPE_CHECKING:
 LEAST = 0.5  # confidence of what is reported
 CLEAR = 0.945  # the same, of a pair that nothing else is asked of
 _LEAST_CROSSINGS = 0.6  # the same of what crosses rows, which are surer
-_LEAST_STRIPES = 0.9  # the same of stripes along both vectors: setts in courses had up to 0.8
+_LEAST_STRIPES = 0.94  # the same of stripes along both vectors: setts in courses had up to 0.91
 _LEAST_BOND = 0.92  # the same of the bond of rows: of 150 rows without one the surest had 0.91
 _NOTHING = -0.02  # contrast, less its error, that says of a pair that it is not seen
 _BETTER = 1.5  # times as surely as a pair, that another bond of its rows must be told
@@ -206,16 +206,18 @@ def among_rows(seen: Views, pair: Evidence) -> Evidence | None:
 
 
 def within_rows(seen: Views, rows: Evidence) -> Evidence:
-    """The lattice that joints across rows tell, or those within them; or the rows alone."""
-    sure = [
-        one
-        for one, least in (
-            (crossings_seen(seen, rows), _LEAST_CROSSINGS),
-            (bond_seen(seen, rows), _LEAST_BOND),
-        )
-        if one is not None and one.confidence >= least
-    ]
-    return max(sure, key=lambda one: _clear(seen, one.vectors), default=rows)
+    """The lattice that joints across rows tell, or those within them; or the rows alone.
+
+    Rows without a bond have neither, so where each is too faint both together may be sure.
+    """
+    found = [one for one in (crossings_seen(seen, rows), bond_seen(seen, rows)) if one is not None]
+    least = {"crossings": _LEAST_CROSSINGS, "bonds": _LEAST_BOND, "both": _LEAST_BOND}
+    if len(found) == 2:
+        across, within = found
+        told = {"contrast": across.figures[1], "clear": within.clear, "kind": "both"}
+        found += [replace(one, **told) for one in found]
+    sure = [one for one in found if one.confidence >= least[one.kind]]
+    return max(sure, key=lambda one: (_clear(seen, one.vectors), one.confidence), default=rows)
 
 
 def crossings_seen(seen: Views, rows: Evidence) -> Evidence | None:

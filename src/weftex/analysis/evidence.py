@@ -33,6 +33,8 @@ CROSSINGS = (-4.78, 15.82)
 STRIPES = (-2.09, 12.34)
 #: What 1, and how surely joints within rows tell their bond, weigh.
 BONDS = (-9.02, 3.06)
+#: The same where joints that cross rows are asked, too, whose figure of `CROSSINGS` weighs most.
+BOTH = (-10.0, 3.06, 10.0)
 
 #: Of the surest: some tiles pass for lattices that are part of one, whatever is seen.
 SUREST = 0.95
@@ -58,7 +60,8 @@ class Evidence:
     kind : str
         "joints" of rows that joints tell: `clear` is how far edges of different strips are alike;
         "crossings" of what crosses them, and "stripes" of levels along both vectors of a lattice;
-        "bonds" of the bond of rows: `clear` is how surely it is told.
+        "bonds" of the bond of rows: `clear` is how surely it is told; "both" of that and of what
+        crosses rows: `contrast` is what weighs there.
     """
 
     vectors: NDArray[np.float64]
@@ -75,6 +78,8 @@ class Evidence:
             return 1.0, math.sqrt(contrast * clear)
         if self.kind == "bonds":
             return 1.0, clear
+        if self.kind == "both":
+            return 1.0, clear, contrast
         return 1.0, contrast / (_HALF + contrast), math.asinh(clear * self.number**0.5)
 
     @property
@@ -91,6 +96,7 @@ class Evidence:
             "crossings": CROSSINGS,
             "stripes": STRIPES,
             "bonds": BONDS,
+            "both": BOTH,
         }.get(self.kind, plain)
         total = sum(part * weight for part, weight in zip(self.figures, weights, strict=True))
         return SUREST / (1 + math.exp(-min(max(total, -_MOST), _MOST)))
