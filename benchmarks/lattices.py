@@ -106,9 +106,11 @@ def look(kind: str, real: bool, fitted: bool, pixels: NDArray, truth: Vectors) -
             shown = min(height, width) >= 3 * float(np.hypot(*truth[0]))
         pair, rows = better(seen, pairs_seen(seen)), rows_seen(seen)
         pair = pair and in_turn(seen, pair)
+        one_of = (pair, rows, courses_seen(seen, rows))
+        if pair is not None and pair.kind:  # has other figures, and nothing else is asked
+            one_of = (None, None, None)
         figures = [
-            one and (one.figures, is_right(_plain(one, seen.flat.step), truth))
-            for one in (pair, rows, courses_seen(seen, rows))
+            one and (one.figures, is_right(_plain(one, seen.flat.step), truth)) for one in one_of
         ]
         made.append(Case(kind, real, fitted, crop, truth, found, shown, seconds, *figures))
     return made

@@ -3,10 +3,11 @@
 import numpy as np
 import pytest
 
+from weftex.analysis import candidates
 from weftex.analysis.bonds import Bonds
-from weftex.analysis.candidates import among_rows, bond_seen, courses_seen
+from weftex.analysis.candidates import among_rows, bond_seen, courses_seen, within_rows
 from weftex.analysis.evidence import SUREST, Evidence
-from weftex.analysis.joints import Joints, contrast, find_courses
+from weftex.analysis.joints import Joints, checked, contrast, find_courses
 from weftex.analysis.lattice import Lattice, find_lattice
 from weftex.analysis.relief import Relief, relief
 from weftex.analysis.views import views
@@ -109,7 +110,53 @@ def test_rows_of_a_bond_are_told_by_the_joints_within_them(rng):
     assert bond_seen(seen, courses_seen(seen, None)).clear < 3
 
 
+def test_checks_of_which_two_are_seen_are_as_sure_as_others(rng):
+    """Dirt hides them from the correlation, in which they have few multiples."""
+    side = 208
+    warp, weft = (np.tanh(4 * np.sin(2 * np.pi * np.arange(side) / n)) for n in (70, 100))
+    waves = np.hypot(np.fft.fftfreq(side)[:, None], np.fft.rfftfreq(side))
+    soft = np.exp(-2 * (np.pi * 10 * waves) ** 2)
+    dirt = np.fft.irfft2(np.fft.rfft2(rng.normal(size=(side, side))) * soft)
+    levels = 128 + 16 * np.add.outer(weft, warp) + 14 * dirt / dirt.std()
+    levels += rng.normal(0, 10, levels.shape)
+    found = find_lattice(Exemplar(np.clip(np.rint(levels), 0, 255).astype(np.uint8)))
+    assert found is not None and found.same_as(Lattice(((70, 0), (0, 100))), 0.08)
+    assert found.confidence > 0.9
+
+
+def test_stripes_of_any_width_are_no_checks(rng):
+    """They run on, and come at no distance."""
+    ends = np.zeros(208)
+    ends[np.cumsum(rng.integers(12, 60, 8))[:6] % 208] = 1
+    tone = np.cumsum(ends) % 2 * 100 + 60
+    plain = np.add.outer(tone, tone[::-1]) + rng.normal(0, 10, (208, 208))
+    flat = relief(Exemplar(np.clip(np.rint(plain), 0, 255).astype(np.uint8)))
+    for high in (40, 60, 80, 100):
+        told = checked(flat, np.array([[70.0, 0.0], [0.0, high]]))
+        assert told.contrast < 0.3 < told.alike
+    assert checked(flat, np.array([[70.0, 0.0], [0.0, 8.0]])) is None
+
+
 def test_a_copy_in_the_whitened_sample_alone_is_no_pair(rng):
     seen = views(Exemplar(rng.integers(0, 256, (128, 128), np.uint8)))
     copy, faint = (Evidence(np.array([[60.0, 0], [0, 50]]), c, 14.0, 6) for c in (-0.03, 0.01))
     assert among_rows(seen, copy) is None and among_rows(seen, faint) is faint
+
+
+@pytest.mark.parametrize(
+    ("across", "within", "sure"), [(0.35, 3.7, 2), (0.1, 3.7, 1), (0.35, 2.5, 1)]
+)
+def test_a_bond_is_sure_where_joints_across_rows_and_within_them_tell_it(
+    rng, monkeypatch, across, within, sure
+):
+    """Neither alone is: rows without a bond have one or the other by chance."""
+    seen = views(Exemplar(courses(rng, [36] * 6)))
+    vectors = np.array([[50.0, 0.0], [25.0, 36.0]])
+    crossing = Evidence(vectors, across, across, 3, "crossings")
+    bond = Evidence(vectors, 0.0, within, 1, "bonds")
+    monkeypatch.setattr(candidates, "_LEAST_CROSSINGS", 0.95)
+    monkeypatch.setattr(candidates, "crossings_seen", lambda *_: crossing)
+    monkeypatch.setattr(candidates, "bond_seen", lambda *_: bond)
+    rows = Evidence(vectors[1:] * [0, 1], 0.3, 5.0, 4)
+    assert bond.confidence < 0.92
+    assert len(within_rows(seen, rows).vectors) == sure

@@ -17,7 +17,7 @@ from weftex.analysis.alternation import alternating
 from weftex.analysis.bonds import Bonds
 from weftex.analysis.evidence import Evidence
 from weftex.analysis.goodness import contrast_of, rate, reach_of, stand_out
-from weftex.analysis.joints import Courses, find_courses, rated
+from weftex.analysis.joints import Courses, checked, find_courses, rated
 from weftex.analysis.pairs import MOST_MULTIPLES, best_pair, fitted, made_of, reduced
 from weftex.analysis.rows import find_rows, ridges
 
@@ -31,7 +31,9 @@ if TYPE_CHECKING:
     Floats = NDArray[np.float64]
 
 LEAST = 0.5  # confidence of what is reported
+CLEAR = 0.945  # the same, of a pair that nothing else is asked of
 _LEAST_CROSSINGS = 0.6  # the same of what crosses rows, which are surer
+_LEAST_STRIPES = 0.94  # the same of stripes along both vectors: setts in courses had up to 0.91
 _LEAST_BOND = 0.92  # the same of the bond of rows: of 150 rows without one the surest had 0.91
 _NOTHING = -0.02  # contrast, less its error, that says of a pair that it is not seen
 _BETTER = 1.5  # times as surely as a pair, that another bond of its rows must be told
@@ -56,10 +58,34 @@ def pairs_seen(seen: Views, goodness: str = "contrast") -> list[Evidence]:
     """
     found: list[Evidence] = []
     for field in (seen.field, seen.white) if goodness == "contrast" else (seen.field,):
-        vectors = best_pair(field, goodness)
-        if vectors is not None:
-            found.append(evidence_of(seen, vectors))
+        both = best_pair(field, goodness)
+        if both is None:
+            continue
+        one = evidence_of(seen, both[1])
+        if goodness == "contrast" and field is seen.field:
+            one = _of_checks(seen, both[0], one)
+        found.append(one)
     return found
+
+
+def _of_checks(seen: Views, highest: Floats, settled: Evidence) -> Evidence:
+    """The highest pair, where stripes along both vectors tell it, or what it was made into.
+
+    A check has few multiples in a sample, no joints, and nothing that whitening leaves but its
+    threads, of which it seems to be made.
+    """
+    times = made_of(highest, settled.vectors)
+    if times is None:
+        return settled
+    smaller = abs(np.linalg.det(times)) > 1.5
+    if settled.confidence >= CLEAR and not smaller:
+        return settled
+    told = checked(seen.flat, highest)
+    if told is None:
+        return settled
+    found = Evidence(highest, told.contrast, told.alike, told.number, "stripes")
+    least = _LEAST_STRIPES if smaller else max(_LEAST_STRIPES, settled.confidence)
+    return found if found.confidence >= least else settled
 
 
 def better(seen: Views, pairs: Sequence[Evidence]) -> Evidence | None:
@@ -72,6 +98,8 @@ def better(seen: Views, pairs: Sequence[Evidence]) -> Evidence | None:
     if len(pairs) < 2:
         return pairs[0] if pairs else None
     first, second = pairs
+    if first.kind == "stripes":
+        return first
     if max(second.contrast, 0.0) < max(first.contrast, 0.0) / 2:
         return first
     if made_of(second.vectors, first.vectors) is not None:  # or they are one lattice
@@ -178,16 +206,18 @@ def among_rows(seen: Views, pair: Evidence) -> Evidence | None:
 
 
 def within_rows(seen: Views, rows: Evidence) -> Evidence:
-    """The lattice that joints across rows tell, or those within them; or the rows alone."""
-    sure = [
-        one
-        for one, least in (
-            (crossings_seen(seen, rows), _LEAST_CROSSINGS),
-            (bond_seen(seen, rows), _LEAST_BOND),
-        )
-        if one is not None and one.confidence >= least
-    ]
-    return max(sure, key=lambda one: _clear(seen, one.vectors), default=rows)
+    """The lattice that joints across rows tell, or those within them; or the rows alone.
+
+    Rows without a bond have neither, so where each is too faint both together may be sure.
+    """
+    found = [one for one in (crossings_seen(seen, rows), bond_seen(seen, rows)) if one is not None]
+    least = {"crossings": _LEAST_CROSSINGS, "bonds": _LEAST_BOND, "both": _LEAST_BOND}
+    if len(found) == 2:
+        across, within = found
+        told = {"contrast": across.figures[1], "clear": within.clear, "kind": "both"}
+        found += [replace(one, **told) for one in found]
+    sure = [one for one in found if one.confidence >= least[one.kind]]
+    return max(sure, key=lambda one: (_clear(seen, one.vectors), one.confidence), default=rows)
 
 
 def crossings_seen(seen: Views, rows: Evidence) -> Evidence | None:

@@ -29,8 +29,12 @@ ROWS = (-5.46, 0.0, 3.01)
 JOINTS = (-5.93, 13.96)
 #: The same of a second family of joints, that crosses rows.
 CROSSINGS = (-4.78, 15.82)
+#: The same of stripes along both vectors of a lattice.
+STRIPES = (-2.09, 12.34)
 #: What 1, and how surely joints within rows tell their bond, weigh.
 BONDS = (-9.02, 3.06)
+#: The same where joints that cross rows are asked, too, whose figure of `CROSSINGS` weighs most.
+BOTH = (-10.0, 3.06, 10.0)
 
 #: Of the surest: some tiles pass for lattices that are part of one, whatever is seen.
 SUREST = 0.95
@@ -55,7 +59,9 @@ class Evidence:
         Of multiples.
     kind : str
         "joints" of rows that joints tell: `clear` is how far edges of different strips are alike;
-        "bonds" of the bond of rows: `clear` is how surely it is told.
+        "crossings" of what crosses them, and "stripes" of levels along both vectors of a lattice;
+        "bonds" of the bond of rows: `clear` is how surely it is told; "both" of that and of what
+        crosses rows: `contrast` is what weighs there.
     """
 
     vectors: NDArray[np.float64]
@@ -68,10 +74,12 @@ class Evidence:
     def figures(self) -> tuple[float, ...]:
         """What is weighed; each grows more slowly the larger it is."""
         contrast, clear = max(self.contrast, 0.0), max(self.clear, 0.0)
-        if self.kind in ("joints", "crossings"):
+        if self.kind in ("joints", "crossings", "stripes"):
             return 1.0, math.sqrt(contrast * clear)
         if self.kind == "bonds":
             return 1.0, clear
+        if self.kind == "both":
+            return 1.0, clear, contrast
         return 1.0, contrast / (_HALF + contrast), math.asinh(clear * self.number**0.5)
 
     @property
@@ -86,7 +94,9 @@ class Evidence:
         weights: tuple[float, ...] = {
             "joints": JOINTS,
             "crossings": CROSSINGS,
+            "stripes": STRIPES,
             "bonds": BONDS,
+            "both": BOTH,
         }.get(self.kind, plain)
         total = sum(part * weight for part, weight in zip(self.figures, weights, strict=True))
         return SUREST / (1 + math.exp(-min(max(total, -_MOST), _MOST)))

@@ -17,7 +17,7 @@ import numpy as np
 from weftex.analysis import line_kernels as kernels
 from weftex.analysis.correlation import wrapped_length
 from weftex.analysis.goodness import PHASES
-from weftex.analysis.relief import means
+from weftex.analysis.relief import means, mixed
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -157,6 +157,14 @@ def _joints_of(flat: Relief) -> Joints:
     return _TAKEN[flat]
 
 
+def _stripes_of(flat: Relief) -> Joints:
+    """Levels in place of edges, whatever the direction."""
+    stripes = object.__new__(Joints)
+    gray = mixed(flat.levels)
+    stripes._set(np.stack([gray, np.zeros_like(gray), gray]), flat.usable >= 0.5, 1)
+    return stripes.coarser(_SIDES[0])
+
+
 def find_courses(flat: Relief, across: Floats | None = None) -> Courses | None:
     """Find the rows that joints tell best, right or not.
 
@@ -216,7 +224,46 @@ def _crossing(vector: Floats) -> Floats:
 
 def rated(flat: Relief, vector: Floats) -> Courses:
     """What joints say of rows that are given by the vector from one to the next."""
-    joints = _joints_of(flat).coarser(_SIDES[1])
+    return _rated(_joints_of(flat).coarser(_SIDES[1]), vector)
+
+
+def checked(flat: Relief, vectors: Floats) -> Courses | None:
+    """What stripes along both vectors say of a lattice, as checks have them: the worse of the two.
+
+    The warp and the weft of a checked cloth are laid in stripes, which run on under each other. So
+    the levels of strips that share no pixel are alike along both families of lines, and again at
+    their distances.
+
+    Parameters
+    ----------
+    flat : Relief
+        The sample without slow lighting.
+    vectors : float64 array (2, 2)
+        The lattice, as (x, y).
+
+    Returns
+    -------
+    Courses or None
+        None where stripes are too fine.
+
+    Examples
+    --------
+    >>> from weftex.analysis.relief import Relief
+    >>> stripes = np.arange(90) // 15 % 2, np.arange(80) // 10 % 2
+    >>> cloth = Relief(np.add.outer(*stripes)[None] - 1.0, np.ones((90, 80)), 1)
+    >>> right, larger = (np.array([[20.0 * k, 0.0], [0.0, 30.0]]) for k in (1, 2))
+    >>> checked(cloth, right).contrast > 0.8, checked(cloth, larger).contrast < 0.1
+    (True, True)
+    """
+    stripes = _stripes_of(flat)
+    turned = vectors[::-1, ::-1] * [-1, 1]  # at right angles to the other vector
+    rows = turned * (np.linalg.det(vectors) / (turned**2).sum(axis=1))[:, None]
+    if np.hypot(*rows.T).min() < _CLOSEST * stripes.step:
+        return None
+    return min((_rated(stripes, row) for row in rows), key=lambda one: one.contrast * one.alike)
+
+
+def _rated(joints: Joints, vector: Floats) -> Courses:
     distance = float(np.hypot(*vector)) / joints.step
     plain = joints.alike(float(np.arctan2(-vector[0], vector[1])))
     own, number = contrast(_blurred(plain, _BLUR * distance), np.array([distance]))

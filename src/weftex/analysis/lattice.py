@@ -9,6 +9,7 @@ from weakref import WeakKeyDictionary
 import numpy as np
 
 from weftex.analysis.candidates import (
+    CLEAR,
     LEAST,
     among_rows,
     better,
@@ -29,7 +30,6 @@ Vector = tuple[float, float]
 
 _LONGEST = 1e9  # pixels; no picture is as large, and products of vectors stay numbers
 _LEAST_ROWS = 0.6  # confidence of rows that are reported: drawn rubble had up to 0.57
-_CLEAR = 0.945  # the same, of a pair that is not looked for among rows
 
 
 @dataclass(frozen=True)
@@ -198,7 +198,8 @@ def lattice_in(seen: Views, goodness: str = "contrast") -> Lattice | None:
     """The better pair of vectors, or else rows; see `find_lattice`."""
     best = better(seen, pairs_seen(seen, goodness))
     usual = goodness == "contrast"
-    if usual and best is not None and LEAST <= best.confidence < _CLEAR:
+    asked = best is not None and best.kind != "stripes" and LEAST <= best.confidence < CLEAR
+    if usual and asked:
         best = among_rows(seen, best)
     if best is not None and best.confidence >= LEAST:
         best = in_turn(seen, best) if usual and len(best.vectors) == 2 else best

@@ -40,8 +40,8 @@ _OWN = 6  # multiples that the larger tile must have for that
 _NEAR = 0.3  # pixels from a whole shift within which the smaller tile's multiples are compared
 
 
-def best_pair(field: Field, goodness: str) -> Floats | None:
-    """Return the two vectors with the highest goodness.
+def best_pair(field: Field, goodness: str) -> tuple[Floats, Floats] | None:
+    """Return the two vectors with the highest goodness, and the tile that they are made into.
 
     Parameters
     ----------
@@ -52,21 +52,24 @@ def best_pair(field: Field, goodness: str) -> Floats | None:
 
     Returns
     -------
-    float64 array (2, 2) or None
-        Vectors as rows (x, y); None where no pair has two significant vectors.
+    (float64 array (2, 2), float64 array (2, 2)) or None
+        Vectors as rows (x, y): the pair, and the smaller tile that it is made of, or a larger one
+        that is made of it, or the pair again; None where no pair has two significant vectors.
     """
     best, highest = None, 0.0
     tried = rated_pairs(field, goodness)
     for vectors, rated in tried:
         if rated > highest * (1 + 1e-9):  # of pairs that differ by rounding alone, the first
             best, highest = vectors, rated
-    if best is None or goodness != "contrast":
-        return best
-    best = _multiply(field, _divide(field, best))
+    if best is None:
+        return None
+    if goodness != "contrast":
+        return best, best
+    settled = _multiply(field, _divide(field, best))
     # In the whitened sample threads are clear, and checks are made of them.
-    if field.unsure is not None:
-        return best
-    return _turned(field, best, [vectors for vectors, _ in tried])
+    if field.unsure is None:
+        settled = _turned(field, settled, [vectors for vectors, _ in tried])
+    return best, settled
 
 
 def rated_pairs(field: Field, goodness: str) -> list[tuple[Floats, float]]:
