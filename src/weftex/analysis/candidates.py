@@ -214,8 +214,8 @@ def within_rows(seen: Views, rows: Evidence) -> Evidence:
     least = {"crossings": _LEAST_CROSSINGS, "bonds": _LEAST_BOND, "both": _LEAST_BOND}
     if len(found) == 2:
         across, within = found
-        told = {"contrast": across.figures[1], "clear": within.clear, "kind": "both"}
-        found += [replace(one, **told) for one in found]
+        told = replace(within, contrast=across.figures[1], kind="both")
+        found += [replace(told, vectors=one.vectors) for one in found]
     sure = [one for one in found if one.confidence >= least[one.kind]]
     return max(sure, key=lambda one: (_clear(seen, one.vectors), one.confidence), default=rows)
 

@@ -198,8 +198,7 @@ def lattice_in(seen: Views, goodness: str = "contrast") -> Lattice | None:
     """The better pair of vectors, or else rows; see `find_lattice`."""
     best = better(seen, pairs_seen(seen, goodness))
     usual = goodness == "contrast"
-    asked = best is not None and best.kind != "stripes" and LEAST <= best.confidence < CLEAR
-    if usual and asked:
+    if usual and best is not None and LEAST <= best.confidence < CLEAR and best.kind != "stripes":
         best = among_rows(seen, best)
     if best is not None and best.confidence >= LEAST:
         best = in_turn(seen, best) if usual and len(best.vectors) == 2 else best
