@@ -105,9 +105,9 @@ class Job:
         """Make it unless it is kept, measure it, and keep it."""
         found = self.kept() or self.make()
         exemplar = self.sample()
-        picture, tile = (weftex.read_image(file).pixels for file in self.files())
-        source = weftex.Synthesis.load(self.place.with_suffix(".npz")).source
-        figures = weftex.assess(exemplar, picture, source)
+        tile = weftex.read_image(self.files()[1]).pixels
+        made = weftex.Synthesis.load(self.place.with_suffix(".npz"), exemplar)
+        figures = weftex.assess(exemplar, made)
         own, result = views(exemplar, tile)
         wrap = wrap_seam(Seams(own), result, (True, True))
         found |= {

@@ -81,10 +81,10 @@ def test_bounds_are_enforced(slug, field):
         return  # see test_several_numbers
     if meta["choices"]:
         for value in meta["choices"]:
-            assert getattr(cls(**{field.name: value}), field.name) == value
+            assert getattr(cls(**{field.name: value}, **more), field.name) == value
         for value in ("no-such-choice", 1, None, True):
             with pytest.raises(InvalidInputError, match=f"{field.name} is "):
-                cls(**{field.name: value})
+                cls(**{field.name: value}, **more)
         return
     whole = "int" in str(field.type)
     for end, step in (("low", -1), ("high", 1)):

@@ -92,6 +92,17 @@ def as_made_from(exemplar: Exemplar, turn: str | None) -> Exemplar:
     return exemplar if turn is None or exemplar.turn == turn else turned(exemplar, turn)
 
 
+def as_it_was(exemplar: Exemplar) -> Exemplar:
+    """Return the sample that a picture of copies was made from, without its maps; or the sample."""
+    if exemplar.turn is None:
+        return exemplar
+    top, left, height, width = copies_in(exemplar)[0]
+    here = np.s_[top : top + height, left : left + width]
+    assert exemplar.mask is not None
+    plain: dict[str, Any] = {"maps": {}, "guide": None, "turn": None, "pieces": False}
+    return exemplar.changed(pixels=exemplar.pixels[here], mask=exemplar.mask[here], **plain)
+
+
 def turned_pixels(
     pixels: NDArray[Any],
     turn: str,

@@ -20,7 +20,7 @@ def test_a_sample_with_its_copies(here):
 
 def test_copies_need_a_way_that_there_is(here, capfd):
     assert weft_run("synth", "sample.png", "-o", "a.png", "--turn", "2") == 2
-    assert "turn is '2'; it must be one of flip, 4, 8" in capfd.readouterr().err
+    assert "turn is '2'; it must be one of flip, half, 4, 8" in capfd.readouterr().err
 
 
 def test_copies_share_no_lattice(here, capfd):

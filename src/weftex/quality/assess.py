@@ -22,7 +22,7 @@ from weftex.quality.spectrum import spectrum_distance
 from weftex.quality.view import middle, view_of
 from weftex.quality.wrap import wrap_seam
 from weftex.results.synthesis import Synthesis
-from weftex.turns import as_made_from
+from weftex.turns import as_it_was, as_made_from
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -186,7 +186,7 @@ def assess(
             tileable = result.canvas.wrap
         result = result.image if result.exemplar is not None else result.render(exemplar)
     wrap = tileable if isinstance(tileable, tuple) else (bool(tileable),) * 2
-    return measured(exemplar, result, source, pictured, wrap)
+    return measured(as_it_was(exemplar), result, source, pictured, wrap)
 
 
 def measured(
