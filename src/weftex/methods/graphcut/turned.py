@@ -71,14 +71,20 @@ class TurnedMatching:
         ]
         all_, tops = _stacked([each.matches for each in found])
         copies, seed = self.ways[0].copies, self.growth.seed
-        places = []
-        for y, x in draw_matches(self.settings, seed, number, all_, copies, self.size):
-            which = int(np.searchsorted(tops, y, side="right")) - 1
-            (place,) = self.ways[which].placed(found[which], [(y - tops[which], x)])
-            top, left = self.boxes[which][:2]
-            moved = place.source_top + top, place.source_left + left
-            places.append(place._replace(source_top=moved[0], source_left=moved[1]))
-        return places
+        drawn = draw_matches(self.settings, seed, number, all_, copies, self.size)
+        which = np.searchsorted(tops, [y for y, _ in drawn], side="right") - 1
+        places: dict[tuple[int, int], Place] = {}
+        for k, (way, each, (top, left, _, _)) in enumerate(
+            zip(self.ways, found, self.boxes, strict=True)
+        ):
+            own = [at for at, of in zip(drawn, which, strict=True) if of == k]
+            if not own:
+                continue
+            laid = way.placed(each, [(y - tops[k], x) for y, x in own], map_)
+            for at, place in zip(own, laid, strict=True):
+                moved = {"source_top": place.source_top + top}
+                places[at] = place._replace(**moved, source_left=place.source_left + left)
+        return [places[at] for at in drawn]
 
 
 class CopiesInSight:

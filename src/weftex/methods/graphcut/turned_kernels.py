@@ -23,6 +23,7 @@ class Seen:
     mirrored: cython.const[cython.uchar][::1]
     near: cython.int
     close: cython.int
+    mirrors: cython.bint  # whether any copy is mirrored
 
     def __init__(self, first, where, counts, salience, weights, mirrored, near, close):
         self.first = first
@@ -33,6 +34,7 @@ class Seen:
         self.mirrored = mirrored
         self.near = near
         self.close = close
+        self.mirrors = any(mirrored)
 
 
 @cython.cfunc
@@ -84,7 +86,7 @@ def sum_seen(
     show beside it, how many cells would be shown, and what is shown in a mirror close by, missing
     or not, as a cut may run there.
     """
-    cython.declare(y=cython.Py_ssize_t, x=cython.Py_ssize_t)
+    cython.declare(y=cython.Py_ssize_t, x=cython.Py_ssize_t, new=cython.bint)
     cython.declare(i=cython.Py_ssize_t, j=cython.Py_ssize_t)
     up: cython.Py_ssize_t = missing.shape[0] // 2
     left: cython.Py_ssize_t = missing.shape[1] // 2
@@ -94,12 +96,14 @@ def sum_seen(
                 continue
             for i in range(max(0, y - up), min(cells.shape[0], y - up + missing.shape[0])):
                 for j in range(max(0, x - left), min(cells.shape[1], x - left + missing.shape[1])):
-                    add_cell(
-                        seen,
-                        cells[i, j],
-                        copy,
-                        i - y,
-                        j - x,
-                        missing[i - y + up, j - x + left],
-                        cython.address(sums[y, x, 0]),
-                    )
+                    new = missing[i - y + up, j - x + left]
+                    if new or seen.mirrors:
+                        add_cell(
+                            seen,
+                            cells[i, j],
+                            copy,
+                            i - y,
+                            j - x,
+                            new,
+                            cython.address(sums[y, x, 0]),
+                        )
