@@ -185,8 +185,7 @@ def assess(
         if tileable is None:
             tileable = result.canvas.wrap
         result = result.image if result.exemplar is not None else result.render(exemplar)
-    wrap = tileable if isinstance(tileable, tuple) else (bool(tileable),) * 2
-    return measured(as_it_was(exemplar), result, source, pictured, wrap)
+    return measured(exemplar, result, source, pictured, tileable)
 
 
 def measured(
@@ -194,9 +193,11 @@ def measured(
     result: NDArray[Any],
     source: NDArray[Any] | None,
     pictured: Exemplar,
-    wrap: tuple[bool, bool],
+    tileable: bool | tuple[bool, bool] | None,
 ) -> Assessment:
     """See `assess`; the source has places in `pictured`, the sample or a picture of its copies."""
+    wrap = tileable if isinstance(tileable, tuple) else (bool(tileable),) * 2
+    exemplar = as_it_was(exemplar)
     eye, used = Eye(exemplar), None
     own, whole = eye.own, eye.view(result)
     made = whole.center(LARGEST_MEASURED)

@@ -105,8 +105,7 @@ def report(
         notes += _another(source, pictured, pixels)
         source = made_from(source)
     wraps = False if tileable is None else tileable
-    both = wraps if isinstance(wraps, tuple) else (wraps, wraps)
-    found = measured(exemplar, pixels, source, pictured, both)
+    found = measured(exemplar, pixels, source, pictured, wraps)
     same = {name: _same_map(name, made_maps) for name in exemplar.maps}
     if source is None:
         notes.append("Without a source it is not known what was copied from where.")

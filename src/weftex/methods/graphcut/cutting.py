@@ -201,11 +201,6 @@ class Picture:
         )
 
 
-def _box(place: Place) -> tuple[int, ...]:
-    """All but what repeats cost."""
-    return place[:-1]
-
-
 def _sample_of(settings: Settings, channels: int) -> seam_kernels.Sample:
     """The sample, with room for its gradients."""
     windows, by_gradients = settings.windows, settings.by_gradients

@@ -86,15 +86,7 @@ class EntirePatchMatching:
         shape = settings.windows.shape
         # How far the sample reaches from a pixel that it covers, in whole pixels of all copies.
         self.reach = [-(-(n - 1) // self.reduction) * self.reduction for n in shape]
-        # What is missing or may change, and what around it is matched: not all of a photo with a
-        # hole.
-        missing = growth.done == 0
-        if self.canvas.shown is not None and self.canvas.hole is not None:
-            missing |= self.canvas.hole
-        self.holes = [
-            (0, n) if wraps else _ends(missing.any(axis=1 - axis))
-            for axis, (n, wraps) in enumerate(zip(self.canvas.shape, self.canvas.wrap, strict=True))
-        ]
+        self.holes = holes_of(growth)
         self.regular = LatticePlaces(settings.lattice, self.canvas) if settings.lattice else None
         self.prices = prices
         if prices is None and settings.variety > 0 and not random:
@@ -240,6 +232,20 @@ class EntirePatchMatching:
             sources.append(first - start)
         boxes = (part.tolist() for part in (*tops, *lengths, *sources))
         return [Place(*box) for box in zip(*boxes, prices, strict=True)]
+
+
+def holes_of(growth: Growth) -> list[tuple[int, int]]:
+    """Rows and columns of what is missing or may change: the first, and one after the last.
+
+    It and what is around are matched, not all of a photo with a hole.
+    """
+    canvas, missing = growth.canvas, growth.done == 0
+    if canvas.shown is not None and canvas.hole is not None:
+        missing |= canvas.hole
+    return [
+        (0, n) if wraps else _ends(missing.any(axis=1 - axis))
+        for axis, (n, wraps) in enumerate(zip(canvas.shape, canvas.wrap, strict=True))
+    ]
 
 
 def _ends(some: NDArray[np.bool_]) -> tuple[int, int]:

@@ -57,7 +57,7 @@ class Sight:
         mean = float(away.sum() / max(usable.sum(), 1))
         away = np.minimum(away / mean, _MOST) if mean else usable.astype(np.float64)
         self.salience = np.rint(_LEVELS * away).astype(np.int32)
-        line = _IN_LINE if self.lines else 0.0
+        line, self.far = (_IN_LINE, _LINE_FAR) if self.lines else (0.0, _FAR)
         self.distances = kernels.Distances(
             self.cell, self.shape, _FAR, line, _LINE_FAR, _LINES, _WEIGHTS
         )
@@ -94,8 +94,7 @@ class Sight:
 
     def weights(self) -> NDArray[np.int32]:
         """What a repetition counts that lies so many cells away; the middle is no distance."""
-        far = max(_FAR, _LINE_FAR) if self.lines else _FAR
-        reach = [-(-int(far * n) // self.cell) for n in self.shape]
+        reach = [-(-int(self.far * n) // self.cell) for n in self.shape]
         weights = np.empty([2 * n + 1 for n in reach], np.int32)
         kernels.weigh_cells(self.distances, weights)
         return weights
@@ -112,9 +111,8 @@ class Sight:
 
     def lines_of(self, pixel: tuple[int, int]) -> tuple[NDArray[np.int32], NDArray[np.int32]]:
         """The rows and the columns in sight: every `cell`-th, and how many pixels away it is."""
-        far = _LINE_FAR if self.lines else _FAR
         rows, columns = (
-            self._in_sight(axis, at, int((1 + far) * n))
+            self._in_sight(axis, at, int((1 + self.far) * n))
             for axis, (at, n) in enumerate(zip(pixel, self.shape, strict=True))
         )
         return rows, columns

@@ -8,7 +8,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from weftex.methods.graphcut import turned_kernels as kernels
-from weftex.methods.graphcut.entire import EntirePatchMatching
+from weftex.methods.graphcut.copies import Copy
+from weftex.methods.graphcut.entire import EntirePatchMatching, holes_of
 from weftex.methods.graphcut.places import Matches, Place, draw_matches
 from weftex.methods.graphcut.shown import cells_of, priced
 from weftex.methods.graphcut.sight import Sight
@@ -103,9 +104,8 @@ class CopiesInSight:
     def __init__(self, settings: Settings, growth: Growth, boxes: list[Box]) -> None:
         self.growth, exemplar = growth, settings.exemplar
         self.variety = settings.variety
-        first = _part(settings, boxes[0])
-        self.plain = EntirePatchMatching(replace(first, variety=0.0), growth, random=False)
-        self.sight = Sight(growth, self.plain.copies[0], self.plain.holes)
+        first = _part(settings, boxes[0]).windows
+        self.sight = Sight(growth, Copy(first.pixels, first.usable), holes_of(growth))
         height, width = self.sight.count
         side = self.cell = self.sight.cell
         rows, columns = (np.arange(n) // side for n in self.sight.shape)

@@ -22,7 +22,7 @@ from weftex.parameters import parameter
 from weftex.progress import Progress
 from weftex.random import seed_number
 from weftex.tasks.auto.findings import Findings, look
-from weftex.tasks.auto.rule import NO_WAY_UP, choose, choose_for_hole, lays_anywhere
+from weftex.tasks.auto.rule import choose, choose_for_hole, lays_anywhere
 from weftex.tasks.auto.trial import (
     PREVIEW,
     best_of_choices,
@@ -185,8 +185,7 @@ class AutoModel(Model):
         """
         choice, model = self.chosen(_ENDLESS)
         if lays_anywhere(choice):  # patches join blocks better, in half of the time
-            reason = choice.reason.replace(NO_WAY_UP, "")
-            choice = replace(choice, parameters={}, reason=reason)
+            choice = replace(choice, parameters={})
             model = self._fitted(choice)
         cut = choice.method != "near-regular" and "lattice" in choice.parameters
         if asked.period is not None and (cut or is_strained(model, Around(*asked.period))):

@@ -30,7 +30,6 @@ _STIFF = 0.02
 _SIDED = 0.06
 #: Pixels of the output above which nothing is turned, which takes three fifths more time there.
 _TURNED = 2**22
-NO_WAY_UP = ", no way up"  #: what reasons say of it
 _FEW_COLORS = 32  # drawings, labels: no mixtures of colors
 #: Pixels of the output above which the entire sample is laid only where large things are to stay
 #: whole, since other ways take a tenth of the time.
@@ -99,7 +98,7 @@ def choose(findings: Findings, canvas: Canvas) -> Choice:
         else:
             said = f"{said}, {canvas.height * canvas.width / 1e6:.3g} megapixels"
     if "orientations" in parameters:
-        said += NO_WAY_UP
+        said = f"{said}, no way up"
     return Choice(slug, parameters, f"{said}: {slug}", tuple(warnings))
 
 
