@@ -17,6 +17,7 @@ from hypothesis import strategies as st
 
 import weftex
 from families import DTYPES
+from weftex.raster.turning import TURNS
 
 #: Times as many cases as usual, and others in each run: for a run over night.
 FACTOR = int(os.environ.get("WEFTEX_CASES", "1"))
@@ -118,7 +119,7 @@ def masks(draw: Any, shape: tuple[int, int], least: int = 0) -> Any:
 
 @st.composite
 def exemplars(draw: Any, shape: tuple[int, int] | None = None, like: Any = None) -> Any:
-    """A sample with or without mask, maps, guide; one that tiles, or not."""
+    """A sample with or without mask, maps, guide; one that tiles, or not, or turned copies."""
     shape = shape or draw(st.tuples(_SIDES, _SIDES))
     pixels = draw(pictures(shape, like))
     about: dict[str, Any] = {"tileable": draw(st.booleans())}
@@ -130,7 +131,10 @@ def exemplars(draw: Any, shape: tuple[int, int] | None = None, like: Any = None)
         about["guide"] = draw(pictures(shape))
     if pixels.ndim == 3 and pixels.shape[2] > 1:
         about["alpha"] = draw(st.sampled_from([None, True, False]))
-    return weftex.Exemplar(pixels, **about)
+    exemplar = weftex.Exemplar(pixels, **about)
+    if draw(st.integers(0, 7)) == 0:
+        return weftex.turned(exemplar, draw(st.sampled_from(list(TURNS))))
+    return exemplar
 
 
 @st.composite

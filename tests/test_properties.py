@@ -1,6 +1,7 @@
 """Whatever is allowed works, or is refused in one line: every task with every method.
 
-2,000 cases, the same in every run. `WEFTEX_CASES=50 pytest tests/test_properties.py
+2,000 cases, the same in every run but for constants that hypothesis takes from the modules that are
+loaded. `WEFTEX_CASES=50 pytest tests/test_properties.py
 --hypothesis-seed=20261122` tries fifty times as many, others for every seed.
 """
 

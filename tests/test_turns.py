@@ -1,12 +1,15 @@
 """A sample beside its mirror image and its quarter turns."""
 
+import json
+
 import numpy as np
 import pytest
 
 import weftex
 from families import TRIALS
 from materials import normal_map
-from weftex.turns import TURNS
+from weftex.raster.turning import TURNS
+from weftex.turns import copies_in
 
 
 def copies(shape, turn):
@@ -73,9 +76,10 @@ def test_every_method_takes_from_copies_and_replays_maps_of_the_sample(slug, rng
     small = {} if slug == "near-regular" else TRIALS[slug].small  # which has a lattice
     method = weftex.METHODS[slug](**small)
     result = method.fit(weftex.turned(exemplar, "4")).sample(weftex.Canvas(40, 44), seed=1)
-    y, x = result.source[..., 0], result.source[..., 1]
-    index = copies((24, 30), "4")
-    assert (index[y, x] >= 0).all()
+    y, x = np.moveaxis(result.pictured_source(), -1, 0)
+    own = copies((24, 30), "4")[y, x]  # of the sample, whichever copy is shown
+    assert (own >= 0).all()
+    assert np.array_equal(result.source, np.stack(np.divmod(own, 30), axis=-1))
     for name, map_ in maps.items():
         assert np.array_equal(result.render(map_, role=name), result.maps[name])
     assert result.maps["normal"].shape == (80, 88, 3)
@@ -83,12 +87,102 @@ def test_every_method_takes_from_copies_and_replays_maps_of_the_sample(slug, rng
     again = weftex.Synthesis.load(tmp_path / "r.npz", exemplar)
     assert np.array_equal(again.image, result.image)
     assert np.array_equal(again.render(pixels), result.image)
+    without = weftex.Synthesis.load(tmp_path / "r.npz")
+    assert np.array_equal(without.source, result.source)
+    assert np.array_equal(without.layers((3, 4, 20, 30))[0], result.layers((3, 4, 20, 30))[0])
+
+
+@pytest.mark.parametrize("turn", TURNS)
+@pytest.mark.parametrize("shape", [(1, 1), (1, 5), (4, 1), (6, 9), (9, 6)])
+def test_sources_are_of_the_sample_itself(turn, shape, rng):
+    """Which is the first copy, so a picture of copies has the same pixels there."""
+    sample = rng.integers(0, 256, shape).astype(np.uint8)
+    way = {"orientations": "half-turns"} if turn == "half" else {}
+    method = weftex.GraphCut(placement="entire", tone_reach=0.0, **way)
+    given = sample if way else weftex.turned(sample, turn)
+    result = weftex.synthesize(given, (20, 23), method=method, seed=1)
+    assert result.turn == turn
+    assert (result.source < shape).all()
+    for pixels in (sample, result.sample.pixels):
+        assert np.array_equal(result.image, pixels[result.source[..., 0], result.source[..., 1]])
+
+
+def test_drawings_of_copies(rng):
+    """Sources have the sample's colors; a piece that lies upside down is one piece."""
+    sample = rng.integers(0, 256, (30, 40)).astype(np.uint8)
+    result = weftex.synthesize(weftex.turned(sample, "half"), 60, method="graphcut", seed=1)
+    colors, shape = result.draw("sources"), np.array(sample.shape)
+    assert np.array_equal(colors[..., 1::-1], np.rint(result.source * (255 / (shape - 1))))
+    y, x = np.moveaxis(result.pictured_source() - np.indices((60, 60)).transpose(1, 2, 0), -1, 0)
+    pieces = result.draw("patches").astype(int) @ [1, 256, 65536]
+    assert len(np.unique(pieces)) == len(np.unique((y % 30) * 81 + x % 81))
 
 
 def test_maps_of_fewer_pixels_come_at_the_sample_s_own(rng):
     maps = {"ao": rng.random((10, 12))}
     found = weftex.turned(weftex.Exemplar(rng.random((20, 24)), maps=maps), "flip")
     assert found.maps["ao"].shape == found.shape == (20, 49)
+
+
+def test_a_map_of_fewer_pixels_is_rendered_in_fewer(rng):
+    sample, small = rng.random((20, 24)), rng.random((10, 12))
+    result = weftex.synthesize(weftex.turned(sample, "flip"), 40, method="quilting", seed=1)
+    large = result.render(small.repeat(2, axis=0).repeat(2, axis=1))
+    means = large.reshape(20, 2, 20, 2).mean(axis=(1, 3))
+    assert np.allclose(result.render(small), means)
+    with pytest.raises(weftex.InvalidInputError, match="map is 13x10; it must be the sample's"):
+        result.render(rng.random((10, 13)))
+
+
+def test_auto_turns_nothing_whose_maps_would_change_their_size(rng):
+    leaves = weftex.read_image("sample:leaves").pixels
+    half = rng.random((leaves.shape[0] // 2, leaves.shape[1] // 2))
+    assert weftex.synthesize(leaves, 300, seed=3).turn == "half"
+    upright = weftex.synthesize(weftex.Exemplar(leaves, maps={"ao": half}), 300, seed=3)
+    assert upright.turn is None and upright.maps["ao"].shape == (150, 150)
+
+
+@pytest.mark.parametrize("shape", [(6, 5), (5, 6)])
+def test_a_mask_of_few_pixels_does_not_hide_which_side_is_which(shape, rng):
+    mask = np.zeros(shape, bool)
+    mask[2, 0] = True
+    sample = weftex.Exemplar(rng.integers(1, 256, shape).astype(np.uint8), mask=mask)
+    for turn in TURNS:
+        found = weftex.turned(sample, turn)
+        assert found.copy_shape == shape
+        for top, left, height, width in copies_in(found):
+            assert found.mask[top : top + height, left : left + width].sum() == 1
+        result = weftex.synthesize(found, 12, method="graphcut", placement="entire", seed=1)
+        assert (result.source == (2, 0)).all()
+
+
+def test_a_sample_of_one_pixel_and_its_maps():
+    sample = weftex.Exemplar(np.full((1, 1), 7, np.uint8), maps={"height": np.full((2, 2), 9.0)})
+    result = weftex.synthesize(weftex.turned(sample, "4"), 5, method="graphcut", seed=1)
+    assert result.image.shape == (5, 5) and result.maps["height"].shape == (10, 10)
+    assert result.render(np.full((1, 1), 3, np.uint8)).shape == (5, 5)
+
+
+@pytest.mark.parametrize("about", [{}, {"copy_shape": (8, 9)}, {"copy_shape": (0, 8)}])
+def test_pictures_of_other_copies_are_refused(about):
+    with pytest.raises(weftex.InvalidInputError, match="turn is 'flip'; sample is no such picture"):
+        weftex.Exemplar(np.zeros((8, 17), np.uint8), turn="flip", **about)
+    fits = weftex.Exemplar(np.zeros((8, 17), np.uint8), turn="flip", copy_shape=(8, 8))
+    assert fits.changed(pixels=np.zeros((4, 4), np.uint8)).turn is None
+
+
+def test_damaged_copies(rng, tmp_path):
+    sample = weftex.turned(rng.random((8, 9)), "half")
+    result = weftex.synthesize(sample, 12, method="quilting", seed=1)
+    result.save(tmp_path / "whole.npz")
+    with np.load(tmp_path / "whole.npz") as file:
+        arrays = dict(file)
+    facts = json.loads(str(arrays["about"]))
+    assert facts["turn"] == "half" and facts["copy_shape"] == [8, 9]
+    for damage in ({"copy_shape": [9, 8]}, {"copy_shape": None}, {"turn": "4"}, {"turn": "2"}):
+        np.savez(tmp_path / "r.npz", **arrays | {"about": np.array(json.dumps(facts | damage))})
+        with pytest.raises(weftex.FileError, match="is damaged: its copies do not fit its sample"):
+            weftex.Synthesis.load(tmp_path / "r.npz")
 
 
 def test_mask_guide_and_labels_come_along(rng):

@@ -12,6 +12,7 @@ from weftex.errors import InvalidInputError, shown
 from weftex.io.shown import Shown, size_text
 from weftex.raster.levels import edges_of, resized, scale_between, scale_to_bytes, to_bytes
 from weftex.raster.mixing import Mixing, mixing_of
+from weftex.raster.turning import gap_of
 from weftex.roles import COLOR, Role, as_role, checked_weights, role_of
 
 if TYPE_CHECKING:
@@ -21,7 +22,10 @@ if TYPE_CHECKING:
 
 _DTYPES = ("uint8", "uint16", "float32", "float64")
 _MOST_CHANNELS = 32  # of a picture of four rows or fewer
-_PARTS = ("pixels", "mask", "guide", "tileable", "alpha", "icc", "name", "role", "turn", "pieces")
+_PARTS = (
+    *("pixels", "mask", "guide", "tileable", "alpha", "icc", "name", "role", "pieces"),
+    *("turn", "copy_shape"),
+)
 _LABELS = 32  # a sample's guide with at most so many colors is a map of labels
 
 
@@ -54,8 +58,8 @@ class Exemplar(Shown):
     role : Role or str, optional
         What the pixels show, or its name in `weftex.roles.ROLES`; by default a normal map if its
         name says so and else a color.
-    turn : str, optional
-        Which copies of a smaller sample it is made of, see `weftex.turned`.
+    turn, copy_shape : str and (int, int), optional
+        Which copies of a smaller sample it is made of, of what size; see `weftex.turned`.
     pieces : bool, optional
         It has pieces that lie apart, which share no lattice, as copies and several samples do.
     weights : mapping of str to float, optional
@@ -93,12 +97,13 @@ class Exemplar(Shown):
         icc: bytes | None = None,
         name: str = "sample",
         role: Role | str | None = None,
-        turn: str | None = None,
         pieces: bool = False,
+        turn: str | None = None,
+        copy_shape: tuple[int, int] | None = None,
         weights: Mapping[str, float] | None = None,
     ) -> None:
-        self.pieces = bool(pieces)
-        self.name, self.tileable, self.icc, self.turn = name, bool(tileable), icc, turn
+        self.pieces, self.turn, self.copy_shape = bool(pieces), turn, copy_shape
+        self.name, self.tileable, self.icc = name, bool(tileable), icc
         named = role_of(name)
         by_name = named if named is not None and named.kind == "normal" else COLOR
         self.role = by_name if role is None else as_role(role)
@@ -106,6 +111,8 @@ class Exemplar(Shown):
             _check_layout(pixels, name)
         self.pixels = check_pixels(pixels, name)
         self.shape: tuple[int, int] = self.pixels.shape[:2]
+        if turn is not None and (not copy_shape or gap_of(self.shape, turn, copy_shape) is None):
+            raise InvalidInputError(f"turn is {shown(turn)}; {name} is no such picture of copies")
         self.channels: int = 1 if self.pixels.ndim == 2 else self.pixels.shape[2]
         self.alpha: bool = self.channels in (2, 4) if alpha is None else bool(alpha)
         if self.alpha and self.channels < 2:
@@ -146,6 +153,8 @@ class Exemplar(Shown):
     def changed(self, **parts: Any) -> Exemplar:
         """Return the same sample but for these parameters of `Exemplar`, such as its guide."""
         given = {name: getattr(self, name) for name in _PARTS} | {"maps": self._maps} | parts
+        if given["pixels"].shape[:2] != self.shape and "turn" not in parts:
+            given |= {"turn": None, "copy_shape": None}
         weights = {name: k for name, k in self.weights.items() if name in (given["maps"] or ())}
         return Exemplar(**{"weights": weights} | given)
 
@@ -288,21 +297,6 @@ class Exemplar(Shown):
             )
         same = same[:, -1:] if len(self.labels) <= 2 else same
         return np.ascontiguousarray(255 * same.reshape(*pixels.shape[:2], -1), np.uint8)
-
-
-def as_rendered(given: Any, role: str | None) -> Exemplar:
-    """Return a picture to be rendered, of which an array does not say what it shows.
-
-    Raises
-    ------
-    InvalidInputError
-        If it cannot be used, or has a role already, or there is no such role.
-    """
-    if role is None:
-        return as_map(given, "map")
-    if isinstance(given, Exemplar):
-        raise InvalidInputError("an Exemplar says what it shows; give role to that")
-    return as_map(given, as_role(role).name)
 
 
 def as_map(given: Any, name: str) -> Exemplar:

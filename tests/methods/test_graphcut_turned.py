@@ -6,7 +6,8 @@ from tests.twins import graphcut_turned as twin
 
 import weftex
 from weftex.methods.graphcut import turned_kernels as kernels
-from weftex.turns import TURNS, copies_in, turned_pixels
+from weftex.raster.turning import TURNS, turned_pixels
+from weftex.turns import copies_in
 
 
 def laid(sample, size=(330, 300), **given):
@@ -64,11 +65,13 @@ def test_copies_are_found_in_a_picture_of_them(rng, turn, shape):
 
 
 @pytest.mark.parametrize("turn", list(TURNS))
-def test_every_patch_is_of_one_copy(turn):
+@pytest.mark.parametrize("shape", [(192, 192), (192, 140), (40, 190)])
+def test_every_patch_is_of_one_copy(turn, shape):
     """The joint line between two copies, which are beside each other, is never shown."""
-    sample = weftex.turned("sample:pebbles", turn)
+    pebbles = weftex.read_image("sample:pebbles").pixels
+    sample = weftex.turned(pebbles[: shape[0], : shape[1]], turn)
     result = laid(sample)
-    y, x = result.source[..., 0], result.source[..., 1]
+    y, x = np.moveaxis(result.pictured_source(), -1, 0)
     assert sample.mask[y, x].all()
     copy_of = np.full(sample.shape, -1)
     for number, (top, left, height, width) in enumerate(copies_in(sample)):
@@ -83,9 +86,10 @@ def test_nothing_meets_its_mirror_image():
     height, width = weftex.read_image("sample:pebbles").pixels.shape[:2]
     own = np.arange(height * width).reshape(height, width)
     result = laid(sample, size=(400, 400))
-    place = turned_pixels(own, "flip")[result.source[..., 0], result.source[..., 1]]
+    y, x = np.moveaxis(result.pictured_source(), -1, 0)
+    place = turned_pixels(own, "flip")[y, x]
     column, row = place % width, place // width
-    mirrored = result.source[..., 1] > width
+    mirrored = x > width
     beside = mirrored[:, 1:] != mirrored[:, :-1]
     apart = np.abs(np.diff(column, axis=1)) + np.abs(np.diff(row, axis=1))
     assert beside.sum() > 100
@@ -98,7 +102,7 @@ def test_half_turns_are_laid_by_name_and_replayed(tmp_path):
     assert result.turn == "half"
     leaves = weftex.read_image("sample:leaves").pixels
     half = leaves.shape[1]
-    share = (result.source[..., 1] > half).mean()
+    share = (result.pictured_source()[..., 1] > half).mean()
     assert 0.02 < share < 0.98
     result.save(tmp_path / "r.npz")
     again = weftex.Synthesis.load(tmp_path / "r.npz", weftex.load_exemplar("sample:leaves"))

@@ -226,9 +226,8 @@ class Plane:
         if isinstance(made, PixelSynthesis):
             flat = made.index
         else:
-            flat = (
-                made.source[..., 0] * np.int32(self.model.exemplar.shape[1]) + made.source[..., 1]
-            )
+            y, x = np.moveaxis(made.pictured_source(), -1, 0)
+            flat = y * np.int32(self.model.exemplar.shape[1]) + x
         return np.where(hole, flat, shown)
 
 

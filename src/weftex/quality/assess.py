@@ -232,7 +232,7 @@ def measured(
 
 def made_from(result: Synthesis) -> NDArray[np.int32]:
     """The source of what was made: -1 where pixels were known, which nobody copied."""
-    source = result.source
+    source = result.pictured_source()
     if result.canvas.hole is not None:
         source[~result.canvas.hole] = -1
     return source

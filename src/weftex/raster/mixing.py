@@ -69,5 +69,6 @@ def _is_of_units(pixels: NDArray[Any]) -> bool:
     some = pixels.reshape(-1, pixels.shape[2])[
         :: max(1, pixels.shape[0] * pixels.shape[1] // _SEEN)
     ]
-    lengths = np.linalg.norm(vectors_of(some[:, :3], middle_of(pixels)), axis=1)
+    with np.errstate(over="ignore"):  # of numbers that floats just hold
+        lengths = np.linalg.norm(vectors_of(some[:, :3], middle_of(pixels)), axis=1)
     return bool(np.mean(abs(lengths - 1) < _OFF) > _MOST)

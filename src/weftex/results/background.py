@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
+import numpy as np
+
 from weftex.errors import InvalidInputError
 from weftex.exemplar import check_pixels
 
@@ -59,3 +61,32 @@ def background_of(
             f"{(*size, *pixels.shape[2:])} {pixels.dtype}"
         )
     return background
+
+
+def show_known(
+    coordinates: NDArray[np.int32],
+    shares: NDArray[np.float32],
+    hole: NDArray[np.bool_],
+    window: tuple[int, int, int, int],
+    known_from: tuple[int, int] | None,
+) -> None:
+    """Set the sources of known pixels, which patches may hang over.
+
+    Parameters
+    ----------
+    coordinates, shares
+        As `Synthesis.layers` returns them.
+    hole : bool array (H, W)
+        Of the whole canvas.
+    window : (top, left, height, width)
+        What part of it the first two show.
+    known_from : (int, int) or None
+        Where in the sample the known pixels are, if they are there.
+    """
+    top, left, height, width = window
+    known = ~hole[top : top + height, left : left + width]
+    coordinates[known], shares[known] = -1, 0
+    if known_from is not None:
+        own = np.indices((height, width)).transpose(1, 2, 0) + (top, left) + known_from
+        coordinates[known, 0] = own[known]
+        shares[known, 0] = 1

@@ -15,7 +15,7 @@ from weftex.canvas import MAX_PIXELS
 from weftex.errors import FileError
 from weftex.io.formats import path_text, show
 from weftex.io.npz import MOST_FACTS, DamageError, opened
-from weftex.turns import TURNS
+from weftex.raster.turning import gap_of
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping
@@ -36,6 +36,7 @@ ABOUT = (
     "tone_reach",
     "is_window",
     "turn",
+    "copy_shape",
 )
 
 
@@ -54,6 +55,7 @@ class Facts:
     match_tone, is_window : bool
     tone_reach : float
     turn : str or None
+    copy_shape : (int, int) or None
         See `weftex.results.synthesis.Synthesis`.
     """
 
@@ -67,6 +69,7 @@ class Facts:
     tone_reach: float = 0.0
     is_window: bool = False
     turn: str | None = None
+    copy_shape: tuple[int, int] | None = None
 
     def __post_init__(self) -> None:
         for name in ("shape", "sample_shape"):
@@ -82,8 +85,11 @@ class Facts:
             raise DamageError("its facts have other types")
         if type(self.tone_reach) is not float or not 0 <= self.tone_reach <= MOST_REACH:
             raise DamageError("its tones are spread no known way")
-        if self.turn is not None and self.turn not in TURNS:
-            raise DamageError("its sample was turned in no known way")
+        if self.turn is not None and not self._are_copies(self.turn, self.copy_shape):
+            raise DamageError("its copies do not fit its sample")
+
+    def _are_copies(self, turn: str, shape: tuple[int, int] | None) -> bool:
+        return _whole(shape) and shape is not None and gap_of(self.sample_shape, turn, shape) == 1
 
     def check_hole(self, bits: NDArray[Any] | None) -> NDArray[np.bool_] | None:
         """Unpack the hole, after a look at whether it and the known pixels fit the shapes."""

@@ -26,6 +26,7 @@ if TYPE_CHECKING:
 _HEIGHTS = 24.0  # sample pixels in which what raises an edge of a height map falls to a third
 _MARGIN = 8  # reaches from which on nothing is felt
 _BLOCK = 1024  # pixels a side that are solved at once
+_LEAST = 1e-9  # pixels of reach, which change nothing; the square of less may be 0
 _GRAIN = 64  # of a level, to which shifts are rounded, as machines differ in last digits
 _LARGEST = 1e30  # whose squares are numbers
 
@@ -254,6 +255,8 @@ def _spread(steps: Floats, reach: float, rows: slice, columns: slice) -> Floats:
     size = [-(-side // 32) * 32 for side in steps.shape]  # quick to transform
     turns = [2 - 2 * np.cos(2 * np.pi * np.arange(side) / side) for side in size]
     spectrum = np.fft.fft(np.fft.rfft(steps, size[1]), size[0], axis=0)
-    spectrum *= 1 / (np.add.outer(turns[0], turns[1][: size[1] // 2 + 1]) + reach**-2)
+    spectrum *= 1 / (
+        np.add.outer(turns[0], turns[1][: size[1] // 2 + 1]) + max(reach, _LEAST) ** -2
+    )
     np.fft.ifft(spectrum, axis=0, out=spectrum)
     return np.fft.irfft(spectrum[rows], size[1])[:, columns]

@@ -64,7 +64,7 @@ class PixelSynthesis(Synthesis):
     def _error(self) -> NDArray[np.int16]:
         """The larger difference from what the upper and the left neighbor go on with."""
         gray = gray_of(self.sample.pixels).astype(np.int16)
-        source, made = self.source, self.index >= 0
+        source, made = self.pictured_source(), self.index >= 0
         value = gray[source[..., 0], source[..., 1]]
         error = np.zeros(self.shape, np.int16)
         for axis in (0, 1):

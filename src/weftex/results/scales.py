@@ -1,4 +1,4 @@
-"""Maps that have more pixels than the sample, or fewer."""
+"""What a result is rendered of: maps that may have more pixels than the sample, or fewer."""
 
 from __future__ import annotations
 
@@ -7,15 +7,15 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from weftex.errors import InvalidInputError
+from weftex.exemplar import Exemplar, as_map
 from weftex.raster.levels import resized, scale_between
+from weftex.roles import as_role
 
 if TYPE_CHECKING:
     from collections.abc import Callable
     from fractions import Fraction
 
     from numpy.typing import NDArray
-
-    from weftex.exemplar import Exemplar
 
     Window = tuple[int, int, int, int]
 
@@ -30,6 +30,21 @@ def check_size(exemplar: Exemplar, shape: tuple[int, int]) -> None:
     """
     for name in exemplar.maps:
         check_window((0, 0, *shape), exemplar.scale_of(name), name)
+
+
+def as_rendered(given: Any, role: str | None) -> Exemplar:
+    """Return a picture to be rendered, of which an array does not say what it shows.
+
+    Raises
+    ------
+    InvalidInputError
+        If it cannot be used, or has a role already, or there is no such role.
+    """
+    if role is None:
+        return as_map(given, "map")
+    if isinstance(given, Exemplar):
+        raise InvalidInputError("an Exemplar says what it shows; give role to that")
+    return as_map(given, as_role(role).name)
 
 
 def scale_to(given: Exemplar, sample: tuple[int, int]) -> Fraction:
@@ -47,6 +62,19 @@ def scale_to(given: Exemplar, sample: tuple[int, int]) -> Fraction:
             f"{sample[1]}x{sample[0]} or an integer multiple or fraction of it"
         )
     return scale
+
+
+def shape_of(
+    given: Exemplar,
+    sample: tuple[int, int],
+    turn: str | None,
+    copy_shape: tuple[int, int] | None,
+) -> tuple[int, int]:
+    """Return the size of what a map is of: a picture of copies, or the sample that was turned."""
+    if copy_shape is None or given.turn == turn or scale_between(given.shape, copy_shape) is None:
+        return sample
+    # Quarter turns of a single pixel are 3x3, which is also a map of it in three times as many.
+    return sample if (scale_between(given.shape, sample) or 0) >= 1 else copy_shape
 
 
 def room_for(pixels: NDArray[Any], height: int, width: int) -> NDArray[Any]:

@@ -10,15 +10,15 @@ import numpy as np
 
 from weftex.canvas import Canvas
 from weftex.errors import InvalidInputError, shown
-from weftex.exemplar import Exemplar, as_rendered
+from weftex.exemplar import Exemplar
 from weftex.io.npz import DamageError
 from weftex.raster.mixing import Kind
-from weftex.results import drawing
-from weftex.results.background import background_of
+from weftex.raster.turning import in_first_copy
+from weftex.results import drawing, scales
+from weftex.results.background import background_of, show_known
 from weftex.results.files import ABOUT, Facts, one_line_errors, read_result, write_result
 from weftex.results.joining import Laid, join_steps, reach_of
 from weftex.results.maps import RenderedMaps
-from weftex.results.scales import check_window, in_few_pixels, room_for, scale_to
 from weftex.results.shown import ShownResult
 from weftex.results.tone import match_tone
 from weftex.turns import as_copies, as_made_from
@@ -62,6 +62,8 @@ class Synthesis(ShownResult, ABC):
         leaves pixels as they are, as holes, drawings, vectors and colors with alpha always are.
     turn : str, optional
         Which copies its sample is made of, see `weftex.turned`; as the exemplar says, if given.
+    copy_shape : (int, int), optional
+        Height and width of the sample that was turned, likewise.
     is_window : bool
         It is a part of an endless plane, laid as it is: joining asks for what lies around.
     threads : int
@@ -89,13 +91,16 @@ class Synthesis(ShownResult, ABC):
         tone_reach: float = 0.0,
         is_window: bool = False,
         turn: str | None = None,
+        copy_shape: tuple[int, int] | None = None,
         threads: int = 1,
     ) -> None:
         self.canvas, self.exemplar, self.threads = canvas, exemplar, threads
         self.sample_shape, self.known_from = sample_shape, known_from
         self.provenance, self.tone_reach = provenance or {}, tone_reach
         self._picture, self.match_tone, self.is_window = picture, match_tone, is_window
-        self.turn = exemplar.turn if isinstance(exemplar, Exemplar) else turn
+        self.turn, self.copy_shape = turn, copy_shape
+        if isinstance(exemplar, Exemplar) and exemplar.turn is not None:
+            self.turn, self.copy_shape = exemplar.turn, exemplar.copy_shape
 
     @abstractmethod
     def _layers(self, window: Window) -> tuple[NDArray[np.int32], NDArray[np.float32]]:
@@ -183,13 +188,14 @@ class Synthesis(ShownResult, ABC):
         """Where each pixel comes from: (H, W, 2), row and column in the sample.
 
         Where patches are mixed, the one with the largest share; -1 for a known pixel that is not
-        in the sample.
+        in the sample. Of a turned copy of the sample, the place of which it is the copy.
         """
-        result = np.empty((*self.shape, 2), np.int32)
-        for top in range(0, self.shape[0], _BAND):
-            rows = min(_BAND, self.shape[0] - top)
-            result[top : top + rows] = self.layers((top, 0, rows, self.shape[1]))[0][:, :, 0]
-        return result
+        return in_first_copy(self.pictured_source(), self.turn, self.copy_shape)
+
+    def pictured_source(self) -> NDArray[np.int32]:
+        """The same, in the picture of copies if the sample was turned: pieces go on there."""
+        bands = [slice(top, top + _BAND) for top in range(0, self.shape[0], _BAND)]
+        return np.concatenate([self._source_of(rows).astype(np.int32) for rows in bands])
 
     def layers(self, window: Window | None = None) -> tuple[NDArray[Any], NDArray[Any]]:
         """Coordinates and weights of everything that shows in a window.
@@ -207,16 +213,14 @@ class Synthesis(ShownResult, ABC):
         shares : float32 array (h, w, layers)
             Sum to 1, or are 0 for a known pixel that is not in the sample.
         """
-        window = self.canvas.check_window(window)
+        coordinates, share = self._pictured_layers(self.canvas.check_window(window))
+        return in_first_copy(coordinates, self.turn, self.copy_shape), share
+
+    def _pictured_layers(self, window: Window) -> tuple[NDArray[Any], NDArray[Any]]:
+        """The same, in the picture of copies."""
         coordinates, share = self._layers(window)
-        if self.canvas.hole is not None:  # patches may hang over it
-            top, left, height, width = window
-            known = ~self.canvas.hole[top : top + height, left : left + width]
-            coordinates[known], share[known] = -1, 0
-            if self.known_from is not None:
-                own = np.indices((height, width)).transpose(1, 2, 0) + (top, left) + self.known_from
-                coordinates[known, 0] = own[known]
-                share[known, 0] = 1
+        if self.canvas.hole is not None:
+            show_known(coordinates, share, self.canvas.hole, window, self.known_from)
         return coordinates, share
 
     def render(
@@ -262,23 +266,24 @@ class Synthesis(ShownResult, ABC):
         """
         whole, own = window is None, other is None or other is self.exemplar
         top, left, height, width = self.canvas.check_window(window)
-        given = as_rendered(self.sample if other is None else other, role)
-        if self.turn is not None:
-            given = as_copies(given, self.turn, self.sample_shape)
+        given = scales.as_rendered(self.sample if other is None else other, role)
         if background is None:
             background = self.canvas.known if own else self.canvas.known_maps.get(given.name)
-        ratio = scale_to(given, self.sample_shape)
+        shape = scales.shape_of(given, self.sample_shape, self.turn, self.copy_shape)
+        ratio = scales.scale_to(given, shape)
         if self.match_tone and not whole:  # what is around must be seen
             made = self.render(given, background=background)
             ends = ((top, top + height), (left, left + width))
             rows, columns = (slice(int(start * ratio), int(end * ratio)) for start, end in ends)
             return made[rows, columns]
         if ratio < 1:
-            check_window((top, left, height, width), ratio, given.name)
-            return in_few_pixels(
+            scales.check_window((top, left, height, width), ratio, given.name)
+            return scales.in_few_pixels(
                 lambda large, around: self.render(large, background=around, window=window),
                 *(given, background, ratio),
             )
+        if self.turn is not None and shape == self.copy_shape:
+            given = as_copies(given, self.turn, int(ratio))
         scale, pixels, mixing = int(ratio), given.pixels, given.mixing
         base: NDArray[Any] | None = None
         if self.canvas.hole is not None:
@@ -287,7 +292,7 @@ class Synthesis(ShownResult, ABC):
 
         def lay(part: Window) -> NDArray[Any]:
             top, left, height, width = part
-            out = room_for(pixels, height * scale, width * scale)
+            out = scales.room_for(pixels, height * scale, width * scale)
             if base is not None:
                 out[:] = base[top * scale :, left * scale :][: height * scale, : width * scale]
             below, planes = (a.reshape(*a.shape[:2], -1) for a in (out, pixels))
@@ -295,7 +300,7 @@ class Synthesis(ShownResult, ABC):
             return out
 
         reach = 0.0 if self.is_window else reach_of(given, self.tone_reach, self.canvas.hole)
-        laid = Laid(lay, self.layers, self.shape, self.canvas.wrap, scale, self.threads)
+        laid = Laid(lay, self._pictured_layers, self.shape, self.canvas.wrap, scale, self.threads)
         out = join_steps(laid, given, reach, (top, left, height, width))
         if self.canvas.hole is not None and base is not None:  # patches may hang over the hole
             known = ~self.canvas.hole[top : top + height, left : left + width]
@@ -333,9 +338,10 @@ class Synthesis(ShownResult, ABC):
         if what == "uncertainty":
             return drawing.as_gray_picture(255 * np.sqrt(np.clip(self.uncertainty(), 0, 1)))
         if what == "sources":
-            return drawing.draw_sources(self.source, self.sample_shape)
+            return drawing.draw_sources(self.source, self.copy_shape or self.sample_shape)
         if what == "seams":
-            return drawing.draw_seams(drawing.gray_of(self.image), self.source, self.sample_shape)
+            gray, source = drawing.gray_of(self.image), self.pictured_source()
+            return drawing.draw_seams(gray, source, self.sample_shape)
         return drawing.draw_pieces(self._source_of, self.shape, self.sample_shape)
 
     def uncertainty(self) -> NDArray[np.float64]:
@@ -343,14 +349,13 @@ class Synthesis(ShownResult, ABC):
         return drawing.uncertainty_of(self.image, self._source_of, self.sample, self.canvas.wrap)
 
     def _source_of(self, rows: slice) -> NDArray[np.int64]:
-        """Row and column in the sample of the pixels of some rows."""
-        window = (rows.start, 0, rows.stop - rows.start, self.shape[1])
-        return np.asarray(self.layers(window)[0][:, :, 0], np.int64)
+        """Row and column, in the picture of copies, of the pixels of some rows."""
+        window = (rows.start, 0, len(range(*rows.indices(self.shape[0]))), self.shape[1])
+        return np.asarray(self._pictured_layers(window)[0][:, :, 0], np.int64)
 
     def save(self, path: str | os.PathLike[str]) -> None:
         """Write everything but the pictures to a compressed `.npz` file."""
-        canvas = self.canvas
-        about = {name: getattr(self, name) for name in ABOUT}
+        canvas, about = self.canvas, {name: getattr(self, name) for name in ABOUT}
         facts = Facts(shape=self.shape, wrap=canvas.wrap, origin=canvas.origin, **about)
         write_result(path, facts, self.arrays(), canvas.hole)
 

@@ -35,7 +35,7 @@ if TYPE_CHECKING:
     from weftex.stores.store import Store
 
 BLOCK = 2048
-_FLAGS = ("tileable", "alpha", "name", "turn", "pieces")
+_FLAGS = ("tileable", "alpha", "name", "turn", "copy_shape", "pieces")
 
 
 @dataclass(frozen=True, eq=False)

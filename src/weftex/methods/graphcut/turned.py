@@ -13,8 +13,9 @@ from weftex.methods.graphcut.entire import EntirePatchMatching, holes_of
 from weftex.methods.graphcut.places import Matches, Place, draw_matches
 from weftex.methods.graphcut.shown import cells_of, priced
 from weftex.methods.graphcut.sight import Sight
+from weftex.raster.turning import TURNS, turned_pixels
 from weftex.search.windows import Windows
-from weftex.turns import TURNS, copies_in, turned_pixels
+from weftex.turns import copies_in
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -24,7 +25,7 @@ if TYPE_CHECKING:
 
     from weftex.methods.graphcut.settings import Settings
     from weftex.methods.pixels.growth import Growth
-    from weftex.turns import Box
+    from weftex.raster.turning import Box
 
 # It costs so much to show something within a third of a side of a turned copy of it, by its share
 # of what is new, but no more than the most.
@@ -57,8 +58,9 @@ class TurnedMatching:
             EntirePatchMatching(part, growth, random=False, prices=each)
             for part, each in zip(parts, prices, strict=True)
         ]
-        first = self.ways[0]
-        self.size, self.reduction = first.size, first.reduction
+        # Quarter turns of a sample that is not square have other sides.
+        height, width = (max(sides) for sides in zip(*(way.size for way in self.ways), strict=True))
+        self.size, self.reduction = (height, width), self.ways[0].reduction
 
     def candidates(
         self, pixel: tuple[int, int], number: int, centered: bool, map_: Callable[..., Any] = map

@@ -78,8 +78,14 @@ def look(exemplar: Exemplar) -> Findings:
         scale=round(scale * step, 2),
         colors=count_colors(small if step == 1 else _part(exemplar)),
         evenness=evenness(small),
-        sidedness=1.0 if exemplar.pieces or exemplar.tileable else sidedness(small),
+        sidedness=sidedness(small) if _may_turn(exemplar) else 1.0,
     )
+
+
+def _may_turn(exemplar: Exemplar) -> bool:
+    """Maps of fewer pixels than the sample would come in as many as it has, see `turned`."""
+    fewer = any(exemplar.scale_of(name) < 1 for name in exemplar.maps)
+    return not (exemplar.pieces or exemplar.tileable or fewer)
 
 
 def _of_whole(found: Lattice | None, step: int, exemplar: Exemplar) -> Lattice | None:
