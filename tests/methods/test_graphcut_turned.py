@@ -132,6 +132,12 @@ def test_what_cannot_be_turned_is_refused():
         weftex.GraphCut(orientations="half-turns")
     with pytest.raises(weftex.InvalidInputError, match="share no lattice"):
         laid("sample:tiles", orientations="half-turns", lattice=(31, 0, 0, 102))
+    with pytest.raises(weftex.InvalidInputError, match="half-turns'; holes are filled from a ph"):
+        pebbles = weftex.read_image("sample:pebbles").pixels
+        hole = np.zeros(pebbles.shape[:2], bool)
+        hole[50:90, 60:90] = True
+        turned = {"placement": "entire", "orientations": "half-turns"}
+        weftex.fill(pebbles, hole, method="graphcut", seed=1, **turned)
     with pytest.raises(weftex.InvalidInputError, match="turned copies already"):
         laid(weftex.turned("sample:pebbles", "4"), orientations="half-turns")
 

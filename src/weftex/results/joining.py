@@ -126,8 +126,9 @@ def join_steps(laid: Laid, given: Exemplar, reach: float, window: Window) -> NDA
             for first in ((corner[0] - margin, corner[1] - margin), window[:2])
         )
         # A channel at a time, as new memory is slow.
+        spread = _spreading((len(lines[0]), len(lines[1])), reach * laid.scale)
         for one, k in ((steps[k], slice(k, k + 1)) for k in range(len(steps))):
-            shifts = _spread(_taken(one, *lines), reach * laid.scale, *inside)
+            shifts = spread(_taken(one, *lines), *inside)
             kernels.add_shifts(result[here][..., k], shifts[None], least[k], most[k], _GRAIN)
 
     with thread_map(laid.threads) as map_:
@@ -250,13 +251,22 @@ def _finer(
     return fine, np.ascontiguousarray(shares)
 
 
-def _spread(steps: Floats, reach: float, rows: slice, columns: slice) -> Floats:
-    """These rows and columns of c, c / reach^2 - c'' = steps, as far as borders do not count."""
-    size = [-(-side // 32) * 32 for side in steps.shape]  # quick to transform
+def _spreading(shape: tuple[int, int], reach: float) -> Callable[[Floats, slice, slice], Floats]:
+    """Return what makes some rows and columns of c from steps of this shape.
+
+    c / reach^2 - c'' = steps, as far as borders do not count.
+    """
+    size = [-(-side // 32) * 32 for side in shape]  # quick to transform
     turns = [2 - 2 * np.cos(2 * np.pi * np.arange(side) / side) for side in size]
-    spectrum = np.fft.fft(np.fft.rfft(steps, size[1]), size[0], axis=0)
-    spectrum *= 1 / (
-        np.add.outer(turns[0], turns[1][: size[1] // 2 + 1]) + max(reach, _LEAST) ** -2
-    )
-    np.fft.ifft(spectrum, axis=0, out=spectrum)
-    return np.fft.irfft(spectrum[rows], size[1])[:, columns]
+    factors = 1 / (np.add.outer(turns[0], turns[1][: size[1] // 2 + 1]) + max(reach, _LEAST) ** -2)
+    spectrum = np.empty(factors.shape, np.complex128)  # for all channels, as new memory is slow
+
+    def spread(steps: Floats, rows: slice, columns: slice) -> Floats:
+        np.fft.rfft(steps, size[1], out=spectrum[: shape[0]])
+        spectrum[shape[0] :] = 0
+        np.fft.fft(spectrum, axis=0, out=spectrum)
+        np.multiply(spectrum, factors, out=spectrum)
+        np.fft.ifft(spectrum, axis=0, out=spectrum)
+        return np.fft.irfft(spectrum[rows], size[1])[:, columns]
+
+    return spread

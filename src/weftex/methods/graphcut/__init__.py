@@ -161,6 +161,10 @@ class GraphCut(Method):
         self, hole: NDArray[np.bool_], usable: NDArray[np.bool_], given: frozenset[str] | None
     ) -> Self:
         """See `Method.for_hole`; the other placements lay the entire sample."""
+        if self.orientations != "upright":
+            raise InvalidInputError(
+                f"orientations is {self.orientations!r}; holes are filled from a photo as it is"
+            )
         if self.patch_size is not None or self.placement != "subpatch":
             return self
         return replace(self, patch_size=patch_size_for(hole, usable, 1))

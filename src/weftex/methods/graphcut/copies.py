@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import cached_property, partial
+from itertools import chain
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -15,6 +16,9 @@ from weftex.search.translation import Spectra, fast_size
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
+
+
+_TOGETHER = 3  # places that one call looks up
 
 
 @dataclass(frozen=True, eq=False)
@@ -120,16 +124,17 @@ def places_in_full(
     # Places side by side often lead to the same one, which is looked up once in full size.
     for some in (steps[:-1], steps[-1:]):
         different = list(dict.fromkeys(places))
-        found = map_(partial(_in_larger, some), different)
+        parts = [different[k : k + _TOGETHER] for k in range(0, len(different), _TOGETHER)]
+        found = chain.from_iterable(map_(partial(_in_larger, some), parts))
         larger = dict(zip(different, found, strict=True))
         places = [larger[place] for place in places]
     return places
 
 
-def _in_larger(steps: list[Any], place: tuple[int, int]) -> tuple[int, int]:
-    """The best match on one larger copy after the other."""
-    found = np.array(place, np.int32)
+def _in_larger(steps: list[Any], places: list[tuple[int, int]]) -> list[tuple[int, int]]:
+    """The best matches on one larger copy after the other."""
+    found = np.array(places, np.int32)
     for box, sample, where, at, whole in steps:
         found *= 2
-        kernels.nudge_place(box, sample, where, at, found, whole)
-    return int(found[0]), int(found[1])
+        kernels.nudge_places(box, sample, where, at, found, whole)
+    return [(y, x) for y, x in found.tolist()]

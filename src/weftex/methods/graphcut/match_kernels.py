@@ -373,14 +373,16 @@ def match_places(box: Copy, sample: Copy, allowed, offset, whole, costs):
     match(box, sample, allowed, offset, whole, costs)
 
 
-def nudge_place(
+def nudge_places(
     box: Copy,
     sample: Copy,
     allowed: cython.const[cython.uchar][:, ::1],
     offset: cython.const[cython.int][::1],
-    place: cython.int[::1],
+    places: cython.int[:, ::1],
     whole: cython.bint,
 ):
-    """Call `nudge`, beside other threads."""
+    """Call `nudge` for each place, beside other threads."""
+    cython.declare(k=cython.Py_ssize_t)
     with cython.nogil:
-        nudge(box, sample, allowed, offset, place, whole)
+        for k in range(places.shape[0]):
+            nudge(box, sample, allowed, offset, places[k], whole)
