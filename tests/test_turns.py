@@ -163,10 +163,14 @@ def test_a_sample_of_one_pixel_and_its_maps():
     assert result.render(np.full((1, 1), 3, np.uint8)).shape == (5, 5)
 
 
-@pytest.mark.parametrize("about", [{}, {"copy_shape": (8, 9)}, {"copy_shape": (0, 8)}])
-def test_pictures_of_other_copies_are_refused(about):
-    with pytest.raises(weftex.InvalidInputError, match="turn is 'flip'; sample is no such picture"):
-        weftex.Exemplar(np.zeros((8, 17), np.uint8), turn="flip", **about)
+@pytest.mark.parametrize("turn", ["flip", "half", "4", "2", ["flip"], 4])
+@pytest.mark.parametrize("copy_shape", [None, (8, 9), (0, 8), (8.0, 8.0), [8, 8], 8, "88"])
+def test_pictures_of_other_copies_are_refused(turn, copy_shape):
+    with pytest.raises(weftex.InvalidInputError, match="turn is .*; sample is no such picture"):
+        weftex.Exemplar(np.zeros((8, 17), np.uint8), turn=turn, copy_shape=copy_shape)
+
+
+def test_the_size_of_copies_goes_with_their_picture():
     fits = weftex.Exemplar(np.zeros((8, 17), np.uint8), turn="flip", copy_shape=(8, 8))
     assert fits.changed(pixels=np.zeros((4, 4), np.uint8)).turn is None
 

@@ -111,7 +111,7 @@ class Exemplar(Shown):
             _check_layout(pixels, name)
         self.pixels = check_pixels(pixels, name)
         self.shape: tuple[int, int] = self.pixels.shape[:2]
-        if turn is not None and (not copy_shape or gap_of(self.shape, turn, copy_shape) is None):
+        if turn is not None and gap_of(self.shape, turn, copy_shape) is None:
             raise InvalidInputError(f"turn is {shown(turn)}; {name} is no such picture of copies")
         self.channels: int = 1 if self.pixels.ndim == 2 else self.pixels.shape[2]
         self.alpha: bool = self.channels in (2, 4) if alpha is None else bool(alpha)

@@ -150,8 +150,10 @@ def test_a_run_that_fails_at_once_leaves_nothing(sample, tmp_path, monkeypatch):
 
 
 def test_recipes_on_disk(sample, tmp_path):
-    weights = sample.changed(weights={"height": 2.0}, mask=np.ones((60, 64), bool), icc=b"i")
-    for method in (TILE, weftex.Quilting(patch_size=20)):
+    plain = sample.changed(weights={"height": 2.0}, mask=np.ones((60, 64), bool), icc=b"i")
+    copies = weftex.turned(plain, "4")
+    patches = weftex.Quilting(patch_size=20)
+    for weights, method in ((plain, TILE), (plain, patches), (copies, patches)):
         recipe = recipe_of(
             weights, method, SIZE, seed=4, tileable="x" if method is not TILE else False
         )
@@ -159,6 +161,7 @@ def test_recipes_on_disk(sample, tmp_path):
         found = Recipe.load(str(tmp_path / "r.npz"))
         assert found.about == recipe.about and found.method == method
         assert found.exemplar.weights == weights.weights and found.exemplar.icc == b"i"
+        assert found.exemplar.copy_shape == weights.copy_shape
     np.savez(tmp_path / "r.npz", about=np.array('{"format": "weftex plane 1"}'))
     with pytest.raises(FileError, match="is damaged"):
         Recipe.load(str(tmp_path / "r.npz"))

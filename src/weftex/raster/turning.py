@@ -94,7 +94,7 @@ def picture_size(shape: tuple[int, ...], turn: str, gap: int) -> tuple[int, int]
     return high - gap, wide - gap
 
 
-def gap_of(size: tuple[int, ...], turn: str, shape: tuple[int, ...]) -> int | None:
+def gap_of(size: tuple[int, ...], turn: Any, shape: Any) -> int | None:
     """Return how wide the line between copies is in a picture of this size; None if it is none.
 
     Parameters
@@ -102,16 +102,17 @@ def gap_of(size: tuple[int, ...], turn: str, shape: tuple[int, ...]) -> int | No
     size : (int, int)
         Of the picture.
     turn : str
-        One of `TURNS`.
+        One of `TURNS`; nothing else makes such a picture.
     shape : (int, int)
-        Of what was turned.
+        Of what was turned, likewise.
 
     Examples
     --------
     >>> gap_of((20, 61), "flip", (20, 30)), gap_of((20, 60), "flip", (20, 30))
     (1, None)
     """
-    if turn not in TURNS or min(shape) < 1:
+    sides = shape if isinstance(shape, tuple) and [*map(type, shape)] == [int, int] else (0, 0)
+    if not isinstance(turn, str) or turn not in TURNS or min(sides) < 1:
         return None
     count, without = len(TURNS[turn][0]), picture_size(shape, turn, 0)
     gap = (size[1] - without[1]) // (count - 1)

@@ -85,11 +85,8 @@ class Facts:
             raise DamageError("its facts have other types")
         if type(self.tone_reach) is not float or not 0 <= self.tone_reach <= MOST_REACH:
             raise DamageError("its tones are spread no known way")
-        if self.turn is not None and not self._are_copies(self.turn, self.copy_shape):
+        if self.turn is not None and gap_of(self.sample_shape, self.turn, self.copy_shape) != 1:
             raise DamageError("its copies do not fit its sample")
-
-    def _are_copies(self, turn: str, shape: tuple[int, int] | None) -> bool:
-        return _whole(shape) and shape is not None and gap_of(self.sample_shape, turn, shape) == 1
 
     def check_hole(self, bits: NDArray[Any] | None) -> NDArray[np.bool_] | None:
         """Unpack the hole, after a look at whether it and the known pixels fit the shapes."""

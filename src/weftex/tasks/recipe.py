@@ -35,7 +35,7 @@ if TYPE_CHECKING:
     from weftex.stores.store import Store
 
 BLOCK = 2048
-_FLAGS = ("tileable", "alpha", "name", "turn", "copy_shape", "pieces")
+_FLAGS = ("tileable", "alpha", "name", "turn", "pieces")
 
 
 @dataclass(frozen=True, eq=False)
@@ -291,7 +291,8 @@ def _packed(recipe: Recipe) -> tuple[dict[str, Any], dict[str, NDArray[Any]]]:
         if one.icc is not None:
             arrays[f"icc{k}"] = np.frombuffer(one.icc, np.uint8)
         role = {"name": one.role.name, "kind": one.role.kind, "channels": one.role.channels}
-        facts.append({name: getattr(one, name) for name in _FLAGS} | {"role": role})
+        flags = {name: getattr(one, name) for name in (*_FLAGS, "copy_shape")}
+        facts.append(flags | {"role": role})
     about = {"maps": [*own.maps], "others": [*recipe.others], "weights": own.weights}
     return {"method": recipe.method.slug, "samples": facts, **about}, arrays
 
@@ -300,5 +301,7 @@ def _unpacked(k: int, facts: dict[str, Any], arrays: Mapping[str, NDArray[Any]])
     role = Role(facts["role"]["name"], facts["role"]["kind"], (), tuple(facts["role"]["channels"]))
     icc = arrays[f"icc{k}"].tobytes() if f"icc{k}" in arrays else None
     flags = {name: facts[name] for name in _FLAGS}
+    if flags["turn"] is not None:
+        flags["copy_shape"] = tuple(facts["copy_shape"])
     mask = arrays.get(f"mask{k}")
     return Exemplar(arrays[f"pixels{k}"], mask=mask, icc=icc, role=role, **flags)
