@@ -284,6 +284,12 @@ def test_a_run_on_arrays_loads_no_more_than_it_needs():
     assert not modules_after(code) & needless
 
 
+@pytest.mark.parametrize("sample", ["bricks", "pebbles", "weave", "leaves"])
+def test_a_choice_loads_nothing_that_only_costs_time(sample):
+    code = f"import weftex\nweftex.synthesize('sample:{sample}', 100, seed=1).image"
+    assert not modules_after(code) & {"numpy.ma", "numpy.random", "fractions", "decimal", "scipy"}
+
+
 def test_a_command_with_a_method_neither_chooses_nor_measures(tmp_path):
     words = ["synth", "sample:grass", "-o", f"{tmp_path}/o.png", "--size", "64", "--quiet"]
     code = f"from weftex.cli import main\nassert main({[*words, '--method', 'quilting']}) == 0"

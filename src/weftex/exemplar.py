@@ -167,7 +167,7 @@ class Exemplar(Shown):
         """What each of the maps shows."""
         return {name: one.role for name, one in self._maps.items()}
 
-    def scale_of(self, name: str) -> Fraction:
+    def scale_of(self, name: str) -> Fraction | int:
         """Return how many pixels of a map lie along one of the sample: an integer or 1 / integer.
 
         Raises

@@ -18,6 +18,7 @@ from weftex.analysis import line_kernels as kernels
 from weftex.analysis.correlation import wrapped_length
 from weftex.analysis.goodness import PHASES
 from weftex.analysis.relief import means, mixed
+from weftex.raster.medians import median
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -95,7 +96,7 @@ class Joints:
         square = parts[0] + parts[2]
         strength = np.sqrt(square)
         edges = strength[inner & (strength > 0)]
-        most = _STRONGEST * float(np.median(edges)) if len(edges) else 0.0
+        most = _STRONGEST * median(edges) if len(edges) else 0.0
         parts *= inner * np.minimum(strength, most) / np.maximum(square, 1e-12)
         self._set(parts, inner, 1)
 

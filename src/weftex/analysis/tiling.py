@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from weftex.exemplar import Exemplar
+from weftex.raster.medians import median
 
 #: A border step of up to so many times those inside is no seam.
 SEAMLESS = 1.5
@@ -52,6 +53,6 @@ def border_steps(exemplar: Exemplar) -> tuple[float, float]:
             total += (changes * (part & np.roll(part, 1, 0))).sum(axis=1)
         steps = total / np.maximum((whole & np.roll(whole, 1, 0)).sum(axis=1), 1)
         inside = steps[1:] if len(steps) > 1 else steps  # one line borders on itself
-        usual = max(float(np.median(inside)), float(inside[0]), float(inside[-1]), 1.0)
+        usual = max(median(inside), float(inside[0]), float(inside[-1]), 1.0)
         found.append(round(float(steps[0]) / usual, 2))
     return found[0], found[1]

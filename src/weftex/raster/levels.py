@@ -103,20 +103,23 @@ def tones_of(
     return found
 
 
-def scale_between(shape: tuple[int, ...], other: tuple[int, ...]) -> Fraction | None:
+def scale_between(shape: tuple[int, ...], other: tuple[int, ...]) -> Fraction | int | None:
     """Return how many pixels of a picture lie along one of another: an integer or 1 / integer.
 
     Examples
     --------
     >>> scale_between((20, 30), (10, 15)), scale_between((5, 5), (10, 10))
-    (Fraction(2, 1), Fraction(1, 2))
+    (2, Fraction(1, 2))
     >>> scale_between((15, 15), (10, 10)), scale_between((20, 10), (10, 10))
     (None, None)
     """
+    height, width, times = *shape[:2], shape[0] // other[0]
+    if times and (height, width) == (times * other[0], times * other[1]):
+        return times
     from fractions import Fraction  # takes its time
 
     scale, same = (Fraction(a, b) for a, b in zip(shape[:2], other[:2], strict=True))
-    return scale if scale == same and 1 in (scale.numerator, scale.denominator) else None
+    return scale if scale == same and scale.numerator == 1 else None
 
 
 def resized(pixels: NDArray[Any], scale: Fraction | float) -> NDArray[Any]:

@@ -47,7 +47,7 @@ def as_rendered(given: Any, role: str | None) -> Exemplar:
     return as_map(given, as_role(role).name)
 
 
-def scale_to(given: Exemplar, sample: tuple[int, int]) -> Fraction:
+def scale_to(given: Exemplar, sample: tuple[int, int]) -> Fraction | int:
     """Return how many pixels of a map lie along one of the sample.
 
     Raises
@@ -87,7 +87,7 @@ def room_for(pixels: NDArray[Any], height: int, width: int) -> NDArray[Any]:
         ) from None
 
 
-def check_window(window: Window, scale: Fraction, name: str) -> None:
+def check_window(window: Window, scale: Fraction | int, name: str) -> None:
     """`check_size` for a part of the output."""
     if any(side * scale % 1 for side in window):
         raise InvalidInputError(
@@ -100,7 +100,7 @@ def in_few_pixels(
     lay: Callable[[Exemplar, NDArray[Any] | None], NDArray[Any]],
     given: Exemplar,
     background: NDArray[Any] | None,
-    scale: Fraction,
+    scale: Fraction | int,
 ) -> NDArray[Any]:
     """Lay a map of fewer pixels than the sample, at its own size.
 

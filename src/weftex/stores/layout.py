@@ -94,7 +94,7 @@ class Layout:
         top, left = row * side, column * side
         return top, left, min(side, height - top), min(side, width - left)
 
-    def scaled(self, scale: Fraction, pixels: dict[str, Any], name: str) -> Layout:
+    def scaled(self, scale: Fraction | int, pixels: dict[str, Any], name: str) -> Layout:
         """Return the layout of a map with `scale` pixels along one of this picture.
 
         Raises
