@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -76,14 +76,12 @@ def as_made_from(exemplar: Exemplar, turn: str | None) -> Exemplar:
 
 def as_it_was(exemplar: Exemplar) -> Exemplar:
     """Return the sample that a picture of copies was made from, without its maps; or the sample."""
-    if exemplar.turn is None:
+    if exemplar.copy_shape is None:
         return exemplar
-    top, left, height, width = copies_in(exemplar)[0]
-    here = np.s_[top : top + height, left : left + width]
+    height, width = exemplar.copy_shape
     assert exemplar.mask is not None
-    plain: dict[str, Any] = {"maps": {}, "guide": None, "pieces": False}
-    plain |= {"turn": None, "copy_shape": None}
-    return exemplar.changed(pixels=exemplar.pixels[here], mask=exemplar.mask[here], **plain)
+    pixels, mask = (a[:height, :width] for a in (exemplar.pixels, exemplar.mask))
+    return exemplar.changed(pixels=pixels, mask=mask, maps={}, guide=None, pieces=False)
 
 
 def copies_in(exemplar: Exemplar) -> list[Box]:
