@@ -156,6 +156,12 @@ def test_a_mask_of_few_pixels_does_not_hide_which_side_is_which(shape, rng):
         assert (result.source == (2, 0)).all()
 
 
+def test_maps_of_numbers_that_floats_just_hold():
+    huge = np.full((6, 7, 3), np.finfo(np.float64).max)
+    sample = weftex.Exemplar(np.zeros((6, 7), np.uint8), maps={"normal": huge})
+    assert (weftex.turned(sample, "half").maps["normal"][:, :7] == huge).all()
+
+
 def test_a_sample_of_one_pixel_and_its_maps():
     sample = weftex.Exemplar(np.full((1, 1), 7, np.uint8), maps={"height": np.full((2, 2), 9.0)})
     result = weftex.synthesize(weftex.turned(sample, "4"), 5, method="graphcut", seed=1)

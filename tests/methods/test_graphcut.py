@@ -381,3 +381,12 @@ def test_pieces_keep_to_a_lattice():
         GraphCut(placement="entire", lattice=(200, 0, 0, 200)).fit(exemplar)
     with pytest.raises(weftex.WeftexError, match="lattice"):
         GraphCut(lattice=(20, 0, 0, 20))
+
+
+def test_the_least_reach_of_tones_there_is(rng):
+    sample = rng.integers(0, 256, (23, 30)).astype(np.uint8)
+    made, plain = (
+        weftex.synthesize(sample, 40, method="graphcut", seed=1, tone_reach=reach).image
+        for reach in (np.finfo(float).smallest_subnormal, 0.0)
+    )
+    assert np.array_equal(made, plain)
