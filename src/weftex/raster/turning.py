@@ -63,35 +63,25 @@ def turned_pixels(
 
     result = np.empty((*picture_size(pixels.shape, turn, gap), *pixels.shape[2:]), pixels.dtype)
     result[:] = pixels[0, 0] if between is None else between
-    top = 0
-    for row in TURNS[turn]:
-        left = 0
-        for one in row:
-            made = copy(*one)
-            result[top : top + made.shape[0], left : left + made.shape[1]] = made
-            left += made.shape[1] + gap
-        top += made.shape[0] + gap
+    for one, (top, left, high, wide) in boxes_of(turn, pixels.shape, gap):
+        result[top : top + high, left : left + wide] = copy(*one)
     return result
 
 
-def boxes_of(turn: str, shape: tuple[int, int]) -> list[tuple[Copy, Box]]:
+def boxes_of(turn: str, shape: tuple[int, ...], gap: int = 1) -> list[tuple[Copy, Box]]:
     """Every copy of a sample of this shape, and where it lies."""
     boxes, top = [], 0
     for row in TURNS[turn]:
-        high, wide = shape if row[0][0] % 2 == 0 else shape[::-1]
-        boxes += [(copy, (top, k * (wide + 1), high, wide)) for k, copy in enumerate(row)]
-        top += high + 1
+        high, wide = shape[:2] if row[0][0] % 2 == 0 else shape[1::-1]
+        boxes += [(copy, (top, k * (wide + gap), high, wide)) for k, copy in enumerate(row)]
+        top += high + gap
     return boxes
 
 
 def picture_size(shape: tuple[int, ...], turn: str, gap: int) -> tuple[int, int]:
     """Height and width of the picture of copies of one of this shape."""
-    high, wide = 0, 0
-    for row in TURNS[turn]:
-        height, width = shape[:2] if row[0][0] % 2 == 0 else shape[1::-1]
-        high += height + gap
-        wide = max(wide, len(row) * (width + gap))
-    return high - gap, wide - gap
+    boxes = [box for _, box in boxes_of(turn, shape, gap)]
+    return max(top + high for top, _, high, _ in boxes), max(left + w for _, left, _, w in boxes)
 
 
 def gap_of(size: tuple[int, ...], turn: Any, shape: Any) -> int | None:

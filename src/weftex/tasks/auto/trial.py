@@ -208,5 +208,6 @@ def refined_if_whole(
 
 def _likeness(made: Synthesis, lattice: Lattice, exemplar: Exemplar) -> float:
     """How much fine detail is like that one vector on; its mean over both vectors."""
-    fine = detail(exemplar.matching()[made.source[..., 0], made.source[..., 1]])
+    y, x = np.moveaxis(made.source, -1, 0)
+    fine = detail(exemplar.matching()[y, x])
     return float(np.mean([like_itself(fine, vector) for vector in lattice.vectors]))
