@@ -331,7 +331,7 @@ def steps() -> Table:
     crops["sand"] = weftex.load_exemplar(sand).pixels
     side = sized(128)
     exemplars = {k: weftex.Exemplar(v[-side:, -side:]) for k, v in some(crops.items())}
-    widths = [weftex.Refinement(**PAPER).settle(e).window_width for e in exemplars.values()]
+    widths = [weftex.Refinement(**PAPER).resolved(e).window_width for e in exemplars.values()]
     rows = [["window of the recipe, px", *map(str, widths)]]
     for label, how in some(STEPS):
         row = [label]

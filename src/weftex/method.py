@@ -51,7 +51,7 @@ class Model(ABC):
     exemplar : Exemplar
         The sample that was fitted.
     method : Method
-        The method with every parameter settled.
+        The method with every parameter chosen; see `Method.resolved`.
     asked : Method or None
         The method as `fit` found it.
     """
@@ -299,13 +299,15 @@ class Method(ABC):
     def fit_exemplar(self, exemplar: Exemplar) -> Model:
         """What a method defines: `fit`, once the sample is an `Exemplar`."""
 
-    def settle(self, exemplar: Exemplar) -> Method:
-        """Return this method with what it takes from the sample by itself filled in.
+    def resolved(self, exemplar: Exemplar) -> Self:
+        """Return this method with every parameter that was left open (None) chosen for a sample.
 
-        It is the `method` of the model that `fit` returns; where that takes long, a method finds
-        it without.
+        It equals the `method` of the model that `fit` returns. A method whose `fit` takes long
+        overrides this to choose the parameters alone.
         """
-        return self.fit_exemplar(exemplar).method
+        method = self.fit_exemplar(exemplar).method
+        assert isinstance(method, type(self))
+        return method
 
     def for_part(self, whole: Exemplar) -> Self:
         """Return this method for a part of an exemplar: shares of the whole become pixels."""
@@ -349,7 +351,7 @@ class Method(ABC):
         return dataclasses.replace(self, **idle | parameters)
 
     def window_of(self, exemplar: Exemplar) -> int:
-        """Return the width of the window that the method settles on; 0 if it compares none.
+        """Return the width of the window that the method chooses; 0 if it compares none.
 
         Raises
         ------
@@ -394,7 +396,7 @@ class Method(ABC):
     def describe(self) -> dict[str, Any]:
         """Return slug and parameters as plain values, for files and messages.
 
-        In a settled method only what has no effect is None, and that is left out.
+        In a resolved method only parameters without effect are None; they are left out.
         """
         values = dataclasses.asdict(self)
         return {"method": self.slug} | {k: v for k, v in values.items() if v is not None}

@@ -187,17 +187,17 @@ def test_the_cap_counts_each_window_once(tolerance):
 def test_the_beginning_follows_the_sample():
     """Section 4.3: structured for near-regular samples, random for stochastic ones."""
     for name, init in (("bricks", "structured"), ("weave", "structured"), ("pebbles", "random")):
-        method = weftex.ExactMatching().settle(weftex.load_exemplar(f"sample:{name}"))
+        method = weftex.ExactMatching().resolved(weftex.load_exemplar(f"sample:{name}"))
         assert (name, method.init) == (name, init)
         assert method.repeat_distance == (0 if init == "structured" else method.window_width // 2)
 
 
 def test_a_tolerance_is_proposed_where_colors_hardly_occur_twice():
-    assert weftex.ExactMatching().settle(weftex.load_exemplar("sample:weave")).tolerance == 0
-    assert weftex.ExactMatching().settle(weftex.load_exemplar("sample:grass")).tolerance == 0
+    assert weftex.ExactMatching().resolved(weftex.load_exemplar("sample:weave")).tolerance == 0
+    assert weftex.ExactMatching().resolved(weftex.load_exemplar("sample:grass")).tolerance == 0
     many = weftex.Exemplar(noise((40, 40, 3)))
-    assert 0 < weftex.ExactMatching().settle(many).tolerance < 0.1
-    assert weftex.ExactMatching(nearest_colors=4).settle(many).tolerance is None
+    assert 0 < weftex.ExactMatching().resolved(many).tolerance < 0.1
+    assert weftex.ExactMatching(nearest_colors=4).resolved(many).tolerance is None
 
 
 def test_a_tile_is_gone_on_with():

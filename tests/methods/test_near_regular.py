@@ -202,7 +202,7 @@ def test_the_settled_method_says_what_is_done(case):
     assert told["rectify"] == model.method.rectify == (0 if case else 1)
     assert told["blend"] == "cut" and "blend_width" not in told
     assert None not in told.values()
-    assert method.settle(exemplar) == model.method == model.method.settle(exemplar)
+    assert method.resolved(exemplar) == model.method == model.method.resolved(exemplar)
 
 
 @pytest.mark.parametrize("case", samples())

@@ -138,10 +138,11 @@ def test_the_window_is_twice_the_scale():
 
 
 def test_what_it_starts_from():
-    assert weftex.Refinement().settle(weftex.Exemplar(noise((40, 40)))).init == "quilting"
-    assert weftex.Refinement().settle(weftex.Exemplar(noise((2, 40)))).init == "seeds"
+    assert weftex.Refinement().resolved(weftex.Exemplar(noise((40, 40)))).init == "quilting"
+    assert weftex.Refinement().resolved(weftex.Exemplar(noise((2, 40)))).init == "seeds"
     assert (
-        weftex.Refinement(search="nearest").settle(weftex.Exemplar(noise((40, 40)))).init == "seeds"
+        weftex.Refinement(search="nearest").resolved(weftex.Exemplar(noise((40, 40)))).init
+        == "seeds"
     )
     with pytest.raises(weftex.InvalidInputError):
         weftex.Refinement(init="quilting").fit(weftex.Exemplar(noise((2, 40))))

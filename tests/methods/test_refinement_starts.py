@@ -64,7 +64,7 @@ def test_a_start_that_was_asked_for_is_not_replaced(tiles):
 def test_guides_and_the_papers_search_take_seeds_all_the_same(tiles, model):
     made = model.sample(Canvas(40, 40, guide=noise((40, 40, 1))), seed=1)
     assert made.provenance["init"] == "seeds"
-    assert weftex.Refinement(search="nearest").settle(tiles).init == "seeds"
+    assert weftex.Refinement(search="nearest").resolved(tiles).init == "seeds"
 
 
 def test_a_hole_that_the_first_start_refuses_is_filled_from_the_next(tiles, monkeypatch):
@@ -89,12 +89,12 @@ def test_a_hole_that_the_first_start_refuses_is_filled_from_the_next(tiles, monk
 
 @pytest.mark.parametrize("name", ["pebbles", "grass", "stone_wall", "wood"])
 def test_what_has_no_sure_lattice_is_quilted(name):
-    assert weftex.Refinement().settle(weftex.load_exemplar(f"sample:{name}")).init == "quilting"
+    assert weftex.Refinement().resolved(weftex.load_exemplar(f"sample:{name}")).init == "quilting"
 
 
 @pytest.mark.parametrize("name", ["bricks", "tiles", "weave"])
 def test_materials_with_a_lattice_start_from_it(name):
-    settled = weftex.Refinement().settle(weftex.load_exemplar(f"sample:{name}"))
+    settled = weftex.Refinement().resolved(weftex.load_exemplar(f"sample:{name}"))
     assert settled.init.startswith("near-regular lattice=")
 
 
@@ -225,4 +225,4 @@ def test_settling_is_what_fitting_does():
     for shape in ((2, 40), (40, 41)):
         for search in ("coherent", "nearest"):
             method, exemplar = weftex.Refinement(search=search), weftex.Exemplar(noise(shape))
-            assert method.settle(exemplar) == method.fit(exemplar).method
+            assert method.resolved(exemplar) == method.fit(exemplar).method

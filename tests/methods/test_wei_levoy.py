@@ -159,7 +159,7 @@ def test_the_full_search_looks_at_all_windows_of_large_samples():
     large = weftex.Exemplar(noise((370, 370)))
     tree = weftex.WeiLevoy(levels=1, window_width=3)
     full = weftex.WeiLevoy(levels=1, window_width=3, search="full")
-    assert (tree.settle(large).most_windows, full.settle(large).most_windows) == (131072, 0)
+    assert (tree.resolved(large).most_windows, full.resolved(large).most_windows) == (131072, 0)
     assert len(full.fit(large).prepared.trees.of(0, causal=True).rows) == 369 * 368
     assert len(tree.fit(large).prepared.trees.of(0, causal=True).rows) == 131072
 
@@ -219,7 +219,7 @@ def test_a_hole_in_a_pattern_is_filled_with_it():
 def test_settled_parameters():
     def settled(shape, tileable=False, **parameters):
         exemplar = weftex.Exemplar(noise(shape), tileable=tileable)
-        method = weftex.WeiLevoy(**parameters).settle(exemplar)
+        method = weftex.WeiLevoy(**parameters).resolved(exemplar)
         return method.levels, method.window_width, method.parent_width
 
     assert settled((256, 256)) == (4, 9, 7)

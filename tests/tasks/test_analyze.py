@@ -118,7 +118,7 @@ def check_windows(exemplar):
                 windows.pop(slug)
                 continue
             assert windows.pop(slug) == settled.window_width
-            assert cls().settle(exemplar) == settled
+            assert cls().resolved(exemplar) == settled
     assert windows == {}
 
 
@@ -130,11 +130,11 @@ def test_windows_are_found_without_a_fit(monkeypatch):
 
     exemplar = Exemplar(np.random.default_rng(0).integers(0, 256, (70, 70), np.uint8))
     windowed = ("efros-leung", "wei-levoy", "ashikhmin", "exact-matching", "refinement")
-    settled = {slug: weftex.METHODS[slug]().settle(exemplar).window_width for slug in windowed}
+    settled = {slug: weftex.METHODS[slug]().resolved(exemplar).window_width for slug in windowed}
     for slug in windowed:
         monkeypatch.setattr(weftex.METHODS[slug], "fit_exemplar", fail)
     for slug in ("wei-levoy", "exact-matching", "refinement"):  # here settling takes long too
-        monkeypatch.setattr(weftex.METHODS[slug], "settle", fail)
+        monkeypatch.setattr(weftex.METHODS[slug], "resolved", fail)
     assert analyze(exemplar).windows == settled
 
 

@@ -342,7 +342,7 @@ def test_parameters_belong_to_a_method():
     with pytest.raises(InvalidInputError, match="auto has no parameter 'nothing'"):
         weftex.synthesize(noise((40, 40)), 40, nothing=9)
     assert "auto" not in weftex.METHODS
-    assert weftex.Auto().settle(weftex.Exemplar(noise((9, 9)))) == weftex.Auto()
+    assert weftex.Auto().resolved(weftex.Exemplar(noise((9, 9)))) == weftex.Auto()
 
 
 def test_few_colors_are_counted():

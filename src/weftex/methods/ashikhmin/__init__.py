@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, ClassVar
+from typing import TYPE_CHECKING, ClassVar, Self
 
 import numpy as np
 
@@ -77,8 +77,8 @@ class Ashikhmin(WindowedMethod):
         settled = replace(self, window_width=settings.window_width)
         return PixelModel(settled, exemplar, prepare(settings, exemplar), grow)
 
-    def settle(self, exemplar: Exemplar) -> Ashikhmin:
-        """See `Method.settle`."""
+    def resolved(self, exemplar: Exemplar) -> Self:
+        """See `Method.resolved`."""
         return replace(self, window_width=settle(self, exemplar).window_width)
 
 

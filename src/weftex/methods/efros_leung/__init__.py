@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import asdict, dataclass, replace
-from typing import TYPE_CHECKING, ClassVar
+from typing import TYPE_CHECKING, ClassVar, Self
 
 import numpy as np
 
@@ -110,8 +110,8 @@ class EfrosLeung(WindowedMethod):
         settled = replace(self, **asdict(settings))
         return PixelModel(settled, exemplar, prepare(settings, exemplar), grow_in_layers)
 
-    def settle(self, exemplar: Exemplar) -> EfrosLeung:
-        """See `Method.settle`."""
+    def resolved(self, exemplar: Exemplar) -> Self:
+        """See `Method.resolved`."""
         return replace(self, **asdict(settle(self, exemplar)))
 
 

@@ -159,11 +159,11 @@ class ExactMatching(WindowedMethod):
         """See `Method.window_of`."""
         return window_width(self, exemplar)
 
-    def settle(self, exemplar: Exemplar) -> ExactMatching:
-        """See `Method.settle`; scale, regularity and colors are looked at, no list is made."""
+    def resolved(self, exemplar: Exemplar) -> Self:
+        """See `Method.resolved`; scale, regularity and colors are looked at, no list is made."""
         return self._settled(settle(self, exemplar))
 
-    def _settled(self, settings: Settings) -> ExactMatching:
+    def _settled(self, settings: Settings) -> Self:
         """Fill in what was left open; of tolerance and nearest_colors only one ever is set."""
         return replace(
             self,

@@ -210,9 +210,7 @@ class WindowedMethod(Method):
 
     def window_of(self, exemplar: Exemplar) -> int:
         """See `Method.window_of`."""
-        settled = self.settle(exemplar)
-        assert isinstance(settled, WindowedMethod)
-        return settled.window_for(0)
+        return self.resolved(exemplar).window_for(0)
 
 
 def settled_width(given: int | None, exemplar: Exemplar, proposed: int) -> int:

@@ -214,11 +214,11 @@ class Refinement(WindowedMethod):
         """See `Method.window_of`."""
         return window_width(self, exemplar)
 
-    def settle(self, exemplar: Exemplar) -> Refinement:
-        """See `Method.settle`."""
+    def resolved(self, exemplar: Exemplar) -> Self:
+        """See `Method.resolved`."""
         init = next(iter(fitted_starts(self, exemplar)), "seeds")
-        settled: Refinement = settled_method(self, exemplar, init)
-        return settled
+        resolved: Self = settled_method(self, exemplar, init)
+        return resolved
 
 
 class RefinementModel(PixelModel):

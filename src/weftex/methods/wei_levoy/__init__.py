@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import asdict, dataclass, replace
-from typing import TYPE_CHECKING, ClassVar
+from typing import TYPE_CHECKING, ClassVar, Self
 
 from weftex.errors import InvalidInputError
 from weftex.methods.pixels.growth import PixelModel, WindowedMethod
@@ -132,8 +132,8 @@ class WeiLevoy(WindowedMethod):
         """See `Method.window_of`."""
         return window_width(self, exemplar)
 
-    def settle(self, exemplar: Exemplar) -> WeiLevoy:
-        """See `Method.settle`; the trees are what takes long."""
+    def resolved(self, exemplar: Exemplar) -> Self:
+        """See `Method.resolved`; the trees are what takes long."""
         return replace(self, **asdict(settle(self, exemplar)))
 
 
