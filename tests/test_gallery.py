@@ -19,7 +19,6 @@ ROOT = Path(__file__).parent.parent
 sys.path.insert(0, str(ROOT / "benchmarks"))
 import gallery  # noqa: E402
 import gallery_page  # noqa: E402
-import house  # noqa: E402
 import judging  # noqa: E402
 import sources  # noqa: E402
 
@@ -214,11 +213,3 @@ def test_quality_against_time(monkeypatch):
     chart = ET.fromstring(judging.quality_against_time_chart(rows))
     texts = [node.text for node in chart.iter("{http://www.w3.org/2000/svg}text")]
     assert {"quilting", "quilting, candidates 5", "seconds"} <= set(texts)
-
-
-def test_the_house_in_figures(capsys):
-    house.main()
-    first, _, head, _, *rows = capsys.readouterr().out.splitlines()
-    assert ", 0 circles, 0 upward arrows, " in first and head.startswith("| method | files |")
-    assert [row.split(" | ")[0] for row in rows] == [f"| {slug}" for slug in weftex.METHODS]
-    assert all(int(cell) >= 0 for row in rows for cell in row.split(" | ")[1:-1])

@@ -1,11 +1,13 @@
 """The size of the code base: ceilings that may only fall; `benchmarks/house.py` prints them."""
 
 import ast
+import sys
 from functools import cache
 from pathlib import Path
 
 import pytest
 
+import weftex
 from test_dependencies import FILES, ROOT, graph, is_kernel, room
 
 TESTS = Path(__file__).parent
@@ -97,3 +99,12 @@ def measured():
 @pytest.mark.parametrize("name", CEILINGS)
 def test_nothing_grows(name):
     assert measured()[name] <= CEILINGS[name]
+
+
+def test_the_script_prints_every_measure(capsys):
+    sys.path.insert(0, str(TESTS.parent / "benchmarks"))
+    import house
+
+    house.main()
+    printed = capsys.readouterr().out
+    assert all(f"| {name} | " in printed for name in [*CEILINGS, *weftex.METHODS])
