@@ -44,7 +44,6 @@ MORE: dict[str, dict[str, tuple[str, dict[str, Any]]]] = {
     },
     "quilting": {"wide": ("bricks", {"boundary_width": 12, "patch_size": 40, "tolerance": 0.3})},
     "graphcut": {"refined": ("leaves", {"patch_size": 40}), "default": ("bricks", {})},
-    "efros-leung": {"wide": ("weave", {"window_width": 11, "search": "pca"})},
     "wei-levoy": {
         "constrained": ("grass", {"window_width": 5, "levels": 3}),
         "full": ("weave", {"search": "full", "window_width": 7, "levels": 2}),
@@ -155,7 +154,7 @@ def material_cases(slug: str, threads: int) -> Iterator[Case]:
     regular = slug in ("near-regular", "best-tile")
     side = 192 if regular else 48 if slug == "efros-leung" else 128
     ways: dict[str, Any] = {"default": ("bricks" if regular else "pebbles", {})}
-    for way, (name, parameters) in (ways | MORE[slug]).items():
+    for way, (name, parameters) in (ways | MORE.get(slug, {})).items():
         exemplar = weftex.Exemplar(sample(name, side))
         size = (72, 70) if slug == "efros-leung" else SIZES.get(name, (150, 161))
         wraps = {"plain": (False, False), "xy": (True, True)}

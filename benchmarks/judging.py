@@ -145,7 +145,7 @@ SETTINGS = (
     Setting("ashikhmin", {"passes": 5}),
     Setting("wei-levoy"),
     Setting("wei-levoy", {"leaves": 1}),
-    Setting("efros-leung", {"search": "pca"}),
+    Setting("efros-leung"),
 )
 
 

@@ -42,7 +42,6 @@ CASES = (
     Case("wei-levoy", "pebbles", 128, 200, 0, {"levels": 3, "search": "full"}),
     Case("wei-levoy", "pebbles", 128, 200),
     Case("efros-leung", "pebbles", 128, 200, 0, {"window_width": 15}, "8 s"),
-    Case("efros-leung", "pebbles", 128, 200, 0, {"window_width": 15, "search": "pca"}),
     Case("ashikhmin", "pebbles", 192, 1000, 0, {}, "1 s"),
     Case("refinement", "pebbles", 192, 200, 0, {}, "3 s", "", "653"),
     Case("refinement", "pebbles", 192, 512, 0, {}, "15 s"),

@@ -110,9 +110,8 @@ TRIALS = {
     "efros-leung": Trial(
         "pixel",
         {"window_width": 5},
-        {"full": {}, "pca": {"search": "pca"}},
         largest=40,
-        real=({"window_width": 9, "search": "pca"},),
+        real=({"window_width": 9},),
     ),
     "wei-levoy": Trial(
         "pixel",

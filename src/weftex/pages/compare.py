@@ -32,7 +32,7 @@ class Entry:
     assessment : Assessment or None
         The figures.
     note : str
-        What its parameters were chosen for, or why there is no result.
+        Why there is no result.
     """
 
     method: str
@@ -151,8 +151,7 @@ def _section(found: Comparison, entry: Entry) -> list[str]:
     head = f'<h2 id="{entry.method}">{entry.method}</h2>'
     if entry.result is None or entry.assessment is None:
         return [head, f"<p>It cannot do this: {escape(entry.note)}.</p>"]
-    note = f" {entry.note}." if entry.note else ""
-    told = f"{entry.assessment.verdict()} {entry.seconds:.2f} s.{note}"
+    told = f"{entry.assessment.verdict()} {entry.seconds:.2f} s."
     colors = "false colors by place in the sample: more red to the right, more green downwards"
     return [
         head,

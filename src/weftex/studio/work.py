@@ -93,12 +93,7 @@ def several(recipe: Recipe, count: Any, methods: Any) -> list[Recipe]:
         raise InvalidInputError("count has no effect beside methods; leave one of them out")
     if not isinstance(methods, list) or not 0 < len(methods) <= MOST_SEEDS:
         raise InvalidInputError(f"methods is {shown(methods)}; it must be a list of names")
-    from weftex.tasks.compare import FAST
-
-    return [
-        recipe.changed(method=name, parameters=FAST[name][0] if name in FAST else {})
-        for name in map(str, methods)
-    ]
+    return [recipe.changed(method=name, parameters={}) for name in map(str, methods)]
 
 
 @dataclass(frozen=True)

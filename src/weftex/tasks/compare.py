@@ -26,14 +26,6 @@ if TYPE_CHECKING:
 
 _USUAL = 512  # pixels a side of the output, at most, where no size is given
 
-#: What slow methods are given, and what is said of it.
-FAST: dict[str, tuple[dict[str, Any], str]] = {
-    "efros-leung": (
-        {"search": "pca"},
-        "with search=pca; all windows, its default, would take about three times as long",
-    ),
-}
-
 
 def compare(
     sample: Sample,
@@ -47,8 +39,7 @@ def compare(
 ) -> Comparison:
     """Make the same from one sample with every method, and measure each.
 
-    Slow methods get their fast options (`FAST`), and the result says so. A method that cannot do
-    it says why in its place.
+    A method that cannot do it says why in its place.
 
     Parameters
     ----------
@@ -94,10 +85,9 @@ def compare(
     count = Progress(progress, len(names), "methods", lambda: done and _last(done))
     options: dict[str, Any] = {"seed": number, "threads": threads, "progress": count.within()}
     for name in names:
-        parameters, note = FAST.get(name, ({}, ""))
         start = perf_counter()
         try:
-            method = make_method(name, parameters)
+            method = make_method(name, {})
             method.require(canvas)
             result = method.fit(exemplar).sample(canvas, **options)
             result.image  # rendering is part of the work  # noqa: B018
@@ -105,7 +95,7 @@ def compare(
             done.append(Entry(name, None, perf_counter() - start, None, str(error)))
         else:
             took = perf_counter() - start
-            done.append(Entry(name, result, took, assess(exemplar, result), note))
+            done.append(Entry(name, result, took, assess(exemplar, result), ""))
         count.advance(1)
     choice = AutoModel(Auto(), exemplar).choose(canvas)
     for entry in done:

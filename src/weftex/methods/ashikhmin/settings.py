@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from functools import partial
 from typing import TYPE_CHECKING, Any
 
-from weftex.methods.pixels.growth import narrowed, settled_width
+from weftex.methods.pixels.growth import narrowed, width_for
 from weftex.search.windows import square_windows
 
 if TYPE_CHECKING:
@@ -39,7 +39,7 @@ def settle(method: Any, exemplar: Exemplar) -> Settings:
     InvalidInputError
         If the sample has no room for `window_width`.
     """
-    width = settled_width(method.window_width, exemplar, _PROPOSED_WIDTH)
+    width = width_for(method.window_width, exemplar, _PROPOSED_WIDTH)
     if method.window_width is None:
         width = narrowed(width, partial(square_windows, exemplar))
     return Settings(

@@ -2,27 +2,33 @@
 
 from __future__ import annotations
 
-from dataclasses import asdict, dataclass, replace
+from dataclasses import dataclass, replace
+from functools import partial
 from typing import TYPE_CHECKING, ClassVar, Self
 
 import numpy as np
 
+from weftex.errors import InvalidInputError
 from weftex.methods.efros_leung.layers import (
     Waves,
     seed_piece,
     shared,
     unfilled_with_filled_neighbors,
 )
-from weftex.methods.efros_leung.model import Prepared, prepare
-from weftex.methods.efros_leung.settings import check_seed_size, settle
-from weftex.methods.pixels.growth import PixelModel, WindowedMethod
+from weftex.methods.pixels.growth import PixelModel, WindowedMethod, narrowed, width_for
 from weftex.notes import asked_among, note
 from weftex.parameters import parameter
+from weftex.search.exhaustive import ExhaustiveSearch
+from weftex.search.weighted_windows import gaussian_weights
+from weftex.search.windows import square_windows
 
 if TYPE_CHECKING:
     from weftex.exemplar import Exemplar
     from weftex.methods.pixels.growth import Growth
+    from weftex.search.windows import Windows
 
+_PROPOSED_WIDTH, _PROPOSED_SEED = 15, 3  # pixels
+_SIGMAS = 6.4  # standard deviations of the Gaussian in a window's width
 _RISE = 1.1  # of the threshold when a layer makes no progress
 _TRIES = 8  # for each pixel on average; then the threshold rises with every layer
 
@@ -84,60 +90,62 @@ class EfrosLeung(WindowedMethod):
         idle_canvas="known",
     )
 
-    search: str = parameter(
-        "full",
-        "all windows, or those that principal components make likely",
-        choices=("full", "pca"),
-    )
-    candidates: int = parameter(
-        32, "windows that pca offers for each pixel", low=1, needs=("search", ("pca",))
-    )
-    variance: float = parameter(
-        0.9,
-        "share of the variance that pca keeps, in 16 components at most",
-        low=0.0,
-        high=1.0,
-        needs=("search", ("pca",)),
-    )
-
     def __post_init__(self) -> None:
         super().__post_init__()
-        check_seed_size(self.seed_size, self.window_width)
-
-    def fit_exemplar(self, exemplar: Exemplar) -> PixelModel:
-        """Prepare a sample."""
-        settings = settle(self, exemplar)
-        settled = replace(self, **asdict(settings))
-        return PixelModel(settled, exemplar, prepare(settings, exemplar), grow_in_layers)
+        if self.seed_size and self.window_width and self.seed_size > self.window_width:
+            raise InvalidInputError(
+                f"seed_size is {self.seed_size}; it must be from 1 to the window_width of "
+                f"{self.window_width}"
+            )
 
     def resolved(self, exemplar: Exemplar) -> Self:
         """See `Method.resolved`."""
-        return replace(self, **asdict(settle(self, exemplar)))
+        width = width_for(self.window_width, exemplar, _PROPOSED_WIDTH)
+        if self.window_width is None:
+            width = narrowed(width, partial(square_windows, exemplar))
+        return replace(
+            self, window_width=width, seed_size=self.seed_size or min(_PROPOSED_SEED, width)
+        )
+
+    def fit_exemplar(self, exemplar: Exemplar) -> PixelModel:
+        """Find the sample's windows, and weigh their pixels."""
+        method = self.resolved(exemplar)
+        width = method.window_for(0)
+        windows = square_windows(exemplar, width)
+        search = ExhaustiveSearch(windows, gaussian_weights(width, width / _SIGMAS))
+        prepared = Prepared(method, windows, search)
+        return PixelModel(method, exemplar, prepared, grow_in_layers)
+
+
+@dataclass(frozen=True, eq=False)
+class Prepared:
+    """A sample prepared for non-parametric sampling."""
+
+    method: EfrosLeung  # resolved
+    windows: Windows  # the sample's whole windows
+    search: ExhaustiveSearch  # finds the windows that match the known pixels around a pixel
 
 
 def grow_in_layers(prepared: Prepared, growth: Growth) -> None:
     """Grow the texture around a seed, or around the known pixels, in layers (section III.A)."""
-    settings, wrap = prepared.settings, growth.canvas.wrap
+    method, wrap = prepared.method, growth.canvas.wrap
+    assert method.window_width and method.seed_size  # resolved
     sample = prepared.windows.pixels.reshape(-1, prepared.windows.pixels.shape[2])
     source, done = growth.source.reshape(-1), growth.done.reshape(-1)
     pixels = growth.pixels.reshape(done.size, -1)
     # "... grown in layers taken randomly from the sample image": a random piece of it is the seed.
     if not done.any():
-        at, piece = seed_piece(
-            prepared.windows, settings.seed_size, growth.canvas.shape, growth.seed
-        )
+        at, piece = seed_piece(prepared.windows, method.seed_size, growth.canvas.shape, growth.seed)
         source[at], pixels[at], done[at] = piece, sample[piece], 1
     progress = growth.progress(int((done == 0).sum()), "pixels")
-    threshold, tries_left = settings.threshold, _TRIES * progress.total
-    waves = Waves(growth.canvas.shape, wrap, settings.window_width, growth.seed)
+    threshold, tries_left = method.threshold, _TRIES * progress.total
+    waves = Waves(growth.canvas.shape, wrap, method.window_width, growth.seed)
     # The context is the "already synthesized pixels in a square window"; similarity is the
     # "Gaussian weighted sum of differences": "find the best match [...] and take all samples
-    # within some distance from that match", one of which is drawn: `search_full` in
-    # `exhaustive_kernels`, or `search_half_known`, with `weighted_kernels.choose_one`. The weights
-    # are `weighted_windows.gaussian_weights`, with sigma = width / 6.4 (`model.prepare`).
+    # within some distance from that match", one of which is drawn: `exhaustive_kernels`.
     canvas = growth.pixels, growth.done, growth.source, wrap
     with shared(
-        [prepared.search.on(*canvas, settings.tolerance) for _ in range(growth.threads)]
+        [prepared.search.on(*canvas, method.tolerance) for _ in range(growth.threads)]
     ) as draw_match:
         while (layer := unfilled_with_filled_neighbors(growth.done, wrap)).size:
             note("layer", growth=growth)

@@ -9,7 +9,7 @@ import numpy as np
 
 from weftex.analysis.regularity import regularity
 from weftex.analysis.scale import dominant_scale
-from weftex.methods.pixels.growth import narrowed, settled_width
+from weftex.methods.pixels.growth import narrowed, width_for
 from weftex.search.color_index import ColorIndex
 from weftex.search.pyramid_windows import sample_pyramid
 from weftex.search.windows import windows_of
@@ -141,7 +141,7 @@ def _width_and_levels(method: Any, exemplar: Exemplar, init: str) -> tuple[int, 
         if levels == 1 and given is None:
             proposed = max(_SMALLEST_PROPOSED, dominant_scale(exemplar).window_width)
             proposed = min(proposed, max(min(exemplar.shape) // 3, _SMALLEST_WITH_ROOM))
-        width = settled_width(given, exemplar, proposed)
+        width = width_for(given, exemplar, proposed)
         if given is not None:
             return width, levels
         fitting = narrowed(width, find)

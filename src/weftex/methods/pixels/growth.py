@@ -213,7 +213,7 @@ class WindowedMethod(Method):
         return self.resolved(exemplar).window_for(0)
 
 
-def settled_width(given: int | None, exemplar: Exemplar, proposed: int) -> int:
+def width_for(given: int | None, exemplar: Exemplar, proposed: int) -> int:
     """Return a width of window, odd, that fits the sample.
 
     Parameters
@@ -233,7 +233,7 @@ def settled_width(given: int | None, exemplar: Exemplar, proposed: int) -> int:
     Examples
     --------
     >>> import weftex
-    >>> settled_width(None, weftex.load_exemplar("sample:bricks"), 30)
+    >>> width_for(None, weftex.load_exemplar("sample:bricks"), 30)
     29
     """
     largest = min(exemplar.shape)

@@ -12,7 +12,7 @@ import numpy as np
 from weftex.analysis.scale import dominant_scale
 from weftex.errors import InvalidInputError
 from weftex.method import Method
-from weftex.methods.pixels.growth import narrowed, settled_width
+from weftex.methods.pixels.growth import narrowed, width_for
 from weftex.naming import method_of, text_of
 from weftex.raster.pyramids import mask_pyramid
 from weftex.registry import METHODS
@@ -140,11 +140,11 @@ def window_width(method: Any, exemplar: Exemplar) -> int:
     Where a mask leaves no room for windows so wide on any level, the widest that there are.
     """
     if method.window_width:
-        return settled_width(method.window_width, exemplar, 1)
+        return width_for(method.window_width, exemplar, 1)
     proposed, widest = dominant_scale(exemplar).window_width, min(exemplar.shape)
     if method.search == "coherent":
         proposed, widest = max(_NARROWEST_PYRAMID, proposed), 2 * _LARGEST_REACH + 1
-    width = settled_width(None, exemplar, proposed)
+    width = width_for(None, exemplar, proposed)
     if exemplar.mask is None:
         return width
     whole = narrowed(min(width, widest), lambda side: square_windows(exemplar, side))

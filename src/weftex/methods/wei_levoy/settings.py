@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 from weftex.errors import InvalidInputError
-from weftex.methods.pixels.growth import settled_width
+from weftex.methods.pixels.growth import width_for
 from weftex.search.pyramid_windows import interior_windows, sample_pyramid
 
 if TYPE_CHECKING:
@@ -83,7 +83,7 @@ def settle(method: Any, exemplar: Exemplar) -> Settings:
 
 def window_width(method: Any, exemplar: Exemplar) -> int:
     """Return the width of the windows: the one given, or the widest proposed that has room."""
-    width: int = settled_width(method.window_width, exemplar, PROPOSED_WIDTH)
+    width: int = width_for(method.window_width, exemplar, PROPOSED_WIDTH)
     while True:
         try:
             interior_windows(exemplar, None, width, 0, causal=False)
