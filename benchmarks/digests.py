@@ -61,7 +61,6 @@ MORE: dict[str, dict[str, tuple[str, dict[str, Any]]]] = {
     },
     "near-regular": {
         "paper": ("bricks", {"preset": "paper"}),
-        "warped": ("tiles", {"warp": 3}),
         "rows": ("wood", {}),
         "straight": ("weave", {"rectify": 0, "variety": 0.0}),
         "gncc": ("bricks", {"match": "gncc"}),

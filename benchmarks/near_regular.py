@@ -61,7 +61,6 @@ def near_regular() -> Table:
     crop = weftex.NearRegular(preset="paper", lattice=find_vectors(small))
     blocks = crop.fit(weftex.Exemplar(bricks(128)))
     own = weftex.NearRegular().fit(weftex.Exemplar(small))
-    bent = weftex.NearRegular(warp=2).fit(weftex.Exemplar(small))
     seeds = iter(range(10**9))
     took = medians(
         {
@@ -71,7 +70,6 @@ def near_regular() -> Table:
             "blocks": lambda: blocks.sample(sized(256), seed=next(seeds)).image,
             "window": windows(own),
             "still": lambda: own.sample(sized(_SIDE), seed=next(seeds)).image,
-            "warped": lambda: bent.sample(sized(_SIDE), seed=next(seeds)).image,
         },
         15,
     )
@@ -90,7 +88,6 @@ def near_regular() -> Table:
         ["the same, peak memory", f"{run['peak']:.0f} MiB", "1024 MiB"],
         ["256 at 10^9, -10^9", ms(took["window"]), "20 ms"],
         [f"256 to {_SIDE}, sample", ms(took["still"]), ""],
-        ["the same with warp 2", ms(took["warped"]), ""],
     ]
     notes = f"""
 Bricks, RGB, defaults but for the blocks, which are the paper's. The definition is the time of

@@ -252,7 +252,6 @@ def test_blends_are_as_wide_as_asked_or_refused():
         ({"blend": "none", "seam_cost": "difference"}, "seam_cost has no effect unless"),
         ({"border_width": 0, "seam_cost": "difference"}, "seam_cost has no effect without borders"),
         ({"border_width": 0, "match": "gncc"}, "match has no effect without borders"),
-        ({"border_width": 0, "warp": 1}, "warp is 1; it needs a border_width"),
     ],
 )
 def test_what_has_no_effect_is_refused(parameters, message):

@@ -3,7 +3,6 @@
 from weftex.results.patches import PatchSynthesis, RectifiedSynthesis
 from weftex.results.pixels import PixelSynthesis
 from weftex.results.synthesis import Synthesis
-from weftex.results.warped import WarpedSynthesis
 
 # Loading a file needs to know every kind.
 __all__ = [
@@ -11,5 +10,4 @@ __all__ = [
     "PixelSynthesis",
     "RectifiedSynthesis",
     "Synthesis",
-    "WarpedSynthesis",
 ]

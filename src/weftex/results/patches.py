@@ -72,18 +72,11 @@ class PatchSynthesis(Synthesis):
         shown = patch[there]
         at = self.placements[shown].astype(np.int64)
         v, u = (y + top - at[:, 0]) % rows, (x + left - at[:, 1]) % columns
-        v, u = self._within(shown, v, u)
         coordinates = np.full((*patch.shape, 2), -1, np.int32)
         coordinates[there] = np.stack([v + at[:, 2], u + at[:, 3]], axis=1) % self.sample_shape
         total = share.sum(axis=2, keepdims=True)  # below 1 where more patches meet than are kept
         share /= np.where(total > 0, total, 1)
         return coordinates, share
-
-    def _within(
-        self, patch: NDArray[np.int32], y: NDArray[Any], x: NDArray[Any]
-    ) -> tuple[NDArray[Any], NDArray[Any]]:
-        """Which pixel of its patch is shown at each pixel of it."""
-        return y, x
 
     def _lay(self, out: NDArray[Any], pixels: NDArray[Any], window: Window, mixing: Mixing) -> None:
         rows, columns, down, right = self._frame

@@ -18,7 +18,6 @@ from weftex.methods.near_regular.seams import (
     lay_blocks,
 )
 from weftex.methods.near_regular.settings import blend_of, check_border, settle
-from weftex.methods.near_regular.warps import warp_gaps
 from weftex.notes import note
 from weftex.parameters import parameter
 from weftex.threads import thread_count, thread_map
@@ -120,13 +119,6 @@ class NearRegular(Method):
         default_text="3, a tenth of the shorter vector at most; 0 in the paper, without a lattice, "
         "with a mask or hole, and where the sample tiles",
     )
-    warp: int = parameter(
-        0,
-        "how far parts of a gap's piece are moved and resampled to meet its neighbors; 0 copies",
-        low=0,
-        high=8,
-        unit="px",
-    )
     match: str = parameter(
         "difference",
         "how borders are compared: squared differences of colors, or their correlation",
@@ -225,14 +217,12 @@ class NearRegularModel(LatticeModel):
             gaps = layout.gap & hole.laid
             place = fill_gaps(*plan, place, gaps, "gaps", each, progress)
             note("filled", sample=sample, layout=layout, place=place, vectors=self.vectors)
-            # 6: each gap may be deformed to meet its neighbors.
-            warps = warp_gaps(*plan[:3], place, gaps, each) if settings.warp else None
             if settings.blend == "cut":
                 # 6: seams of least error instead of blending.
-                joints = cut_seams(*plan[1:], place, each, warps)
+                joints = cut_seams(*plan[1:], place, each)
             else:
                 # 4.2.3: blend blocks linearly where they overlap (eqs. 4.6 to 4.10).
                 joints = blend_linearly(settings, layout)
             if hole.is_there:
                 joints = keep_known(layout, hole, joints)
-            return lay_blocks(sample, layout, place, joints, told, hole.laid, warps)
+            return lay_blocks(sample, layout, place, joints, told, hole.laid)

@@ -9,7 +9,6 @@ import numpy as np
 
 from weftex.methods.near_regular import seam_kernels as kernels
 from weftex.results.patches import PatchSynthesis, RectifiedSynthesis
-from weftex.results.warped import WarpedSynthesis
 from weftex.seams.boundary_kernels import Band
 
 if TYPE_CHECKING:
@@ -19,7 +18,6 @@ if TYPE_CHECKING:
     from weftex.methods.near_regular.layout import Axis, Layout
     from weftex.methods.near_regular.sample import BlockSample
     from weftex.methods.near_regular.settings import Settings
-    from weftex.methods.near_regular.warps import Warps
 
     Each = Callable[..., Iterable[Any]]
 
@@ -51,7 +49,6 @@ def cut_seams(
     hole: Hole,
     place: NDArray[np.int32],
     each: Each,
-    warps: Warps | None,
 ) -> Joints:
     """Cut blocks along the paths of least error through their overlaps (chapter 6).
 
@@ -59,7 +56,7 @@ def cut_seams(
     on beyond it.
     """
     (lines, _), (across, _) = (a.laid(layout.reach) for a in (layout.rows, layout.columns))
-    upright, lying = _paths(sample, layout, hole, place, each, warps)
+    upright, lying = _paths(sample, layout, hole, place, each)
     zones = np.zeros(_shown_shape(layout), np.int64)
     weights = np.full((1, lines, across), 128, np.uint16)
     return Joints(_cuts(layout, upright, lying), zones, weights)
@@ -71,7 +68,6 @@ def _paths(
     hole: Hole,
     place: NDArray[np.int32],
     each: Each,
-    warps: Warps | None,
 ) -> tuple[NDArray[np.int32], NDArray[np.int32]]:
     """Where blocks begin, for each line of their windows: from the left, and from above."""
     rows, columns = place.shape
@@ -110,13 +106,9 @@ def _paths(
         kernels.meet(still, grid, around, seams, band(), i, i + 1)
 
     def cut(lines: range) -> None:
-        looked, own = still, band()
-        if warps:
-            beside = {k % rows for k in range(lines.start - 1, lines.stop)}
-            looked = kernels.Shown(*warps.shown(sample, layout, place, sorted(beside)))
-        stop = min(lines.stop, layout.rows.shown.stop)
-        kernels.cut_edges(looked, grid, around, seams, True, own, lines.start, stop)
-        kernels.cut_edges(looked, grid, around, seams, False, own, lines.start, lines.stop)
+        stop, own = min(lines.stop, layout.rows.shown.stop), band()
+        kernels.cut_edges(still, grid, around, seams, True, own, lines.start, stop)
+        kernels.cut_edges(still, grid, around, seams, False, own, lines.start, lines.stop)
 
     shown = range(layout.rows.shown.start, layout.rows.shown.stop + 1)
     list(each(meet, shown))
@@ -258,7 +250,6 @@ def lay_blocks(
     joints: Joints,
     provenance: dict[str, Any],
     laid: NDArray[np.bool_],
-    warps: Warps | None,
 ) -> PatchSynthesis:
     """Lay blocks by kind: drawn ones of even rows, of odd rows, then the gaps."""
     rows, columns = layout.rows.shown, layout.columns.shown
@@ -302,11 +293,6 @@ def lay_blocks(
     }
     plan = layout.canvas, np.ascontiguousarray(placements), joints.weights, cuts
     lookup = sample.lookup
-    if warps:
-        if lookup is None:
-            lookup = np.arange(height * width, dtype=np.int32).reshape(height, width)
-        nodes, within = warps.of(layout, order, v, u)
-        return WarpedSynthesis(*plan, lookup=lookup, warps=nodes, within=within, **told)
     if lookup is None:
         return PatchSynthesis(*plan, **told)
     return RectifiedSynthesis(*plan, lookup=lookup, **told)

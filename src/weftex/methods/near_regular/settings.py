@@ -51,7 +51,7 @@ class Settings:
         good.
     tiles : bool
         Windows go over the sample's border to its other side.
-    block_size, border_width, blend_width, tolerance, rectify, warp : int
+    block_size, border_width, blend_width, tolerance, rectify : int
         In pixels. `blend_width` is 0 unless blocks are feathered; `rectify` is 0 where nothing is
         rectified.
     blend : {"cut", "feather", "none"}
@@ -70,7 +70,6 @@ class Settings:
     seam_cost: str
     tolerance: int
     rectify: int
-    warp: int
     match: str
     candidates: int
     variety: float
@@ -169,7 +168,6 @@ def settle(method: Any, exemplar: Exemplar) -> Settings:
         seam_cost=method.seam_cost,
         tolerance=tolerance,
         rectify=rectify,
-        warp=method.warp,
         match=method.match,
         candidates=method.candidates or (_ALL_SIMILAR if paper else 6),
         variety=(0.0 if paper else 1.0) if method.variety is None else method.variety,
@@ -228,8 +226,6 @@ def _block(
     if border is None:
         border = 10 if paper else size // 3 * 2
         border = min(border, (size - 1) // 2 * 2, max(0, shorter - size) // 2 * 2)
-    if method.warp and border < 2:
-        raise InvalidInputError(f"warp is {method.warp}; it needs a border_width of 2 or more")
     check_border(size, border)
     if size + border > shorter:
         raise InvalidInputError(
