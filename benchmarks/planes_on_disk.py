@@ -1,7 +1,7 @@
 """Planes on disk: speed, growth, kills, workers that die, disks that fill, what limits a cluster.
 
     python benchmarks/planes_on_disk.py speed --side 16384 --methods near-regular
-    python benchmarks/planes_on_disk.py growth | kills | cluster | disk | null | simulate
+    python benchmarks/planes_on_disk.py growth | kills | cluster | disk | null
 
 Each prints its lines; docs/endless.md has those of one run.
 """
@@ -19,10 +19,12 @@ import subprocess
 import sys
 import tempfile
 import time
+from collections.abc import Callable
 from pathlib import Path
 
 HERE = Path(__file__).resolve().parent
 METHODS = ("patch-sampling", "quilting", "graphcut", "near-regular", "refinement")
+Process = subprocess.Popen[bytes]
 QUIET = {"stdout": subprocess.DEVNULL, "stderr": subprocess.DEVNULL}
 
 
@@ -123,23 +125,29 @@ def kills(args: argparse.Namespace, folder: Path) -> None:
         clean(folder)
 
 
+def scheduler(stack: contextlib.ExitStack) -> tuple[Callable[..., Process], str]:
+    """Start a scheduler; return a function that starts Dask processes, and the address."""
+    with socket.socket() as one:
+        one.bind(("127.0.0.1", 0))
+        address = f"tcp://127.0.0.1:{one.getsockname()[1]}"
+
+    def dask(*more: object) -> Process:
+        made = [sys.executable, "-m", "dask", *map(str, more), "--no-dashboard"]
+        process = subprocess.Popen(made, **QUIET)
+        stack.callback(process.kill)
+        return process
+
+    dask("scheduler", "--host", "127.0.0.1", "--port", address.rpartition(":")[2])
+    return dask, address
+
+
 def cluster(args: argparse.Namespace, folder: Path) -> None:
     """A scheduler and workers: one killed in the middle, one added, one of another version."""
     words = ["--method", "near-regular", "--block", 128]
     subprocess.run(command(folder / "whole.zarr", args.side, *words), check=True)
     (folder / "old.py").write_text("import weftex; weftex.__version__ = '0.0.1'\n")
-    with socket.socket() as one:
-        one.bind(("127.0.0.1", 0))
-        address = f"tcp://127.0.0.1:{one.getsockname()[1]}"
     with contextlib.ExitStack() as stack:
-
-        def dask(*more: object) -> subprocess.Popen[bytes]:
-            made = [sys.executable, "-m", "dask", *map(str, more), "--no-dashboard"]
-            process = subprocess.Popen(made, **QUIET)
-            stack.callback(process.kill)
-            return process
-
-        dask("scheduler", "--port", address.rpartition(":")[2])
+        dask, address = scheduler(stack)
         worker = ["worker", address, "--nthreads", 1, "--no-nanny"]
         workers = [dask(*worker), dask(*worker)]
         run = subprocess.Popen(command(folder / "p.zarr", args.side, *words, "--cluster", address))
@@ -195,7 +203,7 @@ def disk(args: argparse.Namespace, folder: Path) -> None:
 
 
 def null(args: argparse.Namespace, folder: Path) -> None:
-    """Blocks of no work by a local cluster: what scheduler, client and journal cost each."""
+    """Blocks of no work by two workers of Dask: what scheduler, client and journal cost each."""
     os.environ["PYTHONPATH"] = os.pathsep.join([str(HERE), os.environ.get("PYTHONPATH", "")])
     import planes_on_disk as planes
 
@@ -208,7 +216,12 @@ def null(args: argparse.Namespace, folder: Path) -> None:
     method = weftex.BestTile(lattice=(20, 0, 0, 20))
     recipe = recipe_of(weftex.load_exemplar("sample:bricks"), method, 64, seed=1, block=64)
     steps = Progress(None, args.blocks, "blocks", lambda: None)
-    with module.connected(2) as client:
+    with contextlib.ExitStack() as stack:
+        dask, address = scheduler(stack)
+        for _ in range(2):
+            dask("worker", address, "--nthreads", 1, "--no-nanny")
+        client = stack.enter_context(module.connected(address))
+        client.wait_for_workers(2)
         run = module.Workers(client, Job(recipe, str(folder / "p.tif")))
         for count in (200, args.blocks):
             start = time.perf_counter()
@@ -222,14 +235,6 @@ def null(args: argparse.Namespace, folder: Path) -> None:
 
 def no_block(packed: bytes, place: tuple[int, int, int], wanted: dict[str, str]) -> None:
     """A task that does nothing."""
-
-
-def simulate(args: argparse.Namespace, folder: Path) -> None:
-    """A million blocks, say, on many workers; see simulated_cluster.py."""
-    from simulated_cluster import Cluster
-
-    for count in args.workers:
-        print(Cluster(count, args.blocks, args.seconds, args.message / 1000).run(), flush=True)
 
 
 def lines(record: Path) -> int:
@@ -264,7 +269,7 @@ def clean(folder: Path) -> None:
         shutil.rmtree(path) if path.is_dir() else path.unlink()
 
 
-WORKS = {f.__name__: f for f in (speed, growth, kills, cluster, disk, null, simulate)}
+WORKS = {f.__name__: f for f in (speed, growth, kills, cluster, disk, null)}
 
 
 def main(words: list[str] | None = None) -> None:
@@ -273,14 +278,14 @@ def main(words: list[str] | None = None) -> None:
     parser.add_argument("what", choices=WORKS)
     parser.add_argument("--side", type=int, default=1024)
     parser.add_argument("--methods", nargs="+", default=["near-regular"], choices=METHODS)
-    parser.add_argument("--workers", nargs="+", type=int, default=[0, 1, 2], help="0: no Dask")
+    parser.add_argument(
+        "--workers", nargs="+", type=int, default=[0, 1, 2], help="0: this process alone"
+    )
     parser.add_argument("--formats", nargs="+", default=[".tif", ".zarr"])
     parser.add_argument("--rest", type=float, default=0, help="seconds between runs of growth")
     parser.add_argument("--slice", type=float, default=3600, help="seconds of a run of growth")
     parser.add_argument("--times", type=int, default=20)
     parser.add_argument("--blocks", type=int, default=1000)
-    parser.add_argument("--seconds", type=float, default=2.0)
-    parser.add_argument("--message", type=float, default=0.0, help="milliseconds a block")
     parser.add_argument("--folder", help="where to write; default: a temporary one")
     args = parser.parse_args(words)
     with tempfile.TemporaryDirectory(dir=args.folder) as folder:

@@ -56,11 +56,8 @@ def test_the_page_has_every_table():
 
 
 def test_planes_on_disk(capsys):
-    pytest.importorskip("distributed")
-    planes_on_disk.main(["simulate", "--blocks", "60", "--workers", "1", "20"])
     planes_on_disk.main(["speed", "--side", "200", "--formats", ".tif", "--workers", "0"])
-    out = capsys.readouterr().out
-    assert out.count("60 blocks of 2.0 s") == 2 and "times the method" in out
+    assert "times the method" in capsys.readouterr().out
 
 
 def test_digests_are_compared(monkeypatch, capsys, tmp_path):

@@ -75,7 +75,7 @@ def test_no_scheduler(monkeypatch):
         ("tcp://127.0.0.1:1", "no scheduler answers"),
         ("nonsense://x", "nonsense"),
     ]:
-        with pytest.raises(FileError, match=why), cluster.connected(address=address):
+        with pytest.raises(FileError, match=why), cluster.connected(address):
             pass
 
 
@@ -84,23 +84,12 @@ def test_another_version():
         cluster.refuse_versions("a", {"weftex": "0.0.1"}, cluster.versions())
 
 
-def test_arguments_that_are_none():
-    for how in (
-        {},
-        {"workers": 2, "address": "tcp://127.0.0.1:1"},
-        {"workers": 0},
-        {"workers": True},
-    ):
-        with pytest.raises(InvalidInputError), cluster.connected(**how):
-            pass
-
-
 def test_a_missing_library(monkeypatch):
     for name in ("distributed", "dask.array"):
         monkeypatch.setitem(sys.modules, name, None)
     with (
         pytest.raises(InvalidInputError, match=r"pip install 'weftex\[dask\]'"),
-        cluster.connected(2),
+        cluster.connected("tcp://127.0.0.1:1"),
     ):
         pass
     with pytest.raises(InvalidInputError, match=r"pip install 'weftex\[dask\]'"):

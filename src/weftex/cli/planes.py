@@ -47,7 +47,7 @@ def add_plane(parser: Parser) -> None:
     add("--restart", action="store_true", help="remove what is there and begin again")
     text = "make part K of N, on any machine that has the folder; needs --seed; see 'weftex check'"
     add("--part", metavar="K/N", help=text)
-    add("--workers", type=int, metavar="N", help="in N processes (extra dask)")
+    add("--workers", type=int, metavar="N", help="number of processes of this machine")
     text = "on the workers of a Dask scheduler, which all have the folder (extra dask)"
     add("--cluster", metavar="tcp://HOST:PORT", help=text)
 
@@ -185,11 +185,15 @@ def write(
     how: dict[str, Any] = {"restart": args.restart, "progress": bar}
     how |= {"threads": getattr(args, "threads", None), "check_disk": not args.allow_huge}
     with ExitStack() as stack:
-        if args.workers is not None or args.cluster is not None:
+        if args.workers is not None:
+            from weftex.tasks.worker_processes import WorkerProcesses
+
+            how["runner"] = workers = stack.enter_context(WorkerProcesses(job, args.workers))
+            bar.at_stop(workers.end)
+        elif args.cluster is not None:
             from weftex.tasks.cluster import Workers, connected
 
-            client = stack.enter_context(connected(args.workers, args.cluster))
-            how["runner"] = Workers(client, job)
+            how["runner"] = Workers(stack.enter_context(connected(args.cluster)), job)
         written = write_plane(job, **how)
     if getattr(args, "save_source", None) is not None:
         recipe.save(outputs.add(args.save_source))

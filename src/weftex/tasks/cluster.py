@@ -19,7 +19,7 @@ from functools import cache, lru_cache
 from time import monotonic, sleep
 from typing import TYPE_CHECKING, Any
 
-from weftex.errors import FileError, InvalidInputError, WeftexError, shown
+from weftex.errors import FileError, InvalidInputError, WeftexError
 from weftex.stores.record import Record
 from weftex.tasks.stream import Job
 
@@ -37,61 +37,23 @@ _POLL, _LOOK = 0.02, 2.0  # seconds
 _GONE = "the scheduler is gone; blocks that are done are kept, and the same command goes on"
 
 
-def cluster_library() -> Any:
-    """Return distributed, or say how to get it."""
+@contextmanager
+def connected(address: str) -> Iterator[Any]:
+    """Give a client of the scheduler at an address such as ``tcp://host:8786``."""
     try:
         import distributed
     except ImportError:
         raise InvalidInputError(
-            "several processes need the extra dask: pip install 'weftex[dask]'"
+            "--cluster needs the extra dask: pip install 'weftex[dask]'"
         ) from None
-    return distributed
-
-
-@contextmanager
-def connected(workers: int | None = None, address: str | None = None) -> Iterator[Any]:
-    """Give a client of a scheduler.
-
-    Parameters
-    ----------
-    workers : int, optional
-        Start so many processes here.
-    address : str, optional
-        Of a scheduler, such as ``tcp://host:8786``.
-
-    Raises
-    ------
-    InvalidInputError
-        If none, or nonsense, was asked for.
-    FileError
-        If there is no scheduler at that address.
-    """
-    distributed = cluster_library()
     for name in ("distributed", "distributed.client", "distributed.core", "distributed.comm"):
         logging.getLogger(name).setLevel(logging.CRITICAL)  # a worker that dies is no news
-    if (workers is None) == (address is None):
-        raise InvalidInputError("give a number of workers, or the address of a scheduler")
-    if address is not None:
-        try:
-            client = distributed.Client(address, timeout=_PATIENCE, set_as_default=False)
-        except (OSError, ValueError, TypeError) as error:
-            why = " ".join(str(error).split()) or type(error).__name__
-            raise FileError(f"--cluster {address}: no scheduler answers ({why})") from None
-        with client:
-            yield client
-        return
-    if isinstance(workers, bool) or not isinstance(workers, int) or workers < 1:
-        raise InvalidInputError(f"workers is {shown(workers)}; it must be 1 or more")
-    with (
-        distributed.LocalCluster(
-            n_workers=workers,
-            threads_per_worker=1,
-            dashboard_address=None,
-            memory_limit=None,
-            silence_logs="CRITICAL",
-        ) as here,
-        distributed.Client(here, set_as_default=False) as client,
-    ):
+    try:
+        client = distributed.Client(address, timeout=_PATIENCE, set_as_default=False)
+    except (OSError, ValueError, TypeError) as error:
+        why = " ".join(str(error).split()) or type(error).__name__
+        raise FileError(f"--cluster {address}: no scheduler answers ({why})") from None
+    with client:
         yield client
 
 
