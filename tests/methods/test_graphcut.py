@@ -10,10 +10,9 @@ from hypothesis import strategies as st
 import weftex
 from families import canvas_of, noise
 from twins import graphcut as reference
-from weftex.methods.graphcut import GraphCut, lay
+from weftex.methods.graphcut import GraphCut
 from weftex.methods.graphcut.draws import chances_of, drawn_places, variance
 from weftex.methods.graphcut.seams import CanvasSeams
-from weftex.random import draw as random_number
 from weftex.search.translation import Spectra, fast_size, overlap_mismatch, window_mismatch
 
 KINDS = ("plain", "x", "y", "xy", "hole", "wrapped hole")
@@ -342,29 +341,7 @@ def test_refinements_end_when_nothing_is_mended():
     assert np.array_equal(*pictures)
 
 
-# Several tries, lattices
-
-
-def test_of_several_tries_the_one_is_kept_whose_seams_cost_least():
-    exemplar = weftex.Exemplar(material("pebbles", 40, 40))
-    method = GraphCut(placement="entire", tries=3)
-    made = [method.fit(exemplar).sample((70, 60), seed=4, threads=n) for n in (1, 2)]
-    assert np.array_equal(made[0].source, made[1].source)
-    growths = []
-    model = GraphCut(placement="entire").fit(exemplar)
-
-    def grow(settings, growth):
-        growths.append(growth)
-
-    canvas = weftex.Canvas(70, 60)
-    type(model)(model.method, exemplar, model.prepared, grow).sample(canvas, seed=4)
-    (growth,) = growths
-    seeds = [4, *(int(random_number(4, "try", k)[()]) for k in (1, 2))]
-    tries = [growth.again(seed) for seed in seeds]
-    costs = [lay(model.prepared, one).cost(canvas) for one in tries]
-    assert len(set(costs)) == 3
-    best = tries[costs.index(min(costs))]
-    assert np.array_equal(made[0].index, best.source)
+# Lattices
 
 
 def test_pieces_keep_to_a_lattice():

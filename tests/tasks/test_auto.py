@@ -184,7 +184,7 @@ def test_effort_is_a_parameter_of_auto():
     quick = weftex.synthesize(exemplar, 90, seed=1, effort="quick", threads=1)
     assert "tried" not in quick.provenance["reason"]
     normal = weftex.synthesize(exemplar, 90, seed=1)
-    assert [one.provenance["tries"] for one in (quick, normal)] == [1, 2]
+    assert np.array_equal(quick.image, normal.image)
     assert quick.provenance["method"] == normal.provenance["method"] == "graphcut"
     best = [weftex.synthesize(exemplar, 90, seed=1, effort="best", threads=n) for n in (1, 2)]
     assert "tried refinement" in best[0].provenance["reason"]

@@ -16,7 +16,6 @@ from weftex.methods.patches.sizes import patch_size_for
 from weftex.methods.pixels.growth import PixelModel
 from weftex.parameters import parameter
 from weftex.planes.grid import Sizes
-from weftex.random import draw
 from weftex.threads import quick_map
 from weftex.turns import turned
 
@@ -120,9 +119,6 @@ class GraphCut(Method):
         high=8,
         default_text="up to 4, so that a patch has 24 pixels a side or more",
     )
-    tries: int = parameter(
-        1, "so many are laid, and the one is kept whose seams cost least", low=1, high=64
-    )
     tone_reach: float = parameter(
         16.0,
         "pixels in which steps of tone across seams are spread; 0 is the paper's way",
@@ -206,24 +202,13 @@ class GraphCutModel(PixelModel):
 
 
 def synthesize(settings: Settings, growth: Growth) -> None:
-    """Lay the canvas, or several of which the one is kept whose seams cost least."""
-    settings = settings.on(growth.canvas)
-    if growth.canvas.shown is not None:  # a block of a plane: its border may be cut again
-        growth.show(growth.canvas.shown >= 0)
-    if settings.tries == 1:
-        lay(settings, growth)
-        return
-    tries = [growth.again(growth.seed)]
-    tries += [growth.again(int(draw(growth.seed, "try", k)[()])) for k in range(1, settings.tries)]
-    costs = [lay(settings, one).cost(growth.canvas) for one in tries]
-    growth.take(tries[costs.index(min(costs))])
-
-
-def lay(settings: Settings, growth: Growth) -> Picture:
     """Cover the canvas with patches, then put more patches over its worst seams.
 
     Sections are those of the paper.
     """
+    settings = settings.on(growth.canvas)
+    if growth.canvas.shown is not None:  # a block of a plane: its border may be cut again
+        growth.show(growth.canvas.shown >= 0)
     placement = placement_of(settings, growth)  # random, entire patch or sub-patch (section 4)
     picture = Picture(settings, growth, placement.size, placement.reduction)
     growth.tone_reach = settings.tone_reach
@@ -253,7 +238,7 @@ def lay(settings: Settings, growth: Growth) -> Picture:
         # Patches over the worst seams: an old seam goes where the cut is cheaper (section 4).
         count = round(settings.refinements * laid)
         if not count:
-            return picture
+            return
         seams = CanvasSeams(picture, growth.canvas, placement.size)
         progress = growth.progress(count, "repairs")
         for number in range(laid, laid + count):
@@ -266,4 +251,3 @@ def lay(settings: Settings, growth: Growth) -> Picture:
             picture.paste(best)
             seams.price_around(best)
             progress.advance(1)
-    return picture

@@ -16,7 +16,6 @@ from weftex.seams.maxflow import search_trees
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-    from weftex.canvas import Canvas
     from weftex.methods.graphcut.places import Place
     from weftex.methods.graphcut.settings import Settings
     from weftex.methods.pixels.growth import Growth
@@ -158,13 +157,6 @@ class Picture:
         if asked:
             note("pasted", growth=self.growth, place=place)
         return covered
-
-    def cost(self, canvas: Canvas) -> int:
-        """What all seams cost."""
-        costs, cells = np.zeros(canvas.shape, np.int32), np.zeros((1, 1), np.int64)
-        rows, columns = (np.arange(n, dtype=np.int32) for n in canvas.shape)
-        self.price_seams(rows, columns, costs, cells, max(canvas.shape))
-        return int(cells[0, 0])
 
     def price_seams(
         self,

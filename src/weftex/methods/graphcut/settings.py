@@ -42,7 +42,6 @@ class Settings:
     by_gradients: bool  # the cost of a seam is divided by the gradients across it
     refinements: float  # patches over the worst seams, for each that covered the canvas
     variety: float  # the cost of showing a place again
-    tries: int  # pictures of which the one is kept whose seams cost least
     tone_reach: float  # pixels in which steps of tone across seams are spread
     lattice: tuple[float, ...]  # x1, y1, x2, y2, of which entire patches are shifted by multiples
     halvings: int  # at most, of the copies that matches and cuts begin on
@@ -118,7 +117,6 @@ def settle(
     refinements: float | None,
     variety: float,
     halvings: int | None,
-    tries: int,
     tone_reach: float,
     lattice: tuple[float, ...] | None,
 ) -> Settings:
@@ -156,7 +154,6 @@ def settle(
         by_gradients=seam_cost == "gradient",
         refinements=refinements,
         variety=variety,
-        tries=tries,
         tone_reach=tone_reach,
         lattice=lattice or (),
         halvings=_HALVINGS if halvings is None else halvings,

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from copy import copy
 from typing import TYPE_CHECKING, Any, Protocol, Self, TypeVar
 
 import numpy as np
@@ -94,19 +93,6 @@ class Growth:
         np.copyto(self.source, source, where=where)
         np.copyto(self.pixels, pixels, where=where[..., None])
         self.done[where] = 1
-
-    def again(self, seed: int) -> Growth:
-        """Return the same, to be made with another seed."""
-        other = copy(self)
-        other.pixels, other.done = self.pixels.copy(), self.done.copy()
-        other.source = self.source.copy()
-        other.seed, other.about = seed, dict(self.about)
-        return other
-
-    def take(self, other: Growth) -> None:
-        """Become what was made of `again`."""
-        self.pixels, self.done, self.source = other.pixels, other.done, other.source
-        self.about, self.tone_reach = other.about, other.tone_reach
 
     def progress(self, total: int, stage: str) -> Progress:
         """Report on `total` steps of one stage; the preview is the picture so far."""

@@ -5,7 +5,6 @@
 
 from __future__ import annotations
 
-import math
 from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import TYPE_CHECKING, ClassVar
@@ -28,7 +27,6 @@ from weftex.tasks.auto.trial import (
     best_of_choices,
     others,
     refined_if_whole,
-    tried_often,
 )
 
 if TYPE_CHECKING:
@@ -151,9 +149,6 @@ class AutoModel(Model):
                 return self._fitted(one).sample(PREVIEW, seed=number, threads=threads)
 
             choices = [refined_if_whole(choices, lattice, self.exemplar, preview)]
-        if len(choices) == 1 and canvas.known is None:
-            times = canvas.height * canvas.width / math.prod(self.exemplar.shape)
-            choices = [tried_often(choices[0], self._effort, times)]
         choice = choices[0]
         done: list[Synthesis] = []
         steps = Progress(progress, len(choices), "choices", lambda: done[-1].image)

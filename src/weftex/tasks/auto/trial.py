@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -27,10 +26,6 @@ if TYPE_CHECKING:
 #: How much better another picture's score must be: an eye agrees in three of four cases then.
 MARGIN = 1.0
 _LARGEST = 2**20  # pixels of an output of which several are made to keep one
-_TRIES = {"normal": 2, "best": 4}  # times that entire samples are laid
-#: Outputs of more times the sample's pixels are laid once: the more pieces, the more alike what
-#: all their seams cost (docs/auto.md).
-_MANY = 8
 _WEAK = 0.3  # confidence from which a lattice is worth a trial
 #: Pixels of an output up to which blocks on a lattice are refined, which takes as long as the rest.
 _REFINED = 2**18
@@ -91,33 +86,6 @@ def others(first: Choice, findings: Findings, canvas: Canvas, effort: str) -> li
         found.append(Choice("refinement"))
         found.append(Choice("graphcut", {} if lays_anywhere(first) else dict(WHOLE)))
     return found
-
-
-def tried_often(choice: Choice, effort: str, times: float) -> Choice:
-    """Lay entire samples several times, and keep the picture whose seams cost least.
-
-    Of pictures of one sample by one method the cost of seams says which has fewer broken things.
-
-    Parameters
-    ----------
-    choice : Choice
-        What is to be made.
-    effort : {"quick", "normal", "best"}
-        As `Auto` has it.
-    times : float
-        Pixels of the output, over those of the sample.
-
-    Examples
-    --------
-    >>> whole = Choice("graphcut", {"placement": "entire"})
-    >>> [tried_often(whole, "normal", times).parameters.get("tries") for times in (4, 16)]
-    [2, None]
-    """
-    if choice.parameters.get("placement") != "entire" or effort not in _TRIES:
-        return choice
-    if effort == "normal" and times > _MANY:
-        return choice
-    return replace(choice, parameters={**choice.parameters, "tries": _TRIES[effort]})
 
 
 def best_of_choices(
