@@ -37,7 +37,7 @@ LEVELS = [
     ["exemplar"],
     ["stores"],
     ["io"],
-    ["raster"],
+    ["raster", "reference"],
     ["registry", "choice", "threads", "processes", "progress", "notes", "random", "roles"],
     ["parameters"],
     ["errors"],
@@ -180,6 +180,15 @@ def test_arrows_point_down():
         for module, other in arrows()
         if room(module) != room(other)
         and LEVEL.get(room(other), len(LEVELS)) >= LEVEL.get(room(module), 0)
+    )
+
+
+def test_references_stand_alone():
+    """They are read without the package: arrays, errors and random numbers."""
+    none_of(
+        f"{module} -> {other}"
+        for module, other in arrows()
+        if room(module) == "reference" and room(other) not in ("reference", "errors", "random")
     )
 
 

@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING, Any
 from weftex.dispatch import prefer_fast_kernels
 
 if TYPE_CHECKING:
+    from weftex import reference
     from weftex.canvas import Canvas
     from weftex.errors import (
         CancelledError,
@@ -115,14 +116,16 @@ __all__ = sorted(_HOME)
 
 
 def __getattr__(name: str) -> Any:
-    if name not in _HOME:
-        raise AttributeError(f"module 'weftex' has no attribute '{name}'")
     from importlib import import_module
 
+    if name == "reference":
+        return import_module("weftex.reference")
+    if name not in _HOME:
+        raise AttributeError(f"module 'weftex' has no attribute '{name}'")
     value = getattr(import_module("weftex." + _HOME[name]), name)
     globals()[name] = value
     return value
 
 
 def __dir__() -> list[str]:
-    return sorted({*globals(), *__all__})
+    return sorted({*globals(), *__all__, "reference"})

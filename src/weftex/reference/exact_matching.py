@@ -1,0 +1,153 @@
+"""Texture synthesis using exact neighborhood matching (Sabha, Peers and Dutré, 2007).
+
+The random draws are those of `weftex.random.draw`, so the picture of a sample that tiles is that of
+the method `exact-matching` with `candidates=0` and `repeat_distance=0`, byte by byte where no two
+neighborhoods match equally well: the method draws one of these at random.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from weftex.random import draw
+from weftex.reference.common import Made, at, checked, fits, made, pick, places
+
+#: Steps to the four direct neighbors of Fig. 2.
+DIRECT_NEIGHBORS = ((0, -1), (-1, -1), (-1, 0), (-1, 1))
+
+
+def exact_matching(
+    sample: Any,
+    size: Any,
+    window: int,
+    tolerance: float = 0.0,
+    structured: bool = False,
+    seed: int = 0,
+) -> Made:
+    """Copy each pixel from the best neighborhood that has the color of a direct neighbor.
+
+    M. Sabha, P. Peers, P. Dutré: Texture synthesis using exact neighborhood matching, Computer
+    Graphics Forum 26(2), 2007, section 4.
+
+    Parameters
+    ----------
+    sample : uint8 array (h, w) or (h, w, channels)
+        The sample texture.
+    size : int or (int, int)
+        Height and width of the output in pixels.
+    window : int
+        Width of the L-shaped causal neighborhood of Fig. 2 in pixels, odd.
+    tolerance : float
+        Largest distance of a direct neighbor's color from the color that it should have, as a share
+        of the largest in the sample (section 5): 0 is exact, 1 takes any color.
+    structured : bool
+        Whether the upper band is structured, or of randomly selected pixels (section 4.3).
+    seed : int
+        Seed of the random draws.
+
+    Returns
+    -------
+    Made
+        The picture and where each pixel of it comes from.
+
+    Notes
+    -----
+    The upper band lies above the output. Under random pixels, as many more rows are made and left
+    out. Of equal distances the first place in scan order wins. Where the reduced search space is
+    empty, a random pixel is taken.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from weftex.reference import exact_matching
+    >>> sample = np.indices((16, 16)).sum(0).astype(np.uint8) % 5 * 50
+    >>> exact_matching(sample, (10, 12), window=5, seed=1).image.shape
+    (10, 12)
+    """
+    pixels, (height, width) = checked(sample, size)
+    half = fits("window", window, pixels, odd=True) // 2
+    # Section 4.3: the upper band, as high as the causal neighborhood.
+    if structured:  # it is made in the rotated sample, so its beginning is a block at the left
+        rotated = pixels.swapaxes(0, 1)
+        sources = np.zeros((width, half, 2), np.int64)
+        centers = centers_of(rotated, half)
+        center = centers[int(draw(seed, "exact block", 0)) % len(centers)]
+        block = min(half, width)
+        sources[:block] = places(block, half) + center - half
+        synthesize(rotated, sources, block, half, tolerance, seed, "exact structure")
+        band, top = sources.swapaxes(0, 1)[:, :, ::-1], half
+    else:
+        centers, cells = centers_of(pixels, half), np.indices((half, width))
+        band = centers[draw(seed, "exact band", *cells) % np.uint64(len(centers))]
+        top = 2 * half
+    sources = np.zeros((top + height, width, 2), np.int64)
+    sources[:half] = band
+    synthesize(pixels, sources, half, half, tolerance, seed, "exact 0")
+    sources = sources[top:]
+    return made(sample, at(pixels, sources), sources)
+
+
+def synthesize(
+    pixels: Any, sources: Any, first: int, half: int, tolerance: float, seed: int, purpose: str
+) -> None:
+    """Section 4.2: choose the sources of the rows from `first` on, in scanline order."""
+    height, width = sources.shape[:2]
+    image = at(pixels, sources)
+    square = [(dy, dx) for dy in range(-half, half + 1) for dx in range(-half, half + 1)]
+    causal = np.array(square[: len(square) // 2], int).reshape(-1, 2)
+    centers = centers_of(pixels, half)
+    search_space = texture_analysis(pixels, centers, tolerance)
+
+    def causal_neighborhood(y: int, x: int) -> Any:
+        """Steps to the pixels that are there already."""
+        inside = (causal + (y, x) >= 0).all(axis=1) & (causal[:, 1] + x < width)
+        return causal[inside]
+
+    def reduced_search_space(y: int, x: int) -> Any:
+        """The union of the direct neighbors' lists, each adjusted to represent the centers."""
+        lists = [
+            search_space(tuple(image[y + dy, x + dx].tolist()), (dy, dx))
+            for dy, dx in DIRECT_NEIGHBORS
+            if y + dy >= 0 and 0 <= x + dx < width
+        ]
+        return centers[np.unique(np.concatenate(lists))]
+
+    for y, x in np.ndindex(height, width):
+        if y < first:
+            continue
+        space = reduced_search_space(y, x)
+        if len(space):
+            steps = causal_neighborhood(y, x)
+            here = at(image, steps + (y, x))
+            there = at(pixels, space[:, None] + steps)
+            best = space[((there - here) ** 2).sum(axis=(1, 2)).argmin()]  # the L2 difference
+        else:
+            best = centers[pick(len(centers), seed, purpose, y * width + x)]
+        sources[y, x], image[y, x] = best, pixels[tuple(best)]
+
+
+def texture_analysis(pixels: Any, centers: Any, tolerance: float) -> Any:
+    """Section 4.1: for each direct neighbor and color, the numbers of the centers that have it.
+
+    The paper looks colors up in a kd-tree; here all colors are compared with the key.
+    """
+    colors = np.unique(pixels.reshape(-1, pixels.shape[2]), axis=0)
+    radius = int(tolerance * tolerance * ((colors.max(axis=0) - colors.min(axis=0)) ** 2).sum())
+    positions: dict[Any, list[int]] = {}
+    for step in DIRECT_NEIGHBORS:
+        for number, color in enumerate(at(pixels, centers + step).tolist()):
+            positions.setdefault((step, tuple(color)), []).append(number)
+
+    def search_space(key: Any, step: Any) -> Any:
+        """Centers whose neighbor has the key's color, or one within the range of it (section 5)."""
+        near = colors[((colors - key) ** 2).sum(axis=1) <= radius].tolist()
+        return np.array([n for c in near for n in positions.get((step, tuple(c)), [])], int)
+
+    return search_space
+
+
+def centers_of(pixels: Any, half: int) -> Any:
+    """The centers that are considered: those half a window or more from every edge."""
+    return np.argwhere(np.ones([n - 2 * half for n in pixels.shape[:2]])) + half

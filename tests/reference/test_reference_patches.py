@@ -1,0 +1,61 @@
+"""Patch methods without options beyond the paper make the bytes of the references."""
+
+import itertools
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from hypothesis.extra.numpy import arrays
+
+import weftex
+from weftex import reference
+from weftex.canvas import Canvas
+from weftex.errors import InvalidInputError
+from weftex.reference.image_quilting import minimum_error_boundary
+
+SAMPLE = weftex.load_exemplar("sample:pebbles").pixels[:48, :46]
+PAPERS = {"patch_size": 16, "boundary_width": 4, "search": "exhaustive", "repeat_distance": 0}
+PAPERS["variety"] = 0
+
+
+@pytest.mark.parametrize("seed", [0, 5])
+@pytest.mark.parametrize("epsilon", [0.0, 0.2])
+@pytest.mark.parametrize(("size", "tileable"), [((40, 52), False), ((36, 48), True)])
+def test_patch_based_sampling(size, tileable, epsilon, seed):
+    expected = reference.patch_based_sampling(SAMPLE, size, 16, 4, epsilon, tileable, seed)
+    model = weftex.PatchSampling(epsilon=epsilon, **PAPERS).fit(weftex.Exemplar(SAMPLE))
+    result = model.sample(Canvas(*size, (tileable, tileable)), seed=seed)
+    assert np.array_equal(result.image, expected.image)
+
+
+def test_a_feathered_pixel_comes_from_the_larger_share():
+    made = reference.patch_based_sampling(SAMPLE, (40, 52), 16, 4, seed=1)
+    exact = (made.image == SAMPLE[tuple(np.moveaxis(made.sources, 2, 0))]).all(axis=2)
+    inside = np.arange(52) % 12 >= 4
+    assert exact[np.ix_(inside[:40], inside)].all()
+
+
+@given(
+    arrays(np.int64, st.tuples(st.integers(1, 6), st.integers(1, 4)), elements=st.integers(0, 5))
+)
+def test_a_boundary_is_the_cheapest_path(cost):
+    rows, columns = cost.shape
+    paths = [
+        path
+        for path in itertools.product(range(columns), repeat=rows)
+        if all(abs(a - b) <= 1 for a, b in itertools.pairwise(path))
+    ]
+    found = tuple(minimum_error_boundary(cost).tolist())
+    assert found == min(paths, key=lambda p: (cost[np.arange(rows), p].sum(), p[::-1]))
+
+
+def test_sizes_that_do_not_fit_are_refused():
+    with pytest.raises(InvalidInputError, match="boundary is 9; it must be from 1 to 8"):
+        reference.patch_based_sampling(SAMPLE, 40, 16, 9)
+    with pytest.raises(InvalidInputError, match="size is 40; tileable sides must be"):
+        reference.patch_based_sampling(SAMPLE, 40, 16, 4, tileable=True)
+    with pytest.raises(InvalidInputError, match="overlap is 16; it must be from 1 to 15"):
+        reference.image_quilting(SAMPLE, 40, 16, 16)
+    with pytest.raises(InvalidInputError, match="block is 47; it must be from 1 to 46"):
+        reference.image_quilting(SAMPLE, 40, 47, 16)
