@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import errno
 import re
 
 from weftex.errors import WeftexError
@@ -28,10 +29,21 @@ def answer_of(error: Exception) -> tuple[int, dict[str, str | None]]:
         status, parameter = error.status, error.parameter
     elif isinstance(error, MemoryError):
         status, error = 413, Refusal(413, "not enough memory; make it smaller")
+    elif _disk_is_full(error):
+        status, error = 507, Refusal(507, "the disk is full; make room on it, and try again")
     elif not isinstance(error, WeftexError):
         status, error = 500, Refusal(500, f"a fault of the studio: {type(error).__name__}")
     line = " ".join(str(error).split())
     return status, {"error": line, "parameter": parameter or parameter_of(line)}
+
+
+def _disk_is_full(error: BaseException | None) -> bool:
+    """Return whether an error, or one that it was raised from or after, says so."""
+    while error is not None:
+        if isinstance(error, OSError) and error.errno in (errno.ENOSPC, errno.EDQUOT):
+            return True
+        error = error.__cause__ or error.__context__
+    return False
 
 
 def parameter_of(line: str) -> str | None:

@@ -6,6 +6,7 @@ import asyncio
 import logging
 from contextlib import asynccontextmanager, suppress
 from importlib import import_module
+from itertools import count
 from typing import TYPE_CHECKING, Any
 
 from starlette.applications import Starlette
@@ -30,6 +31,7 @@ if TYPE_CHECKING:
     Handler = Callable[[Call], Awaitable[Any]]
 
 _SWEEP = 1.0  # seconds
+_MARK = 60  # sweeps between two marks of the folders in use
 _BREATH = 0.004  # seconds between two steps of the imports, in which files of the page are sent
 #: What the routes under /api need, in steps; a thread for it would hold up the page's files more.
 _STEPS = (
@@ -126,6 +128,8 @@ async def _routes(studio: Studio) -> Router:
 
 
 async def _sweep(studio: Studio) -> None:
-    while True:
+    for second in count():
+        if second % _MARK == 0:
+            studio.mark_used()
         await asyncio.sleep(_SWEEP)
         studio.jobs.sweep()

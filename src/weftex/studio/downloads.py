@@ -1,37 +1,31 @@
-"""Files that are ready to be taken, each under a random name that is given once."""
+"""Files that are ready to be downloaded, each under a random name that is given once."""
 
 from __future__ import annotations
 
+import os
 import re
 import secrets
 import shutil
 import tempfile
 import threading
 import time
-from contextlib import suppress
-from dataclasses import dataclass
+from contextlib import contextmanager, suppress
 from pathlib import Path
+from typing import TYPE_CHECKING, NamedTuple
 
+from weftex.errors import FileError
 from weftex.studio.refusals import Refusal
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
 
 _TICKET = re.compile(r"[A-Za-z0-9_-]{32}")
 _SECONDS = 3600  # that a file waits for its owner
 _MOST = 32  # files
 
 
-@dataclass(frozen=True)
-class Download:
-    """A file that waits.
-
-    Attributes
-    ----------
-    path : Path
-    name : str
-        What it is to be called.
-    owner : str
-        The key of its session.
-    time : float
-    """
+class Download(NamedTuple):
+    """A file that waits, the name to save it by, the key of its session, and its time."""
 
     path: Path
     name: str
@@ -40,55 +34,55 @@ class Download:
 
 
 class Downloads:
-    """What is ready to be taken.
-
-    Parameters
-    ----------
-    folder : Path
-        Of the studio; files go to one of this process, which goes with it.
-    """
+    """The files that are ready, in a folder of this process that is removed with it."""
 
     def __init__(self, folder: Path) -> None:
         for left in folder.glob("out-*"):  # of a server that was killed
             with suppress(OSError):
                 if time.time() - left.stat().st_mtime > _SECONDS:
                     shutil.rmtree(left)
-        self.folder = Path(tempfile.mkdtemp(prefix="out-", dir=folder))
+        try:
+            self.folder = Path(tempfile.mkdtemp(prefix="out-", dir=folder))
+        except OSError as error:
+            raise FileError(f"{folder}: cannot write to this folder: {error.strerror}") from None
         self._lock = threading.Lock()
         self._ready: dict[str, Download] = {}
 
-    def new_folder(self) -> Path:
-        """Return an empty folder to write to."""
-        return Path(tempfile.mkdtemp(dir=self.folder))
+    def mark_used(self) -> None:
+        """Set the folder's time to now, so that no other server removes it."""
+        with suppress(OSError):
+            os.utime(self.folder)
+
+    @contextmanager
+    def new_folder(self) -> Iterator[Path]:
+        """Yield an empty folder to write to; it is removed if the block fails."""
+        folder = Path(tempfile.mkdtemp(dir=self.folder))
+        try:
+            yield folder
+        except BaseException:
+            shutil.rmtree(folder, ignore_errors=True)
+            raise
 
     def add(self, path: Path, name: str, owner: str) -> dict[str, object]:
-        """Have a file ready; what the page is told of it."""
-        ticket = secrets.token_urlsafe(24)
+        """Make a file, directly in its `new_folder`, ready; return what the page needs for it."""
+        ticket, size = secrets.token_urlsafe(24), path.stat().st_size
         with self._lock:
-            self._ready[ticket] = Download(path, name, owner, time.monotonic())
-            for old in list(self._ready)[:-_MOST]:
+            now = time.monotonic()
+            self._ready[ticket] = Download(path, name, owner, now)
+            late = [k for k, one in self._ready.items() if now - one.time > _SECONDS]
+            for old in {*late, *list(self._ready)[:-_MOST]}:
                 self._drop(old)
-            for old in [
-                k for k, one in self._ready.items() if time.monotonic() - one.time > _SECONDS
-            ]:
-                self._drop(old)
-        return {"ticket": ticket, "name": name, "bytes": path.stat().st_size}
+        return {"ticket": ticket, "name": name, "bytes": size}
 
     def get(self, ticket: str) -> Download:
-        """Return what a ticket is for.
-
-        Raises
-        ------
-        Refusal
-            If it is none.
-        """
+        """Return the file of a ticket, or raise `Refusal`."""
         found = self._ready.get(ticket) if _TICKET.fullmatch(ticket) else None
-        if found is None:
+        if found is None or not found.path.is_file():
             raise Refusal(404, "there is no such file any more; make it again")
         return found
 
     def forget(self, owner: str) -> None:
-        """Remove what waits for a session."""
+        """Remove the files of a session."""
         with self._lock:
             for ticket in [k for k, one in self._ready.items() if one.owner == owner]:
                 self._drop(ticket)

@@ -87,17 +87,16 @@ class Wanted:
 
 def export(made: Made, wanted: Wanted, downloads: Downloads, owner: str) -> dict[str, Any]:
     """Write what is wanted of a result, one file or a zip; what the page is told of it."""
-    folder = downloads.new_folder()
-    inner = folder / "files"
-    inner.mkdir()
-    files = write(made, wanted, inner)
-    if len(files) == 1:
-        return downloads.add(files[0], files[0].name, owner)
-    target = folder / "all.zip"
-    with zipfile.ZipFile(target, "w") as packed:
-        for file in files:
-            pack(packed, file, file.name)
-    return downloads.add(target, f"{wanted.name}.zip", owner)
+    with downloads.new_folder() as folder:
+        files = write(made, wanted, folder)
+        if len(files) == 1:
+            return downloads.add(files[0], files[0].name, owner)
+        target = folder / ".all.zip"  # no map's file has this name
+        with zipfile.ZipFile(target, "w") as packed:
+            for file in files:
+                pack(packed, file, file.name)
+                file.unlink()
+        return downloads.add(target, f"{wanted.name}.zip", owner)
 
 
 def write(made: Made, wanted: Wanted, folder: Path) -> list[Path]:

@@ -77,6 +77,7 @@ class Call:
                 )
         try:
             found = json.loads(bytes(text) or b"{}", parse_constant=_no_number)
+            json.dumps(found, ensure_ascii=False).encode()  # no surrogate stands by itself
         except (ValueError, RecursionError):
             raise Refusal(400, "the request is no JSON") from None
         if _depth(found) > _MOST_DEEP:
@@ -102,6 +103,10 @@ class Call:
     async def work(self, function: Callable[..., Result], *values: Any) -> Result:
         """Call something that takes a while in a thread; only some run at a time."""
         return await to_thread.run_sync(function, *values, limiter=self.studio.limiter)
+
+    async def decode(self, function: Callable[[], Result]) -> Result:
+        """Call something that decodes an upload in a thread; one runs at a time."""
+        return await to_thread.run_sync(function, limiter=self.studio.decoding)
 
     def size(self) -> tuple[int, int] | None:
         """Return the height and width of the query, if it has them."""

@@ -27,7 +27,6 @@ if TYPE_CHECKING:
 _TICK = 0.02  # seconds between two looks at a job that somebody waits for
 _LONGEST_WAIT = 20
 _LONGEST_TEXT = 200
-_MOST_KEPT = 200
 
 
 async def add_job(call: Call) -> Any:
@@ -200,10 +199,7 @@ async def keep(call: Call) -> Any:
         "recipe": made.recipe.as_json(),
         "time": round(time.time()),
     }
-    others = [one for one in shelf.kept if one["result"] != made.recipe.id]
-    if len(others) >= _MOST_KEPT:
-        raise Refusal(413, f"{_MOST_KEPT} results are kept; let some of them go first")
-    await call.work(shelf.keep, [*others, entry])
+    await call.work(shelf.keep, entry)
     return entry
 
 
@@ -214,11 +210,7 @@ async def all_kept(call: Call) -> Any:
 
 async def forget_kept(call: Call) -> Any:
     """DELETE /api/kept/ID."""
-    shelf, name = call.session.shelf, call.part("id")
-    others = [one for one in shelf.kept if one["result"] != name]
-    if len(others) == len(shelf.kept):
-        raise Refusal(404, "this is not kept")
-    await call.work(shelf.keep, others)
+    await call.work(call.session.shelf.forget, call.part("id"))
     return {}
 
 

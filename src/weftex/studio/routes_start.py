@@ -5,7 +5,6 @@ from __future__ import annotations
 from importlib.metadata import version
 from typing import TYPE_CHECKING, Any
 
-from starlette.concurrency import run_in_threadpool
 from starlette.responses import FileResponse, Response
 
 from weftex.errors import InvalidInputError, shown
@@ -79,7 +78,8 @@ async def upload(call: Call) -> Any:
     try:
         if not length.isdigit() or int(length) > most:  # it need not come at all
             raise Refusal(413, f"{name} has more than {most / 2**20:g} MiB, the most for one file")
-        return _told(await receive(body, name, call.session, call.studio.limits))
+        found = await receive(body, name, call.session, call.studio.limits, call.decode)
+        return _told(found)
     except Refusal:
         await _drain(body, 2 * most)
         raise
@@ -108,9 +108,7 @@ async def one_upload(call: Call) -> Any:
 
 async def remove_upload(call: Call) -> Any:
     """DELETE /api/uploads/ID."""
-    own = call.session
-    own.upload(call.part("id"))
-    await run_in_threadpool(own.shelf.remove, call.part("id"))
+    await call.work(call.session.shelf.remove, call.part("id"))
     return {}
 
 

@@ -21,19 +21,7 @@ _ID = re.compile(r"[A-Za-z0-9_-]{43}")
 
 
 class Session:
-    """What one tab has here.
-
-    Attributes
-    ----------
-    id : str
-        Its secret.
-    key : str
-        What the secret is known by on disk, from which it cannot be told.
-    shelf : Shelf
-        Uploads and kept things.
-    seen : float
-        When it last asked for something, by `time.monotonic`.
-    """
+    """One tab: its secret `id`, the `key` that names its folder, its `shelf`, the time `seen`."""
 
     def __init__(self, store: Store, secret: str) -> None:
         self.id, self.key = secret, key_of(secret)
@@ -41,28 +29,12 @@ class Session:
         self.seen = time.monotonic()
 
     def upload(self, name: Any) -> dict[str, Any]:
-        """Return what is known of an upload of this session.
-
-        Raises
-        ------
-        Refusal
-            If there is none of this id.
-        """
-        if not isinstance(name, str) or name not in self.shelf.uploads:
-            raise Refusal(404, "a picture of this is not here; drop it again")
-        return self.shelf.uploads[name]
+        """Return the description of an upload of this session, or raise `Refusal`."""
+        return self.shelf.upload(name)
 
 
 class Sessions:
-    """All sessions of a server.
-
-    Parameters
-    ----------
-    store : Store
-    limits : Limits
-    ended : callable
-        Called with a session that gives way to another.
-    """
+    """All sessions of a server; `ended` is called with a session that is closed for another."""
 
     def __init__(self, store: Store, limits: Limits, ended: Callable[[Session], None]) -> None:
         self._store, self._most, self._ended = store, limits.sessions, ended
@@ -70,17 +42,9 @@ class Sessions:
         self._known: dict[str, Session] = {}
 
     def open(self, old: Any) -> tuple[Session, bool]:
-        """Begin a session, or go on with an old one, which may be of a server that was killed.
+        """Return a new session, or the one with the secret `old`, and whether it is the old one.
 
-        Parameters
-        ----------
-        old : str or None
-            What the page knows as its session.
-
-        Returns
-        -------
-        session : Session
-        resumed : bool
+        That may be a session of a server that was killed.
         """
         known = isinstance(old, str) and _ID.fullmatch(old) is not None
         with self._lock:
@@ -94,18 +58,17 @@ class Sessions:
             return session, session.shelf.existed
 
     def get(self, name: str | None) -> Session:
-        """Return the session of a request.
-
-        Raises
-        ------
-        Refusal
-            If there is none.
-        """
+        """Return the session of a request, or raise `Refusal`."""
         session = self._known.get(name or "")
         if session is None:
             raise Refusal(401, "this session is not known; load the page again", "session")
         session.seen = time.monotonic()
         return session
+
+    def mark_used(self) -> None:
+        """Mark the folders of all open sessions as used, for servers that share the folder."""
+        for session in list(self._known.values()):
+            session.shelf.mark_used()
 
     def _make_room(self) -> None:
         if len(self._known) >= self._most:
@@ -117,5 +80,5 @@ class Sessions:
 
 
 def key_of(secret: str) -> str:
-    """Return what a session's folder is called."""
+    """Return the name of a session's folder, from which its secret cannot be told."""
     return hashlib.sha256(secret.encode()).hexdigest()

@@ -1,4 +1,4 @@
-"""What a session keeps on disk: uploads, named after their content, and what was kept.
+"""What a session keeps on disk: uploads, named after their content, and the recipes that it keeps.
 
 Names of files are made here; nothing that a client says becomes a part of one.
 """
@@ -22,16 +22,17 @@ from weftex.io.pictures import write_text
 from weftex.studio.refusals import Refusal
 
 DAY = 86400.0
-_DAYS, _DAYS_KEPT = 2, 60  # that sessions outlive their last use, without and with kept things
+_DAYS, _DAYS_KEPT = 2, 60  # that a session outlives its last use, without and with kept recipes
+_MOST_KEPT = 200
 _KEPT = "kept.json"
 _ID = re.compile(r"[0-9a-f]{64}")
-# What must be known of what lies on disk, which another version may have written.
+# Fields that files on disk must have; another version may have written them.
 _OF_UPLOAD = {"id": str, "suffix": str, "name": str, "bytes": int}
 _OF_KEPT = {"recipe": dict, "result": str}
 
 
 def default_folder() -> Path:
-    """Return the folder of this person's programs for what they keep."""
+    """Return the folder where this user's programs keep their state."""
     home = Path.home()
     if sys.platform == "win32":
         return Path(os.environ.get("LOCALAPPDATA") or home / "AppData/Local") / "weftex" / "studio"
@@ -42,35 +43,25 @@ def default_folder() -> Path:
 
 
 class Store:
-    """The folder of all sessions.
+    """The folder of all sessions, and the number of bytes that their uploads take.
 
-    Parameters
-    ----------
-    folder : Path
-        Made for its owner's eyes only, if it is not there.
-    most_bytes : int
-        That all uploads may take together.
-
-    Raises
-    ------
-    FileError
-        If it cannot be made, or belongs to somebody else.
+    A new folder is readable by its owner alone. An existing one keeps its permissions, and is
+    refused with `FileError` if another user owns it or can write to it.
     """
 
     def __init__(self, folder: Path, most_bytes: int) -> None:
         self.folder, self.most_bytes = folder, most_bytes
         self.lock = threading.Lock()
+        #: Held while a picture is decoded: the largest one takes 1.4 GiB for a moment.
+        self.decoding = threading.Lock()
         try:
             folder.mkdir(mode=0o700, parents=True, exist_ok=True)
-            about = folder.lstat()
-            if hasattr(os, "getuid") and about.st_uid != os.getuid():
-                raise FileError(f"{folder}: belongs to somebody else; name another with --data")
-            folder.chmod(0o700)
+            _check_private(folder)
+            self._sweep()
+        except FileError:
+            raise
         except OSError as error:
-            if isinstance(error, FileError):
-                raise
-            raise FileError(f"{folder}: cannot make this folder: {error.strerror}") from None
-        self._sweep()
+            raise FileError(f"{folder}: cannot use this folder: {error.strerror}") from None
         self.bytes = sum(
             one.stat().st_size
             for session in self._sessions()
@@ -82,7 +73,10 @@ class Store:
         return [one for one in self.folder.iterdir() if _ID.fullmatch(one.name) and one.is_dir()]
 
     def _sweep(self) -> None:
-        """Remove what a killed server left half done, and sessions that nobody came back to."""
+        """Remove unfinished files of a killed server, and sessions that were not used for days.
+
+        A server marks the folders of its open sessions as used, see `Sessions.mark_used`.
+        """
         now = time.time()
         for session in self._sessions():
             with suppress(OSError):
@@ -95,13 +89,7 @@ class Store:
                         left.unlink()
 
     def reserve(self, count: int) -> None:
-        """Count bytes of an upload while it comes.
-
-        Raises
-        ------
-        Refusal
-            If all uploads together become too many.
-        """
+        """Count the bytes of an upload, or raise `Refusal` if all uploads become too large."""
         with self.lock:
             if self.bytes + count > self.most_bytes:
                 line = f"the studio holds {self.bytes >> 20} MiB of pictures, and at most"
@@ -110,14 +98,22 @@ class Store:
             self.bytes += count
 
 
-class Shelf:
-    """The uploads and the kept things of one session.
+def _check_private(folder: Path) -> None:
+    """Raise `FileError` if another user owns the folder or can write to it."""
+    about = folder.stat()
+    if not hasattr(os, "getuid"):
+        return
+    if about.st_uid != os.getuid():
+        raise FileError(f"{folder}: belongs to another user; name another folder with --data")
+    if about.st_mode & 0o022:
+        line = f"{folder}: other users can write to this folder (mode {about.st_mode & 0o777:o})"
+        raise FileError(f"{line}; name another with --data, or chmod go-w it")
 
-    Parameters
-    ----------
-    store : Store
-    name : str
-        Of its folder: 64 hexadecimal digits, made from the session's secret.
+
+class Shelf:
+    """The uploads and the kept recipes of the session whose folder has this name.
+
+    Every method that changes something holds the lock, so each change is whole.
     """
 
     def __init__(self, store: Store, name: str) -> None:
@@ -125,6 +121,7 @@ class Shelf:
         self.store, self.folder = store, store.folder / name
         self.uploads: dict[str, dict[str, Any]] = {}
         self.kept: list[dict[str, Any]] = []
+        self._lock = threading.Lock()
         self.existed = self.folder.is_dir()
         for one in sorted(self.folder.glob("*.json")) if self.existed else ():
             with suppress(OSError, ValueError, RecursionError):
@@ -135,7 +132,11 @@ class Shelf:
                 elif _has(about, _OF_UPLOAD) and about["id"] == one.stem:
                     if self.path(about).is_file():
                         self.uploads[one.stem] = about
-        if self.existed:
+        self.mark_used()
+
+    def mark_used(self) -> None:
+        """Set the folder's time to now, so that no other server removes it as unused."""
+        with suppress(OSError):  # a session without files has no folder
             os.utime(self.folder)
 
     def path(self, about: dict[str, Any]) -> Path:
@@ -145,32 +146,75 @@ class Shelf:
         return self.folder / f"{about['id']}{about['suffix']}"
 
     def new_file(self) -> Path:
-        """Return where an upload may be written to while it comes."""
+        """Return a path to which an upload is written while it comes in."""
         self.folder.mkdir(mode=0o700, exist_ok=True)
         return self.folder / f".new-{os.urandom(8).hex()}"
 
-    def take(self, file: Path, about: dict[str, Any]) -> None:
-        """Give a file its name; the line about it is written last, so that all of it is there."""
-        file.replace(self.path(about))
-        write_text(self.folder / f"{about['id']}.json", json.dumps(about))
-        self.uploads[about["id"]] = about
+    def upload(self, name: Any) -> dict[str, Any]:
+        """Return the description of an upload, or raise `Refusal` if its file is not there."""
+        about = self.uploads.get(name) if isinstance(name, str) else None
+        if about is None or not self.path(about).is_file():
+            raise Refusal(404, "a picture of this is not here; drop it again")
+        return about
+
+    def check_room(self, most: int) -> None:
+        """Raise `Refusal` if the session has `most` uploads."""
+        if len(self.uploads) >= most:
+            raise Refusal(413, f"{most} pictures are here; take some away first")
+
+    def take(self, file: Path, about: dict[str, Any], most: int) -> bool:
+        """Move a file among the uploads; return False if the same bytes are there already.
+
+        The line about it is written last, so an upload is listed only if all of it is there.
+        """
+        with self._lock:
+            if about["id"] in self.uploads:
+                return False
+            self.check_room(most)
+            path = self.path(about)
+            file.replace(path)
+            try:
+                write_text(path.with_suffix(".json"), json.dumps(about))
+            except BaseException:
+                path.unlink(missing_ok=True)
+                raise
+            self.uploads[about["id"]] = about
+            return True
 
     def remove(self, upload: str) -> None:
-        """Remove an upload."""
-        about = self.uploads.pop(upload)
-        for path in (self.folder / f"{about['id']}.json", self.path(about)):
-            path.unlink(missing_ok=True)
-        self.store.reserve(-about["bytes"])
+        """Remove an upload, or raise `Refusal` if there is none."""
+        with self._lock:
+            about = self.uploads.pop(upload, None)
+            if about is None:
+                raise Refusal(404, "this picture is not here")
+            for path in (self.path(about).with_suffix(".json"), self.path(about)):
+                path.unlink(missing_ok=True)
+            self.store.reserve(-about["bytes"])
 
-    def keep(self, kept: list[dict[str, Any]]) -> None:
-        """Write what is kept; it is on disk when this returns."""
+    def keep(self, entry: dict[str, Any]) -> None:
+        """Keep a recipe, in place of an older entry of the same result; it is on disk then."""
+        with self._lock:
+            others = [one for one in self.kept if one["result"] != entry["result"]]
+            if len(others) >= _MOST_KEPT:
+                raise Refusal(413, f"{_MOST_KEPT} results are kept; let some of them go first")
+            self._write_kept([*others, entry])
+
+    def forget(self, result: str) -> None:
+        """Forget the kept recipe of a result, or raise `Refusal` if there is none."""
+        with self._lock:
+            others = [one for one in self.kept if one["result"] != result]
+            if len(others) == len(self.kept):
+                raise Refusal(404, "this is not kept")
+            self._write_kept(others)
+
+    def _write_kept(self, kept: list[dict[str, Any]]) -> None:
         self.folder.mkdir(mode=0o700, exist_ok=True)
         write_text(self.folder / _KEPT, json.dumps(kept))
         self.kept = kept
 
 
 def _has(found: Any, fields: Mapping[str, type]) -> bool:
-    """Whether JSON is an object with these fields."""
+    """Return whether JSON is an object with these fields."""
     return isinstance(found, dict) and all(
         isinstance(found.get(name), kind) for name, kind in fields.items()
     )

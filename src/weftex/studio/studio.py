@@ -41,7 +41,7 @@ class Studio:
         self.jobs = Jobs(limits)
         self.downloads = Downloads(self.store.folder)
         self.sessions = Sessions(self.store, limits, self._ended)
-        self.limiter = CapacityLimiter(_AT_A_TIME)
+        self.limiter, self.decoding = CapacityLimiter(_AT_A_TIME), CapacityLimiter(1)
 
     def _ended(self, session: Session) -> None:
         """A session gives way: its work stops, and what it made is forgotten."""
@@ -53,6 +53,11 @@ class Studio:
 
         self.memory.forget(is_its_own)
         self.downloads.forget(session.key)
+
+    def mark_used(self) -> None:
+        """Mark the folders in use, for servers that share the data folder and remove old ones."""
+        self.sessions.mark_used()
+        self.downloads.mark_used()
 
     def close(self) -> None:
         """Stop all work."""

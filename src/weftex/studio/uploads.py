@@ -13,8 +13,9 @@ from weftex.roles import role_of
 from weftex.studio.refusals import Refusal
 
 if TYPE_CHECKING:
-    from collections.abc import AsyncIterator
+    from collections.abc import AsyncIterator, Awaitable, Callable
     from pathlib import Path
+    from threading import Lock
 
     from weftex.studio.limits import Limits
     from weftex.studio.sessions import Session
@@ -41,39 +42,24 @@ def label_of(given: str | None) -> str:
 
 
 async def receive(
-    chunks: AsyncIterator[bytes], name: str, session: Session, limits: Limits
+    chunks: AsyncIterator[bytes],
+    name: str,
+    session: Session,
+    limits: Limits,
+    finish: Callable[[Callable[[], dict[str, Any]]], Awaitable[dict[str, Any]]],
 ) -> dict[str, Any]:
-    """Take an upload in, and say what it is.
-
-    Parameters
-    ----------
-    chunks : async iterator of bytes
-        As they come; no more than the limit is taken.
-    name : str
-        What its owner calls it, from `label_of`.
-    session : Session
-    limits : Limits
-
-    Raises
-    ------
-    Refusal
-        If it is too large, or too much is here already.
-    FileError
-        If it is no picture that weftex reads.
-    """
-    from starlette.concurrency import run_in_threadpool  # not there for notebooks
-
+    """Return the description of an upload that comes in; `finish` decodes it in a thread."""
     coming = _Coming(name, session, limits)
     try:
         async for chunk in chunks:
             coming.write(chunk)
-        return await run_in_threadpool(coming.finish)
+        return await finish(coming.finish)
     finally:
         coming.close()
 
 
 def file_in(path: Path, name: str, session: Session, limits: Limits) -> dict[str, Any]:
-    """Take a file of this machine in, which the command named; see `receive`."""
+    """Return the description of a file of this machine, which the command named."""
     coming = _Coming(name, session, limits)
     try:
         with path.open("rb") as file:
@@ -89,14 +75,13 @@ class _Coming:
 
     def __init__(self, name: str, session: Session, limits: Limits) -> None:
         self.name, self.shelf, self.limits = name, session.shelf, limits
-        if len(self.shelf.uploads) >= limits.uploads:
-            raise Refusal(413, f"{limits.uploads} pictures are here; take some away first")
+        self.shelf.check_room(limits.uploads)
         self.path, self.digest = self.shelf.new_file(), hashlib.sha256()
         self.count = self.counted = 0
-        self.out = self.path.open("wb")
+        self.out = self.path.open("wb", buffering=0)  # closing it must not write
 
     def write(self, chunk: bytes) -> None:
-        """Take a piece, if there is room."""
+        """Append a piece, or raise `Refusal` if there is no room."""
         if self.count + len(chunk) > self.limits.upload_bytes:
             most = self.limits.upload_bytes / 2**20
             raise Refusal(413, f"{self.name} has more than {most:g} MiB, the most for one file")
@@ -107,16 +92,16 @@ class _Coming:
         self.out.write(chunk)
 
     def finish(self) -> dict[str, Any]:
-        """Look at it, and give it its name."""
+        """Decode the file and name it after its content; return its description."""
         self.out.close()
         about = {"id": self.digest.hexdigest(), "name": self.name, "bytes": self.count}
-        known = self.shelf.uploads.get(str(about["id"]))
-        if known is not None:
-            return known | {"name": self.name}
-        found = _looked_at(self.path, about, self.limits.upload_pixels)
-        self.shelf.take(self.path, found)
-        self.counted = 0
-        return found
+        found = self.shelf.uploads.get(str(about["id"]))
+        if found is None:
+            store = self.shelf.store
+            found = _looked_at(self.path, about, self.limits.upload_pixels, store.decoding)
+            if self.shelf.take(self.path, found, self.limits.uploads):
+                self.counted = 0
+        return found | {"name": self.name}
 
     def close(self) -> None:
         """Forget what was not finished."""
@@ -125,14 +110,16 @@ class _Coming:
         self.path.unlink(missing_ok=True)
 
 
-def _looked_at(file: Path, about: dict[str, Any], most_pixels: int) -> dict[str, Any]:
-    """What a file is: it is decoded once, to know that it can be."""
+def _looked_at(
+    file: Path, about: dict[str, Any], most_pixels: int, decoding: Lock
+) -> dict[str, Any]:
+    """Return the description of a file, which is decoded once, to know that it can be."""
     name = str(about["name"])
     suffix = _SUFFIXES[kind_of(str(file), name)]
     named = file.with_suffix(suffix)
     file.rename(named)
     try:
-        pixels = _read(named, name, most_pixels)
+        pixels = _read(named, name, most_pixels, decoding)
     finally:
         named.rename(file)
     role = role_of(name.rpartition(".")[0])
@@ -150,14 +137,16 @@ def _looked_at(file: Path, about: dict[str, Any], most_pixels: int) -> dict[str,
 def picture_of(upload: str, session: Session, limits: Limits) -> Picture:
     """Return the picture of an upload, under the name that its owner gave it."""
     about = session.upload(upload)
-    found = _read(session.shelf.path(about), about["name"], limits.upload_pixels)
+    path, decoding = session.shelf.path(about), session.shelf.store.decoding
+    found = _read(path, about["name"], limits.upload_pixels, decoding)
     return Picture(found.pixels, found.alpha, found.icc, about["name"], found.half)
 
 
-def _read(path: Path, name: str, most_pixels: int) -> Picture:
-    """Read a picture; what is said of it has its owner's name for it."""
+def _read(path: Path, name: str, most_pixels: int, decoding: Lock) -> Picture:
+    """Return a picture, of all threads one at a time; errors have its owner's name for it."""
     try:
-        return read_image(path, max_pixels=most_pixels)
+        with decoding:
+            return read_image(path, max_pixels=most_pixels)
     except (FileError, InvalidInputError) as error:
         line = str(error).replace(str(path), name).replace(path.name, name)
         if "max_pixels" in line:

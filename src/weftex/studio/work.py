@@ -145,27 +145,31 @@ class Batch:
         """Return what makes it; the page is told of one file."""
 
         def run(job: Job) -> None:
-            folder = downloads.new_folder()
-            total, lines = sum(map(len, self.recipes)), list[str]()
-            count = Progress(job, total, "outputs", lambda: None)
-            with zipfile.ZipFile(folder / "batch.zip", "w") as packed:
-                for number, recipes in enumerate(self.recipes, 1):
-                    best: list[tuple[float, Made]] = []
-                    for recipe in recipes:
-                        made = bench.make(bench.sized(recipe), count.within() or job)
-                        count.advance(1)
-                        if self.keep is None:
-                            lines += self._pack(packed, made, number, folder)
-                        else:
-                            best = sorted([*best, (_score(made), made)], key=lambda one: one[0])
-                            best = best[: self.keep]
-                    for _, made in best:
-                        lines += self._pack(packed, made, number, folder)
-                packed.writestr(zipfile.ZipInfo(MANIFEST, DATE), "".join(lines))
-            name = f"{self.wanted.name}.zip"
-            job.more = downloads.add(folder / "batch.zip", name, bench.session.key)
+            with downloads.new_folder() as folder:
+                with zipfile.ZipFile(folder / "batch.zip", "w") as packed:
+                    self._write(packed, folder, job, bench)
+                name = f"{self.wanted.name}.zip"
+                job.more = downloads.add(folder / "batch.zip", name, bench.session.key)
 
         return run
+
+    def _write(self, packed: zipfile.ZipFile, folder: Path, job: Job, bench: Bench) -> None:
+        """Make all outputs, and put them into the zip."""
+        total, lines = sum(map(len, self.recipes)), list[str]()
+        count = Progress(job, total, "outputs", lambda: None)
+        for number, recipes in enumerate(self.recipes, 1):
+            best: list[tuple[float, Made]] = []
+            for recipe in recipes:
+                made = bench.make(bench.sized(recipe), count.within() or job)
+                count.advance(1)
+                if self.keep is None:
+                    lines += self._pack(packed, made, number, folder)
+                else:
+                    best = sorted([*best, (_score(made), made)], key=lambda one: one[0])
+                    best = best[: self.keep]
+            for _, made in best:
+                lines += self._pack(packed, made, number, folder)
+        packed.writestr(zipfile.ZipInfo(MANIFEST, DATE), "".join(lines))
 
     def _pack(self, packed: zipfile.ZipFile, made: Made, number: int, folder: Path) -> list[str]:
         """Put the files of one output into the zip; its line of the manifest."""

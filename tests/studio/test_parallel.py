@@ -1,0 +1,294 @@
+"""Every route that changes state, asked many times at once, and on a full disk."""
+
+import builtins
+import errno
+import io
+import json
+import os
+import threading
+import time
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+from pages import Client
+from test_jobs import LONG, QUICK, idle
+
+from conftest import SMALL, serving
+from weftex.io.png import png_bytes
+from weftex.studio import app, routes_results, routes_start, uploads
+from weftex.studio.store import Shelf
+from weftex.studio.studio import Studio
+
+TIMES = 20
+CHANGING = [
+    f"{method} {path}"
+    for method, path, _ in (*routes_start.ROUTES, *routes_results.ROUTES)
+    if method != "GET"
+]
+
+
+def png(seed):
+    return png_bytes(np.random.default_rng(seed).integers(0, 255, (20, 20, 3)).astype(np.uint8))
+
+
+def at_once(page, requests):
+    """The answers to requests (method, path, content) that leave at the same moment."""
+    ready = threading.Barrier(len(requests))
+
+    def ask(request):
+        ready.wait()
+        method, path, content = request
+        content = content if isinstance(content, bytes) else json.dumps(content)
+        return page.ask(method, path, content=content)
+
+    with ThreadPoolExecutor(len(requests)) as pool:
+        return list(pool.map(ask, requests))
+
+
+def codes(answers):
+    return sorted(answer.status_code for answer in answers)
+
+
+def stored(client):
+    """The bytes of uploads that are on the disk, and no half of one."""
+    folder = client.studio.store.folder
+    assert not list(folder.rglob(".new-*")) and not list(folder.rglob(".weftex-*"))
+    names = [one for one in folder.glob("[0-9a-f]*/*") if one.suffix not in (".json", "")]
+    return sum(one.stat().st_size for one in names)
+
+
+def made(page, count=1):
+    return [one["id"] for one in page.job(QUICK, count=count)["results"]]
+
+
+def session(client, page):
+    own = {"session": page.start["session"]}
+    answers = at_once(page, [("POST", "session", own)] * TIMES)
+    assert {answer.json()["session"] for answer in answers} == {page.start["session"]}
+
+
+def leave(client, page):
+    page.post("jobs", {"recipe": LONG})
+    assert codes(at_once(page, [("POST", "leave", {})] * TIMES)) == [200] * TIMES
+    assert idle(client)
+
+
+def upload(client, page):
+    before = client.studio.store.bytes
+    same = at_once(page, [("POST", "uploads", png(0))] * TIMES)
+    assert codes(same) == [200] * TIMES
+    assert client.studio.store.bytes - before == len(png(0))
+    most = client.studio.limits.uploads
+    answers = at_once(page, [("POST", "uploads", png(k)) for k in range(1, TIMES)])
+    assert codes(answers) == [200] * (most - 1) + [413] * (TIMES - most)
+    assert len(page.get("uploads")) == most
+    assert client.studio.store.bytes == stored(client)
+
+
+def remove_upload(client, page):
+    path = f"uploads/{page.upload(png(0))['id']}"
+    assert codes(at_once(page, [("DELETE", path, b"")] * TIMES)) == [200] + [404] * (TIMES - 1)
+    assert client.studio.store.bytes == stored(client)
+    mixed = [("POST", "uploads", png(0)), ("DELETE", path, b"")] * (TIMES // 2)
+    assert set(codes(at_once(page, mixed))) <= {200, 404}
+    assert client.studio.store.bytes == stored(client)
+
+
+def sets(client, page):
+    wanted = {"uploads": [page.upload(png(0))["id"]]}
+    answers = at_once(page, [("POST", "sets", wanted)] * TIMES)
+    assert len({answer.content for answer in answers}) == 1 and codes(answers) == [200] * TIMES
+
+
+def material(client, page):
+    wanted = {"maps": {"color": page.upload(png(0))["id"]}}
+    answers = at_once(page, [("POST", "materials", wanted)] * TIMES)
+    assert len({answer.content for answer in answers}) == 1 and codes(answers) == [200] * TIMES
+
+
+def jobs(client, page):
+    most = client.studio.limits.session_jobs
+    answers = at_once(page, [("POST", "jobs", {"recipe": LONG})] * TIMES)
+    assert codes(answers) == [201] * most + [429] * (TIMES - most)
+    page.post("leave")
+    assert idle(client)
+
+
+def batches(client, page):
+    most = client.studio.limits.session_jobs
+    wanted = {"recipe": LONG, "seeds": [1], "name": "all"}
+    assert codes(at_once(page, [("POST", "batches", wanted)] * TIMES)).count(201) == most
+    page.post("leave")
+    assert idle(client)
+    assert folders(client) == 0  # a batch that is stopped leaves nothing
+
+
+def end_job(client, page):
+    path = f"jobs/{page.post('jobs', {'recipe': LONG})['id']}"
+    assert set(codes(at_once(page, [("DELETE", path, b"")] * TIMES))) <= {200, 404}
+    assert idle(client)
+
+
+def forget_result(client, page):
+    path = f"results/{made(page)[0]}"
+    answers = codes(at_once(page, [("DELETE", path, b"")] * TIMES))
+    assert answers == [200] + [410] * (TIMES - 1)
+
+
+def export(client, page):
+    path, before = f"results/{made(page)[0]}/exports", folders(client)
+    answers = at_once(page, [("POST", path, {"format": ".png", "recipe": True})] * TIMES)
+    assert codes(answers) == [200] * TIMES
+    tickets = {answer.json()["ticket"] for answer in answers}
+    assert len({client.get(f"/api/downloads/{one}").content for one in tickets}) == 1
+    assert (len(tickets), folders(client) - before) == (TIMES, TIMES)
+
+
+def keep(client, page):
+    results = made(page, 16)
+    answers = at_once(page, [("POST", f"results/{one}/keep", {"title": one}) for one in results])
+    assert codes(answers) == [200] * 16
+    again = Shelf(client.studio.store, client.studio.sessions.get(page.start["session"]).key)
+    for kept in (page.get("kept"), again.kept):  # also for a server that starts again
+        assert {one["result"] for one in kept} == set(results) and len(kept) == 16
+
+
+def forget_kept(client, page):
+    keep(client, page)
+    every = [("DELETE", f"kept/{one['result']}", b"") for one in page.get("kept")]
+    assert codes(at_once(page, every * 2)) == [200] * 16 + [404] * 16
+    assert page.get("kept") == []
+
+
+def planes(client, page):
+    wanted = {"materials": [{"sample": "weave"}], "method": "best-tile", "seed": 1}
+    answers = at_once(page, [("POST", "planes", wanted)] * TIMES)
+    assert len({answer.content for answer in answers}) == 1 and codes(answers) == [200] * TIMES
+
+
+def folders(client):
+    """How many files wait to be downloaded, or are left of an export."""
+    return len(list(client.studio.downloads.folder.iterdir()))
+
+
+CASES = {
+    "POST /session": session, "POST /leave": leave, "POST /uploads": upload,
+    "DELETE /uploads/{id}": remove_upload, "POST /sets": sets, "POST /materials": material,
+    "POST /jobs": jobs, "POST /batches": batches, "DELETE /jobs/{id}": end_job,
+    "DELETE /results/{id}": forget_result, "POST /results/{id}/exports": export,
+    "POST /results/{id}/keep": keep, "DELETE /kept/{id}": forget_kept, "POST /planes": planes,
+}  # fmt: skip
+
+
+@pytest.fixture
+def client(tmp_path):
+    studio = Studio(tmp_path / "studio", replace(SMALL))
+    with serving(studio) as server:
+        yield Client(server.listener.getsockname()[1], studio)
+
+
+@pytest.mark.parametrize("route", CHANGING)
+def test_many_requests_at_once(client, page, route):
+    CASES[route](client, page)
+
+
+@pytest.fixture
+def full_disk(monkeypatch):
+    """Files can be created, and nothing can be written to them; a function begins it."""
+    real = io.open
+
+    class Full(io.BytesIO):
+        def write(self, data):
+            raise OSError(errno.ENOSPC, "No space left on device")
+
+    def begin(folder):
+        def opened(file, mode="r", *more, **how):
+            writes = set(mode) & set("wax+") and isinstance(file, (str, Path))
+            if not writes or Path(folder) not in Path(file).resolve().parents:
+                return real(file, mode, *more, **how)
+            real(file, mode, *more, **how).close()
+            return Full()
+
+        monkeypatch.setattr(builtins, "open", opened)
+        monkeypatch.setattr(io, "open", opened)
+
+    return begin
+
+
+def test_on_a_full_disk_requests_say_so(client, page, full_disk):
+    """Nothing that failed is left, and what was there before is there still."""
+    upload, (result, *_) = page.upload(png(0)), made(page, 2)
+    kept = page.post(f"results/{result}/keep", {"title": "before"})
+    before = {one: one.stat().st_size for one in client.studio.store.folder.rglob("*")}
+    count = client.studio.store.bytes
+    full_disk(client.studio.store.folder.resolve())
+    wanted = [
+        ("POST", "uploads", png(1)),
+        ("POST", f"results/{result}/exports", {"format": ".png"}),
+        ("POST", f"results/{result}/exports", {"recipe": True, "mtlx": True}),
+        ("POST", f"results/{result}/keep", {"title": "after"}),
+        ("DELETE", f"kept/{result}", b""),
+    ]
+    for answer in at_once(page, wanted):
+        assert (answer.status_code, answer.json()["error"][:16]) == (507, "the disk is full")
+        assert str(client.studio.store.folder) not in answer.text
+    job = page.wait(page.post("batches", {"recipe": QUICK, "seeds": [1], "name": "all"}))
+    assert (job["state"], job["error"][:16]) == ("failed", "the disk is full")
+    assert page.ask("DELETE", f"uploads/{upload['id']}").status_code == 200  # this makes room
+    assert page.get("kept") == [kept]
+    after = {one: one.stat().st_size for one in client.studio.store.folder.rglob("*")}
+    assert set(after) == {one for one in before if upload["id"] not in one.name}
+    assert client.studio.store.bytes == count - upload["bytes"]
+
+
+@pytest.mark.parametrize("field", ["lane", "recipe", "leave"])
+def test_half_a_character_is_refused(page, field):
+    """JSON can name a surrogate by itself, which no answer can hold."""
+    line = page.refused("jobs", {"recipe": QUICK, field: "\ud800"}, 400)["error"]
+    assert line.startswith("the request is no JSON")
+
+
+def test_an_upload_whose_file_is_gone_is_not_there(client, page):
+    upload = page.upload(png(0))["id"]
+    (path,) = client.studio.store.folder.glob(f"*/{upload}.png")
+    path.unlink()
+    assert page.ask("GET", f"uploads/{upload}").status_code == 404
+    assert page.refused("materials", {"maps": {"color": upload}}, 404)
+
+
+def test_one_picture_is_decoded_at_a_time(client, page, monkeypatch):
+    """Eight small files can take a gigabyte each; uploads wait, and small requests do not."""
+    now, most, real = [], [], uploads.read_image
+
+    def decode(*values, **how):
+        now.append(1)
+        most.append(len(now))
+        time.sleep(0.05)
+        now.pop()
+        return real(*values, **how)
+
+    monkeypatch.setattr(uploads, "read_image", decode)
+    answers = at_once(page, [("POST", "uploads", png(k)) for k in range(8)])
+    specs = [{"maps": {"color": answer.json()["id"]}} for answer in answers]
+    assert codes(at_once(page, [("POST", "materials", spec) for spec in specs])) == [200] * 8
+    assert (len(most), max(most)) == (16, 1)
+
+
+def test_a_second_studio_leaves_what_is_open(client, page, monkeypatch):
+    """Both mark what they have open as used, however old it is."""
+    monkeypatch.setattr(app, "_MARK", 1)
+    upload, ticket = page.upload(png(0)), page.post(f"results/{made(page)[0]}/exports")["ticket"]
+    folder = client.studio.store.folder
+    (own,) = (one.parent for one in folder.glob(f"*/{upload['id']}.png"))
+    for one in (own, client.studio.downloads.folder):
+        os.utime(one, (0, 0))
+    end = time.monotonic() + 10
+    while min(own.stat().st_mtime, client.studio.downloads.folder.stat().st_mtime) == 0:
+        assert time.monotonic() < end
+        time.sleep(0.05)
+    Studio(folder, replace(SMALL)).close()
+    assert page.get(f"uploads/{upload['id']}") == png(0)
+    assert client.get(f"/api/downloads/{ticket}").status_code == 200
