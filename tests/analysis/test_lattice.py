@@ -12,7 +12,6 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 import weftex
-from twins.lattice import goodness_of_vectors, share_of_tile
 from weftex import cli
 from weftex.analysis.correlation import correlate
 from weftex.analysis.goodness import GOODNESS, Field, rate, tile_shares
@@ -22,6 +21,7 @@ from weftex.analysis.pairs import reduced
 from weftex.analysis.peaks import find_peaks, fit_vectors
 from weftex.errors import InvalidInputError
 from weftex.exemplar import Exemplar
+from weftex.reference.lattice import goodness, identifiers
 from weftex.tasks.auto.findings import look
 
 HERE = Path(__file__).parent
@@ -202,7 +202,8 @@ def test_shares_of_tiles_are_wrapped_positions(first, second, width, height):
     if first[0] * second[1] == first[1] * second[0]:
         return
     found = tile_shares(np.array([first, second]), np.array([width]), np.array([height]))
-    assert found[0] == pytest.approx(share_of_tile((first, second), width, height))
+    area = abs(first[0] * second[1] - first[1] * second[0])
+    assert found[0] == pytest.approx(identifiers(first, second, width, height) / area)
 
 
 @pytest.mark.parametrize("vectors", [((6, 0), (0, 5)), ((8, 1), (-3, 7)), ((4, 6), (4, -6))])
@@ -210,7 +211,7 @@ def test_height_is_equation_3_22(vectors, rng):
     """Vectors shorter than 10 pixels are looked at where they are, not around."""
     pixels = rng.integers(0, 256, (24, 30))
     correlation = correlate(pixels)
-    expected, number = goodness_of_vectors(correlation, vectors)
+    expected, number = goodness(correlation, *vectors)
     field = Field(correlation, find_peaks(correlation))
     rated = rate(field, np.array([vectors], np.float64), 24, "height", exact=True)
     assert rated.count[0] == number
@@ -228,7 +229,7 @@ def test_the_best_of_all_pairs_is_found(rng):
         for pair in itertools.combinations(peaks.shifts[peaks.heights > 0.3].tolist(), 2)
         if abs(np.linalg.det(pair)) >= 9 and (reduced(np.array(pair)) ** 2).sum(axis=1).min() >= 9
     ]
-    best = max(pairs, key=lambda pair: goodness_of_vectors(correlation, pair)[0])
+    best = max(pairs, key=lambda pair: goodness(correlation, *pair)[0])
     scaled = 128 + 30 * (pixels - pixels.mean()) / pixels.std()
     found = find_lattice(Exemplar(scaled.clip(0, 255)), goodness="height")
     assert found is not None and found.same_as(Lattice(best), 0.1)

@@ -6,23 +6,11 @@ import pytest
 import weftex
 from families import noise
 from materials import wall
-from twins import best_tile as reference
-from weftex.methods.best_tile.tiles import tile_errors
 from weftex.methods.lattices.mean_tile import MeanTile
 
 
 def model_of(pixels, **parameters):
     return weftex.BestTile(**parameters).fit(weftex.Exemplar(pixels))
-
-
-@pytest.mark.parametrize("vectors", [(7, 0, 0, 6), (5.5, 2, -3, 6.25), (-5, 3, 4, 5)])
-@pytest.mark.parametrize("border", [1, 2, 4])
-def test_errors_are_those_of_the_definition(vectors, border):
-    pixels = noise((17, 18, 3))
-    error = tile_errors(weftex.Exemplar(pixels), tuple(map(float, vectors)), border)
-    expected = reference.tile_errors(pixels, vectors, border)
-    assert (error >= 0).any()
-    assert np.array_equal(error[error >= 0], expected[error >= 0])
 
 
 def test_the_only_seamless_tile_is_found():

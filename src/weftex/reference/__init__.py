@@ -10,19 +10,26 @@ Every function takes and returns plain arrays, as a `Made`: the picture and wher
 from __future__ import annotations
 
 from weftex.reference.ashikhmin import ashikhmin
+from weftex.reference.best_tile import best_tile
 from weftex.reference.common import Made
 from weftex.reference.efros_leung import efros_leung
 from weftex.reference.exact_matching import exact_matching
 from weftex.reference.image_quilting import image_quilting
+from weftex.reference.lattice import Found, lattice
+from weftex.reference.near_regular import near_regular
 from weftex.reference.patch_based_sampling import patch_based_sampling
 from weftex.reference.wei_levoy import wei_levoy
 
 __all__ = [
+    "Found",
     "Made",
     "ashikhmin",
+    "best_tile",
     "efros_leung",
     "exact_matching",
     "image_quilting",
+    "lattice",
+    "near_regular",
     "patch_based_sampling",
     "wei_levoy",
 ]

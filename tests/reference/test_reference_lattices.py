@@ -1,0 +1,84 @@
+"""Lattices, and the methods that use them: equal bytes without options beyond the thesis."""
+
+import numpy as np
+import pytest
+
+import weftex
+from families import noise
+from materials import wall
+from weftex import reference
+from weftex.analysis.lattice import Lattice, find_lattice
+from weftex.canvas import Canvas
+from weftex.errors import InvalidInputError
+from weftex.reference.lattice import autocorrelation, identifiers, multiples
+
+BOND = ((16, 0), (8, 12))
+
+
+@pytest.mark.parametrize("border", [2, 3, 4])
+@pytest.mark.parametrize(
+    "vectors", [((7, 0), (0, 6)), ((5.5, 2), (-3, 6.25)), ((-5, 3), (4, 5)), BOND]
+)
+def test_best_tile(vectors, border):
+    sample = noise((37, 40, 3))
+    expected = reference.best_tile(sample, (30, 33), vectors, border)
+    method = weftex.BestTile(lattice=(*vectors[0], *vectors[1]), border_width=border)
+    result = method.fit(weftex.Exemplar(sample)).sample(Canvas(30, 33), seed=0)
+    assert np.array_equal(result.image, expected.image)
+    assert np.array_equal(result.source, expected.sources)
+
+
+@pytest.mark.parametrize("seed", [2, 3])
+@pytest.mark.parametrize("match", ["difference", "gncc"])
+@pytest.mark.parametrize("blend", [0, 4])
+def test_near_regular(blend, match, seed):
+    """With seeds by which no drawn block repeats what is beside it, which the method avoids."""
+    sample = noise((110, 120, 3)) // 2 + wall(110, 120) // 2
+    expected = reference.near_regular(sample, (17, 19), BOND, 8, 4, blend, 2, match, seed)
+    joints = {"blend": "feather", "blend_width": blend} if blend else {"blend": "none"}
+    method = weftex.NearRegular(
+        preset="paper", lattice=(*BOND[0], *BOND[1]), block_size=8, border_width=4, tolerance=2,
+        match=match, **joints,
+    )  # fmt: skip
+    result = method.fit(weftex.Exemplar(sample)).sample(Canvas(17, 19), seed=seed)
+    apart = abs(result.image.astype(int) - expected.image)
+    assert apart.max() <= (1 if blend else 0)  # the method blends in steps of 1/256
+
+
+def test_the_autocorrelation_is_that_of_each_overlap():
+    """Eq. (3.10), shift by shift."""
+    pixels = noise((9, 11, 2)).astype(int)
+    gamma = autocorrelation(pixels)
+    for y, x in np.ndindex(9, 11):
+        f, g = pixels[y:, x:].reshape(-1, 2), pixels[: 9 - y, : 11 - x].reshape(-1, 2)
+        f, g = f - f.mean(axis=0), g - g.mean(axis=0)
+        below = np.sqrt((f**2).sum(axis=0) * (g**2).sum(axis=0)).sum()
+        expected = (f * g).sum() / below if below > 1e-9 else 0
+        assert gamma[y + 8, x + 10] == pytest.approx(expected, abs=1e-9)
+        assert gamma[8 - y, 10 - x] == pytest.approx(expected, abs=1e-9)
+
+
+@pytest.mark.parametrize(("v1", "v2"), [((5, 1), (-2, 4)), ((6, 0), (3, 5))])
+def test_a_rectangle_contains_positions_within_the_tile(v1, v2):
+    """Section 3.3.1: those that no multiple leads to another of."""
+    shifts = multiples(v1, v2, 40, 40)
+    for width, height in ((1, 1), (3, 8), (9, 2), (12, 12)):
+        places = {(x, y) for x in range(width) for y in range(height)}
+        again = {p for p in places if any((p[0] - x, p[1] - y) in places for x, y in shifts)}
+        assert identifiers(v1, v2, width, height) == len(places - again)
+
+
+@pytest.mark.parametrize("size", [(40, 44), (36, 50)])
+def test_the_lattice_is_found(size):
+    sample = wall(*size, spread=10)
+    found = reference.lattice(sample)
+    assert Lattice(found.vectors).same_as(Lattice(BOND), 0.05)
+    assert find_lattice(weftex.Exemplar(sample), goodness="height").same_as(Lattice(BOND))
+
+
+def test_sizes_that_do_not_fit_are_refused():
+    sample = wall(30, 30)
+    with pytest.raises(InvalidInputError, match="block with its border is 31"):
+        reference.near_regular(sample, 20, BOND, 21, 10)
+    with pytest.raises(InvalidInputError, match="no such tile lies in the sample"):
+        reference.best_tile(sample, 20, ((29, 0), (0, 29)))
