@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+import tempfile
+
 import numpy as np
 import pytest
 
 from families import noise
+from processes import ENVIRONMENT
 from weftex.io.pictures import write_image
 
 
@@ -22,3 +25,12 @@ def here(tmp_path, monkeypatch):
     write_image("all.png", 0 * hole + 255)
     write_image("other.png", noise((40, 40)))
     return tmp_path
+
+
+@pytest.fixture
+def temporary_folder(tmp_path_factory, monkeypatch):
+    """Where standard input lies meanwhile, which no other test uses."""
+    folder = tmp_path_factory.mktemp("temporary")
+    monkeypatch.setitem(ENVIRONMENT, "TMPDIR", str(folder))
+    monkeypatch.setattr(tempfile, "tempdir", str(folder))
+    return folder

@@ -4,8 +4,6 @@ from __future__ import annotations
 
 import subprocess
 import sys
-import tempfile
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -32,15 +30,15 @@ def test_both_ends_have_the_bytes_that_files_have(here):
     assert done.stdout == (here / "a.png").read_bytes()
 
 
-def test_another_format_and_what_is_printed(here):
+def test_another_format_and_what_is_printed(here, temporary_folder):
     """What a command prints goes to standard error while a picture goes out."""
     write_image("f.exr", noise((40, 40, 3)).astype(np.float32))
-    before = listing(here), {*Path(tempfile.gettempdir()).glob("weftex-*")}
+    before = listing(here), listing(temporary_folder)
     done = piped("analyze", "-", "--overlay", "-", given=(here / "sample.png").read_bytes())
     assert done.stdout.startswith(b"\x89PNG") and b"standard input" in done.stderr
     done = piped("synth", "-", "-o", "-.exr", *QUICK, given=(here / "f.exr").read_bytes())
     assert done.stdout.startswith(b"v/1\x01"), done.stderr
-    assert before == (listing(here), {*Path(tempfile.gettempdir()).glob("weftex-*")})
+    assert before == (listing(here), listing(temporary_folder))
 
 
 @pytest.mark.parametrize(

@@ -4,11 +4,17 @@ from __future__ import annotations
 
 import os
 import sys
-from contextlib import suppress
+from functools import partial
 from importlib import import_module
 from typing import NoReturn
 
-from weftex.cli.terminal import Stopped, say
+from weftex.cli.terminal import (
+    Stopped,
+    hear_signals,
+    open_closed_streams,
+    remove_temporary_files,
+    say,
+)
 from weftex.errors import InvalidInputError, WeftexError, did_you_mean
 
 #: Commands, and what they do in a few words.
@@ -44,7 +50,8 @@ usage: weftex COMMAND ...      (weftex COMMAND --help says more)
   weftex --version
 
 exit codes: 0 done; 2 an error, one line of which says what to do; 130 Ctrl-C; 143 SIGTERM;
-141 nobody reads on. Only after 0 is there any output, but for what is written block by block.
+129 SIGHUP; 141 nobody reads on. Only after 0 is there any output, and after 0 all of it, but for
+what is written block by block.
 """
 
 
@@ -59,31 +66,20 @@ def main(argv: list[str] | None = None) -> int:
     Returns
     -------
     int
-        The exit code: 0, 2 after an error, 130 after Ctrl-C, 143 after SIGTERM, 141 if nobody
-        reads what is printed.
+        The exit code: 0, 2 after an error, 130 after Ctrl-C, 143 after SIGTERM, 129 after SIGHUP,
+        141 if nobody reads what is printed.
     """
     if "numpy" not in sys.modules:
         # Matrix products are small here: threads for them take longer to start than they save.
         os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
     try:
-        arguments = sys.argv[1:] if argv is None else argv
-        if not arguments:
-            raise InvalidInputError("a command is missing; weftex --help lists them")
-        name = arguments[0]
-        if name in ("-h", "--help", "help"):
-            lines = (f"  {name:10}  {text}" for name, text in _COMMANDS.items())
-            print(_ABOUT.format(commands="\n".join(lines)), end="")
-        elif name in ("-V", "--version"):
-            # Of the code that runs, whatever is installed beside it.
-            print(f"weftex {sys.modules['weftex'].__version__}")
-        elif name in _COMMANDS:
-            _run(arguments)
-        else:
-            what = "option" if name.startswith("-") else "command"
-            raise InvalidInputError(f"unknown {what} '{name}'{did_you_mean(name, _COMMANDS)}")
+        try:
+            _run(sys.argv[1:] if argv is None else argv)
+        except SystemExit as end:  # argparse after --help
+            return int(end.code or 0)
+        finally:
+            sys.stdout.flush()
         return 0
-    except SystemExit as end:  # argparse after --help
-        return int(end.code or 0)
     except (KeyboardInterrupt, Stopped) as end:
         end = end if isinstance(end, Stopped) else Stopped(130)
         say(f"stopped; {end.left}")
@@ -96,27 +92,42 @@ def main(argv: list[str] | None = None) -> int:
     except BrokenPipeError:  # such as 'weftex methods | head'
         return 141
     except OSError as error:
-        say(f"error: {error}")
+        what = f"{error.filename}: " if error.filename else ""
+        say(f"error: {what}{error.strerror or error}")
     return 2
 
 
 def _run(arguments: list[str]) -> None:
     """Run the command that the first argument names; `-` stands for pipes."""
-    if any(word.startswith("-") and word[1:2] in ("", ".") for word in arguments):
+    if not arguments:
+        raise InvalidInputError("a command is missing; weftex --help lists them")
+    name = arguments[0]
+    if name in ("-h", "--help", "help"):
+        lines = (f"  {name:10}  {text}" for name, text in _COMMANDS.items())
+        print(_ABOUT.format(commands="\n".join(lines)), end="")
+    elif name in ("-V", "--version"):
+        # Of the code that runs, whatever is installed beside it.
+        print(f"weftex {sys.modules['weftex'].__version__}")
+    elif name not in _COMMANDS:
+        what = "option" if name.startswith("-") else "command"
+        raise InvalidInputError(f"unknown {what} '{name}'{did_you_mean(name, _COMMANDS)}")
+    elif any(word.startswith("-") and word[1:2] in ("", ".") for word in arguments):
         from weftex.io.streams import as_files
 
-        with as_files(arguments) as arguments:
-            import_module(f"weftex.cli.commands.{arguments[0]}").run(arguments[1:])
-    elif arguments[0] == "completion":
+        sending = partial(hear_signals, "standard output may have got a part")
+        with as_files(arguments, sending) as words:
+            import_module(f"weftex.cli.commands.{name}").run(words[1:])
+    elif name == "completion":
         import_module("weftex.cli.commands.completion").run(arguments[1:], _COMMANDS)
     else:
-        import_module(f"weftex.cli.commands.{arguments[0]}").run(arguments[1:])
+        import_module(f"weftex.cli.commands.{name}").run(arguments[1:])
 
 
 def entry() -> NoReturn:
     """Run a command as a process of its own, which ends here."""
+    open_closed_streams()
+    hear_signals()
     code = main()
-    with suppress(OSError):  # nobody reads on
-        sys.stdout.flush()
+    remove_temporary_files()
     # Taking numpy and OpenImageIO down in order takes a tenth of a short run.
     os._exit(code)

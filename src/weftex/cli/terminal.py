@@ -20,12 +20,60 @@ _PREVIEW_AFTER = 1.0  # seconds to the first preview, and at least from each to 
 _PATIENCE = 0.6  # seconds that work in hand has to end by itself
 
 
+#: Signals that stop a command; SIGHUP is that its terminal is closed.
+_SIGNALS = [
+    getattr(signal, name) for name in ("SIGINT", "SIGTERM", "SIGHUP") if hasattr(signal, name)
+]
+_heard: list[int] = []
+
+
 class Stopped(BaseException):
-    """Ctrl-C or SIGTERM; `code` is the exit code, `left` says what is there."""
+    """A signal stopped the command; `code` is the exit code, `left` says what is there."""
 
     def __init__(self, code: int, left: str = "nothing was written") -> None:
         super().__init__(code)
         self.code, self.left = code, left
+
+
+def hear_signals(left: str = "nothing was written") -> None:
+    """Raise `Stopped` on the next signal, unless the process ignored it when it began."""
+
+    def stop(number: int, frame: object) -> None:
+        ignore_signals()
+        raise Stopped(128 + number, left)
+
+    _heard[:] = _heard or [one for one in _SIGNALS if signal.getsignal(one) is not signal.SIG_IGN]
+    for number in _heard:
+        signal.signal(number, stop)
+
+
+def ignore_signals() -> None:
+    """Ignore the signals that are heard: the command is about to end."""
+    for number in _heard:
+        signal.signal(number, signal.SIG_IGN)
+
+
+def remove_temporary_files() -> None:
+    """Remove those of this process, which ends at once."""
+    temporary = sys.modules.get("weftex.io.temporary")
+    if temporary is not None:
+        temporary.release_all()
+
+
+def open_closed_streams() -> None:
+    """Open the null device for each standard stream that is closed.
+
+    Otherwise files that are opened later get its number, and what is printed. Reading standard
+    input and writing standard output still fail; standard error is not needed.
+    """
+    how = {"stdin": ("r", os.O_WRONLY), "stdout": ("w", os.O_RDONLY), "stderr": ("w", os.O_WRONLY)}
+    for number, (name, (mode, flags)) in enumerate(how.items()):
+        if getattr(sys, name) is None:
+            opened = os.open(os.devnull, flags)
+            if opened != number:
+                os.dup2(opened, number)
+                os.close(opened)
+            setattr(sys, name, os.fdopen(number, mode, closefd=False))
 
 
 class Bar(progress.Bar):
@@ -101,16 +149,18 @@ class Outputs:
     """Files that appear together when all of them are written, or not at all."""
 
     def __init__(self) -> None:
-        self._folders: set[str] = set()
         self._made: list[str] = []
         self._stack = ExitStack()
+        #: Held while files appear, which is not to be cut off.
+        self.appearing = threading.Lock()
 
     def __enter__(self) -> Outputs:
         return self
 
     def __exit__(self, *error: Any) -> None:
         try:
-            self._stack.__exit__(*error)
+            with self.appearing:
+                self._stack.__exit__(*error)
         finally:
             if error[0] is not None:
                 self.sweep()
@@ -132,16 +182,10 @@ class Outputs:
         """Return where to write what is to appear at `path`."""
         from weftex.io.pictures import atomic
 
-        self._folders.add(os.path.dirname(os.path.realpath(path)))
         return self._stack.enter_context(atomic(path))
 
     def sweep(self) -> None:
-        """Remove what is unfinished."""
-        for folder in self._folders:
-            with suppress(OSError):
-                for name in os.listdir(folder):
-                    if name.startswith(f".weftex-{os.getpid()}-"):
-                        os.unlink(os.path.join(folder, name))
+        """Remove the folders that were made."""
         for folder in self._made:
             with suppress(OSError):
                 os.rmdir(folder)
@@ -150,10 +194,11 @@ class Outputs:
 def run(
     work: Callable[[Bar, Outputs], Result], quiet: bool, preview: str | None = None
 ) -> tuple[Result, Bar]:
-    """Do `work` so that Ctrl-C and SIGTERM end it within a second, whatever it is in the middle of.
+    """Do `work` so that signals end it within a second, whatever it is in the middle of.
 
     Python delivers signals between two steps of the main thread, and a step of the compiled part
-    may take long; so the work is done beside it. Its outputs appear when it ends well.
+    may take long; so the work is done beside it. Its outputs appear when it ends well; a signal
+    that comes then or later is ignored.
 
     Parameters
     ----------
@@ -174,11 +219,12 @@ def run(
     Raises
     ------
     Stopped
-        When the work ended in time; else the process ends here.
+        When the work was stopped in time; if it does not stop, the process ends here.
     """
     outputs = Outputs()
     bar, ended = Bar(quiet, preview), threading.Event()
     outcome: list[tuple[Result | None, BaseException | None]] = []
+    stopped: Stopped | None = None
 
     def begin() -> None:
         try:
@@ -190,44 +236,28 @@ def run(
         finally:
             ended.set()
 
-    def terminate(number: int, frame: object) -> None:
-        raise Stopped(128 + number)
-
-    # Only the main thread may set handlers, and gets signals.
-    numbers = [signal.SIGTERM, signal.SIGINT]
-    if threading.current_thread() is not threading.main_thread():
-        numbers = []
-    before = {number: signal.getsignal(number) for number in numbers}
-    if numbers:
-        signal.signal(signal.SIGTERM, terminate)
     try:
-        try:
-            threading.Thread(target=begin, daemon=True).start()
-            while not ended.wait(progress.PAUSE):  # for ever, and Windows would not notice Ctrl-C
-                bar.show()
-        except (KeyboardInterrupt, Stopped) as error:
-            for number in numbers:
-                signal.signal(number, signal.SIG_IGN)
-            bar.stop()
-            code = error.code if isinstance(error, Stopped) else 130
-            if not ended.wait(_PATIENCE):
-                outputs.sweep()
-                bar.sweep()
-                if "weftex.io.streams" in sys.modules:
-                    sys.modules["weftex.io.streams"].clear()
-                say(f"stopped; {bar.left}")
-                os._exit(code)
+        threading.Thread(target=begin, daemon=True).start()
+        while not ended.wait(progress.PAUSE):  # for ever, and Windows would not notice Ctrl-C
+            bar.show()
+        ignore_signals()
+    except (KeyboardInterrupt, Stopped) as error:
+        ignore_signals()
+        stopped = Stopped(error.code if isinstance(error, Stopped) else 130, bar.left)
+        bar.stop()
+        if not ended.wait(_PATIENCE) and outputs.appearing.acquire(blocking=False):
             bar.sweep()
-            raise Stopped(code, bar.left) from None
-        finally:
-            bar.close()
+            remove_temporary_files()
+            outputs.sweep()
+            say(f"stopped; {bar.left}")
+            os._exit(stopped.code)
+        ended.wait()
     finally:
-        for number, handler in before.items():
-            signal.signal(number, handler)
+        bar.close()
     result, failure = outcome[0]
     if failure is not None:
         bar.sweep()
-        raise failure
+        raise (stopped or failure) from None
     return result, bar  # type: ignore[return-value]
 
 
@@ -249,7 +279,8 @@ def finish(
 
 
 def say(text: str) -> None:
-    """Print one line about this program on stderr."""
+    """Print one line about this program on standard error, if that can be written."""
     streams = sys.modules.get("weftex.io.streams")
     text = streams.unhidden(text) if streams is not None else text
-    print("weftex: " + " ".join(text.split()), file=sys.stderr, flush=True)
+    with suppress(OSError):
+        print("weftex: " + " ".join(text.split()), file=sys.stderr, flush=True)

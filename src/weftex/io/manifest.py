@@ -14,7 +14,7 @@ from weftex.errors import FileError
 from weftex.io.pictures import atomic
 
 MANIFEST = "manifest.jsonl"
-_UNFINISHED = ".weftex-"
+_UNFINISHED = ".weftex-batch-"  # whoever holds the folder may remove what is called so
 
 
 class Manifest:

@@ -29,7 +29,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from weftex.errors import FileError, InvalidInputError, did_you_mean, shown
+from weftex.errors import FileError, InvalidInputError, WeftexError, did_you_mean, shown
+from weftex.io import temporary as temporaries
 from weftex.io.formats import (
     FORMATS,
     READ_AS,
@@ -292,27 +293,35 @@ def mask_of(pixels: NDArray[Any], alpha: bool) -> NDArray[np.bool_]:
 def atomic(path: StrPath) -> Iterator[str]:
     """Give a temporary path beside `path` that replaces it when the block ends well.
 
-    It is an empty file with the same suffix. On any exception it is removed, and `path` is as it
-    was. Symbolic links are written through; an existing file keeps its permissions, a new one gets
-    the usual ones. An OSError in the block becomes a FileError.
+    It is an empty file with the same suffix, and is on the disk before it replaces `path`. On any
+    exception it is removed, and `path` is as it was. Symbolic links are written through; an
+    existing file keeps its permissions, a new one gets the usual ones. An OSError in the block
+    becomes a FileError, and errors about the temporary file name `path`. A `path` that is itself
+    such a temporary path of this process is given as it is.
     """
-    target = _target(path_text(path))
-    # A name of its own, because the target's with a tail may be too long for the file system.
-    name = f".weftex-{os.getpid()}-{os.urandom(4).hex()}{os.path.splitext(target)[1]}"
-    temporary = os.path.join(os.path.dirname(target), name)
+    given = path_text(path)
+    target, temporary = _target(given), ""
     try:
-        # Not the tempfile module: its files can be read by their owner alone.
-        os.close(os.open(temporary, os.O_CREAT | os.O_EXCL | os.O_WRONLY, 0o666))
+        if temporaries.is_mine(target):
+            yield target
+            return
+        # A name of its own, because the target's with a tail may be too long for the file system.
+        temporary = temporaries.claim(os.path.dirname(target), os.path.splitext(target)[1])
         yield temporary
         with suppress(FileNotFoundError):
             os.chmod(temporary, os.stat(target).st_mode & 0o777)
+        temporaries.write_through(temporary)
         os.replace(temporary, target)
-    except BaseException as error:
-        with suppress(OSError):
-            os.unlink(temporary)
-        if isinstance(error, OSError) and not isinstance(error, FileError):
-            raise file_error(path, "cannot write", error) from None
-        raise
+    except WeftexError as error:
+        said = str(error)
+        if not temporary or show(temporary) not in said:
+            raise
+        raise type(error)(said.replace(show(temporary), show(given))) from None
+    except OSError as error:
+        raise file_error(path, "cannot write", error) from None
+    finally:
+        if temporary:
+            temporaries.release(temporary)
 
 
 def sample_names() -> list[str]:

@@ -13,10 +13,12 @@ from contextlib import contextmanager, redirect_stdout
 from typing import TYPE_CHECKING
 
 from weftex.errors import FileError, InvalidInputError
-from weftex.io.formats import SIGNATURES
+from weftex.io import temporary
+from weftex.io.formats import SIGNATURES, file_error
+from weftex.io.pictures import MAX_PIXELS
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator
+    from collections.abc import Callable, Iterator
 
 #: Options whose value is written, and what `-` stands for there; `-.exr` names another format.
 _WRITTEN = dict.fromkeys(("-o", "--output", "--overlay", "--correlation"), ".png")
@@ -30,6 +32,7 @@ _STARTS = {
 } | {b"RIFF": ".webp", b"PK\3\4": ".npz"}
 
 _folder = ""  # with its separator
+_MOST_BYTES = 16 * MAX_PIXELS  # of standard input
 
 
 def unhidden(text: str) -> str:
@@ -37,14 +40,8 @@ def unhidden(text: str) -> str:
     return text.replace(_folder, "") if _folder else text
 
 
-def clear() -> None:
-    """Remove what lies there, where the process ends at once."""
-    if _folder:
-        shutil.rmtree(_folder, ignore_errors=True)
-
-
 @contextmanager
-def as_files(argv: list[str]) -> Iterator[list[str]]:
+def as_files(argv: list[str], before_sending: Callable[[], None]) -> Iterator[list[str]]:
     """Give arguments with files in place of `-`; what is written there goes out at the end.
 
     Until then nothing reaches standard output: what a command prints goes to standard error.
@@ -53,25 +50,27 @@ def as_files(argv: list[str]) -> Iterator[list[str]]:
     ----------
     argv : list of str
         The command and what follows it.
+    before_sending : callable
+        Called once the command has ended, before anything goes to standard output.
 
     Raises
     ------
     InvalidInputError
         If there is more than one of either.
     FileError
-        If standard input is a terminal, or has nothing that weftex reads.
+        If standard input is a terminal, closed, too long, or has nothing that weftex reads.
     """
     global _folder
-    with tempfile.TemporaryDirectory(prefix="weftex-") as folder:
-        _folder = os.path.join(os.path.realpath(folder), "")
+    folder = temporary.claim(os.path.realpath(tempfile.gettempdir()), as_folder=True)
+    _folder = os.path.join(folder, "")
+    try:
         words, read, written = list(argv), "", ""
         for place, word in enumerate(argv):
             option = argv[place - 1] if place else ""
             if option in _WRITTEN and (word == "-" or word.startswith("-.")):
                 if written:
                     raise InvalidInputError("only one file can be written to standard output")
-                if sys.stdout.isatty():
-                    raise FileError("- is standard output, which is a terminal here; name a file")
+                _check_output()
                 page = option in ("-o", "--output") and argv[0] in _PAGES
                 suffix = word[1:] or (".html" if page else _WRITTEN[option])
                 words[place] = written = f"{_folder}standard output{suffix}"
@@ -79,28 +78,61 @@ def as_files(argv: list[str]) -> Iterator[list[str]]:
             elif word == "-":
                 if read:
                     raise InvalidInputError("standard input can be read once")
-                words[place] = read = _received()
+                words[place] = read = _received(None if "--allow-huge" in argv else _MOST_BYTES)
         if not written:
             yield words
             return
         with redirect_stdout(sys.stderr):
             yield words
-        with open(written, "rb") as file:
-            shutil.copyfileobj(file, sys.stdout.buffer)
-        sys.stdout.buffer.flush()
+        before_sending()
+        try:
+            with open(written, "rb") as file:
+                shutil.copyfileobj(file, sys.stdout.buffer)
+            sys.stdout.buffer.flush()
+        except BrokenPipeError:
+            raise
+        except OSError as error:
+            raise file_error("standard output", "cannot write", error) from None
+    finally:
+        temporary.release(folder)
 
 
-def _received() -> str:
-    """The path of a file with all of standard input."""
+def _check_output() -> None:
+    """Refuse a standard output that cannot take a picture."""
+    if sys.stdout.isatty():
+        raise FileError("- is standard output, which is a terminal here; name a file")
+    try:
+        os.write(sys.stdout.fileno(), b"")
+    except OSError as error:
+        raise file_error("standard output", "cannot write", error) from None
+
+
+def _received(most: int | None) -> str:
+    """Copy standard input to a file, and return its path."""
     source = sys.stdin.buffer
     if source.isatty():
         raise FileError("- is standard input, which is a terminal here; send a picture through it")
-    head = source.read(16)
+    try:
+        head = source.read(16)
+    except OSError as error:
+        raise file_error("standard input", "cannot read", error) from None
     suffix = next((suffix for start, suffix in _STARTS.items() if head.startswith(start)), "")
     if not suffix:
         raise FileError(f"standard input {'has no picture' if head else 'is empty'}")
-    path = f"{_folder}standard input{suffix}"
-    with open(path, "wb") as file:
-        file.write(head)
-        shutil.copyfileobj(source, file)
+    path, count = f"{_folder}standard input{suffix}", 0
+    try:
+        with open(path, "wb") as file:
+            while head:
+                count += len(head)
+                if most is not None and count > most:
+                    raise FileError(
+                        f"standard input has more than {most / 2**30:.3g} GiB; --allow-huge takes "
+                        "it anyway"
+                    )
+                file.write(head)
+                head = source.read(2**20)
+    except OSError as error:
+        if isinstance(error, FileError):
+            raise
+        raise file_error("standard input", f"cannot copy it to {_folder[:-1]}", error) from None
     return path

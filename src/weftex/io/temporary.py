@@ -1,0 +1,124 @@
+"""Temporary files and folders of this process, and the removal of those that a dead process left.
+
+A process holds a lock on each of its temporary files until it removes them; the lock ends with the
+process. So a file of this name and machine without a lock belongs to nobody.
+"""
+
+from __future__ import annotations
+
+import os
+import re
+import zlib
+from contextlib import suppress
+from functools import cache, lru_cache
+
+try:
+    import fcntl
+except ImportError:  # Windows: nothing is locked there, and nothing is swept
+    fcntl = None  # type: ignore[assignment]
+
+#: Temporary files and folders that this process has now, and the descriptors that lock them.
+_mine: dict[str, int] = {}
+
+
+def claim(folder: str, suffix: str = "", *, as_folder: bool = False) -> str:
+    """Create an empty temporary file, or a folder, and return its path; `release` ends its lock."""
+    _sweep(os.path.realpath(folder))
+    while True:
+        name = f".weftex-{os.getpid()}-{_machine()}-{os.urandom(4).hex()}{suffix}"
+        path = os.path.join(folder, name)
+        _mine[path] = -1
+        if as_folder:
+            os.mkdir(path, 0o700)
+        else:
+            # Not the tempfile module: its files can be read by their owner alone.
+            os.close(os.open(path, os.O_CREAT | os.O_EXCL | os.O_WRONLY, 0o666))
+        if fcntl is None:
+            return path
+        _mine[path] = _locked(path)
+        if _mine[path] >= 0:
+            return path
+        del _mine[path]
+
+
+def _locked(path: str) -> int:
+    """Return a descriptor that holds a new file, or -1 if another process took it for dead."""
+    try:
+        number = os.open(path, os.O_RDONLY)
+    except FileNotFoundError:
+        return -1
+    try:
+        fcntl.flock(number, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        gone = not os.path.exists(path)
+    except OSError as error:  # some network folders know no locks
+        gone = isinstance(error, BlockingIOError)
+    if gone:
+        os.close(number)
+        return -1
+    return number
+
+
+def is_mine(path: str) -> bool:
+    """Return whether a path is a temporary file that this process has now."""
+    return path in _mine
+
+
+def write_through(path: str) -> None:
+    """Wait until a temporary file is on the disk."""
+    number = os.open(path, os.O_RDWR)
+    try:
+        os.fsync(number)
+    finally:
+        os.close(number)
+
+
+def release(path: str) -> None:
+    """Remove a temporary file or folder if it is still there, and end its lock."""
+    number = _mine.pop(path, -1)
+    with suppress(OSError):
+        _remove(path)
+    if number >= 0:
+        os.close(number)
+
+
+def release_all() -> None:
+    """`release` everything, where the process ends at once."""
+    for path in list(_mine):
+        release(path)
+
+
+@lru_cache(maxsize=64)
+def _sweep(folder: str) -> None:
+    """Remove the temporary files of dead processes from a folder; once in each process."""
+    if fcntl is None:
+        return
+    ours = re.compile(rf"\.weftex-\d+-{_machine()}-[0-9a-f]{{8}}(\.\w+)?")
+    with suppress(OSError), os.scandir(folder) as found:
+        for name in [one.name for one in found if ours.fullmatch(one.name)]:
+            with suppress(OSError):  # it is locked, gone, or a link
+                _remove_unlocked(os.path.join(folder, name))
+
+
+def _remove_unlocked(path: str) -> None:
+    number = os.open(path, os.O_RDONLY | os.O_NOFOLLOW | os.O_NONBLOCK)
+    try:
+        if os.fstat(number).st_uid == os.geteuid():
+            fcntl.flock(number, fcntl.LOCK_EX | fcntl.LOCK_NB)
+            _remove(path)
+    finally:
+        os.close(number)
+
+
+def _remove(path: str) -> None:
+    if os.path.isdir(path):
+        import shutil  # 5 ms
+
+        shutil.rmtree(path)
+    else:
+        os.unlink(path)
+
+
+@cache
+def _machine() -> str:
+    """Eight letters for the machine's name: locks of another one may not be seen from here."""
+    return f"{zlib.crc32(os.uname().nodename.encode() if hasattr(os, 'uname') else b''):08x}"
