@@ -1,7 +1,7 @@
 """What pieces show: their seams, what they show again in line and in sight, and how evenly.
 
     python benchmarks/repeats.py                                   # graphcut, both placements
-    python benchmarks/repeats.py 1024 "quilting" "quilting variety=1"
+    python benchmarks/repeats.py 1024 "quilting" "quilting repeat_distance=0"
     python benchmarks/repeats.py 512 "graphcut" --surfaces bark pebbles_mixed
 
 Means over surfaces of `benchmarks/surfaces`, crops of 256 pixels, one seed. `seam`: the difference

@@ -30,9 +30,7 @@ def test_windows_with_a_way_of_their_own_are_parts_of_what_sample_makes(slug):
 WITHOUT_EFFECT = {
     "ashikhmin": {"jumps"},
     "exact-matching": {"tolerance", "nearest_colors"},
-    "patch-sampling": {"randomness"},  # patch_size says it
     "graphcut": {"halvings", "lattice"},  # each patch has its own; anywhere
-    "quilting": {"randomness"},
     "refinement": {"joints", "seed_scale"},
     "near-regular": {"blend_width"},
 }

@@ -309,10 +309,6 @@ class Method(ABC):
         assert isinstance(method, type(self))
         return method
 
-    def for_part(self, whole: Exemplar) -> Self:
-        """Return this method for a part of an exemplar: shares of the whole become pixels."""
-        return self
-
     @property
     def hole_reach(self) -> int:
         """How far around a hole the method must look, in pixels; 0 if any distance will do."""

@@ -15,7 +15,6 @@ from twins import patch_sampling as reference
 from weftex.methods.patches.scan_order import (
     patch_starts,
     patches_around,
-    patches_seen,
     wavefronts,
 )
 from weftex.methods.patches.spiral_order import spiral
@@ -71,28 +70,6 @@ def test_wavefronts_keep_the_documented_order(rows, columns, length):
         for a, b in ((i, j - 1), (i - 1, j - 1), (i - 1, j), (i - 1, j + 1)):
             if (a, b) in when:
                 assert when[a, b] < n or piece[a, b] == piece[i, j]
-
-
-@pytest.mark.parametrize("wrap", [(False, False), (True, False), (False, True), (True, True)])
-@pytest.mark.parametrize("rows, columns", [(1, 1), (3, 2), (20, 40), (35, 17)])
-def test_patches_see_what_any_order_has_laid(rows, columns, wrap):
-    """Each once, none that a thread may still be at, and those of the twin."""
-    when = {
-        at: (n, row, first)
-        for n, group in enumerate(wavefronts(rows, columns, 16))
-        for row, first, last in group
-        for at in [(row, column) for column in range(first, last)]
-    }
-    steps = list(itertools.product(range(rows), range(columns)))
-    laid = {step: number for number, step in enumerate(steps)}
-    every = patches_seen((rows, columns), wrap)
-    for number in range(0, len(steps), 1 if len(steps) < 7 else 7):
-        seen = [other for other in every[number].tolist() if other >= 0]
-        assert len(set(seen)) == len(seen) and max(seen, default=-1) < number
-        if not wrap[1]:  # where rows go around, they are laid one by one
-            own = when[steps[number]]
-            assert all(when[steps[k]][0] < own[0] or when[steps[k]] == own for k in seen)
-        assert seen == reference.seen_from(steps[number], laid, (rows, columns), wrap)
 
 
 @pytest.mark.parametrize("blend", ["feather", "cut"])

@@ -25,7 +25,7 @@ def windows_of(name, patch=32, width=4):
     model = method.fit(exemplar)
     known = np.zeros((patch, patch), bool)
     known[:width] = known[:, :width] = True
-    structure = model.analysis.structure(known, width=width)
+    structure = model.analysis.search(known, width=width)
     shape = structure.usable.shape
     blocks, side = structure.zone.blocks, structure.zone.side
     return exemplar, structure, model.analysis.pyramid.windows(blocks, side, 1, *shape)

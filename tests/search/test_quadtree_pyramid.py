@@ -72,9 +72,8 @@ def shortlist(pixels, zone, means, usable, stride, wanted):
     nodes = QuadtreePyramid(pixels).nodes(zone.side, stride)
     keys, places = np.empty(wanted, np.int64), np.empty(wanted, np.int32)
     columns = usable.shape[1]
-    found = _kernels.Shortlist(
-        wanted, keys, places, np.empty(columns, np.int32), np.empty(columns, np.int64)
-    )
+    sums = np.empty(columns, np.int32), np.empty(columns, np.int64)
+    found = _kernels.Shortlist(wanted, keys, places, None, None, None, *sums)
     count = _kernels.windows_by_blocks(nodes, zone.blocks, means, usable, found)
     return keys[:count].tolist(), [tuple(divmod(p, columns)) for p in places[:count].tolist()]
 

@@ -12,15 +12,13 @@ import numpy as np
 
 from twins.boundary_zone import zone_of, zone_weights
 from twins.compositing import blend_pixel
-from twins.patch_repeats import SIGHT, laid_nearby, mark_repeats, seen_from, shown_again
+from twins.patch_repeats import laid_nearby, mark_repeats
 from twins.randomness import pick, random_bits
 from twins.seams import cut_row, cut_sides, cut_weights
 from twins.windows import rectangle, usable
 
 #: A source that repeats nothing may have this times the squared distance of one that does.
 VARIETY = 1.7
-#: One that is taken for what it does not show again, this times the best one's.
-CLOSE = 1.25
 
 
 #: Patches of a hole that one more should not repeat: so many, the latest laid.
@@ -43,9 +41,7 @@ def similarity_weights(distances, d_max):
     return alpha / alpha.sum()
 
 
-def choose(
-    keys, marks, energy, bits, *, epsilon=None, tolerance=None, similarity=False, dearer=None
-):
+def choose(keys, marks, energy, bits, *, epsilon=None, tolerance=None, similarity=False):
     """Index of the candidate drawn.
 
     Parameters
@@ -58,8 +54,6 @@ def choose(
         A d_max**2 / epsilon**2.
     epsilon, tolerance : float
         One of the two: the rule of patch-based sampling or that of image quilting.
-    dearer : callable, optional
-        By what share of its cost a candidate is dearer for what it shows again.
     """
 
     def limit(best):
@@ -80,14 +74,6 @@ def choose(
     bound = limit(keys[best])
     if fresh and keys[nearest(fresh)] <= VARIETY * keys[best]:
         eligible, best = fresh, nearest(fresh)
-        bound = limit(keys[best])
-    if dearer is not None:
-        every = [keys[i] for i in everything if marks[i] != "continues"] or keys
-        most = max(min(CLOSE * keys[best], VARIETY * min(every)), bound)
-        eligible = [i for i in eligible if keys[i] <= most]
-        fair = 0.0 if epsilon is None else bound
-        keys = {i: keys[i] + dearer(i) * max(keys[i], fair, 1.0) for i in eligible}
-        best = nearest(eligible)
         bound = limit(keys[best])
     matching = [i for i in eligible if within(i, bound)]
     if not matching:
@@ -120,24 +106,6 @@ def patch_starts(length, size, overlap, wrap):
         count += 1
 
 
-def slow_tones(exemplar, sample, radius, weight):
-    """How far the mean of each pixel's square lies from the sample's, times a weight; 128 for 0."""
-    usable = np.ones(exemplar.shape, bool) if exemplar.mask is None else exemplar.mask
-    (height, width), tiles = exemplar.shape, exemplar.tileable
-    found = np.empty_like(sample)
-    for i, j in np.ndindex(height, width):
-        square = [
-            (v % height, u % width)
-            for v in range(i - radius, i + radius + 1)
-            for u in range(j - radius, j + radius + 1)
-            if tiles or (0 <= v < height and 0 <= u < width)
-        ]
-        shown = [sample[at] for at in square if usable[at]]
-        mean = np.mean(shown, axis=0) if shown else 0
-        found[i, j] = np.rint(np.clip(128 + weight * (mean - sample[usable].mean(0)), 0, 255))
-    return found
-
-
 def sample_exhaustive(exemplar, method, canvas, seed, *, corners=None, finish=True):
     """Steps 1 to 6 of section 2.2, by looking at every window of the sample for every patch.
 
@@ -162,8 +130,6 @@ def sample_exhaustive(exemplar, method, canvas, seed, *, corners=None, finish=Tr
     if not pixelwise:
         width = zone_width(method, canvas)
     sample = exemplar.matching(method.edge_weight).astype(int)
-    if weight := getattr(method, "tone_weight", 0):
-        sample = np.concatenate([sample, slow_tones(exemplar, sample, window[0] // 4, weight)], 2)
     places = _windows_of(exemplar, window)
     stack = np.array([rectangle(sample, place, window) for place in places])
     buffer = np.zeros((*canvas.shape, sample.shape[2]), int)
@@ -212,23 +178,8 @@ def sample_exhaustive(exemplar, method, canvas, seed, *, corners=None, finish=Tr
                     round(method.repeat_distance * size),
                     int(bits) & 1,
                 )
-            dearer = None
-            if method.variety > 0 and not pixelwise:
-                if holes:
-                    reach = [SIGHT * side for side in window]
-                    seen = laid_nearby(corner, placements, reach, 82)
-                else:
-                    steps = _grid_steps(method, canvas)
-                    shape = [n + 1 for n in steps[-1]]
-                    grid = dict(zip(steps, placements, strict=False))
-                    seen = seen_from(step, grid, shape, canvas.wrap)
-
-                def dearer(i, corner=corner, seen=seen):
-                    again = shown_again(corner, places[i], seen, window, canvas, exemplar)
-                    return method.variety * again
-
             energy = int((wanted**2).sum())
-            chosen = choose(keys, marks, energy, bits, dearer=dearer, **rule)
+            chosen = choose(keys, marks, energy, bits, **rule)
         source = places[chosen]
         weights = zone_weights(
             known, width, frozen[here] & inside if holes else None, method.blend == "none"

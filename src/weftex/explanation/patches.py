@@ -141,7 +141,7 @@ def _made_before(output: Any, number: int) -> NDArray[np.bool_]:
     for y, x in output.placements[:number, :2].tolist():
         rows, columns = np.arange(y, y + height), np.arange(x, x + width)
         there[np.ix_(rows % there.shape[0], columns % there.shape[1])] = True
-    if output.settings.pixelwise:
+    if output.method.pixelwise:
         there[...] = output.pixels.any(axis=2)
     return there
 

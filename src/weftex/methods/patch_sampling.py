@@ -7,11 +7,11 @@ from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, ClassVar, Self
 
 from weftex.exemplar import Exemplar
-from weftex.methods.patches import patch_kernels as _kernels
+from weftex.methods.patches.method import PatchMethod
 from weftex.methods.patches.model import PatchModel
 from weftex.methods.patches.pasting import Output
+from weftex.methods.patches.patch_kernels import Tolerance
 from weftex.methods.patches.scan_order import Run
-from weftex.methods.patches.settings import PatchMethod, settle
 from weftex.parameters import parameter
 
 if TYPE_CHECKING:
@@ -27,8 +27,8 @@ class PatchSampling(PatchMethod):
     """Patch-based sampling.
 
     Patches of the sample are pasted in scan order. Each is drawn at random from those whose
-    boundary zone matches the pixels that are there already within a tolerance, and blended into
-    them. `sample_by_patches` has the steps.
+    boundary zone matches the overlap with the patches before within a tolerance, and blended into
+    it. `sample_by_patches` has the steps.
 
     Examples
     --------
@@ -51,22 +51,10 @@ class PatchSampling(PatchMethod):
         "relative error of a matching zone, 0.2 in the paper; inf takes anything (chaos mosaic)",
         low=0.0,
     )
-    tone_weight: float = parameter(
-        0.0,
-        "how much slow tones count beside color when zones are compared; 0 is the paper's metric",
-        low=0.0,
-        high=10.0,
-        idle_canvas="known",
-    )
     choice: str = parameter(
         "uniform",
         "draw from the matching patches evenly or by the similarity factors alpha_i",
         choices=("uniform", "similarity"),
-    )
-    blend: str = parameter(
-        "feather",
-        "joining patches: feathered after each or at the end, cut along least error, or pasted",
-        choices=("feather", "feather-at-end", "cut", "none"),
     )
 
     @property
@@ -89,40 +77,28 @@ class PatchSampling(PatchMethod):
         return replace(suited, epsilon=_HOLE_EPSILON)
 
     def fit_exemplar(self, exemplar: Exemplar) -> PatchModel:
-        """Settle w_B and w_E (section 2.4) and analyze the sample (section 3)."""
-        settings = settle(self, exemplar, blend=self.blend, tone_weight=self.tone_weight)  # step 6
-        return PatchModel(self, settings, exemplar, sample_by_patches)
+        """Choose w_B and w_E (section 2.4) and analyze the sample (section 3)."""
+        return PatchModel(self, exemplar, sample_by_patches)
 
 
 def sample_by_patches(output: Output, method: PatchSampling) -> None:
     """Cover an output with patches of the sample: steps 1 to 6 of section 2.2.
 
-    Every patch looks at those pasted before it. So a compiled loop, `patch_kernels.lay_patches`,
+    Every patch depends on those pasted before it. So a compiled loop, `patch_kernels.lay_patches`,
     takes steps 1 to 4 for one patch after the other, in runs of patches whose boundary zones have
     the same shape.
-
-    Parameters
-    ----------
-    output : Output
-        Empty, or with known pixels around a hole.
-    method : PatchSampling
-        Parameters.
     """
     # Psi_B, eq. (1), has the patches within d_max = epsilon (1/A sum of p_out^2)^1/2 by the
     # distance of eq. (2); if it is empty, the patch with the smallest distance (step 3).
-    psi_b = _kernels.Rule(
-        tolerance=method.epsilon,
-        of_best=False,
-        by_similarity=method.choice == "similarity",  # weights alpha_i of section 2.1
-        reach=output.settings.keep_apart,  # not in the paper: see repeat_distance
-    )
+    # The weights alpha_i of section 2.1 are by similarity, or all alike.
+    psi_b = Tolerance(method.epsilon, of_best=False, by_similarity=method.choice == "similarity")
 
     def paste(run: Run) -> None:
         # E_out, the boundary zone of the patches already pasted: Fig. 3 (b) to (d), Fig. 5 for
         # tileable output, any shape at a hole. Of the sample's patches a kd-tree, the quadtree
         # pyramid or principal components find candidates for it (section 3:
         # `search.zone_search`, `zone_kernels.nearest_by_blocks` and `nearest_by_features`).
-        candidates = output.structure(run)
+        candidates = output.windows_for(run)
         # Step 1 where nothing is pasted yet, else steps 2 to 4: draw B_k from Psi_B, paste it.
         # Step 6, feathering (weights: `boundary_zone`; `paste_kernels.blend`), follows each patch,
         # or the last where blend is feather-at-end.

@@ -7,11 +7,11 @@ from dataclasses import dataclass
 from typing import ClassVar
 
 from weftex.exemplar import Exemplar
-from weftex.methods.patches import patch_kernels as _kernels
+from weftex.methods.patches.method import PatchMethod
 from weftex.methods.patches.model import PatchModel
 from weftex.methods.patches.pasting import Output
+from weftex.methods.patches.patch_kernels import Tolerance
 from weftex.methods.patches.scan_order import Run
-from weftex.methods.patches.settings import PatchMethod, settle
 from weftex.parameters import parameter
 
 _PAPERS_TOLERANCE = 0.1  # section 2.1
@@ -21,7 +21,7 @@ _PAPERS_TOLERANCE = 0.1  # section 2.1
 class Quilting(PatchMethod):
     """Image quilting.
 
-    Blocks of the sample are laid in scan order. Each is picked from those whose overlap with the
+    Blocks of the sample are pasted in scan order. Each is picked from those whose overlap with the
     blocks before is within a tolerance of the best one's, and cut along the path through the
     overlap where they differ least. `quilt` has the steps.
 
@@ -70,41 +70,25 @@ class Quilting(PatchMethod):
         return self.tolerance == math.inf
 
     def fit_exemplar(self, exemplar: Exemplar) -> PatchModel:
-        """Settle the sizes of block and overlap, and analyze the sample."""
-        settings = settle(
-            self,
-            exemplar,
-            blend=self.blend,
-        )
-        return PatchModel(self, settings, exemplar, quilt)
+        """Choose the sizes of block and overlap, and analyze the sample."""
+        return PatchModel(self, exemplar, quilt)
 
 
 def quilt(output: Output, method: Quilting) -> None:
     """Cover an output with blocks of the sample: the algorithm of section 2.2.
 
-    Every block looks at those laid before it. So a compiled loop, `patch_kernels.lay_patches`,
+    Every block depends on those pasted before it. So a compiled loop, `patch_kernels.lay_patches`,
     picks, cuts and pastes one block after the other, in runs of blocks whose overlaps have the
     same shape.
-
-    Parameters
-    ----------
-    output : Output
-        Empty, or with known pixels around a hole.
-    method : Quilting
-        Parameters.
     """
     # "Within some error tolerance": at most 1 + tolerance times the error of the best block.
-    tolerance = _kernels.Rule(
-        tolerance=method.tolerance,
-        of_best=True,
-        by_similarity=False,  # "randomly pick one such block"
-        reach=output.settings.keep_apart,  # not in the paper: see repeat_distance
-    )
+    # "Randomly pick one such block": each is as likely.
+    tolerance = Tolerance(method.tolerance, of_best=True, by_similarity=False)
 
     def quilt_blocks(run: Run) -> None:
         # "Search the input texture for a set of blocks that satisfy the overlap constraints (above
         # and left)": the blocks of the sample, arranged to be searched by such an overlap.
-        blocks = output.structure(run)
+        blocks = output.windows_for(run)
         # Pick one within the tolerance. Compute the error surface between it and the old blocks
         # at the overlap, and make the minimum cost path along it the block's boundary
         # (section 2.1, `band_kernels.cut_bands`). Paste the block.

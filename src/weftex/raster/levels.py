@@ -7,8 +7,6 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from weftex.raster.boxes import centered_sums
-
 if TYPE_CHECKING:
     from fractions import Fraction
 
@@ -65,42 +63,6 @@ def edges_of(values: NDArray[np.uint8], weight: float) -> NDArray[np.uint8]:
     dy, dx = (np.gradient(gray, axis=a) if gray.shape[a] > 1 else 0 * gray for a in (0, 1))
     edges: NDArray[np.uint8] = np.rint(np.minimum(weight * np.hypot(dy, dx), 255)).astype(np.uint8)
     return edges[..., None]
-
-
-def tones_of(
-    values: NDArray[np.uint8], usable: NDArray[np.bool_], radius: int, weight: float, *, wraps: bool
-) -> NDArray[np.uint8]:
-    """Return how far means over squares lie from the mean of all, times a weight, 128 for 0.
-
-    Parameters
-    ----------
-    values : uint8 array (H, W, K)
-    usable : bool array (H, W)
-        What counts.
-    radius : int
-        Squares have 2 * radius + 1 pixels a side, or what of them is in the picture.
-    weight : float
-        Differences that do not fit into a byte then are cut off.
-    wraps : bool
-        The picture tiles.
-
-    Examples
-    --------
-    >>> values = np.array([[0, 0, 60]], np.uint8)[..., None]
-    >>> tones_of(values, np.ones((1, 3), bool), 1, 2.0, wraps=False)[..., 0].tolist()
-    [[88, 128, 148]]
-    """
-    counted = (values * usable[..., None]).astype(np.int64)
-    away = counted.sum((0, 1)) / max(int(usable.sum()), 1)
-    around = [(radius, radius)] * 2 if wraps else [(0, 0)] * 2
-    inside = tuple(slice(low, n + low) for (low, _), n in zip(around, usable.shape, strict=True))
-    area, *sums = (
-        centered_sums(np.pad(one, around, mode="wrap"), radius)[inside]
-        for one in (usable, *counted.transpose(2, 0, 1))
-    )
-    tones = np.stack(sums, 2) / np.maximum(area, 1)[..., None] - away
-    found: NDArray[np.uint8] = np.rint(np.clip(128 + weight * tones, 0, 255)).astype(np.uint8)
-    return found
 
 
 def scale_between(shape: tuple[int, ...], other: tuple[int, ...]) -> Fraction | int | None:

@@ -11,11 +11,16 @@ cdef void block_means(const unsigned char[:, :, ::1] canvas, Py_ssize_t y, Py_ss
                       const int[:, ::1] blocks, Py_ssize_t side, int[::1] means) noexcept nogil
 
 cdef class Shortlist:
-    cdef Py_ssize_t wanted
-    cdef long long[::1] keys
-    cdef int[::1] places
-    cdef int[::1] partial
+    cdef Py_ssize_t wanted  # m of section 3.2
+    cdef long long[::1] keys  # distances
+    cdef int[::1] places  # numbers of windows in the sample, row by row
+    cdef unsigned char[::1] query  # the zone's pixels
+    cdef int[::1] means  # of its blocks
+    cdef short[::1] coordinates  # in principal components
+    cdef int[::1] partial  # scratch of `nearest_by_blocks`, a row of windows each
     cdef long long[::1] total
+    cdef unsigned char[::1] barred  # why a candidate may not be taken; 0 if it may
+    cdef long long[:, ::1] path  # scratch of `cut_bands`
 
 cdef Py_ssize_t nearest_by_blocks(const unsigned char[:, :, :, :, ::1] nodes,
                                   const int[:, ::1] blocks, const int[::1] query,

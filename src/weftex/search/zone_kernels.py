@@ -9,26 +9,31 @@ import cython
 
 
 class Shortlist:
-    """The windows that came nearest, and room for the sums of one row of windows.
+    """The candidates of one patch, and room for its zone and what the zone is searched by."""
 
-    Parameters
-    ----------
-    wanted : int
-        Windows to keep.
-    keys : int64 array (wanted or more,)
-        Their distances.
-    places : int32 array (wanted or more,)
-        Their numbers in the sample, row by row.
-    partial, total : int32 and int64 array (columns,)
-        Scratch of `nearest_by_blocks`.
-    """
-
-    def __init__(self, wanted, keys, places, partial, total):
+    def __init__(
+        self,
+        wanted,
+        keys,
+        places,
+        query,
+        means,
+        coordinates,
+        partial,
+        total,
+        barred=None,
+        path=None,
+    ):
         self.wanted = wanted
         self.keys = keys
         self.places = places
+        self.query = query
+        self.means = means
+        self.coordinates = coordinates
         self.partial = partial
         self.total = total
+        self.barred = barred
+        self.path = path
 
 
 def gather(canvas, y, x, runs, query):

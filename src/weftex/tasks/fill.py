@@ -162,7 +162,6 @@ def fill(
     if source.mask is not None:
         usable &= source.mask
     given = frozenset(parameters) if isinstance(method, str) else None
-    chosen = chosen.for_part(source)
     reach = max(_LEAST_REACH, chosen.hole_reach)
     region = Region(hole, canvas.wrap, usable if inside else None, reach)
     if inside:

@@ -76,7 +76,7 @@ def fill_gaps(
     search = None if hole.is_there else sample.search
     rule = gap_kernels.Rule(
         settings.tolerance, settings.candidates, round(256 * settings.variety),
-        settings.match == "gncc", search and search.kernel_zone, search and search.kernel_search,
+        settings.match == "gncc", search and search.kernel,
     )  # fmt: skip
     progress = Progress(callback, len(cells), stage, lambda: layout.preview(sample, place))
 

@@ -15,13 +15,8 @@ from cython.cimports.weftex.methods.near_regular.block_kernels import (
     shown_again,
     similar,
 )
-from cython.cimports.weftex.search.zone_kernels import distance, gather, offer
-from cython.cimports.weftex.search.zone_search_kernels import (
-    Candidates,
-    Search,
-    Zone,
-    list_candidates,
-)
+from cython.cimports.weftex.search.zone_kernels import Shortlist, distance, gather, offer
+from cython.cimports.weftex.search.zone_search_kernels import ZoneWindows, list_candidates
 
 NEVER = cython.declare(cython.longlong, 1 << 60)  # more than any piece differs by
 MOST_COMPARED = cython.declare(cython.Py_ssize_t, 512)  # similar places that a gap looks at
@@ -32,8 +27,8 @@ KNOWN = cython.declare(cython.int, 5)  # the wedge of pixels that the canvas kno
 class Rule:
     """How gaps are searched for; `variety` is in 1/256.
 
-    Where any place is similar to any other, all windows may be searched by the border of a gap:
-    `zone` is that border and `search` the windows, or both are None.
+    Where any place is similar to any other, all `windows` may be searched by the border of a gap;
+    otherwise they are None.
     """
 
     tolerance: cython.Py_ssize_t
@@ -41,17 +36,16 @@ class Rule:
     variety: cython.longlong
     by_correlation: cython.bint
     by_zone: cython.bint
-    zone: Zone
-    search: Search
+    windows: ZoneWindows
 
-    def __init__(self, tolerance, candidates, variety, by_correlation, zone, search):
+    def __init__(self, tolerance, candidates, variety, by_correlation, windows):
         self.tolerance, self.candidates, self.variety = tolerance, candidates, variety
-        self.by_correlation, self.by_zone = by_correlation, zone is not None
-        self.zone, self.search = zone, search
+        self.by_correlation, self.by_zone = by_correlation, windows is not None
+        self.windows = windows
 
 
 @cython.cclass
-class Gap(Candidates):
+class Gap(Shortlist):
     """A gap in the making, and what a thread works on while it fills gaps of one size.
 
     `wedges` tells from which neighbor each pixel of its border comes, `runs` covers the border,
@@ -70,7 +64,7 @@ class Gap(Candidates):
     width: cython.longlong
 
     def __init__(self, wedges, runs, border, **candidates):
-        Candidates.__init__(self, **candidates)
+        Shortlist.__init__(self, **candidates)
         self.wedges, self.runs, self.border = wedges, runs, border
 
 
@@ -207,10 +201,8 @@ def compose_border(sample: Sample, gap: Gap) -> cython.void:
 def best_by_zone(sample: Sample, rule: Rule, gap: Gap) -> cython.Py_ssize_t:
     """List the places whose borders are nearest in few numbers (section 5.2); return how many."""
     cython.declare(t=cython.Py_ssize_t, y=cython.int, x=cython.int)
-    columns: cython.int = cython.cast(cython.int, rule.search.usable.shape[1])
-    count: cython.Py_ssize_t = list_candidates(
-        gap.border, 0, 0, rule.zone, rule.search, rule.search.positions, gap
-    )
+    columns: cython.int = cython.cast(cython.int, rule.windows.usable.shape[1])
+    count: cython.Py_ssize_t = list_candidates(gap.border, 0, 0, rule.windows, gap)
     for t in range(count):
         y = gap.places[t] // columns
         x = gap.places[t] % columns

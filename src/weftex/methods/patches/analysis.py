@@ -9,9 +9,8 @@ import numpy as np
 
 from weftex.errors import InvalidInputError
 from weftex.exemplar import Exemplar
-from weftex.methods.patches.settings import PatchSettings
+from weftex.methods.patches.method import PatchMethod
 from weftex.raster.boxes import box_sums
-from weftex.raster.levels import tones_of
 from weftex.search.boundary_zone import boundary_zone
 from weftex.search.quadtree_pyramid import QuadtreePyramid
 from weftex.search.zone_search import ZoneSearch
@@ -25,17 +24,8 @@ _MOST_NUMBERS = 288  # of the low resolution that describe one zone
 class PatchAnalysis:
     """The windows of a sample and the search structures for boundary zones.
 
-    The windows are found once, their low-resolution blocks sorted into a quadtree pyramid, and the
-    boundary zones of the paper's three configurations (Fig. 3 b to d) put into search structures.
-
-    Parameters
-    ----------
-    settings : PatchSettings
-        Settled for this sample.
-    exemplar : Exemplar
-        The sample.
-    ahead : bool
-        Most outputs will have patches of this size, so that structures for them are made at once.
+    `method` is resolved for the sample. With `ahead`, the boundary zones of the paper's three
+    configurations (Fig. 3 b to d) are put into search structures at once.
 
     Raises
     ------
@@ -43,15 +33,11 @@ class PatchAnalysis:
         If no window lies in the usable part of the sample.
     """
 
-    def __init__(self, settings: PatchSettings, exemplar: Exemplar, *, ahead: bool = True) -> None:
-        self.settings, self.exemplar = settings, exemplar
-        self.pixels = exemplar.matching(settings.edge_weight)
+    def __init__(self, method: PatchMethod, exemplar: Exemplar, *, ahead: bool = True) -> None:
+        self.method, self.exemplar = method, exemplar
+        self.pixels = exemplar.matching(method.edge_weight)
         self.mask = np.ones(exemplar.shape, bool) if exemplar.mask is None else exemplar.mask
-        side = settings.window_side
-        if settings.tone_weight > 0:
-            weight, wraps = settings.tone_weight, exemplar.tileable
-            tones = tones_of(self.pixels, self.mask, side // 4, weight, wraps=wraps)
-            self.pixels = np.concatenate([self.pixels, tones], axis=2)
+        side = method.window_side
         if exemplar.tileable:  # edge handling of section 2.4
             beyond = ((0, side - 1), (0, side - 1))
             self.pixels = np.pad(self.pixels, (*beyond, (0, 0)), mode="wrap")
@@ -60,41 +46,42 @@ class PatchAnalysis:
         self.turned = np.ascontiguousarray(self.pixels.transpose(1, 0, 2))
         self.pyramid = QuadtreePyramid(self.pixels)
         #: The paper's third level is 4; single pixels need every neighbor.
-        self.block_side = 4 if settings.search != "pca" else 1 if settings.pixelwise else 16
-        self._structures: dict[tuple[Any, ...], ZoneSearch] = {}
+        self.block_side = 4 if method.search != "pca" else 1 if method.pixelwise else 16
+        self._searches: dict[tuple[Any, ...], ZoneSearch] = {}
         self._windows: dict[tuple[int, int], tuple[NDArray[np.uint8], NDArray[np.int32]]] = {}
-        self._others: dict[PatchSettings, PatchAnalysis] = {}
+        self._others: dict[PatchMethod, PatchAnalysis] = {}
         self.windows(side, side)
         # A sample with a mask is more likely to fill its own hole.
         if ahead and exemplar.mask is None:
             self._analyze()
 
-    def settled(self, settings: PatchSettings) -> PatchAnalysis:
-        """Return the analysis for these settings: this one, or one that is made on first use."""
-        if settings == self.settings:
+    def for_method(self, method: PatchMethod) -> PatchAnalysis:
+        """Return the analysis for other sizes: this one, or one that is made on first use."""
+        if method == self.method:
             return self
-        if settings not in self._others:
+        if method not in self._others:
             if self.exemplar.tileable:  # the padding is as wide as patches
-                other = PatchAnalysis(settings, self.exemplar)
+                other = PatchAnalysis(method, self.exemplar)
             else:
                 other = copy(self)
-                other.settings, other._structures, other._windows = settings, {}, {}
-            self._others[settings] = other
-        return self._others[settings]
+                other.method, other._searches, other._windows = method, {}, {}
+            self._others[method] = other
+        return self._others[method]
 
     def _analyze(self) -> None:
-        """Make the structures that most patches of a new picture will ask."""
-        side, width = self.settings.window_side, self.settings.boundary_width
+        """Make the search structures that most patches of a new picture need."""
+        side, width = self.method.window_side, self.method.boundary_width
+        assert width
         known = np.zeros((side, side), bool)
-        if self.settings.pixelwise:
+        if self.method.pixelwise:
             known.ravel()[: known.size // 2] = True
-            self.structure(known, width=width, often=True)
+            self.search(known, width=width, often=True)
             return
         for left, top in ((True, False), (False, True), (True, True)):
             known[:] = False
             known[:, :width] |= left
             known[:width] |= top
-            self.structure(known, width=width, often=True)
+            self.search(known, width=width, often=True)
 
     def windows(self, rows: int, columns: int) -> tuple[NDArray[np.uint8], NDArray[np.int32]]:
         """Mark and number the upper left corners of windows in the usable part of the sample."""
@@ -124,15 +111,15 @@ class PatchAnalysis:
             side = (widest + too_wide) // 2
             fits = (box_sums(~self.mask, side, side) == 0).any()
             widest, too_wide = (side, too_wide) if fits else (widest, side)
-        settings = self.settings
-        if settings.pixelwise and widest >= 3:
-            now = settings.boundary_width
+        method = self.method
+        if method.pixelwise and widest >= 3:
+            now = method.boundary_width
             return f"boundary_width may be at most {(widest - 1) // 2} (now {now})"
-        if widest >= 2 and not settings.pixelwise:
-            return f"patch_size may be at most {widest} (now {settings.patch_size})"
+        if widest >= 2 and not method.pixelwise:
+            return f"patch_size may be at most {widest} (now {method.patch_size})"
         return f"it has room for {widest}x{widest}; a patch takes 2x2, a pixel and its zone 3x3"
 
-    def structure(
+    def search(
         self,
         known: NDArray[np.bool_],
         frozen: NDArray[np.bool_] | None = None,
@@ -140,26 +127,17 @@ class PatchAnalysis:
         width: int,
         often: bool = False,
     ) -> ZoneSearch:
-        """Return the search structure for one configuration, made on first use.
+        """Return the sample's windows, arranged to be searched by the zone of one configuration.
 
-        Parameters
-        ----------
-        known : bool array (rows, columns)
-            Pixels of the window that are on the canvas already.
-        frozen : bool array (rows, columns), optional
-            Known pixels which must stay: around a hole, where structures are each asked once and
-            not kept, or a part of those that lie along the window's sides.
-        width : int
-            Boundary width w_E.
-        often : bool
-            Many patches will ask, so that an analysis pays.
+        `known` are the window's pixels that are on the canvas already, `frozen` those of them that
+        must stay. Around a hole each zone is met once: it is not `often` and not kept.
         """
         of_hole = frozen is not None and not often
         stays = b"" if frozen is None else frozen.tobytes()
         key = (known.shape, known.tobytes(), width, often, stays)
-        if not of_hole and key in self._structures:
-            return self._structures[key]
-        settings = self.settings
+        if not of_hole and key in self._searches:
+            return self._searches[key]
+        method = self.method
         zone = boundary_zone(
             known,
             width,
@@ -167,44 +145,36 @@ class PatchAnalysis:
             outlines=of_hole,
             block_side=self.block_side,
             most_blocks=max(16, _MOST_NUMBERS // self.pixels.shape[2]),
-            paste=settings.blend == "none",
-            core=(settings.boundary_width,) * 2 if settings.pixelwise else None,
+            paste=method.blend == "none",
+            core=(width, width) if method.pixelwise else None,
         )
-        structure = ZoneSearch(
+        search = ZoneSearch(
             zone,
             self.pyramid,
             *self.windows(*zone.weight.shape),
-            search="exhaustive" if settings.anything else settings.search,
-            candidates=settings.candidates,
-            variance=settings.variance,
+            search="exhaustive" if method.anything else method.search,
+            candidates=method.candidates or 0,
+            variance=method.variance,
             often=often,
         )
         if not of_hole:
-            self._structures[key] = structure
-        return structure
+            self._searches[key] = search
+        return search
 
     def __getstate__(self) -> dict[str, Any]:
-        return self.__dict__ | {"_structures": {}, "_windows": {}, "_others": {}}
+        return self.__dict__ | {"_searches": {}, "_windows": {}, "_others": {}}
 
 
 class Zones:
-    """The boundary zones of one output, numbered in the order in which patches meet them.
-
-    Parameters
-    ----------
-    analysis : PatchAnalysis
-        Of the sample.
-    boundary_width : int
-        Width w_E on this canvas.
-    """
+    """The boundary zones of one output, numbered in the order in which patches meet them."""
 
     def __init__(self, analysis: PatchAnalysis, boundary_width: int) -> None:
         self._analysis, self._width = analysis, boundary_width
         self._numbers: dict[tuple[bytes, bytes], int] = {}
         #: The sample's windows, arranged to be searched by each zone.
         self.searches: list[ZoneSearch] = []
-        #: (1, rows, columns): the weights that a patch is laid with while others are still chosen.
-        self.laid_with: list[NDArray[np.uint16]] = []
+        #: (1, rows, columns): the weights that a patch is pasted with while others are chosen.
+        self.weights: list[NDArray[np.uint16]] = []
 
     def number(
         self,
@@ -212,14 +182,14 @@ class Zones:
         frozen: NDArray[np.bool_] | None = None,
         often: bool = False,
     ) -> int:
-        """Return the number of the zone of a window, see `PatchAnalysis.structure`."""
+        """Return the number of the zone of a window, see `PatchAnalysis.search`."""
         key = known.tobytes(), b"" if frozen is None else frozen.tobytes()
         if key not in self._numbers:
-            search = self._analysis.structure(known, frozen, width=self._width, often=often)
+            search = self._analysis.search(known, frozen, width=self._width, often=often)
             weight = search.zone.weight
-            if self._analysis.settings.blend == "feather-at-end":
+            if self._analysis.method.blend == "feather-at-end":
                 weight = np.where(weight > 0, 256, 0).astype(np.uint16)
             self._numbers[key] = len(self.searches)
             self.searches.append(search)
-            self.laid_with.append(weight[None])
+            self.weights.append(weight[None])
         return self._numbers[key]

@@ -1,4 +1,4 @@
-"""A sample prepared for laying patches."""
+"""A sample prepared for pasting patches."""
 
 from __future__ import annotations
 
@@ -13,9 +13,9 @@ from weftex.canvas import Canvas, as_canvas
 from weftex.exemplar import Exemplar
 from weftex.method import Model
 from weftex.methods.patches.analysis import PatchAnalysis
+from weftex.methods.patches.method import PatchMethod
 from weftex.methods.patches.pasting import Output
 from weftex.methods.patches.plane_order import PatchAxis, PlaneOrder, least_period
-from weftex.methods.patches.settings import PatchMethod, PatchSettings, settle_on
 from weftex.planes.boxes import canvas_of, check_period
 from weftex.planes.grid import Sizes
 from weftex.progress import ProgressCallback
@@ -29,50 +29,24 @@ if TYPE_CHECKING:
     from weftex.random import Seed
     from weftex.results.synthesis import Synthesis
 
+    #: Covers an output with patches: the algorithm of a method.
+    Cover = Callable[[Output, Any], None]
+
 
 class PatchModel(Model):
-    """A sample prepared for a method that lays patches; `sample` makes outputs from it.
+    """A sample prepared for a method that pastes patches; `sample` makes outputs from it.
 
-    Parameters
-    ----------
-    method : PatchMethod
-        Parameters.
-    settings : PatchSettings
-        What they settle to for this sample.
-    exemplar : Exemplar
-        The sample.
-    cover : callable
-        The algorithm: covers an `Output`, given the method. A function of a module, so that models
-        can be pickled.
+    `cover` is the algorithm, a function of a module, so that models can be pickled.
     """
 
     method: PatchMethod
 
-    def __init__(
-        self,
-        method: PatchMethod,
-        settings: PatchSettings,
-        exemplar: Exemplar,
-        cover: Callable[[Output, Any], None],
-    ) -> None:
-        self.exemplar = exemplar
-        # Whether small outputs have smaller patches.
-        narrowed = settle_on(Canvas(1, 1), method, settings) != settings
-        self.analysis = PatchAnalysis(settings, exemplar, ahead=not narrowed)
-        self._given, self._cover = method, cover
+    def __init__(self, method: PatchMethod, exemplar: Exemplar, cover: Cover) -> None:
+        self.exemplar, self._given, self._cover = exemplar, method, cover
+        self.method = method.resolved(exemplar)
+        smaller = method.resolved_on(Canvas(1, 1), self.method) != self.method
+        self.analysis = PatchAnalysis(self.method, exemplar, ahead=not smaller)
         self._pieces: Pieces | None = None
-        self.method = self._settled(settings)
-
-    def _settled(self, settings: PatchSettings) -> PatchMethod:
-        """The method with every parameter settled."""
-        compared = settings.search != "exhaustive" and not settings.anything
-        return replace(
-            self._given,
-            patch_size=settings.patch_size,
-            randomness=None,
-            boundary_width=settings.boundary_width,
-            candidates=settings.candidates if compared else None,
-        )
 
     def sample(
         self,
@@ -88,13 +62,12 @@ class PatchModel(Model):
         self.require(canvas)
         number, count = seed_number(seed), thread_count(threads)
         canvas.check_known(self.exemplar)
-        settings = settle_on(canvas, self._given, self.analysis.settings)
-        output = Output(self.analysis.settled(settings), canvas, number, count, progress)
-        method = self._settled(settings)
+        method = self._given.resolved_on(canvas, self.method)
+        output = Output(self.analysis.for_method(method), canvas, number, count, progress)
         self._cover(output, method)
         placements, weights = output.placements, output.weights()
-        if output.settings.pixelwise:  # of the window only the pixel in the middle is laid
-            reach = output.settings.boundary_width
+        if method.pixelwise:  # of the window only the pixel in the middle is pasted
+            reach = output.frame.boundary_width
             placements[:, :2] = (placements[:, :2] + reach - output.frame.margin) % canvas.shape
             placements[:, 2:4] += reach
             placements[:, 4] = 0
@@ -115,15 +88,14 @@ class PatchModel(Model):
     @property
     def _plane_boundary(self) -> int:
         """The boundary width on planes: as around a wrapped axis, room is left between two."""
-        settings = self.analysis.settings
-        return max(1, min(settings.boundary_width, settings.window_side // 4))
+        assert self.method.boundary_width
+        return max(1, min(self.method.boundary_width, self.method.window_side // 4))
 
     def block_sizes(self) -> Sizes:
         """See `Model.block_sizes`: edges are one patch wide."""
-        settings, overlap = self.analysis.settings, self._plane_boundary
-        if settings.pixelwise:
+        if self.method.pixelwise:
             return super().block_sizes()
-        axis = PatchAxis.of(settings.window_side, overlap, None)
+        axis = PatchAxis.of(self.method.window_side, self._plane_boundary, None)
         step = axis.patches.period
         return Sizes(pitch=step * axis.nodes.period, belt=step)
 
@@ -131,12 +103,11 @@ class PatchModel(Model):
         self, box: Box, asked: Asked, progress: ProgressCallback | None = None
     ) -> Synthesis:
         """See `Model.make_window`: patches of a plane have an order of their own."""
-        settings = self.analysis.settings
-        if settings.pixelwise:
+        if self.method.pixelwise:
             return super().make_window(box, asked, progress)
-        side, width = settings.window_side, self._plane_boundary
+        side, width = self.method.window_side, self._plane_boundary
         check_period(asked.period, least_period(side, width))
-        analysis = self.analysis.settled(replace(settings, boundary_width=width))
+        analysis = self.analysis.for_method(replace(self.method, boundary_width=width))
         down, across = asked.period or (None, None)
         axes = PatchAxis.of(side, width, down), PatchAxis.of(side, width, across)
         plan = PlaneOrder(axes, box)
@@ -145,9 +116,9 @@ class PatchModel(Model):
 
             self._pieces = Pieces(self.exemplar, analysis.windows(side, side)[0])
         order = partial(plan.order, seed=asked.seed, pieces=self._pieces)
-        canvas, method = Canvas(*plan.frame_shape), self._settled(settings)
+        canvas = Canvas(*plan.frame_shape)
         output = Output(analysis, canvas, asked.seed, asked.threads, progress, order)
-        self._cover(output, method)
+        self._cover(output, self.method)
         top, left = (span.first - at for span, at in zip(box, plan.corner, strict=True))
         here = slice(top, top + box.shape[0]), slice(left, left + box.shape[1])
         picture = output.picture()
@@ -160,6 +131,6 @@ class PatchModel(Model):
             sample_shape=self.exemplar.shape,
             exemplar=self.exemplar,
             is_window=True,
-            provenance=method.describe() | asked.told,
+            provenance=self.method.describe() | asked.told,
             picture=None if picture is None else np.ascontiguousarray(picture[here]),
         )

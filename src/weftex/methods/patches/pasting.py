@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from threading import get_ident
 from typing import TYPE_CHECKING, Any
 
@@ -10,17 +11,16 @@ import numpy as np
 
 from weftex.canvas import Canvas
 from weftex.errors import InvalidInputError
-from weftex.methods.patches import patch_kernels as _kernels
-from weftex.methods.patches import sight_kernels
 from weftex.methods.patches.analysis import PatchAnalysis, Zones
+from weftex.methods.patches.frame import frame_of
+from weftex.methods.patches.patch_kernels import Patches, Tolerance, lay_patches
 from weftex.methods.patches.scan_order import Order, Run, scan_patches, scan_pixels
-from weftex.methods.patches.settings import Frame, frame_of
 from weftex.methods.patches.spiral_order import spiral_patches
 from weftex.notes import is_asked, note, pixel_asked
 from weftex.progress import Progress, ProgressCallback
-from weftex.results import paste_kernels
+from weftex.results.paste_kernels import Layout
+from weftex.search.zone_kernels import Shortlist
 from weftex.search.zone_search import ZoneSearch
-from weftex.search.zone_search_kernels import Sample
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -38,11 +38,11 @@ class Output:
     seed : int
         For `weftex.random.draw`.
     threads : int
-        At most so many.
+        Their maximum number.
     callback : callable or None
         See `weftex.progress.ProgressCallback`.
     plane : callable, optional
-        The order of patches, where that is not by the canvas alone.
+        Makes the order of the patches, where it does not depend on the canvas alone.
 
     Attributes
     ----------
@@ -51,7 +51,7 @@ class Output:
     cuts : uint16 array (n, 2 * (rows + columns)) or (0, 0)
         Minimum-error paths, see `PatchSynthesis`.
     pixels : uint8 array (H, W, K)
-        The frame as it is matched; 0 where nothing was laid.
+        The frame as it is matched; 0 where nothing was pasted.
     """
 
     def __init__(
@@ -63,42 +63,50 @@ class Output:
         callback: ProgressCallback | None,
         plane: Callable[[Zones], Order] | None = None,
     ) -> None:
-        self.analysis, self.settings = analysis, analysis.settings
-        self.frame = frame_of(self.settings, canvas)
+        self.analysis, self.method = analysis, analysis.method
+        self.frame = frame_of(self.method, canvas)
         self._threads, self._callback = threads, callback
         self._zones = Zones(analysis, self.frame.boundary_width)
         self.pixels = np.zeros((*self.frame.shape, analysis.pixels.shape[2]), np.uint8)
-        known = self.frame.known
-        if plane is not None:
-            self.order = plane(self._zones)
-        elif known is None and self.settings.pixelwise:
-            self.order = scan_pixels(self.frame, self._zones, seed)
-        elif known is None:
-            self.order = scan_patches(self.frame, self._zones, seed, threads)
-        else:
-            shown = canvas.shown
-            if analysis.exemplar.maps and shown is None:
-                raise InvalidInputError(
-                    "a hole's surroundings lack the sample's maps; use weftex.fill"
-                )
-            exemplar = analysis.exemplar
-            if shown is None:
-                matching = exemplar.as_matching(known, self.settings.edge_weight)
-            else:  # a block of a plane
-                matching = analysis.pixels[np.divmod(shown, exemplar.shape[1])]
-            self.pixels[self.frame.inside] = matching
-            self.order = spiral_patches(self.frame, self._zones, seed)
+        if self.frame.known is not None and plane is None:
+            self.pixels[self.frame.inside] = self._known_pixels()
+        self.order = plane(self._zones) if plane else self._order(seed)
         self.placements = np.zeros((len(self.order.corners), 5), np.int32)
         self.placements[:, :2] = self.order.corners
         self.cuts = np.zeros((0, 0), np.uint16)
-        if self.settings.blend == "cut" and not self.settings.pixelwise:
-            size = len(self.placements), 2 * sum(self.frame.window)
-            self.cuts = np.zeros(size, np.uint16)
-        self._sample = Sample(analysis.pixels, analysis.turned)
-        self._scratch: dict[int, Any] = {}  # each thread has its own
+        if self.method.blend == "cut" and not self.method.pixelwise:
+            self.cuts = np.zeros((len(self.placements), 2 * sum(self.frame.window)), np.uint16)
+        self._patches = Patches(
+            analysis.pixels,
+            analysis.turned,
+            self.placements,
+            self.cuts,
+            self.order.bits,
+            self.order.around,
+            self.method.keep_apart,
+        )
+        self._room: dict[int, dict[str, Any]] = {}  # of `Shortlist`; each thread has its own
+
+    def _order(self, seed: int) -> Order:
+        """The order of the patches by the canvas."""
+        if self.frame.known is not None:
+            return spiral_patches(self.frame, self._zones, seed)
+        if self.method.pixelwise:
+            return scan_pixels(self.frame, self._zones, seed)
+        return scan_patches(self.frame, self._zones, seed, self._threads)
+
+    def _known_pixels(self) -> NDArray[np.uint8]:
+        """The known pixels of the canvas, as they are matched."""
+        exemplar, canvas = self.analysis.exemplar, self.frame.canvas
+        if canvas.shown is not None:  # a block of a plane
+            return self.analysis.pixels[np.divmod(canvas.shown, exemplar.shape[1])]
+        if exemplar.maps:
+            raise InvalidInputError("a hole's surroundings lack the sample's maps; use weftex.fill")
+        assert canvas.known is not None
+        return exemplar.as_matching(canvas.known, self.method.edge_weight)
 
     def in_order(self, lay: Callable[[Run], None]) -> None:
-        """Call `lay` with every run of the order, in threads where runs do not need each other."""
+        """Call `lay` with every run of the order, in threads where runs are independent."""
         order = self.order
         progress = Progress(self._callback, order.total, order.stage, self._preview)
 
@@ -119,63 +127,72 @@ class Output:
                 list(pool.map(lay_piece, step.pieces))
                 progress.advance(step.done)
 
-    def structure(self, run: Run) -> ZoneSearch:
-        """The sample's windows, arranged by the boundary zone of a run."""
+    def windows_for(self, run: Run) -> ZoneSearch:
+        """Return the sample's windows, arranged to be searched by the boundary zone of a run."""
         return self._zones.searches[run.zone]
 
-    def choose_and_paste(self, run: Run, structure: ZoneSearch, rule: Any) -> None:
-        """Choose the patches of a run by a `patch_kernels.Rule`, and paste each."""
+    def choose_and_paste(self, run: Run, windows: ZoneSearch, tolerance: Tolerance) -> None:
+        """Choose the sources of a run's patches within a tolerance, and paste each patch."""
         self.placements[run.first : run.last, 4] = run.zone
-        weight = self._zones.laid_with[run.zone]
-        scratch = self._scratch.get(get_ident())
-        if scratch is None:
-            scratch = self._scratch[get_ident()] = _kernels.Scratch(
-                wanted=self.settings.candidates, **room_for(self.analysis, self.frame)
-            )
-        # A kd-tree is searched from Python, for one patch at a time; kernels do a whole run, unless
-        # somebody wants to see how a patch is chosen.
-        one_by_one = structure.tree is not None or pixel_asked() is not None
+        weights = self._zones.weights[run.zone]
+        layout = Layout(self.placements, weights, self.cuts, *self.frame.shape)
+        room = self._own_room()
+        found = Shortlist(self.method.candidates or 0, **room)
+        # A kd-tree is searched from Python, for one patch at a time; so are patches explained.
+        one_by_one = windows.tree is not None or pixel_asked() is not None
         step = 1 if one_by_one else run.last - run.first
         for first in range(run.first, run.last, step):
-            y, x = self.placements[first, :2].tolist()
-            here = slice(first, first + step)
-            placements, cuts = self.placements[here], self.cuts[here]
-            patches = _kernels.Patches(
-                placements=placements,
-                cuts=cuts,
-                layout=paste_kernels.Layout(placements, weight, cuts, *self.frame.shape),
-                bits=self.order.bits[here],
-                all_placements=self.placements,
-                around=self.order.around[here],
-                given=structure.ask_tree(self.pixels, y, x),
-                sight=self._sight(here),
-            )
-            zone, search = structure.kernel_zone, structure.kernel_search
-            top, left = (at - over for at, over in zip((y, x), self.frame.margin, strict=True))
-            own, asked = scratch, is_asked((top, left, *self.frame.window), self.frame.canvas.shape)
-            if asked:
-                before, room = self.pixels.copy(), room_for(self.analysis, self.frame)
-                room["keys"].fill(-1)
-                own = _kernels.Scratch(wanted=self.settings.candidates, **room)
-            _kernels.lay_patches(self.pixels, self._sample, zone, search, rule, patches, own)
-            if asked:
-                note(
-                    "patch", output=self, number=first, before=before, zone=structure.zone,
-                    errors=room["keys"], places=room["places"], columns=structure.usable.shape[1],
+            if windows.tree is not None:
+                places = windows.nearest_in_tree(self.pixels, *self.placements[first, :2].tolist())
+                room["places"][: len(places)] = places
+            with self._explained(first, windows, room):
+                lay_patches(
+                    self.pixels, self._patches, first, first + step, layout, windows.kernel,
+                    tolerance, found,
                 )  # fmt: skip
 
-    def _sight(self, here: slice) -> Any:
-        """What the patches of a run see of those laid before them."""
-        frame, exemplar = self.frame, self.analysis.exemplar
-        around = (exemplar.tileable,) * 2
-        turning = [
-            np.where(wraps, shape, 0).astype(np.int32)
-            for wraps, shape in ((frame.canvas.wrap, frame.shape), (around, exemplar.shape))
-        ]
-        window = np.array(frame.window, np.int32)
-        return sight_kernels.Sight(
-            self.settings.variety, self.placements, self.order.seen[here], window, *turning
-        )
+    @contextmanager
+    def _explained(self, number: int, windows: ZoneSearch, room: dict[str, Any]) -> Iterator[None]:
+        """Tell whoever explains a pixel about the patch that is pasted over it."""
+        (y, x), over = self.placements[number, :2].tolist(), self.frame.margin
+        box = y - over[0], x - over[1], *self.frame.window
+        if not is_asked(box, self.frame.canvas.shape):
+            yield
+            return
+        before = self.pixels.copy()
+        room["keys"].fill(-1)
+        yield
+        note(
+            "patch", output=self, number=number, before=before, zone=windows.zone,
+            errors=room["keys"].copy(), places=room["places"].copy(),
+            columns=windows.usable.shape[1],
+        )  # fmt: skip
+
+    def _own_room(self) -> dict[str, Any]:
+        """Return this thread's arrays of a `Shortlist`, large enough for any patch."""
+        if get_ident() not in self._room:
+            analysis, frame = self.analysis, self.frame
+            numbers = frame.window[0] * frame.window[1] * analysis.pixels.shape[2]
+            columns, count = analysis.exemplar.shape[1], self.method.candidates
+            # 54 neighbors are climbed to at most from each stride.
+            room = (
+                count + 54 * analysis.block_side
+                if count
+                else len(analysis.windows(*frame.window)[1])
+            )
+            depth = max(frame.boundary_width, min(frame.window) // 2)  # of a band with a path
+            self._room[get_ident()] = {
+                "keys": np.empty(room, np.int64),
+                "places": np.empty(room, np.int32),
+                "query": np.empty(numbers, np.uint8),
+                "means": np.empty(numbers, np.int32),
+                "coordinates": np.empty(numbers, np.int16),
+                "partial": np.empty(columns, np.int32),
+                "total": np.empty(columns, np.int64),
+                "barred": np.empty(room, np.uint8),
+                "path": np.empty((max(frame.window), depth), np.int64),
+            }
+        return self._room[get_ident()]
 
     def weights(self) -> NDArray[np.uint16]:
         """Weight of every zone's new pixels in 1/256: (zones, rows, columns)."""
@@ -189,33 +206,10 @@ class Output:
             return None
         if self.pixels.shape[2] != exemplar.channels:
             return None
-        if self.settings.blend == "feather-at-end" and not self.settings.pixelwise:
+        if self.method.blend == "feather-at-end" and not self.method.pixelwise:
             return None
         shape = *self.frame.canvas.shape, *exemplar.pixels.shape[2:]
         return self.pixels[self.frame.inside].reshape(shape)
 
     def _preview(self) -> NDArray[np.uint8]:
         return self.pixels[self.frame.inside][..., : self.analysis.exemplar.channels].copy()
-
-
-def room_for(analysis: PatchAnalysis, frame: Frame) -> dict[str, NDArray[Any]]:
-    """Make the arrays of `patch_kernels.Scratch`, large enough for any patch of an output."""
-    settings, window = frame.settings, frame.window
-    numbers = window[0] * window[1] * analysis.pixels.shape[2]
-    columns = analysis.exemplar.shape[1]
-    room = len(analysis.windows(*window)[1])
-    if settings.search != "exhaustive":
-        room = settings.candidates + 54 * analysis.block_side  # as many are climbed to at most
-    depth = max(frame.boundary_width, min(window) // 2)  # of a band that a path is found in
-    return {
-        "keys": np.empty(room, np.int64),
-        "places": np.empty(room, np.int32),
-        "partial": np.empty(columns, np.int32),
-        "total": np.empty(columns, np.int64),
-        "query": np.empty(numbers, np.uint8),
-        "means": np.empty(numbers, np.int32),
-        "coordinates": np.empty(numbers, np.int16),
-        "costs": np.empty(room, np.float64),
-        "barred": np.empty(room, np.uint8),
-        "cost": np.empty((max(window), depth), np.int64),
-    }

@@ -1,19 +1,19 @@
-"""Where the patches of an endless plane go: blocks of patches that hang on few others.
+"""Where the patches of an endless plane go: blocks of patches that depend on few others.
 
 The plane has the grid of patches of Fig. 3 (a). Every few patches both ways there is a node::
 
     o - - o - -
     | . . | . .     o  a node: any place of the sample
-    | . . | . .     -  an edge across, |  down: hang on the nodes at their ends
-    o - - o - -     .  inside, in scan order: hang on the nodes and edges around
+    | . . | . .     -  an edge across, |  down: depend on the nodes at their ends
+    o - - o - -     .  inside, in scan order: depend on the nodes and edges around
     | . . | . .
     | . . | . .
 
-A patch is laid as any other: beside every neighbor that it may hang on it has a boundary zone.
+A patch is pasted as any other: beside every neighbor that it may depend on it has a boundary zone.
 Where an edge across and one down overlap, beside a node, both leave what the node shows: so neither
-hangs on the other, and the patch inside that comes there last sees all three. What a window hangs
-on is found by going back from the patches that show in it. The closer the nodes are, the less is
-laid for a window that does not show in it.
+depends on the other, and the patch inside that comes last overlaps all three. The patches that a
+window depends on are found by going back from the patches that show in it. The closer the nodes
+are, the fewer patches are pasted that do not show in the window.
 """
 
 from __future__ import annotations
@@ -90,7 +90,7 @@ class PatchAxis:
         return cls(window, patches, Axis(count, max(1, count // between), wraps=True))
 
     def around(self, span: Span) -> tuple[Ints, slice]:
-        """Numbers of all patches that a span may hang on, and which of them show in it."""
+        """Numbers of all patches that a span may depend on, and which of them show in it."""
         first = self.patches.last_before(span.first - self.window) + 1
         stop = self.patches.last_before(span.last - 1) + 1
         low = self.nodes.node(self.nodes.last_before(first)) - 1
@@ -104,7 +104,7 @@ def least_period(window: int, overlap: int) -> int:
 
 
 class PlaneOrder:
-    """The patches that a window of a plane hangs on.
+    """The patches that a window of a plane depends on.
 
     Parameters
     ----------
@@ -120,7 +120,7 @@ class PlaneOrder:
     starts : (int array, int array)
         Where they begin on the plane, in pixels.
     needed : bool array (rows, columns)
-        Patches that show in the window, or that one of those hangs on.
+        Patches that show in the window, or that one of those depends on.
     """
 
     def __init__(self, axes: tuple[PatchAxis, PatchAxis], box: Box) -> None:
@@ -149,11 +149,11 @@ class PlaneOrder:
         self.turn = self.kind * _TURN + y * (_TURN >> 10) + x
 
     @cached_property
-    def hangs_on(self) -> NDArray[np.bool_]:
-        """For each patch and each of those around: whether it may hang on that: (n, rows, columns).
+    def depends_on(self) -> NDArray[np.bool_]:
+        """For each of `_AROUND`, whether each patch may depend on it: (n, rows, columns).
 
         On earlier ones of its own block and on nodes; inside, on edges too. Farther ones, which
-        it should not repeat, are those that it hangs on by one between.
+        it should not repeat, are those that it depends on by one between.
         """
         result = np.zeros((len(_AROUND), *self.shape), bool)
         for k in _TOUCHING:
@@ -177,13 +177,13 @@ class PlaneOrder:
         needed[self.shown] = True
         flat, width = needed.ravel(), self.shape[1]
         steps = np.array([i * width + j for i, j in _AROUND])
-        hangs = self.hangs_on.reshape(len(_AROUND), -1)
+        depends = self.depends_on.reshape(len(_AROUND), -1)
         order = np.argsort(self.turn.ravel(), kind="stable")
         turns = self.turn.ravel()[order]
         for group in reversed(np.split(order, np.flatnonzero(np.diff(turns)) + 1)):
             own = group[flat[group]]
             if len(own):
-                flat[(own + steps[:, None])[hangs[:, own]]] = True
+                flat[(own + steps[:, None])[depends[:, own]]] = True
         return needed
 
     def order(self, zones: Zones, seed: int, pieces: Pieces) -> Order:
@@ -216,20 +216,19 @@ class PlaneOrder:
         rows, columns = (
             (at + by).clip(0, n - 1) for at, by, n in zip((y, x), (i, j), self.shape, strict=True)
         )
-        around = np.where(self.hangs_on[:, y, x], number[rows, columns], np.int32(-1))
+        around = np.where(self.depends_on[:, y, x], number[rows, columns], np.int32(-1))
         around = np.ascontiguousarray(around.T)
         corners = np.stack([self.starts[0][y], self.starts[1][x]], axis=1) - self.corner
         changes = np.flatnonzero((np.diff(zone) != 0) | (np.diff(turn) != 0)) + 1
         ends = [0, *changes.tolist(), len(y)]
         steps = []
-        for a, b in pairwise(ends):  # patches with the same turn do not hang on each other
+        for a, b in pairwise(ends):  # patches with the same turn are independent of each other
             runs = [Run(int(zone[a]), k, min(k + _IN_PIECE, b)) for k in range(a, b, _IN_PIECE)]
             steps.append(Step([[run] for run in runs], b - a))
         return Order(
             corners=corners.astype(np.int32),
             bits=bits,
             around=around,
-            seen=around,  # it may hang on no others
             steps=iter(steps),
             total=len(y),
             stage="patches",
@@ -271,7 +270,7 @@ class PlaneOrder:
         for k in _TOUCHING:
             i, j = _AROUND[k]
             crossing = self.kind[y, x] * self.kind[y + i, x + j] == ACROSS * DOWN
-            bits = 4 * bits + 2 * crossing + self.hangs_on[k][y, x]
+            bits = 4 * bits + 2 * crossing + self.depends_on[k][y, x]
         keys = [bits]
         for start, at, axis in zip(self.starts, (y, x), self.axes, strict=True):
             keys += [axis.window - (start[at] - start[at - 1]), start[at + 1] - start[at]]
@@ -299,7 +298,7 @@ def known_of(
     window : (int, int)
         Height and width of patches.
     bits : int
-        Which of those around it hangs on, and which are edges that cross it.
+        Which of those around it depends on, and which are edges that cross it.
     above, left : int
         How far the patches before reach into it.
     below, right : int

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
-from weftex.methods.patches.settings import Frame
+from weftex.methods.patches.frame import Frame
 from weftex.random import draw
 
 if TYPE_CHECKING:
@@ -17,9 +17,8 @@ if TYPE_CHECKING:
 
     from weftex.methods.patches.analysis import Zones
 
-_THREADS_FROM = 512  # patches; fewer are laid faster by one thread
+_THREADS_FROM = 512  # patches; fewer are pasted faster by one thread
 _PATCHES_IN_PIECE = 16  # that a thread takes at a time
-_SIGHT, _IN_LINE = 5, 16  # patches away that one sees others, and those in its row or column
 
 
 class Run(NamedTuple):
@@ -31,9 +30,9 @@ class Run(NamedTuple):
 
 
 class Step(NamedTuple):
-    """Runs to lay next: `pieces` do not need each other, the runs of a piece do.
+    """Runs to paste next: `pieces` are independent of each other, the runs of a piece are not.
 
-    `done` is how much of the order's `total` this is.
+    `done` is their share of the order's `total`.
     """
 
     pieces: list[list[Run]]
@@ -47,7 +46,6 @@ class Order:
     corners: NDArray[np.int32]  # (n, 2): upper left corner of each window on the frame
     bits: NDArray[np.uint64]  # (n,): random, one number a patch
     around: NDArray[np.int32]  # (n, k): earlier patches that each should not repeat, -1 for none
-    seen: NDArray[np.int32]  # (n, m): those that it sees, which it should rather not
     steps: Iterator[Step]  # goes through all patches
     total: int  # what the steps add up to, in units of `stage`
     stage: str  # patches or pixels, for progress
@@ -68,19 +66,7 @@ def runs_of(zones: list[int], first: int) -> list[Run]:
 
 
 def scan_patches(frame: Frame, zones: Zones, seed: int, threads: int) -> Order:
-    """Patches in rows, evenly spread, that overlap by the boundary zone (section 2.2, Fig. 3 a).
-
-    Parameters
-    ----------
-    frame : Frame
-        Canvas and windows.
-    zones : Zones
-        Numbers the boundary zones.
-    seed : int
-        Of the random bits.
-    threads : int
-        At most so many will lay patches.
-    """
+    """Patches in rows, evenly spread, that overlap by the boundary zone (section 2.2, Fig. 3 a)."""
     canvas, window, width = frame.canvas, frame.window, frame.boundary_width
     starts = [
         patch_starts(length, side, min(width, side - 1), wraps)
@@ -101,7 +87,7 @@ def scan_patches(frame: Frame, zones: Zones, seed: int, threads: int) -> Order:
         found = [numbers[kinds[0][row], kind] for kind in kinds[1][first:last]]
         return runs_of(found, row * columns + first)
 
-    # Around a wrapped axis every patch of a row hangs on the whole row above.
+    # Around a wrapped axis every patch of a row depends on the whole row above.
     parallel = threads > 1 and not canvas.wrap[1] and rows * columns >= _THREADS_FROM
     fronts: Iterable[list[tuple[int, int, int]]] = ([(row, 0, columns)] for row in range(rows))
     if parallel:
@@ -110,16 +96,12 @@ def scan_patches(frame: Frame, zones: Zones, seed: int, threads: int) -> Order:
         fronts = wavefronts(rows, columns, _PATCHES_IN_PIECE, max(1, int(overlapped.max())))
     grid = np.meshgrid(*starts, indexing="ij")
     around = np.zeros((rows * columns, 0), np.int32)
-    seen = around
-    if frame.settings.repeat_distance > 0:
+    if frame.method.repeat_distance > 0:
         around = patches_around(rows, columns)
-    if frame.settings.variety > 0:
-        seen = patches_seen((rows, columns), canvas.wrap)
     return Order(
         corners=np.stack(grid, axis=-1).reshape(-1, 2).astype(np.int32),
         bits=draw(seed, "patch", *np.indices((rows, columns))).ravel(),
         around=around,
-        seen=seen,
         steps=(Step([runs(*piece) for piece in front], _count(front)) for front in fronts),
         total=rows * columns,
         stage="patches",
@@ -164,7 +146,7 @@ def _grid_zone(frame: Frame, zones: Zones, row: tuple[bool, int], column: tuple[
     return zones.number(known, often=not (row[1] or column[1]))
 
 
-#: Patches, as (rows up, columns right), that are always laid before a patch and lie around it.
+#: Patches, as (rows up, columns right), that are always pasted before a patch and lie around it.
 _EARLIER = [(0, -2), (0, -1)] + [(-1, k) for k in (-2, -1, 0, 1)] + [(-2, k) for k in range(-2, 3)]
 
 
@@ -177,41 +159,14 @@ def patches_around(rows: int, columns: int) -> NDArray[np.int32]:
     return np.ascontiguousarray(np.where(inside, i * columns + j, -1), np.int32)
 
 
-def patches_seen(shape: tuple[int, int], wrap: tuple[bool, bool]) -> NDArray[np.int32]:
-    """Numbers of the earlier patches that each patch of the grid sees, -1 for none: (n, m).
-
-    Those are up to `_SIGHT` away both ways, or `_IN_LINE` in its own row and column, and laid
-    before it in every order of `wavefronts`.
-    """
-    (rows, columns), near, far = shape, range(-_SIGHT, _SIGHT + 1), range(_SIGHT + 1, _IN_LINE + 1)
-    di, dj = np.meshgrid(near, near, indexing="ij")
-    beyond, none = np.array([*far, *(-k for k in far)]), np.zeros(2 * len(far), np.int64)
-    di, dj = np.concatenate([di.ravel(), beyond, none]), np.concatenate([dj.ravel(), none, beyond])
-    once = np.ones(len(di), bool)
-    for d, n, wraps in zip((di, dj), shape, wrap, strict=True):
-        once &= (not wraps) | ((-(n // 2) <= d) & (d < n - n // 2))
-    i, j = np.indices((rows, columns)).reshape(2, -1, 1)
-    a, b = i + di[once], j + dj[once]
-    a, b = a % rows if wrap[0] else a, b % columns if wrap[1] else b
-    up, right = i - a, b - j
-    # The row above is finished as far as one patch to the right, each one above that by a piece
-    # more. Around a wrapped axis all of it is, as rows are laid one by one.
-    finished = (up - 1) * _PATCHES_IN_PIECE + up
-    earlier = ((up > 0) & ((right <= finished) | wrap[1])) | ((up == 0) & (right < 0))
-    earlier &= (a >= 0) & (b >= 0) & (b < columns)
-    found = np.where(earlier, a * columns + b, -1)
-    return np.ascontiguousarray(found[:, (found >= 0).any(axis=0)], np.int32)
-
-
 def wavefronts(
     rows: int, columns: int, length: int, reach: int = 1
 ) -> Iterator[list[tuple[int, int, int]]]:
-    """Cut the grid of patches into pieces of rows, and group those that do not need each other.
+    """Cut the grid of patches into pieces of rows, (row, first, last + 1), in independent groups.
 
-    Each group is a list of (row, first column, last column + 1). A patch needs those to its left,
-    and in the row above those up to `reach` columns to its right, which it overlaps. So pieces
-    start `reach` patches further left from row to row, and piece c of row i needs piece c - 1 of
-    its own row and pieces up to c of the row above.
+    A patch needs the patches to its left, and in the row above up to `reach` columns to its right,
+    which it overlaps. So pieces start `reach` patches further left from row to row, and piece c of
+    row i needs piece c - 1 of its own row and pieces up to c of the row above.
     """
     pieces = -(-(columns + rows * reach) // length)
     for front in range(rows + pieces):
@@ -232,7 +187,7 @@ def _count(front: list[tuple[int, int, int]]) -> int:
 def scan_pixels(frame: Frame, zones: Zones, seed: int) -> Order:
     """Patches of one pixel, whose zone is the neighborhood above and to the left (section 2.5)."""
     height, width = frame.canvas.shape
-    reach = frame.settings.boundary_width
+    reach = frame.boundary_width
     y, x = np.indices((height, width)).reshape(2, -1)
     corners = np.stack([y, x], axis=1) + frame.margin - reach
 
@@ -255,7 +210,6 @@ def scan_pixels(frame: Frame, zones: Zones, seed: int) -> Order:
         corners=(corners % frame.shape).astype(np.int32),
         bits=draw(seed, "patch", y, x),
         around=none,
-        seen=none,
         steps=(
             Step([runs_of([zone(row, column) for column in range(width)], row * width)], width)
             for row in range(height)
@@ -268,7 +222,7 @@ def scan_pixels(frame: Frame, zones: Zones, seed: int) -> Order:
 def _causal(frame: Frame, row: int, column: int) -> NDArray[np.bool_]:
     """Which pixels of the window around a pixel come before it."""
     (height, width), (wraps_y, wraps_x) = frame.canvas.shape, frame.canvas.wrap
-    reach = frame.settings.boundary_width
+    reach = frame.boundary_width
     y, x = (np.arange(at - reach, at + reach + 1) for at in (row, column))
     there = np.ones((len(y), len(x)), bool)
     if wraps_y:

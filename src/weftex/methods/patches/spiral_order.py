@@ -7,8 +7,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from weftex.methods.patches.frame import Frame
 from weftex.methods.patches.scan_order import Order, Run, Step, patch_starts
-from weftex.methods.patches.settings import Frame
 from weftex.random import draw
 
 if TYPE_CHECKING:
@@ -17,39 +17,25 @@ if TYPE_CHECKING:
     from weftex.methods.patches.analysis import Zones
 
 _MOST_AROUND = 11  # earlier patches that a patch should not repeat
-_SIGHT, _MOST_SEEN = 5, 82  # how many patches away it sees others, and how many of those
 
 
 def spiral_patches(frame: Frame, zones: Zones, seed: int) -> Order:
-    """Patches, or single pixels, that fill the canvas's hole.
-
-    Parameters
-    ----------
-    frame : Frame
-        Canvas and windows.
-    zones : Zones
-        Numbers the boundary zones.
-    seed : int
-        Of the random bits.
-    """
+    """Patches, or single pixels, that fill the canvas's hole."""
     unknown = np.zeros(frame.shape, bool)
     unknown[frame.inside] = frame.canvas.hole
     total = int(unknown.sum())
     outside = np.ones(frame.shape, bool)
     outside[frame.inside] = False
     frozen = ~unknown
-    reach = frame.settings.boundary_width
-    if frame.settings.pixelwise:
+    reach = frame.boundary_width
+    if frame.method.pixelwise:
         found = [(y - reach, x - reach) for y, x in spiral(unknown)]
         corners = np.array(found, np.int32).reshape(-1, 2) % np.array(frame.shape, np.int32)
     else:
         corners = _useful(_corners(frame, unknown), frame, unknown)
     around = np.zeros((len(corners), 0), np.int32)
-    seen = around
-    if frame.settings.repeat_distance > 0 and not frame.settings.pixelwise:
-        around = laid_nearby(corners, 2 * np.array(frame.window), _MOST_AROUND)
-    if frame.settings.variety > 0:
-        seen = laid_nearby(corners, _SIGHT * np.array(frame.window), _MOST_SEEN)
+    if frame.method.repeat_distance > 0 and not frame.method.pixelwise:
+        around = pasted_nearby(corners, 2 * np.array(frame.window))
 
     def steps() -> Iterator[Step]:
         for k, (y, x) in enumerate(corners.tolist()):
@@ -57,7 +43,7 @@ def spiral_patches(frame: Frame, zones: Zones, seed: int) -> Order:
             missing = unknown[at]
             zone = zones.number(~missing & ~outside[at], frozen[at])
             done = missing
-            if frame.settings.pixelwise:
+            if frame.method.pixelwise:
                 done = np.zeros_like(missing)
                 done[reach, reach] = True
             yield Step([[Run(zone, k, k + 1)]], int(done.sum()))
@@ -67,20 +53,19 @@ def spiral_patches(frame: Frame, zones: Zones, seed: int) -> Order:
         corners=corners,
         bits=draw(seed, "patch", np.arange(len(corners))),
         around=around,
-        seen=seen,
         steps=steps(),
         total=total,
         stage="pixels",
     )
 
 
-def laid_nearby(
-    corners: NDArray[np.int32], reach: NDArray[np.int64], most: int
-) -> NDArray[np.int32]:
-    """For each patch the latest earlier ones nearer than `reach`, -1 where there are fewer."""
-    around = np.full((len(corners), most), -1, np.int32)
+def pasted_nearby(corners: NDArray[np.int32], reach: NDArray[np.int64]) -> NDArray[np.int32]:
+    """Return the latest earlier patches nearer than `reach` to each; -1 for none."""
+    around = np.full((len(corners), _MOST_AROUND), -1, np.int32)
     for k in range(1, len(corners)):
-        near = np.flatnonzero((np.abs(corners[:k] - corners[k]) < reach).all(axis=1))[-most:]
+        near = np.flatnonzero((np.abs(corners[:k] - corners[k]) < reach).all(axis=1))[
+            -_MOST_AROUND:
+        ]
         around[k, : len(near)] = near
     return around
 
@@ -95,7 +80,8 @@ def _corners(frame: Frame, unknown: NDArray[np.bool_]) -> list[tuple[int, int]]:
     """Corners of windows that cover the holes, each group of holes spirally inwards."""
     if not unknown.any():
         return []
-    overlap = frame.settings.boundary_width
+    overlap = frame.method.boundary_width
+    assert overlap
     grids = []
     for axis in (0, 1):
         there = np.flatnonzero(unknown.any(axis=1 - axis))
@@ -117,7 +103,7 @@ def _corners(frame: Frame, unknown: NDArray[np.bool_]) -> list[tuple[int, int]]:
 def _useful(
     corners: list[tuple[int, int]], frame: Frame, unknown: NDArray[np.bool_]
 ) -> NDArray[np.int32]:
-    """Leave out windows that those before fill whole."""
+    """Leave out windows that earlier ones cover whole."""
     left, useful = unknown.copy(), []
     for y, x in corners:
         at = _window_at(frame, y, x)

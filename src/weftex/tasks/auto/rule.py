@@ -89,8 +89,6 @@ def choose(findings: Findings, canvas: Canvas) -> Choice:
         elif _quickly_cut(canvas):
             slug = "graphcut"
             parameters = {} if findings.scale <= _GRAIN * shorter else _whole(findings, canvas)
-        else:
-            parameters["variety"] = 1.0
     else:
         slug, said = "graphcut", f"irregular structure of {findings.scale:.3g} px"
         if _quickly_cut(canvas) or _is_small(findings.shape):

@@ -1,0 +1,214 @@
+"""The parameters that patch-based sampling and image quilting have in common."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, fields, replace
+from typing import TYPE_CHECKING, Any, ClassVar, Self
+
+from weftex.errors import InvalidInputError
+from weftex.method import Method
+from weftex.methods.patches.sizes import patch_size_for, patch_size_of, patch_size_on
+from weftex.parameters import parameter
+from weftex.search.zone_search import SEARCHES
+
+if TYPE_CHECKING:
+    import numpy as np
+    from numpy.typing import NDArray
+
+    from weftex.canvas import Canvas
+    from weftex.exemplar import Exemplar
+
+_LAMBDA = 0.3  # patch size over the sample's shorter side (section 2.4)
+_CANDIDATES, _MOST_CANDIDATES = 40, 10000
+#: The number of windows that match grows about with this power of the tolerated distance.
+#: (The power is 7 to 15 between the windows of bricks, grass, leaves, pebbles, tiles, weave, wood.)
+_MATCHING_POWER = 8
+#: Parameters without effect where every window matches.
+_OF_MATCHING = {"search", "candidates", "variance", "choice"}
+_HOLE_ZONE, _HOLE_CANDIDATES = 4, 400  # boundary width in px and candidates for holes
+
+
+@dataclass(frozen=True)
+class PatchMethod(Method):
+    """Parameters that patch-based sampling and image quilting have in common."""
+
+    supports: ClassVar[frozenset[str]] = frozenset({"wrap", "known"})
+    #: Boundary width over patch size, where no boundary width is given.
+    boundary_share: ClassVar[float]
+
+    patch_size: int | None = parameter(
+        None,
+        "side w_B of the square patches; 1 samples single pixels (section 2.5)",
+        low=1,
+        unit="px",
+        default_text="0.3 x the sample's shorter side; over 512 px, of 36 x its scale or the "
+        "output's shorter side where that is less, 154 or more",
+    )
+    boundary_width: int | None = parameter(
+        None,
+        "width w_E of the boundary zone that must match",
+        low=1,
+        unit="px",
+        default_text="a tenth of the patch, 4 or more",
+    )
+    search: str = parameter(
+        "pca",
+        "how candidates are found: the default, or one of the paper's (Table I)",
+        choices=SEARCHES,
+    )
+    candidates: int | None = parameter(
+        None,
+        "m: windows from the low resolution that are compared at the full one",
+        low=1,
+        high=_MOST_CANDIDATES,
+        default_text="40, and more where the tolerance is wide",
+        needs=("search", ("quadtree", "pca", "kdtree", "kdtree-pca")),
+    )
+    variance: float = parameter(
+        0.97,
+        "share of the variance that the principal components keep",
+        low=0.01,
+        high=1.0,
+        needs=("search", ("pca", "kdtree-pca")),
+    )
+    edge_weight: float = parameter(
+        0.0,
+        "weight of outlines beside color when zones are compared; 0 is the paper's metric",
+        low=0.0,
+        high=10.0,
+    )
+    repeat_distance: float = parameter(
+        0.5,
+        "sources of neighboring patches are at least this far apart, in patches; 0 is the papers' "
+        "way",
+        low=0.0,
+        high=10.0,
+    )
+    blend: str = parameter(
+        "feather",
+        "joining patches: feathered after each or at the end, cut along least error, or pasted",
+        choices=("feather", "feather-at-end", "cut", "none"),
+    )
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        if self.patch_size is not None:
+            self.boundary_of(self.patch_size)
+        if self.anything:
+            self._refuse(_OF_MATCHING, "where every window matches")
+            self._refuse({"repeat_distance"}, "where every window matches", unless=0)
+
+    def _refuse(self, names: set[str], where: str, unless: object = None) -> None:
+        """Refuse parameters that are neither at their default nor `unless`."""
+        for field in fields(self):
+            value = getattr(self, field.name)
+            if field.name in names and value not in (field.default, unless):
+                raise InvalidInputError(f"{field.name} has no effect {where} (now {value})")
+
+    @property
+    def anything(self) -> bool:
+        """Whether every window matches, so that nothing is searched (chaos mosaic)."""
+        return False
+
+    @property
+    def looseness(self) -> float:
+        """How many times the paper's distance a patch may have and match."""
+        return 1.0
+
+    @property
+    def pixelwise(self) -> bool:
+        """Whether patches are single pixels (section 2.5)."""
+        return self.patch_size == 1
+
+    @property
+    def window_side(self) -> int:
+        """Side of the windows that a resolved method compares: 2 w_E + 1 around a single pixel."""
+        assert self.patch_size and self.boundary_width
+        return 2 * self.boundary_width + 1 if self.pixelwise else self.patch_size
+
+    @property
+    def keep_apart(self) -> int:
+        """`repeat_distance` of a resolved method in pixels."""
+        assert self.patch_size
+        return round(self.repeat_distance * self.patch_size)
+
+    def boundary_of(self, size: int) -> int:
+        """Return w_E for patches of a size; refuse a given one that leaves no patch."""
+        width = self.boundary_width
+        if width is None:
+            return min(max(4, round(self.boundary_share * size)), size // 2)
+        if 1 < size < 2 * width:
+            raise InvalidInputError(
+                f"boundary_width is {width}; it must be at most half of the patch, {size // 2}"
+            )
+        return width
+
+    def candidates_for(self, usual: int) -> int:
+        """Return m: the usual number, or more, so that the windows that match are among them."""
+        wider = min(max(self.looseness, 1.0), 4.0) ** _MATCHING_POWER
+        return min(round(usual * wider), _MOST_CANDIDATES)
+
+    def resolved(self, exemplar: Exemplar) -> Self:
+        """See `Method.resolved`: w_B and w_E (section 2.4), and m (section 3.2)."""
+        shorter = min(exemplar.shape)
+        size = self.patch_size or patch_size_of(exemplar, _LAMBDA)
+        width = self.boundary_of(size)
+        if size == 1:
+            width = self.boundary_width or max(1, min(4, (shorter - 1) // 2))
+        candidates = self.candidates
+        if candidates is None and self.search != "exhaustive" and not self.anything:
+            candidates = self.candidates_for(_CANDIDATES)
+        method = replace(self, patch_size=size, boundary_width=width, candidates=candidates)
+        if method.pixelwise:
+            method._refuse({"blend"}, "on patches of one pixel", unless="none")
+            method._refuse({"repeat_distance"}, "on patches of one pixel", unless=0)
+        if method.window_side > shorter:
+            raise InvalidInputError(
+                f"{exemplar.name} is {exemplar.shape[1]}x{exemplar.shape[0]}, smaller than the "
+                f"window of {method.window_side}; the largest that fits is {shorter}"
+            )
+        return method
+
+    def resolved_on(self, canvas: Canvas, resolved: Self) -> Self:
+        """Return the resolved method with smaller patches where a small output asks for them."""
+        assert resolved.patch_size
+        size = max(patch_size_on(canvas, _LAMBDA), 2 * (self.boundary_width or 0))
+        if self.patch_size is not None or size >= resolved.patch_size:
+            return resolved
+        return replace(resolved, patch_size=size, boundary_width=self.boundary_of(size))
+
+    def takes(self, name: str, canvas: Canvas | None = None) -> bool:
+        """See `Method.takes`: a zone of a hole is met once, which repays no components."""
+        if name == "variance" and canvas is not None and "known" in canvas.kinds:
+            return self.search == "kdtree-pca"
+        return super().takes(name, canvas)
+
+    def require(self, canvas: Canvas) -> None:
+        """See `Method.require`."""
+        super().require(canvas)
+        if self.variance != type(self).variance and not self.takes("variance", canvas):
+            raise InvalidInputError(
+                "variance has no effect with known pixels unless search is 'kdtree-pca'"
+            )
+
+    @property
+    def hole_reach(self) -> int:
+        """See `Method.hole_reach`."""
+        return 2 * (self.patch_size or 0)
+
+    def for_hole(
+        self, hole: NDArray[np.bool_], usable: NDArray[np.bool_], given: frozenset[str] | None
+    ) -> Self:
+        """See `Method.for_hole`.
+
+        A narrow zone and many candidates: the wider a zone of an irregular material, the more its
+        best match is a dull, blurred place. Both were chosen by eye on six materials.
+        """
+        size = self.patch_size or patch_size_for(hole, usable, 2 * (self.boundary_width or 1))
+        suits: dict[str, Any] = {"patch_size": size}
+        if self.boundary_width is None and size > 1:
+            suits["boundary_width"] = min(_HOLE_ZONE, size // 2)
+        # An exhaustive search takes no number of candidates.
+        if given is not None and not self.anything and not given & {"candidates", "search"}:
+            suits["candidates"] = self.candidates_for(_HOLE_CANDIDATES)
+        return replace(self, **suits)
