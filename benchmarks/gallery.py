@@ -38,9 +38,8 @@ from shared import HERE
 from sources import code_hash
 
 import weftex
-from weftex.quality.seams import Seams
+from weftex.quality.seams import StepModel, wrap_seam
 from weftex.quality.view import views
-from weftex.quality.wrap import wrap_seam
 from weftex.tasks.method_names import AUTO, make_method, method_class
 
 ROOT = HERE.parent
@@ -109,7 +108,7 @@ class Job:
         made = weftex.Synthesis.load(self.place.with_suffix(".npz"), exemplar)
         figures = weftex.assess(exemplar, made)
         own, result = views(exemplar, tile)
-        wrap = wrap_seam(Seams(own), result, (True, True))
+        wrap = wrap_seam(StepModel(own), result, (True, True))
         found |= {
             "keys": self.keys(),
             "verdict": figures.verdict(),

@@ -132,7 +132,7 @@ def page_of(method: str) -> str:
 
 
 def good(made: Mapping[str, Any]) -> bool:
-    """No figure passes its limit."""
+    """Whether all figures are within their limits."""
     return made["figures"]["score"] is not None and not made["figures"]["flags"]
 
 

@@ -1,7 +1,7 @@
 """Planes beside pictures: scores across the borders of blocks, and processor time.
 
 Run from the repository: ``python benchmarks/planes.py scores`` or ``... times``, with --methods and
---surfaces to do a part. Scores are those of `weftex.quality.eye`, less is better: windows with a
+--surfaces to do a part. Scores are those of `weftex.quality.score`, less is better: windows with a
 node of the grid in the middle (across), those with the middle of a block (inside), and windows of
 pictures that the plain method makes (plain); one row a surface, the mean of all windows.
 """
@@ -18,7 +18,7 @@ from typing import Any
 import numpy as np
 
 import weftex
-from weftex.quality.eye import Eye
+from weftex.quality.score import Scorer
 from weftex.random import draw
 
 SURFACES = Path(__file__).parent / "surfaces"
@@ -30,7 +30,7 @@ _ONE: dict[str, Any] = {"seed": 1, "threads": 1}
 def scores(method: str, surface: Path, count: int = _COUNT) -> tuple[float, float, float]:
     """Mean scores of windows across borders, inside of blocks, and of plain pictures."""
     exemplar = weftex.load_exemplar(surface)
-    eye, model = Eye(exemplar), weftex.METHODS[method]().fit(exemplar)
+    eye, model = Scorer(exemplar), weftex.METHODS[method]().fit(exemplar)
     pitch = model.block_sizes().pitch
 
     def window(k: int, shift: int) -> Any:

@@ -12,17 +12,13 @@ import numpy as np
 import pytest
 
 import weftex
-from weftex.analysis.lattice import Lattice
 from weftex.errors import InvalidInputError
 from weftex.exemplar import Exemplar
-from weftex.quality.assess import Assessment, assess
+from weftex.quality.assess import Assessment, assess, real_crops
 from weftex.quality.copying import copying, pieces
 from weftex.quality.figures import FIGURES
-from weftex.quality.repetition import repetition, repetition_map
-from weftex.quality.seams import Seams, seam_map, seams
+from weftex.quality.seams import StepModel, seam_map, seams, wrap_seam
 from weftex.quality.view import views
-from weftex.quality.wrap import wrap_seam
-from weftex.quality.yardstick import real_crops
 from weftex.raster.boxes import centered_sums
 
 SAMPLES = Path(__file__).parents[2] / "examples" / "samples"
@@ -85,21 +81,19 @@ def test_a_real_picture_is_better_than_degraded_ones(name):
 
 
 @pytest.mark.parametrize("name", SURFACES)
-def test_each_measure_sees_what_it_is_for(name):
+def test_each_figure_detects_its_fault(name):
     real = measured(name, "real")
     bad = {what: measured(name, what) for what in DEGRADED}
     assert bad["noise"].patches > 1.5 * real.patches
-    assert bad["blur"].spectrum > 2 * real.spectrum and bad["noise"].spectrum > 1.3 * real.spectrum
     assert bad["hard patches"].seams > 1.5 * real.seams
     assert bad["shuffled"].seams > 1.5 * real.seams
     assert bad["blur"].sharpness < 0.5 < real.sharpness < 1.5 < bad["noise"].sharpness
-    assert bad["blur"].soft > 1.5 * real.soft and bad["noise"].soft < real.soft
-    assert bad["plain repetition"].period > 0.25 and real.period < 0.12
 
 
 def test_hardly_any_degraded_picture_passes():
-    passed = [(n, what) for n in SURFACES for what in DEGRADED if not measured(n, what).flags]
-    assert len(passed) <= 2, passed
+    faults = [what for what in DEGRADED if what != "plain repetition"]  # only the score detects it
+    passed = [(n, what) for n in SURFACES for what in faults if not measured(n, what).flags]
+    assert len(passed) <= 1, passed
     assert [n for n in SURFACES if measured(n, "real").flags] == []
 
 
@@ -135,8 +129,7 @@ def test_made_by_weft_is_good_and_says_where_from(rng):
     assert found.copied > 0.9 and found.distinct > 0.7 and found.joints < 1.5
     assert found.wrap < 0.1
     whole = assess(sample, sample.pixels, np.indices(sample.shape).transpose(1, 2, 0))
-    assert whole.evenness == 1 and whole.largest == 1 and whole.distinct == 1
-    assert whole.joints is None and "largest" not in whole.flags  # an eye likes large pieces
+    assert whole.largest == 1 and whole.distinct == 1 and whole.joints is None and not whole.flags
     json.dumps(found.as_dict(), allow_nan=False)
 
 
@@ -144,7 +137,7 @@ def test_the_wrap_is_judged_axis_by_axis():
     sample = weftex.load_exemplar("sample:pebbles")
     made = weftex.synthesize(sample, 160, method="quilting", seed=1, tileable="x").image
     own, result = views(sample, made)
-    model = Seams(own)
+    model = StepModel(own)
     assert wrap_seam(model, result, (False, True)) < 0.1
     assert wrap_seam(model, result, (True, False)) > 0.3
     assert wrap_seam(model, result, (True, True)) == wrap_seam(model, result, (True, False))
@@ -157,42 +150,10 @@ def test_a_seam_is_found_where_it_is(axis):
     pieces = np.split(pixels, [50], axis)
     cut = np.concatenate([pieces[1], pieces[0]], axis)  # the seam lies after 78 lines
     own, made = views(Exemplar(pixels), np.ascontiguousarray(cut))
-    model = Seams(own)
+    model = StepModel(own)
     found = seam_map(model, made).mean(axis=1 - axis)
     assert found.argmax() in (77, 78) and found.max() > 5 * np.median(found)
     assert seams(model, made) > 1.5 * seams(model, own)
-
-
-def test_repetition_is_a_share_and_says_the_shift(rng):
-    pixels = rng.integers(0, 256, (160, 160), np.uint8)
-    sample = Exemplar(rng.integers(0, 256, (160, 160), np.uint8))
-    pixels[70:130, 80:150] = pixels[10:70, 20:90]  # 60 x 70 pixels
-    own, made = views(sample, pixels)
-    found = repetition(own, made)
-    assert found.shifts[0] == (60, 60)
-    assert found.period == found.repeats == pytest.approx(60 * 70 / 160**2, abs=0.06)
-    where = repetition_map(own, made, found.shifts[:1])
-    assert np.median(where[75:125, 85:145]) > 0.6 and where[80:, 8:60].max() < 0.2
-    assert repetition(*views(sample, np.tile(sample.pixels, (1, 2)))).period > 0.4
-    # A sample that repeats by itself is no reason for complaint.
-    regular = np.tile(rng.integers(0, 256, (40, 40), np.uint8), (4, 4))
-    assert repetition(*views(Exemplar(regular), np.tile(regular, (2, 2)))).period < 0.05
-
-
-def test_what_a_lattice_makes_come_back_by_chance_is_no_repetition(rng):
-    tiles = rng.integers(0, 256, (16, 40, 40), np.uint8)
-    lattice = Lattice(((40.0, 0.0), (0.0, 40.0)))
-
-    def laid(which):
-        return np.block([[tiles[k] for k in row] for row in which])
-
-    sample = Exemplar(laid(np.arange(16).reshape(4, 4)))
-    even = views(sample, laid(rng.integers(0, 16, (9, 9))))
-    assert repetition(*even).repeats > 0.2 > 0.1 > repetition(*even, lattice).repeats
-    assert repetition(*even, lattice).period < 0.12
-    for few in (np.zeros((9, 9), int), np.tile([[0, 5], [5, 0]], (4, 4))):
-        found = repetition(*views(sample, laid(few)), lattice)
-        assert found.period > 0.3 and found.repeats > 0.8
 
 
 def flooded(shift, known):
@@ -215,7 +176,7 @@ def flooded(shift, known):
 
 
 @pytest.mark.parametrize("seed", range(6))
-def test_pieces_are_what_hangs_together(seed):
+def test_pieces_are_connected_areas(seed):
     rng = np.random.default_rng(seed)
     shape = tuple(rng.integers(1, 24, 2))
     shift = rng.integers(0, 2, (*shape, 2)) * rng.integers(0, 2, (*shape, 1))
@@ -241,13 +202,12 @@ def test_copying_by_hand():
     source[:, 8:] = source[::-1, 8:]
     own, made = views(Exemplar(sample), sample[source[..., 0], source[..., 1]])
     found = copying(own, made, source)
-    assert (found.copied, found.largest, found.evenness) == (0.5, 1.0, 1.0)
+    assert (found.copied, found.largest) == (0.5, 1.0)
     assert found.piece == pytest.approx(np.sqrt((64 * 64 + 8 * 8 * 8) / 128))
     half = np.zeros((8, 8, 2), int)
     half[..., 0] = np.arange(8)[:, None]
     half[..., 1] = np.arange(8) % 4
     own, made = views(Exemplar(sample), sample)
-    assert copying(own, made, half).evenness == pytest.approx(0.5)
     assert copying(own, made, half).distinct == 1  # within 4 pixels
     assert copying(own, made, np.full((8, 8, 2), -1)) is None
 
@@ -350,7 +310,7 @@ def test_what_does_not_go_together_is_refused():
 
 def test_every_figure_is_described():
     fields = {field.name for field in dataclasses.fields(Assessment)}
-    extra = {"patch_scales", "color_difference", "spectrum_decibels", "flags", "score"}
+    extra = {"patch_scales", "color_difference", "flags", "score"}
     assert set(FIGURES) == fields - extra
     for name, figure in FIGURES.items():
         assert (figure.limit is None) == (figure.good == "") == (figure.within() == "")

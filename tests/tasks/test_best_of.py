@@ -10,8 +10,7 @@ from families import noise
 from weftex.cli import main
 from weftex.errors import CancelledError, InvalidInputError
 from weftex.io.pictures import read_image, write_image
-from weftex.quality.eye import Eye
-from weftex.quality.sets import Eyes
+from weftex.quality.score import MapsScorer, Scorer
 
 SAMPLE = weftex.load_exemplar("sample:pebbles").pixels[:72, :80]
 QUILTING = {"method": "quilting", "patch_size": 20}
@@ -43,7 +42,7 @@ def test_of_equal_ones_the_first_is_kept():
 
 
 def test_what_cannot_be_judged_is_made_all_the_same(monkeypatch):
-    monkeypatch.setattr("weftex.quality.eye.Eye.score", lambda *_: None)
+    monkeypatch.setattr("weftex.quality.score.Scorer.score", lambda *_: None)
     made = weftex.synthesize(noise((30, 30)), 30, seed=3, best_of=2)
     assert made.provenance["seed"] == 3
     assert made.provenance["best_of"]["told"] == "seed 3 of 3 to 4: too small to be judged"
@@ -53,7 +52,7 @@ def test_a_large_output_is_judged_by_its_middle():
     made = weftex.synthesize(SAMPLE, (40, 1100), seed=1, method="quilting")
     exemplar = weftex.Exemplar(SAMPLE)
     middle = weftex.assess(exemplar, made.image[:, 38:1062])
-    assert Eyes(exemplar).score(made) == middle.score
+    assert MapsScorer(exemplar).score(made) == middle.score
 
 
 def test_the_best_set_is_good_in_all_maps():
@@ -61,12 +60,12 @@ def test_the_best_set_is_good_in_all_maps():
     exemplar = weftex.Exemplar(np.full((72, 80, 3), 90, np.uint8), maps={"height": SAMPLE[..., 0]})
     best = weftex.synthesize(exemplar, 90, seed=3, best_of=4, **QUILTING)
     each = [weftex.synthesize(exemplar, 90, seed=s, **QUILTING) for s in range(3, 7)]
-    eye = Eye(exemplar.map("height"))
+    eye = Scorer(exemplar.map("height"))
     heights = [eye.score(made.maps["height"]) for made in each]
     assert best.provenance["seed"] == 3 + int(np.argmin(heights)) and len(set(heights)) == 4
-    assert len({Eye(exemplar).score(made.image) for made in each}) == 1
+    assert len({Scorer(exemplar).score(made.image) for made in each}) == 1
     left_out = exemplar.changed(weights={"height": 0})
-    assert len(set(map(Eyes(left_out).score, each))) == 1
+    assert len(set(map(MapsScorer(left_out).score, each))) == 1
 
 
 def test_the_best_of_several_methods():
@@ -94,7 +93,7 @@ def test_a_wrong_number_is_refused_before_any_work(count):
 
 
 def test_methods_are_named_in_one_place_and_must_all_be_able():
-    with pytest.raises(InvalidInputError, match="name quilting there and not beside it"):
+    with pytest.raises(InvalidInputError, match="add quilting to that list"):
         weftex.synthesize("nowhere.png", 40, method="quilting", best_of=["graphcut"])
     with pytest.raises(InvalidInputError, match="unknown method 'quilt'"):
         weftex.synthesize("nowhere.png", 40, best_of=["quilt", "graphcut"])
@@ -132,7 +131,7 @@ def test_the_command_and_the_pictures_of_debug(tmp_path, monkeypatch, capsys):
         assert np.array_equal(read_image(f"how/{name}.png").pixels, made.draw(what))
     for wrong, message in (
         (["-o", "c.png", "--best-of", "0"], "best_of is 0"),
-        (["-o", "c.png", "--best-of", "graphcut"], "name quilting there"),
+        (["-o", "c.png", "--best-of", "graphcut"], "add quilting to that list"),
         (["-o", "c.png", "--debug", "s.png"], "it is a file"),
         (["-o", "c.png", "--debug", "new", "--sample-guide", "s.png"], "without a guide"),
     ):

@@ -96,7 +96,7 @@ def test_a_method_that_cannot_says_why():
     assert able.method == "ashikhmin" and unable.result is None and unable.rank == float("inf")
     assert "patch" in unable.note and unable.as_dict()["figures"] is None
     page = Page(found.html())
-    assert f"It cannot do this: {unable.note}." in page.text and not page.open
+    assert f"It cannot make this: {unable.note}." in page.text and not page.open
 
 
 @pytest.mark.parametrize(

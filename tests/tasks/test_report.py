@@ -66,7 +66,7 @@ def test_the_page_is_whole_and_needs_nothing_else(files, tmp_path, capsys):
     text = (tmp_path / "r.html").read_text("utf-8")
     page = Page(text)
     pictures = [attrs for tag, attrs in page.tags if tag == "img"]
-    assert len(pictures) == 6  # sample, result, seams, repetition, source, use
+    assert len(pictures) == 5  # sample, result, seams, source, use
     for picture in pictures:
         assert picture["alt"] and picture["src"].startswith("data:image/png;base64,")
         base64.b64decode(picture["src"].partition(",")[2], validate=True)
@@ -84,7 +84,7 @@ def test_without_a_source(files, tmp_path):
     sample, made, _ = files
     assert run(sample, made, "-o", tmp_path / "r.html") == 0
     page = Page((tmp_path / "r.html").read_text("utf-8"))
-    assert len([tag for tag, _ in page.tags if tag == "img"]) == 4
+    assert len([tag for tag, _ in page.tags if tag == "img"]) == 3
     assert "Without a source" in "".join(page.words)
 
 
@@ -138,7 +138,7 @@ def test_what_cannot_be_reported_is_one_line(change, message, files, tmp_path, c
 def test_a_picture_of_another_source_is_noted(files):
     sample, made, source = files
     turned = weftex.read_image(made).pixels[::-1].copy()
-    assert "not the picture that the source gives" in report(sample, turned, source).notes[0]
+    assert "differs from the picture of its source" in report(sample, turned, source).notes[0]
     assert report(sample, weftex.Synthesis.load(source)).notes == ()
 
 

@@ -18,7 +18,7 @@ from weftex.errors import CancelledError, FileError, InvalidInputError, WeftexEr
 from weftex.io.folders import map_files
 from weftex.io.formats import READABLE, suffix_of, written_as
 from weftex.io.manifest import MANIFEST, unfinished
-from weftex.quality.sets import Eyes
+from weftex.quality.score import MapsScorer
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
@@ -242,7 +242,7 @@ class Maker:
         self._path, self._cancelled = "", False
         self._material: Material
         self._model: Model
-        self._eyes: Eyes | None = None
+        self._scorer: MapsScorer | None = None
 
     def __call__(self, job: Job) -> Done:
         """Make the outputs of a job, or say what went wrong."""
@@ -267,7 +267,7 @@ class Maker:
     def _read(self, path: str) -> None:
         if self._path == path:
             return
-        self._path, self._eyes = "", None
+        self._path, self._scorer = "", None
         self._material = read(path, self.args)
         self._model = self.method.fit(with_turns(self._material.exemplar(), self.args))
         self._path = path
@@ -284,8 +284,8 @@ class Maker:
             )
             record = self._record(job, output, seed, result)
             if job.keep is not None or self.args.score:
-                self._eyes = self._eyes or Eyes(self._model.exemplar)
-                record["score"] = self._eyes.score(result)
+                self._scorer = self._scorer or MapsScorer(self._model.exemplar)
+                record["score"] = self._scorer.score(result)
             record["seconds"] = round(perf_counter() - start, 3)
             if job.keep is None:
                 yield result, record

@@ -19,16 +19,16 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, eq=False)
 class Entry:
-    """What one method made of the sample.
+    """The result of one method.
 
     Attributes
     ----------
     method : str
         Its name.
     result : Synthesis or None
-        None where it cannot do this.
+        None where the method cannot make it.
     seconds : float
-        That fitting and making took.
+        Time of fitting and making.
     assessment : Assessment or None
         The figures.
     note : str
@@ -43,12 +43,12 @@ class Entry:
 
     @property
     def rank(self) -> float:
-        """The score; endless without one, so that it comes last."""
+        """The score; infinite without one, so that it comes last."""
         score = None if self.assessment is None else self.assessment.score
         return float("inf") if score is None else score
 
     def as_dict(self) -> dict[str, Any]:
-        """Return all but the picture as JSON has it."""
+        """Return everything except the picture, ready for JSON."""
         return {
             "method": self.method,
             "seconds": round(self.seconds, 3),
@@ -60,7 +60,7 @@ class Entry:
 
 @dataclass(frozen=True, eq=False)
 class Comparison(Page):
-    """What `weftex.compare` finds.
+    """Results of several methods, as returned by `weftex.compare`.
 
     Attributes
     ----------
@@ -71,7 +71,7 @@ class Comparison(Page):
     seed : int
         Of all of them.
     choice : Choice
-        What "auto" would take, and why.
+        What "auto" would choose, and why.
     entries : tuple of Entry
         Best score first, then those without a result.
     """
@@ -98,7 +98,7 @@ class Comparison(Page):
         }
 
     def html(self) -> str:
-        """Return a page that needs nothing but itself."""
+        """Return the whole page as one file."""
         return _page(self)
 
 
@@ -121,7 +121,7 @@ def _page(found: Comparison) -> str:
 
 
 def _table(found: Comparison) -> str:
-    """A row for each method; a figure that passes its limit is marked."""
+    """Return a row for each method, with the figures beyond their limits marked."""
     limited = {name: figure for name, figure in FIGURES.items() if figure.limit is not None}
     head = ("Method", "Score", "Seconds", *(figure.title for figure in limited.values()))
     rows = ["".join(f'<th scope="col">{escape(text)}</th>' for text in head)]
@@ -142,7 +142,7 @@ def _table(found: Comparison) -> str:
     body = "\n".join(f"<tr>{row}</tr>" for row in rows)
     return (
         f'<div class="table"><table>\n{body}\n</table></div>\n<p class="small">Score: '
-        f"{SCORE} Figures beyond their limits stand out. Limits: {escape(limits)}. A dash is what "
+        f"{SCORE} Figures beyond their limits are in color. Limits: {escape(limits)}. A dash: "
         "cannot be measured.</p>"
     )
 
@@ -150,7 +150,7 @@ def _table(found: Comparison) -> str:
 def _section(found: Comparison, entry: Entry) -> list[str]:
     head = f'<h2 id="{entry.method}">{entry.method}</h2>'
     if entry.result is None or entry.assessment is None:
-        return [head, f"<p>It cannot do this: {escape(entry.note)}.</p>"]
+        return [head, f"<p>It cannot make this: {escape(entry.note)}.</p>"]
     told = f"{entry.assessment.verdict()} {entry.seconds:.2f} s."
     colors = "false colors by place in the sample: more red to the right, more green downwards"
     return [

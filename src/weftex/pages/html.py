@@ -1,4 +1,4 @@
-"""What the pages that weftex writes have in common: one HTML file with everything in it."""
+"""Parts of the HTML pages that weftex writes: one file with everything in it."""
 
 from __future__ import annotations
 
@@ -43,11 +43,11 @@ td.number { text-align: right; font-variant-numeric: tabular-nums; white-space: 
 
 
 class Page(ABC):
-    """What can be shown as a page and written as one."""
+    """An object that can be shown in a notebook and saved as an HTML page."""
 
     @abstractmethod
     def html(self) -> str:
-        """Return a page that needs nothing but itself."""
+        """Return the whole page as one file."""
 
     def _repr_html_(self) -> str:
         frame = 'style="width: 100%; height: 40rem; border: 1px solid #8886"'
@@ -68,7 +68,7 @@ class Page(ABC):
 
 
 def document(title: str, parts: Iterable[str]) -> str:
-    """Return a whole page that needs nothing but itself."""
+    """Return a whole page as one file."""
     return (
         '<!DOCTYPE html>\n<html lang="en">\n<head>\n<meta charset="utf-8">\n'
         '<meta name="viewport" content="width=device-width, initial-scale=1">\n'
@@ -79,7 +79,7 @@ def document(title: str, parts: Iterable[str]) -> str:
 
 
 def show(picture: NDArray[np.uint8], title: str, text: str) -> str:
-    """A picture in the page itself; a large one is shown by every second, third, ... pixel."""
+    """Return a figure with the picture embedded; a large one by every second, third, ... pixel."""
     height, width = picture.shape[:2]
     step = -(-max(height, width) // _LARGEST_PICTURE)
     data = base64.b64encode(png_bytes(picture[::step, ::step])).decode("ascii")
@@ -92,14 +92,14 @@ def show(picture: NDArray[np.uint8], title: str, text: str) -> str:
 
 
 def number(value: float | None, figure: Figure) -> str:
-    """A figure's value, or a dash for what cannot be measured."""
+    """Return a figure's value as text, or a dash where it could not be measured."""
     if value is None:
         return "–"
     return f"{value:.0f}" if figure.unit == "pixels" else f"{value:.2f}"
 
 
 def parameters(provenance: dict[str, Any]) -> str:
-    """A table of how something was made."""
+    """Return a table of parameters."""
     rows = [
         f'<tr><th scope="row">{escape(str(name))}</th><td>{escape(_plain(value))}</td></tr>'
         for name, value in provenance.items()
@@ -113,7 +113,7 @@ def _plain(value: Any) -> str:
 
 
 def as_shown(exemplar: Exemplar, pixels: NDArray[Any]) -> NDArray[np.uint8]:
-    """Three channels of bytes, to look at."""
+    """Return three channels of bytes, for display."""
     pixel_bytes = exemplar.as_matching(pixels)
     colors = pixel_bytes.shape[2] - exemplar.alpha
     return pixel_bytes[..., :3] if colors >= 3 else np.repeat(pixel_bytes[..., :1], 3, axis=2)

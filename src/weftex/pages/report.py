@@ -20,26 +20,22 @@ if TYPE_CHECKING:
 _CAPTIONS = {
     "seams": (
         "Seams",
-        "Red where the picture breaks off between two lines of pixels as the sample hardly does.",
-    ),
-    "repetition": (
-        "Repetition",
-        "Pink where the picture comes back pixel by pixel at one of the commonest shifts.",
+        "Red where neighboring lines of pixels differ in a way that is rare in the sample.",
     ),
     "source": (
         "Source",
-        "False colors by place in the sample: more red to the right, more green downwards.",
+        "False colors by position in the sample: red increases to the right, green downwards.",
     ),
     "use": (
         "Use of the sample",
-        "The sample: orange where it was used more often than usual, blue where seldom or never.",
+        "The sample: orange where it was used more often than average, blue where seldom or never.",
     ),
 }
 
 
 @dataclass(frozen=True, eq=False)
 class MapReport:
-    """A map of a set: that of the sample and that of the result as they are shown, and figures."""
+    """One map of a set: pictures of the sample's and the result's, and the figures."""
 
     sample: Bytes
     result: Bytes
@@ -48,12 +44,12 @@ class MapReport:
 
 @dataclass(frozen=True, eq=False)
 class Report(Page):
-    """What `weftex.report` finds.
+    """The report on a result, as returned by `weftex.report`.
 
     Attributes
     ----------
     sample, result : uint8 array (H, W, 3)
-        Both pictures as they are shown.
+        Both pictures as shown on the page.
     name : str
         Of the sample.
     result_name : str
@@ -62,16 +58,16 @@ class Report(Page):
         All figures of the result.
     real : dict of str to float or None
         The same figures of real pictures of this surface; see
-        `weftex.quality.yardstick.real_crops`.
+        `weftex.quality.assess.real_crops`.
     maps : dict of str to uint8 array (H, W, 3)
-        "seams", "repetition" and, with a source, "source" and "use" (of the sample), as far as
-        they can be made.
+        "seams" and, with a source, "source" and "use" (of the sample), as far as they can be
+        made.
     provenance : dict
         How the result was made, if its source says so.
     notes : tuple of str
-        What is to be kept in mind about the figures.
+        Limits of the figures in this case.
     of_maps : dict of str to MapReport
-        The maps that sample and result both have.
+        The maps that both sample and result have.
     """
 
     sample: Bytes
@@ -89,7 +85,7 @@ class Report(Page):
         return f"<Report on {self.result_name!r} of {self.name!r}: {self.assessment.verdict()}>"
 
     def verdict(self) -> str:
-        """Return the verdict on the picture, and on each map a line."""
+        """Return the verdict on the picture, then one line for each map."""
         told = [f"{name}: {one.assessment.verdict()}" for name, one in self.of_maps.items()]
         return "\n".join([self.assessment.verdict(), *told])
 
@@ -107,7 +103,7 @@ class Report(Page):
         }
 
     def html(self) -> str:
-        """Return a page that needs nothing but itself."""
+        """Return the whole page as one file."""
         return _page(self)
 
 
@@ -143,7 +139,7 @@ def _page(found: Report) -> str:
 
 
 def _figures(found: Report) -> str:
-    head = ("Figure", "Result", "Real", "Limit", "", "Eye", "What it says")
+    head = ("Figure", "Result", "Real", "Limit", "", "Judges", "Meaning")
     rows = ["".join(f'<th scope="col">{text}</th>' for text in head)]
     for name, figure in FIGURES.items():
         value = getattr(found.assessment, name)
@@ -164,7 +160,7 @@ def _figures(found: Report) -> str:
     body = "\n".join(f"<tr>{row}</tr>" for row in rows)
     return (
         f'<div class="table"><table>\n{body}\n</table></div>\n<p class="small">Real: the halves of '
-        "the sample, each measured as if it had been made from the other. Eye: of pairs of judged "
-        "pictures, the share in which it says the same alone; 50% is a coin. A dash is what cannot "
-        "be measured.</p>"
+        "the sample, each measured as if it had been made from the other. Judges: the share of "
+        "judged pairs of pictures that the figure alone orders as a judge did; 50% is a coin. A "
+        "dash: cannot be measured.</p>"
     )

@@ -1,4 +1,4 @@
-"""All measures of a result at once, and what follows from them."""
+"""All figures of a result, and the verdict on it."""
 
 from __future__ import annotations
 
@@ -13,14 +13,12 @@ from weftex.errors import InvalidInputError
 from weftex.exemplar import Exemplar
 from weftex.quality.color import color_distance
 from weftex.quality.copying import check_source, copying
-from weftex.quality.eye import Eye, weigh
 from weftex.quality.figures import FIGURES
 from weftex.quality.patches import patch_distance
-from weftex.quality.repetition import repetition
+from weftex.quality.score import Scorer, weigh
+from weftex.quality.seams import wrap_seam
 from weftex.quality.sharpness import sharpness
-from weftex.quality.spectrum import spectrum_distance
 from weftex.quality.view import middle, view_of
-from weftex.quality.wrap import wrap_seam
 from weftex.results.synthesis import Synthesis
 from weftex.turns import as_it_was, as_made_from
 
@@ -28,70 +26,57 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
 LARGEST_MEASURED = 2048
-"""Of a result of more pixels a side only the middle is looked at, but for the wrap."""
+"""Pixels a side: of a larger result the middle is measured, except for the wrap."""
 
 _DIGITS = 3
+_SCORED = "uneven", "autocorrelation", "lattice", "seams"  # terms of the score shown by themselves
 
 
 @dataclass(frozen=True)
 class Assessment:
-    """All figures of a result, each rounded to three digits after the point.
+    """All figures of a result, rounded to three decimal places.
 
     A figure is None where it cannot be measured; `weftex.quality.figures.FIGURES` has the unit,
     limit and meaning of each.
 
     Attributes
     ----------
-    broken, uneven, alike : float or None
-        See `weftex.quality.eye.Look`.
+    uneven : float or None
+        See `weftex.quality.score.Scorer.windows`.
     patches : float or None
         See `weftex.quality.patches.patch_distance`; `patch_scales` has each scale, finest first.
     color, color_difference : float or None
         See `weftex.quality.color.color_distance`.
-    spectrum, spectrum_decibels : float or None
-        See `weftex.quality.spectrum.spectrum_distance`.
-    autocorrelation : float or None
-        See `weftex.quality.spectrum.autocorrelation_distance`.
-    lattice : float or None
-        See `weftex.quality.lattice.lattice_kept`.
+    autocorrelation, lattice : float or None
+        See `weftex.quality.autocorrelation`.
     seams : float or None
         See `weftex.quality.seams.seams`.
-    sharpness, soft : float or None
+    sharpness : float or None
         See `weftex.quality.sharpness.sharpness`.
-    period, repeats : float or None
-        See `weftex.quality.repetition.repetition`.
-    copied, piece, largest, evenness, distinct, joints : float or None
+    copied, piece, largest, distinct, joints : float or None
         See `weftex.quality.copying.copying`; they need a source.
     wrap : float or None
-        See `weftex.quality.wrap.wrap_seam`; only of a tileable result.
+        See `weftex.quality.seams.wrap_seam`; only of a tileable result.
     flags : tuple of str
-        Names of the figures that pass their limits, the worst first.
+        Names of the figures beyond their limits, the worst first.
     score : float or None
-        In which order an eye would put pictures of one sample; less is better, 0 is the sample
-        itself. Of two pictures whose scores differ by d it prefers the better one in a share of
-        1 / (1 + exp(-d)). None where too little could be measured. See `weftex.quality.eye`.
+        In which order a viewer would put pictures of one sample: 0 is the sample itself, less is
+        better. Of two pictures whose scores differ by d, judges prefer the lower in a share of
+        1 / (1 + exp(-d)). None where too little could be measured. See `weftex.quality.score`.
     """
 
-    broken: float | None = None
     uneven: float | None = None
-    alike: float | None = None
     patches: float | None = None
     patch_scales: tuple[float, ...] = ()
     color: float | None = None
     color_difference: float | None = None
-    spectrum: float | None = None
-    spectrum_decibels: float | None = None
     autocorrelation: float | None = None
     lattice: float | None = None
     seams: float | None = None
     sharpness: float | None = None
-    soft: float | None = None
-    period: float | None = None
-    repeats: float | None = None
     copied: float | None = None
     piece: float | None = None
     largest: float | None = None
-    evenness: float | None = None
     distinct: float | None = None
     joints: float | None = None
     wrap: float | None = None
@@ -99,24 +84,23 @@ class Assessment:
     score: float | None = None
 
     def as_dict(self) -> dict[str, Any]:
-        """Return everything as numbers, texts, lists and None, as JSON has them."""
+        """Return everything as numbers, texts, lists and None, ready for JSON."""
         plain = dataclasses.asdict(self)
         return {k: list(v) if isinstance(v, tuple) else v for k, v in plain.items()}
 
     def badness(self, name: str) -> float | None:
-        """How far a figure is from perfect: 0 is perfect, 1 at its limit."""
+        """Return how far a figure is from perfect: 0 is perfect, 1 is at its limit."""
         value = getattr(self, name)
         return None if value is None else FIGURES[name].badness(value)
 
     def verdict(self) -> str:
-        """Say in plain words how good the result is, and what is wrong with it."""
+        """Return a sentence that says how good the result is, and its faults."""
         if self.score is None:
             return "Too small to be judged."
         if not self.flags:
             near = max(FIGURES, key=lambda name: self.badness(name) or 0.0)
-            return (
-                f"Good: no figure passes its limit. Nearest to its own is '{FIGURES[near].title}'."
-            )
+            title = FIGURES[near].title
+            return f"Good: all figures are within their limits; the nearest to its own is {title}."
         faults = [FIGURES[name].fault(getattr(self, name)) for name in self.flags]
         listed = faults[0] if len(faults) == 1 else f"{', '.join(faults[:-1])} and {faults[-1]}"
         worst = max(self.badness(name) or 0.0 for name in self.flags)
@@ -135,19 +119,19 @@ def assess(
 
     The figures of one pair of pictures are the same in every run. They compare with the sample, so
     they say nothing about whether the sample itself is any good. Of a result of more than 2048
-    pixels a side the middle is looked at, and its border if it is to repeat.
+    pixels a side the middle is measured, and its border if it is tileable.
 
     Parameters
     ----------
     sample : Exemplar or array
-        What the result was made from. Where its mask leaves out, it is not looked at.
+        What the result was made from. Pixels that its mask leaves out do not count.
     result : Synthesis or array (H, W) or (H, W, C)
         The result, of the sample's dtype and channels.
     source : int array (H, W, 2), optional
         Row and column in the sample of each pixel, negative for none; a Synthesis brings its own.
     tileable : bool or (bool, bool), optional
-        Whether its vertical and its horizontal axis are to repeat; by default what a Synthesis
-        says, else not.
+        Whether the vertical and the horizontal axis wrap around; by default as the Synthesis
+        says, otherwise not.
 
     Returns
     -------
@@ -195,47 +179,75 @@ def measured(
     pictured: Exemplar,
     tileable: bool | tuple[bool, bool] | None,
 ) -> Assessment:
-    """See `assess`; the source has places in `pictured`, the sample or a picture of its copies."""
+    """See `assess`; `pictured` is what the source refers to: the sample or its oriented copies."""
     wrap = tileable if isinstance(tileable, tuple) else (bool(tileable),) * 2
     exemplar = as_it_was(exemplar)
-    eye, used = Eye(exemplar), None
-    own, whole = eye.own, eye.view(result)
+    scorer, used = Scorer(exemplar), None
+    own, whole = scorer.own, scorer.view(result)
     made = whole.center(LARGEST_MEASURED)
     if source is not None:
         source = check_source(source, pictured.shape, whole.shape)
         copied = own if pictured is exemplar else view_of(pictured)
         used = copying(copied, made, middle(source, made.shape))
-    came_back = repetition(own, made, eye.lattice)
     patches, scales = patch_distance(own, made)
     color_difference, color = color_distance(own, made)
-    decibels, spectrum = spectrum_distance(own, made)
-    sharp, soft = sharpness(own, made)
-    seen = eye.figures(made)
-    figures: dict[str, Any] = seen | {
+    scored = scorer.figures(made)
+    figures: dict[str, Any] = {
+        **{name: scored.get(name) for name in _SCORED},
         "patches": patches,
         "patch_scales": scales,
         "color": color,
         "color_difference": color_difference,
-        "spectrum": spectrum,
-        "spectrum_decibels": decibels,
-        "sharpness": sharp,
-        "soft": soft,
-        "period": None if came_back is None else came_back.period,
-        "repeats": None if came_back is None else came_back.repeats,
-        "wrap": wrap_seam(eye.seams, whole, wrap),
+        "sharpness": sharpness(own, made),
+        "wrap": wrap_seam(scorer.steps, whole, wrap),
+        "score": weigh(scored),
     }
     if used is not None:
         figures |= dataclasses.asdict(used)
-    figures = {name: _rounded(value) for name, value in (figures | {"score": weigh(seen)}).items()}
+    figures = {name: _rounded(value) for name, value in figures.items()}
     return Assessment(**figures, flags=_flags(figures))
 
 
 def made_from(result: Synthesis) -> NDArray[np.int32]:
-    """The source of what was made: -1 where pixels were known, which nobody copied."""
+    """Return the source of a result, -1 where pixels were known before."""
     source = result.pictured_source()
     if result.canvas.hole is not None:
         source[~result.canvas.hole] = -1
     return source
+
+
+def real_crops(sample: Exemplar) -> dict[str, float | None]:
+    """Return the mean figures of the sample's halves, each as if made from the other half.
+
+    Halves that the mask does not leave whole are left out; figures of the source are None.
+
+    Examples
+    --------
+    >>> import weftex
+    >>> found = real_crops(weftex.load_exemplar("sample:pebbles"))
+    >>> 0.8 < found["sharpness"] < 1.25
+    True
+    """
+    y, x = (side // 2 for side in sample.shape)
+    boxes = (np.s_[:y], np.s_[-y:] if y else np.s_[:0]), (np.s_[:, :x], np.s_[:, -x:])
+    found: list[Assessment] = []
+    for pair in boxes:
+        first, second = (_part(sample, box) for box in pair)
+        if first is not None and second is not None:
+            found += [assess(first, second.pixels), assess(second, first.pixels)]
+    return {name: _mean([getattr(one, name) for one in found]) for name in FIGURES}
+
+
+def _part(sample: Exemplar, box: tuple[slice, ...] | slice) -> Exemplar | None:
+    pixels: NDArray[np.generic] = sample.pixels[box]
+    if pixels.size == 0 or (sample.mask is not None and not sample.mask[box].all()):
+        return None
+    return Exemplar(pixels, alpha=sample.alpha, name=sample.name)
+
+
+def _mean(values: list[float | None]) -> float | None:
+    known = [value for value in values if value is not None]
+    return round(float(np.mean(known)), _DIGITS) if known else None
 
 
 def _rounded(value: Any) -> Any:
@@ -245,7 +257,7 @@ def _rounded(value: Any) -> Any:
 
 
 def _flags(figures: dict[str, Any]) -> tuple[str, ...]:
-    """Names of the figures that pass their limits, the worst first."""
+    """Return the names of the figures beyond their limits, the worst first."""
     known = [name for name in FIGURES if figures.get(name) is not None]
     off = {name: FIGURES[name].badness(figures[name]) for name in known}
     return tuple(sorted((name for name in known if off[name] > 1), key=lambda name: -off[name]))

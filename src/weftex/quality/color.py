@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from weftex.quality.quantiles import at_quantiles
+from weftex.quality.patches import at_quantiles
 from weftex.quality.view import View, over_halves, some
 from weftex.random import draw
 
@@ -20,18 +20,10 @@ _FLOOR = 1.0  # of 255
 
 
 def color_distance(sample: View, result: View) -> tuple[float | None, float | None]:
-    """Compare the distributions of single pixels' colors.
+    """Return the distance of color distributions in 255ths, and over that of the sample's halves.
 
-    *Definition.* The Wasserstein distance between both pictures' values, in the mean over each
-    channel and 12 random mixtures of them; over the same between the sample's halves.
-
-    *Unit.* 255 is from black to white; and 1 is as near as the sample's halves are, or as 1 of
-    255 if these are nearer. *Good.* Low. *Blind to* where the colors are.
-
-    Returns
-    -------
-    (float or None, float or None)
-        Of 255, and relative to the sample's halves.
+    The Wasserstein distance, in the mean over each channel and 12 random mixtures of them. Halves
+    closer than 1 of 255 count as 1.
     """
     apart, own = _apart(sample, result), over_halves(sample, _apart)
     return apart, None if own is None or apart is None else apart / max(own, _FLOOR)
@@ -54,10 +46,7 @@ def _quantiles(view: View) -> NDArray[np.float64]:
     mixtures[~mixtures.any(axis=1)] = 1
     values, lengths = pixels, np.ones(channels)
     if channels > 1:
-        # Products of small whole numbers: exact, so the same on every machine.
+        # Products of small integers: exact, so the same on every machine.
         values = np.concatenate([pixels, np.einsum("dk,kn->dn", mixtures, pixels)])
         lengths = np.append(lengths, np.sqrt((mixtures.astype(np.float64) ** 2).sum(axis=1)))
-    found: NDArray[np.float64] = (
-        at_quantiles(values.astype(np.int32), _QUANTILES) / lengths[:, None]
-    )
-    return found
+    return at_quantiles(values.astype(np.int32), _QUANTILES) / lengths[:, None]

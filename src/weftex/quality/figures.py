@@ -1,4 +1,4 @@
-"""What each figure means: unit, direction, limit, and how to say it."""
+"""The unit, limit and meaning of each figure."""
 
 from __future__ import annotations
 
@@ -14,25 +14,23 @@ class Figure:
 
     Attributes
     ----------
-    title : str
-        What to call it.
-    unit : str
-        Of the value.
+    title, unit : str
+        Its name and unit.
     good : str
         "low", "high", "one" (near 1) or "" where it only describes.
     limit : float or None
-        What still passes; a factor for "one", and None for what only describes.
+        The last value that passes; a factor for "one", None where it only describes.
     meaning : str
         One sentence for a reader who does not know the measure.
     blind : str
-        What it cannot see.
+        What it cannot detect.
     wrong : str
-        What a result that passes the limit does, to go on after "it".
+        What a result beyond the limit does, to follow "it"; below and above 1 with a "|".
     base : float
-        What is no fault yet, for "low".
+        For "low", the value up to which nothing is wrong.
     agrees : float or None
-        In how many of the judged pairs it is further off for the picture that looks worse, ties as
-        half; 0.5 is a coin. None for what needs more than the two pictures.
+        The share of judged pairs in which it is further off for the worse picture, ties as half;
+        0.5 is a coin. None where it needs more than the two pictures.
     """
 
     title: str
@@ -46,7 +44,7 @@ class Figure:
     agrees: float | None = None
 
     def off(self, value: float) -> float:
-        """How far a value is from a perfect one; in its unit, and for "one" a logarithm."""
+        """Return how far a value is from a perfect one; for "one" a logarithm."""
         if self.good == "high":
             return max(1 - value, 0.0)
         if self.good == "one":
@@ -54,18 +52,18 @@ class Figure:
         return max(value - self.base, 0.0)
 
     def badness(self, value: float) -> float:
-        """0 for a perfect value, 1 at the limit, 16 at most."""
+        """Return 0 for a perfect value, 1 at the limit, at most 16."""
         if self.limit is None:
             return 0.0
         return min(self.off(value) / self.off(self.limit), _WORST)
 
     def fault(self, value: float) -> str:
-        """What is wrong with a result that passes the limit."""
+        """Return what is wrong with a result beyond the limit."""
         below, _, above = self.wrong.partition("|")
         return (above or below) if value > 1 else below
 
     def within(self) -> str:
-        """The limit in words."""
+        """Return the limit in words."""
         if self.limit is None:
             return ""
         if self.good == "one":
@@ -74,37 +72,25 @@ class Figure:
 
 
 SCORE = (
-    "0 is the sample itself, and only pictures of one size from one sample compare: of two that "
-    "are 1 apart an eye prefers the lower in three of four cases."
+    "0 is the sample itself, and less is better. Only pictures of one size from one sample "
+    "compare: where two scores differ by 1, judges prefer the lower in three of four cases."
 )
 """What the score means, in one sentence."""
 
 _HALVES = "1 = as the sample's halves"
 
 FIGURES: dict[str, Figure] = {
-    "broken": Figure(
-        "broken", _HALVES, "", None,
-        "How far its worst windows, a third of the sample wide, are from all of the sample's.",
-        "detail finer than a thirtieth of the sample",
-        agrees=0.56,
-    ),
     "uneven": Figure(
         "uneven", "relative entropy", "", None,
-        "How unevenly the parts of the sample come up.",
-        "where they come up",
+        "How unevenly the parts of the sample are used.",
+        "where they are used",
         agrees=0.67,
-    ),
-    "alike": Figure(
-        "alike", "logarithm", "", None,
-        "How much nearer to each other its windows are than the sample's.",
-        "how far apart, and how striking, they are",
-        agrees=0.51,
     ),
     "patches": Figure(
         "patches", _HALVES, "low", 1.6,
         "Whether small patches, at four scales, look as they do in the sample.",
         "where in the picture they are; repetition; structure above 50 pixels",
-        "has patches that the sample has not",
+        "has patches that the sample lacks",
         agrees=0.67,
     ),
     "color": Figure(
@@ -114,16 +100,9 @@ FIGURES: dict[str, Figure] = {
         "has other colors than the sample",
         agrees=0.60,
     ),
-    "spectrum": Figure(
-        "spectrum", _HALVES, "low", 1.3,
-        "Whether each period and direction has as much power as in the sample.",
-        "phase: edges and noise can have one spectrum",
-        "varies more or less than the sample at some periods",
-        agrees=0.60,
-    ),
     "autocorrelation": Figure(
         "autocorrelation", _HALVES, "low", 1.6,
-        "Whether it is as similar to itself at short shifts as the sample.",
+        "Whether it is as similar to itself at short shifts as the sample is.",
         "the content that is similar",
         "has another rhythm than the sample",
         agrees=0.67,
@@ -137,7 +116,7 @@ FIGURES: dict[str, Figure] = {
     ),
     "seams": Figure(
         "seams", "1 = as the sample's own", "low", 1.75,
-        "Steps between neighboring lines that their surroundings do not explain.",
+        "Steps between neighboring lines that the steps around them do not predict.",
         "feathered seams; joints that end",
         "has visible seams", 1.0,
         agrees=0.52,
@@ -149,27 +128,6 @@ FIGURES: dict[str, Figure] = {
         "is blurred|is noisier than the sample",
         agrees=0.58,
     ),
-    "soft": Figure(
-        "soft areas", "share", "low", 0.12,
-        "How much of it is softer than the softest twentieth of the sample.",
-        "the form of the detail",
-        "is blurred in places", 0.05,
-        agrees=0.52,
-    ),
-    "period": Figure(
-        "period", "share", "low", 0.25,
-        "The largest part that repeats at one shift.",
-        "copies that are turned, scaled or blended",
-        "repeats itself at one distance", 0.12,
-        agrees=0.51,
-    ),
-    "repeats": Figure(
-        "near repeats", "share", "low", 0.5,
-        "How much repeats within half the sample's side, beyond the repetition of the lattice.",
-        "copies that are turned, scaled or blended",
-        "shows the same things side by side", 0.2,
-        agrees=0.53,
-    ),
     "copied": Figure(
         "copied", "share", "", None,
         "How much of it was copied in pieces of at least 64 pixels.",
@@ -177,25 +135,19 @@ FIGURES: dict[str, Figure] = {
     ),
     "piece": Figure(
         "piece", "pixels", "", None,
-        "The median side of the piece around a pixel.",
+        "The side of the piece that a pixel usually lies in.",
         "whether copying is wanted",
     ),
     "largest": Figure(
         "largest piece", "of the sample", "", None,
         "The largest piece that was copied, as a share of the sample.",
-        "whether copying is wanted: an eye likes large pieces",
-    ),
-    "evenness": Figure(
-        "evenness of use", "share", "high", 0.33,
-        "How much of the sample was used; seldom used parts count less.",
-        "the order of the parts",
-        "uses only a part of the sample",
+        "whether copying is wanted: judges like large pieces",
     ),
     "distinct": Figure(
         "distinct", "share", "high", 0.7,
         "How many pixels within half the sample's side come from different places.",
         "repetition further apart",
-        "uses the same parts over and over nearby",
+        "repeats the same parts nearby",
     ),
     "joints": Figure(
         "joints", "steps of the sample", "low", 1.5,
@@ -205,9 +157,9 @@ FIGURES: dict[str, Figure] = {
     ),
     "wrap": Figure(
         "seam at the wrap", "share", "low", 0.1,
-        "How much of the border shows as a seam when the result is repeated.",
-        "striking parts that give a tile away",
-        "shows a seam where it repeats", 0.01,
+        "How much of the border shows as a seam where the result wraps around.",
+        "salient features that reveal the tile",
+        "shows a seam where it wraps around", 0.01,
     ),
 }  # fmt: skip
 """Every figure by the name of its field in `Assessment`, in the order in which they are shown."""

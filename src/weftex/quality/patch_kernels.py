@@ -1,7 +1,7 @@
 # mypy: ignore-errors
 """Kernels that compare patches and windows; compiled by Cython, see setup.py.
 
-All sums are of whole numbers that 32 bits hold, so every order of summation gives the same ones.
+All sums are of integers that 32 bits hold, so every order of summation gives the same.
 """
 
 import cython
@@ -14,7 +14,7 @@ import cython
 def product(
     a: cython.p_const_short, b: cython.p_const_short, count: cython.Py_ssize_t
 ) -> cython.int:
-    """The sum of the products of numbers."""
+    """Return the dot product of two rows."""
     cython.declare(k=cython.Py_ssize_t, total=cython.int)
     total = 0
     for k in range(count):
@@ -33,7 +33,7 @@ def products(
     apart: cython.Py_ssize_t,
     found: cython.p_int,
 ) -> cython.void:
-    """Those with four rows, so many numbers apart, each number of the first read once."""
+    """Write the dot products with four rows that are `apart` numbers apart."""
     cython.declare(k=cython.Py_ssize_t, one=cython.int)
     cython.declare(p=cython.int, q=cython.int, r=cython.int, s=cython.int)
     p = q = r = s = 0
@@ -57,21 +57,10 @@ def describe(
     patch: cython.short[::1],
     out: cython.int[:, ::1],
 ):
-    """Weigh the pixels of square patches.
+    """Write the weighted sums (4 * f, n) of the bytes of n square patches.
 
-    Parameters
-    ----------
-    pixels : uint8 array (H, W, K)
-    corners : int64 array (n,)
-        The upper left pixel of each patch, as a flat index.
-    width : int
-        Of a patch, in pixels.
-    features : int16 array (4 * f, m)
-        Weights of a patch's bytes, row by row; m is width * width * K or more.
-    patch : int16 array (m,)
-        Scratch; what lies beyond the patch must be 0.
-    out : int32 array (4 * f, n)
-        The weighted sums.
+    `corners` are flat indices of the upper left pixels; `features` (4 * f, m) the weights of a
+    patch's bytes, row by row; `patch` (m,) is scratch, 0 beyond the patch's bytes.
     """
     cython.declare(i=cython.Py_ssize_t, f=cython.Py_ssize_t, v=cython.Py_ssize_t)
     cython.declare(k=cython.Py_ssize_t, y=cython.Py_ssize_t, x=cython.Py_ssize_t)
@@ -102,26 +91,11 @@ def nearest(
     which: cython.int[::1],
     squares: cython.int[::1],
 ):
-    """Find for each window the nearest of others, the first of equals.
+    """Find for each window (n, m) the nearest of others, the first of equals.
 
-    Parameters
-    ----------
-    first : int16 array (n, m)
-        The windows.
-    second : int16 array (4 * k, m)
-        The others; those beyond the last that counts may have any values.
-    places : int32 array (n, 2)
-        Row and column of each window.
-    others : int32 array (l, 2)
-        The same of the others that count, l of them.
-    least : int
-        Windows that are less than so many rows and columns apart are not compared; 0 compares all.
-    best : int32 array (n,)
-        The squared distance to the nearest, -1 where there is none.
-    which : int32 array (n,)
-        Its number.
-    squares : int32 array (4 * k,)
-        Scratch.
+    `second` (4 * k, m) may end with rows that do not count; `places` and `others` are rows and
+    columns; windows less than `least` rows and columns apart are not compared. `best` gets squared
+    distances, -1 for none, `which` indices; `squares` (4 * k,) is scratch.
     """
     cython.declare(i=cython.Py_ssize_t, j=cython.Py_ssize_t, k=cython.Py_ssize_t)
     cython.declare(y=cython.Py_ssize_t, x=cython.Py_ssize_t, found=cython.int, own=cython.int)

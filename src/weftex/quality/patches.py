@@ -1,4 +1,4 @@
-"""Patch distribution: whether small patches look as they do in the sample, coarse to fine."""
+"""Patches: whether small patches look as they do in the sample, at four scales."""
 
 from __future__ import annotations
 
@@ -8,7 +8,6 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from weftex.quality import patch_kernels as kernels
-from weftex.quality.quantiles import at_quantiles
 from weftex.quality.view import View, some, window_corners
 from weftex.random import draw
 
@@ -21,34 +20,18 @@ _WIDTH = 7  # pixels of a patch
 _SCALES = 4
 _PATCHES = 4096  # of each picture and scale
 _FEATURES = 48
-_AT_ONCE = 16  # numbers that processors multiply at once
+_SIMD = 16  # numbers that a processor multiplies at once
 _QUANTILES = 128
 _FLOOR = 0.03  # standard deviations: what two draws of so many patches differ by
 
 
 def patch_distance(sample: View, result: View) -> tuple[float | None, tuple[float, ...]]:
-    """Compare the distributions of patches.
+    """Return the distance of patch distributions over that of the sample's halves, and each scale.
 
-    *Definition.* Patches of 7x7 pixels at four scales, each half of the one before, are described
-    by 48 features: differences between the means of two boxes in it, and means of one box, in a
-    random mixture of the channels. The distance at a scale is the mean over the features of the
-    Wasserstein distance between both pictures' values, in standard deviations of the sample's; it
-    is divided by the same distance between the sample's halves.
-
-    *Unit.* 1 is as near as the sample's own halves are to each other. *Good.* Low: up to about 1;
-    below 1 where a result shows the sample evenly. *Blind to* where in the picture patches are, so
-    to repetition, and to anything larger than about 50 pixels.
-
-    Parameters
-    ----------
-    sample, result : View
-        From `views`.
-
-    Returns
-    -------
-    (float or None, tuple of float)
-        Root mean square over the scales, and each scale, finest first. None where the sample is
-        too small for halves of a patch's size.
+    Patches of 7x7 pixels at four scales are described by 48 features: means of random boxes, and
+    differences of two, in random mixtures of the channels. The distance at a scale is the mean of
+    the features' Wasserstein distances in standard deviations of the sample's; the first value is
+    the root mean square over the scales. None where the sample is too small.
     """
     found = []
     scales = zip(sample.pyramid(_SCALES), result.pyramid(_SCALES), strict=True)
@@ -61,9 +44,9 @@ def patch_distance(sample: View, result: View) -> tuple[float | None, tuple[floa
         squares = (features.astype(np.float32) ** 2).sum(axis=1)
         floor = 0.5 * np.sqrt(squares)  # a feature of less is rounding
         spread = np.maximum(values.std(axis=1, dtype=np.float64), floor)
-        quantiles = [_quantiles(part) for part in drawn if part is not None]
+        quantiles = [at_quantiles(part, _QUANTILES) for part in drawn if part is not None]
         between = [_apart(quantiles[k], quantiles[k + 1], spread) for k in (0, 2)]
-        apart = _apart(_quantiles(values), _quantiles(ours), spread)
+        apart = _apart(at_quantiles(values, _QUANTILES), at_quantiles(ours, _QUANTILES), spread)
         found.append(apart / max(float(np.mean(between)), _FLOOR))
     if not found:
         return None, ()
@@ -71,7 +54,7 @@ def patch_distance(sample: View, result: View) -> tuple[float | None, tuple[floa
 
 
 def _described(view: View, features: NDArray[np.int16]) -> NDArray[np.int32] | None:
-    """Some patches by their features (48, n), or None if there are fewer than 16 patches."""
+    """Return the features of some patches (48, n), or None for fewer than 16 patches."""
     corners = window_corners(view.usable, _WIDTH)
     if len(corners) < 16:
         return None
@@ -85,7 +68,7 @@ def _described(view: View, features: NDArray[np.int16]) -> NDArray[np.int32] | N
 
 @lru_cache(maxsize=16)
 def _features(channels: int, scale: int) -> NDArray[np.int16]:
-    """Weights (48, m) of a patch's 7 * 7 * K bytes, and zeros up to a multiple of 16."""
+    """Return weights (48, m) of a patch's 7 * 7 * K bytes, padded to a multiple of 16."""
     result = np.zeros((_FEATURES, _WIDTH, _WIDTH, channels), np.int16)
     for k in range(_FEATURES):
         bits = draw(0, "measure features", scale, k, np.arange(8 + channels))
@@ -105,12 +88,13 @@ def _features(channels: int, scale: int) -> NDArray[np.int16]:
             first = boxes[0]
         result[k] = first[..., None] * mixture
     flat = result.reshape(_FEATURES, -1)
-    return np.pad(flat, [(0, 0), (0, -flat.shape[1] % _AT_ONCE)])
+    return np.pad(flat, [(0, 0), (0, -flat.shape[1] % _SIMD)])
 
 
-def _quantiles(values: NDArray[np.int32]) -> Floats:
-    """(features, quantiles)."""
-    return at_quantiles(values, _QUANTILES).astype(np.float64)
+def at_quantiles(values: NDArray[np.int32], number: int) -> Floats:
+    """Return the values in the middle of `number` equal parts of each sorted row."""
+    ranks = ((np.arange(number) + 0.5) / number * values.shape[1]).astype(np.int64)
+    return np.sort(values, axis=1)[:, ranks].astype(np.float64)
 
 
 def _apart(first: Floats, second: Floats, spread: Floats) -> float:

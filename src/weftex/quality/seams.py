@@ -1,4 +1,4 @@
-"""Seams: steps between neighboring pixels that the steps beside them do not predict."""
+"""Seams: steps between neighboring pixels that the steps around them do not predict."""
 
 from __future__ import annotations
 
@@ -25,20 +25,20 @@ _LONGEST_BORDER = 2048  # pixels a side that the border of a result is compared 
 _BORDER = 2 * (_REACH + _ALONG)
 
 
-class Seams:
-    """A prediction of steps, fitted to a sample, and how surprising its own are; see `seams`.
+class StepModel:
+    """A linear prediction of steps, fitted to a sample, and how surprising its own steps are.
 
-    Parameters
-    ----------
-    sample : View
-        Where it is too small or masked too much, `able` is False.
+    The step from each pixel to the next is predicted from the 30 steps around it, in five lines,
+    by least squares. The surprise is the prediction error over the usual error where the steps
+    around are as large, averaged over 17 pixels along the line. `able` is False where the sample
+    is too small or masked too much.
     """
 
     def __init__(self, sample: View) -> None:
         self._models = [_fit(sample.gray.T, sample.usable.T), _fit(sample.gray, sample.usable)]
         self.able = all(model is not None for model in self._models)
         if self.able:
-            values = [self._along(sample, axis) for axis in (0, 1)]
+            values = [self._surprise(sample, axis) for axis in (0, 1)]
             usable = [_whole(sample.usable, axis) for axis in (0, 1)]
             self.able = all(bool(place.any()) for place in usable)
         if self.able:
@@ -51,68 +51,47 @@ class Seams:
                 for value, place, usual in zip(values, usable, self._usual, strict=True)
             ]
 
-    def _along(self, view: View, axis: int) -> Floats:
-        """The surprise at each step along an axis: its prediction error over the usual one."""
+    def fits(self, result: View) -> bool:
+        """Return whether sample and result are large enough to be measured."""
+        return self.able and min(result.shape) > _BORDER
+
+    def excess(self, result: View, axis: int) -> tuple[Floats, float]:
+        """Return the surprise above the sample's 99 % quantile, and its mean over the sample's.
+
+        Place [y, x] is the step from a pixel to the next along the axis; the outermost steps are
+        left out.
+        """
+        over = np.maximum(self._surprise(result, axis) - self._usual[axis], 0)
+        return over, float(over.mean(dtype=np.float64)) / self._own[axis]
+
+    def border(self, result: View, axis: int) -> float:
+        """Return the share of the border at which the surprise is beyond 99 % of that inside."""
+        usual = np.quantile(self._surprise(result.center(_LONGEST_BORDER), axis), _USUAL)
+        across = np.take(result.values, np.arange(-_BORDER, _BORDER), axis)
+        around = View(across, np.ones(across.shape[:2], bool), result.axis, result.sample)
+        found = self._surprise(around, axis)
+        return float((np.take(found, found.shape[axis] // 2, axis) > usual).mean())
+
+    def _surprise(self, view: View, axis: int) -> Floats:
         model = self._models[axis]
         assert model is not None
         surprise = _surprise(_steps(view.gray if axis else view.gray.T), model)
         return surprise if axis else surprise.T
 
-    def excess(self, result: View, axis: int) -> tuple[Floats, float]:
-        """Surprise above the sample's 99 % quantile, and its mean over the sample's own mean.
 
-        Place [y, x] is the step from a pixel to the next along the axis; the outermost steps are
-        left out.
-        """
-        over = np.maximum(self._along(result, axis) - self._usual[axis], 0)
-        return over, float(over.mean(dtype=np.float64)) / self._own[axis]
+def seams(model: StepModel, result: View) -> float | None:
+    """Return the mean excess of surprise of both axes: 1 is as in the sample, more has seams.
 
-    def fits(self, result: View) -> bool:
-        """Whether a result is large enough to be looked at."""
-        return min(result.shape) > _BORDER
-
-    def border(self, result: View, axis: int) -> float:
-        """The share of the border along an axis that is a seam; see `weftex.quality.wrap`."""
-        usual = np.quantile(self._along(result.center(_LONGEST_BORDER), axis), _USUAL)
-        across = np.take(result.values, np.arange(-_BORDER, _BORDER), axis)
-        beside = View(across, np.ones(across.shape[:2], bool), result.axis, result.sample)
-        found = self._along(beside, axis)
-        return float((np.take(found, found.shape[axis] // 2, axis) > usual).mean())
-
-
-def seams(model: Seams, result: View) -> float | None:
-    """Compare how often and how strongly steps are not predicted.
-
-    *Definition.* The step from each pixel to the next is predicted from the 30 steps beside it, in
-    five lines, by weights that are fitted to the sample (least squares). The surprise is the error
-    of this prediction, over the usual error where the steps beside are as large, averaged over 17
-    pixels along the line. The figure is the mean excess of the surprise over the sample's 99 %
-    quantile, divided by the same mean in that quarter of the sample that has most.
-
-    *Unit.* 1 is as many and as strong as the sample's own. *Good.* Low, up to about 2. *Blind to*
-    seams that are feathered or follow outlines, and to joints that end: what they break is not a
-    line between two pixels.
-
-    Parameters
-    ----------
-    model : Seams
-        Of the sample.
-    result : View
-        From `views`.
-
-    Returns
-    -------
-    float or None
-        Mean of both directions; None for samples and results of less than about 30 pixels.
+    Blind to seams that are feathered or follow outlines, and to joints that end.
     """
-    if not model.able or not model.fits(result):
+    if not model.fits(result):
         return None
     return float(np.mean([model.excess(result, axis)[1] for axis in (0, 1)]))
 
 
-def seam_map(model: Seams, result: View) -> Floats | None:
-    """Where the seams are, (H, W): 0 for none, 1 and more for what the sample hardly has."""
-    if not model.able or not model.fits(result):
+def seam_map(model: StepModel, result: View) -> Floats | None:
+    """Return where the seams are, (H, W): 0 for none, 1 and more for what the sample rarely has."""
+    if not model.fits(result):
         return None
     found = np.zeros(result.shape, np.float32)
     for axis in (0, 1):
@@ -123,54 +102,66 @@ def seam_map(model: Seams, result: View) -> Floats | None:
     return found
 
 
+def wrap_seam(model: StepModel, result: View, wrap: tuple[bool, bool]) -> float | None:
+    """Return the share of a tileable result's border that looks like a seam; the worse axis.
+
+    About 0.01 where nothing shows, 0.5 to 1 where a picture does not tile. None where no axis
+    wraps around, and where `seams` is None.
+    """
+    if not any(wrap) or not model.fits(result):
+        return None
+    return max(model.border(result, axis) for axis in (0, 1) if wrap[axis])
+
+
 def _steps(gray: Floats) -> Floats:
     rows = np.ascontiguousarray(gray)
     return rows[:, 1:] - rows[:, :-1]
 
 
-def _beside() -> list[tuple[int, int]]:
+def _around() -> list[tuple[int, int]]:
+    """Return the offsets (dy, dx) of the steps that predict one."""
     across = [dx for dx in range(-_REACH, _REACH + 1) if dx]
     return [(dy, dx) for dy in range(-_ROWS, _ROWS + 1) for dx in across]
 
 
 def _shifts(width: int) -> NDArray[np.int64]:
-    """The same as differences of flat indices."""
-    return np.array([dy * width + dx for dy, dx in _beside()])
+    """Return the same offsets as differences of flat indices."""
+    return np.array([dy * width + dx for dy, dx in _around()])
 
 
-def _predicted(usable: NDArray[np.bool_]) -> NDArray[np.bool_]:
-    """Where steps that have all their neighbors are usable, like these."""
+def _predictable(usable: NDArray[np.bool_]) -> NDArray[np.bool_]:
+    """Return where a step and all steps around it are usable."""
     whole = usable[:, 1:] & usable[:, :-1]
     height, width = whole.shape
     shape = max(height - 2 * _ROWS, 0), max(width - 2 * _REACH, 0)
     place = np.ones(shape, bool)
     if 0 not in shape and not usable.all():
-        for dy, dx in (*_beside(), (0, 0)):
+        for dy, dx in (*_around(), (0, 0)):
             rows = slice(_ROWS + dy, _ROWS + dy + shape[0])
             place &= whole[rows, _REACH + dx : _REACH + dx + shape[1]]
     return place
 
 
 def _fit(gray: Floats, usable: NDArray[np.bool_]) -> Model | None:
-    """Fit the weights of the steps beside; mean squared errors by the activity of these steps."""
+    """Fit the weights of the steps around; return them, and mean squared errors by activity."""
     height, width = gray.shape
     if height <= 2 * _ROWS + _ALONG or width <= 2 * _REACH + 2 * _ALONG:
         return None
-    place = _predicted(usable)
+    place = _predictable(usable)
     places = some(np.flatnonzero(place), _LEARN, "steps")
     if len(places) < 200:
         return None
     y, x = np.divmod(places, place.shape[1])
     steps = _steps(gray)
     at = (y + _ROWS) * steps.shape[1] + x + _REACH
-    step, shifts = steps.ravel()[at].astype(np.float64), _shifts(steps.shape[1])
-    beside, gram = np.empty((len(at), len(shifts))), np.zeros((len(shifts), len(shifts)))
-    kernels.beside(steps, at, shifts, beside, gram)
-    ridge = 1e-4 * np.trace(gram) / len(gram) + len(places) / 12  # the rounding to bytes
+    step = steps.ravel()[at].astype(np.float64)
+    around = steps.ravel()[at[:, None] + _shifts(steps.shape[1])].astype(np.float64)
     # Not by matrix products, whose order of summation is not the same everywhere.
-    weights = np.linalg.solve(gram + ridge * np.eye(len(gram)), np.einsum("ni,n->i", beside, step))
-    left = (step - np.einsum("ni,i->n", beside, weights)) ** 2
-    activity = (beside**2).mean(axis=1)
+    gram = np.einsum("ni,nj->ij", around, around)
+    ridge = 1e-4 * np.trace(gram) / len(gram) + len(places) / 12  # the rounding to bytes
+    weights = np.linalg.solve(gram + ridge * np.eye(len(gram)), np.einsum("ni,n->i", around, step))
+    left = (step - np.einsum("ni,i->n", around, weights)) ** 2
+    activity = (around**2).mean(axis=1)
     order = np.argsort(activity, kind="stable")
     bins = np.array_split(order, min(24, len(places) // 50))
     knots = np.array([activity[part].mean() for part in bins])
@@ -179,7 +170,7 @@ def _fit(gray: Floats, usable: NDArray[np.bool_]) -> Model | None:
 
 
 def _surprise(steps: Floats, model: Model) -> Floats:
-    """The prediction error of each step over the usual one at its activity; means along lines."""
+    """Return the prediction error of each step over the usual one; means along lines."""
     weights, knots, usual = model
     height, width = steps.shape[0] - 2 * _ROWS - 2 * _ALONG, steps.shape[1] - 2 * _REACH
     scratch, sums = np.empty((2, width), np.float32), np.zeros((2 * _ALONG + 1, width))
@@ -190,14 +181,14 @@ def _surprise(steps: Floats, model: Model) -> Floats:
 
 
 def _whole(usable: NDArray[np.bool_], axis: int) -> NDArray[np.bool_]:
-    """Places of `Seams._along` whose steps, and all that predict them, are usable."""
-    place, full = _predicted(usable if axis else usable.T), 2 * _ALONG + 1
+    """Return where the averaged steps, and all that predict them, are usable."""
+    place, full = _predictable(usable if axis else usable.T), 2 * _ALONG + 1
     inside = centered_sums(place, _ALONG, (0,))[_ALONG:-_ALONG] > full - 0.5
     return inside if axis else inside.T
 
 
 def _own_rate(over: Floats, place: NDArray[np.bool_]) -> float:
-    """The mean in the quarter of the sample that has most, as all of a result may look like it."""
+    """Return the mean of the sample's worst quarter, as all of a result may look like it."""
     rows, columns = (np.array_split(np.arange(side), 2) for side in over.shape)
     rates = [1e-3]
     for y in rows:

@@ -1,48 +1,11 @@
 # mypy: ignore-errors
-"""Kernels that predict steps from those beside them; compiled by Cython, see setup.py.
+"""Kernel that predicts steps from those around them; compiled by Cython, see setup.py.
 
 Sums are taken in one order, without fused products, so they are the same on every machine.
 """
 
 import cython
 from cython.cimports.libc.math import sqrt
-
-
-def beside(
-    steps: cython.const[cython.float][:, ::1],
-    places: cython.const[cython.longlong][::1],
-    shifts: cython.const[cython.longlong][::1],
-    out: cython.double[:, ::1],
-    gram: cython.double[:, ::1],
-):
-    """Gather the steps at some shifts from each place, and the sums of their products.
-
-    Parameters
-    ----------
-    steps : float32 array (H, W)
-    places : int64 array (n,)
-        Flat indices.
-    shifts : int64 array (k,)
-        What is added to these.
-    out : float64 array (n, k)
-    gram : float64 array (k, k)
-        Zeros, to which products are added.
-    """
-    cython.declare(i=cython.Py_ssize_t, j=cython.Py_ssize_t, k=cython.Py_ssize_t)
-    cython.declare(row=cython.p_double, sums=cython.p_double, one=cython.double)
-    cython.declare(here=cython.p_const_float)
-    number: cython.Py_ssize_t = shifts.shape[0]
-    with cython.nogil:
-        for i in range(places.shape[0]):
-            row = cython.address(out[i, 0])
-            here = cython.address(steps[0, 0]) + places[i]
-            for k in range(number):
-                row[k] = here[shifts[k]]
-            for j in range(number):
-                one = row[j]
-                sums = cython.address(gram[j, 0])
-                for k in range(number):
-                    sums[k] += one * row[k]
 
 
 @cython.cfunc
@@ -53,7 +16,7 @@ def between(
     knots: cython.const[cython.double][::1],
     values: cython.const[cython.double][::1],
 ) -> cython.double:
-    """The value at x of lines from knot to knot, as `numpy.interp` has it."""
+    """Return the value at x of lines from knot to knot, as `numpy.interp` does."""
     cython.declare(low=cython.Py_ssize_t, high=cython.Py_ssize_t, k=cython.Py_ssize_t)
     high = knots.shape[0] - 1
     if x <= knots[0]:
@@ -84,24 +47,12 @@ def surprise(
     sums: cython.double[:, ::1],
     out: cython.float[:, ::1],
 ):
-    """Say how far steps are from what is predicted, over what is usual; means down the columns.
+    """Write the prediction errors of steps over the usual ones, averaged down the columns.
 
-    Parameters
-    ----------
-    steps : float32 array (H, W)
-    shifts : int64 array (k,)
-        Where the steps that predict one lie, as differences of flat indices.
-    weights : float32 array (k,)
-        Of these.
-    knots, usual : float64 arrays (n,)
-        The mean square of the steps beside, and the usual square of the error there.
-    top, side : int
-        Rows above and below, and columns to either side, whose steps are not predicted.
-    left : float32 array (2, W - 2 * side)
-        Scratch.
-    sums : float64 array (m, W - 2 * side)
-        Scratch, of zeros; m rows are averaged.
-    out : float32 array (H - 2 * top - m + 1, W - 2 * side)
+    `shifts` are flat offsets of the k steps that predict one, `weights` theirs; `knots` and
+    `usual` (n,) the mean square of those steps, and the usual squared error there. `top` rows and
+    `side` columns at the borders are not predicted. `left` (2, W - 2 * side) and `sums` (m, W - 2
+    * side), zeros, are scratch; m rows are averaged.
     """
     cython.declare(y=cython.Py_ssize_t, x=cython.Py_ssize_t, k=cython.Py_ssize_t)
     cython.declare(here=cython.p_const_float, weight=cython.float, step=cython.float)
@@ -126,7 +77,7 @@ def surprise(
                     step = here[x]
                     error[x] -= weight * step
                     activity[x] += step * step
-            # Sums of all rows so far, less those of so many rows ago.
+            # The sum of all rows so far, less that of `pooled` rows ago.
             last = cython.address(sums[y % pooled, 0])
             before = cython.address(sums[(y + 1) % pooled, 0])
             for x in range(columns):

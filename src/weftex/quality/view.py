@@ -1,4 +1,4 @@
-"""What the measures look at: a sample and a result as bytes in the same terms."""
+"""A picture as the measures see it: bytes, in the same terms for sample and result."""
 
 from __future__ import annotations
 
@@ -25,9 +25,9 @@ if TYPE_CHECKING:
 
 Kind = TypeVar("Kind", bound=np.generic)
 
-_LARGEST_TRANSFORM = 640  # pixels a side that measures which need transforms look at
-_ROOM = 2  # pixels around a shift in which the correlation there is looked for
-_SMOOTH = 4  # the mean over a square of this share of the side is slow lighting
+_LARGEST_TRANSFORM = 640  # pixels a side of which the autocorrelation is taken
+_MARGIN = 2  # pixels around a shift in which the highest correlation is taken
+_SMOOTH = 4  # slow lighting is the mean over a square of 1 / 4 of the side
 
 
 @dataclass(frozen=True, eq=False)
@@ -39,7 +39,7 @@ class View:
     values : uint8 array (H, W, K)
         As `Exemplar.as_matching` makes them: alpha multiplied in, other depths as bytes.
     usable : bool array (H, W)
-        Where the sample may be used; everywhere in a result.
+        Where the sample may be used; True everywhere in a result.
     axis : int64 array (K,)
         The color direction in which the sample varies most, in whole numbers.
     sample : (int, int)
@@ -63,7 +63,7 @@ class View:
 
     @cached_property
     def masked(self) -> bool:
-        """Whether there is anything that may not be used."""
+        """Whether any pixel may not be used."""
         return not bool(self.usable.all())
 
     @cached_property
@@ -77,7 +77,7 @@ class View:
 
     @cached_property
     def flat(self) -> NDArray[np.float32]:
-        """`gray` less slow lighting: the mean around each pixel; 0 where it may not be used."""
+        """`gray` less slow lighting, the mean around each pixel; 0 where it may not be used."""
         radius = max(1, self.side // (2 * _SMOOTH))
         if self.masked:
             share = self.usable.astype(np.float64)
@@ -90,21 +90,21 @@ class View:
 
     @cached_property
     def correlation(self) -> Floats:
-        """`flat` correlated with itself at shifts of up to half the sample, none in the middle.
+        """Autocorrelation of `flat` up to half the sample, shift 0 in the middle of the array.
 
-        Of a large picture, its center.
+        Of a large picture that of its center.
         """
         part = self.center(_LARGEST_TRANSFORM)
         mask, (y, x) = part.usable if part.masked else None, self.sample
-        return correlate(part.flat, first_mask=mask, reach=(y // 2 + _ROOM, x // 2 + _ROOM))
+        return correlate(part.flat, first_mask=mask, reach=(y // 2 + _MARGIN, x // 2 + _MARGIN))
 
     def part(self, top: int, left: int, height: int, width: int) -> View:
-        """A part of the picture."""
+        """Return a part of the picture."""
         box = slice(top, top + height), slice(left, left + width)
         return View(self.values[box], self.usable[box], self.axis, self.sample)
 
     def center(self, widest: int) -> View:
-        """The middle of a picture with longer sides than this."""
+        """Return the middle of a picture with longer sides than `widest`."""
         if max(self.shape) <= widest:
             return self
         shape = (min(self.shape[0], widest), min(self.shape[1], widest))
@@ -112,7 +112,7 @@ class View:
 
     @cached_property
     def halves(self) -> tuple[tuple[View, View], ...]:
-        """Upper and lower half, and left and right half."""
+        """Upper and lower half; left and right half."""
         height, width = self.shape
         y, x = height // 2, width // 2
         return (
@@ -121,7 +121,7 @@ class View:
         )
 
     def pyramid(self, count: int) -> list[View]:
-        """The picture and its coarser versions, each of half the size."""
+        """Return the picture and its coarser levels, each of half the size."""
         levels = [self]
         while len(levels) < count:
             levels.append(levels[-1].coarser)
@@ -136,38 +136,26 @@ class View:
 
 
 def middle(values: NDArray[Kind], shape: tuple[int, int]) -> NDArray[Kind]:
-    """The part of this height and width in the middle."""
+    """Return the part of this height and width in the middle."""
     top, left = ((side - size) // 2 for side, size in zip(values.shape, shape, strict=False))
     return values[top : top + shape[0], left : left + shape[1]]
 
 
 def views(sample: Exemplar, result: NDArray[Any]) -> tuple[View, View]:
-    """Make views of a sample and of a result of it.
-
-    Raises
-    ------
-    InvalidInputError
-        If the result is no picture, or has other channels or another dtype than the sample.
-
-    Examples
-    --------
-    >>> sample = Exemplar(np.zeros((4, 6, 3), np.uint8))
-    >>> [view.shape for view in views(sample, np.zeros((8, 9, 3), np.uint8))]
-    [(4, 6), (8, 9)]
-    """
+    """Return the views of a sample and of a result; refuses other channels or another dtype."""
     own = view_of(sample)
     return own, view_beside(own, sample, result)
 
 
 def view_of(sample: Exemplar) -> View:
-    """Make a view of a sample."""
+    """Return the view of a sample."""
     values = sample.as_matching(sample.pixels)
     usable = np.ones(sample.shape, bool) if sample.mask is None else sample.mask
     return View(values, usable, _axis(values[usable]), sample.shape)
 
 
 def view_beside(own: View, sample: Exemplar, result: NDArray[Any]) -> View:
-    """Make a view of a result, beside that of its sample; see `views`."""
+    """Return the view of a result, given that of its sample; see `views`."""
     pixels = check_pixels(result, "result")
     theirs = sample.pixels
     if (pixels.shape[2:] or (1,)) != (theirs.shape[2:] or (1,)) or pixels.dtype != theirs.dtype:
@@ -182,7 +170,7 @@ def view_beside(own: View, sample: Exemplar, result: NDArray[Any]) -> View:
 
 
 def _axis(pixels: NDArray[np.uint8]) -> NDArray[np.int64]:
-    """The first principal component of the colors, in whole numbers up to 127."""
+    """Return the first principal component of the colors, as integers up to 127."""
     levels, count = np.ascontiguousarray(pixels.T, np.float64), len(pixels)
     levels -= np.rint(levels.mean(axis=1, keepdims=True))
     sums = levels.sum(axis=1)  # whole numbers, like the products: the same in any order
@@ -197,12 +185,12 @@ def _axis(pixels: NDArray[np.uint8]) -> NDArray[np.int64]:
 
 
 def window_corners(usable: NDArray[np.bool_], width: int) -> NDArray[np.int64]:
-    """Flat indices of the upper left corners of all windows that are wholly usable."""
+    """Return the flat indices of the upper left corners of all usable windows."""
     return np.flatnonzero(whole_windows(usable, (0, width - 1, 0, width - 1)))
 
 
 def some(places: NDArray[np.int64], count: int, purpose: str) -> NDArray[np.int64]:
-    """At most `count` of the places, the same in every run."""
+    """Return at most `count` of the places, the same in every run."""
     if len(places) <= count:
         return places
     bits = draw(0, f"measure {purpose}", np.arange(count))
@@ -210,15 +198,7 @@ def some(places: NDArray[np.int64], count: int, purpose: str) -> NDArray[np.int6
 
 
 def over_halves(sample: View, distance: Callable[[View, View], float | None]) -> float | None:
-    """The mean distance between the sample's halves: what two pieces of the material differ by."""
+    """Return the mean distance between the sample's halves."""
     found = [distance(first, second) for first, second in sample.halves]
     known = [value for value in found if value is not None]
     return float(np.mean(known)) if known else None
-
-
-def relative(
-    sample: View, result: View, distance: Callable[[View, View], float | None], floor: float
-) -> float | None:
-    """Distance of result and sample over the distance of the sample's halves."""
-    own, made = over_halves(sample, distance), distance(sample, result)
-    return None if own is None or made is None else made / max(own, floor)

@@ -1,4 +1,4 @@
-"""The best of several outputs, by the score of `weftex.quality.sets`."""
+"""The best of several outputs, by the score of the color and all maps."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 from weftex.errors import InvalidInputError, shown
 from weftex.progress import Progress
-from weftex.quality.sets import Eyes
+from weftex.quality.score import MapsScorer
 from weftex.random import seed_number
 from weftex.tasks.method_names import AUTO, make_method
 
@@ -24,19 +24,9 @@ _MOST_TRIES = 1000
 
 
 def tries(method: Method, count: int | Sequence[str | Method]) -> list[tuple[Method, int]]:
-    """Each method that is to be tried, and how far its seed is from the first.
+    """Return the methods to try, each with what is added to the first seed.
 
-    Parameters
-    ----------
-    method : Method
-        What is tried with several seeds.
-    count : int, or sequence of str and Method
-        How many seeds, or what is tried in its place, each with the same seed.
-
-    Raises
-    ------
-    InvalidInputError
-        If it is no such number, no list of methods, or a list beside a method that was chosen.
+    `count` is a number of seeds, or a list of methods that are tried with one seed.
     """
     if isinstance(count, int) and not isinstance(count, bool):
         if not 1 <= count <= _MOST_TRIES:
@@ -49,9 +39,7 @@ def tries(method: Method, count: int | Sequence[str | Method]) -> list[tuple[Met
             f"best_of is {shown(count)}; it must be from 1 to {_MOST_TRIES}, or a list of methods"
         )
     if method.slug != AUTO:
-        raise InvalidInputError(
-            f"the methods to try are those of best_of; name {method.slug} there and not beside it"
-        )
+        raise InvalidInputError(f"best_of lists the methods to try; add {method.slug} to that list")
     return [(make_method(one, {}), 0) for one in count]
 
 
@@ -64,26 +52,9 @@ def best_of(
     threads: int | None = None,
     progress: ProgressCallback | None = None,
 ) -> Synthesis:
-    """Make several outputs and keep the one with the best score; of equal ones the first.
+    """Make several outputs and return the one with the best score, the first of equal ones.
 
-    Maps count, see `weftex.quality.sets.Eyes`.
-
-    Parameters
-    ----------
-    tried : sequence of (Method, int)
-        From `tries`.
-    exemplar : Exemplar
-        The sample.
-    canvas : Canvas
-        What to make.
-    seed, threads, progress
-        As for `weftex.synthesize`; progress counts outputs, and is also asked within each.
-
-    Returns
-    -------
-    Synthesis
-        Its provenance has its own method and seed, and under "best_of" the scores of all and
-        `told`, a line.
+    Its provenance has its own method and seed, and in "best_of" all scores and a line about them.
 
     Examples
     --------
@@ -104,7 +75,7 @@ def best_of(
     made_by: dict[str, Synthesis] = {}  # the best so far
     scores: dict[str, float | None] = {}
     fitted: Method | None = None
-    eyes = Eyes(exemplar)
+    scorer = MapsScorer(exemplar)
     steps = Progress(
         progress, len(tried), "outputs", lambda: made_by[kept].image if made_by else None
     )
@@ -112,7 +83,7 @@ def best_of(
         if method is not fitted:
             model, fitted = method.fit(exemplar), method
         made = model.sample(canvas, seed=number, threads=threads, progress=steps.within())
-        scores[name] = eyes.score(made)
+        scores[name] = scorer.score(made)
         if not made_by or _key(scores[name]) < _key(scores[kept]):
             kept, made_by = name, {name: made}
         steps.advance(1)
@@ -123,7 +94,7 @@ def best_of(
 
 
 def _distinct(names: list[str]) -> list[str]:
-    """The same method with other parameters gets a number."""
+    """Return distinct names: the same method with other parameters gets a number."""
     count = [names[:k].count(name) for k, name in enumerate(names)]
     return [f"{name} {k + 1}" if k else name for name, k in zip(names, count, strict=True)]
 

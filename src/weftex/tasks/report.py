@@ -1,4 +1,4 @@
-"""How good a result is, as a page to read: pictures, maps of where it fails, every figure."""
+"""A report on how good a result is: pictures, maps of where it fails, every figure."""
 
 from __future__ import annotations
 
@@ -7,18 +7,15 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from weftex.analysis.lattice import find_lattice
 from weftex.errors import InvalidInputError, shown
 from weftex.exemplar import Exemplar, check_pixels
 from weftex.loading import load_exemplar
 from weftex.pages.html import as_shown
 from weftex.pages.report import MapReport, Report
-from weftex.quality.assess import LARGEST_MEASURED, assess, made_from, measured
+from weftex.quality.assess import LARGEST_MEASURED, assess, made_from, measured, real_crops
 from weftex.quality.copying import check_source
-from weftex.quality.repetition import repetition, repetition_map
-from weftex.quality.seams import Seams, seam_map
+from weftex.quality.seams import StepModel, seam_map
 from weftex.quality.view import middle, views
-from weftex.quality.yardstick import real_crops
 from weftex.results.synthesis import Synthesis
 from weftex.turns import as_made_from
 
@@ -31,8 +28,8 @@ if TYPE_CHECKING:
 
     Bytes = NDArray[np.uint8]
 
-_SEAM = 0.5  # surprise beyond the usual that is drawn in full
-_SAME = 2.0  # levels; a picture further than this from what its source gives is another one
+_SEAM = 0.5  # surprise beyond the usual that is drawn at full strength
+_SAME = 2.0  # levels; a picture further than this from that of its source is another one
 
 
 def report(
@@ -42,7 +39,7 @@ def report(
     *,
     tileable: bool | tuple[bool, bool] | None = None,
 ) -> Report:
-    """Say how good a result is, with pictures of where it fails.
+    """Measure how good a result is, with pictures of where it fails.
 
     Parameters
     ----------
@@ -53,8 +50,7 @@ def report(
     source : Synthesis, path or array (H, W, 2), optional
         Where each pixel comes from: what `Synthesis.save` wrote, or `Synthesis.source`.
     tileable : bool or (bool, bool), optional
-        Whether the vertical and the horizontal axis are to repeat; by default what the source
-        says.
+        Whether the vertical and the horizontal axis wrap around; by default as the source says.
 
     Raises
     ------
@@ -69,7 +65,7 @@ def report(
     >>> made = weftex.synthesize("sample:weave", 128, method="quilting", seed=1)
     >>> found = report("sample:weave", made)
     >>> found.assessment.flags, sorted(found.maps), "<img" in found.html()
-    ((), ['repetition', 'seams', 'source', 'use'], True)
+    ((), ['seams', 'source', 'use'], True)
     """
     pair = isinstance(tileable, tuple) and [*map(type, tileable)] == [bool, bool]
     if not (tileable is None or isinstance(tileable, bool) or pair):
@@ -108,15 +104,15 @@ def report(
     found = measured(exemplar, pixels, source, pictured, wraps)
     same = {name: _same_map(name, made_maps) for name in exemplar.maps}
     if source is None:
-        notes.append("Without a source it is not known what was copied from where.")
+        notes.append("Without a source, the figures of copying cannot be measured.")
     if max(pixels.shape[:2]) > LARGEST_MEASURED:
         notes.append(
-            f"Of this large result the middle, {LARGEST_MEASURED} pixels a side, was looked at."
+            f"The result is large: only its middle, {LARGEST_MEASURED} pixels a side, was measured."
         )
     if made_maps:
         notes += [f"The result has no {name}." for name, other in same.items() if other is None]
     if min(exemplar.shape) < 64:
-        notes.append("The sample is so small that its halves say little.")
+        notes.append("The sample is small, so its halves are a weak reference.")
     return Report(
         sample=as_shown(exemplar, exemplar.pixels),
         result=as_shown(exemplar, pixels),
@@ -136,13 +132,13 @@ def report(
 
 
 def _same_map(name: str, made: Collection[str]) -> str | None:
-    """The name that a map has in the result: its own, or of normals that of any normals."""
+    """Return the name of a map in the result; normals of either convention match."""
     normals = [other for other in made if {name, other} <= {"normal", "normal_gl", "normal_dx"}]
     return name if name in made else next(iter(normals), None)
 
 
 def _of_map(own: Exemplar, made: NDArray[Any], tileable: bool | tuple[bool, bool]) -> MapReport:
-    """A map of the result beside that of the sample; what was copied is said of the picture."""
+    """Measure a map of the result; the figures of copying are those of the picture."""
     found = assess(own, made, tileable=tileable)
     return MapReport(as_shown(own, own.pixels), as_shown(own, made), found)
 
@@ -152,18 +148,18 @@ def _size(shape: tuple[int, ...]) -> str:
 
 
 def _another(source: Synthesis, exemplar: Exemplar, pixels: NDArray[Any]) -> list[str]:
-    """A note if the picture is not what its source gives."""
+    """Return a note if the picture differs from that of its source."""
     if source.canvas.hole is not None:
         return []
     given = source.render(exemplar)
     if given.shape != pixels.shape or given.dtype != pixels.dtype:
-        return []  # what is wrong is said later, in other words
+        return []  # refused later, in other words
     levels = (exemplar.as_matching(part).astype(np.int16) for part in (given, pixels))
     apart = float(abs(np.subtract(*levels)).mean())
     if apart <= _SAME:
         return []
-    text = f"the picture that the source gives: they differ by {apart:.1f} levels in the mean"
-    return [f"The result is not {text}. What is said of copying may not hold for it."]
+    text = f"The result differs from the picture of its source by {apart:.1f} levels on average"
+    return [f"{text}, so the figures of copying may not hold."]
 
 
 def fault_maps(
@@ -172,23 +168,10 @@ def fault_maps(
     source: NDArray[Any] | None,
     pictured: Exemplar | None = None,
 ) -> dict[str, Bytes]:
-    """Draw where a result fails: the pictures of a `Report`, by their names.
+    """Return pictures of where a result fails, uint8 (h, w, 3), by name; see `Report.maps`.
 
-    Parameters
-    ----------
-    exemplar : Exemplar
-        The sample.
-    pixels : array (H, W) or (H, W, C)
-        The result.
-    source : int array (H, W, 2) or None
-        See `report`.
-    pictured : Exemplar, optional
-        What the source has places in, if that is a picture of the sample's copies.
-
-    Returns
-    -------
-    dict of str to uint8 array (h, w, 3)
-        Of the middle of large results; `use` is of the sample.
+    `pictured` is what the source refers to, if that is a picture of the sample's oriented copies.
+    Of large results the middle is drawn.
     """
     shape = (min(pixels.shape[0], LARGEST_MEASURED), min(pixels.shape[1], LARGEST_MEASURED))
     pictured = exemplar if pictured is None else pictured
@@ -198,14 +181,9 @@ def fault_maps(
     own, made = views(exemplar, pixels)
     picture = as_shown(exemplar, pixels)
     maps = {}
-    seams = seam_map(Seams(own), made)
+    seams = seam_map(StepModel(own), made)
     if seams is not None:
         maps["seams"] = _marked(picture, np.minimum(seams / _SEAM, 1), (255, 40, 0))
-    found = repetition(own, made, find_lattice(exemplar))
-    if found is not None:
-        strength = repetition_map(own, made, found.shifts)
-        if strength is not None:
-            maps["repetition"] = _marked(picture, strength, (255, 0, 200))
     if source is not None:
         known = source[..., 0] >= 0
         scale = 255 / np.maximum(np.array(pictured.shape) - 1, 1)
@@ -226,7 +204,7 @@ def fault_maps(
 def _marked(
     picture: Bytes, strength: NDArray[Any], color: tuple[int, int, int], keep: float = 0.6
 ) -> Bytes:
-    """The picture in gray, or as it is, with a color over it where the strength is."""
+    """Return the picture, in gray for `keep` below 1, with a color blended in by strength."""
     base = picture.astype(np.float64)
     if keep < 1:
         base = np.repeat(255 - (255 - base.mean(axis=2, keepdims=True)) * keep, 3, axis=2)

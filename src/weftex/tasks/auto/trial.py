@@ -107,10 +107,10 @@ def best_of_choices(
     Choice, Synthesis
         With the scores in its reason.
     """
-    from weftex.quality.eye import Eye  # most choices need none
+    from weftex.quality.score import Scorer  # most choices need none
 
-    eye, kept, best = Eye(exemplar), make(choices[0]), choices[0]
-    score = eye.score(kept.image)
+    scorer, kept, best = Scorer(exemplar), make(choices[0]), choices[0]
+    score = scorer.score(kept.image)
     first, tried = score, []
     for choice in choices[1:]:
         if score is None or first is None:
@@ -119,7 +119,7 @@ def best_of_choices(
             made = make(choice)
         except InvalidInputError:
             continue
-        other = eye.score(made.image)
+        other = scorer.score(made.image)
         assert other is not None  # of one size, and the first has a score
         tried.append(f"{choice.method} {other:.2f}")
         if other < min(first - MARGIN, score):

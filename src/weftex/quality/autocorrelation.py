@@ -1,4 +1,4 @@
-"""Lattice kept: whether the result repeats at the vectors at which the sample does."""
+"""Autocorrelation at short shifts, and at the vectors of the sample's lattice."""
 
 from __future__ import annotations
 
@@ -6,12 +6,17 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from weftex.quality.view import View, over_halves
+
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from weftex.analysis.lattice import Lattice
-    from weftex.quality.view import View
 
+    Floats = NDArray[np.float64]
+
+_LAGS = 64  # pixels
+_SAME = 0.02  # of correlations, which differ so much by chance
 _CONFIDENCE = 0.5  # a lattice of less is not looked for in the result
 _MULTIPLES = 3
 _STEADY = 0.4  # of the sample's contrast, which its halves must have
@@ -19,29 +24,36 @@ _ROWS = 3  # rows that the sample must hold: fewer are no order
 _FAINT = 0.08  # contrast of correlations, which the sample must have
 
 
+def autocorrelation_distance(sample: View, result: View) -> float | None:
+    """Return the distance of autocorrelations at short shifts; 1 is that of the sample's halves.
+
+    The root mean square difference of the normalized autocorrelations (slow lighting subtracted)
+    at shifts of up to a quarter of the sample's side, at most 64 pixels.
+    """
+    reach = min(_LAGS, min(sample.shape) // 4, min(result.shape) - 1)
+    if reach < 2:
+        return None
+
+    def apart(first: View, second: View) -> float:
+        parts = [_at_short_shifts(view, reach) for view in (first, second)]
+        return float(np.sqrt(np.mean((parts[0] - parts[1]) ** 2)))
+
+    own = over_halves(sample, apart)
+    return None if own is None else apart(sample, result) / max(own, _SAME)
+
+
+def _at_short_shifts(view: View, reach: int) -> Floats:
+    """Return the correlation at shifts of up to `reach` pixels, without the mirror image."""
+    y, x = (side // 2 for side in view.correlation.shape)
+    return view.correlation[y : y + reach + 1, x - reach : x + reach + 1]
+
+
 def lattice_kept(sample: View, result: View, lattice: Lattice | None) -> float | None:
-    """Say how much of the sample's lattice is left.
+    """Return how periodic the result is at the sample's lattice: 1 as the sample, 0 not at all.
 
-    *Definition.* At the multiples of the lattice's vectors, up to three and up to half the
-    sample's size, the highest correlation with itself within two pixels, less that half-way
-    between multiples; its sum in the result over its sum in the sample.
-
-    *Unit.* Share: 1 is as strongly periodic as the sample, 0 is not periodic. *Good.* High;
-    somewhat above 1 where a result is more regular than the sample. *Blind to* order over more
-    than three repetitions, and to what repeats: a lattice of blurs is one.
-
-    Parameters
-    ----------
-    sample, result : View
-        From `views`.
-    lattice : Lattice or None
-        From `weftex.analysis.lattice.find_lattice`.
-
-    Returns
-    -------
-    float or None
-        None without a lattice of confidence 0.5, for rows of which the sample holds fewer than
-        three, where the sample's halves hardly have it, and for results smaller than its vectors.
+    At multiples of the vectors, up to three and half the sample's size: the highest correlation
+    within two pixels, less that half-way between multiples; in the result over in the sample.
+    None without a sure and steady lattice, and for results smaller than its vectors.
     """
     if lattice is None or lattice.confidence < _CONFIDENCE:
         return None
@@ -61,17 +73,17 @@ def lattice_kept(sample: View, result: View, lattice: Lattice | None) -> float |
 
 
 def _contrast(view: View, lattice: Lattice, sample: tuple[int, int]) -> float | None:
-    """The correlation at multiples that lie in half the sample, less that between them."""
+    """Return the correlation at multiples within half the sample, less that between them."""
     limit = np.minimum(np.array(sample) // 2, 0.75 * np.array(view.shape))[::-1]
     multiples, between = (places[(abs(places) < limit).all(axis=1)] for places in _places(lattice))
     if not len(multiples) or not len(between):
         return None
-    at = _at(view.correlation, multiples, 2).mean() - _at(view.correlation, between, 0).mean()
-    return float(at)
+    at = _highest(view.correlation, multiples, 2).mean()
+    return float(at - _highest(view.correlation, between, 0).mean())
 
 
-def _places(lattice: Lattice) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """Multiples of the vectors as (x, y), and what is half-way between them."""
+def _places(lattice: Lattice) -> tuple[Floats, Floats]:
+    """Return multiples of the vectors as (x, y), and the places half-way between them."""
     vectors = np.array(lattice.vectors)
     steps = np.arange(-_MULTIPLES, _MULTIPLES + 1)
     if len(vectors) == 1:
@@ -83,10 +95,8 @@ def _places(lattice: Lattice) -> tuple[NDArray[np.float64], NDArray[np.float64]]
     return times @ vectors, halves @ vectors
 
 
-def _at(
-    correlation: NDArray[np.float64], places: NDArray[np.float64], reach: int
-) -> NDArray[np.float64]:
-    """The highest correlation around each place."""
+def _highest(correlation: Floats, places: Floats, reach: int) -> Floats:
+    """Return the highest correlation within `reach` of each place."""
     side = np.arange(-reach, reach + 1)
     x, y = np.rint(places).astype(int).T
     rows = (y + correlation.shape[0] // 2)[:, None, None] + side[:, None]
@@ -95,5 +105,5 @@ def _at(
         index.clip(0, limit - 1)
         for index, limit in zip((rows, columns), correlation.shape, strict=True)
     )
-    highest: NDArray[np.float64] = correlation[rows, columns].max(axis=(1, 2))
+    highest: Floats = correlation[rows, columns].max(axis=(1, 2))
     return highest

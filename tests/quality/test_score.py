@@ -1,4 +1,4 @@
-"""The score: what it sees, its twin, and what it is defined for."""
+"""The score: what it orders, its twin, and which pictures it is defined for."""
 
 from __future__ import annotations
 
@@ -6,7 +6,6 @@ import importlib.util
 import math
 import sys
 import warnings
-from dataclasses import asdict
 from pathlib import Path
 
 import numpy as np
@@ -14,8 +13,8 @@ import pytest
 
 import weftex
 from weftex.exemplar import Exemplar
-from weftex.quality.eye import WEIGHTS, Eye, Windows, nearest, terms, weigh
 from weftex.quality.figures import FIGURES
+from weftex.quality.score import WEIGHTS, Scorer, Windows, nearest, terms, weigh
 from weftex.quality.view import views
 
 ROOT = Path(__file__).parents[2]
@@ -46,20 +45,20 @@ def scrambled(pixels, side, rng):
 @pytest.mark.parametrize("name", ["bricks", "pebbles", "weave"])
 def test_whole_is_better_than_scrambled(name, rng):
     sample = weftex.load_exemplar(f"sample:{name}").pixels[:192, :192]
-    eye = Eye(Exemplar(sample))
+    scorer = Scorer(Exemplar(sample))
     whole = weftex.synthesize(sample, 384, method="quilting", seed=1).image
-    assert eye.score(sample) < eye.score(whole) < eye.score(scrambled(sample, 48, rng))
+    assert scorer.score(sample) < scorer.score(whole) < scorer.score(scrambled(sample, 48, rng))
 
 
 @pytest.mark.parametrize("name", ["pebbles", "wood"])
 def test_variety_is_better_than_tiles(name):
     sample = weftex.load_exemplar(f"sample:{name}").pixels[:128, :128]
-    eye = Eye(Exemplar(sample))
-    tiled = eye.look(views(eye.exemplar, np.tile(sample[:64, :64], (4, 4, 1)))[1])
+    scorer = Scorer(Exemplar(sample))
+    tiled = scorer.windows(views(scorer.exemplar, np.tile(sample[:64, :64], (4, 4, 1)))[1])
     made = weftex.synthesize(sample, 256, method="quilting", seed=1).image
-    varied = eye.look(views(eye.exemplar, made)[1])
-    assert varied.alike < 0.5 < 1 < tiled.alike
-    assert varied.uneven < tiled.uneven
+    varied = scorer.windows(views(scorer.exemplar, made)[1])
+    assert varied["alike"] < 0.5 < 1 < tiled["alike"]
+    assert varied["uneven"] < tiled["uneven"]
 
 
 @pytest.mark.parametrize("least", [0, 3])
@@ -89,12 +88,12 @@ def test_the_nearest_windows_by_definition(rng):
     sample = rng.integers(0, 256, (30, 33, 3), np.uint8)
     picture = rng.integers(0, 256, (27, 31, 3), np.uint8)
     picture[5:19, 4:22] = sample[8:22, 10:28]
-    eye, width = Eye(Exemplar(sample)), 10
-    found = eye.look(views(eye.exemplar, picture)[1])
+    scorer, width = Scorer(Exemplar(sample)), 10
+    found = scorer.windows(views(scorer.exemplar, picture)[1])
 
     def windows(of):
         return [
-            ((y, x), (of[y : y + width, x : x + width].astype(int) >> eye._shift).ravel())
+            ((y, x), (of[y : y + width, x : x + width].astype(int) >> scorer._shift).ravel())
             for y in range(of.shape[0] - width + 1)
             for x in range(of.shape[1] - width + 1)
         ]
@@ -107,7 +106,7 @@ def test_the_nearest_windows_by_definition(rng):
     table = apart(made, own)
     nearest, source = table.min(axis=1), [own[k][0] for k in table.argmin(axis=1)]
     assert nearest[5 * 22 + 4] == 0 and source[5 * 22 + 4] == (8, 10)
-    seen = 0.05 * sample.reshape(-1, 3).var(axis=0).mean() / 4**eye._shift + 0.05
+    seen = 0.05 * sample.reshape(-1, 3).var(axis=0).mean() / 4**scorer._shift + 0.05
     usual = []
     for axis, side in ((0, 30), (1, 33)):
         first = [one for one in own if one[0][axis] + width <= side // 2]
@@ -115,7 +114,7 @@ def test_the_nearest_windows_by_definition(rng):
         halves = apart(first, second)
         usual.append(np.mean([*halves.min(axis=0), *halves.min(axis=1)]))
     expected = np.quantile(nearest, 0.97) / (max(usual) + seen)
-    assert found.broken == pytest.approx(expected, rel=1e-5)
+    assert found["broken"] == pytest.approx(expected, rel=1e-5)
 
     def closeness(of):
         table = apart(of, of)
@@ -124,7 +123,7 @@ def test_the_nearest_windows_by_definition(rng):
                 table[i, j] = np.inf
         return -np.log(table.min(axis=1) + seen / 2).mean()
 
-    assert found.alike == pytest.approx(max(0, closeness(made) - closeness(own) - 0.5), rel=1e-4)
+    assert found["alike"] == pytest.approx(max(0, closeness(made) - closeness(own) - 0.5), rel=1e-4)
     used = np.zeros((4, 4))
     even = np.zeros((4, 4))
     for count, places in ((used, source), (even, [at for at, _ in own])):
@@ -132,7 +131,7 @@ def test_the_nearest_windows_by_definition(rng):
             count[y * 4 // 21, x * 4 // 24] += 1 / len(places)
     seen = used > 0
     entropy = (used[seen] * np.log(used[seen] / even[seen])).sum()
-    assert found.uneven == pytest.approx(entropy)
+    assert found["uneven"] == pytest.approx(entropy)
 
 
 def test_the_score_is_the_weighted_sum_and_monotone():
@@ -149,24 +148,25 @@ def test_the_score_is_the_weighted_sum_and_monotone():
 def test_the_same_bits_every_time():
     sample = weftex.load_exemplar("sample:weave")
     made = weftex.synthesize(sample, 160, method="quilting", seed=2).image
-    again = Eye(Exemplar(sample.pixels.copy())).score(made.copy())
-    assert again == Eye(sample).score(made)
+    again = Scorer(Exemplar(sample.pixels.copy())).score(made.copy())
+    assert again == Scorer(sample).score(made)
 
 
 def test_depths_alpha_and_gray():
     sample = weftex.load_exemplar("sample:pebbles").pixels[:96, :96]
     made = np.roll(sample, (20, 30), (0, 1))
-    score = Eye(Exemplar(sample)).score(made)
+    score = Scorer(Exemplar(sample)).score(made)
     assert (
-        Eye(Exemplar(sample.astype(np.uint16) * 257)).score(made.astype(np.uint16) * 257) == score
+        Scorer(Exemplar(sample.astype(np.uint16) * 257)).score(made.astype(np.uint16) * 257)
+        == score
     )
-    gray = Eye(Exemplar(sample[..., 0])).score(made[..., 0])
-    assert gray == Eye(Exemplar(sample[..., :1])).score(made[..., :1])
+    gray = Scorer(Exemplar(sample[..., 0])).score(made[..., 0])
+    assert gray == Scorer(Exemplar(sample[..., :1])).score(made[..., :1])
     clear = np.full((96, 96, 1), 255, np.uint8)
     both = (np.concatenate([side, clear], axis=2) for side in (sample, made))
-    assert math.isfinite(Eye(Exemplar(next(both))).score(next(both)))
+    assert math.isfinite(Scorer(Exemplar(next(both))).score(next(both)))
     floats = (sample / np.float32(255)).astype(np.float32)
-    assert math.isfinite(Eye(Exemplar(floats)).score(np.roll(floats, 20, 0)))
+    assert math.isfinite(Scorer(Exemplar(floats)).score(np.roll(floats, 20, 0)))
 
 
 @pytest.mark.parametrize("own", [(1, 1), (1, 40), (3, 3), (9, 30), (40, 40)])
@@ -175,11 +175,11 @@ def test_depths_alpha_and_gray():
 def test_small_and_flat_pictures(own, made, colors, rng):
     sample = rng.integers(0, colors, (*own, 3), np.uint8)
     picture = rng.integers(0, colors, (*made, 3), np.uint8)
-    eye = Eye(Exemplar(sample))
+    scorer = Scorer(Exemplar(sample))
     with warnings.catch_warnings():
         warnings.simplefilter("error")
-        found = eye.figures(views(eye.exemplar, picture)[1])
-        score = eye.score(picture)
+        found = scorer.figures(views(scorer.exemplar, picture)[1])
+        score = scorer.score(picture)
     known = [value for value in found.values() if value is not None]
     assert score is None if not known else math.isfinite(score) and score >= 0
     if min(made) < min(own) // 3:
@@ -193,12 +193,12 @@ def test_what_a_mask_hides_does_not_count(rng):
     hidden = pixels.copy()
     hidden[~mask] = rng.integers(0, 256, (int((~mask).sum()), 3))
     made = np.roll(pixels, 40, 0)
-    looks = [Eye(Exemplar(own, mask=mask)).look(views(Exemplar(own, mask=mask), made)[1])
+    looks = [Scorer(Exemplar(own, mask=mask)).windows(views(Exemplar(own, mask=mask), made)[1])
              for own in (pixels, hidden)]  # fmt: skip
-    assert asdict(looks[0]) == asdict(looks[1])
+    assert looks[0] and looks[0] == looks[1]
     nothing = np.zeros((128, 128), bool)
     nothing[5, 5] = True
-    assert Eye(Exemplar(pixels, mask=nothing)).score(made) is None
+    assert Scorer(Exemplar(pixels, mask=nothing)).score(made) is None
 
 
 def test_the_tables_of_the_judged_pictures_belong_together():
@@ -220,7 +220,12 @@ def test_weights_and_agreement_are_those_of_the_judged_pictures():
     assert dict(zip(WEIGHTS, fitted, strict=True)) == pytest.approx(WEIGHTS, abs=0.006)
     for name in module.MEASURED:
         agrees = module.agreement(name, figures, ordered)[0]
-        assert 0.5 <= FIGURES[name].agrees == pytest.approx(agrees, abs=0.006)
+        if name in FIGURES:
+            assert FIGURES[name].agrees == pytest.approx(agrees, abs=0.006)
+            assert agrees >= 0.6 or name in (
+                "seams",
+                "sharpness",
+            )  # which prove faults by construction
     assert module.share(module.left_out(figures, ordered, more)) > 0.79
     other = module.pairs(module.table("looks.csv"))  # nothing is fitted to these
     said = module.left_out(figures | module.known("looks.csv"), ordered, more, other)
@@ -234,7 +239,7 @@ def test_a_larger_photo_of_the_material_is_not_broken(name, rng):
     photo = weftex.load_exemplar(ROOT / "examples" / "samples" / f"{name}.png").pixels
     height, width = (side // 2 for side in photo.shape[:2])
     sample = np.ascontiguousarray(photo[height // 2 :, width // 2 :][:height, :width])
-    eye = Eye(Exemplar(sample))
+    scorer = Scorer(Exemplar(sample))
     blocks = rng.permutation(
         photo.reshape(-1, 32, photo.shape[1] // 32, 32, 3).swapaxes(1, 2).reshape(-1, 32, 32, 3)
     )
@@ -243,4 +248,4 @@ def test_a_larger_photo_of_the_material_is_not_broken(name, rng):
     )
     tiled = np.tile(sample[: height // 2, : width // 2], (4, 4, 1))
     for worse in (scrambled(sample, 32, rng), shuffled, tiled):
-        assert eye.score(photo) < eye.score(worse)
+        assert scorer.score(photo) < scorer.score(worse)

@@ -1,0 +1,290 @@
+"""The score: in which order a viewer would put pictures that were made from one sample."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from functools import cached_property
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from weftex.analysis.lattice import find_lattice
+from weftex.exemplar import Exemplar
+from weftex.quality import patch_kernels as kernels
+from weftex.quality.autocorrelation import autocorrelation_distance, lattice_kept
+from weftex.quality.seams import StepModel, seams
+from weftex.quality.view import View, middle, view_beside, view_of, window_corners
+from weftex.raster.levels import resized
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping
+
+    from numpy.typing import NDArray
+
+    from weftex.analysis.lattice import Lattice
+    from weftex.results.synthesis import Synthesis
+
+    Floats = NDArray[np.float32]
+    Places = NDArray[np.int32]
+
+WEIGHTS = {
+    "broken": 3.25,
+    "uneven": 3.63,
+    "alike": 1.08,
+    "lattice": 6.08,
+    "autocorrelation": 1.55,
+    "seams": 0.74,
+}
+"""Weights of the terms, fitted to judged pictures by benchmarks/judged/agreement.py."""
+
+_SIDE = 32  # pixels, about, of the sample's shorter side at the coarse level
+_MAX_WINDOWS = 1600  # of a picture
+_EXACT = 2**23  # float32 holds the mean of squared distances below it exactly
+_QUANTILE = 0.97
+_SIMD = 16  # numbers that a processor multiplies at once
+_VISIBLE = 0.05  # of the sample's contrast: a distance that is visible
+_ROUNDING = 0.05  # what rounding to few bits adds to a distance
+_CELLS = 4  # a side, to count how evenly the sample is used
+_LARGER_PHOTO = 0.5  # the closeness that the windows of a larger photo may gain
+_AUTOCORRELATION_SCALE = 10.0
+_LARGEST_SCORED = 1024  # pixels a side of the middle by which a larger output is scored
+_DIGITS = 3
+
+
+def terms(figures: Mapping[str, Any]) -> dict[str, float]:
+    """Return the terms of the score before weighting: 0 is perfect; unknown terms are left out."""
+    known = {name: float(figures[name]) for name in WEIGHTS if figures.get(name) is not None}
+    if "broken" in known:
+        known["broken"] = math.log1p(known["broken"])
+    if "lattice" in known:  # more regular than the sample is no fault
+        known["lattice"] = max(1 - known["lattice"], 0.0)
+    if "autocorrelation" in known:
+        known["autocorrelation"] = math.log1p(_AUTOCORRELATION_SCALE * known["autocorrelation"])
+    if "seams" in known:  # fewer seams than the sample's own are no merit
+        known["seams"] = math.log(max(known["seams"], 1.0))
+    return known
+
+
+def weigh(figures: Mapping[str, Any]) -> float | None:
+    """Return the score of a picture with these figures, or None if none of them is known."""
+    found = terms(figures)
+    return math.fsum(WEIGHTS[name] * found[name] for name in found) if found else None
+
+
+class Scorer:
+    """Scores pictures that were made from one sample.
+
+    Examples
+    --------
+    >>> import weftex
+    >>> sample = weftex.load_exemplar("sample:bricks")
+    >>> scorer = Scorer(sample)
+    >>> good = weftex.synthesize(sample, 256, method="near-regular", seed=1)
+    >>> bad = weftex.synthesize(sample, 256, method="patch-sampling", patch_size=12, seed=1)
+    >>> scorer.score(good.image) < scorer.score(bad.image)
+    True
+    """
+
+    def __init__(self, exemplar: Exemplar) -> None:
+        self.exemplar = exemplar
+        side = min(exemplar.shape)
+        self._levels = max(1, 1 + round(math.log2(side / _SIDE)))
+        self.own = view_of(exemplar)
+        own = self._coarse(self.own)
+        self._width = max(2, min(own.shape) // 3)
+        values = self._width**2 * own.values.shape[2]
+        self._shift = next(s for s in range(9) if values * (255 >> s) ** 2 < _EXACT)
+        self._own = self._windows(own)
+        if len(self._own):
+            contrast = own.values[own.usable].astype(np.float64).var(axis=0).mean()
+            self._visible = _VISIBLE * float(contrast) / 4**self._shift + _ROUNDING
+            self._usual = self._between_halves(own.shape)
+            self._own_closeness = self._closeness(self._own)
+
+    @cached_property
+    def lattice(self) -> Lattice | None:
+        """The lattice of the sample."""
+        return find_lattice(self.exemplar)
+
+    @cached_property
+    def steps(self) -> StepModel:
+        """The prediction of steps, fitted to the sample."""
+        return StepModel(self.own)
+
+    def view(self, picture: NDArray[Any]) -> View:
+        """Return the view of a picture in the sample's terms."""
+        return view_beside(self.own, self.exemplar, picture)
+
+    def windows(self, made: View) -> dict[str, float]:
+        """Compare the windows of a picture with the sample's; empty where the picture is too small.
+
+        `broken`: the 97 % quantile of the windows' distances to the nearest of the sample; 1 is
+        the mean distance between windows of the sample's halves. `uneven`: relative entropy of
+        the use of the sample's 4x4 cells. `alike`: mean logarithm of how much nearer to each
+        other its windows are than the sample's, beyond what a larger photo gains.
+        """
+        made = self._coarse(made)
+        if min(made.shape) < self._width or not len(self._own):
+            return {}
+        windows = self._windows(made)
+        apart, which = nearest(windows, self._own)
+        closeness = self._closeness(windows) - self._own_closeness
+        return {
+            "broken": float(np.quantile(apart, _QUANTILE)) / (self._usual + self._visible),
+            "uneven": self._uneven(self._own.places[which]),
+            "alike": max(0.0, closeness - _LARGER_PHOTO),
+        }
+
+    def figures(self, made: View) -> dict[str, float | None]:
+        """Return the figures that the score adds up; none where a mask leaves no whole window."""
+        if not len(self._own):
+            return {}
+        return self.windows(made) | {
+            "lattice": lattice_kept(self.own, made, self.lattice),
+            "autocorrelation": autocorrelation_distance(self.own, made),
+            "seams": seams(self.steps, made),
+        }
+
+    def score(self, picture: NDArray[Any]) -> float | None:
+        """Return the score of a picture: 0 for the sample itself, and less is better.
+
+        Of two pictures whose scores differ by d, judges prefer the lower in a share 1 / (1 +
+        exp(-d)). Figures that cannot be measured add nothing; None where none can.
+        """
+        return weigh(self.figures(self.view(picture)))
+
+    def _coarse(self, view: View) -> View:
+        return view.pyramid(self._levels)[-1]
+
+    def _windows(self, view: View) -> Windows:
+        """Return the usable windows on a grid, in few enough bits that distances are exact."""
+        width, (height, across) = self._width, view.shape
+        length = width**2 * view.values.shape[2]
+        if min(height, across) < width:
+            return Windows(np.zeros((0, 0), np.int16), np.zeros((0, 2), np.int32), length)
+        rows, columns = height - width + 1, across - width + 1
+        step = max(1, math.ceil(math.sqrt(rows * columns / _MAX_WINDOWS)))
+        places = np.stack(np.divmod(window_corners(view.usable, width), across), axis=1)
+        places = places[(places % step == 0).all(axis=1)]
+        bits = view.values >> self._shift
+        found = np.lib.stride_tricks.sliding_window_view(bits, (width, width), axis=(0, 1))
+        values = np.zeros((len(places), -(-length // _SIMD) * _SIMD), np.int16)
+        values[:, :length] = found[places[:, 0], places[:, 1]].reshape(len(places), length)
+        return Windows(values, places.astype(np.int32), length)
+
+    def _uneven(self, source: Places) -> float:
+        """Return the relative entropy of the use of cells to an even use."""
+        own = self._own.places
+        sides = own.max(axis=0) + 1
+        even, used = (
+            np.bincount((place * _CELLS // sides) @ np.array([_CELLS, 1]), minlength=_CELLS**2)
+            / len(place)
+            for place in (own, source)
+        )
+        some = used > 0
+        return max(0.0, float((used[some] * np.log(used[some] / even[some])).sum()))
+
+    def _between_halves(self, shape: tuple[int, int]) -> float:
+        """Return the mean distance from windows of one half to the nearest of the other.
+
+        Of upper and lower, and left and right half the larger; 0 where no window fits a half.
+        """
+        found = [0.0]
+        for axis, side in enumerate(shape):
+            at = self._own.places[:, axis]
+            first = self._own.of(at + self._width <= side // 2)
+            second = self._own.of(at >= side - side // 2)
+            if len(first) and len(second):
+                apart = np.concatenate([nearest(second, first)[0], nearest(first, second)[0]])
+                found.append(float(apart.mean(dtype=np.float64)))
+        return max(found)
+
+    def _closeness(self, windows: Windows) -> float:
+        """Return minus the mean logarithm of distances to the nearest window without overlap."""
+        apart = nearest(windows, windows, self._width)[0]
+        known = apart[np.isfinite(apart)].astype(np.float64)
+        return -float(np.log(known + self._visible / 2).mean()) if len(known) else 0.0
+
+
+class MapsScorer:
+    """Scores results by the sample's color and maps.
+
+    The score is a mean of scores. All maps together count as much as the color, each by its
+    weight in matching; maps of labels do not count.
+
+    Examples
+    --------
+    >>> import weftex
+    >>> sample = weftex.load_exemplar("sample:stone_wall")
+    >>> made = weftex.synthesize(sample, 200, method="quilting", seed=1)
+    >>> planes = [sample, *map(sample.map, sample.maps)]
+    >>> own = [Scorer(one).score(made.render(one)) for one in planes]
+    >>> expected = (own[0] + sum(own[1:]) / len(own[1:])) / 2
+    >>> abs(MapsScorer(sample).score(made) - expected) < 0.001
+    True
+    """
+
+    def __init__(self, exemplar: Exemplar) -> None:
+        self._color = Scorer(exemplar)
+        self._maps: list[tuple[Scorer, float]] = []
+        for name, weight in exemplar.weights.items():
+            one = exemplar.map(name)
+            if weight > 0 and one.role.kind != "labels":
+                if exemplar.mask is not None:
+                    usable = resized(exemplar.mask.astype(np.float32), exemplar.scale_of(name)) == 1
+                    if not usable.any():
+                        continue
+                    one = one.changed(mask=usable)
+                self._maps.append((Scorer(one), weight / len(exemplar.maps)))
+
+    def score(self, made: Synthesis) -> float | None:
+        """Return the score of the middle 1024x1024 pixels; None where the color has no score."""
+        total = self._color.score(_middle(made.image))
+        if total is None:
+            return None
+        weights = 1.0
+        for scorer, weight in self._maps:
+            found = scorer.score(_middle(made.render(scorer.exemplar)))
+            if found is not None:
+                total, weights = total + weight * found, weights + weight
+        return round(total / weights, _DIGITS)
+
+
+def _middle(image: NDArray[Any]) -> NDArray[Any]:
+    shape = min(image.shape[0], _LARGEST_SCORED), min(image.shape[1], _LARGEST_SCORED)
+    return middle(image, shape)
+
+
+@dataclass(frozen=True, eq=False)
+class Windows:
+    """Square windows of a picture.
+
+    `values` (n, m) are the numbers of each, padded with zeros to a multiple of 16; `places` (n, 2)
+    their rows and columns; `length` the numbers of a window.
+    """
+
+    values: NDArray[np.int16]
+    places: Places
+    length: int
+
+    def __len__(self) -> int:
+        return len(self.places)
+
+    def of(self, chosen: NDArray[np.bool_]) -> Windows:
+        """Return the chosen windows."""
+        return Windows(self.values[chosen], self.places[chosen], self.length)
+
+
+def nearest(first: Windows, second: Windows, least: int = 0) -> tuple[Floats, Places]:
+    """Find for each window the nearest of `second`, the first of equals.
+
+    Windows less than `least` rows and columns apart are not compared. Returns mean squared
+    differences, infinite where none is compared, and indices into `second`.
+    """
+    best, which = np.empty(len(first), np.int32), np.empty(len(first), np.int32)
+    others = np.pad(second.values, [(0, -len(second) % 4), (0, 0)])  # four are compared at once
+    squares = np.empty(len(others), np.int32)
+    kernels.nearest(first.values, others, first.places, second.places, least, best, which, squares)
+    apart = best.astype(np.float32) / np.float32(first.length)
+    return np.where(best < 0, np.float32(np.inf), apart), which
