@@ -10,9 +10,9 @@ from pages import Client
 class Process:
     """The command in a process of its own."""
 
-    def __init__(self, folder, *words):
+    def __init__(self, folder, *words, browser=False):
         code = "import sys; from weftex.cli import entry; entry()"
-        words = ["studio", *words, "--no-browser", "--data", str(folder)]
+        words = ["studio", *words, "--data", str(folder), *([] if browser else ["--no-browser"])]
         self.run = subprocess.Popen(
             [sys.executable, "-c", code, *words], stderr=subprocess.PIPE, text=True
         )

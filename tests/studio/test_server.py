@@ -7,7 +7,9 @@ import socket
 import stat
 import sys
 import time
+from contextlib import suppress
 from pathlib import Path
+from urllib.parse import unquote, urlsplit
 
 import numpy as np
 import pytest
@@ -20,6 +22,7 @@ from weftex.studio import listening, server, store
 from weftex.studio.limits import Limits, Memory
 from weftex.studio.refusals import Refusal
 from weftex.studio.sessions import Sessions, key_of
+from weftex.studio.studio import Studio
 
 
 @pytest.mark.skipif(sys.platform == "win32", reason="signals are other there")
@@ -86,12 +89,67 @@ def test_another_address_only_with_a_warning(monkeypatch, tmp_path, capsys):
 
 @pytest.mark.parametrize(
     "words", [["nowhere.png"], ["--port", "99999"], ["--host", "999.1.1.1"], ["--memory", "1"],
-              ["--prot", "8"], ["a", "b"]],
+              ["--prot", "8"], ["a", "b"], ["--host", ""]],
 )  # fmt: skip
 def test_wrong_words_are_one_line(words, tmp_path, capsys):
     assert main(["studio", *words, "--data", str(tmp_path)]) == 2
     said = capsys.readouterr().err
     assert said.startswith("weftex: error: ") and said.count("\n") == 1
+
+
+def test_a_folder_that_is_not_named_is_one_line(capsys):
+    assert main(["studio", "--no-browser", "--data", ""]) == 2
+    assert capsys.readouterr().err == "weftex: error: --data is ''; it must name a folder\n"
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="permissions are other there")
+def test_permissions_of_a_data_folder(tmp_path, capsys):
+    """A new one is the owner's alone; an old one is as it was, and refused if others can write."""
+    new, old, shared = (tmp_path / name for name in ("new", "old", "shared"))
+    old.mkdir(mode=0o755)
+    shared.mkdir()
+    for mode in (0o777, 0o770, 0o1777):
+        shared.chmod(mode)
+        assert main(["studio", "--no-browser", "--port", "0", "--data", str(shared)]) == 2
+        line = f"other users can write to this folder (mode {mode & 0o777:o}); name another"
+        assert line in capsys.readouterr().err
+        assert (stat.S_IMODE(shared.stat().st_mode), list(shared.iterdir())) == (mode, [])
+    for folder, mode in ((new, 0o700), (old, 0o755)):
+        opened = Studio(folder, Limits())
+        session, _ = opened.sessions.open(None)
+        session.shelf.keep({"result": "a", "recipe": {}})
+        assert stat.S_IMODE(folder.stat().st_mode) == mode
+        for inner in folder.iterdir():
+            assert stat.S_IMODE(inner.stat().st_mode) == 0o700
+        opened.close()
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="the browser here is a shell script")
+def test_the_token_is_in_no_command_line(tmp_path, monkeypatch):
+    """A browser reads it in a file that its owner alone can read, and that is removed then."""
+    said, browser = tmp_path / "said", tmp_path / "browser"
+    browser.write_text(f'#!/bin/sh\necho "$1" > {said}.new && mv {said}.new {said}\nsleep 2\n')
+    browser.chmod(0o755)
+    monkeypatch.setenv("BROWSER", f"{browser} %s &")
+    studio = Process(tmp_path / "data", "--port", "0", browser=True)
+    end = time.monotonic() + 20
+    while not said.exists():
+        assert time.monotonic() < end
+        time.sleep(0.02)
+    address = said.read_text().strip()
+    page = Path(unquote(urlsplit(address).path))
+    assert urlsplit(address).scheme == "file" and studio.token not in address
+    assert stat.S_IMODE(page.stat().st_mode) == 0o600
+    assert stat.S_IMODE(page.parent.stat().st_mode) == 0o700
+    assert f"url=http://127.0.0.1:{studio.client.port}/#token={studio.token}" in page.read_text()
+    for about in Path("/proc").glob("[0-9]*/cmdline"):  # on Linux
+        with suppress(OSError):
+            assert studio.token.encode() not in about.read_bytes()
+    Page(studio.client, studio.token)
+    while page.exists():
+        assert time.monotonic() < end
+        time.sleep(0.02)
+    studio.end(signal.SIGTERM)
 
 
 def test_without_the_extra_it_says_what_to_install(monkeypatch, capsys):

@@ -90,7 +90,7 @@ def make_app(studio: Studio, hosts: Collection[str]) -> ASGIApp:
     routes = [Route("/", page), Route("/static/{name:path}", page), Mount("/api", api)]
     own: Any = {HTTPException: nothing}
     app = Starlette(routes=routes, lifespan=lifespan, exception_handlers=own)
-    return Guard(app, token=studio.token, hosts=hosts)
+    return Guard(app, token=studio.token, hosts=hosts, most=studio.limits.requests)
 
 
 async def _routes(studio: Studio) -> Router:

@@ -31,6 +31,8 @@ HEADERS = {
     "cache-control": "no-store",
 }
 TOKEN = "x-weftex-token"
+#: In the scope of a request that has the token.
+OWNER = "weftex.owner"
 _SAFE = ("GET", "HEAD")
 _METHODS = (*_SAFE, "POST", "DELETE")
 #: What needs no token: it is a random name that is given once, see `weftex.studio.downloads`.
@@ -40,16 +42,12 @@ _TICKETS = "/api/downloads/"
 class Guard:
     """Let requests through that come from the page, and put safety headers on every answer.
 
-    Parameters
-    ----------
-    app : ASGI application
-    token : str
-    hosts : collection of str
-        What the Host header may be, ports included.
+    `hosts` are the values that the Host header may have, ports included. At most `most` requests
+    with the token are answered at a time; their scopes get the key `OWNER`.
     """
 
-    def __init__(self, app: ASGIApp, *, token: str, hosts: Collection[str]) -> None:
-        self.app, self.token = app, token
+    def __init__(self, app: ASGIApp, *, token: str, hosts: Collection[str], most: int) -> None:
+        self.app, self.token, self.most, self.busy = app, token, most, 0
         self.hosts = {host.lower() for host in hosts}
         self.origins = {f"http://{host}" for host in self.hosts}
 
@@ -70,8 +68,14 @@ class Guard:
             await send(message)
 
         refused = self.refuse(scope)
+        if refused is None and OWNER in scope and self.busy >= self.most:
+            refused = 503, f"{self.busy} requests are being answered; try again"
         if refused is None:
-            await self.app(scope, receive, answer)
+            self.busy += OWNER in scope
+            try:
+                await self.app(scope, receive, answer)
+            finally:
+                self.busy -= OWNER in scope
             return
         status, line = refused
         response = JSONResponse({"error": line, "parameter": None}, status)
@@ -98,6 +102,7 @@ class Guard:
         token = _only(scope, TOKEN) or ""
         if not hmac.compare_digest(token.encode(), self.token.encode()):
             return 401, "the token is missing or of another start of the studio; open its address"
+        scope[OWNER] = True
         return None
 
 

@@ -12,43 +12,25 @@ from typing import Any
 
 @dataclass(frozen=True)
 class Limits:
-    """Bounds of one server.
+    """Bounds of one server."""
 
-    Attributes
-    ----------
-    upload_bytes, upload_pixels : int
-        Of one file, counted while it comes and before it is decoded.
-    stored_bytes : int
-        Of all uploads on disk.
-    uploads : int
-        Of one session.
-    output_pixels : int
-        Of one output, or of all that one job makes.
-    memory_bytes : int
-        Of what is remembered: decoded pictures, results, windows. All can be made again.
-    jobs, session_jobs : int
-        That wait or run, of all sessions and of one.
-    sessions : int
-    requests : int
-        That are answered at a time.
-    body_bytes : int
-        Of a request that is no upload.
-    away_seconds : float
-        After which a job whose page has gone is cancelled.
-    """
-
+    # Of one file, counted while it comes and before it is decoded.
     upload_bytes: int = 2**28
     upload_pixels: int = 2**26
-    stored_bytes: int = 2**31
-    uploads: int = 200
-    output_pixels: int = 2**25
+    stored_bytes: int = 2**31  # of all uploads on disk
+    uploads: int = 200  # of one session
+    output_pixels: int = 2**25  # of one output
+    # Of decoded pictures, results and windows that are remembered; all can be made again.
     memory_bytes: int = 2**30
+    # Jobs that wait or run, of all sessions and of one.
     jobs: int = 48
     session_jobs: int = 24
     sessions: int = 64
-    requests: int = 200
-    body_bytes: int = 2**20
-    away_seconds: float = 10.0
+    requests: int = 200  # with the token, that are answered at a time
+    strangers: int = 64  # connections that have not sent the token
+    header_seconds: float = 10.0  # from a connection, or the answer before, to a whole request
+    body_bytes: int = 2**20  # of a request that is no upload
+    away_seconds: float = 10.0  # until a job is cancelled whose page has gone
 
 
 def usual_limits() -> Limits:

@@ -1,13 +1,23 @@
-"""Where the server listens, and what its address is; known before the server itself is there.
+"""The server's socket and address, which are known before the server itself is there.
 
 A browser that is told the address waits for the answer, so it can start meanwhile.
 """
 
 from __future__ import annotations
 
+import os
+import shutil
 import socket
+from contextlib import contextmanager
+from typing import TYPE_CHECKING
 
 from weftex.errors import FileError
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+    from pathlib import Path
+
+    from weftex.studio.downloads import Downloads
 
 #: Tried first, so that a page that is open finds the server again after a restart.
 PORT = 8427
@@ -15,18 +25,9 @@ LOOPBACK = ("127.0.0.1", "localhost", "::1")
 
 
 def listen(host: str, port: int | None) -> socket.socket:
-    """Return a socket that listens.
+    """Return a socket that listens; a `port` of None is `PORT`, or any that is free.
 
-    Parameters
-    ----------
-    host : str
-    port : int or None
-        None takes `PORT`, or any other that is free.
-
-    Raises
-    ------
-    FileError
-        If it cannot.
+    Raises `FileError` if it cannot.
     """
     family = socket.AF_INET6 if ":" in host else socket.AF_INET
     tried = [PORT, 0] if port is None else [port]
@@ -73,3 +74,18 @@ def address_of(listener: socket.socket, host: str, token: str) -> str:
     shown = "127.0.0.1" if host in ("0.0.0.0", "::", "localhost") else host
     shown = f"[{shown}]" if ":" in shown else shown
     return f"http://{shown}:{listener.getsockname()[1]}/#token={token}"
+
+
+@contextmanager
+def redirect_file(address: str, downloads: Downloads) -> Iterator[Path]:
+    """Yield a page, for its owner alone, that leads to the address; it is removed afterwards."""
+    text = '<!doctype html><meta charset="utf-8"><meta name="referrer" content="no-referrer">'
+    text += f'<title>weftex</title><meta http-equiv="refresh" content="0; url={address}">'
+    with downloads.new_folder() as folder:
+        try:
+            file = folder / "open.html"
+            with open(os.open(file, os.O_CREAT | os.O_EXCL | os.O_WRONLY, 0o600), "w") as out:
+                out.write(text)
+            yield file
+        finally:
+            shutil.rmtree(folder, ignore_errors=True)

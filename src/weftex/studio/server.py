@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any
 import uvicorn
 
 from weftex.studio.app import make_app
+from weftex.studio.connections import connection_class
 from weftex.studio.listening import hosts_of
 
 if TYPE_CHECKING:
@@ -18,16 +19,9 @@ _GRACE = 1  # seconds that requests have to end
 
 
 class Server(uvicorn.Server):
-    """A studio that serves; `run` ends with Ctrl-C or SIGTERM, or once `should_exit` is set.
+    """A studio that serves at a socket of `listening.listen`, whose address is `host`.
 
-    Parameters
-    ----------
-    listener : socket
-        From `listening.listen`.
-    host : str
-        Its address.
-    studio : Studio
-        It is closed in the end.
+    `run` ends with Ctrl-C or SIGTERM, or once `should_exit` is set; it closes the studio.
     """
 
     def __init__(self, listener: socket.socket, host: str, studio: Studio) -> None:
@@ -35,14 +29,13 @@ class Server(uvicorn.Server):
         config = uvicorn.Config(
             make_app(studio, hosts_of(host, listener.getsockname()[1])),
             loop="asyncio",
-            http="h11",
+            http=connection_class(studio.limits),
             ws="none",
             lifespan="on",
             log_level="error",
             access_log=False,
             proxy_headers=False,
             server_header=False,
-            limit_concurrency=studio.limits.requests,
             timeout_graceful_shutdown=_GRACE,
         )
         super().__init__(config)

@@ -40,6 +40,7 @@ class Sessions:
         self._store, self._most, self._ended = store, limits.sessions, ended
         self._lock = threading.Lock()
         self._known: dict[str, Session] = {}
+        self.began = threading.Event()  # once there has been a session
 
     def open(self, old: Any) -> tuple[Session, bool]:
         """Return a new session, or the one with the secret `old`, and whether it is the old one.
@@ -55,6 +56,7 @@ class Sessions:
                 session = Session(self._store, secrets.token_urlsafe(32))
             self._make_room()
             self._known[session.id] = session
+            self.began.set()
             return session, session.shelf.existed
 
     def get(self, name: str | None) -> Session:

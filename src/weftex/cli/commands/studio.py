@@ -5,14 +5,19 @@ from __future__ import annotations
 import threading
 from importlib.util import find_spec
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from weftex.cli.options import Parser
 from weftex.cli.terminal import say
 from weftex.errors import InvalidInputError
 
+if TYPE_CHECKING:
+    from weftex.studio.studio import Studio
+
 _ABOUT = """\
 Open a page on this machine in which a photo becomes a finished material. Nothing is sent anywhere:
-the server answers this machine alone, and only whoever knows the address with its token.\
+the server answers this machine alone. The address contains a secret token; requests without it
+are refused.\
 """
 
 _EXAMPLES = """\
@@ -28,6 +33,9 @@ address with its token can use it
 """
 
 
+_PATIENCE = 60  # seconds for the browser to load the page
+
+
 def run(argv: list[str]) -> None:
     """Run the command; `argv` is what follows its name."""
     parser = Parser("studio", _ABOUT, _EXAMPLES)
@@ -38,14 +46,18 @@ def run(argv: list[str]) -> None:
     add("--port", type=int, metavar="N", help="default: 8427, or any that is free")
     text = "listen at this address of this machine; others can reach the studio then"
     add("--host", default="127.0.0.1", metavar="ADDRESS", help=text)
-    text = "where pictures and kept results are; default: a folder of yours for such things"
+    text = "folder for uploads and kept results; default: one of your own, such as ~/.local/state"
     add("--data", metavar="DIR", help=text)
-    add("--memory", type=int, metavar="MIB", help="remember so much; default: by this machine")
+    add("--memory", type=int, metavar="MIB", help="memory for results; default: by this machine")
     args = parser.parse(argv)
     if args.port is not None and not 0 <= args.port < 2**16:
         raise InvalidInputError(f"--port is {args.port}; it must be from 0 to 65535")
     if args.memory is not None and not 64 <= args.memory <= 2**20:
         raise InvalidInputError(f"--memory is {args.memory}; it must be from 64 to 1048576")
+    if args.data == "":
+        raise InvalidInputError("--data is ''; it must name a folder")
+    if args.host == "":
+        raise InvalidInputError("--host is ''; it must be an address of this machine, as 127.0.0.1")
     if any(find_spec(name) is None for name in ("starlette", "uvicorn", "anyio")):
         line = "the studio needs Starlette and uvicorn: pip install 'weftex[studio]'"
         raise InvalidInputError(line)
@@ -65,18 +77,28 @@ def run(argv: list[str]) -> None:
     if args.host not in LOOPBACK:
         say("warning: " + _WARNING.format(host=args.host))
     folder = default_folder() if args.data is None else Path(args.data)
-    studio = Studio(folder, limits, opened)
+    try:
+        studio = Studio(folder, limits, opened)
+    except BaseException:
+        listener.close()
+        raise
     address = address_of(listener, args.host, studio.token)
     say(f"the studio is at {address}   (Ctrl-C ends it)")
     if not args.no_browser:  # it starts, and waits for the answer, while the server starts
-        threading.Thread(target=_open, args=(address,), daemon=True).start()
+        threading.Thread(target=_open, args=(address, studio), daemon=True).start()
     from weftex.studio.server import Server
 
     Server(listener, args.host, studio).run()
 
 
-def _open(address: str) -> None:
+def _open(address: str, studio: Studio) -> None:
+    """Open a browser without the token in its command line, which other users can read."""
     import webbrowser
 
-    if not webbrowser.open(address):
-        say("no browser was found; open that address")
+    from weftex.studio.listening import redirect_file
+
+    with redirect_file(address, studio.downloads) as file:
+        if not webbrowser.open(file.resolve().as_uri()):
+            say("no browser was found; open that address")
+        elif not studio.sessions.began.wait(_PATIENCE):
+            say("if the browser cannot show the page, open that address")
