@@ -76,7 +76,7 @@ def pictures_of(file: str) -> Iterator[Image.Image]:
 def zooms(file: str) -> Iterator[Image.Image]:
     """The middle of a plane, from near, from further away and from far."""
     plane = open_plane(file)
-    (store,) = plane.stores.values()
+    (store,) = plane.job.stores.values()
     for level in (0, 2, 3):
         height, width = store.layout.shape(level)
         size = (min(height, _VIEW[0]), min(width, _VIEW[1]))

@@ -209,8 +209,10 @@ def null(args: argparse.Namespace, folder: Path) -> None:
 
     import weftex
     from weftex.progress import Progress
+    from weftex.stores.record import Record
     from weftex.tasks import cluster as module
-    from weftex.tasks.stream import Job, recipe_of
+    from weftex.tasks.job import Job
+    from weftex.tasks.stream import recipe_of
 
     module.make_block = planes.no_block
     method = weftex.BestTile(lattice=(20, 0, 0, 20))
@@ -222,18 +224,19 @@ def null(args: argparse.Namespace, folder: Path) -> None:
             dask("worker", address, "--nthreads", 1, "--no-nanny")
         client = stack.enter_context(module.connected(address))
         client.wait_for_workers(2)
-        run = module.Workers(client, Job(recipe, str(folder / "p.tif")))
+        job = Job(recipe, str(folder / "p.tif"))
+        run, record = module.Workers(client, job), Record(job.target)
         for count in (200, args.blocks):
             start = time.perf_counter()
             busy = time.process_time()
-            for _ in run(((0, 0, k) for k in range(count)), steps):
+            for _ in run(record, ((0, 0, k) for k in range(count)), steps):
                 pass
             took = (time.perf_counter() - start) / count * 1000
             busy = (time.process_time() - busy) / count * 1000
         print(f"{args.blocks} blocks of no work: {took:.2f} ms each, {busy:.2f} ms of this process")
 
 
-def no_block(packed: bytes, place: tuple[int, int, int], wanted: dict[str, str]) -> None:
+def no_block(packed: bytes, run: str, place: tuple[int, int, int], wanted: dict[str, str]) -> None:
     """A task that does nothing."""
 
 

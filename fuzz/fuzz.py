@@ -83,16 +83,16 @@ def plane(data: bytes, folder: Path) -> None:
 
 
 def journal(data: bytes, folder: Path) -> None:
-    """What a plane's journal and a Zarr group say of themselves."""
-    from weftex.stores.ome_zarr import attributes
+    """What a plane's journal and its record of a run say."""
     from weftex.stores.record import Record
 
     run = folder / "plane.tif.run"
     run.mkdir(exist_ok=True)
-    (folder / "zarr.json").write_bytes(data)
+    (run / "run.json").write_bytes(data)
     (run / "done.txt").write_bytes(data)
-    attributes(str(folder))
-    Record(str(folder / "plane.tif")).done()
+    record = Record(str(folder / "plane.tif"), run="a" * 32)
+    record.done()
+    record.current()
 
 
 def manifest(data: bytes, folder: Path) -> None:
@@ -228,9 +228,10 @@ def seeds() -> dict[str, dict[str, bytes]]:
             weftex.Exemplar(pixels), weftex.PatchSampling(patch_size=5), (64, 64), seed=1
         ).save(str(file))
         found["plane"]["plane"] = unpacked(file)
+    line = f"{'a' * 32} 0 0 1 123 456"
     found["journal"] = {
-        "blocks": b"0 0 1 123 456\n1 0 0 9\n",
-        "group": b'{"attributes": {"weftex": {"version": "5"}}}',
+        "blocks": f"\n{line} {zlib.crc32(line.encode()):08x}\n{line[:40]}".encode(),
+        "run": b'{"name": "a", "begun": true, "files": ["plane.tif"], "about": {"seed": 1}}',
     }
     found["manifest"] = {
         "lines": b'{"output": "a.png", "seed": 1}\n{"output": "b.png"}\n[1]\n{"outp',
@@ -267,7 +268,7 @@ def fuzz(name: str, seconds: int) -> None:
 
     with atheris.instrument_imports(include=["weftex"], enable_loader_override=False):
         for one in ("weftex", "weftex.tasks.label_map", "weftex.tasks.recipe", "weftex.naming",
-                    "weftex.io.manifest", "weftex.stores.ome_zarr", "weftex.stores.record",
+                    "weftex.io.manifest", "weftex.stores.record",
                     "weftex.studio.recipes", "weftex.studio.store"):  # fmt: skip
             import_module(one)
     left = LEFT / name

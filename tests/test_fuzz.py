@@ -15,7 +15,6 @@ import weftex
 from weftex.errors import FileError, WeftexError
 from weftex.io.manifest import MANIFEST, Manifest
 from weftex.naming import method_of
-from weftex.stores.ome_zarr import attributes
 from weftex.studio.store import Shelf, Store
 from weftex.tasks.recipe import Recipe
 
@@ -115,6 +114,21 @@ def test_recipes_of_planes_are_checked(tmp_path, change):
         Recipe.load(str(tmp_path / "a.npz"))
 
 
+@pytest.mark.parametrize("field", ["name", "kind", "channels"])
+def test_a_role_whose_name_is_no_text(tmp_path, field):
+    facts, *_ = (FUZZ / "corpus/plane/plane").read_bytes().partition(fuzz.BETWEEN)
+    header = json.loads(facts)
+    pixels = np.zeros((8, 9, 3), np.uint8)
+    for value, right in (("color" if field != "channels" else ["ao"], True), ([{}], False)):
+        header["facts"]["samples"][0]["role"][field] = value
+        np.savez(tmp_path / "a.npz", about=np.array(json.dumps(header)), pixels0=pixels)
+        if right:
+            Recipe.load(str(tmp_path / "a.npz"))
+        else:
+            with pytest.raises(FileError, match="is damaged"):
+                Recipe.load(str(tmp_path / "a.npz"))
+
+
 def test_json_that_is_too_deep_or_something_else(tmp_path):
     name = "0" * 64
     shelf = tmp_path / name
@@ -124,11 +138,9 @@ def test_json_that_is_too_deep_or_something_else(tmp_path):
     for text in (DEEP, "7", "[7]", '{"id": 7}', json.dumps([{"recipe": 7}]), json.dumps(upload)):
         for file in (f"{name}.json", "kept.json"):
             (shelf / file).write_text(text)
-        (tmp_path / "zarr.json").write_text(text)
         (tmp_path / MANIFEST).write_text(text)
         kept = Shelf(Store(tmp_path, 2**20), name)
         assert kept.kept == [] and kept.uploads == {}
-        assert attributes(str(tmp_path)) == {}
         Manifest(str(tmp_path)).sweep()
 
 

@@ -103,10 +103,10 @@ def quick_map(threads: int) -> Iterator[Callable[..., Any]]:
         yield made
 
 
-def in_turn(work: Callable[[int], Any], over: Iterable[int], threads: int) -> Iterator[Any]:
-    """Yield `work` of each number in their order, a few of them made ahead in threads.
+def in_turn(work: Callable[[Any], Any], over: Iterable[Any], threads: int) -> Iterator[Any]:
+    """Yield `work` of each thing in their order, a few of them made ahead in threads.
 
-    Unlike `map` of a pool it takes numbers without end, and holds no more than two a thread.
+    Unlike `map` of a pool it takes things without end, and holds no more than two a thread.
 
     Examples
     --------

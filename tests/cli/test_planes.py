@@ -64,10 +64,28 @@ def test_parts_and_check(here, capsys):
     )
     assert weft_run(*SYNTH, "whole.tif", "--size", 600) == 0
     assert files(here) == files(here, "whole")
-    with open(target, "r+b") as file:
-        file.seek(2**16)
-        file.write(b"other")
-    assert "1 blocks are not what was written" in fails(capsys, here, "check", target, "--read")
+    whole = files(here)
+    for place, words in ((2**16, ["--read"]), (40, [])):
+        with open(target, "r+b") as file:
+            file.seek(place)
+            file.write(b"other")
+        err = fails(capsys, here, "check", target, *words)
+        assert "1 blocks are not what was written" in err or "missing or damaged" in err
+        assert weft_run("check", target, "--repair") == 0
+        made = int(place == 2**16)
+        assert f"seed 4; {made} blocks were made again\n" in capsys.readouterr().out
+        assert files(here) == whole
+    (here / target).unlink()
+    assert "missing or damaged; --repair makes it again" in fails(capsys, here, "check", target)
+
+
+def test_parts_that_start_together(here):
+    parts = [f"{k}/5" for k in range(1, 6)]
+    runs = [weftex_process(*SYNTH, "p.tif", "--size", 300, "--part", part) for part in parts]
+    assert [(run.communicate(timeout=120)[1], run.returncode) for run in runs] == [("", 0)] * 5
+    assert weft_run(*SYNTH, "p.tif", "--size", 300) == weft_run("check", "p.tif", "--read") == 0
+    assert weft_run(*SYNTH, "whole.tif", "--size", 300) == 0
+    assert files(here) == files(here, "whole")
 
 
 def test_replay_and_report(here, capsys):
@@ -123,7 +141,7 @@ def test_bad_input_of_others(here, capsys):
     for words, why in [
         (["tile", "p.tif", "-o", "t.png"], "only replay, report and check work on it"),
         (["synth", "p.tif", "-o", "t.png"], "only replay, report and check work on it"),
-        (["check", "sample.png"], "there is no sample.png.run beside it"),
+        (["check", "sample.png"], "there is no plane in sample.png.run beside it"),
         (["replay", "p.tif", "sample.png", "-o", "t.png"], "a plane is replayed block by block"),
         (["replay", "p.tif", "other.png", "-o", "t.tif"], "no multiple or fraction"),
         (["report", "sample.png", "p.tif", "--tileable", "--json"], "--tileable has no effect"),

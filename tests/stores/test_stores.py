@@ -4,7 +4,10 @@ from __future__ import annotations
 
 import json
 import sys
+import threading
+import time
 from fractions import Fraction
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -18,7 +21,8 @@ from weftex.stores.archive import is_archive, read_archive
 from weftex.stores.files import check_target, open_stores
 from weftex.stores.layout import Layout, check_block, halved, part_of, places
 from weftex.stores.locks import locked
-from weftex.stores.record import Record, parse_part
+from weftex.stores.owned import remove, sweep
+from weftex.stores.record import Record, Run, parse_part
 
 KINDS = [("uint8", 3, False), ("uint16", 4, True), ("float32", 0, False), ("uint8", 0, False)]
 
@@ -28,8 +32,8 @@ def written(path, shape, dtype, channels, alpha, block=64):
     layout = Layout(*shape, block, dtype, channels, alpha, icc=b"profile" * 3)
     (store,) = open_stores(str(path), {"color": layout}).values()
     pixels = noise((*shape, *[channels] * (channels > 0)), dtype=np.dtype(dtype).type)
-    store.create({"seed": 1})
-    assert store.exists()
+    store.create()
+    assert not store.flaws()
     whole = {0: pixels}
     for level in range(1, store.levels):
         whole[level] = halved(whole[level - 1], layout.mixing)
@@ -56,7 +60,8 @@ def test_what_was_written_is_read(tmp_path, suffix, kind):
     for level, pixels in whole.items():
         assert (store.read(level, (0, 0, *pixels.shape[:2])) == pixels).all()
     assert (store.read(0, (63, 100, 70, 101)) == whole[0][63:133, 100:201]).all()
-    store.remove()
+    for root in store.roots:
+        remove(root)
     assert list(tmp_path.iterdir()) == []
 
 
@@ -101,7 +106,7 @@ def test_other_readers_of_zarr(tmp_path, monkeypatch):
 def test_black_blocks_are_written_too(tmp_path):
     pytest.importorskip("zarr")
     (store,) = open_stores(str(tmp_path / "a.zarr"), {"a": Layout(64, 64, 64, "uint8")}).values()
-    store.create({})
+    store.create()
     store.write((0, 0, 0), np.zeros((64, 64), np.uint8))
     assert (tmp_path / "a.zarr" / "0" / "c" / "0" / "0").exists()
 
@@ -170,18 +175,125 @@ def test_a_full_disk_is_said_in_one_line(tmp_path):
 
 
 def test_a_journal_that_was_cut_off(tmp_path):
-    record = Record(str(tmp_path / "a.tif"))
-    with record.at_work(lambda: None):
-        record.add((0, 1, 2), (7, 8))
+    record = begun(tmp_path, "a" * 32)
+    record.add((0, 1, 2), (7, 8))
     journal = tmp_path / "a.tif.run" / "done.txt"
-    journal.write_bytes(journal.read_bytes() + b"0 1 3 4")
-    assert record.done() == {(0, 1, 2): (7, 8)}
-    with record.at_work(lambda: None):
-        record.add((0, 1, 3), (5, 6))
+    line = journal.read_bytes()
+    journal.write_bytes(line + b"\nnonsense" + line[:-3])
+    record.add((0, 1, 3), (5, 6))
     assert record.done() == {(0, 1, 2): (7, 8), (0, 1, 3): (5, 6)}
-    journal.write_text("nonsense\n")
-    with pytest.raises(FileError, match=r"done\.txt is damaged"):
-        record.done()
+    for k in range(len(line)):  # a flipped bit makes a block again, and never another one
+        journal.write_bytes(line[:k] + bytes([line[k] ^ 1]) + line[k + 1 :])
+        assert record.done() in ({}, {(0, 1, 2): (7, 8)})
+
+
+def begun(folder, run):
+    """The record of a plane that a run of that name has begun."""
+    record = Record(str(folder / "a.tif"))
+    with record.held(), record.beginning():
+        record.begin(Run(run, True, ["a.tif"]))
+    return record
+
+
+def test_what_an_older_run_writes_does_not_count(tmp_path):
+    first = begun(tmp_path, "a" * 32)
+    first.add((0, 0, 0), (1,))
+    journal = tmp_path / "a.tif.run" / "done.txt"
+    second, line = begun(tmp_path, "b" * 32), journal.read_bytes()
+    with pytest.raises(FileError, match="it was begun again"), first.writing():
+        raise AssertionError
+    with pytest.raises(FileError, match="it was begun again"):
+        first.add((0, 0, 1), (2,))
+    assert journal.read_bytes() == line and second.done() == {}
+
+
+def test_who_begins_waits_for_those_that_write(tmp_path):
+    record, order = begun(tmp_path, "a" * 32), []
+
+    def begin():
+        with record.alone():
+            order.append("alone")
+
+    other = threading.Thread(target=begin)
+    with record.writing(), record.writing():
+        other.start()
+        time.sleep(0.1)
+        order.append("written")
+    other.join()
+    assert order == ["written", "alone"]
+
+
+@pytest.mark.parametrize(
+    "change",
+    [{"files": ["../a"]}, {"files": ["/etc/a"]}, {"files": "a"}, {"files": ["a/b/c"]}, {"more": 1}]
+    + [{"files": [7]}, {"files": [".."]}, {"name": 7}, {"about": 7}, {"begun": "no"}],
+)
+def test_runs_that_are_none(tmp_path, change):
+    record = begun(tmp_path, "a" * 32)
+    file = tmp_path / "a.tif.run" / "run.json"
+    file.write_text(json.dumps(json.loads(file.read_text()) | change))
+    with pytest.raises(FileError, match=r"run\.json is damaged"):
+        record.current()
+
+
+def test_only_what_is_of_a_store_is_removed(tmp_path):
+    store, _ = written(tmp_path / "a.dzi", (201, 330), "uint8", 3, False)
+    mine = [tmp_path / "a_files" / name for name in ("notes.txt", "9/notes.txt", "more/0_0.png")]
+    for path in mine:
+        path.parent.mkdir(exist_ok=True)
+        path.write_bytes(b"mine")
+    (tmp_path / "a_files" / "empty").mkdir()
+    stale = tmp_path / "a_files" / "9" / ".weftex-12-00000000-0123abcd.png"
+    stale.touch()
+    sweep(str(tmp_path / "a_files"))
+    assert not stale.exists() and (tmp_path / "a_files" / "9" / "0_0.png").exists()
+    for root in store.roots:
+        remove(root)
+    left = {path for path in tmp_path.rglob("*") if path.is_file()}
+    assert left == {*mine} and (tmp_path / "a_files" / "empty").exists()
+
+
+def test_metadata_that_is_damaged_is_made_again(tmp_path):
+    for suffix in (".tif", ".dzi", ".zarr"):
+        if suffix == ".zarr":
+            pytest.importorskip("zarr")
+        store, whole = written(tmp_path / f"a{suffix}", (201, 330), "uint8", 3, False)
+        path = Path(next(iter(store.frame())).path)
+        good = path.read_bytes()
+        for bad in (good[:30], good[:40] + b"x" + good[41:], good + b"x", b"", None):
+            path.unlink()
+            if bad is not None:
+                path.write_bytes(bad)
+            assert store.flaws() == [str(path)]
+            store.create()
+            assert store.flaws() == []
+            if suffix != ".tif":
+                assert path.read_bytes() == good
+            path.write_bytes(good)
+        assert (store.read(0, (0, 0, 201, 330)) == whole[0]).all()
+
+
+@pytest.mark.parametrize("suffix", [".tif", ".zarr", ".dzi"])
+def test_damaged_blocks_are_one_line(tmp_path, suffix):
+    if suffix == ".zarr":
+        pytest.importorskip("zarr")
+    store, _ = written(tmp_path / f"a{suffix}", (64, 64), "uint8", 3, False)
+    (file,) = store.files((0, 0, 0))
+    data = Path(file).read_bytes()
+    for bad in (data[: len(data) // 2], data[:-9] + bytes(9), b""):
+        Path(file).write_bytes(bad)
+        try:
+            store.read(0, (0, 0, 64, 64))
+        except FileError as error:
+            assert "\n" not in str(error)
+        else:
+            assert suffix == ".tif" and len(bad) == len(data)
+        store.create()
+        store.write((0, 0, 0), np.zeros((64, 64, 3), np.uint8))
+        assert (store.read(0, (0, 0, 64, 64)) == 0).all()
+    Path(file).unlink()
+    with pytest.raises(FileError, match="row 0, column 0 is missing"):
+        store.read(0, (0, 0, 64, 64))
 
 
 def test_locks_of_one_process(tmp_path):

@@ -14,9 +14,10 @@ from families import noise
 from weftex.errors import CancelledError, FileError, InvalidInputError
 from weftex.stores.record import Record
 from weftex.stores.tiff import TiffStore
+from weftex.tasks.job import Job, in_words
 from weftex.tasks.opened import open_plane
 from weftex.tasks.recipe import Recipe
-from weftex.tasks.stream import Job, in_words, recipe_of, write_plane
+from weftex.tasks.stream import recipe_of, write_plane
 
 SIZE = (300, 333)
 TILE = weftex.BestTile(lattice=(20, 0, 0, 20))
@@ -58,7 +59,8 @@ def test_threads_and_a_second_run(sample, whole, tmp_path):
     weftex.stream(sample, tmp_path / "p.tif", SIZE, threads=3, **HOW)
     again = weftex.stream(sample, tmp_path / "p.tif", SIZE, **HOW | {"seed": None})
     assert (again.blocks, again.made) == (39, 0) and plain(tmp_path) == whole
-    assert open_plane(tmp_path / "p.tif").unlike() == []
+    plane = open_plane(tmp_path / "p.tif")
+    assert not [*plane.job.damaged(plane.done)] and not [*plane.job.lost(plane.done)]
 
 
 def test_a_run_that_was_cut_off_goes_on(sample, whole, tmp_path):
@@ -67,7 +69,7 @@ def test_a_run_that_was_cut_off_goes_on(sample, whole, tmp_path):
             sample, tmp_path / "p.tif", SIZE, progress=lambda done, *_: done < 7, threads=1, **HOW
         )
     plane = open_plane(tmp_path / "p.tif")
-    assert len(plane.missing()) == 32
+    assert plane.missing() == 32
     with pytest.raises(FileError, match="is not whole: 32 blocks are missing"):
         plane.read((0, 0, 10, 10))
     assert weftex.stream(sample, tmp_path / "p.tif", SIZE, **HOW).made == 32
@@ -81,7 +83,7 @@ def test_parts_are_the_whole(sample, whole, tmp_path):
     assert made == [10, 10, 0]
     assert open_plane(target).parts() == {"2/3": 10}
     assert write_plane(Job(recipe, target, (2, 3))).made == 10
-    assert open_plane(target).parts() == {} and len(open_plane(target).missing()) == 9
+    assert open_plane(target).parts() == {} and open_plane(target).missing() == 9
     assert write_plane(Job(recipe, target)).made == 9
     assert plain(tmp_path) == whole
 
@@ -214,7 +216,7 @@ def test_sizes_in_words():
 def test_a_record_is_held_by_one(sample, tmp_path):
     recipe = recipe_of(sample, TILE, SIZE, seed=4, block=64)
     with (
-        Record(str(tmp_path / "p.tif")).at_work(lambda: None),
+        Record(str(tmp_path / "p.tif")).held(),
         pytest.raises(FileError, match="another process makes it"),
     ):
         write_plane(Job(recipe, str(tmp_path / "p.tif")))

@@ -159,27 +159,16 @@ def write(
     args: argparse.Namespace, recipe: Recipe, bar: Bar, outputs: Outputs, start: float
 ) -> str:
     """Write a plane, and return the line about it."""
-    from weftex.stores.record import Record
-    from weftex.tasks.stream import (
-        Job,
-        check_begun,
-        in_words,
-        left_of,
-        most_bytes,
-        wanted,
-        write_plane,
-    )
+    from weftex.tasks.job import Job, done_before, in_words, most_bytes
+    from weftex.tasks.stream import write_plane
 
     job = Job(recipe, args.output, args.part)
-    stores, record = job.stores(), Record(job.target, job.part)
-    check_begun(job, stores, record, args.restart)
-    blocks = wanted(job, stores)
-    left = left_of(job, stores, record, args.restart)
+    left = job.left(done_before(job, restart=args.restart))
     if not args.quiet:
         what = f"part {args.part[0]} of {args.part[1]}, " if args.part else ""
         say(
-            f"{args.output} is written block by block: {what}{len(left)} of {len(blocks)} blocks "
-            f"are left, up to {in_words(most_bytes(stores, left))}"
+            f"{args.output} is written block by block: {what}{left} of {job.count} blocks "
+            f"are left, up to {in_words(most_bytes(job, left))}"
         )
     bar.left = "blocks that are done are kept; the same command goes on"
     how: dict[str, Any] = {"restart": args.restart, "progress": bar}
@@ -224,7 +213,8 @@ def recipe_of_replay(args: argparse.Namespace, materials: list[Material]) -> Rec
         )
     check_options(args)
     record = Record(args.source)
-    found = Recipe.load(record.recipe if record.exists() else args.source)
+    run = record.current()
+    found = Recipe.load(record.recipe, run.name) if run else Recipe.load(args.source)
     return found.replayed(materials[0].maps, stems_of(args, materials[0]), args.block)
 
 

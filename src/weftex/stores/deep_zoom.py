@@ -6,18 +6,17 @@ Web pages show it with OpenSeadragon, and libvips and QGIS read it.
 from __future__ import annotations
 
 import os
-import shutil
 from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
 
 from weftex.errors import InvalidInputError
 from weftex.io.formats import FORMATS, show
-from weftex.io.pictures import read_image, write_image, write_text
-from weftex.stores.store import Store, synced
+from weftex.io.pictures import read_image, write_image
+from weftex.stores.store import Piece, Store, synced
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping
+    from collections.abc import Iterable, Iterator
 
     from numpy.typing import NDArray
 
@@ -47,26 +46,30 @@ class DeepZoomStore(Store):
                 f"pixels of {colors} channels; use .zarr or .tif"
             )
 
-    def create(self, about: Mapping[str, Any]) -> None:
-        """Make the folders, then the file."""
-        for level in range(self.levels):
-            os.makedirs(self._folder(level), exist_ok=True)
+    def frame(self) -> Iterator[Piece]:
+        """Give the file about the tiles."""
         layout = self.layout
         sizes = {"tile": layout.tile, "width": layout.width, "height": layout.height}
-        write_text(self.path, _TEXT.format(**sizes))
+        data = _TEXT.format(**sizes).encode()
+        yield Piece(self.path, 0, data, len(data))
+
+    def files(self, place: Place) -> Iterable[str]:
+        """Give the tiles of a block."""
+        return (self._tile(place[0], *corner) for corner in self._corners(place))
 
     def put(self, place: Place, pixels: NDArray[Any]) -> None:
         """Write the tiles of a block."""
         layout, tile = self.layout, self.layout.tile
-        top, left, height, width = layout.window(place)
-        for y in range(0, height, tile):
-            for x in range(0, width, tile):
-                path = self._tile(place[0], (top + y) // tile, (left + x) // tile)
-                part = pixels[y : y + tile, x : x + tile]
-                write_image(path, part, alpha=layout.alpha, icc=layout.icc)
-                synced(path)
+        top, left, *_ = layout.window(place)
+        os.makedirs(self._folder(place[0]), exist_ok=True)
+        for row, column in self._corners(place):
+            y, x = row * tile - top, column * tile - left
+            part = pixels[y : y + tile, x : x + tile]
+            path = self._tile(place[0], row, column)
+            write_image(path, part, alpha=layout.alpha, icc=layout.icc)
+            synced(path)
 
-    def read(self, level: int, window: Window) -> NDArray[Any]:
+    def get(self, level: int, window: Window) -> NDArray[Any]:
         """Read the tiles that a window touches."""
         top, left, height, width = window
         bands, tile = self.layout.channels, self.layout.tile
@@ -82,10 +85,18 @@ class DeepZoomStore(Store):
                 )
         return out
 
-    def remove(self) -> None:
-        """Remove the file and its tiles."""
-        shutil.rmtree(self._tiles, ignore_errors=True)
-        os.unlink(self.path)
+    @property
+    def roots(self) -> tuple[str, ...]:
+        """The file and the folder of tiles."""
+        return (self.path, self._tiles)
+
+    def _corners(self, place: Place) -> Iterator[tuple[int, int]]:
+        """Row and column of each tile of a block."""
+        tile = self.layout.tile
+        top, left, height, width = self.layout.window(place)
+        for row in range(top // tile, -(-(top + height) // tile)):
+            for column in range(left // tile, -(-(left + width) // tile)):
+                yield row, column
 
     @property
     def _tiles(self) -> str:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import os
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from weftex.errors import FileError
 from weftex.io.formats import show, suffix_of
@@ -21,33 +21,26 @@ SUFFIXES = (*ALWAYS, ".tif", ".tiff")
 
 
 def open_stores(
-    target: str, layouts: Mapping[str, Layout], stems: Mapping[str, str] | None = None
+    target: str,
+    layouts: Mapping[str, Layout],
+    stems: Mapping[str, str] | None = None,
+    about: Mapping[str, Any] | None = None,
 ) -> dict[str, Store]:
-    """Return a store for each layout.
+    """Return a store for each layout, by the names of maps.
 
-    Parameters
-    ----------
-    target : str
-        One picture goes there; of several each has a group in a Zarr, or a file beside it.
-    layouts : mapping of str to Layout
-        By the names of maps.
-    stems : mapping of str to str, optional
-        What files of maps are called, instead of ``plane_normal`` and the like.
-
-    Raises
-    ------
-    InvalidInputError
-        If the format cannot hold such pixels.
+    One picture goes to `target`; of several each has a group in a Zarr, or a file beside it, which
+    `stems` may name. `about` says what made the pixels.
     """
     stem, suffix = os.path.splitext(target)[0], suffix_of(target)
     kind = _kind(suffix)
     if len(layouts) == 1:
-        return {name: kind(target, layout) for name, layout in layouts.items()}
+        return {name: kind(target, layout, about) for name, layout in layouts.items()}
     found = {}
     for name, layout in layouts.items():
         file = stems[name] if stems else f"{os.path.basename(stem)}_{name}"
         path = os.path.join(os.path.dirname(target), file + os.path.splitext(target)[1])
-        found[name] = kind(os.path.join(target, name) if suffix == ".zarr" else path, layout)
+        path = os.path.join(target, name) if suffix == ".zarr" else path
+        found[name] = kind(path, layout, about)
     return found
 
 

@@ -137,16 +137,30 @@ def check_block(block: object) -> int:
 def places(layout: Layout, levels: int) -> Iterator[Place]:
     """Give all blocks, level by level, so that those below are done first."""
     for level in range(levels):
-        rows, columns = layout.grid(level)
-        yield from ((level, row, column) for row in range(rows) for column in range(columns))
+        yield from places_of(layout, level)
+
+
+def places_of(layout: Layout, level: int) -> Iterator[Place]:
+    """Give the blocks of a level, row by row."""
+    rows, columns = layout.grid(level)
+    return ((level, row, column) for row in range(rows) for column in range(columns))
+
+
+def part_range(layout: Layout, number: int, of: int) -> range:
+    """Return the blocks of level 0, counted row by row, that are part `number` of `of`."""
+    count = blocks_in(layout, 1)
+    return range(count * (number - 1) // of, count * number // of)
 
 
 def part_of(layout: Layout, number: int, of: int) -> Iterator[Place]:
-    """Give the blocks of level 0 that are part `number` of so many: neighbors, in their order."""
-    rows, columns = layout.grid(0)
-    count = rows * columns
-    for k in range(count * (number - 1) // of, count * number // of):
-        yield (0, *divmod(k, columns))
+    """Give the blocks of level 0 that are part `number` of `of`: neighbors, in their order."""
+    columns = layout.grid(0)[1]
+    return ((0, *divmod(k, columns)) for k in part_range(layout, number, of))
+
+
+def blocks_in(layout: Layout, levels: int) -> int:
+    """Return the number of blocks of the first `levels` levels."""
+    return sum(rows * columns for rows, columns in map(layout.grid, range(levels)))
 
 
 def children(layout: Layout, place: Place) -> Window:

@@ -4,18 +4,31 @@ from __future__ import annotations
 
 import os
 from abc import ABC, abstractmethod
-from typing import TYPE_CHECKING, Any, ClassVar
+from contextlib import suppress
+from typing import TYPE_CHECKING, Any, ClassVar, NamedTuple
 
 from weftex.errors import FileError
 from weftex.io.formats import show
+from weftex.io.temporary import write_through
 from weftex.stores.layout import children, halved
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping
+    from collections.abc import Iterable, Iterator, Mapping
 
     from numpy.typing import NDArray
 
     from weftex.stores.layout import Layout, Place, Window
+
+REPAIR = "'weftex check --repair' makes it again"
+
+
+class Piece(NamedTuple):
+    """Bytes of a file that hold no pixels, such as a header; `size` is the size of the file."""
+
+    path: str
+    start: int
+    data: bytes
+    size: int
 
 
 class Store(ABC):
@@ -25,6 +38,8 @@ class Store(ABC):
     ----------
     path : str
     layout : Layout
+    about : mapping
+        What made the pixels, in plain values; a format may keep it.
 
     Raises
     ------
@@ -35,8 +50,8 @@ class Store(ABC):
     #: The last level is at most so many pixels high and wide.
     smallest: ClassVar[int] = 512
 
-    def __init__(self, path: str, layout: Layout) -> None:
-        self.path, self.layout = path, layout
+    def __init__(self, path: str, layout: Layout, about: Mapping[str, Any] | None = None) -> None:
+        self.path, self.layout, self.about = path, layout, dict(about or {})
         self.levels = layout.levels(self.smallest)
         self.check()
 
@@ -44,30 +59,64 @@ class Store(ABC):
         """Raise unless the format holds such pixels."""
 
     @abstractmethod
-    def create(self, about: Mapping[str, Any]) -> None:
-        """Make it, without pixels; `about` says what made them, in plain values."""
+    def frame(self) -> Iterator[Piece]:
+        """Give everything but the pixels, the outermost file last."""
+
+    @abstractmethod
+    def files(self, place: Place) -> Iterable[str]:
+        """Give the files that hold a block."""
 
     @abstractmethod
     def put(self, place: Place, pixels: NDArray[Any]) -> None:
         """Write a block; when this returns it is on the disk."""
 
     @abstractmethod
-    def read(self, level: int, window: Window) -> NDArray[Any]:
+    def get(self, level: int, window: Window) -> NDArray[Any]:
         """Return the pixels of a window."""
 
-    @abstractmethod
-    def remove(self) -> None:
-        """Remove everything that `create` and `put` wrote."""
-
-    def exists(self) -> bool:
-        """Whether `create` made it."""
-        return os.path.exists(self.path)
+    @property
+    def roots(self) -> tuple[str, ...]:
+        """The files and folders that everything is in."""
+        return (self.path,)
 
     @property
     def most_bytes(self) -> int:
         """That it may take on the disk."""
         sizes = [self.layout.shape(level) for level in range(self.levels)]
         return sum(height * width for height, width in sizes) * self.layout.bytes
+
+    def create(self) -> None:
+        """Write everything but the pixels, also where it is damaged; blocks stay as they are."""
+        for path, start, data, size in self.frame():
+            os.makedirs(os.path.dirname(os.path.abspath(path)), exist_ok=True)
+            number = os.open(path, os.O_RDWR | os.O_CREAT | getattr(os, "O_BINARY", 0), 0o666)
+            with open(number, "r+b") as file:
+                file.seek(start)
+                file.write(data)
+                file.truncate(size)
+            synced(path)
+
+    def flaws(self) -> list[str]:
+        """Return the files that are missing, or damaged beside their pixels."""
+        found = []
+        for path, start, data, size in self.frame():
+            try:
+                with open(path, "rb") as file:
+                    file.seek(start)
+                    good = file.read(len(data)) == data
+                    good = good and os.fstat(file.fileno()).st_size == size
+            except OSError:
+                good = False
+            if not good:
+                found.append(path)
+        return list(dict.fromkeys(found))
+
+    def lacks(self, place: Place) -> bool:
+        """Whether a file of a block is missing, or empty, which Zarr reads as zeros."""
+        try:
+            return any(os.path.getsize(path) == 0 for path in self.files(place))
+        except OSError:
+            return True
 
     def write(self, place: Place, pixels: NDArray[Any]) -> None:
         """`put`, with errors of ours."""
@@ -81,6 +130,31 @@ class Store(ABC):
                 "are kept, and the same command goes on"
             ) from None
 
+    def read(self, level: int, window: Window) -> NDArray[Any]:
+        """Return the pixels of a window.
+
+        Raises
+        ------
+        FileError
+            If some are missing or damaged.
+        """
+        top, left, height, width = window
+        side = self.layout.block
+        for row in range(top // side, -(-(top + height) // side)):
+            for column in range(left // side, -(-(left + width) // side)):
+                if self.lacks((level, row, column)):
+                    what = f"level {level}, row {row}, column {column}"
+                    raise FileError(f"{show(self.path)}: the block {what} is missing; {REPAIR}")
+        try:
+            return self.get(level, window)
+        except (FileError, MemoryError):
+            raise
+        except Exception as error:  # damaged files raise errors of many kinds
+            why = " ".join(str(error).split()) or type(error).__name__
+            raise FileError(
+                f"{show(self.path)}: level {level} is damaged: {why}; {REPAIR}"
+            ) from None
+
     def reduced(self, place: Place) -> NDArray[Any]:
         """Return a block of a level above 0, made from the level below."""
         window = children(self.layout, place)
@@ -88,13 +162,13 @@ class Store(ABC):
 
 
 def synced(path: str) -> None:
-    """Wait until a file, and its name in its folder, are on the disk."""
-    for one in (path, os.path.dirname(os.path.abspath(path))):
-        try:
-            number = os.open(one, os.O_RDONLY)
-        except PermissionError:  # Windows opens no folders
-            continue
-        try:
-            os.fsync(number)
-        finally:
-            os.close(number)
+    """Wait until a file or folder, and its name, are on the disk."""
+    if os.path.isfile(path):
+        write_through(path)
+    for folder in filter(os.path.isdir, (path, os.path.dirname(os.path.abspath(path)))):
+        with suppress(OSError):  # Windows opens no folders, and some file systems sync none
+            number = os.open(folder, os.O_RDONLY)
+            try:
+                os.fsync(number)
+            finally:
+                os.close(number)

@@ -16,17 +16,17 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from weftex.errors import InvalidInputError
-from weftex.io.pictures import atomic
-from weftex.stores.store import Store
+from weftex.stores.store import Piece, Store
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping
+    from collections.abc import Iterable, Iterator
 
     from numpy.typing import NDArray
 
     from weftex.stores.layout import Layout, Place, Window
 
-_MOST_SIDE = 2**20  # tables of tiles grow with the area
+_MOST_SIDE = 2**20
+_MOST_TILES = 2**22  # tables of tiles, of 12 bytes each, are made in memory
 _PAGE = 2**16  # tiles begin at pages, which no two writers share
 _ASCII, _SHORT, _LONG, _UNDEFINED, _LONG8 = 2, 3, 4, 7, 16
 _CODES = {_ASCII: "u1", _SHORT: "<u2", _LONG: "<u4", _UNDEFINED: "u1", _LONG8: "<u8"}
@@ -44,17 +44,24 @@ class TiffStore(Store):
                 f"{self.path}: '.tif' holds at most {_MOST_SIDE} pixels a side, not {longest}; "
                 "use .zarr"
             )
+        rows, columns = self._tiles(0)
+        if rows * columns > _MOST_TILES:
+            raise InvalidInputError(
+                f"{self.path}: '.tif' holds at most {_MOST_TILES} tiles, not {rows * columns} of "
+                f"{self.layout.tile} pixels a side; use a larger --block, or .zarr"
+            )
 
-    def create(self, about: Mapping[str, Any]) -> None:
-        """Write the directories; the rest of the file is a hole that blocks fill."""
-        with atomic(self.path) as temporary, open(temporary, "r+b") as file:
-            # Little-endian, version 43, offsets of 8 bytes.
-            file.write(struct.pack("<2sHHHQ", b"II", 43, 8, 0, 16))
-            for level in range(self.levels):
-                file.write(self._directory(level))
-            file.truncate(self._ends[-1])
-            file.flush()
-            os.fsync(file.fileno())
+    def frame(self) -> Iterator[Piece]:
+        """Give the header and the directories; the rest of the file is a hole that blocks fill."""
+        # Little-endian, version 43, offsets of 8 bytes.
+        header = struct.pack("<2sHHHQ", b"II", 43, 8, 0, 16)
+        yield Piece(self.path, 0, header, self.most_bytes)
+        for level in range(self.levels):
+            yield Piece(self.path, self._heads[level], self._directory(level), self.most_bytes)
+
+    def files(self, place: Place) -> Iterable[str]:
+        """Give the file."""
+        return (self.path,)
 
     def put(self, place: Place, pixels: NDArray[Any]) -> None:
         """Write the tiles of a block, a row of them at a time."""
@@ -72,7 +79,7 @@ class TiffStore(Store):
             file.flush()
             os.fsync(file.fileno())
 
-    def read(self, level: int, window: Window) -> NDArray[Any]:
+    def get(self, level: int, window: Window) -> NDArray[Any]:
         """Read the tiles that a window touches, a row of them at a time."""
         top, left, height, width = window
         tile, bands = self.layout.tile, max(self.layout.channels, 1)
@@ -88,10 +95,6 @@ class TiffStore(Store):
                 start, end = max(line, top), min(line + tile, top + height)
                 out[start - top : end - top] = strip[start - line : end - line]
         return out if self.layout.channels else out[..., 0]
-
-    def remove(self) -> None:
-        """Remove the file."""
-        os.unlink(self.path)
 
     @property
     def most_bytes(self) -> int:

@@ -11,7 +11,6 @@ from __future__ import annotations
 import logging
 import os
 import pickle
-import socket
 import sys
 import warnings
 from contextlib import contextmanager
@@ -21,7 +20,8 @@ from typing import TYPE_CHECKING, Any
 
 from weftex.errors import FileError, InvalidInputError, WeftexError
 from weftex.stores.record import Record
-from weftex.tasks.stream import Job
+from weftex.tasks.job import Job
+from weftex.tasks.worker_processes import writer_name
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator
@@ -83,7 +83,7 @@ class Workers:
             warnings.simplefilter("ignore")  # that a sample is large
             self._job = client.submit(_held, pickle.dumps(job), pure=False)
 
-    def __call__(self, level: Iterable[Place], steps: Progress) -> Iterator[Place]:
+    def __call__(self, record: Record, level: Iterable[Place], steps: Progress) -> Iterator[Place]:
         """Yield the blocks as they are done; `steps` is asked to go on while none is."""
         from distributed import as_completed as futures_as_completed
         from distributed.scheduler import KilledWorker
@@ -96,7 +96,8 @@ class Workers:
 
         def submit(place: Place) -> None:
             tries[place] = tries.get(place, 0) + 1
-            future = self._client.submit(make_block, self._job, place, self._versions, pure=False)
+            work = (self._job, record.run, place, self._versions)
+            future = self._client.submit(make_block, *work, pure=False)
             running[future] = place
             ended.add(future)
 
@@ -182,15 +183,14 @@ def _held(packed: bytes) -> bytes:
 
 
 @lru_cache(maxsize=2)
-def _opened(packed: bytes) -> tuple[Job, dict[str, Any], Record]:
-    """The job, its stores and a journal; the model is fitted once for all blocks of a worker."""
-    job = pickle.loads(packed)
-    writer = f"worker-{socket.gethostname()}-{os.getpid()}"
-    return job, job.stores(), Record(job.target, writer=writer)
+def _opened(packed: bytes) -> Job:
+    """The job, whose model is fitted once for all blocks of a worker."""
+    job: Job = pickle.loads(packed)
+    return job
 
 
-def make_block(packed: bytes, place: Place, wanted: dict[str, str]) -> None:
-    """Make a block on a worker.
+def make_block(packed: bytes, run: str, place: Place, wanted: dict[str, str]) -> None:
+    """Make a block of a run on a worker.
 
     Raises
     ------
@@ -202,11 +202,11 @@ def make_block(packed: bytes, place: Place, wanted: dict[str, str]) -> None:
     from distributed import get_worker
 
     refuse_versions(get_worker().address, versions(), wanted)
-    job, stores, record = _opened(packed)
-    for store in stores.values():
-        if not store.exists():
+    job = _opened(packed)
+    for store in job.stores.values():
+        if not os.path.exists(store.path):
             raise FileError(
                 f"worker {get_worker().address} does not see {store.path}; all machines need the "
                 "same folder under the same path"
             )
-    job.make(stores, record, place, threads=1)
+    job.make(Record(job.target, writer=writer_name(), run=run), place, threads=1)

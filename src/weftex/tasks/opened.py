@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-import os
-import re
+from bisect import bisect_right
+from collections import Counter
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
@@ -13,14 +13,16 @@ from weftex.errors import FileError
 from weftex.exemplar import Exemplar
 from weftex.io.formats import path_text, show
 from weftex.random import draw
-from weftex.stores.layout import part_of
+from weftex.stores.layout import part_range
 from weftex.stores.record import Record
+from weftex.tasks.job import Job
 from weftex.tasks.recipe import Recipe
-from weftex.tasks.stream import Job, check_sum, wanted
 
 if TYPE_CHECKING:
-    from weftex.stores.layout import Place, Window
-    from weftex.stores.store import Store
+    import os
+
+    from weftex.stores.layout import Window
+    from weftex.tasks.job import Sums
 
 _SEEN, _SIDE = 5, 512  # windows of a plane that are looked at, and their sides
 
@@ -31,42 +33,42 @@ class PlaneFile:
 
     Attributes
     ----------
-    path : str
-    recipe : Recipe
-        What it is made of.
-    stores : dict of str to Store
-        Its pictures by the names of maps.
+    job : Job
+        What it is made of, and where it is.
+    done : mapping of (int, int, int) to tuple of int
+        The blocks that were written, with the check sums of their pixels.
     """
 
-    path: str
-    recipe: Recipe
-    stores: dict[str, Store]
+    job: Job
+    done: Sums
 
-    def missing(self) -> list[Place]:
-        """Return the blocks that are not done, smaller versions included."""
-        done = Record(self.path).done()
-        return [place for place in wanted(self._job, self.stores) if place not in done]
+    @property
+    def path(self) -> str:
+        """The file, or folder."""
+        return self.job.target
 
-    def unlike(self) -> list[Place]:
-        """Return the blocks whose pixels are not those that were written; reads all of them."""
-        found = []
-        for place, sums in Record(self.path).done().items():
-            level = place[0]
-            stores = [store for store in self.stores.values() if level < store.levels]
-            if sums != tuple(_sum_of(store, place) for store in stores):
-                found.append(place)
-        return found
+    @property
+    def recipe(self) -> Recipe:
+        """What it is made of."""
+        return self.job.recipe
+
+    def missing(self) -> int:
+        """Return the number of blocks that are not done, smaller versions included."""
+        return self.job.left(self.done)
 
     def parts(self) -> dict[str, int]:
         """Return how many blocks are missing of each part, if parts were made."""
-        counts = {int(m[1]) for m in map(_PART.fullmatch, _files(self.path)) if m}
-        done, base = Record(self.path).done(), self.recipe.base
-        return {
-            f"{k}/{count}": left
-            for count in sorted(counts)
-            for k in range(1, count + 1)
-            if (left := sum(place not in done for place in part_of(base, k, count)))
-        }
+        base = self.recipe.base
+        columns = base.grid(0)[1]
+        done = [row * columns + column for level, row, column in self.done if level == 0]
+        found: dict[str, int] = {}
+        for count in Record(self.path).parts():
+            numbers = [part_range(base, k, count) for k in range(1, count + 1)]
+            starts = [one.start for one in numbers]
+            made = Counter(bisect_right(starts, number) for number in done)
+            left = {k: len(one) - made[k] for k, one in enumerate(numbers, 1)}
+            found |= {f"{k}/{count}": number for k, number in left.items() if number > 0}
+        return found
 
     def read(self, window: Window) -> Exemplar:
         """Return a window of level 0 with its maps, in pixels of the sample's size.
@@ -76,14 +78,14 @@ class PlaneFile:
         FileError
             If the plane is not whole.
         """
-        if left := len(self.missing()):
+        if left := self.missing():
             raise FileError(
                 f"{show(self.path)} is not whole: {left} blocks are missing; the command that made "
                 "it goes on"
             )
         found = {}
         for name, picture in self.recipe.pictures.items():
-            store = self.stores[name]
+            store = self.job.stores[name]
             ratio = store.layout.block / self.recipe.block
             top, left, height, width = (int(side * ratio) for side in window)
             found[name] = picture.changed(
@@ -103,25 +105,6 @@ class PlaneFile:
         corners = np.unique(where % room // np.uint64(16) * np.uint64(16), axis=0)
         return [(int(top), int(left), height, width) for top, left in corners]
 
-    @property
-    def _job(self) -> Job:
-        return Job(self.recipe, self.path)
-
-
-_PART = re.compile(r"part-\d+-of-(\d+)\.txt")
-
-
-def _files(path: str) -> list[str]:
-    return os.listdir(Record(path).folder)
-
-
-def _sum_of(store: Store, place: Place) -> int:
-    try:
-        pixels = store.read(place[0], store.layout.window(place))
-    except (OSError, ValueError, FileError):
-        return -1
-    return check_sum(pixels)
-
 
 def open_plane(path: str | os.PathLike[str]) -> PlaneFile:
     """Open a plane that `weftex.stream` wrote.
@@ -132,7 +115,9 @@ def open_plane(path: str | os.PathLike[str]) -> PlaneFile:
         If it is none, or was made by another version whose recipe cannot be read.
     """
     target = path_text(path)
-    if not Record(target).exists():
-        raise FileError(f"{show(target)}: there is no {show(Record(target).folder)} beside it")
-    recipe = Recipe.load(Record(target).recipe)
-    return PlaneFile(target, recipe, recipe.stores(target))
+    record = Record(target)
+    run = record.current()
+    if run is None or not run.begun:
+        raise FileError(f"{show(target)}: there is no plane in {show(record.folder)} beside it")
+    job = Job(Recipe.load(record.recipe, run.name), target)
+    return PlaneFile(job, record.done())

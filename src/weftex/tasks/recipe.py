@@ -144,7 +144,8 @@ class Recipe:
 
     def stores(self, target: str) -> dict[str, Store]:
         """Return where each picture goes."""
-        return open_stores(target, self.layouts, self.stems)
+        about = {"seed": self.seed, "method": self.method.describe()}
+        return open_stores(target, self.layouts, self.stems, about)
 
     def replayed(
         self, maps: Mapping[str, Exemplar], stems: Mapping[str, str], block: int | None = None
@@ -157,6 +158,8 @@ class Recipe:
     def about(self) -> dict[str, Any]:
         """Plain values that differ wherever pixels or files would."""
         facts, arrays = _packed(self)
+        for one in facts["samples"]:
+            del one["name"]  # of its file, of which no pixel depends
         text = json.dumps(facts, sort_keys=True)
         digest = hashlib.sha256(text.encode())
         for name in sorted(arrays):
@@ -180,22 +183,25 @@ class Recipe:
         """A name that no other recipe has."""
         return hashlib.sha256(json.dumps(self.about, sort_keys=True).encode()).hexdigest()
 
-    def save(self, path: str) -> None:
-        """Write it to an `.npz` file."""
+    def save(self, path: str, run: str = "") -> None:
+        """Write it to an `.npz` file, with the name of the run that it belongs to."""
         facts, arrays = _packed(self)
-        write_archive(path, {"about": self.about, "facts": facts, "reason": self.reason}, arrays)
+        about = {"about": self.about, "facts": facts, "reason": self.reason, "run": run}
+        write_archive(path, about, arrays)
 
     @classmethod
-    def load(cls, path: str) -> Recipe:
+    def load(cls, path: str, run: str | None = None) -> Recipe:
         """Read what `save` wrote.
 
         Raises
         ------
         FileError
-            If the file is missing, damaged, or something else.
+            If the file is missing, damaged, or something else, or belongs to another run.
         """
         header, arrays = read_archive(path)
         try:
+            if run is not None and header["run"] != run:
+                raise ValueError("it belongs to another run")
             return cls._unpacked(header, arrays)
         except (LookupError, TypeError, ValueError, AttributeError) as error:
             raise FileError(f"{show(path)} is damaged: {error}") from None
@@ -299,6 +305,10 @@ def _packed(recipe: Recipe) -> tuple[dict[str, Any], dict[str, NDArray[Any]]]:
 
 def _unpacked(k: int, facts: dict[str, Any], arrays: Mapping[str, NDArray[Any]]) -> Exemplar:
     role = Role(facts["role"]["name"], facts["role"]["kind"], (), tuple(facts["role"]["channels"]))
+    if not all(
+        isinstance(text, str) for text in (facts["name"], role.name, role.kind, *role.channels)
+    ):
+        raise ValueError("a name is no text")
     icc = arrays[f"icc{k}"].tobytes() if f"icc{k}" in arrays else None
     flags = {name: facts[name] for name in _FLAGS}
     if flags["turn"] is not None:

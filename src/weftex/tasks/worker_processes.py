@@ -7,7 +7,6 @@ from __future__ import annotations
 
 import os
 import socket
-from functools import partial
 from typing import TYPE_CHECKING
 
 from weftex.errors import FileError
@@ -20,7 +19,7 @@ if TYPE_CHECKING:
 
     from weftex.progress import Progress
     from weftex.stores.layout import Place
-    from weftex.tasks.stream import Job
+    from weftex.tasks.job import Job
 
 
 class WorkerProcesses:
@@ -39,25 +38,33 @@ class WorkerProcesses:
         """Kill the processes."""
         self._workers.end()
 
-    def __call__(self, level: Iterable[Place], steps: Progress) -> Iterator[Place]:
+    def __call__(self, record: Record, level: Iterable[Place], steps: Progress) -> Iterator[Place]:
         """Yield the blocks in their order, each when it is on the disk."""
-        blocks = list(level)
 
-        def make(k: int) -> Place:
+        def make(place: Place) -> Place:
             try:
-                self._workers.do(blocks[k])
+                self._workers.do((record.run, place))
             except LostError:
                 raise FileError(
-                    f"the block {blocks[k]} was given up: a worker process was killed, perhaps "
+                    f"the block {place} was given up: a worker process was killed, perhaps "
                     "for lack of memory; blocks that are done are kept, and the same command "
                     "continues"
                 ) from None
-            return blocks[k]
+            return place
 
-        yield from in_turn(make, range(len(blocks)), self._count)
+        yield from in_turn(make, level, self._count)
 
 
-def block_maker(job: Job) -> Callable[[Place], None]:
-    """Return the function that makes a block in a worker process, with a journal of its own."""
-    record = Record(job.target, writer=f"worker-{socket.gethostname()}-{os.getpid()}")
-    return partial(job.make, job.stores(), record, threads=1)
+def block_maker(job: Job) -> Callable[[tuple[str, Place]], None]:
+    """Return the function that makes a block of a run in a worker process."""
+
+    def make(work: tuple[str, Place]) -> None:
+        run, place = work
+        job.make(Record(job.target, writer=writer_name(), run=run), place, threads=1)
+
+    return make
+
+
+def writer_name() -> str:
+    """Return the name of the journal of this process."""
+    return f"worker-{socket.gethostname()}-{os.getpid()}"

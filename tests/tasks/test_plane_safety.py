@@ -1,0 +1,322 @@
+"""Planes on disk whose files are foreign, damaged, or written by a run that ought to have ended."""
+
+from __future__ import annotations
+
+import os
+import shutil
+import sys
+import threading
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import weftex
+from commands import listing
+from families import noise
+from processes import run
+from weftex.errors import CancelledError, FileError, InvalidInputError
+from weftex.io.pictures import write_image
+from weftex.stores.record import Record
+from weftex.stores.tiff import TiffStore
+from weftex.tasks.job import Job, at_work
+from weftex.tasks.opened import open_plane
+from weftex.tasks.stream import recipe_of, write_plane
+from weftex.tasks.worker_processes import block_maker
+
+SIZE = (200, 333)
+TILE = weftex.BestTile(lattice=(20, 0, 0, 20))
+HOW = {"method": TILE, "seed": 4, "block": 64, "threads": 1}
+SAMPLE = noise((60, 64, 3))
+
+
+@pytest.fixture(autouse=True)
+def without_a_disk(monkeypatch):
+    """Nobody pulls the plug here."""
+    monkeypatch.setattr(os, "fsync", lambda number: None)
+
+
+@pytest.fixture(params=[".tif", ".dzi", ".zarr"])
+def target(request, tmp_path):
+    if request.param == ".zarr":
+        pytest.importorskip("zarr")
+    return tmp_path / f"p{request.param}"
+
+
+def pixels_of(folder):
+    """The files of planes, without what is known of them."""
+    return {p: data for p, data in listing(folder).items() if data and ".run" not in str(p)}
+
+
+def is_whole(target):
+    """Whether everything is there, and as it was written."""
+    plane = open_plane(target)
+    job, done = plane.job, plane.done
+    return not (plane.missing() or job.flaws() or [*job.lost(done)] or [*job.damaged(done)])
+
+
+def repair(target):
+    return write_plane(open_plane(target).job, repair=True, threads=1).made
+
+
+def test_a_task_of_an_older_run_writes_nothing(tmp_path):
+    target = tmp_path / "p.tif"
+    old = Job(recipe_of(weftex.Exemplar(SAMPLE), TILE, SIZE, seed=9, block=64), str(target))
+    with at_work(old) as record:
+        late = block_maker(old)
+        late((record.run, (0, 0, 0)))
+    weftex.stream(SAMPLE, target, SIZE, restart=True, **HOW)
+    before = listing(tmp_path)
+    with pytest.raises(FileError, match="it was begun again, or removed"):
+        late((record.run, (0, 0, 1)))
+    assert listing(tmp_path) == before and is_whole(target)
+
+
+def test_a_restart_waits_for_a_block_that_is_being_written(tmp_path, monkeypatch):
+    """Else it would be written into the file of the new run, after the check."""
+    target = tmp_path / "p.tif"
+    weftex.stream(SAMPLE, tmp_path / "whole.tif", SIZE, **HOW)
+    old = Job(recipe_of(weftex.Exemplar(SAMPLE), TILE, SIZE, seed=9, block=64), str(target))
+    with at_work(old) as record:
+        block_maker(old)((record.run, (0, 0, 0)))
+    put, writing, go = TiffStore.put, threading.Event(), threading.Event()
+
+    def slow(self, place, pixels):
+        writing.set()
+        assert go.wait(20)
+        put(self, place, pixels)
+
+    monkeypatch.setattr(TiffStore, "put", slow)
+
+    def task():
+        with pytest.raises(FileError, match="it was begun again"):  # it is not noted as done
+            block_maker(old)((record.run, (0, 1, 1)))
+
+    late = threading.Thread(target=task)
+    late.start()
+    assert writing.wait(20)
+    monkeypatch.undo()
+    again = threading.Thread(
+        target=weftex.stream, args=(SAMPLE, target, SIZE), kwargs={"restart": True, **HOW}
+    )
+    again.start()
+    again.join(0.3)
+    assert again.is_alive()
+    go.set()
+    late.join(20)
+    again.join(20)
+    assert target.read_bytes() == (tmp_path / "whole.tif").read_bytes() and is_whole(target)
+
+
+def test_a_worker_goes_on_when_its_plane_was_begun_again(tmp_path):
+    """It writes to the journal that is there, not to one that was removed."""
+    target = tmp_path / "p.tif"
+    job = Job(recipe_of(weftex.Exemplar(SAMPLE), TILE, SIZE, seed=4, block=64), str(target))
+    make = block_maker(job)
+
+    def worker(record, level, steps):
+        for place in level:
+            make((record.run, place))
+            yield place
+
+    for _ in range(2):
+        write_plane(job, runner=worker)
+        assert is_whole(target)
+        write_plane(job, runner=worker, restart=True)
+        assert is_whole(target)
+        for path in tmp_path.iterdir():
+            shutil.rmtree(path) if path.is_dir() else path.unlink()
+
+
+def test_folders_of_others_are_kept(tmp_path, monkeypatch):
+    for name in ("p_files", "p.dzi.run"):
+        (tmp_path / name).mkdir()
+        (tmp_path / name / "0").write_bytes(b"mine")
+        before = listing(tmp_path)
+        for restart in (False, True):
+            with pytest.raises(FileError, match="is there already|has files of others"):
+                weftex.stream(SAMPLE, tmp_path / "p.dzi", SIZE, restart=restart, **HOW)
+            assert listing(tmp_path) == before
+        shutil.rmtree(tmp_path / name)
+    weftex.stream(SAMPLE, tmp_path / "p.dzi", SIZE, **HOW)
+    (tmp_path / "p_files" / "mine").write_bytes(b"mine")
+    weftex.stream(SAMPLE, tmp_path / "p.dzi", 100, restart=True, **HOW)
+    assert (tmp_path / "p_files" / "mine").exists() and is_whole(tmp_path / "p.dzi")
+    monkeypatch.setattr(
+        "weftex.stores.deep_zoom.DeepZoomStore.put",
+        lambda *_: (_ for _ in ()).throw(OSError(5, "broken")),
+    )
+    with pytest.raises(FileError, match="broken"):
+        weftex.stream(SAMPLE, tmp_path / "p.dzi", SIZE, restart=True, **HOW)
+    assert [p.name for p in tmp_path.rglob("*")] == ["p_files", "mine"]
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="forks")
+@pytest.mark.parametrize(("suffix", "restart"), [(".tif", False), (".dzi", True)])
+def test_killed_at_any_call_of_the_start(tmp_path, suffix, restart):
+    """The same command makes the same bytes, and leaves no temporary file."""
+    code = """
+    import os, shutil, sys
+    from pathlib import Path
+    import numpy as np
+    import weftex
+    from commands import listing
+    from processes import killed_at
+    os.fsync = lambda number: None  # a killed process needs none
+    folder, suffix, restart = Path(sys.argv[1]), sys.argv[2], sys.argv[3] == "True"
+    sample = np.arange(60 * 64 * 3).astype(np.uint8).reshape(60, 64, 3)
+    tile = weftex.BestTile(lattice=(20, 0, 0, 20))
+
+    def make(target, seed=4, **how):
+        weftex.stream(sample, target, 4, method=tile, seed=seed, block=64, threads=1, **how)
+
+    def pixels(name):
+        return {p.relative_to(folder / name): d for p, d in listing(folder / name).items() if d}
+
+    def kept(name):
+        return {p: d for p, d in pixels(name).items() if "p" + suffix + ".run" not in p.parts}
+
+    for name in ("whole", "p"):
+        (folder / name).mkdir()
+    make(folder / "whole" / f"p{suffix}")
+    number = 0
+    while True:
+        number += 1
+        shutil.rmtree(folder / "p")
+        (folder / "p").mkdir()
+        target = folder / "p" / f"p{suffix}"
+        if restart:
+            make(target, seed=5)
+        work = lambda: make(target, restart=restart)
+        died = killed_at(number, work, folder)
+        work()
+        assert kept("p") == kept("whole"), number
+        assert {*pixels("p")} == {*pixels("whole")}, (number, {*pixels("p")})
+        if not died:
+            break
+    print(number)
+    """
+    here = str(Path(__file__).parents[1])
+    path = os.pathsep.join([here, str(Path(weftex.__file__).parents[1])])
+    done = run(code, tmp_path, suffix, restart, env=os.environ | {"PYTHONPATH": path}, timeout=120)
+    assert done.returncode == 0, done.stderr
+    assert int(done.stdout) > 30
+
+
+def test_files_of_others_of_the_same_name_come_first(tmp_path):
+    """A task that a killed restart left behind is not believed."""
+    target = tmp_path / "p.tif"
+    weftex.stream(SAMPLE, target, SIZE, **HOW)
+    recipe = tmp_path / "p.tif.run" / "recipe.npz"
+    data = recipe.read_bytes()
+    weftex.stream(SAMPLE, target, SIZE, restart=True, **HOW)
+    recipe.write_bytes(data)
+    with pytest.raises(FileError, match="it belongs to another run"):
+        open_plane(target)
+
+
+def test_what_is_missing_or_damaged_is_repaired(tmp_path, target):
+    weftex.stream(SAMPLE, target, (70, 60), **HOW)
+    whole = pixels_of(tmp_path)
+    assert repair(target) == 0
+    for path, data in whole.items():
+        middle = 2**16 if target.suffix == ".tif" else len(data) // 2  # in a TIFF the first pixel
+        flipped = data[:middle] + bytes([data[middle] ^ 8]) + data[middle + 1 :]
+        for bad in (None, b"", data[:middle], flipped):
+            path.unlink()
+            if bad is not None:
+                path.write_bytes(bad)
+            assert not is_whole(target)
+            there = {p for p in whole if p != path}
+            if target.suffix == ".tif":  # nothing else is written
+                assert repair(target) > 0
+            else:
+                before = {p: p.stat().st_mtime_ns for p in there}
+                assert repair(target) <= 1
+                changed = [p for p in there if p.stat().st_mtime_ns != before[p]]
+                assert not changed or path.suffix in (".json", ".dzi")
+            assert is_whole(target) and pixels_of(tmp_path) == whole
+
+
+def test_a_damaged_plane_is_not_continued(tmp_path, target):
+    with pytest.raises(CancelledError):
+        weftex.stream(SAMPLE, target, SIZE, progress=lambda done, *_: done < 24, **HOW)
+    for path, data in pixels_of(tmp_path).items():
+        path.write_bytes(data[:100])
+        try:
+            weftex.stream(SAMPLE, target, SIZE, **HOW)
+        except FileError as error:
+            assert "'weftex check --repair' makes it again" in str(error)
+            assert "\n" not in str(error)
+        repair(target)
+    assert is_whole(target)
+
+
+def test_temporary_files_are_swept(tmp_path, target):
+    weftex.stream(SAMPLE, target, SIZE, **HOW)
+    folders = [path for path in tmp_path.rglob("*") if path.is_dir()]
+    stale = [folder / f".weftex-123-00000000-0123abcd{target.suffix}" for folder in folders]
+    for path in stale:
+        path.touch()
+    weftex.stream(SAMPLE, target, SIZE, **HOW)
+    assert not any(path.exists() for path in stale)
+
+
+@pytest.mark.parametrize("target", [".zarr"], indirect=True)
+def test_a_size_of_which_no_memory_holds_the_blocks(target):
+    side = 10**9
+    with pytest.raises(FileError, match="may take 4e"):
+        weftex.stream(SAMPLE, target, side, **HOW)
+    recipe = recipe_of(weftex.Exemplar(SAMPLE), TILE, side, seed=4, block=64)
+    job = Job(recipe, str(target))
+    with pytest.raises(CancelledError):
+        write_plane(job, check_disk=False, threads=1, progress=lambda done, *_: done < 3)
+    plane = open_plane(target)
+    assert plane.missing() == job.count - len(plane.done) > 10**14
+    part = Job(recipe, str(target), (7, 8))
+    assert next(part.blocks(0)) == (0, *divmod(part.count * 6, 10**9 // 64))
+
+
+def test_a_tiff_of_too_many_tiles(tmp_path):
+    with pytest.raises(InvalidInputError, match="at most 4194304 tiles, not .* use a larger"):
+        weftex.stream(SAMPLE, tmp_path / "p.tif", 2**20, **HOW)
+
+
+def test_a_renamed_sample_is_the_same(tmp_path):
+    for name in ("a", "b"):
+        write_image(tmp_path / f"{name}.png", SAMPLE)
+    weftex.stream(tmp_path / "a.png", tmp_path / "p.tif", SIZE, **HOW)
+    assert weftex.stream(tmp_path / "b.png", tmp_path / "p.tif", SIZE, **HOW).made == 0
+    changed = np.array(SAMPLE)
+    changed[0, 0] ^= 1
+    write_image(tmp_path / "b.png", changed)
+    with pytest.raises(InvalidInputError, match="its sample is another"):
+        weftex.stream(tmp_path / "b.png", tmp_path / "p.tif", SIZE, **HOW)
+
+
+def test_another_version_is_refused(tmp_path, monkeypatch):
+    weftex.stream(SAMPLE, tmp_path / "p.tif", SIZE, **HOW)
+    monkeypatch.setattr(weftex, "__version__", "99.0")
+    with pytest.raises(InvalidInputError, match=r"its version of weftex is .*, here 99\.0"):
+        weftex.stream(SAMPLE, tmp_path / "p.tif", SIZE, **HOW)
+
+
+def test_a_removed_plane_is_not_touched_by_the_run_that_made_it(tmp_path):
+    """Nor does that run, when it fails, remove the one that was begun since."""
+    target = tmp_path / "p.tif"
+    old = Job(recipe_of(weftex.Exemplar(SAMPLE), TILE, SIZE, seed=9, block=64), str(target))
+    with pytest.raises(FileError, match="begun again, or removed"), at_work(old) as record:
+        for path in tmp_path.iterdir():
+            shutil.rmtree(path) if path.is_dir() else path.unlink()
+        assert run(_STREAM, target).returncode == 0
+        old.make(record, (0, 0, 0), threads=1)
+    assert is_whole(target) and Record(str(target)).exists()
+
+
+_STREAM = """
+import sys
+import numpy as np
+import weftex
+weftex.stream(np.arange(60 * 64).astype(np.uint8).reshape(60, 64), sys.argv[1], 100,
+              method=weftex.BestTile(lattice=(20, 0, 0, 20)), seed=1, block=64)
+"""
