@@ -35,6 +35,27 @@ def test_a_feathered_pixel_comes_from_the_larger_share():
     assert exact[np.ix_(inside[:40], inside)].all()
 
 
+@pytest.mark.parametrize("seed", [0, 5])
+@pytest.mark.parametrize("gradients", [False, True])
+def test_graphcut(gradients, seed):
+    """By gradients with seeds whose costs are a metric: other cuts differ a little, see there."""
+    sample, size = SAMPLE[:40, :44], (34, 38)
+    expected = reference.graphcut(sample, size, 16, 5, gradients=gradients, seed=seed)
+    method = weftex.GraphCut(
+        patch_size=16,
+        boundary_width=5,
+        tolerance=0.003,
+        candidates=1,
+        halvings=0,
+        variety=0,
+        tone_reach=0,
+        seam_cost="gradient" if gradients else "difference",
+    )
+    result = method.fit(weftex.Exemplar(sample)).sample(Canvas(*size), seed=seed)
+    assert np.array_equal(result.image, expected.image)
+    assert np.array_equal(result.source, expected.sources)
+
+
 @given(
     arrays(np.int64, st.tuples(st.integers(1, 6), st.integers(1, 4)), elements=st.integers(0, 5))
 )

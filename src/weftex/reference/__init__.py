@@ -14,6 +14,7 @@ from weftex.reference.best_tile import best_tile
 from weftex.reference.common import Made
 from weftex.reference.efros_leung import efros_leung
 from weftex.reference.exact_matching import exact_matching
+from weftex.reference.graphcut import graphcut
 from weftex.reference.image_quilting import image_quilting
 from weftex.reference.lattice import Found, lattice
 from weftex.reference.near_regular import near_regular
@@ -27,6 +28,7 @@ __all__ = [
     "best_tile",
     "efros_leung",
     "exact_matching",
+    "graphcut",
     "image_quilting",
     "lattice",
     "near_regular",

@@ -1,0 +1,211 @@
+"""Graphcut textures (Kwatra, Schödl, Essa, Turk and Bobick, 2003).
+
+The random draws are those of `weftex.random.draw`, so the picture is that of the method `graphcut`
+with `candidates=1`, `halvings=0`, `variety=0` and `tone_reach=0`, byte by byte with
+`gradients=False`. Costs by gradients are no metric: there the method, which has no seam nodes, cuts
+a few pixels otherwise in about one patch of fifty.
+"""
+
+from __future__ import annotations
+
+import functools
+from typing import Any
+
+import numpy as np
+
+from weftex.errors import InvalidInputError, UnsupportedError
+from weftex.random import draw
+from weftex.reference.common import Made, at, checked, fits, made, places, windows
+
+Place = tuple[int, int]
+#: The terminals: what keeps its old pixels, and what takes new ones.
+OLD, NEW = "old", "new"
+
+
+def graphcut(
+    sample: Any,
+    size: Any,
+    patch: int,
+    boundary: int,
+    k: float = 0.003,
+    gradients: bool = True,
+    seed: int = 0,
+) -> Made:
+    """Place patches where they match, and cut them out along minimum cuts.
+
+    V. Kwatra, A. Schödl, I. Essa, G. Turk, A. Bobick: Graphcut textures: image and video synthesis
+    using graph cuts, SIGGRAPH 2003: section 3 with old seams and costs by gradients (3.1), and
+    section 4 with sub-patch matching. Its maximum flow is SciPy's.
+
+    Parameters
+    ----------
+    sample : uint8 array (h, w) or (h, w, channels)
+        The input texture I.
+    size : int or (int, int)
+        Height and width of the output O in pixels.
+    patch : int
+        Side of the square patches in pixels.
+    boundary : int
+        How far a patch reaches over the pixels before it, in pixels.
+    k : float
+        Randomness of the placement: offsets have chances exp(-C / (k sigma^2)).
+    gradients : bool
+        Whether the cost of a seam is divided by the gradients across it: M' of section 3.1, or M
+        of eq. (1).
+    seed : int
+        Seed of the random draws.
+
+    Returns
+    -------
+    Made
+        The picture and where each pixel of it comes from.
+
+    Raises
+    ------
+    UnsupportedError
+        If SciPy is not installed.
+
+    Notes
+    -----
+    The paper leaves the norm of colors open: here the sum of absolute differences, in whole steps
+    of 1/256. Where a patch ends at a border of the sample, the other one alone says what a seam
+    costs. Of equally good cuts the one with the fewest new pixels is made. Each patch covers the
+    first pixel in scan order that is missing.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from weftex.reference import graphcut
+    >>> sample = np.random.default_rng(0).integers(0, 255, (24, 24), np.uint8)
+    >>> graphcut(sample, (16, 20), patch=10, boundary=3, seed=1).image.shape
+    (16, 20)
+    """
+    pixels, shape = checked(sample, size)
+    fits("patch", patch, pixels)
+    if not 0 <= boundary <= (patch - 1) // 2:
+        raise InvalidInputError(f"boundary is {boundary}; it must be from 0 to {(patch - 1) // 2}")
+    side = min(patch, shape[0]), min(patch, shape[1])
+    patches = windows(pixels, *side)
+    count, flat = pixels[..., 0].size, pixels.reshape(-1, pixels.shape[2])
+    sigma2 = int((count * (flat**2).sum(axis=0) - flat.sum(axis=0) ** 2).sum()) / count**2
+    sources = np.full((*shape, 2), -1)
+    colors: Any = pixels.tolist()
+
+    @functools.cache
+    def m(step: Place, a: Place, b: Place) -> int:
+        """M(s, t, A, B) of eq. (1), or M': s shows `a` of the sample, t = s + step shows `b`."""
+
+        def color(y: int, x: int) -> Any:
+            return colors[y][x] if 0 <= y < pixels.shape[0] and 0 <= x < pixels.shape[1] else None
+
+        if (a[0] + step[0], a[1] + step[1]) == b:
+            return 0  # no seam
+        a_s, a_t = color(*a), color(a[0] + step[0], a[1] + step[1])
+        b_s, b_t = color(b[0] - step[0], b[1] - step[1]), color(*b)
+        differences = [norm(p, q) for p, q in ((a_s, b_s), (a_t, b_t)) if p and q]
+        slopes = [norm(p, q) for p, q in ((a_s, a_t), (b_s, b_t)) if p and q]
+        cost, slope = sum(differences), sum(slopes)
+        if len(differences) < 2:  # a patch ends here
+            cost, slope = (4 * cost, 2 * slope) if differences else (1020 * len(a_s), 0)
+        return 256 * cost // (slope + 32 * len(a_s)) if gradients else cost
+
+    def offset(old: Any, known: Any) -> Any:
+        """Sub-patch matching (section 4): one of the offsets by its chance, from the mean SSD."""
+        cost = np.zeros(patches.shape[:2])
+        if known.any():
+            cost = ((patches[:, :, known] - old[known]) ** 2).sum(axis=(2, 3)) / known.sum()
+        chances = chances_of(cost.ravel(), k * sigma2)
+        left = int(draw(seed, "patch", number, 0)) % sum(chances)
+        chosen = int(np.searchsorted(np.cumsum(chances), left, side="right"))
+        return np.divmod(chosen, patches.shape[1])
+
+    def connect(graph: Graph, s: Place, t: Place, new: dict[Place, Place]) -> None:
+        """Add what it costs that s and its neighbor t are old or new to the graph."""
+        step = t[0] - s[0], t[1] - s[1]
+        a_s, a_t = (tuple(sources[p].tolist()) if sources[p][0] >= 0 else None for p in (s, t))
+        b_s, b_t = new.get(s), new.get(t)
+        if a_s and b_s and a_t and b_t:
+            if m(step, a_s, a_t) == 0:  # Fig. 2: an arc between both
+                graph.join(s, t, m(step, a_s, b_t))
+            else:  # Fig. 3: a seam node for the old seam, joined with the new patch
+                graph.join(s, (s, t), m(step, a_s, b_t))
+                graph.join((s, t), t, m(step, b_s, a_t))
+                graph.join((s, t), NEW, m(step, a_s, a_t))
+        elif a_s and b_s and (a_t or b_t):  # t is constrained to be old or new
+            graph.join(s, NEW, m(step, a_s, a_t or b_t))
+            graph.join(s, OLD, m(step, b_s, a_t) if a_t else 0)
+        elif a_t and b_t and (a_s or b_s):
+            graph.join(t, NEW, m(step, a_s or b_s, a_t))
+            graph.join(t, OLD, m(step, a_s, b_t) if a_s else 0)
+
+    number = 0
+    while (missing := np.argwhere(sources[..., 0] < 0)).size:
+        top, left = (
+            min(max(int(p) - min(boundary, (n - 1) // 2), 0), length - n)
+            for p, n, length in zip(missing[0], side, shape, strict=True)
+        )
+        here = np.s_[top : top + side[0], left : left + side[1]]
+        known = sources[here][..., 0] >= 0
+        source = places(*side) + offset(at(pixels, sources[here]), known)
+        new = {(top + v, left + u): tuple(source[v, u].tolist()) for v, u in np.ndindex(*side)}
+        graph = Graph()
+        for y in range(max(top - 1, 0), top + side[0]):
+            for x in range(max(left - 1, 0), left + side[1]):
+                if y + 1 < shape[0]:
+                    connect(graph, (y, x), (y + 1, x), new)
+                if x + 1 < shape[1]:
+                    connect(graph, (y, x), (y, x + 1), new)
+        taken = graph.new_side()
+        for p, place in new.items():
+            if sources[p][0] < 0 or p in taken:
+                sources[p] = place
+        number += 1
+    return made(sample, at(pixels, sources), sources)
+
+
+def norm(p: list[int], q: list[int]) -> int:
+    """The distance of two colors."""
+    return sum(abs(a - b) for a, b in zip(p, q, strict=True))
+
+
+def chances_of(cost: Any, spread: float) -> list[int]:
+    """Whole numbers in proportion to exp(-cost / spread), which is taken as a power of 1024."""
+    if spread == 0:
+        return [int(c == cost.min()) for c in cost]
+    power = 1 + np.minimum((cost - cost.min()) / spread, 64.0) / 1024
+    for _ in range(10):
+        power = power * power
+    return [int(chance) for chance in 2.0**32 / power]
+
+
+class Graph:
+    """A graph whose nodes are pixels, seam nodes and the terminals, and its minimum cut."""
+
+    def __init__(self) -> None:
+        self.numbers: dict[Any, int] = {NEW: 0, OLD: 1}
+        self.arcs: list[tuple[int, int, int]] = []
+
+    def join(self, p: Any, q: Any, capacity: int) -> None:
+        """Add an arc in both directions."""
+        i, j = (self.numbers.setdefault(node, len(self.numbers)) for node in (p, q))
+        self.arcs += [(i, j, capacity), (j, i, capacity)]
+
+    def new_side(self) -> set[Any]:
+        """The nodes that stay joined with the new patch: those that the flow does not cut off."""
+        try:
+            from scipy.sparse import coo_array
+            from scipy.sparse.csgraph import breadth_first_order, maximum_flow
+        except ImportError as error:
+            raise UnsupportedError(
+                "this reference needs SciPy for its maximum flow: pip install 'weftex[kdtree]'"
+            ) from error
+        if not self.arcs:
+            return set()
+        rows, columns, capacities = np.array(self.arcs).T
+        count = len(self.numbers)
+        graph = coo_array((capacities.astype(np.int32), (rows, columns)), (count, count)).tocsr()
+        residual = graph - maximum_flow(graph, 0, 1).flow
+        residual.eliminate_zeros()
+        reached = breadth_first_order(residual, 0, return_predecessors=False).tolist()
+        nodes = list(self.numbers)
+        return {nodes[i] for i in reached}
