@@ -26,17 +26,9 @@ from weftex.studio.server import Server
 from weftex.studio.studio import Studio
 
 SMALL = Limits(
-    upload_bytes=2**20,
-    upload_pixels=2**18,
-    stored_bytes=2**22,
-    uploads=8,
-    output_pixels=2**20,
-    memory_bytes=2**27,
-    jobs=6,
-    session_jobs=5,
-    sessions=500,
-    body_bytes=2**14,
-)
+    upload_bytes=2**20, upload_pixels=2**18, stored_bytes=2**22, uploads=8, output_pixels=2**20,
+    memory_bytes=2**27, jobs=6, session_jobs=5, sessions=500, body_bytes=2**14,
+)  # fmt: skip
 
 
 @contextmanager

@@ -16,11 +16,7 @@ class Process:
         self.run = subprocess.Popen(
             [sys.executable, "-c", code, *words], stderr=subprocess.PIPE, text=True
         )
-        line = self.run.stderr.readline()
-        self.said = line
-        while "http://" not in line:
-            line = self.run.stderr.readline()
-            assert line, "it ended"
+        line = next(line for line in self.run.stderr if "http://" in line)
         port, self.token = re.search(r"http://127\.0\.0\.1:(\d+)/#token=(\S+)", line).groups()
         self.client = Client(int(port))
 

@@ -64,10 +64,20 @@ def made(page, count=1):
     return [one["id"] for one in page.job(QUICK, count=count)["results"]]
 
 
-def session(client, page):
-    own = {"session": page.start["session"]}
-    answers = at_once(page, [("POST", "session", own)] * TIMES)
-    assert {answer.json()["session"] for answer in answers} == {page.start["session"]}
+def color(upload):
+    return {"maps": {"color": upload["id"]}}
+
+
+def same(path, wanted):
+    """A case of a route that gives one answer, however often it is asked."""
+
+    def case(client, page):
+        own = {"session": page.start["session"]}
+        given = wanted(page) if callable(wanted) else wanted or own
+        answers = at_once(page, [("POST", path, given)] * TIMES)
+        assert len({answer.content for answer in answers}) == 1 and codes(answers) == [200] * TIMES
+
+    return case
 
 
 def leave(client, page):
@@ -95,18 +105,6 @@ def remove_upload(client, page):
     mixed = [("POST", "uploads", png(0)), ("DELETE", path, b"")] * (TIMES // 2)
     assert set(codes(at_once(page, mixed))) <= {200, 404}
     assert client.studio.store.bytes == stored(client)
-
-
-def sets(client, page):
-    wanted = {"uploads": [page.upload(png(0))["id"]]}
-    answers = at_once(page, [("POST", "sets", wanted)] * TIMES)
-    assert len({answer.content for answer in answers}) == 1 and codes(answers) == [200] * TIMES
-
-
-def material(client, page):
-    wanted = {"maps": {"color": page.upload(png(0))["id"]}}
-    answers = at_once(page, [("POST", "materials", wanted)] * TIMES)
-    assert len({answer.content for answer in answers}) == 1 and codes(answers) == [200] * TIMES
 
 
 def jobs(client, page):
@@ -163,23 +161,20 @@ def forget_kept(client, page):
     assert page.get("kept") == []
 
 
-def planes(client, page):
-    wanted = {"materials": [{"sample": "weave"}], "method": "best-tile", "seed": 1}
-    answers = at_once(page, [("POST", "planes", wanted)] * TIMES)
-    assert len({answer.content for answer in answers}) == 1 and codes(answers) == [200] * TIMES
-
-
 def folders(client):
     """How many files wait to be downloaded, or are left of an export."""
     return len(list(client.studio.downloads.folder.iterdir()))
 
 
+WEAVE = {"materials": [{"sample": "weave"}], "method": "best-tile", "seed": 1}
 CASES = {
-    "POST /session": session, "POST /leave": leave, "POST /uploads": upload,
-    "DELETE /uploads/{id}": remove_upload, "POST /sets": sets, "POST /materials": material,
-    "POST /jobs": jobs, "POST /batches": batches, "DELETE /jobs/{id}": end_job,
-    "DELETE /results/{id}": forget_result, "POST /results/{id}/exports": export,
-    "POST /results/{id}/keep": keep, "DELETE /kept/{id}": forget_kept, "POST /planes": planes,
+    "POST /session": same("session", None), "POST /leave": leave, "POST /uploads": upload,
+    "POST /sets": same("sets", lambda page: {"uploads": [page.upload(png(0))["id"]]}),
+    "POST /materials": same("materials", lambda page: color(page.upload(png(0)))),
+    "POST /jobs": jobs, "POST /batches": batches, "POST /planes": same("planes", WEAVE),
+    "POST /results/{id}/exports": export, "POST /results/{id}/keep": keep,
+    "DELETE /uploads/{id}": remove_upload, "DELETE /jobs/{id}": end_job,
+    "DELETE /results/{id}": forget_result, "DELETE /kept/{id}": forget_kept,
 }  # fmt: skip
 
 
@@ -272,7 +267,7 @@ def test_one_picture_is_decoded_at_a_time(client, page, monkeypatch):
 
     monkeypatch.setattr(uploads, "read_image", decode)
     answers = at_once(page, [("POST", "uploads", png(k)) for k in range(8)])
-    specs = [{"maps": {"color": answer.json()["id"]}} for answer in answers]
+    specs = [color(answer.json()) for answer in answers]
     assert codes(at_once(page, [("POST", "materials", spec) for spec in specs])) == [200] * 8
     assert (len(most), max(most)) == (16, 1)
 

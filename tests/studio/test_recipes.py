@@ -27,13 +27,8 @@ def photo(page, tmp_path, monkeypatch):
     part = np.full((96, 90), 255, np.uint8)
     part[:10] = 0
     canvas = np.dstack([pixels[:48, :40], np.full((48, 40), 255, np.uint8)])  # as browsers make it
-    pictures = {
-        "guide.png": canvas,
-        "my photo.png": pixels,
-        "hole.png": hole,
-        "map.png": labels,
-        "part.png": part,
-    }
+    pictures = {"guide.png": canvas, "my photo.png": pixels, "hole.png": hole}
+    pictures |= {"map.png": labels, "part.png": part}
     ids = {}
     for name, picture in pictures.items():
         write_image(name, picture, alpha=picture.shape[2:] == (4,))

@@ -9,7 +9,7 @@ from typing import ClassVar
 
 import numpy as np
 import pytest
-from pages import ENDED, Page
+from pages import Page
 
 import weftex
 from weftex.io.pictures import read_image, write_image
@@ -54,11 +54,7 @@ def test_methods_speak_for_themselves(page):
     for one in found["methods"][1:]:
         declared = fields(weftex.METHODS[one["slug"]])
         for told, meta in zip(one["parameters"], [f.metadata for f in declared], strict=True):
-            assert (told["help"], told["low"], told["high"]) == (
-                meta["help"],
-                meta["low"],
-                meta["high"],
-            )
+            assert all(told[key] == meta[key] for key in ("help", "low", "high"))
             assert told["choices"] == list(meta["choices"])
     assert {one["name"] for one in found["samples"]} >= {"bricks", "stone_wall"}
 
@@ -229,10 +225,8 @@ def test_the_endless_plane(page, tmp_path):
 
 
 def test_previews_of_sets_are_pictures(page):
-    job = page.post("jobs", {"recipe": {**QUICK, "materials": [WALL], "size": [512, 512],
-                                        "method": "graphcut"}})  # fmt: skip
-    while job["state"] not in ENDED:
-        job = page.get(f"jobs/{job['id']}?seen={job['version']}&wait=5")
+    recipe = {**QUICK, "materials": [WALL], "size": [512, 512], "method": "graphcut"}
+    job = page.job(recipe)
     assert job["state"] == "done" and job["preview"] > 0
     assert page.get(f"jobs/{job['id']}/preview").startswith(SIGNATURE)
 

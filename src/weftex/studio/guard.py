@@ -32,7 +32,7 @@ HEADERS = {
 }
 TOKEN = "x-weftex-token"
 #: In the scope of a request that has the token.
-OWNER = "weftex.owner"
+OWNER = "studio.owner"
 _SAFE = ("GET", "HEAD")
 _METHODS = (*_SAFE, "POST", "DELETE")
 #: What needs no token: it is a random name that is given once, see `weftex.studio.downloads`.

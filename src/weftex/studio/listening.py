@@ -5,7 +5,6 @@ A browser that is told the address waits for the answer, so it can start meanwhi
 
 from __future__ import annotations
 
-import os
 import shutil
 import socket
 from contextlib import contextmanager
@@ -84,8 +83,8 @@ def redirect_file(address: str, downloads: Downloads) -> Iterator[Path]:
     with downloads.new_folder() as folder:
         try:
             file = folder / "open.html"
-            with open(os.open(file, os.O_CREAT | os.O_EXCL | os.O_WRONLY, 0o600), "w") as out:
-                out.write(text)
+            file.touch(mode=0o600)
+            file.write_text(text, "utf-8")
             yield file
         finally:
             shutil.rmtree(folder, ignore_errors=True)
