@@ -10,6 +10,7 @@ import numpy as np
 
 from weftex.errors import InvalidInputError, shown
 from weftex.io.shown import Shown, size_text
+from weftex.raster.arrays import as_array, owned, without_mask
 from weftex.raster.levels import edges_of, resized, scale_between, scale_to_bytes, to_bytes
 from weftex.raster.mixing import Mixing, mixing_of
 from weftex.raster.turning import gap_of
@@ -35,7 +36,8 @@ class Exemplar(Shown):
     Parameters
     ----------
     pixels : array (H, W) or (H, W, C)
-        uint8, uint16, float32 or float64; any number of channels. Kept as it is, never rescaled.
+        uint8, uint16, float32 or float64; any number of channels. Copied, never rescaled. The
+        mask of a masked array marks pixels that are not usable.
     maps : mapping of str to array or Exemplar, optional
         Aligned maps (normal, roughness, height …), of any dtype and channel count; of the same
         height and width, or an integer multiple or fraction of both. They take part in matching,
@@ -104,12 +106,13 @@ class Exemplar(Shown):
     ) -> None:
         self.pieces, self.turn, self.copy_shape = bool(pieces), turn, copy_shape
         self.name, self.tileable, self.icc = name, bool(tileable), icc
+        pixels, usable = without_mask(pixels)
         named = role_of(name)
         by_name = named if named is not None and named.kind == "normal" else COLOR
         self.role = by_name if role is None else as_role(role)
         if alpha is None:
             _check_layout(pixels, name)
-        self.pixels = check_pixels(pixels, name)
+        self.pixels = owned(check_pixels(pixels, name))
         self.shape: tuple[int, int] = self.pixels.shape[:2]
         if turn is not None and gap_of(self.shape, turn, copy_shape) is None:
             raise InvalidInputError(f"turn is {shown(turn)}; {name} is no such picture of copies")
@@ -128,14 +131,16 @@ class Exemplar(Shown):
         for key in self.maps:
             self.scale_of(key)
         self.weights = checked_weights(weights, self.maps)
-        self.mask = None if mask is None else as_mask(mask, "mask")
+        self.mask = usable if mask is None else owned(as_mask(mask, "mask"))
         if self.mask is not None and self.mask.shape != self.shape:
             raise InvalidInputError(
                 f"mask is {_size(self.mask)}, {name} is {_size(self.pixels)}; they must be equal"
             )
+        if self.mask is not None and usable is not None:
+            self.mask = owned(self.mask & usable)
         if self.mask is not None and not self.mask.any():
             raise InvalidInputError(f"the mask of {name} leaves no usable pixel")
-        self.guide = None if guide is None else check_guide(guide, f"the guide of {name}")
+        self.guide = None if guide is None else owned(check_guide(guide, f"the guide of {name}"))
         if self.guide is not None and self.guide.shape[:2] != self.shape:
             raise InvalidInputError(
                 f"the guide of {name} is {_size(self.guide)}, {name} is {_size(self.pixels)}; "
@@ -322,14 +327,6 @@ def _check_layout(pixels: NDArray[Any], name: str) -> None:
             "np.moveaxis(pixels, 0, -1), or give alpha=False if it has "
             f"{shape[2]} channels indeed"
         )
-
-
-def as_array(values: Any, name: str) -> NDArray[Any]:
-    """`np.asarray`, with an error of ours for what is no array at all."""
-    try:
-        return np.asarray(values)
-    except (TypeError, ValueError, OverflowError):
-        raise InvalidInputError(f"{name} is {shown(values)}; it must be an array") from None
 
 
 def as_mask(values: Any, name: str) -> NDArray[np.bool_]:

@@ -9,14 +9,17 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from weftex.errors import InvalidInputError, shown
-from weftex.exemplar import Exemplar, as_array
+from weftex.exemplar import Exemplar
 from weftex.material import read_material
+from weftex.raster.arrays import as_array, is_masked
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     #: A path, "sample:NAME", an array, a PIL image or an Exemplar.
     Sample = str | os.PathLike[str] | NDArray[Any] | Exemplar | Any
+
+_MODES = ("L", "LA", "RGB", "RGBA", "I", "I;16", "I;16B", "I;16L", "I;16N", "F")  # of Pillow
 
 
 def load_exemplar(
@@ -64,9 +67,18 @@ def load_exemplar(
     if hasattr(image, "getbands"):  # a PIL image, without importing PIL
         if image.mode in ("P", "1", "PA"):
             image = image.convert("RGBA" if "transparency" in image.info else "RGB")
+        if image.mode not in _MODES:
+            raise InvalidInputError(
+                f"the image has mode {image.mode!r}; convert it first: image.convert('RGB')"
+            )
         about: dict[str, Any] = {"alpha": image.mode in ("LA", "RGBA"), "name": "image"}
         pixels = np.asarray(image)
-        if pixels.dtype.kind == "i":  # Pillow's modes I and I;16
+        if pixels.dtype.kind == "i":  # Pillow's mode I
+            if pixels.min() < 0 or pixels.max() > 65535:
+                raise InvalidInputError(
+                    f"the image has values from {pixels.min()} to {pixels.max()}; they must be "
+                    "from 0 to 65535"
+                )
             pixels = pixels.astype(np.uint16)
         return Exemplar(pixels, **about | options)
-    return Exemplar(as_array(image, "the sample"), **options)
+    return Exemplar(image if is_masked(image) else as_array(image, "the sample"), **options)

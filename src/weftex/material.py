@@ -112,6 +112,7 @@ def read_material(path: StrPath, files: Mapping[str, str] | None = None, **limit
             raise InvalidInputError(f"{given} is no folder, so it has no maps to name")
         name = os.path.basename(given)
         picture = read_image(path, **limits)
+        picture.pixels.setflags(write=False)  # an Exemplar needs no copy then
         return Material(name, {name: picture}, {name: role_of_picture(given)})
     notes: list[str] = []
     if files is None:
@@ -122,6 +123,8 @@ def read_material(path: StrPath, files: Mapping[str, str] | None = None, **limit
     else:
         paths, roles = _as_named(files, place, given)
     pictures = {name: read_image(paths[name], **limits) for name in paths}
+    for picture in pictures.values():
+        picture.pixels.setflags(write=False)
     name = os.path.basename(os.path.abspath(place))
     return Material(name, pictures, roles, tuple(notes), folder=True)
 

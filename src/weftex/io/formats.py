@@ -236,14 +236,6 @@ def varies(pixels: NDArray[Any]) -> bool:
     return bool((pixels != pixels[:1, :1]).any())
 
 
-def as_pixels(pixels: Any) -> NDArray[Any]:
-    """`np.asarray`, with an error of ours for what is no array at all."""
-    try:
-        return np.asarray(pixels)
-    except (TypeError, ValueError, OverflowError):
-        raise InvalidInputError(f"pixels is {shown(pixels)}; it must be an array") from None
-
-
 def check_fit(given: str, form: Format, pixels: NDArray[Any], alpha: bool) -> None:
     """Refuse an array that is no picture, or that the format cannot hold."""
     shape, suffix = pixels.shape, suffix_of(given)

@@ -34,7 +34,6 @@ from weftex.io import temporary as temporaries
 from weftex.io.formats import (
     FORMATS,
     READ_AS,
-    as_pixels,
     check_fit,
     check_spec,
     complaint,
@@ -52,6 +51,7 @@ from weftex.io.formats import (
     varies,
 )
 from weftex.io.png import write_png
+from weftex.raster.arrays import as_array
 from weftex.threads import thread_count
 
 if TYPE_CHECKING:
@@ -190,7 +190,7 @@ def write_image(
     FileError
         If the file cannot be written; then what was there before is untouched.
     """
-    pixels = as_pixels(pixels)
+    pixels = as_array(pixels, "pixels")
     check_output(path, pixels, alpha=alpha)
     if icc is not None and not isinstance(icc, bytes):
         raise InvalidInputError(f"icc is {shown(icc)}; it must be bytes")

@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from weftex.errors import InvalidInputError
-from weftex.exemplar import as_array
 from weftex.quality import piece_kernels as kernels
+from weftex.raster.arrays import as_array
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray

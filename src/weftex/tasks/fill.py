@@ -11,9 +11,10 @@ import numpy as np
 
 from weftex.canvas import Canvas, as_canvas
 from weftex.errors import InvalidInputError, shown
-from weftex.exemplar import Exemplar, as_array
+from weftex.exemplar import Exemplar
 from weftex.loading import load_exemplar
 from weftex.random import seed_number
+from weftex.raster.arrays import as_array
 from weftex.raster.masks import grown
 from weftex.results.pixels import PixelSynthesis
 from weftex.seams.around import cut_around
