@@ -194,7 +194,7 @@ def fig46(folder: Path, suffix: str) -> None:
         pixels = small(name)
         sample = weftex.Exemplar(pixels)
         model = weftex.BestTile(lattice=tuple(np.ravel(lattice_of(pixels).vectors))).fit(sample)
-        errors = tile_errors(sample, model.vectors, model.settings.border_width)
+        errors = tile_errors(sample, model.vectors, model.method.border_width)
         corners = [
             np.array(np.unravel_index(int(place), errors.shape))
             for place in (np.where(errors < 0, errors.max() + 1, errors).argmin(), errors.argmax())

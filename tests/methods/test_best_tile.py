@@ -126,7 +126,7 @@ def test_borders_are_as_wide_as_there_is_room_for():
     narrow = model_of(pixels, lattice=(20, 0, 0, 35), border_width=model.method.border_width)
     assert np.array_equal(narrow.anchors, model.anchors) and narrow.method == model.method
     bare = model_of(pixels, lattice=(49, 0, 0, 20))
-    assert bare.sample(20).provenance["border_width"] == bare.settings.border_width == 1
+    assert bare.sample(20).provenance["border_width"] == bare.method.border_width == 1
     assert bare.method.fit(weftex.Exemplar(pixels)).method == bare.method
     with pytest.raises(weftex.InvalidInputError, match="border_width is 100; .* of 11 at most"):
         model_of(pixels, lattice=(20, 0, 0, 30), border_width=100)

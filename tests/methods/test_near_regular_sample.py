@@ -89,7 +89,7 @@ def test_boards_go_on_around_a_tileable_picture(height, size):
     pixels = tones[:, None] + rng.integers(0, 9, (160, 160, 1))
     pixels[at % height < 2] = 20
     model = model_of(pixels.astype(np.uint8), lattice=(1, 0, 0, height))
-    assert model.blocks.row_axis == 0 and (model.settings.block_size < height) == (height == 56)
+    assert model.blocks.row_axis == 0 and (model.method.block_size < height) == (height == 56)
     image = model.sample((size, size), seed=1, tileable=True).image
     dark = np.flatnonzero((image.max(axis=2) < 60).mean(axis=1) > 0.98)
     assert len(dark) == 2 * size // height  # joints are whole, and lie in rows
@@ -106,8 +106,8 @@ def test_rows_that_are_given_are_rows_that_are_found():
     found = model_of(boards(128, 128))
     for lattice in ((1, 0, 0, 16), (0, 16, 1, 0), found.method.lattice):
         model = model_of(boards(128, 128), lattice=lattice)
-        assert model.settings.by_rows and model.blocks.row_axis == 0
-        assert model.settings.block_size == found.settings.block_size
+        assert model.method.by_rows and model.blocks.row_axis == 0
+        assert model.method.block_size == found.method.block_size
     assert np.array_equal(model.sample((90, 90), seed=1).image, found.sample(90, seed=1).image)
 
 

@@ -61,9 +61,9 @@ class NearRegularWatcher:
 
     def hear(self, step: str, facts: dict[str, Any]) -> None:
         """See `Watcher`."""
-        sample, layout, place = facts["sample"], facts["layout"], facts["place"]
+        sample, layout, sources = facts["sample"], facts["layout"], facts["sources"]
         self._vectors = facts["vectors"]
-        picture = layout.preview(sample, place)
+        picture = layout.preview(sample, sources)
         words = {
             "drawn": "Every second block shows a piece of the sample that lies a multiple of the "
             "vectors away, drawn at random (section 4.2.1, Fig. 4.7).",
@@ -72,7 +72,7 @@ class NearRegularWatcher:
         }
         there = picture.reshape(*picture.shape[:2], -1).any(axis=2)
         self._blocks.append(
-            Stage(f"blocks {step}", words[step], place.copy(), made(picture, there))
+            Stage(f"blocks {step}", words[step], sources.copy(), made(picture, there))
         )
 
     def stages(self) -> list[Stage]:

@@ -5,12 +5,12 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, ClassVar
 
-from weftex.analysis.canvas_lattice import Around, CanvasLattice
+from weftex.analysis.canvas_lattice import Around, CanvasLattice, check_lattice, found_vectors
 from weftex.errors import InvalidInputError
 from weftex.method import Method
 from weftex.methods.best_tile.repetition import repeated
-from weftex.methods.best_tile.settings import settle
 from weftex.methods.best_tile.tiles import best_tiles, tile_errors, tile_rows
+from weftex.methods.best_tile.vectors import border_for, complete_vectors
 from weftex.methods.lattices.model import LatticeModel
 from weftex.notes import note
 from weftex.parameters import parameter
@@ -20,6 +20,8 @@ if TYPE_CHECKING:
     from weftex.canvas import Canvas
     from weftex.exemplar import Exemplar
     from weftex.progress import ProgressCallback
+
+_LIMIT = 0.05  # strain of a lattice that wraps around a canvas
 
 
 @dataclass(frozen=True)
@@ -85,11 +87,11 @@ class BestTileModel(LatticeModel):
 
     Attributes
     ----------
-    settings : Settings
-        The parameters, settled.
+    limit : float
+        Strain that the lattice takes to wrap; tiles of a sample without a lattice take any.
     anchors : int array (n, 2)
-        Row and column of the best tile's corner in the sample, and of the next best ones that show
-        the same part of the tile.
+        Row and column of the best tile's corner in the sample, and of the next best tiles that
+        contain the same part of the lattice.
     rows : int array (m, 3)
         The rows of a tile with half its borders, see `parallelogram.runs_of`.
 
@@ -101,24 +103,29 @@ class BestTileModel(LatticeModel):
 
     def __init__(self, method: BestTile, exemplar: Exemplar) -> None:
         """Find the best tile by section 4.1.1."""
+        if method.lattice is not None:
+            check_lattice(method.lattice, exemplar)
+        vectors = method.lattice or found_vectors(exemplar)
+        self.limit = _LIMIT if vectors else float("inf")
         # 4.1: any parallelogram with the shortest translation vectors v1, v2 as sides is a tile.
-        self.settings = settle(method, exemplar)
-        self.vectors, border = self.settings.lattice, self.settings.border_width
-        self.rows = tile_rows(self.vectors, border)
+        vectors = complete_vectors(vectors, method.border_width, exemplar)
+        border = border_for(method.border_width, vectors, exemplar)
+        self.rows = tile_rows(vectors, border)
         # Squared differences of all pixels v1 or v2 apart, summed over a border (eq. 4.2).
-        errors = tile_errors(exemplar, self.vectors, border)
+        errors = tile_errors(exemplar, vectors, border)
         if (errors < 0).all():
-            x1, y1, x2, y2 = self.vectors
+            x1, y1, x2, y2 = vectors
             raise InvalidInputError(
                 f"no tile of {abs(x1 * y2 - x2 * y1):.0f} pixels lies on usable pixels of "
                 f"{exemplar.name}"
             )
         # The tile with the lowest total is the best self-similar one (Fig. 4.6).
-        self.anchors = best_tiles(errors, self.vectors, self.settings.tiles)
-        note("tiles", errors=errors, anchors=self.anchors, rows=self.rows, vectors=self.vectors)
+        self.anchors = best_tiles(errors, vectors, method.tiles)
+        note("tiles", errors=errors, anchors=self.anchors, rows=self.rows, vectors=vectors)
         super().__init__(
-            replace(method, lattice=self.vectors, border_width=border, tiles=len(self.anchors)),
+            replace(method, lattice=vectors, border_width=border, tiles=len(self.anchors)),
             exemplar,
+            vectors,
         )
 
     def make(
@@ -132,7 +139,7 @@ class BestTileModel(LatticeModel):
     ) -> PixelSynthesis:
         """Repeat the best tile: f(x) = f(x + a v1 + b v2) (eq. 4.1)."""
         around = canvas if period is None else Around(*period)
-        lattice = CanvasLattice(self.vectors, around, self.settings.limit)
+        lattice = CanvasLattice(self.vectors, around, self.limit)
         tile = self.anchors, self.rows
         index = repeated(self.exemplar, *tile, lattice, canvas, origin, seed, progress, period)
         if canvas.hole is not None:

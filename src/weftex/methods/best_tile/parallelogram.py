@@ -13,12 +13,9 @@ if TYPE_CHECKING:
 def runs_of(
     first: NDArray[np.float64], second: NDArray[np.float64], reach: int
 ) -> NDArray[np.int64]:
-    """Rows of the pixels within `reach` of a parallelogram or, with a zero side, of a segment.
+    """Runs of pixels within `reach` of a parallelogram or, with a zero side, of a segment.
 
-    Returns
-    -------
-    int array (n, 3)
-        Row, first column, and the column after the last, all from the parallelogram's corner.
+    Rows of (n, 3): row, first column and the column after the last, counted from its corner.
     """
     corners = np.stack([0 * first, first, first + second, second])
     low = np.ceil(corners[:, 0].min()).astype(int) - reach

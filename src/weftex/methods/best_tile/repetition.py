@@ -31,33 +31,26 @@ def repeated(
     callback: ProgressCallback | None,
     period: tuple[int, int] | None = None,
 ) -> NDArray[np.int32]:
-    """Paste copies of tiles beside each other in both directions of the vectors.
+    """Paste copies of tiles beside each other; return flat indices (H, W) into the sample.
 
     Parameters
     ----------
     anchors : int64 array (n, 2)
-        First corners of the tiles in the sample; each copy is of one that is drawn.
+        First corners of the tiles in the sample; each copy is of one of them, drawn at random.
     rows : int64 array (m, 3)
         Of a tile, see `parallelogram.runs_of`.
     lattice : CanvasLattice
-        The vectors, stretched to go around the canvas.
+        The vectors, stretched to wrap around the canvas or the plane's `period`.
     origin : (int, int)
         Where the canvas's corner lies in the plane of the lattice.
-    period : (int, int), optional
-        The plane comes back to itself after so many pixels; the lattice is stretched for that.
-
-    Returns
-    -------
-    int32 array (H, W)
-        Flat indices into the sample.
     """
     index = np.full(canvas.shape, -1, np.int32)
     pixels = exemplar.pixels.reshape(-1, *exemplar.pixels.shape[2:])
 
     def preview() -> NDArray[Any]:
-        shown: NDArray[Any] = pixels[index]
-        shown[index < 0] = 0
-        return shown
+        made: NDArray[Any] = pixels[index]
+        made[index < 0] = 0
+        return made
 
     # Coordinates up to 2**40 are exact to 2**-13 pixel in a float. On a canvas that wraps they
     # count from its corner.
@@ -78,8 +71,8 @@ def repeated(
         if len(anchors) > 1:
             which = draw(seed, "tile", *_first(number, repeats, wrap))
             place = anchors[(which % np.uint64(len(anchors))).astype(np.int64)]
-        # Vectors with fractions, or a lattice stretched to go around the canvas, lead a little past
-        # the tile: there the tile's border is repeated.
+        # Vectors with fractions, or a stretched lattice, lead a little past the tile: there the
+        # tile's border is repeated.
         row = np.clip(v - rows[0, 0], 0, len(rows) - 1).astype(np.int64)
         u = np.clip(u, rows[row, 1], rows[row, 2] - 1).astype(np.int64)
         y, x = rows[row, 0] + place[..., 0], u + place[..., 1]
@@ -91,11 +84,11 @@ def repeated(
 def _first(
     number: list[NDArray[np.float64]], repeats: list[NDArray[np.int64]], wrap: tuple[bool, bool]
 ) -> list[NDArray[np.int64]]:
-    """Numbers of tiles; one number for those that are one and the same around the canvas."""
+    """Numbers of tiles, the same for copies of a tile that the canvas wraps around."""
     found = np.stack(number, axis=-1).astype(np.int64)
     around = np.array([r for r, wraps in zip(repeats, wrap, strict=True) if wraps], np.int64)
     if len(around):
-        # Those of the lattice of repeats that leads to the same numbers from any of its points.
+        # Reduced by the lattice of repeats.
         if len(around) == 1:
             axis = int(np.abs(around[0]).argmax())
             times = np.floor_divide(found[..., axis], around[0, axis])

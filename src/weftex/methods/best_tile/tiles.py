@@ -22,10 +22,8 @@ def tile_rows(vectors: tuple[float, ...], border: int) -> NDArray[np.int64]:
 
 
 def has_room(shape: tuple[int, int], rows: NDArray[np.int64]) -> bool:
-    """Whether a tile of these rows, with its corner, lies somewhere in a picture.
+    """Whether a picture has room for a tile of these rows and for its corner.
 
-    Examples
-    --------
     >>> rows = tile_rows((4, 0, 0, 3), 0)
     >>> has_room((3, 4), rows), has_room((2, 4), rows)
     (True, False)
@@ -38,22 +36,9 @@ def has_room(shape: tuple[int, int], rows: NDArray[np.int64]) -> bool:
 def tile_errors(exemplar: Exemplar, vectors: tuple[float, ...], border: int) -> NDArray[np.int64]:
     """Accumulated squared differences of opposite borders of every tile (eq. 4.2, Fig. 4.4, 4.5).
 
-    Parameters
-    ----------
-    exemplar : Exemplar
-        The sample.
-    vectors : (float, float, float, float)
-        x1, y1, x2, y2: the sides of tiles.
-    border : int
-        Width of the borders in pixels; of 0 all tiles are alike.
+    int64 (H, W), by the tile's first corner; -1 where a tile with its borders is not on usable
+    pixels. Borders of no width make all tiles equal.
 
-    Returns
-    -------
-    int64 array (H, W)
-        By the tile's first corner; -1 where a tile with its borders is not on usable pixels.
-
-    Examples
-    --------
     >>> from weftex.exemplar import Exemplar
     >>> stripes = np.tile(np.uint8([10, 90]), (8, 4))
     >>> errors = tile_errors(Exemplar(stripes), (2, 0, 0, 2), 1)
@@ -83,19 +68,9 @@ def tile_errors(exemplar: Exemplar, vectors: tuple[float, ...], border: int) -> 
 def best_tiles(
     errors: NDArray[np.int64], vectors: tuple[float, ...], wanted: int
 ) -> NDArray[np.int64]:
-    """Find the tile with the lowest error, and the next best that show the same of the lattice.
+    """First corners (n, 2) of the tile of least error and of up to `wanted` - 1 of the next best.
 
-    Parameters
-    ----------
-    errors : int64 array (H, W)
-        See `tile_errors`; one of them at least is not -1.
-    wanted : int
-        The most to find.
-
-    Returns
-    -------
-    int64 array (n, 2)
-        Row and column of their first corners.
+    Those contain the same part of the lattice.
     """
     order = np.argsort(
         np.where(errors < 0, np.iinfo(np.int64).max, errors), axis=None, kind="stable"
@@ -105,7 +80,7 @@ def best_tiles(
     first = y[0], x[0]
     if wanted == 1:
         return np.array([first], np.int64)
-    # The others a sum of multiples away from it, to a pixel, and not over each other.
+    # The others are a sum of multiples away from it, to a pixel, and do not overlap.
     lattice = CanvasLattice(vectors)
     near = np.rint(np.stack(lattice.multiples(y - first[0], x - first[1]), axis=1))
     away = np.stack([y - first[0], x - first[1]], axis=1) - near @ lattice.sample

@@ -14,20 +14,8 @@ if TYPE_CHECKING:
 
 
 class MeanTile:
-    """The mean of all pixels that lie at the same place of the tile, to about a pixel.
+    """The mean of all usable pixels at the same place of the tile, to about a pixel.
 
-    Parameters
-    ----------
-    pixels : uint8 array (H, W, K)
-        The sample as it is matched.
-    vectors : (float, float, float, float)
-        x1, y1, x2, y2.
-    mask : bool array (H, W), optional
-        The pixels that count.
-
-    Examples
-    --------
-    >>> import numpy as np
     >>> tile = np.arange(6, dtype=np.uint8).reshape(2, 3, 1)
     >>> MeanTile(np.tile(tile, (3, 3, 1)), (3, 0, 0, 2)).at(3, 7)
     array([4], dtype=uint8)
@@ -54,21 +42,13 @@ class MeanTile:
         self._mean = mean.astype(np.uint8)
 
     def at(self, y: Any, x: Any) -> NDArray[np.uint8]:
-        """Colors of pixels of the endless plane of mean tiles, (..., K)."""
+        """Colors (..., K) of pixels of the endless plane of mean tiles."""
         cell = self._lattice.cell(np.asarray(y), np.asarray(x), self._bins)
         result: NDArray[np.uint8] = self._mean[cell]
         return result
 
     def offset(self, known: NDArray[np.uint8], mask: NDArray[np.bool_]) -> tuple[int, int]:
-        """Where in the plane of mean tiles a picture's corner fits best.
-
-        Parameters
-        ----------
-        known : uint8 array (H, W, K)
-            The picture.
-        mask : bool array (H, W)
-            The pixels that count.
-        """
+        """Where in the plane of mean tiles the corner of a picture fits its known pixels best."""
         reach = np.ceil(np.abs(self._lattice.sample).sum(axis=0)).astype(int)
         size = tuple(fast_size(int(n + r)) for n, r in zip(mask.shape, reach, strict=True))
         plane = self.at(*np.indices(tuple(n + r for n, r in zip(mask.shape, reach, strict=True))))

@@ -24,35 +24,30 @@ if TYPE_CHECKING:
 class LatticeModel(Model):
     """Base of the models of methods over a lattice: a sample prepared for repeating it.
 
-    A subclass sets `vectors`; its `make` makes an output.
+    A subclass defines `make`.
 
     Parameters
     ----------
     method : Method
-        With every parameter settled.
+        With every parameter chosen.
     exemplar : Exemplar
         The sample.
+    vectors : tuple of float
+        x1, y1, x2, y2 of the lattice, or nothing where any window is similar to any other.
 
     Raises
     ------
     UnsupportedError
-        If there is a lattice, which pieces that lie apart do not share.
-
-    Attributes
-    ----------
-    vectors : tuple of float
-        x1, y1, x2, y2 of the lattice, or nothing where any place is similar to any other.
+        If there is a lattice, which the pieces of several samples do not share.
     """
 
-    vectors: tuple[float, ...]
-
-    def __init__(self, method: Method, exemplar: Exemplar) -> None:
-        if exemplar.pieces and self.vectors:
+    def __init__(self, method: Method, exemplar: Exemplar, vectors: tuple[float, ...]) -> None:
+        if exemplar.pieces and vectors:
             raise UnsupportedError(
                 f"{method.slug} goes by one lattice, which several samples, or copies that "
                 "are turned, do not share; use one sample as it is, or another method"
             )
-        self.method, self.exemplar = method, exemplar
+        self.method, self.exemplar, self.vectors = method, exemplar, vectors
 
     @abstractmethod
     def make(
@@ -64,9 +59,9 @@ class LatticeModel(Model):
         progress: ProgressCallback | None,
         period: tuple[int, int] | None = None,
     ) -> Synthesis:
-        """Make an output whose corner lies at `origin` in the plane of the sample's lattice.
+        """Make an output whose corner is at `origin` in the plane of the sample's lattice.
 
-        With a period it is a window of a plane that repeats, and `origin` its corner.
+        With a `period` that plane wraps.
         """
 
     def sample(
@@ -81,13 +76,13 @@ class LatticeModel(Model):
         """See `Model.sample`.
 
         Where the canvas wraps, the lattice is stretched until whole tiles fit;
-        `provenance["strain"]` says how much. A hole goes on with the lattice of its surroundings.
+        `provenance["strain"]` says how much. In a hole, the lattice around it continues.
 
         Raises
         ------
         InvalidInputError
             If the lattice would have to be stretched too much; a good size is named. If a hole
-            leaves no whole piece that lies right.
+            leaves no whole window of a block.
         """
         canvas = as_canvas(size, tileable)
         self.require(canvas)
@@ -100,10 +95,7 @@ class LatticeModel(Model):
     def make_window(
         self, box: Box, asked: Asked, progress: ProgressCallback | None = None
     ) -> Synthesis:
-        """See `Model.make_window`: any part of the plane can be made by itself.
-
-        With a period the lattice is stretched as for a tileable picture of that size.
-        """
+        """See `Model.make_window`; a period stretches the lattice as a tileable picture does."""
         corner = box.rows.first, box.columns.first
         canvas = canvas_of(box)
         found = self.make(canvas, corner, asked.seed, asked.threads, progress, asked.period)
@@ -113,14 +105,14 @@ class LatticeModel(Model):
 
 
 def is_strained(model: Model, around: Canvas | Around) -> bool:
-    """Whether a model's lattice would have to be stretched to go around so that it shows."""
+    """Whether a model's lattice would have to be stretched visibly to wrap."""
     if not isinstance(model, LatticeModel) or not (model.vectors and any(around.wrap)):
         return False
     return CanvasLattice(model.vectors, around).strain > VISIBLE_STRAIN
 
 
 def origin_of(canvas: Canvas, exemplar: Exemplar, vectors: tuple[float, ...]) -> tuple[int, int]:
-    """Where in the sample's plane a canvas's corner lies: what is known there goes on."""
+    """Where in the sample's plane a canvas's corner lies, by the pixels that it knows."""
     if canvas.known_from is not None:
         return canvas.known_from
     if canvas.known is None or canvas.hole is None or canvas.hole.all():

@@ -7,17 +7,18 @@ from typing import TYPE_CHECKING, Any, ClassVar
 
 from weftex.method import Method
 from weftex.methods.lattices.model import LatticeModel
-from weftex.methods.near_regular.blocks import draw_constrained_blocks, fill_gaps
-from weftex.methods.near_regular.holes import find_hole, known_places
+from weftex.methods.near_regular.blocks import Plan, draw_constrained_blocks, fill_gaps
+from weftex.methods.near_regular.defaults import (
+    blend_of,
+    check_border,
+    is_rows,
+    is_unconstrained,
+    resolve,
+)
+from weftex.methods.near_regular.holes import find_hole, known_sources
 from weftex.methods.near_regular.layout import divide
 from weftex.methods.near_regular.sample import blockiness, prepare
-from weftex.methods.near_regular.seams import (
-    blend_linearly,
-    cut_seams,
-    keep_known,
-    lay_blocks,
-)
-from weftex.methods.near_regular.settings import blend_of, check_border, settle
+from weftex.methods.near_regular.seams import blend_linearly, cut_seams, keep_known, paste_blocks
 from weftex.notes import note
 from weftex.parameters import parameter
 from weftex.threads import thread_count, thread_map
@@ -27,6 +28,10 @@ if TYPE_CHECKING:
     from weftex.exemplar import Exemplar
     from weftex.progress import ProgressCallback
     from weftex.results.patches import PatchSynthesis
+
+_BLEND_WIDTH = 4  # px (section 5.2)
+_BLOCKY = 0.15  # blockiness from which blocks are visible
+_WIDE = 0.7  # of a block that is blended then
 
 
 @dataclass(frozen=True)
@@ -144,12 +149,32 @@ class NearRegular(Method):
         if self.block_size is not None and self.border_width is not None:
             check_border(self.block_size, self.border_width)
 
+    @property
+    def margin(self) -> int:
+        """How far a block's window reaches beyond the block: half a border."""
+        return (self.border_width or 0) // 2
+
+    @property
+    def window_side(self) -> int:
+        """The side of a block's window."""
+        return (self.block_size or 0) + 2 * self.margin
+
+    @property
+    def unconstrained(self) -> bool:
+        """Whether any window is similar to any other, as without a lattice (section 5.2)."""
+        return self.lattice is not None and is_unconstrained(self.lattice)
+
+    @property
+    def by_rows(self) -> bool:
+        """Whether the sample repeats from row to row only."""
+        return self.lattice is not None and is_rows(self.lattice)
+
     def meant(self, name: str) -> Any:
         """What `blend` is, if that is left to the preset."""
         return blend_of(self) if name == "blend" else super().meant(name)
 
     def fit_exemplar(self, exemplar: Exemplar) -> NearRegularModel:
-        """Find the lattice, if none is given, and settle the sizes."""
+        """Find the lattice, if none is given, and choose the sizes."""
         return NearRegularModel(self, exemplar)
 
 
@@ -165,8 +190,6 @@ class NearRegularModel(LatticeModel):
 
     Attributes
     ----------
-    settings : Settings
-        The parameters, settled.
     blocks : BlockSample
         The sample as blocks are taken from it.
 
@@ -176,14 +199,18 @@ class NearRegularModel(LatticeModel):
         If the vectors or a block do not fit the sample.
     """
 
+    method: NearRegular
+
     def __init__(self, method: NearRegular, exemplar: Exemplar) -> None:
-        settings = settle(method, exemplar)
-        self.blocks = prepare(settings, exemplar)
-        if settings.blend == "feather" and method.blend_width is None and method.preset != "paper":
-            settings = settings.blended_for(blockiness(settings, self.blocks.pixels))
-        self.settings = settings
-        self.vectors = () if settings.unconstrained else settings.lattice
-        super().__init__(replace(method, **settings.parameters()), exemplar)
+        method = resolve(method, exemplar)
+        self.blocks = prepare(method, exemplar)
+        if method.blend == "feather" and method.blend_width is None:
+            width = _BLEND_WIDTH
+            if method.preset != "paper" and blockiness(method, self.blocks.pixels) > _BLOCKY:
+                width = round(_WIDE * (method.block_size or 0))
+            method = replace(method, blend_width=min(width, method.border_width or 0))
+        vectors = () if method.unconstrained else method.lattice or ()
+        super().__init__(method, exemplar, vectors)
 
     def make(
         self,
@@ -195,34 +222,30 @@ class NearRegularModel(LatticeModel):
         period: tuple[int, int] | None = None,
     ) -> PatchSynthesis:
         """Make an output by section 4.2, with the improvements that chapter 6 proposes."""
-        settings, sample = self.settings, self.blocks
-        told = self.method.describe()
-        if settings.blend == "feather":
-            told["blend_width"] = settings.blend_width
+        method, sample = self.method, self.blocks
         with thread_map(thread_count(threads)) as each:
             # 4.2: split the output into square blocks; f[x] = f[x + a v1 + b v2] (eq. 4.3) says
-            # which patches of the sample are similar to each.
-            layout = divide(settings, sample, canvas, origin, seed, period)
-            hole = find_hole(settings, sample, layout)  # ours: holes, filled by the same steps
-            plan = settings, sample, layout, hole
-            place = known_places(*plan[1:])
-            place = fill_gaps(*plan, place, hole.bound, "blocks", each, progress)
-            # 4.2.1: every second block shows a similar patch, drawn at random (Fig. 4.7):
+            # which windows of the sample are similar to each.
+            layout = divide(method, sample, canvas, origin, seed, period)
+            hole = find_hole(method, sample, layout)  # ours: holes, filled by the same steps
+            plan = Plan(method, sample, layout, hole, each)
+            sources = known_sources(sample, layout, hole)
+            sources = fill_gaps(plan, sources, hole.bound, "blocks", progress)
+            # 4.2.1: every second block gets a similar window, drawn at random (Fig. 4.7):
             # `block_kernels.draw_blocks`.
-            place = draw_constrained_blocks(*plan[1:], place)
-            note("drawn", sample=sample, layout=layout, place=place, vectors=self.vectors)
-            # 4.2.2: each gap shows the patch that best matches the wedge-shaped borders of its
+            sources = draw_constrained_blocks(plan, sources)
+            note("drawn", sample=sample, layout=layout, sources=sources, vectors=self.vectors)
+            # 4.2.2: each gap gets the window that best matches the wedge-shaped borders of its
             # neighbors (Fig. 4.8 and 4.9: `sample.wedges_of`; eq. 4.4), within a tolerance around
-            # similar ones: `gap_kernels.fill_gaps`.
-            gaps = layout.gap & hole.laid
-            place = fill_gaps(*plan, place, gaps, "gaps", each, progress)
-            note("filled", sample=sample, layout=layout, place=place, vectors=self.vectors)
-            if settings.blend == "cut":
+            # similar ones: `block_kernels.fill_gaps`.
+            sources = fill_gaps(plan, sources, layout.gap & hole.filling, "gaps", progress)
+            note("filled", sample=sample, layout=layout, sources=sources, vectors=self.vectors)
+            if method.blend == "cut":
                 # 6: seams of least error instead of blending.
-                joints = cut_seams(*plan[1:], place, each)
+                joints = cut_seams(plan, sources)
             else:
                 # 4.2.3: blend blocks linearly where they overlap (eqs. 4.6 to 4.10).
-                joints = blend_linearly(settings, layout)
-            if hole.is_there:
-                joints = keep_known(layout, hole, joints)
-            return lay_blocks(sample, layout, place, joints, told, hole.laid)
+                joints = blend_linearly(plan)
+            if hole.exists:
+                joints = keep_known(plan, joints)
+            return paste_blocks(plan, sources, joints, method.describe())

@@ -1,13 +1,13 @@
-"""The pieces that blocks show: drawn (section 4.2.1), and filled in between (section 4.2.2)."""
+"""The source window of each block: drawn (section 4.2.1), or fitted into a gap (section 4.2.2)."""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
-from weftex.methods.near_regular import block_kernels, gap_kernels
+from weftex.methods.near_regular import block_kernels as kernels
 from weftex.methods.near_regular.rows import ANY
 from weftex.progress import Progress, ProgressCallback
 
@@ -17,122 +17,139 @@ if TYPE_CHECKING:
     from weftex.methods.near_regular.holes import Hole
     from weftex.methods.near_regular.layout import Layout
     from weftex.methods.near_regular.sample import BlockSample
-    from weftex.methods.near_regular.settings import Settings
-
-    Each = Callable[..., Iterable[Any]]
-    Steps = Iterator[tuple[NDArray[np.int64], NDArray[np.int32]]]
 
 _GAPS_AT_A_TIME = 32  # that a thread fills, at most
+_MOST_COMPARED = 512  # similar windows that a gap is compared with
+_STRIDE = (
+    40503  # between windows tried in the unconstrained mode; those beside each other are alike
+)
+_DRAWN_NEAR = [(-2, 0), (-1, -1), (-1, 1), (0, -2), (0, 2), (1, -1), (1, 1), (2, 0)]
+_NEIGHBORS = [(-1, 0), (0, -1), (1, 0), (0, 1)]
 
 
-def draw_constrained_blocks(
-    sample: BlockSample, layout: Layout, hole: Hole, place: NDArray[np.int32]
-) -> NDArray[np.int32]:
-    """Draw a similar place for every second block, one color after the other (section 4.2.1).
+class Plan(NamedTuple):
+    """What every step of one output needs: the resolved method, the sample, the blocks, the hole.
 
-    Of four colors no block is near another of its own.
-
-    Parameters
-    ----------
-    place : int32 array (rows, columns)
-        Places of blocks that are there, as flat indices into the windows' pixels, -1 elsewhere.
-
-    Returns
-    -------
-    int32 array (rows, columns)
-        With those of the drawn blocks.
+    `each` maps a function over items, in threads.
     """
-    place = place.copy()
-    i, j = layout.rows.numbers[:, None], layout.columns.numbers[None, :]
+
+    method: Any
+    sample: BlockSample
+    layout: Layout
+    hole: Hole
+    each: Callable[..., Iterable[Any]]
+
+
+def draw_constrained_blocks(plan: Plan, sources: NDArray[np.int32]) -> NDArray[np.int32]:
+    """Return `sources` with a similar window drawn for every second block (section 4.2.1).
+
+    Of four colors, one after the other, no block is near another of its own color.
+    """
+    sources, windows = sources.copy(), plan.sample.windows
+    stride = _STRIDE if plan.method.unconstrained else 1
+    i, j = plan.layout.rows.numbers[:, None], plan.layout.columns.numbers[None, :]
     color = (i + j) // 2 % 2 * 2 + (i - j) // 2 % 2
-    bundle, grid = _kernel_sample(sample), layout.grid(place)
     for k in range(4):
-        for steps, cells in _by_rows(sample, layout, np.argwhere(hole.drawn & (color == k))):
-            block_kernels.draw_blocks(bundle, grid, steps, cells)
-    return place
+        for offsets, cells in _with_offsets(plan, np.argwhere(plan.hole.drawn & (color == k))):
+            kernels.draw_blocks(
+                windows.usable, windows.period, offsets, stride,
+                *_tables(plan, cells, len(offsets), _DRAWN_NEAR), sources.reshape(-1),
+            )  # fmt: skip
+    return sources
 
 
 def fill_gaps(
-    settings: Settings,
-    sample: BlockSample,
-    layout: Layout,
-    hole: Hole,
-    place: NDArray[np.int32],
+    plan: Plan,
+    sources: NDArray[np.int32],
     gaps: NDArray[np.bool_],
     stage: str,
-    each: Each,
     callback: ProgressCallback | None,
 ) -> NDArray[np.int32]:
-    """Choose for these blocks the pieces that fit what is there around them (section 4.2.2).
+    """Return `sources` with the windows that best fit the borders of these gaps (section 4.2.2)."""
+    method, sample, layout, hole, each = plan
+    sources, windows = sources.copy(), sample.windows
+    # Known pixels around a hole make borders of any shape, which the search is not built for.
+    search = None if hole.exists else sample.search
+    arrays = sample.pixels, sample.turned, windows.usable, windows.period
+    count = int(np.count_nonzero(gaps))
+    progress = Progress(callback, count, stage, lambda: layout.preview(sample, sources))
 
-    Returns
-    -------
-    int32 array (rows, columns)
-        The places with those of the gaps.
-    """
-    place, cells = place.copy(), np.argwhere(gaps).astype(np.int32)
-    bundle, grid = _kernel_sample(sample), layout.grid(place)
-    # What the canvas knows is not a border that all windows were described by.
-    search = None if hole.is_there else sample.search
-    rule = gap_kernels.Rule(
-        settings.tolerance, settings.candidates, round(256 * settings.variety),
-        settings.match == "gncc", search and search.kernel,
-    )  # fmt: skip
-    progress = Progress(callback, len(cells), stage, lambda: layout.preview(sample, place))
-
-    def fill(own: NDArray[np.int32]) -> int:
-        wedges, runs, known = hole.border_of(settings, sample, layout, *own[0].tolist())
-        numbers = search.zone.blocks.size // 2 * known.shape[2] if search else 0
-        gap = gap_kernels.Gap(
-            wedges,
-            runs,
-            known,
-            query=np.empty(np.count_nonzero(wedges) * known.shape[2], np.uint8),
+    def fill(portion: tuple[NDArray[np.int64], ...]) -> int:
+        cells, offsets, blocks, near = portion
+        wedges, runs, border = hole.border_of(method, sample, layout, *cells[0].tolist())
+        if method.unconstrained and not len(runs):
+            sources.reshape(-1)[blocks[:, 0]] = blocks[:, 6]
+            return len(cells)
+        numbers = search.zone.blocks.size // 2 * border.shape[2] if search else 0
+        gap = kernels.GapSearch(
+            arrays,
+            (wedges, runs, border),
+            tolerance=method.tolerance,
+            most=len(sample.offsets) if method.unconstrained else _MOST_COMPARED,
+            variety=round(256 * method.variety),
+            by_correlation=method.match == "gncc",
+            windows=search and search.kernel,
+            query=np.empty(np.count_nonzero(wedges) * border.shape[2], np.uint8),
             means=np.empty(numbers, np.int32),
             coordinates=np.empty(len(search.pca.basis) if search else 0, np.int16),
-            wanted=settings.candidates,
-            keys=np.empty(settings.candidates, np.int64),
-            places=np.empty(settings.candidates, np.int32),
+            wanted=method.candidates,
+            keys=np.empty(method.candidates, np.int64),
+            places=np.empty(method.candidates, np.int32),
             partial=np.empty(sample.pixels.shape[1], np.int32),
             total=np.empty(sample.pixels.shape[1], np.int64),
         )
-        for steps, of_rows in _by_rows(sample, layout, own):
-            gap_kernels.fill_gaps(bundle, grid, steps, of_rows, rule, gap)
-        return len(own)
+        kernels.fill_gaps(gap, offsets, blocks, near, sources.reshape(-1))
+        return len(cells)
 
-    for done in each(fill, list(_alike(layout, hole, cells))):
+    for done in each(fill, list(_portions(plan, np.argwhere(gaps)))):
         progress.advance(done)
-    return place
+    return sources
 
 
-def _alike(layout: Layout, hole: Hole, cells: NDArray[np.int32]) -> Iterator[NDArray[np.int32]]:
-    """Gaps that have the same border, so many that a thread fills at a time."""
-    if hole.is_there:
-        yield from (cells[k : k + 1] for k in range(len(cells)))
+def _portions(plan: Plan, cells: NDArray[np.int64]) -> Iterator[tuple[NDArray[np.int64], ...]]:
+    """Gaps that have the same border, for a thread: cells, offsets, and tables of blocks."""
+    most = 1 if plan.hole.exists else min(_GAPS_AT_A_TIME, len(cells) // 8 + 1)
+    for offsets, found in _with_offsets(plan, cells):
+        blocks, near = _tables(plan, found, len(offsets), _NEIGHBORS)
+        # By size: columns 3 and 4 are the height and the width.
+        order = np.lexsort((blocks[:, 4], blocks[:, 3]))
+        changes = np.flatnonzero(np.diff(blocks[order, 3:5], axis=0).any(axis=1)) + 1
+        for own in np.split(order, changes):
+            for part in (own[k : k + most] for k in range(0, len(own), most)):
+                yield found[part], offsets, blocks[part], near[part]
+
+
+def _with_offsets(
+    plan: Plan, cells: NDArray[np.int64]
+) -> Iterator[tuple[NDArray[np.int64], NDArray[np.int64]]]:
+    """Offsets to the rows of the sample that blocks are to contain, and these blocks."""
+    sample, row = plan.sample, plan.layout.row
+    if row is None:
+        yield sample.offsets, cells
         return
-    most = min(_GAPS_AT_A_TIME, len(cells) // 8 + 1)
-    heights, widths = layout.rows.sizes[cells[:, 0]], layout.columns.sizes[cells[:, 1]]
-    for height in np.unique(heights).tolist():
-        for width in np.unique(widths).tolist():
-            own = np.ascontiguousarray(cells[(heights == height) & (widths == width)])
-            yield from (own[k : k + most] for k in range(0, len(own), most))
-
-
-def _by_rows(sample: BlockSample, layout: Layout, cells: NDArray[Any]) -> Steps:
-    """Steps that lead to the rows of the sample that blocks are to show, and these blocks."""
-    cells = np.ascontiguousarray(cells, np.int32)
-    if layout.row is None:
-        yield sample.steps, cells
-        return
-    row = layout.row[cells[:, 0], cells[:, 1]]
+    row = row[cells[:, 0], cells[:, 1]]
     for number in np.unique(row).tolist():
-        own = sample.multiples == number if number != ANY else slice(None)
-        yield np.ascontiguousarray(sample.steps[own]), np.ascontiguousarray(cells[row == number])
+        own = sample.multiples == number
+        if number == ANY or not own.any():
+            own[:] = True
+        yield np.ascontiguousarray(sample.offsets[own]), cells[row == number]
 
 
-def _kernel_sample(sample: BlockSample) -> block_kernels.Sample:
-    """The sample as kernels take it."""
-    windows = sample.windows
-    return block_kernels.Sample(
-        sample.pixels, sample.turned, windows.usable, windows.period, windows.centers
-    )
+def _tables(
+    plan: Plan, cells: NDArray[np.int64], offsets: int, near: list[tuple[int, int]]
+) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
+    """Blocks, and the blocks `near` each of them, as `block_kernels` takes them."""
+    layout, centers = plan.layout, plan.sample.windows.centers
+    i, j = cells.T
+    bits, phase = layout.bits[i, j], layout.phase[i, j]
+    columns = layout.bits.shape[1]
+    if plan.method.unconstrained:
+        phase = np.zeros_like(phase)
+    blocks = [i * columns + j, *phase.T, layout.rows.sizes[i], layout.columns.sizes[j]]
+    blocks += [bits % np.uint64(offsets), centers[(bits % np.uint64(len(centers))).astype(int)]]
+    i, j, (down, right) = i[:, None], j[:, None], np.array(near).T
+    p, q = layout.rows.beside[down, i], layout.columns.beside[right, j]
+    there = (p >= 0) & (q >= 0) & ((p != i) | (q != j))
+    away = layout.rows.apart[down, i], layout.columns.apart[right, j]
+    around = np.stack([np.where(there, p * columns + q, -1), *away], axis=2)
+    return np.stack([b.astype(np.int64) for b in blocks], axis=1), around

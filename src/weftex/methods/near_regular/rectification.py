@@ -14,38 +14,18 @@ if TYPE_CHECKING:
 
 _ROUNDS = 2  # the mean tile gets sharper by the first
 _GRID = 4  # px between the places where the shift is found
-_GAIN = (3, 4)  # a part is moved only if that leaves at most 3/4 of its difference
-_NEAREST, _FARTHEST = 4, 12  # px around such a place that are compared
+_GAIN = (3, 4)  # pixels move only if that leaves at most 3/4 of the difference
+_NEAREST, _FARTHEST = 4, 12  # px around a place that are compared
 
 
 def rectified(
     pixels: NDArray[np.uint8], vectors: tuple[float, ...], reach: int, *, by_rows: bool = False
 ) -> NDArray[np.int32]:
-    """Say which pixel of a sample belongs at each place if all tiles had one shape.
+    """Flat index (H, W) of the pixel that belongs at each place if all tiles had one shape.
 
-    The mean tile is what the sample looks like where it is regular. Each part of the sample is
-    shifted until it lies on that, by whole pixels; parts that could lie anywhere follow those
-    around.
+    Pixels move at most `reach`, by whole pixels, to agree with the mean tile; those that could be
+    anywhere follow the others. With `by_rows`, only the first vector is a period to move along.
 
-    Parameters
-    ----------
-    pixels : uint8 array (H, W, K)
-        The sample as it is matched.
-    vectors : (float, float, float, float)
-        x1, y1, x2, y2.
-    reach : int
-        The largest shift in pixels, along both axes.
-    by_rows : bool
-        Only the first vector is a period, so shifts go along it.
-
-    Returns
-    -------
-    int32 array (H, W)
-        Flat indices.
-
-    Examples
-    --------
-    >>> import numpy as np
     >>> tile = np.random.default_rng(0).integers(0, 255, (12, 10, 1), np.uint8)
     >>> found = rectified(np.tile(tile, (4, 4, 1)), (10, 0, 0, 12), 2)
     >>> bool((found == np.arange(48 * 40).reshape(48, 40)).all())  # it is regular
@@ -78,7 +58,7 @@ def rectified(
 def _moved(
     sample: NDArray[np.int32], tile: NDArray[np.int32], shifts: list[tuple[int, int]], radius: int
 ) -> NDArray[np.int64]:
-    """The best of the shifts for each pixel, evened out by how much it is better than others."""
+    """The best shift of each pixel, smoothed with its advantage over the mean shift as weight."""
     height, width = sample.shape[:2]
     grid = [np.arange(0, n + _GRID - 1, _GRID).clip(max=n - 1) for n in (height, width)]
     area = _sums(np.ones((height, width), np.uint32), grid, radius)
@@ -116,12 +96,12 @@ def _moved(
 def _sums(
     values: NDArray[np.uint32], grid: list[NDArray[np.int64]], radius: int
 ) -> NDArray[np.int64]:
-    """Sums over the box around each place of the grid, as far as it lies in the picture."""
+    """Sums over the box around each place of the grid, clipped to the picture."""
     for axis, at in enumerate(grid):
         values = sums_along(values, axis, at - radius, at + radius + 1)
     return values.astype(np.int64)
 
 
 def _even(values: NDArray[np.int64], radius: int) -> NDArray[np.int64]:
-    """Sum over boxes twice; the numbers are whole, so that is exact."""
+    """Sums over boxes, twice; exact, since they are integers."""
     return extended_sums(extended_sums(values, radius), radius)

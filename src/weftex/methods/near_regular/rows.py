@@ -1,6 +1,6 @@
 """Samples that repeat by rows only and whose rows have a color each: boards.
 
-There blocks beside each other show the same rows of the sample, or every board would end with its
+There, blocks beside each other get the same rows of the sample, or every board would end with its
 block.
 """
 
@@ -20,35 +20,24 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
 _SLANT = 0.1  # of rows that blocks still follow
-_SHARE = (2, 5)  # of what colors differ by, from which rows go on; boards 0.5 to 0.8, roofs 0.1
+_SHARE = (2, 5)  # of the variance of colors, from which rows continue; boards 0.5 to 0.8, roofs 0.1
 _JOINT = 12  # of a row's height, over which a joint is looked for
-_UNIT = 1 << 16
+#: Stands for any rows.
 ANY = -(2**31)
-"""Stands for any rows."""
 
 
 @dataclass(frozen=True)
 class Courses:
-    """Rows that blocks keep to.
-
-    Attributes
-    ----------
-    height : float
-        From one joint of the sample to the next, in pixels.
-    joint : int
-        Where the first of them is.
-    """
+    """Rows that blocks keep to: their height in pixels, and where the first joint is."""
 
     height: float
     joint: int
 
     def division(self, size: int, height: float | None = None) -> tuple[int, int]:
-        """How many rows a block no larger than `size` holds, and how many blocks share a row.
+        """How many rows a block no larger than `size` has, and how many blocks share a row.
 
-        One of the two is 1. Rows of another height are those of a canvas that goes around.
+        One of the two is 1. On a canvas that wraps rows have another `height`.
 
-        Examples
-        --------
         >>> Courses(8.0, 0).division(20), Courses(50.0, 0).division(20)
         ((2, 1), (1, 3))
         """
@@ -57,22 +46,11 @@ class Courses:
 
 
 def axis_of_rows(pixels: NDArray[np.uint8], vectors: tuple[float, ...]) -> int | None:
-    """Along which axis of the blocks the rows of a sample change, if they keep their colors.
+    """Along which axis the rows of a sample change, if each row keeps its color.
 
-    Parameters
-    ----------
-    pixels : uint8 array (H, W, K)
-        The sample.
-    vectors : (float, float, float, float)
-        x1, y1 from row to row; the other vector lies along the rows.
+    0 if rows lie, 1 if they stand, None if they are slanted or of mixed colors. The first vector
+    leads from row to row.
 
-    Returns
-    -------
-    int or None
-        0 if rows lie, 1 if they stand, None if they are slanted or of mixed colors.
-
-    Examples
-    --------
     >>> boards = np.repeat(np.uint8([90, 120, 100, 140, 95, 130]), 8)
     >>> axis_of_rows(np.tile(boards, (48, 1))[..., None], (8, 0, 0, 7))
     1
@@ -104,8 +82,6 @@ def axis_of_rows(pixels: NDArray[np.uint8], vectors: tuple[float, ...]) -> int |
 def courses_of(pixels: NDArray[np.uint8], vectors: tuple[float, ...], axis: int) -> Courses:
     """Find where the rows of a sample end: where all rows look most alike, in joints.
 
-    Examples
-    --------
     >>> rows = np.repeat(np.uint8([90, 120, 100, 140, 95, 130]), 8)
     >>> rows[4::8] = 30
     >>> boards = np.tile(rows[:, None, None], (1, 48, 1))
@@ -118,18 +94,18 @@ def courses_of(pixels: NDArray[np.uint8], vectors: tuple[float, ...], axis: int)
     number = np.floor(at / period).astype(np.int64)
     place = np.floor(at - number * period).astype(np.int64)
     count = np.bincount(place)
-    apart = np.zeros(len(count), np.int64)
+    variance = np.zeros(len(count), np.int64)
     for line in lines.T:
         total, squares = np.zeros_like(count), np.zeros_like(count)
         np.add.at(total, place, line)
         np.add.at(squares, place, line**2)
-        apart += (squares * count - total**2) // count**2
+        variance += (squares * count - total**2) // count**2
     near = max(0, round(period / _JOINT) // 2)
-    around = np.stack([np.roll(apart, k) for k in range(-near, near + 1)]).sum(axis=0)
+    around = np.stack([np.roll(variance, k) for k in range(-near, near + 1)]).sum(axis=0)
     return Courses(period, int(around.argmin()))
 
 
-def rows_shown(
+def choose_rows(
     whole: NDArray[np.bool_],
     period: int,
     multiples: NDArray[np.int64],
@@ -138,7 +114,7 @@ def rows_shown(
     numbers: NDArray[np.int64],
     seed: int,
 ) -> NDArray[np.int64]:
-    """Which multiple of the first vector each block shows: those beside each other the same.
+    """Choose the multiple of the first vector for each block: the same for blocks of one row.
 
     Parameters
     ----------
@@ -147,14 +123,13 @@ def rows_shown(
     period : int
         Of a sample that tiles, else 0.
     multiples : int64 array (k,)
-        The multiples that there are.
+        To choose from.
     places : int64 array (rows, columns, k)
         Where they lead to along that axis, from the first of the blocks that share a row.
     reach : int64 array, broadcast against (rows, columns)
-        How far on the last of those is.
+        How much further the last of those is.
     numbers : int64 array, broadcast against (rows, columns)
         Numbers of the rows that blocks are in.
-    seed : int
 
     Returns
     -------

@@ -1,15 +1,16 @@
-"""A sample prepared for near-regular synthesis: whole windows, similar places, borders."""
+"""A sample prepared for near-regular synthesis: whole windows, similar windows, borders."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
 from weftex.analysis.canvas_lattice import CanvasLattice
 from weftex.exemplar import Exemplar
 from weftex.methods.lattices.mean_tile import MeanTile
+from weftex.methods.near_regular.defaults import vectors_around
 from weftex.methods.near_regular.rectification import rectified
 from weftex.methods.near_regular.rows import Courses, axis_of_rows, courses_of
 from weftex.random import draw
@@ -21,12 +22,10 @@ from weftex.search.zone_search import ZoneSearch
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-    from weftex.methods.near_regular.settings import Settings
-
-_BLOCK_SIDE = 16  # of the low resolution that unconstrained gaps are looked for by
+_BLOCK_SIDE = 16  # of the low resolution that unconstrained gaps are searched by
 _NUMBERS = 288  # that describe a border there, at most
-_VARIANCE = 0.97  # of borders, that is kept there
-_SOFT = 40  # squared difference of a channel, two pixels apart, that hides half of a seam
+_VARIANCE = 0.97  # of borders that their principal components keep
+_SOFT = 40  # squared difference of a channel, two pixels apart, that halves the visibility
 
 
 class Border(NamedTuple):
@@ -50,29 +49,25 @@ class BlockSample:
 
     Attributes
     ----------
-    exemplar : Exemplar
-        The sample.
     windows : Windows
-        Its bytes, and the upper left corners of blocks' windows.
+        The sample's bytes, and the upper left corners of blocks' windows.
     lookup : int32 array (H, W) or None
         Which pixel of the sample is at each place, if it was rectified.
-    pixels : uint8 array (H', W', K)
-        The windows' pixels, rectified.
-    turned : uint8 array (W', H', K)
-        The same with their axes exchanged.
+    pixels, turned : uint8 arrays (H', W', K) and (W', H', K)
+        The windows' pixels, rectified; the same with their axes exchanged.
     visibility : uint16 array (H', W')
-        How much a seam shows at each of them.
-    steps : int64 array (n, 2)
-        Sums of multiples of the vectors in 1/65536 pixel, shuffled, so that the first that will do
-        is a random one; none if any place is similar to any other.
+        How visible a seam is at each of them.
+    offsets : int64 array (n, 2)
+        From a block's phase to similar windows, in 1/65536 pixel: sums of multiples of the lattice
+        vectors, shuffled. In the unconstrained mode all windows, from phase 0.
     multiples : int64 array (n,)
-        The multiple of the first vector in each of them.
+        The multiple of the first vector in each offset; none in the unconstrained mode.
     row_axis : int or None
         Along which axis rows change that have a color each, see `axis_of_rows`.
     courses : (Courses or None, Courses or None)
-        The rows that blocks keep to along both axes, see `Axis`.
+        The rows that blocks keep to along both axes.
     search : ZoneSearch or None
-        All windows by their borders, where any place is similar to any other.
+        All windows by their borders, in the unconstrained mode.
     """
 
     exemplar: Exemplar
@@ -81,7 +76,7 @@ class BlockSample:
     pixels: NDArray[np.uint8]
     turned: NDArray[np.uint8]
     visibility: NDArray[np.uint16]
-    steps: NDArray[np.int64]
+    offsets: NDArray[np.int64]
     multiples: NDArray[np.int64]
     row_axis: int | None
     courses: tuple[Courses | None, ...]
@@ -96,28 +91,39 @@ class BlockSample:
             self._borders[key] = Border(wedges, shuffled(runs_over(wedges > 0)))
         return self._borders[key]
 
+    def has_window(self, y: NDArray[np.int64], x: NDArray[np.int64]) -> NDArray[np.bool_]:
+        """Whether whole windows begin at these places, which wrap where the sample tiles."""
+        usable, (height, width) = self.windows.usable, self.windows.period[2:]
+        if height:
+            y, x = y % height, x % width
+        inside = (y >= 0) & (x >= 0) & (y < usable.shape[0]) & (x < usable.shape[1])
+        inside[inside] = usable[y[inside], x[inside]] > 0
+        result: NDArray[np.bool_] = inside
+        return result
 
-def prepare(settings: Settings, exemplar: Exemplar) -> BlockSample:
-    """Analyze a sample: its windows, rectified pixels and similar places."""
-    vectors = settings.lattice
-    windows = _windows(settings, exemplar)
+
+def prepare(method: Any, exemplar: Exemplar) -> BlockSample:
+    """Analyze a sample for a resolved method: its windows, rectified pixels, similar windows."""
+    vectors, reach = method.lattice, method.window_side - 1
+    if exemplar.tileable and vectors_around(vectors, exemplar) is None:
+        windows = windows_of(exemplar.changed(tileable=False), (0, reach, 0, reach))
+    else:
+        windows = windows_of(exemplar, (0, reach, 0, reach))
     pixels, lookup = windows.pixels, None
-    if settings.rectify:
-        lookup = rectified(pixels, vectors, settings.rectify, by_rows=settings.by_rows)
-        flat = pixels.reshape(-1, pixels.shape[2])
-        pixels = np.ascontiguousarray(flat[lookup])
-    steps, search = np.zeros((0, 2), np.int64), None
-    multiples, row_axis = np.zeros(0, np.int64), None
+    if method.rectify:
+        lookup = rectified(pixels, vectors, method.rectify, by_rows=method.by_rows)
+        pixels = np.ascontiguousarray(pixels.reshape(-1, pixels.shape[2])[lookup])
+    search, row_axis = None, None
     courses: list[Courses | None] = [None, None]
-    if settings.unconstrained:
-        search = _search(settings, pixels, windows)
+    if method.unconstrained:
+        search = _search(method, pixels, windows)
+        offsets = np.stack(np.divmod(windows.centers, pixels.shape[1]), axis=1).astype(np.int64)
+        offsets, multiples = offsets << 16, np.zeros(0, np.int64)
     else:
         lattice = CanvasLattice(vectors)
-        steps = lattice.steps(*exemplar.shape)
-        order = np.argsort(draw(0, "steps", np.arange(len(steps))), kind="stable")
-        steps = np.ascontiguousarray(steps[order])
-        multiples = np.rint(steps @ lattice.inverse[:, 0] / 65536).astype(np.int64)
-        if settings.by_rows and exemplar.mask is None:
+        offsets = shuffled(lattice.steps(*exemplar.shape), "steps")
+        multiples = np.rint(offsets @ lattice.inverse[:, 0] / 65536).astype(np.int64)
+        if method.by_rows and exemplar.mask is None:
             row_axis = axis_of_rows(pixels, vectors)
         if row_axis is not None:
             courses[row_axis] = courses_of(pixels, vectors, row_axis)
@@ -127,8 +133,8 @@ def prepare(settings: Settings, exemplar: Exemplar) -> BlockSample:
         lookup=lookup,
         pixels=pixels,
         turned=np.ascontiguousarray(pixels.transpose(1, 0, 2)),
-        visibility=visibility(pixels, settings.seam_cost == "gradient"),
-        steps=steps,
+        visibility=visibility(pixels, method.seam_cost == "gradient"),
+        offsets=offsets,
         multiples=multiples,
         row_axis=row_axis,
         courses=tuple(courses),
@@ -136,22 +142,16 @@ def prepare(settings: Settings, exemplar: Exemplar) -> BlockSample:
     )
 
 
-def _windows(settings: Settings, exemplar: Exemplar) -> Windows:
-    if exemplar.tileable and not settings.tiles:
-        exemplar = exemplar.changed(tileable=False)
-    return windows_of(exemplar, (0, settings.side - 1, 0, settings.side - 1))
-
-
-def _search(settings: Settings, pixels: NDArray[np.uint8], windows: Windows) -> ZoneSearch:
+def _search(method: Any, pixels: NDArray[np.uint8], windows: Windows) -> ZoneSearch:
     """All windows, to be searched by the border of a gap (section 5.2)."""
-    size, margin = settings.block_size, settings.margin
+    size, margin = method.block_size, method.margin
     zone = boundary_zone(
         wedges_of(size, size, margin, margin) > 0,
         max(1, 2 * margin),
         block_side=_BLOCK_SIDE,
         most_blocks=max(16, _NUMBERS // pixels.shape[2]),
     )
-    rows, columns = (n - settings.side + 1 for n in pixels.shape[:2])
+    rows, columns = (n - method.window_side + 1 for n in pixels.shape[:2])
     usable = np.ascontiguousarray(windows.usable[:rows, :columns])
     return ZoneSearch(
         zone,
@@ -159,26 +159,15 @@ def _search(settings: Settings, pixels: NDArray[np.uint8], windows: Windows) -> 
         usable,
         np.flatnonzero(usable).astype(np.int32),
         search="pca",
-        candidates=settings.candidates,
+        candidates=method.candidates,
         variance=_VARIANCE,
         often=True,
     )
 
 
 def wedges_of(height: int, width: int, margin: int, reach: int) -> NDArray[np.uint8]:
-    """Wedge-shaped borders (Fig. 4.8b) of a block's window, see `Border`.
+    """Wedge-shaped borders (Fig. 4.8b), 2 * `reach` wide, of a block's window, see `Border`.
 
-    Parameters
-    ----------
-    height, width : int
-        Of the block.
-    margin : int
-        How far the window reaches beyond it.
-    reach : int
-        Half the width of the border.
-
-    Examples
-    --------
     >>> wedges_of(4, 4, 1, 1)[:3]
     array([[1, 1, 1, 1, 1, 1],
            [2, 1, 1, 1, 1, 4],
@@ -191,19 +180,17 @@ def wedges_of(height: int, width: int, margin: int, reach: int) -> NDArray[np.ui
     return np.where(border, away.argmin(axis=0) + 1, 0).astype(np.uint8)
 
 
-def shuffled(runs: NDArray[np.int32]) -> NDArray[np.int32]:
-    """Shuffle runs, so that a few of them lie all around and bad fits soon show."""
-    order = np.argsort(draw(0, "runs", np.arange(len(runs))), kind="stable")
-    return np.ascontiguousarray(runs[order])
+def shuffled(values: NDArray[Any], purpose: str = "runs") -> NDArray[Any]:
+    """Shuffle rows: the first few then tell about all, such as runs on all sides of a border."""
+    order = np.argsort(draw(0, purpose, np.arange(len(values))), kind="stable")
+    return np.ascontiguousarray(values[order])
 
 
 def visibility(pixels: NDArray[np.uint8], gradient: bool) -> NDArray[np.uint16]:
-    """How much a seam shows at each pixel, for 1 at least; everywhere alike unless by `gradient`.
+    """How visible a seam is at each pixel, at least 1: less on edges of the sample's own.
 
-    Where the sample has an edge of its own, such as a joint, one more does not show.
+    Unless by `gradient` it is the same everywhere.
 
-    Examples
-    --------
     >>> step = np.array([[[10], [10], [10], [90], [90]]], np.uint8)
     >>> visibility(step, gradient=True).tolist()
     [[4096, 4096, 25, 25, 4096]]
@@ -214,20 +201,21 @@ def visibility(pixels: NDArray[np.uint8], gradient: bool) -> NDArray[np.uint16]:
     steep = (wide[2:, 1:-1] - wide[:-2, 1:-1]) ** 2
     steep += (wide[1:-1, 2:] - wide[1:-1, :-2]) ** 2
     soft = _SOFT * pixels.shape[2]
-    shown = np.maximum(4096 * soft // (soft + steep.sum(axis=2)), 1)
-    result: NDArray[np.uint16] = shown.astype(np.uint16)
+    result: NDArray[np.uint16] = np.maximum(4096 * soft // (soft + steep.sum(axis=2)), 1).astype(
+        np.uint16
+    )
     return result
 
 
-def blockiness(settings: Settings, pixels: NDArray[np.uint8]) -> float:
-    """Measure how much of the difference of similar places is brightness and color of whole blocks.
+def blockiness(method: Any, pixels: NDArray[np.uint8]) -> float:
+    """Return the share, 0 to 1, of the variance of similar pixels that whole blocks differ by.
 
-    From 0 to 1. Where it is high, blocks beside each other show (Fig. 5.12).
+    Where it is high, blocks are visible by their brightness or color (Fig. 5.12).
     """
-    side = max(1, settings.side // 2)
+    side = max(1, method.window_side // 2)
     rest = pixels.astype(np.int64)
-    if not settings.unconstrained:
-        rest -= MeanTile(pixels, settings.lattice).at(*np.indices(pixels.shape[:2]))
+    if not method.unconstrained:
+        rest -= MeanTile(pixels, method.lattice).at(*np.indices(pixels.shape[:2]))
     rows, columns = (n // side for n in rest.shape[:2])
     parts = rest[: rows * side, : columns * side].reshape(rows, side, columns, side, -1)
     means = parts.mean(axis=(1, 3))

@@ -1,8 +1,7 @@
-"""Joining blocks: seams along least error, or blending (section 4.2.3)."""
+"""Joining blocks: seams of least error, or blending (section 4.2.3)."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
@@ -14,19 +13,14 @@ from weftex.seams.boundary_kernels import Band
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-    from weftex.methods.near_regular.holes import Hole
+    from weftex.methods.near_regular.blocks import Plan
     from weftex.methods.near_regular.layout import Axis, Layout
-    from weftex.methods.near_regular.sample import BlockSample
-    from weftex.methods.near_regular.settings import Settings
 
-    Each = Callable[..., Iterable[Any]]
-
-_LINES = 4  # of blocks that a thread cuts at a time
-_BOX = 3  # half the side of what is compared where four blocks meet
+_AT_A_TIME = 32  # edges that a thread cuts
 
 
 class Joints(NamedTuple):
-    """How the blocks that can show are laid over each other, see `PatchSynthesis`.
+    """How the visible blocks are pasted over each other, see `PatchSynthesis`.
 
     Attributes
     ----------
@@ -43,121 +37,168 @@ class Joints(NamedTuple):
     weights: NDArray[np.uint16]
 
 
-def cut_seams(
-    sample: BlockSample,
-    layout: Layout,
-    hole: Hole,
-    place: NDArray[np.int32],
-    each: Each,
-) -> Joints:
-    """Cut blocks along the paths of least error through their overlaps (chapter 6).
+class _Cutter:
+    """Cuts the blocks of one output: runs the kernels over corners and edges, in threads."""
 
-    Which of two blocks a pixel at a hole's border belongs to also hangs on how well either would go
-    on beyond it.
-    """
-    (lines, _), (across, _) = (a.laid(layout.reach) for a in (layout.rows, layout.columns))
-    upright, lying = _paths(sample, layout, hole, place, each)
-    zones = np.zeros(_shown_shape(layout), np.int64)
-    weights = np.full((1, lines, across), 128, np.uint16)
-    return Joints(_cuts(layout, upright, lying), zones, weights)
+    def __init__(self, plan: Plan, sources: NDArray[np.int32]) -> None:
+        self.plan, self.sources, layout = plan, sources, plan.layout
+        self.reach, self.side = layout.reach, layout.rows.side
+        self.inset = layout.rows.margin - self.reach  # of the outermost seam, in a window
+        self.pad = 2 * self.side
+        self.known, self.state = plan.hole.around(layout, self.pad)
+        least = min(int(axis.sizes.min()) for axis in (layout.rows, layout.columns))
+        self.slack = min(self.reach // 2, (least - 1) // 4)  # that corners move, at most
 
-
-def _paths(
-    sample: BlockSample,
-    layout: Layout,
-    hole: Hole,
-    place: NDArray[np.int32],
-    each: Each,
-) -> tuple[NDArray[np.int32], NDArray[np.int32]]:
-    """Where blocks begin, for each line of their windows: from the left, and from above."""
-    rows, columns = place.shape
-    side, margin, reach = layout.rows.side, layout.rows.margin, layout.reach
-    upright = np.full((rows, columns + 1, side), margin, np.int32)
-    lying = np.full((rows + 1, columns, side), margin, np.int32)
-    if reach == 0:
-        return upright, lying
-    least = min(int(axis.sizes.min()) for axis in (layout.rows, layout.columns))
-    slack = min(reach // 2, (least - 1) // 4)
-    seams = kernels.Seams(
-        inset=margin - reach,
-        reach=reach,
-        slack=slack,
-        box=min(_BOX, reach - slack),
-        parity=int(layout.rows.numbers[0] + layout.columns.numbers[0]) % 2,
-        corners=np.zeros((rows + 1, columns + 1, 2), np.int32),
-        upright=upright,
-        lying=lying,
-        left=layout.columns.shown.start,
-        right=layout.columns.shown.stop,
-    )
-    grid, around = layout.grid(place), kernels.Hole(hole.known, hole.state)
-    still = kernels.Shown(sample.pixels, sample.visibility, place)
-
-    def band() -> Band:
+    def _band(self) -> Band:
+        lines, depth = self.side, 2 * self.reach
         return Band(
-            np.empty((side, 2 * reach), np.int64),
-            np.empty((side if len(hole.state) else 0, 2 * reach + 1), np.int64),
-            np.empty((side, 2 * reach + 1), np.int64),
-            np.empty((side, 2 * reach + 1), np.int32),
-            np.empty(side, np.int32),
+            np.empty((lines, depth), np.int64),
+            np.empty((lines if len(self.state) else 0, depth + 1), np.int64),
+            np.empty((lines, depth + 1), np.int64),
+            np.empty((lines, depth + 1), np.int32),
+            np.empty(lines, np.int32),
         )
 
-    def meet(i: int) -> None:
-        kernels.meet(still, grid, around, seams, band(), i, i + 1)
+    def _each(self, work: Any, table: NDArray[np.int64], found: NDArray[np.int32]) -> None:
+        """Run a kernel over portions of a table, into the same rows of `found`."""
+        parts = [slice(k, k + _AT_A_TIME) for k in range(0, len(table), _AT_A_TIME)]
+        list(self.plan.each(lambda part: work(table[part], self._band(), found[part]), parts))
 
-    def cut(lines: range) -> None:
-        stop, own = min(lines.stop, layout.rows.shown.stop), band()
-        kernels.cut_edges(still, grid, around, seams, True, own, lines.start, stop)
-        kernels.cut_edges(still, grid, around, seams, False, own, lines.start, lines.stop)
+    def corners(self) -> NDArray[np.int32]:
+        """How far from their vertex four blocks meet: (dy, dx) for (rows + 1, columns + 1)."""
+        sample, layout = self.plan.sample, self.plan.layout
+        i, up, down, above = _before_and_after(layout.rows)
+        j, left, right, beside = _before_and_after(layout.columns)
+        corners = np.zeros((len(i), len(j), 2), np.int32)
+        if self.slack == 0:
+            return corners
+        # The blocks above to the left and below to the right are drawn, or the two others are.
+        falls = (layout.rows.numbers[down][:, None] + layout.columns.numbers[right]) % 2 == 0
+        one = np.where(falls, self.sources[np.ix_(up, left)], self.sources[np.ix_(up, right)])
+        other = np.where(falls, self.sources[np.ix_(down, right)], self.sources[np.ix_(down, left)])
+        there = (one >= 0) & (other >= 0)
+        width, inset = sample.pixels.shape[1], self.inset
+        one = one + (inset + above[:, None]) * width + inset + beside * falls
+        other = other + inset * width + inset + beside * ~falls
+        y, x = np.ix_(layout.rows.edges[i], layout.columns.edges[j])
+        table = _table(there, one, other, y - self.reach + self.pad, x - self.reach + self.pad)
+        found = np.zeros((len(table), 2), np.int32)
+        still = sample.pixels, sample.visibility, self.slack, self.state
+        self._each(lambda *work: kernels.find_corners(*still, *work), table, found)
+        corners[there] = found
+        return corners
 
-    shown = range(layout.rows.shown.start, layout.rows.shown.stop + 1)
-    list(each(meet, shown))
-    list(each(cut, (shown[k : k + _LINES] for k in range(0, len(shown), _LINES))))
-    return upright, lying
+    def paths(self, upright: bool, corners: NDArray[np.int32]) -> NDArray[np.int32]:
+        """For each line of a window where its block begins, along the left or the upper edges.
+
+        (rows, columns + 1, lines) for `upright` edges, else (columns, rows + 1, lines).
+        """
+        sample, layout, sources = self.plan.sample, self.plan.layout, self.sources
+        along, across, step = layout.rows, layout.columns, (sample.pixels.shape[1], 1)
+        if not upright:
+            along, across, step = across, along, step[::-1]
+            sources, corners = sources.T, corners.transpose(1, 0, 2)[..., ::-1]
+        i = np.arange(along.visible.start, along.visible.stop)
+        j, before, after, size = _before_and_after(across)
+        one, other = sources[np.ix_(i, before)], sources[np.ix_(i, after)]
+        start = corners[:-1, :, 0] + self.reach + self.inset
+        stop = corners[1:, :, 0] + self.reach + self.inset + along.sizes[i][:, None]
+        there = (one >= 0) & (other >= 0) & (stop > start)
+        one = one + start * step[0] + (self.inset + size) * step[1]
+        other = other + start * step[0] + self.inset * step[1]
+        line = along.edges[i][:, None] - self.reach + self.pad + start - self.inset
+        place = across.edges[j][None, :] - self.reach + self.pad
+        begin, end = corners[:-1, :, 1] + self.reach, corners[1:, :, 1] + self.reach
+        where = (line, place) if upright else (place, line)
+        table = _table(there, one, other, start, stop - start, begin, end, *where)
+        found = np.empty((len(table), self.side), np.int32)
+        still = sample.pixels, sample.visibility, upright, self.known, self.state
+        self._each(lambda *work: kernels.cut_edges(*still, *work), table, found)
+        paths = np.full((*there.shape, self.side), self.inset + self.reach, np.int32)
+        paths[there] = found + self.inset
+        return paths
 
 
-def _cuts(
-    layout: Layout, upright: NDArray[np.int32], lying: NDArray[np.int32]
-) -> NDArray[np.uint16]:
-    """First and last own columns and rows of each block, as `PatchSynthesis` keeps them."""
-    rows, columns = layout.rows.shown, layout.columns.shown
-    after = [slice(s.start + 1, s.stop + 1) for s in (rows, columns)]
-    left = upright[rows, columns]
-    right = upright[rows, after[1]] + layout.columns.sizes[columns][None, :, None]
-    top = lying[rows, columns]
-    bottom = lying[after[0], columns] + layout.rows.sizes[rows][:, None, None]
-    lines, first = layout.rows.laid(layout.reach)
-    across, begin = layout.columns.laid(layout.reach)
-    down = first[:, None, None] + np.arange(lines)
-    along = begin[None, :, None] + np.arange(across)
-    left, right = (
-        np.clip(np.take_along_axis(c, np.broadcast_to(down, (*c.shape[:2], lines)), 2)
-                - begin[None, :, None], 0, across)
-        for c in (left, right)
-    )  # fmt: skip
-    top, bottom = (
-        np.clip(np.take_along_axis(c, np.broadcast_to(along, (*c.shape[:2], across)), 2)
-                - first[:, None, None], 0, lines)
-        for c in (top, bottom)
-    )  # fmt: skip
-    y = layout.rows.edges[:-1][rows][:, None, None] - layout.rows.margin + down
-    x = layout.columns.edges[:-1][columns][None, :, None] - layout.columns.margin + along
-    height, width = layout.canvas.shape
-    if not layout.rows.period:
-        off = np.broadcast_to((y < 0) | (y >= height), left.shape)
-        left, right = np.where(off, across, left), np.where(off, 0, right)
-    if not layout.columns.period:
-        off = np.broadcast_to((x < 0) | (x >= width), top.shape)
-        top, bottom = np.where(off, lines, top), np.where(off, 0, bottom)
-    return np.concatenate([left, right, top, bottom], axis=2).astype(np.uint16)
+def _before_and_after(
+    axis: Axis,
+) -> tuple[NDArray[np.int64], NDArray[np.int64], NDArray[np.int64], NDArray[np.int64]]:
+    """The edges of visible blocks, the blocks before and after each, and sizes of those before."""
+    edges = np.arange(axis.visible.start, axis.visible.stop + 1)
+    before, after = ((edges + by) % len(axis.sizes) for by in (-1, 0))
+    return edges, before, after, axis.sizes[before]
 
 
-def blend_linearly(settings: Settings, layout: Layout) -> Joints:
+def _table(there: NDArray[np.bool_], *columns: NDArray[Any]) -> NDArray[np.int64]:
+    """Columns of a table for kernels, of the places where there is something."""
+    spread = [np.broadcast_to(column, there.shape)[there] for column in columns]
+    return np.stack(spread, axis=1).astype(np.int64).reshape(-1, len(columns))
+
+
+def cut_seams(plan: Plan, sources: NDArray[np.int32]) -> Joints:
+    """Cut blocks along the paths of least error through their overlaps (chapter 6).
+
+    Beside a hole, how well either block continues beyond it counts, too.
+    """
+    layout = plan.layout
+    rows, columns = layout.rows.sizes[layout.visible[0]], layout.columns.sizes[layout.visible[1]]
+    if layout.reach:
+        cutter = _Cutter(plan, sources)
+        corners = cutter.corners()
+        upright, lying = cutter.paths(True, corners), cutter.paths(False, corners)
+    else:
+        upright = np.full((len(rows), len(columns) + 1, layout.rows.side), layout.rows.margin)
+        lying = np.full((len(columns), len(rows) + 1, layout.rows.side), layout.rows.margin)
+    left, right = upright[:, :-1], upright[:, 1:] + columns[:, None]
+    top, bottom = lying[:, :-1], lying[:, 1:] + rows[:, None]
+    left, right = _own(layout.rows, layout.columns, layout.reach, left, right)
+    top, bottom = _own(layout.columns, layout.rows, layout.reach, top, bottom)
+    cuts = [left, right, top.swapaxes(0, 1), bottom.swapaxes(0, 1)]
+    shape = layout.rows.pasted(layout.reach)[0], layout.columns.pasted(layout.reach)[0]
+    return Joints(
+        np.concatenate(cuts, axis=2).astype(np.uint16),
+        np.zeros((len(rows), len(columns)), np.int64),
+        np.full((1, *shape), 128, np.uint16),
+    )
+
+
+def _own(
+    along: Axis, across: Axis, reach: int, first: NDArray[Any], last: NDArray[Any]
+) -> tuple[NDArray[Any], NDArray[Any]]:
+    """First and last own pixels of pasted lines, (along, across, lines); none off the canvas."""
+    lines, begin = along.pasted(reach)
+    most, before = across.pasted(reach)
+    at = begin[:, None, None] + np.arange(lines)
+    every = np.broadcast_to(at, (*first.shape[:2], lines))
+    first, last = (
+        np.clip(np.take_along_axis(cut, every, 2) - before[None, :, None], 0, most)
+        for cut in (first, last)
+    )
+    if not along.period:
+        line = along.edges[:-1][along.visible][:, None, None] - along.margin + at
+        off = (line < 0) | (line >= along.length)
+        first, last = np.where(off, most, first), np.where(off, 0, last)
+    return first, last
+
+
+class _Profile(NamedTuple):
+    """The share that a block has of each line of its window, along one axis.
+
+    Two profiles of the same `kind` have the same shares. `odd` are those of odd numbers.
+    """
+
+    kind: tuple[int, ...]
+    share: NDArray[np.float64]
+    odd: bool
+
+
+def blend_linearly(plan: Plan) -> Joints:
     """Feather blocks over the blending area (section 4.2.3); one of no width pastes them."""
-    zones = np.zeros(_shown_shape(layout), np.int64)
+    method, layout = plan.method, plan.layout
+    width = min(method.blend_width if method.blend == "feather" else 0, 2 * layout.reach)
+    rows, columns = (_profiles(width, layout, axis) for axis in (layout.rows, layout.columns))
+    zones = np.zeros((len(rows), len(columns)), np.int64)
     known: dict[tuple[Any, ...], int] = {}
     weights = []
-    rows, columns = (_profiles(settings, layout, a) for a in (layout.rows, layout.columns))
     for i, row in enumerate(rows):
         for j, column in enumerate(columns):
             kind = row.kind, column.kind
@@ -168,26 +209,13 @@ def blend_linearly(settings: Settings, layout: Layout) -> Joints:
     return Joints(np.zeros((0, 0), np.uint16), zones, np.stack(weights))
 
 
-class _Profile(NamedTuple):
-    """The share that a block has of each line of its window, along one axis.
-
-    Two profiles of the same `kind` have the same shares. An odd block is of the second kind of its
-    row or column.
-    """
-
-    kind: tuple[int, ...]
-    share: NDArray[np.float64]
-    odd: bool
-
-
-def _profiles(settings: Settings, layout: Layout, axis: Axis) -> list[_Profile]:
-    """Alpha of eqs. (4.9) and (4.10) from both sides of each block that can show."""
-    width, side, margin = settings.blend_width, settings.side, settings.margin
-    width = min(width, 2 * layout.reach)
-    lines, firsts = axis.laid(layout.reach)
+def _profiles(width: int, layout: Layout, axis: Axis) -> list[_Profile]:
+    """Alpha of eqs. (4.9) and (4.10) from both sides of each visible block."""
+    side, margin = axis.side, axis.margin
+    lines, firsts = axis.pasted(layout.reach)
     found = []
-    shown = range(axis.shown.start, axis.shown.stop)
-    for block, first in zip(shown, firsts.tolist(), strict=True):
+    visible = range(axis.visible.start, axis.visible.stop)
+    for block, first in zip(visible, firsts.tolist(), strict=True):
         size, start = int(axis.sizes[block]), int(axis.edges[block]) - margin
         # x of eq. (4.9), 1 at the first line that is blended
         at = np.arange(side) - margin + width // 2 + 1
@@ -203,10 +231,10 @@ def _profiles(settings: Settings, layout: Layout, axis: Axis) -> list[_Profile]:
 
 
 def _weights(row: _Profile, column: _Profile) -> NDArray[np.uint16]:
-    """Weights in 1/256 that lay four kinds of blocks, one after the other, as eqs. 4.6 to 4.8 say.
+    """Weights in 1/256 that blend four kinds of blocks, one after the other (eqs. 4.6 to 4.8).
 
     Every corner of a block meets one block of each kind. A block's weight is its share over the sum
-    of its own share and the shares of the blocks laid before it.
+    of its own share and the shares of the blocks pasted before it.
     """
     shares = {}
     for odd_y in (False, True):
@@ -222,19 +250,20 @@ def _weights(row: _Profile, column: _Profile) -> NDArray[np.uint16]:
     return result.astype(np.uint16)
 
 
-def keep_known(layout: Layout, hole: Hole, joints: Joints) -> Joints:
-    """Known pixels stay: blocks have no weight there."""
-    lines, first = layout.rows.laid(layout.reach)
-    across, begin = layout.columns.laid(layout.reach)
+def keep_known(plan: Plan, joints: Joints) -> Joints:
+    """Return joints that give blocks no weight on known pixels."""
+    layout, hole = plan.layout, plan.hole
+    rows, columns = layout.visible
+    lines, first = layout.rows.pasted(layout.reach)
+    across, begin = layout.columns.pasted(layout.reach)
     zones, found = joints.zones.copy(), dict[bytes, int]()
     weights = [np.zeros_like(joints.weights[0])]
-    rows, columns = layout.rows.shown, layout.columns.shown
-    for i, j in np.argwhere(hole.laid[rows, columns]).tolist():
+    for i, j in np.argwhere(hole.filling[rows, columns]).tolist():
         y, inside = layout.rows.lines(i + rows.start)
         x, within = layout.columns.lines(j + columns.start)
-        shown = hole.missing[np.ix_(y, x)] & inside[:, None] & within
+        missing = hole.missing[np.ix_(y, x)] & inside[:, None] & within
         v, u = int(first[i]), int(begin[j])
-        weight = joints.weights[zones[i, j]] * shown[v : v + lines, u : u + across]
+        weight = joints.weights[zones[i, j]] * missing[v : v + lines, u : u + across]
         key = weight.tobytes()
         if key not in found:
             found[key] = len(weights)
@@ -243,61 +272,44 @@ def keep_known(layout: Layout, hole: Hole, joints: Joints) -> Joints:
     return Joints(joints.cuts, zones, np.stack(weights))
 
 
-def lay_blocks(
-    sample: BlockSample,
-    layout: Layout,
-    place: NDArray[np.int32],
-    joints: Joints,
-    provenance: dict[str, Any],
-    laid: NDArray[np.bool_],
+def paste_blocks(
+    plan: Plan, sources: NDArray[np.int32], joints: Joints, provenance: dict[str, Any]
 ) -> PatchSynthesis:
-    """Lay blocks by kind: drawn ones of even rows, of odd rows, then the gaps."""
-    rows, columns = layout.rows.shown, layout.columns.shown
-    margin = layout.rows.margin
-    place = place[rows, columns]
-    place = sample.windows.to_sample(place.ravel()).reshape(place.shape)
-    i, j = np.indices(place.shape)
-    height, width = sample.exemplar.shape
-    y, x = np.divmod(place, width)
-    v = layout.rows.laid(layout.reach)[1][i]
-    u = layout.columns.laid(layout.reach)[1][j]
-    placements = np.stack(
-        [
-            (layout.rows.edges[:-1][rows][i] - margin + v) % layout.canvas.height,
-            (layout.columns.edges[:-1][columns][j] - margin + u) % layout.canvas.width,
-            (y + v) % height,
-            (x + u) % width,
-            joints.zones,
-        ],
-        axis=-1,
-    )
-    kind = 2 * layout.gap[rows, columns] + layout.rows.numbers[rows][:, None] % 2
+    """Paste blocks by kind: drawn ones of even rows, of odd rows, then the gaps."""
+    _, sample, layout, hole, _ = plan
+    rows, columns = layout.visible
+    margin, (height, width) = layout.rows.margin, sample.exemplar.shape
+    flat = sample.windows.to_sample(sources[layout.visible].ravel())
+    y, x = np.divmod(flat.reshape(joints.zones.shape), width)
+    v, u = layout.rows.pasted(layout.reach)[1][:, None], layout.columns.pasted(layout.reach)[1]
+    placements = [
+        (layout.rows.edges[:-1][rows][:, None] - margin + v) % layout.canvas.height,
+        (layout.columns.edges[:-1][columns] - margin + u) % layout.canvas.width,
+        (y + v) % height,
+        (x + u) % width,
+        joints.zones,
+    ]
+    table = np.stack([np.broadcast_to(p, y.shape) for p in placements], axis=-1).reshape(-1, 5)
+    kind = 2 * layout.gap[layout.visible] + layout.rows.numbers[rows][:, None] % 2
     order = np.argsort(kind.ravel(), kind="stable")
-    order = order[laid[rows, columns].ravel()[order]]
-    placements = placements.reshape(-1, 5)[order].astype(np.int32)
+    order = order[hole.filling[layout.visible].ravel()[order]]
     cuts = joints.cuts
     if cuts.ndim == 3:
         cuts = np.ascontiguousarray(cuts.reshape(kind.size, -1)[order])
-    about: dict[str, Any] = {"seed": layout.seed}
+    facts: dict[str, Any] = {"seed": layout.seed}
     if any(layout.origin):
-        about["origin"] = list(layout.origin)
+        facts["origin"] = list(layout.origin)
     if any(layout.canvas.wrap):
-        about["strain"] = round(layout.lattice.strain, 6)
-    if layout.reach < margin:  # blocks of a small canvas that goes around
-        about["border_narrowed_to"] = 2 * layout.reach
-    told: dict[str, Any] = {
+        facts["strain"] = round(layout.lattice.strain, 6)
+    if layout.reach < margin:  # blocks of a small canvas that wraps
+        facts["border_narrowed_to"] = 2 * layout.reach
+    about: dict[str, Any] = {
         "sample_shape": sample.exemplar.shape,
         "exemplar": sample.exemplar,
         "known_from": layout.canvas.known_from,
-        "provenance": provenance | about,
+        "provenance": provenance | facts,
     }
-    plan = layout.canvas, np.ascontiguousarray(placements), joints.weights, cuts
-    lookup = sample.lookup
-    if lookup is None:
-        return PatchSynthesis(*plan, **told)
-    return RectifiedSynthesis(*plan, lookup=lookup, **told)
-
-
-def _shown_shape(layout: Layout) -> tuple[int, int]:
-    rows, columns = layout.rows.shown, layout.columns.shown
-    return rows.stop - rows.start, columns.stop - columns.start
+    pasted = layout.canvas, table[order].astype(np.int32), joints.weights, cuts
+    if sample.lookup is None:
+        return PatchSynthesis(*pasted, **about)
+    return RectifiedSynthesis(*pasted, lookup=sample.lookup, **about)

@@ -1,0 +1,227 @@
+"""The parameters of near-regular synthesis that are left open, chosen for a sample."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from weftex.analysis.canvas_lattice import (
+    ANYWHERE,
+    CanvasLattice,
+    check_lattice,
+    found_vectors,
+    four_numbers,
+    given_lattice,
+)
+from weftex.analysis.lattice import Lattice
+from weftex.canvas import Canvas
+from weftex.errors import InvalidInputError
+from weftex.search.windows import windows_of
+
+if TYPE_CHECKING:
+    from weftex.exemplar import Exemplar
+
+    Vectors = tuple[float, ...]
+
+_PAPERS_BLOCK = 40 / 128  # over the sample's shorter side (section 5.1)
+_SMALLEST_BLOCK = 0.15  # chosen here, over the same
+_WINDOWS = 6.0  # similar windows that a block should have to choose from
+_ROWS = 3  # rows to choose from, where nothing else repeats
+_TOLERANCE = 3  # px (section 4.2.2)
+_ALL_SIMILAR = 512  # candidates: all that a gap compares
+_FREE = 4.0  # pixels of a tile so small that any window is similar to any other
+_STRAIN = 0.02  # of a sample that tiles; past it windows do not cross its border
+_CELL = 1.5  # pixels; a tile is cut into such cells to see whether all of them have a window
+
+
+def resolve(method: Any, exemplar: Exemplar) -> Any:
+    """Return a NearRegular whose parameters fit the sample; only `blend_width` may be open.
+
+    Raises `InvalidInputError` if vectors or blocks do not fit, or a parameter has no effect.
+    """
+    paper = method.preset == "paper"
+    if method.lattice is not None:
+        check_lattice(method.lattice, exemplar)
+    vectors = _rows_first(method.lattice or _found(exemplar))
+    by_rows, unconstrained = is_rows(vectors), is_unconstrained(vectors)
+    x1, y1, x2, y2 = vectors
+    lengths = float(np.hypot(x1, y1)), np.inf if by_rows else float(np.hypot(x2, y2))
+    tolerance, rectify = method.tolerance, method.rectify
+    if tolerance is None:
+        # In a small tile, a few pixels away is another part of it.
+        side = lengths[0] if by_rows else _area(vectors) ** 0.5
+        at_most = _TOLERANCE if paper or vectors == ANYWHERE else int(side / 4)
+        tolerance = min(_TOLERANCE, at_most)
+    if rectify is None:
+        # Far less than the tile, or one feature would be taken for the next.
+        rectify = 0 if paper else min(_TOLERANCE, round(min(lengths) / 10))
+    size, border = _block(method, exemplar, vectors, by_rows)
+    if method.blend_width is not None and method.blend_width > border:
+        raise InvalidInputError(
+            f"blend_width is {method.blend_width}; it must be at most the border_width, "
+            f"which is {border}"
+        )
+    for name, default in (("match", "difference"), ("seam_cost", "gradient")):
+        if border == 0 and getattr(method, name) != default:
+            raise InvalidInputError(f"{name} has no effect without borders; border_width is 0")
+    around = vectors_around(vectors, exemplar)
+    unmoved = {
+        "without a lattice": unconstrained,
+        f"where {exemplar.name} has a mask or a hole": exemplar.mask is not None,
+        f"where {exemplar.name} tiles": around is not None,
+    }
+    for case in (case for case, holds in unmoved.items() if holds):
+        if method.rectify:
+            raise InvalidInputError(f"rectify is {rectify}; it has no effect {case}")
+        rectify = 0
+    return replace(
+        method,
+        lattice=around or vectors,
+        block_size=size,
+        border_width=border,
+        blend=blend_of(method),
+        tolerance=tolerance,
+        rectify=rectify,
+        candidates=method.candidates or (_ALL_SIMILAR if paper else 6),
+        variety=(0.0 if paper else 1.0) if method.variety is None else method.variety,
+    )
+
+
+def blend_of(method: Any) -> str:
+    """How a method joins blocks; the preset decides where `blend` is "auto"."""
+    if method.blend != "auto":
+        return str(method.blend)
+    return "feather" if method.preset == "paper" else "cut"
+
+
+def is_unconstrained(vectors: Vectors) -> bool:
+    """Whether the tile is so small that any window is similar to any other (section 5.2)."""
+    return _area(vectors) < _FREE
+
+
+def is_rows(vectors: Vectors) -> bool:
+    """Whether the sample repeats from row to row only, and along rows any window is similar."""
+    return not is_unconstrained(vectors) and len(given_lattice(vectors).vectors) == 1
+
+
+def vectors_around(vectors: Vectors, exemplar: Exemplar) -> Vectors | None:
+    """The vectors stretched to wrap around a sample that tiles; None if windows cannot wrap."""
+    if exemplar.tileable:
+        lattice = CanvasLattice(vectors, Canvas(*exemplar.shape, (True, True)))
+        if lattice.strain <= _STRAIN:
+            (y1, x1), (y2, x2) = lattice.canvas.tolist()
+            return x1, y1, x2, y2
+    return None
+
+
+def check_border(size: int, border: int) -> None:
+    """Refuse borders as wide as their block."""
+    if border >= size:
+        raise InvalidInputError(f"border_width is {border}; it must be less than the block, {size}")
+
+
+def _found(exemplar: Exemplar) -> Vectors:
+    """The sample's own vectors, or those of the unconstrained mode."""
+    vectors = found_vectors(exemplar)
+    if len(vectors) == 2:
+        return four_numbers(Lattice((vectors,)))
+    return vectors or ANYWHERE
+
+
+def _rows_first(vectors: Vectors) -> Vectors:
+    """The vectors, of rows the one that leads from row to row first."""
+    return four_numbers(given_lattice(vectors)) if is_rows(vectors) else vectors
+
+
+def _area(vectors: Vectors) -> float:
+    """Pixels of a tile."""
+    x1, y1, x2, y2 = vectors
+    return abs(x1 * y2 - x2 * y1)
+
+
+def _block(method: Any, exemplar: Exemplar, vectors: Vectors, by_rows: bool) -> tuple[int, int]:
+    """The side of blocks and the width of borders, checked."""
+    paper, shorter = method.preset == "paper", min(exemplar.shape)
+    size, border = method.block_size, method.border_width
+    if size is None and paper:
+        size = max(1, int(_PAPERS_BLOCK * shorter))
+    elif size is None:
+        size = _largest_block(vectors, exemplar, border, by_rows)
+    if border is None:
+        border = 10 if paper else _border(size)
+        border = min(border, (size - 1) // 2 * 2, max(0, shorter - size) // 2 * 2)
+    check_border(size, border)
+    if size + border > shorter:
+        raise InvalidInputError(
+            f"block_size is {size} and border_width {border}; {exemplar.name} is "
+            f"{exemplar.shape[1]}x{exemplar.shape[0]}, which has room for {shorter} together"
+        )
+    if not _has_room(exemplar, size + border):
+        raise InvalidInputError(
+            f"no block of {size} pixels with a border of {border} lies on usable pixels of "
+            f"{exemplar.name}; make them smaller"
+        )
+    return size, border
+
+
+def _border(size: int) -> int:
+    """The default width of the borders of a block."""
+    return size // 3 * 2
+
+
+def _largest_block(vectors: Vectors, exemplar: Exemplar, border: int | None, by_rows: bool) -> int:
+    """The side of the largest block, up to the paper's, that has a choice of windows."""
+    x1, y1, _, _ = vectors
+    shorter = min(exemplar.shape)
+    size, least = int(_PAPERS_BLOCK * shorter), max(1, round(_SMALLEST_BLOCK * shorter))
+
+    def window(size: int) -> int:
+        return size + (_border(size) if border is None else border)
+
+    def choice(size: int) -> tuple[int, int]:
+        """The number of windows, and of rows that they lie in."""
+        height, width = (max(0, n - window(size)) for n in exemplar.shape)
+        across = (height * abs(y1) + width * abs(x1)) / (x1 * x1 + y1 * y1)
+        return height * width, int(across) + 1
+
+    # Wide rows leave no block as many to choose from: then as many as the smallest block has.
+    rows = min(_ROWS, choice(least)[1]) if by_rows else 1
+    while size > least:
+        windows, in_rows = choice(size)
+        if windows >= _WINDOWS * _area(vectors) and in_rows >= rows:
+            break
+        size -= 1
+    if exemplar.mask is None:
+        while size > 1 and window(size) > shorter:
+            size -= 1
+        return max(size, 1)
+    # Usable pixels must hold a window for every part of the tile.
+    low, high = 0, max(size, 1)
+    while low < high:
+        size = (low + high + 1) // 2
+        if _has_room(exemplar, window(size), vectors):
+            low = size
+        else:
+            high = size - 1
+    return max(low, 1)
+
+
+def _has_room(exemplar: Exemplar, side: int, vectors: Vectors = ()) -> bool:
+    """Whether a window of this side lies on usable pixels; with vectors, at any part of a tile."""
+    if side > min(exemplar.shape):
+        return False
+    if exemplar.mask is None:
+        return True
+    try:
+        windows = windows_of(exemplar, (0, side - 1, 0, side - 1))
+    except InvalidInputError:
+        return False
+    if not vectors:
+        return True
+    lattice = CanvasLattice(vectors)
+    cells = [max(1, round(float(np.hypot(*v)) / _CELL)) for v in lattice.sample]
+    y, x = np.nonzero(windows.usable)
+    found = np.unique(lattice.cell(y, x, cells))
+    return len(found) == cells[0] * cells[1]
