@@ -32,10 +32,16 @@ from drawn import KINDS, Vectors, draw
 from numpy.typing import NDArray
 
 import weftex
-from weftex.analysis.candidates import better, courses_seen, in_turn, pairs_seen, rows_seen
+from weftex.analysis.autocorrelations import autocorrelations
+from weftex.analysis.candidates import (
+    better_pair,
+    course_candidate,
+    pair_candidates,
+    row_candidate,
+    with_alternation,
+)
 from weftex.analysis.evidence import JOINTS, PAIRS, ROWS, SUREST, Evidence
 from weftex.analysis.lattice import Lattice, lattice_in
-from weftex.analysis.views import views
 
 HERE = Path(__file__).resolve().parent
 TRUTH: dict[str, Vectors] = {
@@ -95,8 +101,8 @@ def look(kind: str, real: bool, fitted: bool, pixels: NDArray, truth: Vectors) -
     for crop, part in crops(pixels, 3 if real else 1):
         exemplar = weftex.Exemplar(part)
         start = process_time()
-        seen = views(exemplar)
-        found = lattice_in(seen)
+        fields = autocorrelations(exemplar)
+        found = lattice_in(fields)
         seconds = process_time() - start
         height, width = exemplar.shape
         shown = True
@@ -104,13 +110,13 @@ def look(kind: str, real: bool, fitted: bool, pixels: NDArray, truth: Vectors) -
             shown = height * width >= 6 * Lattice(truth).area
         elif truth:
             shown = min(height, width) >= 3 * float(np.hypot(*truth[0]))
-        pair, rows = better(seen, pairs_seen(seen)), rows_seen(seen)
-        pair = pair and in_turn(seen, pair)
-        one_of = (pair, rows, courses_seen(seen, rows))
+        pair, rows = better_pair(fields, pair_candidates(fields)), row_candidate(fields)
+        pair = pair and with_alternation(fields, pair)
+        one_of = (pair, rows, course_candidate(fields, rows))
         if pair is not None and pair.kind:  # has other figures, and nothing else is asked
             one_of = (None, None, None)
         figures = [
-            one and (one.figures, is_right(_plain(one, seen.flat.step), truth)) for one in one_of
+            one and (one.figures, is_right(_plain(one, fields.flat.step), truth)) for one in one_of
         ]
         made.append(Case(kind, real, fitted, crop, truth, found, shown, seconds, *figures))
     return made

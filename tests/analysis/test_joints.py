@@ -4,13 +4,18 @@ import numpy as np
 import pytest
 
 from weftex.analysis import candidates
+from weftex.analysis.autocorrelations import autocorrelations
 from weftex.analysis.bonds import Bonds
-from weftex.analysis.candidates import among_rows, bond_seen, courses_seen, within_rows
+from weftex.analysis.candidates import (
+    bond_candidate,
+    checked_by_rows,
+    course_candidate,
+    lattice_of_rows,
+)
 from weftex.analysis.evidence import SUREST, Evidence
 from weftex.analysis.joints import Joints, checked, contrast, find_courses
 from weftex.analysis.lattice import Lattice, find_lattice
 from weftex.analysis.relief import Relief, relief
-from weftex.analysis.views import views
 from weftex.exemplar import Exemplar
 
 
@@ -83,9 +88,9 @@ def test_confidence_of_joints_grows_with_each_figure():
 
 def test_a_pair_by_chance_is_rows(rng):
     """Two vectors that each lead some rows on, and stones of any width: nothing else tells them."""
-    rows = views(Exemplar(courses(rng, [34, 39, 36, 41, 35, 38])))
+    rows = autocorrelations(Exemplar(courses(rng, [34, 39, 36, 41, 35, 38])))
     chance = Evidence(np.array([[92.0, -37.0], [76.0, 74.0]]), 0.1, 5.0, 9)
-    assert among_rows(rows, chance).vectors.shape == (1, 2)
+    assert checked_by_rows(rows, chance).vectors.shape == (1, 2)
 
 
 def test_a_mesh_is_no_rows(rng):
@@ -94,12 +99,12 @@ def test_a_mesh_is_no_rows(rng):
     pixels[::32], pixels[:, ::24] = 220, 220
     pixels[1::32], pixels[:, 1::24] = 220, 220
     mesh = Evidence(np.array([[24.0, 0.0], [0.0, 32.0]]), 0.1, 5.0, 9)
-    seen = views(Exemplar(np.clip(np.rint(pixels), 0, 255).astype(np.uint8)))
-    assert among_rows(seen, mesh) is mesh
+    fields = autocorrelations(Exemplar(np.clip(np.rint(pixels), 0, 255).astype(np.uint8)))
+    assert checked_by_rows(fields, mesh) is mesh
 
 
 def test_rows_of_a_bond_are_told_by_the_joints_within_them(rng):
-    seen = views(Exemplar(courses(rng, [36] * 6)))
+    fields = autocorrelations(Exemplar(courses(rng, [36] * 6)))
     y, x = np.mgrid[-143:144, -191:192]
     piece = np.cos(2 * np.pi * x / 48 + np.pi * y / 18)
     bonds = Bonds(piece * (np.cos(np.pi * y / 18) > 0.9), np.array([0.0, 18.0]))
@@ -107,7 +112,7 @@ def test_rows_of_a_bond_are_told_by_the_joints_within_them(rng):
     assert Lattice(tuple(map(tuple, vectors))).same_as(Lattice(((48, 0), (24, 18))), 0.03)
     assert sure > 3 > 1.5 > bonds.of(np.array([[30.0, 0.0], [8.0, 18.0]]))
     assert bonds.of(np.array([[48.0, 5.0], [3.0, 40.0]])) is None
-    assert bond_seen(seen, courses_seen(seen, None)).clear < 3
+    assert bond_candidate(fields, course_candidate(fields, None)).clear < 3
 
 
 def test_checks_of_which_two_are_seen_are_as_sure_as_others(rng):
@@ -138,9 +143,9 @@ def test_stripes_of_any_width_are_no_checks(rng):
 
 
 def test_a_copy_in_the_whitened_sample_alone_is_no_pair(rng):
-    seen = views(Exemplar(rng.integers(0, 256, (128, 128), np.uint8)))
+    fields = autocorrelations(Exemplar(rng.integers(0, 256, (128, 128), np.uint8)))
     copy, faint = (Evidence(np.array([[60.0, 0], [0, 50]]), c, 14.0, 6) for c in (-0.03, 0.01))
-    assert among_rows(seen, copy) is None and among_rows(seen, faint) is faint
+    assert checked_by_rows(fields, copy) is None and checked_by_rows(fields, faint) is faint
 
 
 @pytest.mark.parametrize(
@@ -150,13 +155,13 @@ def test_a_bond_is_sure_where_joints_across_rows_and_within_them_tell_it(
     rng, monkeypatch, across, within, sure
 ):
     """Neither alone is: rows without a bond have one or the other by chance."""
-    seen = views(Exemplar(courses(rng, [36] * 6)))
+    fields = autocorrelations(Exemplar(courses(rng, [36] * 6)))
     vectors = np.array([[50.0, 0.0], [25.0, 36.0]])
     crossing = Evidence(vectors, across, across, 3, "crossings")
     bond = Evidence(vectors, 0.0, within, 1, "bonds")
     monkeypatch.setattr(candidates, "_LEAST_CROSSINGS", 0.95)
-    monkeypatch.setattr(candidates, "crossings_seen", lambda *_: crossing)
-    monkeypatch.setattr(candidates, "bond_seen", lambda *_: bond)
+    monkeypatch.setattr(candidates, "crossing_candidate", lambda *_: crossing)
+    monkeypatch.setattr(candidates, "bond_candidate", lambda *_: bond)
     rows = Evidence(vectors[1:] * [0, 1], 0.3, 5.0, 4)
     assert bond.confidence < 0.92
-    assert len(within_rows(seen, rows).vectors) == sure
+    assert len(lattice_of_rows(fields, rows).vectors) == sure

@@ -27,7 +27,7 @@ def test_edges_are_added_up_line_by_line(angle, shape, rng):
         line = int(c * v + total.shape[1] / 2 - s * u)
         strip = int((s * v + along + c * u) * 4 / (2 * along))
         if joints.inner[y, x] and 0 <= line < total.shape[1] and 0 <= strip < 4:
-            across = np.array([-s, c])  # of the lines: steps along it are what they are seen by
+            across = np.array([-s, c])  # of the lines: steps along it are what they are fields by
             xx, xy, yy = joints.parts[:, y, x]
             edges[strip, line] += across @ np.array([[xx, xy], [xy, yy]]) @ across
             number[strip, line] += 1

@@ -1,10 +1,9 @@
-"""Cells that alternate: tiles of a lattice that differ in turn, as over and under in a weave.
+"""Alternation: tiles of a lattice that differ in turn, as over and under in a weave.
 
 The correlation of a faint checkerboard is nearly as high from dark to light as from dark to dark,
-so peaks do not tell. Means do: over many tiles what is of one tile alone cancels, and what every
-second tile has in common stays. A difference that is there in one random half of the tiles is
-there in the other; in place of drawing halves, the variance of single tiles says what the mean
-over all ways to halve them is (analysis of variance).
+so its peaks do not show alternation. Means of every second tile do. A real difference between the
+means is the same in both random halves of the tiles; the variance of single tiles gives the mean
+over all ways to halve them (analysis of variance).
 """
 
 from __future__ import annotations
@@ -29,20 +28,7 @@ _ALIKE = 0.85  # correlation of the difference between halves, from which it is 
 
 
 def alternating(flat: Relief, vectors: Floats) -> Floats | None:
-    """Two or three times the tile whose kinds of tile differ most surely, as whole numbers.
-
-    Parameters
-    ----------
-    flat : Relief
-        The sample without slow lighting.
-    vectors : float64 array (2, 2)
-        Its lattice, as (x, y).
-
-    Returns
-    -------
-    float64 array (2, 2) or None
-        The larger tile is `whole @ vectors`; None where tiles are of one kind.
-    """
+    """Return `whole`, where `whole @ vectors` is the larger tile of alternating ones, or None."""
     tiles, cells, moves = _tiles(flat, vectors)
     if len(cells) < 2 * _LEAST:
         return None
@@ -67,35 +53,10 @@ def halves_agree(
     least: float = 0.0,
     lines: NDArray[np.int64] | None = None,
 ) -> float:
-    """How the differences of the kinds' means correlate between random halves of the tiles.
+    """Return how the differences of the kinds' means correlate between halves of the tiles (n, m).
 
-    Parameters
-    ----------
-    tiles : float64 array (n, m)
-        m values of each tile.
-    kinds : int64 array (n,)
-        From 0 to `number - 1`.
-    number : int
-        2 or more.
-    least : float
-        The least that chance makes the means differ by, as a sum of squares.
-    lines : int64 array (n,), optional
-        Which line of the lattice a tile is on; all of a line are of one kind. Threads and courses
-        have tones of their own, so tiles of a line may be alike, and lines are what chance draws.
-
-    Returns
-    -------
-    float
-        The mean over all halves: S / (S + 2 N), where S is what the means differ by beyond
-        chance, and N what chance makes them differ by. 0 where a kind has too few tiles.
-
-    Examples
-    --------
-    >>> rng = np.random.default_rng(0)
-    >>> tiles, kinds = rng.normal(size=(40, 900)), np.arange(40) % 2
-    >>> turns = tiles + 3 * kinds[:, None]
-    >>> round(halves_agree(tiles, kinds, 2), 1), round(halves_agree(turns, kinds, 2), 1)
-    (0.0, 1.0)
+    S / (S + 2 N): S is the difference of the means beyond chance, N chance. `least` is the least
+    chance; tiles of one of the `lines` are of one kind. 0 where a kind has too few tiles.
     """
     counts = np.bincount(kinds, minlength=number)
     if counts.min() < _LEAST:
@@ -118,7 +79,7 @@ def halves_agree(
 def _of_lines(
     tiles: Floats, kinds: NDArray[np.int64], means: Floats, lines: NDArray[np.int64]
 ) -> float:
-    """The variance of single tiles, as the means of lines of one kind differ."""
+    """Return the variance of single tiles by the differences of lines of one kind."""
     order = np.argsort(lines, kind="stable")
     _, starts, counts = np.unique(lines[order], return_index=True, return_counts=True)
     freedom = len(counts) - len(means)
@@ -130,9 +91,9 @@ def _of_lines(
 
 
 def _turns(cells: NDArray[np.int64], index: int) -> list[tuple[Floats, NDArray[np.int64]]]:
-    """Every sublattice of an index that is prime, and on which line each cell is.
+    """Return every sublattice of a prime index, and the line of each cell.
 
-    Which coset it is in is the line's number modulo the index.
+    The line's number modulo the index is the coset of the cell.
     """
     turns = [(np.array([[1.0, 0.0], [0.0, index]]), cells[:, 1])]
     for slant in range(index):
@@ -142,9 +103,9 @@ def _turns(cells: NDArray[np.int64], index: int) -> list[tuple[Floats, NDArray[n
 
 
 def _tiles(flat: Relief, vectors: Floats) -> tuple[Floats, NDArray[np.int64], Floats]:
-    """Tiles that are wholly within the sample (n, m), times of both vectors (n, 2), slopes (4, m).
+    """Return whole tiles (n, m), their multiples (n, 2), and slopes (4, m).
 
-    Slopes are how the mean tile changes if it is moved a little or blurred, along x and y.
+    Slopes are the changes of the mean tile when it is shifted or blurred along x and y.
     """
     height, width = flat.usable.shape
     lengths = np.hypot(*vectors.T)
@@ -186,7 +147,7 @@ def _tiles(flat: Relief, vectors: Floats) -> tuple[Floats, NDArray[np.int64], Fl
 
 
 def _softened(levels: Floats) -> Floats:
-    """The levels by the binomial filter of five pixels: edges are steps in no place alone."""
+    """Return the levels blurred by the binomial filter of five pixels."""
     framed = np.pad(levels, [(0, 0), (2, 2), (2, 2)], mode="edge")
     tall = framed[:, :-4] + framed[:, 4:] + 4 * (framed[:, 1:-3] + framed[:, 3:-1])
     tall += 6 * framed[:, 2:-2]

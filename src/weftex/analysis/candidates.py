@@ -1,8 +1,8 @@
-"""What may be the lattice of a sample or its rows, and what speaks for each.
+"""Candidates for the lattice of a sample or its rows, and the evidence for each.
 
 Pairs of vectors come from the correlation, as it is and whitened; rows from its ridges or from
-joints; and where rows are known, a second family of joints or the joints within the rows say what
-repeats along them.
+joints. Where rows are known, a second family of joints or the joints within the rows give the
+vector along them.
 """
 
 from __future__ import annotations
@@ -26,24 +26,24 @@ if TYPE_CHECKING:
 
     from numpy.typing import NDArray
 
-    from weftex.analysis.views import Views
+    from weftex.analysis.autocorrelations import Autocorrelations
 
     Floats = NDArray[np.float64]
 
-LEAST = 0.5  # confidence of what is reported
-CLEAR = 0.945  # the same, of a pair that nothing else is asked of
-_LEAST_CROSSINGS = 0.6  # the same of what crosses rows, which are surer
-_LEAST_STRIPES = 0.94  # the same of stripes along both vectors: setts in courses had up to 0.91
-_LEAST_BOND = 0.92  # the same of the bond of rows: of 150 rows without one the surest had 0.91
-_NOTHING = -0.02  # contrast, less its error, that says of a pair that it is not seen
-_BETTER = 1.5  # times as surely as a pair, that another bond of its rows must be told
-_OF_ROWS = 3.4  # how surely joints within rows must tell a pair
-_SECOND = 0.2  # confidence of joints along a second family of lines, that keeps it
+LEAST = 0.5  # confidence of a lattice that is reported
+CLEAR = 0.945  # confidence of a pair that needs no further check
+_LEAST_CROSSINGS = 0.6  # confidence of joints that cross rows
+_LEAST_STRIPES = 0.94  # confidence of stripes along both vectors; setts had up to 0.91
+_LEAST_BOND = 0.92  # confidence of the bond of rows; 150 rows without one had up to 0.91
+_NOTHING = -0.02  # contrast, less its error, of a pair that is absent from the sample
+_BETTER = 1.5  # times the evidence of a pair, that another bond of its rows must have
+_OF_ROWS = 3.4  # evidence of joints within rows that a pair must have
+_SECOND = 0.2  # confidence of joints along a second family of lines that keeps a pair
 _FAINT = 0.1  # contrast of rows below which joints must be regular
-_REGULAR = 0.35  # of what lines of different strips have in common: that rows have at multiples
-_ASLANT = 0.9  # cosine below which lines are of another family than rows
+_REGULAR = 0.35  # of the correlation of strips: the part that regular rows have at multiples
+_ASLANT = 0.9  # cosine below which lines are another family than the rows
 _ERRORS = 4.0  # standard errors by which a larger tile's multiples stand out
-_TWICE = 0.06  # of the distance, that rows may be off twice that of joints
+_TWICE = 0.06  # of the distance: the tolerance of rows at twice the distance of joints
 #: Of crossings of two families of joints: all, or of each row every second, third or fourth,
 #: shifted from row to row; either family may be the rows.
 _SHIFTED = [(1, 0), (2, 1), (3, 1), (3, 2), (4, 1), (4, 3)]
@@ -51,28 +51,27 @@ _CROSSINGS = [np.array([[k, 0], [shift, 1]]) for k, shift in _SHIFTED]
 _CROSSINGS += [whole[::-1, ::-1] for whole in _CROSSINGS[2:]]
 
 
-def pairs_seen(seen: Views, goodness: str = "contrast") -> list[Evidence]:
-    """The best pair of vectors of the correlation, that of the whitened one, and their evidence.
+def pair_candidates(fields: Autocorrelations, goodness: str = "contrast") -> list[Evidence]:
+    """Return the best pair of vectors of the correlation, and of the whitened one.
 
-    Stones behind a mesh hide it in the first, and what has no edges is lost in the second.
+    Stones behind a mesh hide it in the first; structure without edges is lost in the second.
     """
     found: list[Evidence] = []
-    for field in (seen.field, seen.white) if goodness == "contrast" else (seen.field,):
+    for field in (fields.field, fields.white) if goodness == "contrast" else (fields.field,):
         both = best_pair(field, goodness)
         if both is None:
             continue
-        one = evidence_of(seen, both[1])
-        if goodness == "contrast" and field is seen.field:
-            one = _of_checks(seen, both[0], one)
+        one = evidence_of(fields, both[1])
+        if goodness == "contrast" and field is fields.field:
+            one = _of_checks(fields, both[0], one)
         found.append(one)
     return found
 
 
-def _of_checks(seen: Views, highest: Floats, settled: Evidence) -> Evidence:
-    """The highest pair, where stripes along both vectors tell it, or what it was made into.
+def _of_checks(fields: Autocorrelations, highest: Floats, settled: Evidence) -> Evidence:
+    """Return the highest pair where stripes along both vectors confirm it, else `settled`.
 
-    A check has few multiples in a sample, no joints, and nothing that whitening leaves but its
-    threads, of which it seems to be made.
+    A check has few multiples and no joints, and whitening leaves only its threads.
     """
     times = made_of(highest, settled.vectors)
     if times is None:
@@ -80,7 +79,7 @@ def _of_checks(seen: Views, highest: Floats, settled: Evidence) -> Evidence:
     smaller = abs(np.linalg.det(times)) > 1.5
     if settled.confidence >= CLEAR and not smaller:
         return settled
-    told = checked(seen.flat, highest)
+    told = checked(fields.flat, highest)
     if told is None:
         return settled
     found = Evidence(highest, told.contrast, told.alike, told.number, "stripes")
@@ -88,12 +87,11 @@ def _of_checks(seen: Views, highest: Floats, settled: Evidence) -> Evidence:
     return found if found.confidence >= least else settled
 
 
-def better(seen: Views, pairs: Sequence[Evidence]) -> Evidence | None:
-    """Of the two pairs the second, if it is clearer or the first is made of its tiles.
+def better_pair(fields: Autocorrelations, pairs: Sequence[Evidence]) -> Evidence | None:
+    """Return the second pair if it is clearer or the first consists of its tiles, else the first.
 
-    It must have half of the first one's contrast too: the threads of a checked cloth are clear, and
-    have far less than its checks. Of larger tiles chance makes one better than the right one, but
-    not so that its multiples stand out of the others in the whitened sample.
+    It must have half of the first one's contrast, as the threads of a checked cloth are clear too.
+    Chance makes some larger tile better than the right one, but its multiples do not stand out.
     """
     if len(pairs) < 2:
         return pairs[0] if pairs else None
@@ -106,51 +104,51 @@ def better(seen: Views, pairs: Sequence[Evidence]) -> Evidence | None:
         return first
     times = made_of(first.vectors, second.vectors)
     if times is not None:
-        reach = reach_of(seen.white, second.vectors, MOST_MULTIPLES)
-        errors = stand_out(seen.white, second.vectors, times, reach)[1]
+        reach = reach_of(fields.white, second.vectors, MOST_MULTIPLES)
+        errors = stand_out(fields.white, second.vectors, times, reach)[1]
         return first if errors > _ERRORS else second
     return second if second.clear > first.clear else first
 
 
-def in_turn(seen: Views, one: Evidence) -> Evidence:
-    """The larger tile, where cells alternate; as sure as the smaller one is."""
-    whole = alternating(seen.flat, one.vectors)
+def with_alternation(fields: Autocorrelations, one: Evidence) -> Evidence:
+    """Return the larger tile where cells alternate, with the confidence of the smaller one."""
+    whole = alternating(fields.flat, one.vectors)
     if whole is None:
         return one
-    return replace(one, vectors=fitted(seen.field, reduced(whole @ one.vectors)))
+    return replace(one, vectors=fitted(fields.field, reduced(whole @ one.vectors)))
 
 
-def evidence_of(seen: Views, vectors: Floats) -> Evidence:
-    """What speaks for two vectors."""
-    reach = reach_of(seen.field, vectors, MOST_MULTIPLES)
+def evidence_of(fields: Autocorrelations, vectors: Floats) -> Evidence:
+    """Return the evidence for two vectors."""
+    reach = reach_of(fields.field, vectors, MOST_MULTIPLES)
     return Evidence(
         vectors,
-        contrast_of(seen.field, vectors, reach),
-        contrast_of(seen.white, vectors, reach) / max(seen.chance, 1e-12),
-        int(rate(seen.field, vectors[None], reach, "contrast").count[0]),
+        contrast_of(fields.field, vectors, reach),
+        contrast_of(fields.white, vectors, reach) / max(fields.chance, 1e-12),
+        int(rate(fields.field, vectors[None], reach, "contrast").count[0]),
     )
 
 
-def rows_seen(seen: Views) -> Evidence | None:
-    """The best rows, and what speaks for them; none where lines run on and come at any distance."""
-    rows = find_rows(seen.flat)
+def row_candidate(fields: Autocorrelations) -> Evidence | None:
+    """Return the best rows and their evidence; None for lines at irregular distances."""
+    rows = find_rows(fields.flat)
     if rows is None:
         return None
     # Joints at both sides of what repeats are two to a row.
-    joints = (rated(seen.flat, rows[0] / parts) for parts in (1, 2))
+    joints = (rated(fields.flat, rows[0] / parts) for parts in (1, 2))
     if rows[1] < _FAINT and all(one.contrast < _REGULAR * one.alike for one in joints):
         return None
-    clear, number = ridges(seen.white.correlation, rows[0])
-    return Evidence(rows[0][None], rows[1], clear / max(seen.chance, 1e-12), number)
+    clear, number = ridges(fields.white.correlation, rows[0])
+    return Evidence(rows[0][None], rows[1], clear / max(fields.chance, 1e-12), number)
 
 
-def courses_seen(seen: Views, rows: Evidence | None) -> Evidence | None:
-    """The rows that joints tell best, whatever lies between them, and what speaks for them.
+def course_candidate(fields: Autocorrelations, rows: Evidence | None) -> Evidence | None:
+    """Return the rows with the best evidence of joints.
 
-    Joints at both sides of what repeats are two to a row: where the levels' rows are twice as far
-    apart in the same direction, they are taken.
+    A row with a joint at both sides has two: where the rows of levels are twice as far apart in the
+    same direction, they are returned.
     """
-    found = find_courses(seen.flat)
+    found = find_courses(fields.flat)
     if found is None:
         return None
     vector = found.vector
@@ -158,39 +156,37 @@ def courses_seen(seen: Views, rows: Evidence | None) -> Evidence | None:
         own = rows.vectors[0] * (1 if rows.vectors[0] @ vector > 0 else -1)
         if np.hypot(*(own - 2 * vector)) < _TWICE * np.hypot(*own):
             vector = own
-    return _told(replace(found, vector=vector))
+    return _by_joints(replace(found, vector=vector))
 
 
-def bond_seen(seen: Views, rows: Evidence) -> Evidence | None:
-    """The bond that joints within rows tell best, and what speaks for it."""
-    found = Bonds(seen.white.correlation, rows.vectors[0]).best(seen.chance)
+def bond_candidate(fields: Autocorrelations, rows: Evidence) -> Evidence | None:
+    """Return the bond with the best evidence of joints within the rows."""
+    found = Bonds(fields.white.correlation, rows.vectors[0]).best(fields.chance)
     if found is None:
         return None
-    return Evidence(fitted(seen.white, reduced(found[0])), 0.0, found[1], 1, "bonds")
+    return Evidence(fitted(fields.white, reduced(found[0])), 0.0, found[1], 1, "bonds")
 
 
-def among_rows(seen: Views, pair: Evidence) -> Evidence | None:
-    """A pair itself; what joints of its rows tell better; the rows alone; or nothing.
+def checked_by_rows(fields: Autocorrelations, pair: Evidence) -> Evidence | None:
+    """Return the pair, a better one by the joints of its rows, its rows alone, or None.
 
-    What only the whitened sample has is thin lines before something else, as a mesh, or a part of
-    the sample that is a copy of another: without joints it is no pair. Rows make peaks along one
-    line, and chance makes another: a pair that has joints along one family of its lines is rows, if
-    neither joints within them tell it nor joints along another family.
+    A pair without contrast and joints is None: copied parts make one in the whitened sample. A pair
+    with joints along one family of lines only is rows, as chance makes the second vector.
     """
-    rows = courses_seen(seen, None)
+    rows = course_candidate(fields, None)
     if rows is None or rows.confidence < LEAST:
         return pair if pair.contrast > _NOTHING else None
-    found = crossings_seen(seen, rows)
+    found = crossing_candidate(fields, rows)
     if found is not None and found.confidence >= _LEAST_CROSSINGS:
         times = made_of(pair.vectors, found.vectors)
         if times is not None and abs(np.linalg.det(times)) < 1.5:  # they are one lattice
             return pair
-        return found if _clear(seen, found.vectors) > _clear(seen, pair.vectors) else pair
+        return found if _clear(fields, found.vectors) > _clear(fields, pair.vectors) else pair
     down = rows.vectors[0]
-    sure = Bonds(seen.white.correlation, down).of(pair.vectors)
+    sure = Bonds(fields.white.correlation, down).of(pair.vectors)
     if sure is None:
         return pair
-    bond = bond_seen(seen, rows)
+    bond = bond_candidate(fields, rows)
     if bond is not None and bond.confidence >= _LEAST_BOND and bond.clear > _BETTER * sure:
         return bond
     if sure >= _OF_ROWS:
@@ -200,49 +196,52 @@ def among_rows(seen: Views, pair: Evidence) -> Evidence | None:
     for side in (first, second, first + second, first - second):
         across = np.array([-side[1], side[0]]) * area / (side @ side)
         aslant = abs(across @ down) < _ASLANT * np.hypot(*across) * np.hypot(*down)
-        if aslant and _told(rated(seen.flat, across)).confidence >= _SECOND:
+        if aslant and _by_joints(rated(fields.flat, across)).confidence >= _SECOND:
             return pair
     return rows
 
 
-def within_rows(seen: Views, rows: Evidence) -> Evidence:
-    """The lattice that joints across rows tell, or those within them; or the rows alone.
+def lattice_of_rows(fields: Autocorrelations, rows: Evidence) -> Evidence:
+    """Return the lattice by joints across or within the rows, or the rows alone.
 
-    Rows without a bond have neither, so where each is too faint both together may be sure.
+    Rows without a bond have neither, so two faint kinds of evidence together may be sure.
     """
-    found = [one for one in (crossings_seen(seen, rows), bond_seen(seen, rows)) if one is not None]
+    found = [
+        one
+        for one in (crossing_candidate(fields, rows), bond_candidate(fields, rows))
+        if one is not None
+    ]
     least = {"crossings": _LEAST_CROSSINGS, "bonds": _LEAST_BOND, "both": _LEAST_BOND}
     if len(found) == 2:
         across, within = found
         told = replace(within, contrast=across.figures[1], kind="both")
         found += [replace(told, vectors=one.vectors) for one in found]
     sure = [one for one in found if one.confidence >= least[one.kind]]
-    return max(sure, key=lambda one: (_clear(seen, one.vectors), one.confidence), default=rows)
+    return max(sure, key=lambda one: (_clear(fields, one.vectors), one.confidence), default=rows)
 
 
-def crossings_seen(seen: Views, rows: Evidence) -> Evidence | None:
-    """The lattice of rows and of the joints that cross them best, and what speaks for it.
+def crossing_candidate(fields: Autocorrelations, rows: Evidence) -> Evidence | None:
+    """Return the lattice of the rows and of the joints that cross them best.
 
-    Two families of lines cross in a lattice. Tiles and meshes have a joint at each crossing, bricks
-    only at every second, third or fourth, shifted from row to row: of these lattices that is taken
-    whose multiples stand out most of the whitened sample.
+    Tiles and meshes have a joint at each crossing, bricks at every second, third or fourth, shifted
+    from row to row: of these, the lattice with the clearest multiples in the whitened sample.
     """
-    second = find_courses(seen.flat, across=rows.vectors[0])
+    second = find_courses(fields.flat, across=rows.vectors[0])
     if second is None:
         return None
     lines = np.stack([one / (one @ one) for one in (rows.vectors[0], second.vector)])
     crossings = np.linalg.inv(lines).T
-    found = max((whole @ crossings for whole in _CROSSINGS), key=partial(_clear, seen))
-    near = (found, *(fitted(field, reduced(found)) for field in (seen.field, seen.white)))
-    vectors = max(near, key=partial(_clear, seen))
-    return replace(_told(second), vectors=reduced(vectors), kind="crossings")
+    found = max((whole @ crossings for whole in _CROSSINGS), key=partial(_clear, fields))
+    near = (found, *(fitted(field, reduced(found)) for field in (fields.field, fields.white)))
+    vectors = max(near, key=partial(_clear, fields))
+    return replace(_by_joints(second), vectors=reduced(vectors), kind="crossings")
 
 
-def _clear(seen: Views, vectors: Floats) -> float:
-    """How far multiples stand out of the whitened sample."""
+def _clear(fields: Autocorrelations, vectors: Floats) -> float:
+    """Return the contrast of multiples in the whitened correlation."""
     vectors = reduced(vectors)
-    return contrast_of(seen.white, vectors, reach_of(seen.white, vectors, MOST_MULTIPLES))
+    return contrast_of(fields.white, vectors, reach_of(fields.white, vectors, MOST_MULTIPLES))
 
 
-def _told(rows: Courses) -> Evidence:
+def _by_joints(rows: Courses) -> Evidence:
     return Evidence(rows.vector[None], rows.contrast, rows.alike, rows.number, "joints")

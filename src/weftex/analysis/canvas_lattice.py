@@ -1,4 +1,4 @@
-"""A lattice on a sample and on a canvas: where similar places are (section 4.2 of the paper)."""
+"""A lattice on a sample and on a canvas: where similar positions are (section 4.2)."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ ANYWHERE = (1.0, 0.0, 0.0, 1.0)
 
 
 class Around(NamedTuple):
-    """A plane that comes back to itself after so many pixels; larger than any canvas, maybe."""
+    """A plane that wraps around after `height` and `width` pixels."""
 
     height: int
     width: int
@@ -41,39 +41,15 @@ class Around(NamedTuple):
 
     @property
     def wrap(self) -> tuple[bool, bool]:
-        """Both axes do."""
+        """Both axes wrap around."""
         return True, True
 
 
 class CanvasLattice:
-    """Two translation vectors, and how they lie on a canvas.
+    """The vectors x1, y1, x2, y2 of a sample, stretched to fit whole tiles on a canvas that wraps.
 
-    A canvas that goes around must hold whole tiles, so there the lattice is stretched a little.
-
-    Parameters
-    ----------
-    vectors : (float, float, float, float)
-        x1, y1, x2, y2 of the sample's translation vectors.
-    canvas : Canvas or Around, optional
-        What wraps; nothing by default.
-    limit : float
-        The largest strain that is taken.
-
-    Attributes
-    ----------
-    strain : float
-        How much the canvas's vectors are longer, shorter or turned against the sample's.
-
-    Raises
-    ------
-    InvalidInputError
-        If the canvas goes around and the strain is larger; the nearest good size is named.
-
-    Examples
-    --------
-    >>> from weftex.canvas import Canvas
-    >>> round(CanvasLattice((50, 0, 25, 20), Canvas(120, 205, (True, True))).strain, 3)
-    0.025
+    `strain` is how much the canvas's vectors are longer, shorter or rotated. More than `limit`
+    raises `InvalidInputError`, which names the nearest good size.
     """
 
     def __init__(
@@ -99,12 +75,12 @@ class CanvasLattice:
         self.inverse = np.array([[d, -b], [-c, a]]) / det
 
     def multiples(self, y: Any, x: Any) -> tuple[Any, Any]:
-        """Which multiples of the canvas's vectors lead to places, with fractions."""
+        """Return the multiples of the canvas's vectors that lead to places, with fractions."""
         (a, b), (c, d) = self.inverse
         return y * a + x * c, y * b + x * d
 
     def cell(self, y: Any, x: Any, counts: list[int]) -> NDArray[np.int64]:
-        """Which cell of the tile pixels lie in, if its sides are cut into so many parts."""
+        """Return the cell of the tile that pixels lie in, for sides cut into `counts` parts."""
         number = []
         for along, count in zip(self.multiples(y, x), counts, strict=True):
             # A little on, so that multiples of whole vectors do not fall between two cells.
@@ -114,30 +90,16 @@ class CanvasLattice:
         return result
 
     def phase(self, y: NDArray[np.integer], x: NDArray[np.integer]) -> NDArray[np.int64]:
-        """Where in the sample's first tile places of the canvas lie (eq. 3.29).
-
-        Parameters
-        ----------
-        y, x : int arrays
-            Pixels of the canvas, broadcast against each other.
-
-        Returns
-        -------
-        int64 array (..., 2)
-            In 1/65536 pixel of the sample's plane.
-        """
+        """Return the positions in the sample's first tile (eq. 3.29), (..., 2) in 1/65536 pixel."""
         parts = [along - np.floor(along) for along in self.multiples(y, x)]
         place = [parts[0] * self.sample[0, k] + parts[1] * self.sample[1, k] for k in (0, 1)]
         result: NDArray[np.int64] = np.rint(np.stack(place, axis=-1) * _UNIT).astype(np.int64)
         return result
 
     def steps(self, height: int, width: int) -> NDArray[np.int64]:
-        """All sums of multiples of the vectors that lead from the first tile into a box at (0, 0).
+        """Return all multiples (n, 2) that lead from the first tile into a box at (0, 0).
 
-        Returns
-        -------
-        int64 array (n, 2)
-            In 1/65536 pixel, from the smallest multiples of the first vector on.
+        In 1/65536 pixel, from the smallest multiples of the first vector on.
         """
         inverse = np.linalg.inv(self.sample)
         corners = np.array([[0, 0], [0, width], [height, 0], [height, width]]) @ inverse
@@ -170,29 +132,14 @@ def check_lattice(vectors: tuple[float, ...], exemplar: Exemplar) -> None:
 
 
 def is_sure(lattice: Lattice | None, pixels: int) -> bool:
-    """Whether blocks of a sample may be laid by its lattice.
-
-    Parameters
-    ----------
-    lattice : Lattice or None
-        As `find_lattice` found it.
-    pixels : int
-        Of the sample that may be used.
-
-    Examples
-    --------
-    >>> is_sure(Lattice(((50, 0), (25, 20)), confidence=0.8), 100 * 100)
-    True
-    >>> is_sure(Lattice(((50, 0), (25, 20)), confidence=0.8), 40 * 90)
-    False
-    """
+    """Return whether a lattice is sure enough to place blocks by it."""
     if lattice is None or len(lattice.vectors) == 1 or lattice.confidence < _SURE:
         return False
     return pixels >= _TILES * lattice.area
 
 
 def four_numbers(lattice: Lattice) -> tuple[float, float, float, float]:
-    """A lattice as x1, y1, x2, y2, as methods take it; along rows any pixel is as good as the next.
+    """Return a lattice as x1, y1, x2, y2; along rows the second vector is one pixel.
 
     >>> four_numbers(Lattice(((0, 47),)))
     (0.0, 47.0, 1.0, 0.0)
@@ -210,7 +157,7 @@ def four_numbers(lattice: Lattice) -> tuple[float, float, float, float]:
 
 
 def given_lattice(vectors: tuple[float, ...]) -> Lattice:
-    """The lattice of x1, y1, x2, y2: rows, if one of the vectors leads no farther than a pixel.
+    """Return the lattice of x1, y1, x2, y2: rows, if one of the vectors is a pixel long.
 
     >>> given_lattice((0, 47, 1, 0)).vectors
     ((0.0, 47.0),)
@@ -223,7 +170,7 @@ def given_lattice(vectors: tuple[float, ...]) -> Lattice:
 
 
 def found_vectors(exemplar: Exemplar) -> tuple[float, ...]:
-    """The lattice of a sample as x1, y1, x2, y2; x1, y1 where it repeats one way only; or ()."""
+    """Return the lattice of a sample as x1, y1, x2, y2; x1, y1 for rows; () without one."""
     if min(exemplar.shape) < _SMALLEST_SAMPLE:
         return ()
     lattice = find_lattice(exemplar)
@@ -235,7 +182,7 @@ def found_vectors(exemplar: Exemplar) -> tuple[float, ...]:
 def _stretched(
     vectors: NDArray[np.float64], shape: tuple[int, ...], wrap: tuple[bool, ...]
 ) -> tuple[NDArray[np.float64], float]:
-    """The vectors changed as little as goes, so that sums of them go around the canvas."""
+    """Return the vectors, changed as little as possible to wrap around the canvas; the strain."""
     inverse = np.linalg.inv(vectors)
     around = np.diag(np.asarray(shape, float))[np.asarray(wrap)]
     times = around @ inverse
@@ -259,7 +206,7 @@ def _stretched(
 
 
 def _good_size(vectors: NDArray[np.float64], canvas: Canvas | Around, limit: float) -> str:
-    """Say which size close to the canvas's own would do."""
+    """Return a sentence that names a good size close to the canvas's own."""
     reach = [range(-_SIZES_TRIED, _SIZES_TRIED + 1) if wraps else range(1) for wraps in canvas.wrap]
     steps = sorted((abs(dy) + abs(dx), dy, dx) for dy in reach[0] for dx in reach[1])
     for _, dy, dx in steps:

@@ -37,35 +37,6 @@ def correlate(
 
     Eqs. 3.2 and 3.10 of the paper: each channel's correlation coefficient counts as much as it
     varies in both overlaps, so a constant channel does not count at all.
-
-    Parameters
-    ----------
-    first, second : array (H, W) or (H, W, K)
-        f and g of the paper, of any real dtype and any sizes, with equal channels; without
-        `second`, `first` is correlated with itself.
-    first_mask, second_mask : bool array (H, W), optional
-        True where a pixel counts. Without `second`, the first mask holds for both.
-    reach : (int, int), optional
-        Shift by at most so many rows and columns.
-
-    Returns
-    -------
-    float64 array (H + h - 1, W + w - 1), or what of it is within reach
-        From -1 to 1. At [y + h - 1, x + w - 1] the second picture, of h x w pixels, is shifted by
-        (x, y) against the first; no shift of a picture with itself is in the middle. 0 where
-        less than two pixels overlap, or one of the overlaps is constant.
-
-    Raises
-    ------
-    InvalidInputError
-        If channels differ, a picture is empty or not finite, or a mask has another size.
-
-    Examples
-    --------
-    >>> import numpy as np
-    >>> wave = np.array([[0, 1, 0, -1, 0, 1, 0, -1]])
-    >>> correlate(wave)[0, 5:10:2].round(2).tolist()
-    [-1.0, 1.0, -1.0]
     """
     f, f_mask = _checked(first, first_mask, "first")
     if second is None:
@@ -102,17 +73,7 @@ def correlate(
 
 
 def correlation_and_power(levels: Floats) -> tuple[Floats, Floats]:
-    """Correlate a picture without a mask with itself at every shift.
-
-    Parameters
-    ----------
-    levels : float64 array (K, H, W)
-
-    Returns
-    -------
-    (float64 array (2 * H - 1, 2 * W - 1), float64 array)
-        As `correlate` has it, of levels around 0; and their `power_of`.
-    """
+    """Correlate a picture without a mask with itself at every shift."""
     around = levels - levels.mean(axis=(1, 2), keepdims=True)
     power = power_of(around, _wrapped(levels.shape[1:], None))
     return _with_itself(around, power, None), power

@@ -25,23 +25,6 @@ def courses(lattice: Lattice) -> str:
     Which way courses lie cannot be seen in a lattice: they lie where that makes pieces clearly
     longer than high, and are rows there; where they stand, they are columns. The vectors of a
     running bond lead to the next row, half a piece aside, so their lengths are diagonals.
-
-    Parameters
-    ----------
-    lattice : Lattice
-        By any of its vectors.
-
-    Returns
-    -------
-    str
-        Lengths of the vectors, where none of their sums lies along an axis; of one vector, its
-        length.
-
-    Examples
-    --------
-    >>> from weftex.analysis.lattice import Lattice
-    >>> courses(Lattice(((64, 64), (64, -64)))), courses(Lattice(((31, 0), (1, 102))))
-    ('128 x 64 px, every other row shifted by half', '31 x 102 px')
     """
     shortest = lattice.reduced().vectors
     if len(shortest) == 1:

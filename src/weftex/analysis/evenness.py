@@ -1,8 +1,8 @@
 """Whether a sample looks the same everywhere: its light, how much it shows, its perspective.
 
-Synthesis takes a sample for a window of something endless that is alike all over. Three things in
-a photo say that it is not, and no method can mend them: light that falls off, one thing (or a few)
-instead of many, and things that get smaller with distance.
+Synthesis assumes that a sample is a window of an endless, uniform material. Three faults of a photo
+break that, and no method can repair them: uneven light, one object (or a few) instead of many, and
+perspective.
 """
 
 from __future__ import annotations
@@ -54,27 +54,7 @@ class Evenness:
 
 
 def evenness(exemplar: Exemplar) -> Evenness:
-    """Measure how far a sample is from looking the same everywhere.
-
-    Parameters
-    ----------
-    exemplar : Exemplar
-        The sample; a mask may leave out parts of it.
-
-    Returns
-    -------
-    Evenness
-        Rounded to hundredths, so that it is the same on every machine.
-
-    Examples
-    --------
-    >>> from weftex.exemplar import Exemplar
-    >>> noise = np.random.default_rng(0).integers(0, 50, (64, 64))
-    >>> falling = np.linspace(200, 60, 64)[:, None] + noise
-    >>> found = evenness(Exemplar(falling.astype(np.uint8)))
-    >>> found.light > 0.8, found.large_forms < 0.1
-    (True, True)
-    """
+    """Return how far a sample is from looking the same everywhere."""
     flat = relief(exemplar)
     levels = flat.levels.mean(axis=0)
     surface = _gray(exemplar, levels.shape, flat.step) * flat.usable - levels
@@ -93,7 +73,7 @@ def _share(part: float, whole: float) -> float:
 
 
 def _gray(exemplar: Exemplar, shape: tuple[int, ...], step: int) -> Floats:
-    """The mean channel of the box that the relief shows, at its resolution."""
+    """Return the mean channel of the box of the relief, at its resolution."""
     levels = exemplar.matching().mean(axis=2)
     if exemplar.mask is not None:
         levels = np.where(exemplar.mask, levels, 0)
@@ -108,7 +88,7 @@ def _gray(exemplar: Exemplar, shape: tuple[int, ...], step: int) -> Floats:
 
 
 def _cell_variance(levels: Floats, usable: Floats) -> float:
-    """Variance of the means over cells of an eighth of the sides."""
+    """Return the variance of the means over cells of an eighth of the sides."""
     if min(levels.shape) < 2 * _CELLS:
         return 0.0
     starts = [np.arange(_CELLS) * side // _CELLS for side in levels.shape]
@@ -117,16 +97,15 @@ def _cell_variance(levels: Floats, usable: Floats) -> float:
         for values in (levels, usable)
     ]
     size = levels.size / _CELLS**2
-    seen = sums[1] > size / 4
-    return float(((sums[0][seen] / sums[1][seen]) ** 2).mean()) if seen.any() else 0.0
+    filled = sums[1] > size / 4
+    return float(((sums[0][filled] / sums[1][filled]) ** 2).mean()) if filled.any() else 0.0
 
 
 def _growth(levels: Floats) -> float:
-    """How many times larger things are in the last third of the rows than in the first.
+    """Return how many times larger features are in the last third of the rows than in the first.
 
-    Things twice as large have the same spectrum an octave lower. So the spectra of the thirds are
-    compared over the logarithm of the frequency: where the first and the last one are alike when
-    shifted and unlike as they are, and the middle one lies between them, there is perspective.
+    Features twice as large have the same spectrum an octave lower, so the spectra of the thirds are
+    compared over the logarithm of the frequency. 1 where they do not agree on a shift.
     """
     third = len(levels) // 3
     if third < _SMALLEST_PART or levels.shape[1] < _SMALLEST_PART:
@@ -141,7 +120,7 @@ def _growth(levels: Floats) -> float:
 
 
 def _spectra(parts: list[Floats]) -> list[Floats]:
-    """Log power at each log frequency, without its general fall."""
+    """Return log power at each log frequency, less a quadratic trend."""
     side = max(256, *parts[0].shape)
     waves = np.hypot(np.fft.fftfreq(side)[:, None], np.fft.rfftfreq(side))
     count = int(_BINS * np.log2(_FINE / _COARSE))
@@ -161,7 +140,7 @@ def _spectra(parts: list[Floats]) -> list[Floats]:
 
 
 def _best_shift(one: Floats, other: Floats) -> tuple[int, float, float]:
-    """Bins that `one` is to be shifted down by to be most like `other`, and how like it is then."""
+    """Return the shift of `one` most like `other`, the correlation there, and without shift."""
     found = []
     for shift in range(-_REACH, _REACH + 1):
         a, b = one[max(0, shift) :], other[max(0, -shift) :]

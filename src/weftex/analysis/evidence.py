@@ -1,13 +1,10 @@
-"""What speaks for a lattice, and how often one is right that as much speaks for: its confidence.
+"""The evidence for a lattice, and its calibrated confidence.
 
-Two figures say it. The contrast is how far the correlation at multiples is above that between
-them; colors and light make some of it by chance. What is clear is the same of the whitened sample
-(see `weftex.analysis.whitening`), less what chance makes there and in units of it; chance falls
-with the root of the number of multiples. Rows of which joints alone tell (`weftex.analysis.joints`)
-have two of their own: the contrast of edges in different strips, and how far these are alike; the
-bond of rows (`weftex.analysis.bonds`) has one, how surely it is told. A logistic regression puts
-figures together. `python benchmarks/lattices.py --fit` prints weights; docs/lattice.md says what
-these were fitted on, and how often each confidence is right.
+`contrast` is how far the correlation at multiples is above that between them; `clear` is the same
+of the whitened sample, less chance and in units of it, which falls with the root of the number of
+multiples. Rows by joints (`weftex.analysis.joints`) have the contrast of edges in different strips
+and how alike these are; the bond of rows has one figure. A logistic regression combines them.
+`python benchmarks/lattices.py --fit` prints weights; docs/lattice.md has their reliability.
 """
 
 from __future__ import annotations
@@ -20,23 +17,23 @@ if TYPE_CHECKING:
     import numpy as np
     from numpy.typing import NDArray
 
-#: What 1, the contrast, and what is clear for the number of multiples weigh.
+#: Weights of 1, the contrast, and `clear` by the number of multiples.
 PAIRS = (-4.32, 6.32, 1.54)
-#: The same of rows, whose contrast says nothing more.
+#: The same of rows, whose contrast adds nothing.
 ROWS = (-5.46, 0.0, 3.01)
 
-#: What 1, and the geometric mean of the contrast and of how far strips are alike, weigh.
+#: Weights of 1, and of the geometric mean of the contrast and of how alike strips are.
 JOINTS = (-5.93, 13.96)
-#: The same of a second family of joints, that crosses rows.
+#: The same of a second family of joints that crosses rows.
 CROSSINGS = (-4.78, 15.82)
 #: The same of stripes along both vectors of a lattice.
 STRIPES = (-2.09, 12.34)
-#: What 1, and how surely joints within rows tell their bond, weigh.
+#: Weights of 1, and of the evidence of joints within rows.
 BONDS = (-9.02, 3.06)
-#: The same where joints that cross rows are asked, too, whose figure of `CROSSINGS` weighs most.
+#: The same with joints that cross rows, whose figure of `CROSSINGS` is added.
 BOTH = (-10.0, 3.06, 10.0)
 
-#: Of the surest: some tiles pass for lattices that are part of one, whatever is seen.
+#: Of the surest: some tiles pass for lattices that are part of one, whatever is fields.
 SUREST = 0.95
 
 _HALF = 0.05  # contrast that counts half as much as any contrast could
@@ -45,34 +42,21 @@ _MOST = 40.0  # exponents beyond this are no numbers
 
 @dataclass(frozen=True, eq=False)
 class Evidence:
-    """Vectors, and what speaks for them.
+    """The evidence for vectors (x, y) in pixels of the relief: two, or one from row to row.
 
-    Attributes
-    ----------
-    vectors : float64 array (2, 2) or (1, 2)
-        As (x, y), in pixels of the relief: of a lattice, or from one row to the next.
-    contrast : float
-        Of the correlation at multiples, less its standard error.
-    clear : float
-        Of the whitened sample, in units of chance.
-    number : int
-        Of multiples.
-    kind : str
-        "joints" of rows that joints tell: `clear` is how far edges of different strips are alike;
-        "crossings" of what crosses them, and "stripes" of levels along both vectors of a lattice;
-        "bonds" of the bond of rows: `clear` is how surely it is told; "both" of that and of what
-        crosses rows: `contrast` is what weighs there.
+    `kind` says what the figures measure: "" the correlations, "joints" of rows, "crossings" of
+    joints across rows, "stripes" along both vectors, "bonds" within rows, or "both" of these.
     """
 
     vectors: NDArray[np.float64]
-    contrast: float
-    clear: float
-    number: int
+    contrast: float  # at multiples, less its standard error
+    clear: float  # of the whitened sample, in units of chance; see `kind`
+    number: int  # of multiples
     kind: str = ""
 
     @property
     def figures(self) -> tuple[float, ...]:
-        """What is weighed; each grows more slowly the larger it is."""
+        """The figures that are weighted; each grows more slowly the larger it is."""
         contrast, clear = max(self.contrast, 0.0), max(self.clear, 0.0)
         if self.kind in ("joints", "crossings", "stripes"):
             return 1.0, math.sqrt(contrast * clear)
@@ -84,7 +68,7 @@ class Evidence:
 
     @property
     def confidence(self) -> float:
-        """The share of lattices with such figures that are right, from 0 to `SUREST`.
+        """The share of lattices with such evidence that are right, from 0 to `SUREST`.
 
         >>> import numpy as np
         >>> Evidence(np.eye(2), 0.4, 20.0, 60).confidence > 0.9

@@ -42,25 +42,15 @@ _CLOSE = 10.0  # pixels; shorter vectors are rated by single pixels
 
 @dataclass(frozen=True, eq=False)
 class Rating:
-    """How good pairs of vectors are, each entry for one pair.
+    """The goodness of n pairs of vectors."""
 
-    Attributes
-    ----------
-    goodness : float64 array (n,)
-        To be compared; 0 is no lattice.
-    value : float64 array (n,)
-        What stands for the mean correlation in eq. 3.23: that itself for `height`.
-    count : float64 array (n,)
-        Significant multiples.
-    """
-
-    goodness: Floats
-    value: Floats
-    count: Floats
+    goodness: Floats  # (n,); 0 is no lattice
+    value: Floats  # (n,): the mean correlation of eq. 3.23, or the contrast in its place
+    count: Floats  # (n,) of significant multiples
 
 
 def check_rule(goodness: str, alpha: float, significant: float) -> None:
-    """Raise `InvalidInputError` unless pairs can be rated so."""
+    """Raise `InvalidInputError` for an unknown goodness, or a number out of range."""
     if goodness not in GOODNESS:
         raise InvalidInputError(f"goodness is {goodness!r}{did_you_mean(str(goodness), GOODNESS)}")
     for name, value in (("alpha", alpha), ("significant", significant)):
@@ -75,10 +65,10 @@ def check_rule(goodness: str, alpha: float, significant: float) -> None:
 
 
 class Field:
-    """An autocorrelation, to be looked at near the multiples of vectors.
+    """An autocorrelation and its peaks, to be read at multiples of vectors.
 
     `alpha` is that of eq. 3.22, `significant` the share of a tile that an overlap must hold;
-    `unsure` is what chance makes of the contrast of one multiple, if all of the sample overlaps.
+    `unsure` is the contrast of one multiple by chance, if all of the sample overlaps.
     """
 
     def __init__(
@@ -97,19 +87,19 @@ class Field:
         self.tables = np.stack([correlation, _around(correlation)])
 
     def values(self, x: Floats, y: Floats, pairs: Floats) -> Floats:
-        """The correlation at shifts (n, m) of n pairs, or the highest around them."""
+        """Return the correlation at shifts (n, m) of n pairs, or the highest around them."""
         # A neighbor of a place between close multiples would itself be a multiple.
         coarse = (_shortest(pairs) >= _CLOSE).astype(np.int64)
         found: Floats = self.tables[coarse, *self._at(x, y)]
         return found
 
     def shares(self, x: Floats, y: Floats) -> Floats:
-        """The part of the sample that overlaps at each shift."""
+        """Return the share of the sample that overlaps at each shift."""
         found: Floats = (1 - abs(x) / self.width) * (1 - abs(y) / self.height)
         return found
 
     def held(self, x: Floats, y: Floats, pairs: Floats) -> Floats:
-        """The region that the peak near a shift dominates, over the shorter vector; at most 1."""
+        """Return the region that the peak near a shift dominates, over the shorter vector."""
         place = self.peaks.shifts[:, ::-1] + [self.height - 1, self.width - 1]
         table = np.zeros(self.correlation.shape)
         table[tuple(place.T)] = self.peaks.dominance
@@ -128,22 +118,10 @@ class Field:
 
 
 def rate(field: Field, pairs: Floats, reach: int, kind: str, *, exact: bool = False) -> Rating:
-    """Rate pairs of vectors by their multiples of up to `reach` times each vector.
+    """Rate pairs of vectors (n, 2, 2) by multiples of up to `reach` times each vector.
 
-    Parameters
-    ----------
-    field : Field
-        The autocorrelation.
-    pairs : float64 array (n, 2, 2)
-        Vectors (x, y), in the order pair, vector, axis.
-    reach : int
-        1 or more.
-    kind : str
-        One of `GOODNESS`.
-    exact : bool
-        Count the wrapped positions of each overlap (section 3.3.1), and the multiples in eq. 3.23.
-        Otherwise its sides and area say whether an overlap is significant, and the tile's area
-        says how many multiples are.
+    `exact` counts the wrapped positions of each overlap (section 3.3.1); otherwise its sides and
+    area say whether it is significant.
     """
     area = abs(pairs[:, 0, 0] * pairs[:, 1, 1] - pairs[:, 0, 1] * pairs[:, 1, 0])
     times = _multiples(reach, (0, 0))
@@ -169,7 +147,7 @@ def rate(field: Field, pairs: Floats, reach: int, kind: str, *, exact: bool = Fa
 
 
 def contrast_of(field: Field, pair: Floats, reach: int) -> float:
-    """The correlation at multiples above that between them, less what chance explains."""
+    """Return the correlation at multiples above that between them, less its error."""
     found = rate(field, pair[None], reach, "contrast")
     if field.unsure is not None:
         return float(found.value[0])
@@ -179,29 +157,10 @@ def contrast_of(field: Field, pair: Floats, reach: int) -> float:
 def stand_out(
     field: Field, vectors: Floats, whole: Floats, reach: int, near: float = 0.5
 ) -> tuple[float, float, int]:
-    """How much higher the multiples of a larger tile are than the other multiples of a smaller.
+    """Compare the multiples of a larger tile, `whole @ vectors`, with the smaller tile's others.
 
-    They are where colors alternate, and are not where elements have any colors.
-
-    Parameters
-    ----------
-    field : Field
-        The autocorrelation.
-    vectors : float64 array (2, 2)
-        The smaller tile.
-    whole : float64 array (2, 2)
-        Whole numbers; the larger tile is `whole @ vectors`.
-    reach : int
-        Multiples of up to this many times each vector of the smaller tile are looked at.
-    near : float
-        Only others within so many pixels of a whole shift, in x and y, are compared: between
-        pixels a hard edge correlates less, as at every second multiple of 22.5 pixels.
-
-    Returns
-    -------
-    (float, float, int)
-        The gap as a share of the larger tile's mean; its size in standard errors; how many
-        multiples the larger tile has, 0 if there are none to compare.
+    Returns the gap as a share of the larger tile's mean, its size in standard errors, and how many
+    multiples the larger tile has. Only others within `near` pixels of a whole shift are compared.
     """
     times = _multiples(reach, (0, 0))
     x, y, counts = _places(field, vectors[None], times)
@@ -225,26 +184,11 @@ def stand_out(
 
 
 def tile_shares(vectors: NDArray[np.int64], wide: Floats, high: Floats) -> Floats:
-    """Share of the tile that rectangles hold: their different wrapped positions (eqs. 3.25-3.30).
+    """Return the share of the tile that rectangles hold, by wrapped positions (eqs. 3.25-3.30).
 
     Positions that differ by multiples are one. Multiples of whole vectors come in rows q apart,
     where they are p apart and each row is moved by s; so rows of a rectangle are arcs of a circle
     of p positions, and what they cover together is counted.
-
-    Parameters
-    ----------
-    vectors : int64 array (2, 2)
-        Two vectors (x, y).
-    wide, high : array (n,)
-        Sides of the rectangles.
-
-    Examples
-    --------
-    Of a tile of 38 positions:
-
-    >>> import numpy as np
-    >>> tile_shares(np.array([[6, 2], [-4, 5]]), np.array([3, 5]), np.array([8, 10]))
-    array([0.60526316, 0.94736842])
     """
     (ux, uy), (vx, vy) = ((int(x), int(y)) for x, y in vectors)
     area = abs(ux * vy - vx * uy)
@@ -266,7 +210,7 @@ def tile_shares(vectors: NDArray[np.int64], wide: Floats, high: Floats) -> Float
 
 
 def _arcs(rows: int, moved: int, around: int, length: int) -> int:
-    """Positions of a circle that arcs cover, each one moved on from the one before."""
+    """Return how many positions of a circle arcs cover, each shifted from the one before."""
     if rows <= 0 or length <= 0:
         return 0
     starts = np.arange(rows) * moved % around
@@ -276,14 +220,14 @@ def _arcs(rows: int, moved: int, around: int, length: int) -> int:
 
 
 def reach_of(field: Field, vectors: Floats, most: int) -> int:
-    """Times of each vector, at most `most`, that lead to a shift within the picture."""
+    """Return how many times each vector, at most `most`, leads to a shift within the picture."""
     far = abs(np.linalg.inv(vectors)).T @ [field.width, field.height]
     return max(1, min(most, int(np.ceil(far.max()))))
 
 
 @lru_cache(maxsize=256)
 def _multiples(reach: int, phase: tuple[float, float]) -> Floats:
-    """Times of each vector: whole ones in the right half but (0, 0), or those off by a phase."""
+    """Return multiples of each vector: whole ones in the right half, or those off by a phase."""
     b, a = np.mgrid[-reach : reach + 1, -reach : reach + 1].reshape(2, -1)
     times = np.stack([a, b], axis=1).astype(np.float64)
     chosen: Floats = times + phase if any(phase) else times[(b > 0) | ((b == 0) & (a > 0))]
@@ -293,7 +237,7 @@ def _multiples(reach: int, phase: tuple[float, float]) -> Floats:
 
 @lru_cache(maxsize=64)
 def _multiples_between(reach: int) -> Floats:
-    """Those off by each phase of `_BETWEEN`, one after the other."""
+    """Return the multiples off by each phase of `_BETWEEN`, one after the other."""
     chosen = np.concatenate([_multiples(reach, phase) for phase in _BETWEEN])
     chosen.flags.writeable = False
     return chosen
@@ -302,7 +246,7 @@ def _multiples_between(reach: int) -> Floats:
 def _places(
     field: Field, pairs: Floats, times: Floats, exact: bool = False
 ) -> tuple[Floats, Floats, NDArray[np.bool_]]:
-    """Where multiples lie, each (n, m), and whether their overlaps are significant."""
+    """Return where multiples lie, each (n, m), and whether their overlaps are significant."""
     x = times[:, 0] * pairs[:, 0, :1] + times[:, 1] * pairs[:, 1, :1]
     y = times[:, 0] * pairs[:, 0, 1:] + times[:, 1] * pairs[:, 1, 1:]
     wide, high = field.width - abs(x), field.height - abs(y)
@@ -321,7 +265,7 @@ def _places(
 
 
 def _between(field: Field, pairs: Floats, reach: int) -> Floats:
-    """The highest mean correlation half or a third of the way between multiples."""
+    """Return the highest mean correlation half or a third of the way between multiples."""
     x, y, counts = _places(field, pairs, _multiples_between(reach))
     weights = counts * field.shares(x, y)
     sums = weights * field.values(x, y, pairs)
@@ -332,10 +276,9 @@ def _between(field: Field, pairs: Floats, reach: int) -> Floats:
 
 
 def _above_chance(contrasts: Floats, weights: Floats, times: Floats, unsure: float) -> Floats:
-    """The mean contrast of multiples, less what chance explains, whatever is left out.
+    """Return the least mean contrast, less chance, with the highest multiple or a line left out.
 
-    Of many pairs some have a multiple that is high by chance, or because a part of the sample is a
-    copy of another; and rows are high along one line of multiples. A lattice is there without.
+    One multiple may be high by chance or by a copied part, and rows are high along one line.
     """
     parts = contrasts * weights
     total, weight = parts.sum(axis=1), weights.sum(axis=1)
@@ -356,7 +299,7 @@ def _above_chance(contrasts: Floats, weights: Floats, times: Floats, unsure: flo
 
 
 def _around(table: Floats) -> Floats:
-    """The highest of each place and its eight neighbors."""
+    """Return the maximum of each place and its eight neighbors."""
     framed = np.pad(table, 1, mode="edge")
     tall = np.maximum(np.maximum(framed[:-2], framed[1:-1]), framed[2:])
     around: Floats = np.maximum(np.maximum(tall[:, :-2], tall[:, 1:-1]), tall[:, 2:])

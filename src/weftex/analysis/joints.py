@@ -1,9 +1,8 @@
 """Rows by their joints: edges added up along lines, of parts of the sample that share no pixel.
 
-A joint is thin, and often faint beside the tones of what it parts, but it runs on. So the sample is
-cut across into strips, and edges are added up along lines in each of them. What has lines of one
-direction has them at the same places in every strip, and what has rows has them at one distance;
-stones and grain have neither, whatever the sums of one strip look like.
+A joint is thin, and often faint beside the tones that it separates, but long. So the sample is
+cut across into strips, and edges are added up along lines in each of them. Lines of one direction
+are at the same places in every strip, and rows are at one distance; stones and grain have neither.
 """
 
 from __future__ import annotations
@@ -49,40 +48,22 @@ _AS_HIGH = 0.8  # of the contrast, that closer rows must have
 _HIGHER = 0.8  # of its height: the most that every second ridge lies above the others
 
 
-#: Rows, and what crosses them, are told by the same joints.
+#: Cached, as rows and the joints that cross them use the same edges.
 _TAKEN: WeakKeyDictionary[Relief, Joints] = WeakKeyDictionary()
 
 
 @dataclass(frozen=True, eq=False)
 class Courses:
-    """Rows, and what joints say of them.
+    """Rows and the evidence of joints for them, by the correlation of different strips."""
 
-    Attributes
-    ----------
-    vector : float64 array (2,)
-        From one row to the next, as (x, y).
-    contrast : float
-        How far the correlation of different strips at multiples is above that between them.
-    alike : float
-        The same correlation at no shift: 1 where lines are all that a sample has.
-    number : int
-        Of multiples.
-    """
-
-    vector: Floats
-    contrast: float
-    alike: float
-    number: int
+    vector: Floats  # (x, y) from one row to the next
+    contrast: float  # of the correlation at multiples above that between them
+    alike: float  # the correlation at no shift; 1 for a sample of lines only
+    number: int  # of multiples
 
 
 class Joints:
-    """The edges of a sample, to be added up along lines of any direction.
-
-    Parameters
-    ----------
-    flat : Relief
-        The sample without slow lighting.
-    """
+    """The edges of a sample, which can be added up along lines of any direction."""
 
     def __init__(self, flat: Relief) -> None:
         inner = flat.usable >= 0.5
@@ -106,7 +87,7 @@ class Joints:
         self.y, self.x = (np.arange(side) - (side - 1) / 2 for side in inner.shape)
 
     def coarser(self, side: int) -> Joints:
-        """The same in squares of pixels, of which there are about so many a side."""
+        """Return the edges averaged over squares, about `side` of them a side."""
         step = max(1, round(max(self.inner.shape) / side))
         if step == 1 or min(self.inner.shape) < step:
             return self
@@ -116,7 +97,7 @@ class Joints:
         return self._coarser[step]
 
     def lines(self, angle: float) -> tuple[NDArray[Any], NDArray[Any]]:
-        """Edges along lines of a direction: sums and counts (strip, line), lines a pixel apart."""
+        """Return sums and counts of edges (strip, line) along lines a pixel apart."""
         c, s = np.cos(angle), np.sin(angle)
         height, width = self.inner.shape
         # Half of what is across and along: as far as one of the sides goes.
@@ -132,10 +113,7 @@ class Joints:
         return total, count
 
     def alike(self, angle: float) -> Floats:
-        """The correlation of each strip with the others, at distances of 0, 1, ... lines.
-
-        In units of that of strips with themselves at no shift, so 1 is the most.
-        """
+        """Return the correlation of each strip with the others at distances of 0, 1, ... lines."""
         total, count = self.lines(angle)
         known = count > 0
         mean = total.sum(axis=1) / np.maximum(count.sum(axis=1), 1)
@@ -159,7 +137,7 @@ def _joints_of(flat: Relief) -> Joints:
 
 
 def _stripes_of(flat: Relief) -> Joints:
-    """Levels in place of edges, whatever the direction."""
+    """Return levels in place of edges, for any direction."""
     stripes = object.__new__(Joints)
     gray = mixed(flat.levels)
     stripes._set(np.stack([gray, np.zeros_like(gray), gray]), flat.usable >= 0.5, 1)
@@ -167,28 +145,7 @@ def _stripes_of(flat: Relief) -> Joints:
 
 
 def find_courses(flat: Relief, across: Floats | None = None) -> Courses | None:
-    """Find the rows that joints tell best, right or not.
-
-    Parameters
-    ----------
-    flat : Relief
-        The sample without slow lighting.
-    across : float64 array (2,), optional
-        From one row to the next of others that are known: those sought cross them.
-
-    Returns
-    -------
-    Courses or None
-        None for a sample that is too small or constant.
-
-    Examples
-    --------
-    >>> from weftex.analysis.relief import Relief
-    >>> ribs = np.add.outer(np.arange(90) % 9 / 9, np.zeros(60))[None]
-    >>> courses = find_courses(Relief(ribs, np.ones((90, 60)), 1))
-    >>> abs(courses.vector).round().tolist(), courses.contrast > 0.8
-    ([0.0, 9.0], True)
-    """
+    """Return the rows with the best evidence of joints, right or not."""
     if min(flat.usable.shape) < _CLOSEST * (_FEWEST + 1):
         return None
     joints = _joints_of(flat)
@@ -217,45 +174,19 @@ def find_courses(flat: Relief, across: Floats | None = None) -> Courses | None:
 
 
 def _crossing(vector: Floats) -> Floats:
-    """The directions of lines that cross rows."""
+    """Return the directions of lines that cross rows."""
     turned = _COARSE - np.arctan2(-vector[0], vector[1])
     crossing: Floats = _COARSE[abs(np.sin(turned)) > _CROSSING]
     return crossing
 
 
 def rated(flat: Relief, vector: Floats) -> Courses:
-    """What joints say of rows that are given by the vector from one to the next."""
+    """Return the evidence of joints for rows with a given vector."""
     return _rated(_joints_of(flat).coarser(_SIDES[1]), vector)
 
 
 def checked(flat: Relief, vectors: Floats) -> Courses | None:
-    """What stripes along both vectors say of a lattice, as checks have them: the worse of the two.
-
-    The warp and the weft of a checked cloth are laid in stripes, which run on under each other. So
-    the levels of strips that share no pixel are alike along both families of lines, and again at
-    their distances.
-
-    Parameters
-    ----------
-    flat : Relief
-        The sample without slow lighting.
-    vectors : float64 array (2, 2)
-        The lattice, as (x, y).
-
-    Returns
-    -------
-    Courses or None
-        None where stripes are too fine.
-
-    Examples
-    --------
-    >>> from weftex.analysis.relief import Relief
-    >>> stripes = np.arange(90) // 15 % 2, np.arange(80) // 10 % 2
-    >>> cloth = Relief(np.add.outer(*stripes)[None] - 1.0, np.ones((90, 80)), 1)
-    >>> right, larger = (np.array([[20.0 * k, 0.0], [0.0, 30.0]]) for k in (1, 2))
-    >>> checked(cloth, right).contrast > 0.8, checked(cloth, larger).contrast < 0.1
-    (True, True)
-    """
+    """Return the weaker evidence of stripes along the two vectors, as checked cloth has."""
     stripes = _stripes_of(flat)
     turned = vectors[::-1, ::-1] * [-1, 1]  # at right angles to the other vector
     rows = turned * (np.linalg.det(vectors) / (turned**2).sum(axis=1))[:, None]
@@ -272,14 +203,14 @@ def _rated(joints: Joints, vector: Floats) -> Courses:
 
 
 def contrast(profile: Floats, distances: Floats) -> tuple[Floats, NDArray[np.int64]]:
-    """How high multiples of distances are above half and a third of the way; how many there are."""
+    """Return how far multiples of distances are above places between them, and their number."""
     found, count = np.empty(len(distances)), np.empty(len(distances), np.int64)
     kernels.stand_out(profile, distances, _PHASES, _REACH, _RIDGES, _FARTHEST, found, count)
     return found, count
 
 
 def _highest(profile: Floats, distances: Floats) -> tuple[float, float]:
-    """The distance at which contrast is highest beyond chance, of those at which it has a peak."""
+    """Return the distance with the highest peak of contrast beyond chance, and that contrast."""
     if len(distances) < 3:
         return 0.0, 0.0
     found, number = contrast(_blurred(profile, 0.7), distances)
@@ -292,7 +223,7 @@ def _highest(profile: Floats, distances: Floats) -> tuple[float, float]:
 
 
 def _settled(profile: Floats, distance: float, closest: float) -> float:
-    """The distance itself, that of closer rows that stand out as much, or twice as far."""
+    """Return the distance, that of closer rows that stand out as much, or twice the distance."""
     near = distance * _NEAR
     heights = contrast(_blurred(profile, _BLUR * distance), near)[0]
     distance, own = float(near[heights.argmax()]), float(heights.max())
@@ -312,7 +243,7 @@ def _settled(profile: Floats, distance: float, closest: float) -> float:
 
 
 def _blurred(profile: Floats, by: float) -> Floats:
-    """Blurred by a Gaussian; as at the ends, where it goes on."""
+    """Return a profile blurred by a Gaussian, extended at the ends."""
     by = max(by, 0.7)
     side = int(3 * by) + 1
     window = np.exp(-0.5 * (np.arange(-side, side + 1) / by) ** 2)

@@ -1,4 +1,4 @@
-"""The lattice of a near-regular sample: the shifts at which it matches itself."""
+"""The lattice of a near-regular sample: the translations at which it matches itself."""
 
 from __future__ import annotations
 
@@ -8,21 +8,21 @@ from weakref import WeakKeyDictionary
 
 import numpy as np
 
+from weftex.analysis.autocorrelations import Autocorrelations, autocorrelations
 from weftex.analysis.candidates import (
     CLEAR,
     LEAST,
-    among_rows,
-    better,
-    courses_seen,
-    in_turn,
-    pairs_seen,
-    rows_seen,
-    within_rows,
+    better_pair,
+    checked_by_rows,
+    course_candidate,
+    lattice_of_rows,
+    pair_candidates,
+    row_candidate,
+    with_alternation,
 )
 from weftex.analysis.goodness import ALPHA, SIGNIFICANT, check_rule
 from weftex.analysis.pairs import reduced
 from weftex.analysis.relief import maps_alone
-from weftex.analysis.views import Views, views
 from weftex.errors import InvalidInputError
 from weftex.exemplar import Exemplar
 
@@ -88,22 +88,14 @@ class Lattice:
         return abs(ax * by - bx * ay)
 
     def reduced(self) -> Lattice:
-        """The same lattice by its shortest vectors, shorter first; they point right or down."""
+        """Return the lattice by its shortest vectors, shorter first, pointing right or down."""
         if len(self.vectors) == 1:
             return Lattice((_rightward(self.vectors[0]),), self.confidence)
         first, second = reduced(np.array(self.vectors)).tolist()
         return Lattice((_rightward(first), _rightward(second)), self.confidence)
 
     def same_as(self, other: Lattice, tolerance: float = 0.015) -> bool:
-        """Whether both pairs span one lattice (observation iv of the paper).
-
-        Parameters
-        ----------
-        other : Lattice
-            The lattice to compare with.
-        tolerance : float
-            How far this lattice may miss each of the other's shortest vectors, to its length.
-        """
+        """Return whether both span one lattice (observation iv), to a share of each vector."""
         if len(self.vectors) != len(other.vectors):
             return False
         ours, theirs = self.reduced(), other.reduced()
@@ -114,7 +106,7 @@ class Lattice:
         return len(ours.vectors) == 1 or 0.7 < ours.area / theirs.area < 1.4
 
     def nearest(self, place: Vector) -> Vector:
-        """The multiple that is nearest to a place (x, y); of one vector it or its opposite."""
+        """Return the multiple nearest to a place (x, y); of one vector, it or its opposite."""
         (ax, ay), (x, y) = self.vectors[0], place
         if len(self.vectors) == 1:
             corners = [(ax, ay), (-ax, -ay)]
@@ -126,14 +118,14 @@ class Lattice:
         return min(corners, key=lambda c: math.hypot(c[0] - x, c[1] - y))
 
 
-#: What was found by each goodness, alpha and share; methods, scale and choice all ask.
+#: Cached by goodness, alpha and share, as methods, scale and `auto` all ask.
 _FOUND: WeakKeyDictionary[Exemplar, dict[tuple[str, float, float], Lattice | None]] = (
     WeakKeyDictionary()
 )
 
 
 def _rightward(vector: Vector) -> Vector:
-    """The vector or its opposite (observation iii), by a sign that does not change near an axis."""
+    """Return the vector or its opposite (observation iii), stable near an axis."""
     x, y = vector
     return (x, y) if x + y / 8 > 0 else (-x, -y)
 
@@ -187,28 +179,28 @@ def find_lattice(
         return None
     known = _FOUND.setdefault(exemplar, {})
     if rule not in known:
-        known[rule] = lattice_in(views(exemplar, alpha, significant), goodness)
+        known[rule] = lattice_in(autocorrelations(exemplar, alpha, significant), goodness)
         maps = maps_alone(exemplar)
         if known[rule] is None and maps is not None:
-            known[rule] = lattice_in(views(maps, alpha, significant), goodness)
+            known[rule] = lattice_in(autocorrelations(maps, alpha, significant), goodness)
     return known[rule]
 
 
-def lattice_in(seen: Views, goodness: str = "contrast") -> Lattice | None:
-    """The better pair of vectors, or else rows; see `find_lattice`."""
-    best = better(seen, pairs_seen(seen, goodness))
+def lattice_in(fields: Autocorrelations, goodness: str = "contrast") -> Lattice | None:
+    """Return the better pair of vectors, or else rows; see `find_lattice`."""
+    best = better_pair(fields, pair_candidates(fields, goodness))
     usual = goodness == "contrast"
     if usual and best is not None and LEAST <= best.confidence < CLEAR and best.kind != "stripes":
-        best = among_rows(seen, best)
+        best = checked_by_rows(fields, best)
     if best is not None and best.confidence >= LEAST:
-        best = in_turn(seen, best) if usual and len(best.vectors) == 2 else best
+        best = with_alternation(fields, best) if usual and len(best.vectors) == 2 else best
     else:
-        best = rows_seen(seen)
+        best = row_candidate(fields)
         if best is None or best.confidence < _LEAST_ROWS:
-            best = courses_seen(seen, best)
+            best = course_candidate(fields, best)
             if best is None or best.confidence < _LEAST_ROWS:
                 return None
-        best = within_rows(seen, best) if usual else best
-    lattice = Lattice(tuple((float(x), float(y)) for x, y in best.vectors * seen.flat.step))
+        best = lattice_of_rows(fields, best) if usual else best
+    lattice = Lattice(tuple((float(x), float(y)) for x, y in best.vectors * fields.flat.step))
     plain = [(round(x, 2) + 0.0, round(y, 2) + 0.0) for x, y in lattice.reduced().vectors]
     return Lattice(tuple(plain), round(best.confidence, 2))

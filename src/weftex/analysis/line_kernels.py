@@ -25,20 +25,7 @@ def means_along(
     along: cython.const[cython.double][::1],
     out: cython.double[:, ::1],
 ):
-    """Average along lines of some directions, each so many pixels from the middle.
-
-    Parameters
-    ----------
-    values : float64 array (H, W)
-    cosines, sines : float64 arrays (k,)
-        Of the directions.
-    far : float64 array (k,)
-        How far along lines of each are looked at, in all.
-    along : float64 array (n,)
-        Where, in shares of that; the line at distance 0 goes through the middle.
-    out : float64 array (k, m)
-        The means at distances 0, 1, ...
-    """
+    """Average along lines of some directions, each so many pixels from the middle."""
     cython.declare(k=cython.Py_ssize_t, i=cython.Py_ssize_t, j=cython.Py_ssize_t)
     cython.declare(c=cython.double, s=cython.double, x=cython.double, y=cython.double)
     height: cython.Py_ssize_t = values.shape[0]
@@ -68,21 +55,7 @@ def edges_along(
     sums: cython.double[:, ::1],
     counts: cython.longlong[:, ::1],
 ):
-    """Add up edges along lines of a direction, apart in strips across them.
-
-    Parameters
-    ----------
-    parts : float64 array (3, H, W)
-        Products of steps along x with themselves, with those along y, and of these.
-    inner : uint8 array (H, W)
-        0 where there is no edge.
-    direction : float64 array (4,)
-        What each part is multiplied by, the second one taken off; and the strips to a pixel.
-    down, across : float64 arrays (2, H) and (2, W)
-        What rows and columns add to the number of a line, and to the distance along it.
-    sums, counts : float64, int64 arrays (strips, lines)
-        Zeros, to which edges and their number are added.
-    """
+    """Add up edges along lines of a direction, apart in strips across them."""
     cython.declare(y=cython.Py_ssize_t, x=cython.Py_ssize_t, line=cython.int, strip=cython.int)
     cython.declare(edge=cython.double)
     with cython.nogil:
@@ -125,24 +98,7 @@ def stand_out(
     out: cython.double[::1],
     counts: cython.longlong[::1],
 ):
-    """Say how high multiples of distances are above places between them.
-
-    Parameters
-    ----------
-    profile : float64 array (n,)
-    distances : float64 array (m,)
-    phases : float64 array (k,)
-        0, and how far before a multiple the places between lie, in shares of a distance.
-    reach : float
-        Of the profile, as far as multiples count.
-    most : int
-        Multiples that count at most.
-    least : float
-        Multiples count by the share that is beyond them, or this if that is more.
-    out : float64 array (m,)
-    counts : int64 array (m,)
-        How many multiples counted.
-    """
+    """Say how high multiples of distances are above places between them."""
     cython.declare(i=cython.Py_ssize_t, k=cython.Py_ssize_t, t=cython.Py_ssize_t)
     cython.declare(total=cython.double, height=cython.double, highest=cython.double)
     cython.declare(weight=cython.double, own=cython.double, d=cython.double)

@@ -17,24 +17,7 @@ def overlap_sums(
     sums: cython.double[:, ::1],
     squares: cython.double[:, ::1],
 ) -> cython.double:
-    """Add up values and their squares over what overlaps at each shift.
-
-    Parameters
-    ----------
-    level : float64 array (H, W)
-    rows, columns : int64 arrays (n, 2) and (m, 2)
-        The first of each overlap, and that after its last.
-    down : float64 array (2, H + 1, W)
-        Scratch.
-    along : float64 array (2, W + 1)
-        Scratch.
-    sums, squares : float64 arrays (n, m)
-
-    Returns
-    -------
-    float
-        The greatest sum of squares.
-    """
+    """Add up values and their squares over what overlaps at each shift."""
     cython.declare(y=cython.Py_ssize_t, x=cython.Py_ssize_t, i=cython.Py_ssize_t)
     cython.declare(j=cython.Py_ssize_t, one=cython.double, first=cython.Py_ssize_t)
     cython.declare(last=cython.Py_ssize_t, most=cython.double)
@@ -73,18 +56,7 @@ def add_channel(
     above: cython.double[:, ::1],
     below: cython.double[:, ::1],
 ):
-    """Add what a channel has of the numerator, but for its products, and of the denominator.
-
-    Parameters
-    ----------
-    sums, squares : float64 arrays (n, m)
-        Over the overlaps; opposite shifts have opposite parts. What the squares are is lost.
-    high, wide : float64 arrays (n,) and (m,)
-        Sides of the overlaps.
-    least : float
-        A part that varies by less times its pixels is constant.
-    above, below : float64 arrays (n, m)
-    """
+    """Add what a channel has of the numerator, but for its products, and of the denominator."""
     cython.declare(i=cython.Py_ssize_t, j=cython.Py_ssize_t, count=cython.double)
     cython.declare(one=cython.double)
     rows: cython.Py_ssize_t = sums.shape[0]
@@ -108,17 +80,7 @@ def divide(
     wide: cython.const[cython.double][::1],
     products: cython.const[cython.double][:, ::1],
 ):
-    """Turn numerators without their products into coefficients from -1 to 1.
-
-    Parameters
-    ----------
-    above, below : float64 arrays (2 * n + 1, 2 * m + 1)
-        No shift in the middle; the first is changed.
-    high, wide : float64 arrays (2 * n + 1,) and (2 * m + 1,)
-        Sides of the overlaps.
-    products : float64 array
-        Sums of products at each shift, those to the left and up from the far ends.
-    """
+    """Turn numerators without their products into coefficients from -1 to 1."""
     cython.declare(i=cython.Py_ssize_t, j=cython.Py_ssize_t, y=cython.Py_ssize_t)
     cython.declare(x=cython.Py_ssize_t, one=cython.double)
     middle: cython.Py_ssize_t = above.shape[0] // 2

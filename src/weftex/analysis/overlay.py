@@ -22,26 +22,6 @@ def draw_lattice(exemplar: Exemplar, lattice: Lattice | None) -> NDArray[np.uint
 
     A lattice says how far to shift and not where tiles begin, so the lines lie where the sample
     changes most: in the joints, where there are some.
-
-    Parameters
-    ----------
-    exemplar : Exemplar
-        The sample.
-    lattice : Lattice or None
-        Without one the sample itself is returned.
-
-    Returns
-    -------
-    uint8 array (H, W, 3)
-        Lines are magenta, or green over a sample that is mostly red or blue itself.
-
-    Examples
-    --------
-    >>> from weftex.analysis.lattice import Lattice
-    >>> from weftex.exemplar import Exemplar
-    >>> drawn = draw_lattice(Exemplar(np.full((4, 6), 9, np.uint8)), Lattice(((3, 0), (0, 2))))
-    >>> int((drawn == (255, 0, 255)).all(axis=2).sum())
-    16
     """
     levels = _levels(exemplar)
     picture = levels.copy()
@@ -61,22 +41,7 @@ def draw_lattice(exemplar: Exemplar, lattice: Lattice | None) -> NDArray[np.uint
 
 
 def lattice_lines(exemplar: Exemplar, lattice: Lattice) -> list[tuple[Floats, float]]:
-    """Return where `draw_lattice` draws lines, for whoever draws them.
-
-    Returns
-    -------
-    list of (float64 array (2,), float)
-        For each family of lines `across` and `phase`: they lie where x * across[0] + y * across[1]
-        - phase is a whole number.
-
-    Examples
-    --------
-    >>> from weftex.analysis.lattice import Lattice
-    >>> from weftex.exemplar import Exemplar
-    >>> lines = lattice_lines(Exemplar(np.full((4, 6), 9, np.uint8)), Lattice(((3, 0), (0, 2))))
-    >>> [across.round(2).tolist() for across, _ in lines]
-    [[0.33, 0.0], [0.0, 0.5]]
-    """
+    """Return where `draw_lattice` draws lines, for whoever draws them."""
     return _lines_over(_levels(exemplar), lattice)
 
 
@@ -105,22 +70,7 @@ def _lines_over(levels: NDArray[np.uint8], lattice: Lattice) -> list[tuple[Float
 
 
 def draw_correlation(correlation: Floats) -> NDArray[np.uint8]:
-    """A correlation as a gray picture: white is 1, the gray in the middle 0, black -1.
-
-    Parameters
-    ----------
-    correlation : float64 array (H, W)
-        From `weftex.analysis.ratings.gncc`.
-
-    Returns
-    -------
-    uint8 array (H, W)
-
-    Examples
-    --------
-    >>> draw_correlation(np.array([[-1.0, 0.0, 1.0]])).tolist()
-    [[0, 128, 255]]
-    """
+    """A correlation as a gray picture: white is 1, the gray in the middle 0, black -1."""
     gray: NDArray[np.uint8] = np.rint((correlation + 1) * 127.5).astype(np.uint8)
     return gray
 

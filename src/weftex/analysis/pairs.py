@@ -1,9 +1,9 @@
-"""The pair of vectors that is the lattice of a picture, of all pairs of peaks.
+"""The pair of peaks of an autocorrelation that are the vectors of the lattice.
 
 Section 3.3 of the paper on near-regular textures, steps 2 to 6. Pairs of up to some hundred peaks
-are rated by their nearest multiples; the best of them are fitted below a pixel and rated by all.
-Then the smaller tiles that the best one could be made of are looked at, because of many larger
-ones some is better by chance; and two or three times the tile, because colors may alternate.
+are rated by their nearest multiples; the best are fitted below a pixel and rated by all multiples.
+Then the smaller tiles that the best one could consist of are tried, because some larger tile is
+better by chance; and two or three times the tile, because colors may alternate.
 """
 
 from __future__ import annotations
@@ -23,7 +23,7 @@ if TYPE_CHECKING:
     Floats = NDArray[np.float64]
 
 _PEAKS = 40  # that pairs are made of, of each octave of lengths the highest
-_FEWEST = 3.0  # pixels; a shorter vector is grain
+_SHORTEST = 3.0  # pixels; a shorter vector is grain
 _DOMINANT = 0.25  # of the shorter vector: the region that both peaks must dominate
 _PAIRS = 24  # pairs that are fitted, and rated by all their multiples
 MOST_MULTIPLES = 24  # multiples of each vector that are rated
@@ -41,21 +41,7 @@ _NEAR = 0.3  # pixels from a whole shift within which the smaller tile's multipl
 
 
 def best_pair(field: Field, goodness: str) -> tuple[Floats, Floats] | None:
-    """Return the two vectors with the highest goodness, and the tile that they are made into.
-
-    Parameters
-    ----------
-    field : Field
-        The autocorrelation.
-    goodness : str
-        See `weftex.analysis.goodness`.
-
-    Returns
-    -------
-    (float64 array (2, 2), float64 array (2, 2)) or None
-        Vectors as rows (x, y): the pair, and the smaller tile that it is made of, or a larger one
-        that is made of it, or the pair again; None where no pair has two significant vectors.
-    """
+    """Return the pair with the highest goodness, and the pair after division and multiples."""
     best, highest = None, 0.0
     tried = rated_pairs(field, goodness)
     for vectors, rated in tried:
@@ -73,7 +59,7 @@ def best_pair(field: Field, goodness: str) -> tuple[Floats, Floats] | None:
 
 
 def rated_pairs(field: Field, goodness: str) -> list[tuple[Floats, float]]:
-    """The pairs that could be a lattice, fitted, and the goodness of each (steps 2 to 5)."""
+    """Return the best pairs, fitted, and the goodness of each (steps 2 to 5)."""
     pairs = _candidates(field.peaks)
     if not len(pairs):
         return []
@@ -92,7 +78,7 @@ def rated_pairs(field: Field, goodness: str) -> list[tuple[Floats, float]]:
 
 
 def reduced(vectors: Floats) -> Floats:
-    """The shortest two vectors of the same lattice, the shorter first (observation iv).
+    """Return the shortest two vectors of the same lattice, the shorter first (observation iv).
 
     >>> reduced(np.array([[9.0, 1.0], [4.0, 0.0]])).tolist()
     [[1.0, 1.0], [2.0, -2.0]]
@@ -108,9 +94,9 @@ def reduced(vectors: Floats) -> Floats:
 
 
 def _candidates(peaks: Peaks) -> Floats:
-    """Pairs of peaks that are reduced (step 4 of the paper), neither in a higher one's shadow."""
+    """Return reduced pairs of peaks (step 4 of the paper), neither close to a higher one."""
     lengths = np.hypot(peaks.shifts[:, 0], peaks.shifts[:, 1])
-    wide = (peaks.dominance >= 2) & (lengths >= _FEWEST)
+    wide = (peaks.dominance >= 2) & (lengths >= _SHORTEST)
     octave = np.log2(np.maximum(lengths, 1)).astype(int)
     # Multiples outnumber the vectors themselves, so each octave of lengths has its own highest.
     chosen = np.concatenate(
@@ -127,7 +113,7 @@ def _candidates(peaks: Peaks) -> Floats:
 
 
 def _divide(field: Field, vectors: Floats) -> Floats:
-    """The smallest tile that makes up this one and is as good at all its multiples."""
+    """Return the smallest tile that this one consists of and that is as good at its multiples."""
     own = contrast_of(field, vectors, reach_of(field, vectors, MOST_MULTIPLES))
     for index in range(_INDEX, 1, -1):
         for across in (n for n in range(1, index + 1) if index % n == 0):
@@ -135,7 +121,7 @@ def _divide(field: Field, vectors: Floats) -> Floats:
                 whole = np.array([[across, 0.0], [slant, index // across]])
                 finer = np.linalg.inv(whole) @ vectors
                 basis = reduced(finer)
-                if np.hypot(*basis[0]) < _FEWEST:
+                if np.hypot(*basis[0]) < _SHORTEST:
                     continue
                 whole = np.rint(vectors @ np.linalg.inv(basis))
                 reach = reach_of(field, basis, MOST_MULTIPLES)
@@ -153,14 +139,14 @@ def _divide(field: Field, vectors: Floats) -> Floats:
 
 
 def fitted(field: Field, vectors: Floats) -> Floats:
-    """The vectors below a pixel; as they are, where a fit to a small sample folds them together."""
+    """Return the vectors fitted below a pixel, or as they are where the fit collapses."""
     found = fit_vectors(field.correlation, vectors, MOST_MULTIPLES)[0]
     areas = [abs(np.linalg.det(pair)) for pair in (found, vectors)]
     return found if areas[0] > areas[1] / 2 else vectors
 
 
 def _multiply(field: Field, vectors: Floats) -> Floats:
-    """Two or three times the tile, where its own multiples stand out: colors alternate."""
+    """Return two or three times the tile where its multiples stand out: colors alternate."""
     reach = reach_of(field, vectors, MOST_MULTIPLES)
     for index in (2, 3):
         for across in (1, index):
@@ -178,7 +164,7 @@ def _multiply(field: Field, vectors: Floats) -> Floats:
 
 
 def made_of(larger: Floats, smaller: Floats) -> Floats | None:
-    """Which multiples of a smaller tile's vectors a larger one's are, if they are.
+    """Return the larger tile's vectors as multiples of the smaller one's, or None.
 
     >>> made_of(np.array([[6.1, 0.0], [3.0, 8.0]]), np.array([[3.0, 0.0], [0.0, 4.0]])).tolist()
     [[2.0, 0.0], [1.0, 2.0]]

@@ -28,21 +28,7 @@ def tops(
     found: cython.double[:, ::1],
     heights: cython.double[::1],
 ):
-    """Find the peak within a window around each shift, below a pixel.
-
-    Parameters
-    ----------
-    correlation : float64 array (2 * H - 1, 2 * W - 1)
-        No shift in the middle; beyond the border it is as at the border.
-    places : int64 array (n, 2)
-        As (x, y).
-    window : int
-        How far the highest value may be from a place, in x and in y.
-    found : float64 array (n, 2)
-        As (x, y).
-    heights : float64 array (n,)
-        0 where the highest value is no peak.
-    """
+    """Find the peak within a window around each shift, below a pixel."""
     cython.declare(i=cython.Py_ssize_t, v=cython.Py_ssize_t, u=cython.Py_ssize_t)
     cython.declare(y=cython.Py_ssize_t, x=cython.Py_ssize_t, b=cython.Py_ssize_t)
     cython.declare(a=cython.Py_ssize_t, top=cython.double, left=cython.double)

@@ -19,44 +19,20 @@ _LARGEST_DOMINANCE = 64  # pixels; larger regions count as this
 
 @dataclass(frozen=True, eq=False)
 class Peaks:
-    """Local maxima of the right half of an autocorrelation, the highest first.
+    """Local maxima of the right half of an autocorrelation, the highest first (observation i).
 
-    The left half mirrors the right one (observation i of the paper on near-regular textures);
-    what lies straight above no shift belongs to the left half.
-
-    Attributes
-    ----------
-    shifts : int64 array (n, 2)
-        As (x, y), x to the right and y downwards.
-    heights : float64 array (n,)
-        The correlation there.
-    dominance : int64 array (n,)
-        Half the side of the largest square around the peak, 1, 2, 4 and so on to 64 pixels, in
-        which nothing is higher: the region that it dominates (after Liu, Collins, Tsin: A
-        computational model for periodic pattern perception based on frieze and wallpaper groups).
+    `dominance` is half the side of the largest square around a peak, 1, 2, 4 ... 64 pixels, in
+    which it is the highest (after Liu, Collins, Tsin: A computational model for periodic pattern
+    perception based on frieze and wallpaper groups).
     """
 
-    shifts: NDArray[np.int64]
-    heights: NDArray[np.float64]
-    dominance: NDArray[np.int64]
+    shifts: NDArray[np.int64]  # (n, 2) as (x, y)
+    heights: NDArray[np.float64]  # (n,)
+    dominance: NDArray[np.int64]  # (n,)
 
 
 def find_peaks(correlation: NDArray[np.float64]) -> Peaks:
-    """Find the maxima among the eight neighbors, above 0.
-
-    Parameters
-    ----------
-    correlation : float64 array (2 * H - 1, 2 * W - 1)
-        An autocorrelation, no shift in the middle.
-
-    Examples
-    --------
-    >>> import numpy as np
-    >>> from weftex.analysis.correlation import correlate
-    >>> wave = np.sin(np.arange(40) * 2 * np.pi / 10)[None]
-    >>> find_peaks(correlate(wave)).shifts[:3].tolist()
-    [[10, 0], [20, 0], [30, 0]]
-    """
+    """Find the maxima among the eight neighbors, above 0."""
     middle, center = (side // 2 for side in correlation.shape)
     margin = min(_LARGEST_DOMINANCE, center)  # columns of the left half, for squares around peaks
     # Rounded, so that peaks that differ by rounding alone are equal on every machine.
@@ -94,20 +70,6 @@ def fit_vectors(
 
     From the nearest multiples outwards, twice as far each time, a parabola through each peak and
     its neighbors says where it is; least squares over all multiples say what the vectors are.
-
-    Parameters
-    ----------
-    correlation : float64 array (2 * H - 1, 2 * W - 1)
-        An autocorrelation.
-    vectors : float64 array (1 or 2, 2)
-        To start from, as (x, y), right to within a pixel or two.
-    reach : int
-        Multiples of up to this many times each vector are looked at.
-
-    Returns
-    -------
-    (float64 array like `vectors`, int)
-        The fitted vectors, and how many multiples agreed.
     """
     height, width = (side // 2 + 1 for side in correlation.shape)
     window = max(1, min(3, int(np.hypot(*vectors.T).min() // 5)))

@@ -7,13 +7,13 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from weftex.analysis.autocorrelations import Autocorrelations, autocorrelations
 from weftex.analysis.correlation import correlate
 from weftex.analysis.goodness import ALPHA, SIGNIFICANT, Field, check_rule, rate, reach_of
 from weftex.analysis.lattice import Lattice
 from weftex.analysis.pairs import MOST_MULTIPLES, rated_pairs
 from weftex.analysis.relief import relief
 from weftex.analysis.rows import ridges
-from weftex.analysis.views import Views, views
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -49,18 +49,7 @@ class Rated:
 
 
 def gncc(exemplar: Exemplar) -> NDArray[np.float64]:
-    """The normalized correlation of a sample with itself that its lattice is read from (3.2).
-
-    Parameters
-    ----------
-    exemplar : Exemplar
-        The sample; slow lighting is taken off first, and large ones are averaged down.
-
-    Returns
-    -------
-    float64 array (2 * H - 1, 2 * W - 1)
-        From -1 to 1, no shift in the middle; see `weftex.analysis.correlation.correlate`.
-    """
+    """The normalized correlation of a sample with itself that its lattice is read from (3.2)."""
     flat = relief(exemplar)
     return correlate(np.moveaxis(flat.levels, 0, 2), first_mask=flat.usable >= 0.5)
 
@@ -73,40 +62,12 @@ def rate_lattices(
     alpha: float = ALPHA,
     significant: float = SIGNIFICANT,
     runners_up: int = 3,
-    seen: Views | None = None,
+    fields: Autocorrelations | None = None,
 ) -> tuple[Rated | None, tuple[Rated, ...]]:
-    """Rate a lattice, and the best others that a sample could have.
-
-    Parameters
-    ----------
-    exemplar : Exemplar
-        The sample.
-    lattice : Lattice, optional
-        To be rated, and left out of the others.
-    goodness, alpha, significant
-        As for `weftex.analysis.lattice.find_lattice`.
-    runners_up : int
-        The most others to return.
-    seen : Views, optional
-        The sample's correlations with that alpha and share, if they are at hand.
-
-    Returns
-    -------
-    (Rated or None, tuple of Rated)
-        The lattice, None without one; the others, the best first.
-
-    Examples
-    --------
-    >>> from weftex.exemplar import Exemplar
-    >>> tile = np.random.default_rng(0).integers(0, 255, (12, 16), np.uint8)
-    >>> sample = Exemplar(np.tile(tile, (6, 5)))
-    >>> own, others = rate_lattices(sample, Lattice(((16, 0), (0, 12))), goodness="height")
-    >>> round(own.mean, 2), all(own.goodness > other.goodness for other in others)
-    (1.0, True)
-    """
+    """Rate a lattice, and the best others that a sample could have."""
     check_rule(goodness, alpha, significant)
-    seen = views(exemplar, alpha, significant) if seen is None else seen
-    field, step = seen.field, seen.flat.step
+    fields = autocorrelations(exemplar, alpha, significant) if fields is None else fields
+    field, step = fields.field, fields.flat.step
 
     def rated(vectors: NDArray[np.float64]) -> Rated:
         reach = reach_of(field, vectors, MOST_MULTIPLES)

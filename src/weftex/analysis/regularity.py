@@ -1,4 +1,4 @@
-"""How near-regular a sample is: how well it lies upon itself when it is shifted."""
+"""Regularity: how well a sample matches itself when it is shifted."""
 
 from __future__ import annotations
 
@@ -14,46 +14,16 @@ if TYPE_CHECKING:
 
 
 def regularity(exemplar: Exemplar) -> float:
-    """Return how far a sample repeats itself at some distance, from 0 to 1.
+    """Return how well a sample repeats at some shift of up to half its sides, from 0 to 1.
 
-    The sample without slow lighting is laid upon itself with every shift of up to half its sides
-    (see `autocorrelation`). One that repeats comes back to a high correlation after it has fallen
-    on the way there. The result is the highest such return: the correlation at a shift, less the
-    lowest on the straight way to it where that is above 0. So lines that go on and slow changes do
-    not count, however well they correlate.
-
-    Some shift always fits best, so a sample without any order has 0.1 to 0.3; a small one that
-    shows few things has more. Brick walls, cloth and tiles have 0.6 to 0.9.
-
-    Parameters
-    ----------
-    exemplar : Exemplar
-        The sample; a mask may leave out parts of it.
-
-    Returns
-    -------
-    float
-        Rounded to hundredths, so that it is the same on every machine; 0 for a constant sample.
-
-    Examples
-    --------
-    >>> import numpy as np
-    >>> from weftex.exemplar import Exemplar
-    >>> tile = np.random.default_rng(0).integers(0, 255, (12, 16), np.uint8)
-    >>> regularity(Exemplar(np.tile(tile, (4, 4))))
-    1.0
+    The correlation at a shift, less the lowest on the straight way to it where that is above 0, so
+    long lines and slow changes do not count. Irregular samples have 0.1 to 0.3, bricks 0.6 to 0.9.
     """
     return round(min(highest_return(autocorrelation(exemplar)), 1.0), 2)
 
 
 def highest_return(correlation: NDArray[np.float64]) -> float:
-    """How high a correlation comes back above the lowest on the straight way, at any shift.
-
-    Parameters
-    ----------
-    correlation : float64 array (2 * m + 1, 2 * n + 1)
-        The same at opposite shifts, no shift in the middle.
-    """
+    """Return the highest correlation at any shift above the lowest on the straight way to it."""
     middle, center = correlation.shape[0] // 2, correlation.shape[1] // 2
     half = correlation[middle:]  # the other one is its mirror image
     around = np.pad(correlation, 1, constant_values=-np.inf)[middle:]
@@ -76,29 +46,10 @@ def highest_return(correlation: NDArray[np.float64]) -> float:
 
 
 def autocorrelation(exemplar: Exemplar) -> NDArray[np.float64]:
-    """Correlate a sample with itself at every shift of up to half its sides.
+    """Return the correlation of a sample with itself at every shift of up to half its sides.
 
-    Slow lighting is taken off first. At each shift the products of what overlaps are summed over
-    all channels and divided by the mean of the two parts' energies, so that it is 1 where the parts
-    are equal and never more.
-
-    Parameters
-    ----------
-    exemplar : Exemplar
-        The sample.
-
-    Returns
-    -------
-    float64 array (2 * (H // 2) + 1, 2 * (W // 2) + 1)
-        From -1 to 1, no shift in the middle; 0 where nothing overlaps or varies.
-
-    Examples
-    --------
-    >>> import numpy as np
-    >>> from weftex.exemplar import Exemplar
-    >>> stripes = np.tile(np.array([0, 0, 9, 9], np.uint8), (8, 8))
-    >>> autocorrelation(Exemplar(stripes))[4, 16:21:2].round(1).tolist()
-    [1.0, -1.0, 1.0]
+    Slow lighting is removed first. Products of the overlap are divided by the mean of the two
+    parts' energies, so it is 1 where the parts are equal and never more.
     """
     flat = relief(exemplar)
     height, width = flat.usable.shape

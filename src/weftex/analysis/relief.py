@@ -1,4 +1,4 @@
-"""What the analyses look at: the sample's levels without slow lighting."""
+"""The sample's levels without slow lighting, which all analyses use."""
 
 from __future__ import annotations
 
@@ -14,53 +14,23 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
 _LARGEST_SIDE = 1024  # pixels a side; more are averaged together first
-#: Scale, lattice, regularity and evenness of one sample all look at the same.
+#: Cached, as scale, lattice, regularity and evenness of one sample use the same.
 _TAKEN: WeakKeyDictionary[Exemplar, Relief] = WeakKeyDictionary()
 
 
 @dataclass(frozen=True, eq=False)
 class Relief:
-    """Levels around a smooth surface.
+    """Levels less a smooth surface; read-only."""
 
-    Attributes
-    ----------
-    levels : float64 array (K, h, w)
-        The bytes of `Exemplar.matching` less the quadratic surface nearest to them; 0 where the
-        sample may not be used.
-    usable : float64 array (h, w)
-        Share of usable pixels, from 0 to 1.
-    step : int
-        Pixels of the sample to one here.
-    """
-
-    levels: NDArray[np.float64]
-    usable: NDArray[np.float64]
-    step: int
+    levels: NDArray[np.float64]  # (K, h, w); 0 where the sample may not be used
+    usable: NDArray[np.float64]  # (h, w): share of usable pixels
+    step: int  # pixels of the sample to one here
 
 
 def relief(exemplar: Exemplar) -> Relief:
-    """Take slow lighting off a sample: a quadratic surface, fitted to each channel.
+    """Return a sample less slow lighting, a quadratic surface fitted to each channel.
 
-    What lies outside the box around the usable pixels is cut off. Samples larger than 1024 pixels
-    are averaged over squares of step x step pixels, so structure of a few steps is lost in them.
-
-    Parameters
-    ----------
-    exemplar : Exemplar
-        The sample.
-
-    Returns
-    -------
-    Relief
-        Not to be changed: it is taken once from each sample.
-
-    Examples
-    --------
-    >>> import numpy as np
-    >>> from weftex.exemplar import Exemplar
-    >>> ramp = np.add.outer(np.arange(20), 2 * np.arange(30)).astype(np.uint8)
-    >>> bool(abs(relief(Exemplar(ramp)).levels).max() < 1e-9)
-    True
+    Cropped to the box around the usable pixels; larger than 1024 pixels, averaged over squares.
     """
     if exemplar not in _TAKEN:
         found = _taken(exemplar)
@@ -102,24 +72,7 @@ def _taken(exemplar: Exemplar) -> Relief:
 
 
 def mixed(levels: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Return the mixture of channels that varies most.
-
-    Parameters
-    ----------
-    levels : float64 array (K, h, w)
-        Around 0.
-
-    Returns
-    -------
-    float64 array (h, w)
-        Dark where most channels are dark.
-
-    Examples
-    --------
-    >>> red = np.array([[3.0, -3.0]])
-    >>> mixed(np.stack([red, 0 * red])).tolist()
-    [[3.0, -3.0]]
-    """
+    """Return the mixture of channels that varies most, dark where most channels are dark."""
     alike = [[np.einsum("yx,yx->", one, other) for other in levels] for one in levels]
     shares = np.linalg.eigh(alike)[1][:, -1]
     result: NDArray[np.float64] = np.zeros(levels.shape[1:])
@@ -129,14 +82,7 @@ def mixed(levels: NDArray[np.float64]) -> NDArray[np.float64]:
 
 
 def maps_alone(exemplar: Exemplar) -> Exemplar | None:
-    """Return a sample's maps, as they are matched, without its own pixels; None if it has none.
-
-    Examples
-    --------
-    >>> flat = np.zeros((8, 8, 3), np.uint8)
-    >>> maps_alone(Exemplar(flat, maps={"normal": flat, "ao": flat[..., 0]})).channels
-    4
-    """
+    """Return a sample's maps, as they are matched, without its own pixels; None if it has none."""
     levels = exemplar.matching()[..., exemplar.channels :]
     if not levels.shape[2]:
         return None
@@ -144,7 +90,7 @@ def maps_alone(exemplar: Exemplar) -> Exemplar | None:
 
 
 def means(values: NDArray[Any], step: int) -> NDArray[np.float64]:
-    """Means over squares of step x step of the last two axes; those not whole are left out."""
+    """Return means over whole squares of step x step of the last two axes."""
     if step == 1:
         return values.astype(np.float64)
     *first, height, width = values.shape
@@ -168,20 +114,7 @@ def _moments(
 
 
 def smaller_copy(exemplar: Exemplar, largest: int) -> tuple[Exemplar, int]:
-    """Average a sample down until it has at most so many pixels a side.
-
-    Parameters
-    ----------
-    exemplar : Exemplar
-        The sample.
-    largest : int
-        Pixels a side.
-
-    Returns
-    -------
-    Exemplar, int
-        The sample itself, or a copy of what distances are taken on; and how many times smaller.
-    """
+    """Return a sample averaged to at most `largest` pixels a side, and how many times smaller."""
     step = -(-max(exemplar.shape) // largest)
     if step == 1:
         return exemplar, 1

@@ -1,8 +1,8 @@
-"""Rows: the period of a sample that repeats along one direction only, such as boards or courses.
+"""Rows: the period of a sample that repeats along one direction only, as boards or courses do.
 
-Along a row anything may happen, so the autocorrelation has ridges and no peaks. Its mean along
-lines of one direction leaves the ridges. Rows are those of the direction and distance at which
-the ridges stand highest above what is half and a third of the way between them.
+Along a row nothing repeats, so the autocorrelation has ridges and no peaks. Its mean along lines
+of one direction leaves the ridges. The rows have the direction and distance at which the ridges
+are highest above the places half and a third of the way between them.
 """
 
 from __future__ import annotations
@@ -37,20 +37,7 @@ _HIGHER = 0.8  # of its height: the most that every second ridge lies above the 
 
 
 def find_rows(flat: Relief) -> tuple[Floats, float] | None:
-    """Find the vector from one row to the next, and how far its ridges stand out.
-
-    Parameters
-    ----------
-    flat : Relief
-        The sample without slow lighting. Its edges, which thin joints are seen by, count as much
-        as its levels.
-
-    Returns
-    -------
-    (float64 array (2,), float) or None
-        The vector (x, y), across the rows, and its contrast less what chance explains; None for a
-        sample that is too small or constant.
-    """
+    """Find the vector from one row to the next, and how far its ridges stand out."""
     height, width = flat.usable.shape
     reach = int(_REACH * min(height, width))
     if (reach - 1) / _FEWEST <= _CLOSEST:
@@ -73,13 +60,6 @@ def ridges(correlation: Floats, vector: Floats) -> tuple[float, int]:
     """How far the ridges of rows stand out of a correlation, but for the highest; and how many.
 
     Rows of many heights have some ridges by chance, which are not at all multiples.
-
-    Parameters
-    ----------
-    correlation : float64 array (2 * H - 1, 2 * W - 1)
-        No shift in the middle; of the whitened sample, whose ridges are narrow.
-    vector : float64 array (2,)
-        From one row to the next.
     """
     reach = int(_REACH * min(side // 2 + 1 for side in correlation.shape))
     angle = np.arctan2(-vector[0], vector[1])

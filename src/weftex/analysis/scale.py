@@ -89,38 +89,14 @@ class DominantScale:
         return 2 * max(1, round(self.scale)) + 1
 
 
-#: Windows, seed points, patches and belts of one sample all hang on its scale.
+#: Cached, as windows, seed points, patches and belts of one sample depend on its scale.
 _ESTIMATED: WeakKeyDictionary[Exemplar, DominantScale] = WeakKeyDictionary()
 
 
 def dominant_scale(
     exemplar: Exemplar, lattice: Lattice | Literal["find"] | None = "find"
 ) -> DominantScale:
-    """Estimate the scale of the dominant structure: pebbles' size, bricks' or threads' distance.
-
-    Parameters
-    ----------
-    exemplar : Exemplar
-        The sample, of any size and aspect; its mask may leave out parts of it.
-    lattice : Lattice, None or "find"
-        Its lattice, as `weftex.analysis.lattice.find_lattice` found it; None where it has none.
-
-    Returns
-    -------
-    DominantScale
-        The same on every machine: transforms round differently, but powers within a millionth of
-        the highest are equal here, and of equal peaks the coarsest is taken.
-
-    Examples
-    --------
-    >>> import numpy as np
-    >>> from weftex.exemplar import Exemplar
-    >>> x = np.arange(128)
-    >>> stripes = np.tile(np.rint(127 + 100 * np.sin(x * 2 * np.pi / 16)), (96, 1))
-    >>> found = dominant_scale(Exemplar(stripes.astype(np.uint8)))
-    >>> abs(found.scale - 16) < 0.5 and found.confidence > 0.9
-    True
-    """
+    """Estimate the scale of the dominant structure: pebbles' size, bricks' or threads' distance."""
     if lattice != "find":
         return _estimated(exemplar, lattice)
     if exemplar not in _ESTIMATED:
@@ -159,16 +135,16 @@ def _estimated(exemplar: Exemplar, lattice: Lattice | Literal["find"] | None) ->
 
 
 def _found(exemplar: Exemplar) -> Lattice | None:
-    """The lattice; most samples do not come back to themselves, and need none of its modules."""
+    """Return the lattice; imported late, as most samples have none."""
     from weftex.analysis.lattice import find_lattice
 
     return find_lattice(exemplar)
 
 
 def _returns(correlation: Floats, shape: tuple[int, ...]) -> bool:
-    """Whether the sample comes back to itself at some shift, as with a lattice (see `regularity`).
+    """Return whether the sample matches itself at some shift (see `regularity`).
 
-    The correlation is of the faded sample, so it falls as its fading does.
+    The correlation of the faded sample is divided by that of its fading.
     """
     fading = [np.sin(np.pi * (np.arange(n) + 0.5) / n) ** 2 for n in shape]
     falls = [
@@ -183,7 +159,7 @@ def _returns(correlation: Floats, shape: tuple[int, ...]) -> bool:
 
 
 def _period(lattice: Lattice, spectrum: Floats, flat: Relief) -> float:
-    """The distance of the lattice's lines, of those lines that hold the most power."""
+    """Return the distance of those lines of the lattice that have the most power."""
     vectors = np.array(lattice.vectors)
     if len(vectors) == 1:
         return float(np.hypot(*vectors[0]))
@@ -207,7 +183,7 @@ def _period(lattice: Lattice, spectrum: Floats, flat: Relief) -> float:
 def _strongest(
     power: Floats, background: Floats, places: Floats, looked_at: NDArray[np.bool_]
 ) -> tuple[float, float]:
-    """Waves to the side of the strongest ring, and what neither the rest nor chance explains."""
+    """Return waves a side of the strongest ring, and its power beyond background and chance."""
     peak = looked_at & (power >= np.roll(power, 1)) & (power > np.roll(power, -1))
     if not peak.any():
         return 0.0, 0.0
@@ -220,7 +196,7 @@ def _strongest(
 
 
 def _fall(correlation: Floats) -> Floats:
-    """Mean correlation at each distance from no shift."""
+    """Return the mean correlation at each distance from no shift."""
     height, width = correlation.shape
     y, x = np.ogrid[-(height // 2) : height - height // 2, -(width // 2) : width - width // 2]
     distance = np.rint(np.hypot(y, x)).astype(np.int64).ravel()
@@ -231,14 +207,14 @@ def _fall(correlation: Floats) -> Floats:
 
 
 def _padded(flat: Relief) -> tuple[int, int]:
-    """Rings need places as dense along the shorter side: zeros beside the picture."""
+    """Return the size with zeros added, so that rings are as dense along the shorter side."""
     height, width = flat.usable.shape
     side = max(height, width)
     return min(side, 2 * height), min(side, 2 * width)
 
 
 def _ring_power(flat: Relief) -> tuple[Floats, Floats, Floats]:
-    """P(r) for r = 0, 0.1, 0.2 ... of all channels, from how many places; and the power of each."""
+    """Return P(r) for r = 0, 0.1, 0.2 ..., the number of places of each, and the spectrum."""
     height, width = flat.usable.shape
     side = max(height, width)  # the paper's N
     rows, columns = _padded(flat)
@@ -270,7 +246,7 @@ def _ring_power(flat: Relief) -> tuple[Floats, Floats, Floats]:
 
 
 def _octave_medians(power: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Median power from half to twice each radius; ten times an octave, and in a line between."""
+    """Return the median power from half to twice each radius, interpolated between tenths."""
     count = len(power)
     octaves = np.arange(0, np.log2(count) + 0.1, 0.1)
     # Not np.unique, which loads masked arrays.

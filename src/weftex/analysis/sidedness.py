@@ -1,8 +1,8 @@
-"""Whether a material has a way up: light from one side, drips, grass that grows.
+"""Whether a material has a fixed orientation: light from one side, drips, grass that grows.
 
-Upside down, every difference of two pixels has the other sign. So of a sample that looks as right
-upside down, differences in any direction are as often large upwards as downwards; stones lit from
-one side have few steep bright edges there, and many soft dark ones beyond.
+Upside down, every difference of two pixels changes its sign. So a sample that looks the same
+upside down has differences without skew in any direction; stones lit from one side have few steep
+bright edges on that side, and many soft dark ones on the other.
 """
 
 from __future__ import annotations
@@ -25,30 +25,7 @@ _SHIFTS = [(0, 2), (1, 2), (2, 2), (2, 1), (2, 0), (2, -1), (2, -2), (1, -2)]
 
 
 def sidedness(exemplar: Exemplar) -> float:
-    """Measure how far a sample is from looking the same upside down.
-
-    Parameters
-    ----------
-    exemplar : Exemplar
-        The sample; a mask may leave out parts of it.
-
-    Returns
-    -------
-    float
-        The largest skewness of differences in any direction, of cubes over those of sizes, mean of
-        single pixels and of means of 2x2: 0 of what has no way up, 1 of edges all of one sign.
-        Rounded to hundredths, so that it is the same on every machine.
-
-    Examples
-    --------
-    >>> from weftex.exemplar import Exemplar
-    >>> noise = np.random.default_rng(0).integers(0, 256, (96, 96)).astype(np.uint8)
-    >>> sidedness(Exemplar(noise)) < 0.05
-    True
-    >>> steps = np.arange(96)[:, None] % 12 * np.ones(96) * 20  # bright below, and a steep edge
-    >>> sidedness(Exemplar(steps.astype(np.uint8))) > 0.5
-    True
-    """
+    """Return how far a sample is from looking the same upside down: the skew of differences."""
     flat = relief(exemplar)
     levels, usable = flat.levels.mean(axis=0), flat.usable > 0
     skews = np.zeros(len(_SHIFTS))
@@ -63,7 +40,7 @@ def sidedness(exemplar: Exemplar) -> float:
 
 
 def _skew(levels: Floats, usable: NDArray[np.bool_], shift: tuple[int, int]) -> float:
-    """Of the differences of two pixels that are usable."""
+    """Return the skew of the differences of usable pixels."""
     height, width = levels.shape
     down, along = shift
     one = np.s_[: height - down, max(0, -along) : width - max(0, along)]

@@ -1,4 +1,4 @@
-"""How large the things in a sample are, where nothing repeats: stones, leaves, blades, stains.
+"""Feature size: how large stones, leaves, blades or stains are where nothing repeats.
 
 Two measures that fail on different materials, and their geometric mean:
 
@@ -36,22 +36,7 @@ _SUREST = 0.95
 
 
 def size_of_things(flat: Relief, fall: Floats) -> tuple[float, float]:
-    """Return the size of the things in a sample in pixels of the relief, and how sure it is.
-
-    Parameters
-    ----------
-    flat : Relief
-        The sample without slow lighting; it must vary.
-    fall : float64 array (n,)
-        Its correlation with itself at distances 0, 1, 2 ..., in the mean over all directions.
-
-    Returns
-    -------
-    (float, float)
-        The size; and about the share of samples in which it is within a quarter of what a person
-        reads. Where the correlation falls fast and then slowly, there are things of several sizes,
-        and any of them may be meant.
-    """
+    """Return the size of the features in a sample in pixels of the relief, and its confidence."""
     length, width = distance_at(fall, float(np.exp(-1))), _width(_bytes(flat))
     straight = distance_at(fall, 0.5) / max(distance_at(fall, 0.25), 1e-9)
     sure = (straight - _MANY) / (0.8 * _ONE_SIZE - _MANY)
@@ -60,7 +45,7 @@ def size_of_things(flat: Relief, fall: Floats) -> tuple[float, float]:
 
 
 def distance_at(fall: Floats, value: float) -> float:
-    """The distance at which a curve first falls below a value; its end where it does not.
+    """Return the distance at which a curve first falls below a value, or its end.
 
     >>> distance_at(np.array([1.0, 0.8, 0.4, 0.0]), 0.6)
     1.5
@@ -73,14 +58,14 @@ def distance_at(fall: Floats, value: float) -> float:
 
 
 def _bytes(flat: Relief) -> NDArray[np.uint8]:
-    """The mixture of channels that varies most, with one contrast for all samples."""
+    """Return the mixture of channels that varies most, at one contrast for all samples."""
     levels = mixed(flat.levels)
     levels *= _CONTRAST / max(float(levels.std()), 1e-12)
     return np.clip(np.rint(levels + 127.5), 0, 255).astype(np.uint8)
 
 
 def _width(levels: NDArray[np.uint8]) -> float:
-    """The width of the bright things or of the dark ones, whichever is greater; 0 without any."""
+    """Return the width of the bright or of the dark features, the greater; 0 without any."""
     widest = min(levels.shape) // 2
     sizes = sorted(size for k in range(16) for size in (2 << k, 3 << k) if size <= widest)
     octaves = np.log2([1, *sizes])
@@ -101,7 +86,7 @@ def _width(levels: NDArray[np.uint8]) -> float:
 
 
 def _over_squares(levels: NDArray[np.uint8], size: int, pick: np.ufunc) -> NDArray[np.uint8]:
-    """Extremes over all squares of so many pixels a side."""
+    """Return extremes over all squares of `size` pixels a side."""
     reach = 1
     while reach < size:
         by = min(reach, size - reach)
@@ -110,7 +95,7 @@ def _over_squares(levels: NDArray[np.uint8], size: int, pick: np.ufunc) -> NDArr
 
 
 def _extremes(levels: NDArray[np.uint8], by: int, pick: np.ufunc) -> NDArray[np.uint8]:
-    """Of each place and those so far to the right, below, and both."""
+    """Return the extreme of each pixel and those `by` to the right, below, and both."""
     across: NDArray[np.uint8] = pick(levels[:, :-by], levels[:, by:])
     found: NDArray[np.uint8] = pick(across[:-by], across[by:])
     return found

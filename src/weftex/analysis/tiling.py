@@ -7,38 +7,16 @@ import numpy as np
 from weftex.exemplar import Exemplar
 from weftex.raster.medians import median
 
-#: A border step of up to so many times those inside is no seam.
+#: Up to this many times the steps inside, a border step is no seam.
 SEAMLESS = 1.5
 _STRIP = 256  # lines that are read at a time, for little memory
 
 
 def border_steps(exemplar: Exemplar) -> tuple[float, float]:
-    """Return how much more a sample changes across its border than inside.
+    """Return the step across the border over the steps inside, downwards and to the right.
 
-    The step from one row to the next is the mean squared difference of their pixels. The step from
-    the last row back to the first is divided by the median of all others, or by that before or
-    after it where one of them is larger: the border may run along a joint.
-
-    Parameters
-    ----------
-    exemplar : Exemplar
-        The sample; pairs with a pixel that its mask leaves out do not count.
-
-    Returns
-    -------
-    (float, float)
-        From bottom to top and from right to left, rounded to hundredths. About 1 where the sample
-        tiles, mostly 3 and more where it does not, 0 where both sides are equal. Of the borders
-        of tiles that weftex made 19 in 20 are below `SEAMLESS`, of those of crops of photos one in
-        seven, where both sides happen to meet or a crop ends in a joint.
-
-    Examples
-    --------
-    >>> import numpy as np
-    >>> waves = np.sin(np.arange(64) * 2 * np.pi / 16)
-    >>> sample = np.tile(np.rint(127 + 100 * waves), (40, 1)).astype(np.uint8)
-    >>> border_steps(Exemplar(sample))[1] <= SEAMLESS < border_steps(Exemplar(sample[:, :60]))[1]
-    True
+    A step is the mean squared difference of neighboring lines. The step at the border is divided
+    by the median of the others, or by the first or last where larger, as on a joint.
     """
     levels = exemplar.matching()
     usable = np.ones(exemplar.shape, bool) if exemplar.mask is None else exemplar.mask

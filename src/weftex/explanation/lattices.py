@@ -6,9 +6,9 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from weftex.analysis.autocorrelations import autocorrelations
 from weftex.analysis.canvas_lattice import given_lattice
 from weftex.analysis.overlay import draw_correlation, draw_lattice
-from weftex.analysis.views import views
 from weftex.explanation.drawing import colors, enlarged, framed, heat, made
 from weftex.explanation.stages import Stage
 from weftex.methods.lattices.mean_tile import MeanTile
@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 
 def lattice_stages(exemplar: Exemplar, vectors: tuple[float, ...]) -> list[Stage]:
     """The correlation that the lattice was found in, the lattice, and the mean tile."""
-    seen = views(exemplar)
+    seen = autocorrelations(exemplar)
     stages = [
         Stage(
             "correlation",

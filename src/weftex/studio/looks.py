@@ -16,8 +16,8 @@ from weftex.tasks.analyze import analyze
 from weftex.tasks.auto import Auto, AutoModel
 
 if TYPE_CHECKING:
+    from weftex.analysis.autocorrelations import Autocorrelations
     from weftex.analysis.ratings import Rated
-    from weftex.analysis.views import Views
     from weftex.choice import Choice
     from weftex.exemplar import Exemplar
     from weftex.studio.making import Bench
@@ -103,9 +103,9 @@ def rate(loaded: Loaded, vectors: str, bench: Bench) -> dict[str, Any]:
     InvalidInputError
         If it is none of the sample.
     """
+    from weftex.analysis.autocorrelations import autocorrelations
     from weftex.analysis.goodness import ALPHA, SIGNIFICANT
     from weftex.analysis.ratings import rate_lattices
-    from weftex.analysis.views import views
     from weftex.tasks.analyze import given_lattice
 
     if not vectors:
@@ -116,11 +116,13 @@ def rate(loaded: Loaded, vectors: str, bench: Bench) -> dict[str, Any]:
     given = given_lattice(vectors, exemplar)
     rule: dict[str, Any] = {"goodness": "contrast", "alpha": ALPHA, "significant": SIGNIFICANT}
 
-    def see() -> tuple[Views, int]:
-        return views(exemplar, ALPHA, SIGNIFICANT), 64 * exemplar.shape[0] * exemplar.shape[1]
+    def see() -> tuple[Autocorrelations, int]:
+        return autocorrelations(exemplar, ALPHA, SIGNIFICANT), 64 * exemplar.shape[
+            0
+        ] * exemplar.shape[1]
 
     seen = bench.memory.find((bench.session.key, "views", loaded.id), see)
-    rated = rate_lattices(exemplar, given, **rule, runners_up=0, seen=seen)[0]
+    rated = rate_lattices(exemplar, given, **rule, runners_up=0, fields=seen)[0]
     return _lattice(exemplar, given, rated)
 
 

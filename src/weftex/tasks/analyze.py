@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from weftex.analysis import canvas_lattice
+from weftex.analysis.autocorrelations import autocorrelations
 from weftex.analysis.courses import courses
 from weftex.analysis.evenness import Evenness
 from weftex.analysis.goodness import ALPHA, SIGNIFICANT, check_rule
@@ -19,7 +20,6 @@ from weftex.analysis.ratings import Rated, rate_lattices
 from weftex.analysis.regularity import regularity
 from weftex.analysis.scale import DominantScale, dominant_scale
 from weftex.analysis.tiling import SEAMLESS, border_steps
-from weftex.analysis.views import views
 from weftex.choice import Choice
 from weftex.errors import InvalidInputError
 from weftex.loading import load_exemplar
@@ -28,7 +28,7 @@ from weftex.parameters import numbers_of
 from weftex.tasks.auto import Auto
 
 if TYPE_CHECKING:
-    from weftex.analysis.views import Views
+    from weftex.analysis.autocorrelations import Autocorrelations
     from weftex.exemplar import Exemplar
     from weftex.loading import Sample
 
@@ -258,7 +258,7 @@ def analyze(
     down, right = border_steps(exemplar)
     model = Auto().fit_exemplar(exemplar)
     look = model.findings
-    seen = views(exemplar, alpha, significant)
+    seen = autocorrelations(exemplar, alpha, significant)
     usual = (goodness, alpha, significant) == ("contrast", ALPHA, SIGNIFICANT)
     own = look.lattice if usual and look.exact else lattice_in(seen, goodness)
     found = dominant_scale(exemplar, own)
@@ -304,14 +304,14 @@ def _rate(
     lattices: tuple[Lattice | None, Lattice | None],
     rule: dict[str, Any],
     runners_up: int,
-    seen: Views,
+    seen: Autocorrelations,
 ) -> Ratings:
     """Rate the sample's own lattice and the given one."""
     own, given = lattices
-    found, others = rate_lattices(exemplar, own, **rule, runners_up=runners_up, seen=seen)
+    found, others = rate_lattices(exemplar, own, **rule, runners_up=runners_up, fields=seen)
     asked = None
     if given is not None:
-        asked = rate_lattices(exemplar, given, **rule, runners_up=0, seen=seen)[0]
+        asked = rate_lattices(exemplar, given, **rule, runners_up=0, fields=seen)[0]
     return Ratings(**rule, found=found, given=asked, runners_up=others)
 
 

@@ -9,14 +9,13 @@ import numpy as np
 import pytest
 
 from analysis.test_lattice import smooth
-from weftex.analysis.candidates import better, pairs_seen
+from weftex.analysis.autocorrelations import autocorrelations, whitened
+from weftex.analysis.candidates import better_pair, pair_candidates
 from weftex.analysis.correlation import correlate
 from weftex.analysis.evidence import PAIRS, SUREST, Evidence
 from weftex.analysis.lattice import Lattice, find_lattice
 from weftex.analysis.relief import Relief, relief
 from weftex.analysis.rows import find_rows, ridges
-from weftex.analysis.views import views
-from weftex.analysis.whitening import whitened
 from weftex.exemplar import Exemplar
 
 sys.path.insert(0, str(Path(__file__).parents[2] / "benchmarks"))
@@ -49,9 +48,9 @@ def test_a_mesh_is_narrow_before_stones(rng):
     sample = Exemplar(np.clip(128 + levels + rng.normal(0, 4, levels.shape), 0, 255))
     found = find_lattice(sample)
     assert found is not None and found.same_as(Lattice(((27, 0), (0, 32))), 0.03)
-    seen = relief(sample)
-    white, chance = whitened(seen)
-    own = correlate(seen.levels[0])
+    fields = relief(sample)
+    white, chance = whitened(fields)
+    own = correlate(fields.levels[0])
 
     def stands_out(correlation):
         around = correlation[159 + 32 - 6 : 159 + 32 + 7, 159 + 27 - 6 : 159 + 27 + 7]
@@ -107,7 +106,7 @@ def test_confidence_grows_with_either_figure():
 
 
 def test_the_clearer_pair_is_taken_if_it_has_half_of_the_contrast(rng):
-    seen = views(Exemplar(rng.integers(0, 256, (64, 64), np.uint8)))
+    fields = autocorrelations(Exemplar(rng.integers(0, 256, (64, 64), np.uint8)))
     strong, clear = (
         Evidence(np.array(vectors, np.float64), contrast, sure, 9)
         for vectors, contrast, sure in (
@@ -115,10 +114,10 @@ def test_the_clearer_pair_is_taken_if_it_has_half_of_the_contrast(rng):
             (((7, 1), (0, 9)), 0.1, 5.0),
         )
     )
-    assert better(seen, []) is None and better(seen, [clear]) is clear
-    assert better(seen, [strong, clear]) is strong
+    assert better_pair(fields, []) is None and better_pair(fields, [clear]) is clear
+    assert better_pair(fields, [strong, clear]) is strong
     half = Evidence(clear.vectors, 0.15, 5.0, 9)
-    assert better(seen, [strong, half]) is half
+    assert better_pair(fields, [strong, half]) is half
     same = Evidence(strong.vectors + 0.01, 0.3, 5.0, 9)
-    assert better(seen, [strong, same]) is strong
-    assert len(pairs_seen(seen, "height")) <= 1
+    assert better_pair(fields, [strong, same]) is strong
+    assert len(pair_candidates(fields, "height")) <= 1

@@ -1,28 +1,32 @@
-"""The correlation of a sample in which near frequencies have equal power.
+"""The autocorrelations in which a sample's lattice is searched: as it is, and whitened.
 
 Stones behind a wire mesh, and courses over the joints within them, have most of the power of a
-sample, and their broad bumps hide the narrow peaks of what repeats. A lattice has its power in
-single frequencies, far above those around them. So the power spectrum is divided by itself,
-smoothed: what is left of anything that does not repeat is noise of one strength, and chance can be
-told by it.
+sample, and their broad peaks hide the narrow peaks of a lattice. A lattice has its power in single
+frequencies, far above those around them. So the whitened power spectrum is divided by its own
+smoothed version: anything that does not repeat leaves noise of one strength, which measures chance.
 """
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
 
-from weftex.analysis.correlation import power_of, wrapped_length
+from weftex.analysis.correlation import correlate, correlation_and_power, power_of, wrapped_length
+from weftex.analysis.goodness import ALPHA, SIGNIFICANT, Field
+from weftex.analysis.peaks import find_peaks
+from weftex.analysis.relief import Relief, relief
 from weftex.raster.medians import median
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-    from weftex.analysis.relief import Relief
+    from weftex.exemplar import Exemplar
 
     Floats = NDArray[np.float64]
 
+_SIGMAS = 3.0  # standard errors of one multiple that count as chance
 _NEAR = 6.0  # waves to the sample's side: the Gaussian that a spectrum is smoothed by
 _FINEST = 0.25  # waves a pixel, from which on frequencies count less than 1/e
 _LEAST = 0.02  # of the sample, that must overlap
@@ -30,31 +34,33 @@ _ENOUGH = 0.2  # the same, where chance is measured
 _EMPTY = 1e-9  # of the highest power; less is rounding
 
 
+@dataclass(frozen=True, eq=False)
+class Autocorrelations:
+    """A sample without slow lighting, its correlation, the whitened one, and chance in that."""
+
+    flat: Relief
+    field: Field
+    white: Field
+    chance: float
+
+
+def autocorrelations(
+    exemplar: Exemplar, alpha: float = ALPHA, significant: float = SIGNIFICANT
+) -> Autocorrelations:
+    """Return the autocorrelations of a sample; alpha and significant as for `find_lattice`."""
+    flat = relief(exemplar)
+    usable, power = flat.usable >= 0.5, None
+    if usable.all():
+        own, power = correlation_and_power(flat.levels)
+    else:
+        own = correlate(np.moveaxis(flat.levels, 0, 2), first_mask=usable)
+    even, chance = whitened(flat, power)
+    white = Field(even, find_peaks(even), alpha, significant, _SIGMAS * chance)
+    return Autocorrelations(flat, Field(own, find_peaks(own), alpha, significant), white, chance)
+
+
 def whitened(flat: Relief, power: Floats | None = None) -> tuple[Floats, float]:
-    """Correlate a sample with itself, all frequencies being as strong as those around them.
-
-    Parameters
-    ----------
-    flat : Relief
-        The sample without slow lighting.
-    power : float64 array, optional
-        What `correlation_and_power` says of its levels, if that is at hand. It is changed.
-
-    Returns
-    -------
-    (float64 array (2 * H - 1, 2 * W - 1), float)
-        The correlation, 1 in the middle, which is no shift; 0 where less than a fiftieth of the
-        sample overlaps, and everywhere if it is constant. And its spread by chance, of a shift at
-        which the whole sample overlaps: it grows as one over the root of the overlap.
-
-    Examples
-    --------
-    >>> from weftex.analysis.relief import Relief
-    >>> noise = np.random.default_rng(0).normal(size=(1, 90, 90))
-    >>> correlation, chance = whitened(Relief(noise, np.ones((90, 90)), 1))
-    >>> correlation.shape, chance < 0.05
-    ((179, 179), True)
-    """
+    """Correlate a sample with itself, all frequencies being as strong as those around them."""
     height, width = flat.usable.shape
     size = wrapped_length(2 * height - 1), wrapped_length(2 * width - 1)
     if power is None:
