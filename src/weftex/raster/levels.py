@@ -66,15 +66,7 @@ def edges_of(values: NDArray[np.uint8], weight: float) -> NDArray[np.uint8]:
 
 
 def scale_between(shape: tuple[int, ...], other: tuple[int, ...]) -> Fraction | int | None:
-    """Return how many pixels of a picture lie along one of another: an integer or 1 / integer.
-
-    Examples
-    --------
-    >>> scale_between((20, 30), (10, 15)), scale_between((5, 5), (10, 10))
-    (2, Fraction(1, 2))
-    >>> scale_between((15, 15), (10, 10)), scale_between((20, 10), (10, 10))
-    (None, None)
-    """
+    """Pixels of one picture per pixel of another: an integer or 1 / integer, else None."""
     height, width, times = *shape[:2], shape[0] // other[0]
     if times and (height, width) == (times * other[0], times * other[1]):
         return times
@@ -85,15 +77,7 @@ def scale_between(shape: tuple[int, ...], other: tuple[int, ...]) -> Fraction | 
 
 
 def resized(pixels: NDArray[Any], scale: Fraction | float) -> NDArray[Any]:
-    """Return pixels at an integer multiple of their size, repeated, or a fraction of it, as means.
-
-    Examples
-    --------
-    >>> resized(np.array([[1, 2], [4, 4]], np.uint8), 0.5).tolist()
-    [[3]]
-    >>> resized(np.array([[1, 2]], np.uint8), 2).tolist()
-    [[1, 1, 2, 2], [1, 1, 2, 2]]
-    """
+    """Pixels repeated to an integer multiple of their size, or averaged to a fraction of it."""
     if scale >= 1:
         return pixels if scale == 1 else pixels.repeat(int(scale), 0).repeat(int(scale), 1)
     side = round(1 / scale)

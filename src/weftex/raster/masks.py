@@ -11,13 +11,7 @@ if TYPE_CHECKING:
 
 
 def grown(mask: NDArray[np.bool_], steps: int, wrap: tuple[bool, bool]) -> NDArray[np.bool_]:
-    """Add all at most so many steps away along both axes, going around where they wrap.
-
-    Examples
-    --------
-    >>> grown(np.array([[True, False, False, False]]), 1, (False, True)).tolist()
-    [[True, True, False, True]]
-    """
+    """Dilate the mask by a square of `steps` pixels each way, across borders that wrap."""
     for axis in (0, 1):
         length = mask.shape[axis]
         reach = min(steps, length)
@@ -30,26 +24,9 @@ def grown(mask: NDArray[np.bool_], steps: int, wrap: tuple[bool, bool]) -> NDArr
 
 
 def peeled(unknown: NDArray[np.bool_], wrap: tuple[bool, bool]) -> list[NDArray[np.int32]]:
-    """Flat indices of unknown pixels in layers from what is known inwards.
+    """Flat indices of unknown pixels in layers from the known pixels inward; one if none is known.
 
-    Parameters
-    ----------
-    unknown : bool array (H, W)
-        What is to be made. If nothing is known it is all one layer.
-    wrap : (bool, bool)
-        Axes along which the canvas goes around.
-
-    Returns
-    -------
-    list of int32 arrays
-        Each pixel of a layer has one of the layer before, or a known one, beside, above or below
-        it. Within a layer in scan order.
-
-    Examples
-    --------
-    >>> unknown = np.array([[False, True, True, True, False]])
-    >>> [layer.tolist() for layer in peeled(unknown, (False, False))]
-    [[1, 3], [2]]
+    Each pixel has a 4-neighbor in the layer before or among the known; layers are in scan order.
     """
     found, left = [], unknown.copy()
     while left.any():
@@ -68,21 +45,7 @@ def peeled(unknown: NDArray[np.bool_], wrap: tuple[bool, bool]) -> list[NDArray[
 def squared_distance_to(
     mask: NDArray[np.bool_], most: int, wrap: tuple[bool, bool] = (False, False)
 ) -> NDArray[np.int64]:
-    """Squared distance of every pixel to the nearest True one, as far as `most` pixels.
-
-    Parameters
-    ----------
-    mask : bool array (H, W)
-    most : int
-        What is further away gets (most + 1)^2.
-    wrap : (bool, bool)
-        Whether the axes go around.
-
-    Examples
-    --------
-    >>> squared_distance_to(np.array([[True, False, False, False]]), 2).tolist()
-    [[0, 1, 4, 9]]
-    """
+    """Squared distance (H, W) to the nearest True pixel; (most + 1)^2 if farther than `most`."""
     far = (most + 1) ** 2
     kind = np.int32 if far < 2**30 else np.int64  # a sum of two squares must fit
     square = np.minimum(_distance_along(mask, most, wrap[1]).astype(kind) ** 2, far)
@@ -116,13 +79,7 @@ def _distance_along(mask: NDArray[np.bool_], most: int, wraps: bool) -> NDArray[
 
 
 def steps_to(mask: NDArray[np.bool_], most: int) -> NDArray[np.int32]:
-    """Steps of a king in chess to the nearest True pixel; `most + 1` if none is that near.
-
-    Examples
-    --------
-    >>> steps_to(np.array([[True, False, False, False]]), 2).tolist()
-    [[0, 1, 2, 3]]
-    """
+    """Chessboard distance to the nearest True pixel; `most + 1` if farther than `most`."""
     distance = np.where(mask, 0, most + 1).astype(np.int32)
     reached = mask
     for step in range(1, most + 1):

@@ -11,18 +11,7 @@ if TYPE_CHECKING:
 
 
 def median(values: NDArray[Any]) -> float:
-    """Return the middle of all values, or the mean of the two in the middle.
-
-    Parameters
-    ----------
-    values : array
-        Not empty, without NaN.
-
-    Examples
-    --------
-    >>> median(np.array([4.0, 1.0, 3.0])), median(np.array([4, 1, 3, 8]))
-    (3.0, 3.5)
-    """
+    """The median of all values of a non-empty array without NaN, without loading numpy.ma."""
     last = values.size // 2
     first = last - 1 + values.size % 2
     ordered = np.partition(values, (first, last), axis=None)

@@ -39,22 +39,9 @@ class Mixing(NamedTuple):
 
 
 def mixing_of(pixels: NDArray[Any], shows: str, alpha: bool) -> Mixing:
-    """Return how to mix the pixels of a picture.
+    """How to mix the pixels (H, W[, C]) of a picture whose kind is `shows`.
 
-    Parameters
-    ----------
-    pixels : array (H, W) or (H, W, C)
-    shows : str
-        One of `weftex.roles.KINDS`. A normal map has three channels or more, and vectors most of
-        which are about as long as 1; what has not is mixed like any other picture.
-    alpha : bool
-        The last channel is straight alpha.
-
-    Examples
-    --------
-    >>> up = np.broadcast_to(np.array([128, 128, 255], np.uint8), (8, 8, 3))
-    >>> mixing_of(up, "normal", False).kind.name, mixing_of(up, "color", False).kind.name
-    ('VECTORS', 'MEAN')
+    A normal map is mixed as vectors only if it has three channels and mostly unit vectors.
     """
     if shows == "labels":
         return Mixing(Kind.LABELS)

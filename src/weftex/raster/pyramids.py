@@ -25,24 +25,9 @@ _STARTS = ((0, 0), (0, 1), (1, 0), (1, 1))
 def gaussian_pyramid(
     pixels: NDArray[np.uint8], count: int, wrap: tuple[bool, bool] = (False, False)
 ) -> list[NDArray[np.uint8]]:
-    """Return `pixels` and its coarser versions, each half as high and wide, rounded up.
+    """`pixels` (H, W, K) and its coarser levels, each half the size, rounded up; `count` in all.
 
-    Parameters
-    ----------
-    pixels : uint8 array (H, W, K)
-        The finest level, which is returned as it is.
-    count : int
-        How many levels; sides of one pixel stay so.
-    wrap : (bool, bool)
-        Whether the vertical and the horizontal axis go around; otherwise the outermost pixels
-        are repeated beyond the border.
-
-    Examples
-    --------
-    >>> import numpy as np
-    >>> pyramid = gaussian_pyramid(np.full((9, 6, 3), 77, np.uint8), 3)
-    >>> [level.shape for level in pyramid], bool((pyramid[2] == 77).all())
-    ([(9, 6, 3), (5, 3, 3), (3, 2, 3)], True)
+    Axes wrap, or border pixels are repeated outside.
     """
     result = [pixels]
     for _ in range(count - 1):
@@ -53,14 +38,7 @@ def gaussian_pyramid(
 def mask_pyramid(
     mask: NDArray[np.bool_], count: int, wrap: tuple[bool, bool] = (False, False)
 ) -> list[NDArray[np.bool_]]:
-    """Return for each level which pixels are means of pixels of the mask alone.
-
-    Examples
-    --------
-    >>> import numpy as np
-    >>> mask_pyramid(np.arange(8) < np.full((8, 1), 6), 2)[1][0].tolist()
-    [True, True, False, False]
-    """
+    """For each level, which pixels are means of pixels of the mask alone."""
     result = [mask]
     for _ in range(count - 1):
         result.append(_halved_mask(result[-1], wrap))
@@ -73,24 +51,10 @@ def children(
     y: NDArray[np.integer],
     x: NDArray[np.integer],
 ) -> tuple[NDArray[np.int32], NDArray[np.int32]]:
-    """Return the rows and columns that the sources of parents lead to at the next finer level.
+    """Rows and columns of the sources at the next finer level, for pixels (y, x) of that level.
 
-    Parameters
-    ----------
-    parents : int32 array (H, W)
-        For each pixel of the finer level, the source of its parent: a flat index into the coarser
-        level of the sample.
-    columns : int
-        Of that level.
-    y, x : integer arrays
-        The pixels. Places may lie one beyond the finer level's last row or column.
-
-    Examples
-    --------
-    >>> import numpy as np
-    >>> y, x = children(np.full((1, 2), 7, np.int32), 5, np.array([[4]]), np.arange(2))
-    >>> y.tolist(), x.tolist()
-    ([[2, 2]], [[4, 5]])
+    `parents` (H, W) is the flat source index of each pixel's parent, in a level of `columns`
+    columns; results may lie one beyond the finer level's last row or column.
     """
     above = np.divmod(parents, np.int32(columns))
     return 2 * above[0] + y % 2, 2 * above[1] + x % 2
@@ -99,27 +63,10 @@ def children(
 def gaussian_stack(
     pixels: NDArray[np.uint8], count: int, wrap: tuple[bool, bool] = (False, False)
 ) -> list[list[NDArray[np.uint8]]]:
-    """Return for each level of a Gaussian stack its phases, the finest level first.
+    """The phases of each level of a Gaussian stack of `pixels` (H, W, K), finest level first.
 
-    Parameters
-    ----------
-    pixels : uint8 array (H, W, K)
-        The finest level, which is its only phase.
-    count : int
-        How many levels; each has four times the phases of the one before.
-    wrap : (bool, bool)
-        Whether the vertical and the horizontal axis go around, as in `gaussian_pyramid`.
-
-    Returns
-    -------
-    list of lists of uint8 arrays
-        In the order of `phase_starts`. The first phase of a level is that of a pyramid.
-
-    Examples
-    --------
-    >>> import numpy as np
-    >>> [p.shape for p in gaussian_stack(np.zeros((9, 6, 3), np.uint8), 2)[1]]
-    [(5, 3, 3), (5, 3, 3), (4, 3, 3), (4, 3, 3)]
+    Each level has four times the phases of the one before, in the order of `phase_starts`; the
+    first phase is the level of the pyramid.
     """
     result = [[pixels]]
     for _ in range(count - 1):
@@ -138,13 +85,7 @@ def mask_stack(
 
 
 def phase_starts(number: int) -> list[tuple[int, int]]:
-    """Return the first pixel of each phase of a stack's level, 0 being the finest.
-
-    Examples
-    --------
-    >>> phase_starts(1)
-    [(0, 0), (0, 1), (1, 0), (1, 1)]
-    """
+    """The first pixel (y, x) of each phase of level `number`, 0 being the finest."""
     starts = [(0, 0)]
     for k in range(number):
         starts = [(y + (v << k), x + (u << k)) for v, u in _STARTS for y, x in starts]

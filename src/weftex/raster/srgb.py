@@ -15,13 +15,7 @@ _KNEE = 0.04045  # below which the curve is a line
 
 
 def to_light(stored: Floats) -> Floats:
-    """Return amounts of light, from 0 to 1, of stored values from 0 to 1.
-
-    Examples
-    --------
-    >>> [round(float(k), 3) for k in to_light(np.array([0, 0.02, 0.5, 1]))]
-    [0.0, 0.002, 0.214, 1.0]
-    """
+    """Linear light, 0 to 1, of stored sRGB values, 0 to 1."""
     return np.where(stored <= _KNEE, stored / 12.92, ((stored + 0.055) / 1.055) ** 2.4)
 
 

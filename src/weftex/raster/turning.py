@@ -38,20 +38,10 @@ def turned_pixels(
     gap: int = 1,
     between: Any = None,
 ) -> NDArray[Any]:
-    """Return the picture of copies of one picture.
+    """The picture of all copies of `pixels` (H, W[, C]); vectors of normal maps are turned too.
 
-    Parameters
-    ----------
-    pixels : array (H, W) or (H, W, C)
-    turn : str
-        One of `TURNS`.
-    role : Role
-        What it shows; the vectors of a normal map are turned too.
-    gap : int
-        The width of the line between copies.
-    between
-        The pixel of that line, and of what is left over where copies are not square; by default the
-        first one, so that values keep their range.
+    Copies lie `gap` pixels apart; `between` fills the gaps, by default with the first pixel so that
+    values keep their range.
     """
     mixing = mixing_of(pixels, role.kind, alpha=False)
 
@@ -85,22 +75,7 @@ def picture_size(shape: tuple[int, ...], turn: str, gap: int) -> tuple[int, int]
 
 
 def gap_of(size: tuple[int, ...], turn: Any, shape: Any) -> int | None:
-    """Return how wide the line between copies is in a picture of this size; None if it is none.
-
-    Parameters
-    ----------
-    size : (int, int)
-        Of the picture.
-    turn : str
-        One of `TURNS`; nothing else makes such a picture.
-    shape : (int, int)
-        Of what was turned, likewise.
-
-    Examples
-    --------
-    >>> gap_of((20, 61), "flip", (20, 30)), gap_of((20, 60), "flip", (20, 30))
-    (1, None)
-    """
+    """Width of the line between copies in a picture of `size` made from `shape`; None if it is not."""
     sides = shape if isinstance(shape, tuple) and [*map(type, shape)] == [int, int] else (0, 0)
     if not isinstance(turn, str) or turn not in TURNS or min(sides) < 1:
         return None
@@ -112,17 +87,7 @@ def gap_of(size: tuple[int, ...], turn: Any, shape: Any) -> int | None:
 def in_first_copy(
     coordinates: NDArray[Any], turn: str | None, shape: tuple[int, int] | None
 ) -> NDArray[Any]:
-    """Return places in a picture of copies as places in the sample, which is the first copy.
-
-    Parameters
-    ----------
-    coordinates : int array (..., 2)
-        Row and column; what is negative stays as it is.
-    turn : str or None
-        One of `TURNS`, or nothing where there are no copies.
-    shape : (int, int) or None
-        Height and width of the sample.
-    """
+    """Coordinates (..., 2) in a picture of copies mapped to the sample; negative ones stay."""
     if turn is None or shape is None:
         return coordinates
     found = coordinates.copy()

@@ -25,23 +25,14 @@ def opposite(values: NDArray[Any], middle: float) -> NDArray[Any]:
 
 
 def vectors_of(pixels: NDArray[Any], middle: float) -> Floats:
-    """Return parts from -1 to 1 of stored numbers.
-
-    Examples
-    --------
-    >>> vectors_of(np.uint8([0, 255]), 0.0).tolist(), vectors_of(np.float32([0.5, 1]), 0.5).tolist()
-    ([-1.0, 1.0], [0.0, 1.0])
-    """
+    """Vector components from -1 to 1 of stored numbers."""
     if pixels.dtype.kind == "u":
         return pixels / (np.iinfo(pixels.dtype).max / 2) - 1
     return (pixels.astype(np.float64) - middle) / (middle or 1)
 
 
 def stored(vectors: Floats, dtype: np.dtype[Any], middle: float) -> NDArray[Any]:
-    """Return the numbers that are stored for parts from -1 to 1: the inverse of `vectors_of`.
-
-    Whole numbers are rounded, and cut to what their type holds.
-    """
+    """Stored numbers of vector components from -1 to 1; integers are rounded and clipped."""
     if dtype.kind == "u":
         top = np.iinfo(dtype).max
         return np.clip(np.rint((vectors + 1) * (top / 2)), 0, top).astype(dtype)

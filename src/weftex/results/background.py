@@ -20,31 +20,9 @@ def background_of(
     known_from: tuple[int, int] | None,
     given: NDArray[Any] | None,
 ) -> NDArray[Any]:
-    """Return what is under the patches where pixels were known.
+    """Pixels (H, W[, C]) under the patches where the canvas is known: given, or from the sample.
 
-    Parameters
-    ----------
-    pixels : array (H, W) or (H, W, C)
-        The sample, or a map of it.
-    size : (int, int)
-        Height and width of the picture.
-    scale : int
-        The side of a pixel of the sample.
-    known_from : (int, int) or None
-        Where in the sample the known pixels are, if they are there.
-    given : array, optional
-        The known pixels themselves.
-
-    Raises
-    ------
-    InvalidInputError
-        If the known pixels have nothing to come from, or those given do not fit.
-
-    Examples
-    --------
-    >>> import numpy as np
-    >>> background_of(np.arange(12).reshape(3, 4), (2, 2), 1, (1, 2), None).tolist()
-    [[6, 7], [10, 11]]
+    Raises `InvalidInputError` if neither is there. `scale` is pixels per pixel of the sample.
     """
     if given is not None:
         background = check_pixels(given, "background")
@@ -70,19 +48,7 @@ def show_known(
     window: tuple[int, int, int, int],
     known_from: tuple[int, int] | None,
 ) -> None:
-    """Set the sources of known pixels, which patches may hang over.
-
-    Parameters
-    ----------
-    coordinates, shares
-        As `Synthesis.layers` returns them.
-    hole : bool array (H, W)
-        Of the whole canvas.
-    window : (top, left, height, width)
-        What part of it the first two show.
-    known_from : (int, int) or None
-        Where in the sample the known pixels are, if they are there.
-    """
+    """Set the coordinates and shares of known pixels of a window, which patches may overlap."""
     top, left, height, width = window
     known = ~hole[top : top + height, left : left + width]
     coordinates[known], shares[known] = -1, 0

@@ -12,17 +12,9 @@ def copy_pixels(
     width: cython.Py_ssize_t,
     scale: cython.Py_ssize_t,
 ):
-    """Copy blocks of `scale` x `scale` pixels from a sample, those side by side at once.
+    """Copy blocks of `scale` x `scale` pixels from the sample, neighbors in a row at once.
 
-    Parameters
-    ----------
-    out, source : uint8 arrays
-        The bytes of all rows of the output and of the sample.
-    index : int32 array (H, W)
-        y * width + x of each block's source; -1 leaves what is there.
-    width : int
-        Blocks in a row of the sample.
-    scale : int
+    `out` and `source` are rows of bytes; `index` (H, W) is y * width + x, -1 keeps what is there.
     """
     cython.declare(v=cython.Py_ssize_t, u=cython.Py_ssize_t, run=cython.Py_ssize_t)
     cython.declare(r=cython.Py_ssize_t, y=cython.Py_ssize_t, x=cython.Py_ssize_t)

@@ -50,10 +50,7 @@ def draw_seams(
 def draw_pieces(
     source_of: SourceOf, shape: tuple[int, int], sample_shape: tuple[int, int]
 ) -> NDArray[np.uint8]:
-    """A color for each piece that was copied as a whole: all pixels moved by one vector.
-
-    Known pixels that are not in the sample are black.
-    """
+    """Picture (H, W, 3) with a color per copied piece; known pixels from elsewhere are black."""
     picture = np.zeros((*shape, 3), np.uint8)
     for rows in _bands(shape[0]):
         source = source_of(rows)
@@ -70,14 +67,10 @@ def draw_pieces(
 def uncertainty_of(
     image: NDArray[Any], source_of: SourceOf, exemplar: Exemplar, wrap: tuple[bool, bool]
 ) -> NDArray[np.float64]:
-    """How badly the surroundings of each pixel match those of the place that it comes from.
+    """Mismatch (H, W) between the surroundings of each pixel and those of its source.
 
-    Returns
-    -------
-    float64 array (H, W)
-        Mean squared difference of the 5 x 5 pixels around, over that of two pixels of the sample
-        at random: 0 inside a piece that was copied as a whole, 1 where a place drawn at random
-        would have done as well. 0 for known pixels that are not in the sample.
+    The mean squared difference over 5 x 5 pixels, divided by that of two random sample pixels: 0
+    inside a copied piece, about 1 for a random source, 0 for known pixels from elsewhere.
     """
     features = exemplar.matching()
     made = exemplar.as_matching(image)

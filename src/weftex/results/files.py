@@ -42,22 +42,7 @@ ABOUT = (
 
 @dataclass(frozen=True)
 class Facts:
-    """What a saved result says of itself beside its arrays.
-
-    Attributes
-    ----------
-    shape, sample_shape : (int, int)
-        Height and width of the output and of the sample.
-    wrap, origin, known_from
-        See `weftex.Canvas`.
-    provenance : dict
-        Method, parameters and seed.
-    match_tone, is_window : bool
-    tone_reach : float
-    turn : str or None
-    copy_shape : (int, int) or None
-        See `weftex.results.synthesis.Synthesis`.
-    """
+    """What a saved result stores beside its arrays; see `Synthesis` for the fields."""
 
     shape: tuple[int, int]
     sample_shape: tuple[int, int]

@@ -28,10 +28,7 @@ def led(
     way: cython.int,
     slope: cython.pointer(cython.double),
 ) -> cython.double:
-    """Add the slopes that lead on from a pixel's sources (way 1) or to them (-1).
-
-    The sum of their shares comes back; sources at the sample's border lead nowhere.
-    """
+    """Add the slopes from a pixel's sources (way 1) or to them (-1); return the sum of shares."""
     cython.declare(k=cython.Py_ssize_t, c=cython.Py_ssize_t, sure=cython.double)
     cython.declare(y=cython.Py_ssize_t, x=cython.Py_ssize_t)
     cython.declare(b=cython.Py_ssize_t, a=cython.Py_ssize_t)
@@ -61,23 +58,10 @@ def compare_slopes(
     around: cython.bint,
     slope: cython.double[::1],
 ):
-    """For each edge add g - h' to the pixel that it leads to, and take it from the other.
+    """For each edge, add g - h' to the pixel it leads to and subtract it from the other one.
 
-    Parameters
-    ----------
-    total : float64 array (channels, rows or rows + 1, columns)
-        What is added to; there may be a row below.
-    made : array (rows or rows + 1, columns, channels)
-        The heights as they were laid.
-    sample : array (H, W, channels)
-    coordinates, shares : int32, float32 array
-        Of `made`, as `Synthesis.layers` returns them.
-    rows : int
-        Those whose edges count.
-    around : bool
-        The last column is followed by the first.
-    slope : float64 array (channels,)
-        Scratch.
+    `total` is (channels, rows[+1], columns), `made` (rows[+1], columns, channels), `coordinates`
+    and `shares` are the layers of `made`. With `around` the last column is followed by the first.
     """
     cython.declare(v=cython.Py_ssize_t, u=cython.Py_ssize_t, c=cython.Py_ssize_t)
     cython.declare(b=cython.Py_ssize_t, a=cython.Py_ssize_t, axis=cython.int)
@@ -121,15 +105,9 @@ def add_shifts(
     most: cython.const[cython.double][::1],
     grain: cython.double,
 ):
-    """Shift values, and cut them to a range for each channel.
+    """Add shifts (channels, H, W) to values (H, W, channels) and clip each channel to its range.
 
-    Parameters
-    ----------
-    result : array (H, W, channels)
-    shifts : float64 array (channels, H, W)
-        Of whole numbers they are rounded to 1 / `grain` first.
-    least, most : float64 arrays (channels,)
-    grain : float
+    For integers the shifts are rounded to 1 / `grain` first.
     """
     cython.declare(v=cython.Py_ssize_t, u=cython.Py_ssize_t, c=cython.Py_ssize_t)
     cython.declare(number=cython.double)

@@ -48,10 +48,10 @@ class Laid(NamedTuple):
 
 
 def reach_of(given: Exemplar, tones: float, hole: NDArray[np.bool_] | None) -> float:
-    """In how many pixels the steps of a map are spread; 0 leaves them.
+    """Pixels over which steps of this map are spread; 0 leaves them as they are.
 
-    Those of heights are always; of tones, in `tones` pixels, where there are tones between two,
-    and not in a hole, which has `weftex.results.tone`.
+    Heights are always joined; colors within `tones` pixels if they have continuous tones, and not
+    in a hole, which `weftex.results.tone` handles.
     """
     if given.role.kind == "height":
         return _HEIGHTS
@@ -155,10 +155,10 @@ def _ends(source: NDArray[Any], kind: str) -> tuple[Any, Any]:
 def _divergence(
     laid: Laid, sample: NDArray[Any], corner: tuple[int, int], side: int, reach: float
 ) -> tuple[Floats, list[NDArray[np.int64]], int]:
-    """At each pixel the sum of g - h' over the edges that lead to it, less that over the others.
+    """Sum of g - h' over the edges into each pixel minus the edges out of it, an array per channel.
 
-    An array for each channel. The rows and columns come back that are those of a block and of a
-    margin around it, and the margin; beyond borders that do not go around, they are mirrored.
+    Also returns the rows and columns of the block with its margin, and the margin; they are
+    mirrored outside a border that does not wrap.
     """
     margin, scale = int(_MARGIN * reach), laid.scale
     runs: list[list[tuple[int, int]]] = []  # first and length of what is looked up along each axis
@@ -252,9 +252,9 @@ def _finer(
 
 
 def _spreading(shape: tuple[int, int], reach: float) -> Callable[[Floats, slice, slice], Floats]:
-    """Return what makes some rows and columns of c from steps of this shape.
+    """A function that solves c / reach^2 - c'' = steps for some rows and columns.
 
-    c / reach^2 - c'' = steps, as far as borders do not count.
+    Borders of the canvas are ignored.
     """
     size = [-(-side // 32) * 32 for side in shape]  # quick to transform
     turns = [2 - 2 * np.cos(2 * np.pi * np.arange(side) / side) for side in size]

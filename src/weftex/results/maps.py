@@ -9,14 +9,7 @@ from numpy.typing import NDArray
 
 
 class RenderedMaps(Mapping[str, NDArray[Any]]):
-    """Maps by name, each rendered when it is asked for: a set of large maps is never all in memory.
-
-    Parameters
-    ----------
-    names : iterable of str
-    render : callable
-        Makes the map of a name.
-    """
+    """Maps by name, each rendered on access, so that a set of large maps is never all in memory."""
 
     def __init__(self, names: Iterable[str], render: Callable[[str], NDArray[Any]]) -> None:
         self._names, self._render = tuple(names), render

@@ -15,18 +15,10 @@ ALPHA, VECTORS, LABELS = 1, 2, 3  # of `weftex.raster.mixing.Kind`
 
 
 class Layout:
-    """Patches on a canvas, in the order in which they lie over each other.
+    """Patches on a canvas, in the order in which they cover each other.
 
-    Parameters
-    ----------
-    placements : int32 array (n, 5)
-        y and x on the canvas, y and x of the source, and the row of `weights`.
-    weights : uint16 array (zones, rows, columns)
-        Weight of the new pixel in 1/256.
-    cuts : uint16 array (n, 2 * (rows + columns)) or (0, 0)
-        Own first and last columns and rows, see `effective`.
-    height, width : int
-        Of the canvas, around which patches go.
+    `placements` (n, 5) is y, x, source y, source x and row of `weights` (zones, rows, columns), in
+    1/256; `cuts` (n, 2 * (rows + columns)) or (0, 0), see `effective`.
     """
 
     def __init__(self, placements, weights, cuts, height, width):
@@ -38,18 +30,9 @@ class Layout:
 
 
 class View:
-    """The part of a canvas that an array shows.
+    """The part of a canvas that an array shows, from `top` and `left` in sample pixels.
 
-    Parameters
-    ----------
-    top, left : int
-        The first row and column, in sample pixels.
-    scale : int
-        The side of a sample pixel.
-    mixing : int
-        A `weftex.raster.mixing.Kind`.
-    middle : float
-        What stands for 0 in a vector that is stored in floats.
+    `scale` is pixels per sample pixel, `mixing` a `Kind`, `middle` the zero of float vectors.
     """
 
     def __init__(self, top, left, scale, mixing, middle=0.0):
@@ -72,10 +55,9 @@ def effective(
     rows: cython.Py_ssize_t,
     columns: cython.Py_ssize_t,
 ) -> cython.int:
-    """The weight in force: without cuts the feathered one, with cuts all or nothing.
+    """Weight of a patch's pixel: the feathered one, or with cuts all or nothing.
 
-    `cut` holds the first own column of each row, the first column past the own ones of each row,
-    then the same for the rows of each column.
+    `cut` has each row's first column and the one past its last, then the same for columns.
     """
     if cut == cython.NULL or weight == 0 or weight == 256:
         return weight
@@ -226,10 +208,7 @@ def blend(
 
 
 def paste(out, source, layout, k, zone, view):
-    """Lay patch `k` of the layout over `out`, with the weights of `zone`.
-
-    Positions are in sample pixels and wrap at the borders of the canvas and of the sample.
-    """
+    """Paste patch `k` with the weights of `zone`; positions in sample pixels wrap at the borders."""
     placements: cython.p_const_int = cython.address(layout.placements[k, 0])
     y: cython.Py_ssize_t = placements[0]
     x: cython.Py_ssize_t = placements[1]
@@ -313,10 +292,9 @@ def layer_all(
     left: cython.Py_ssize_t,
     layout: Layout,
 ):
-    """Write which patches show at each pixel, and with what shares, heaviest first.
+    """Write which patches show at each pixel and their shares, heaviest first; -1 is none.
 
-    `patch` and `share` are (rows, columns, layers) and show the canvas from row `top` and column
-    `left` on; -1 stands for what was there before.
+    Both arrays are (rows, columns, layers) and begin at row `top`, column `left` of the canvas.
     """
     rows: cython.Py_ssize_t = layout.weights.shape[1]
     columns: cython.Py_ssize_t = layout.weights.shape[2]

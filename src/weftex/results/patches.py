@@ -23,24 +23,9 @@ _MOST_LAYERS = 4  # of patches that show at one pixel
 
 
 class PatchSynthesis(Synthesis):
-    """Patches of the sample laid over each other in order.
+    """A result made of overlapping patches of the sample, in pasting order.
 
-    A patch says where its window comes from and which weights it is laid with; that is all there
-    is.
-
-    Parameters
-    ----------
-    canvas : Canvas
-        What was made.
-    placements : int32 array (n, 5)
-        y and x of a patch on the canvas, y and x of its source, and its row of `weights`.
-    weights : uint16 array (zones, rows, columns)
-        Weight of the new pixel in 1/256.
-    cuts : uint16 array (n, 2 * (rows + columns)) or (0, 0)
-        For each patch its own first and last columns and rows, where seams are cut instead of
-        feathered.
-    **about
-        As for `Synthesis`.
+    `placements`, `weights` and `cuts` are those of `paste_kernels.Layout`.
     """
 
     ARRAYS = {"placements": np.int32, "weights": np.uint16, "cuts": np.uint16}  # noqa: RUF012
@@ -118,15 +103,9 @@ class PatchSynthesis(Synthesis):
 
 
 class PatchWindow(PatchSynthesis):
-    """Patches of which a window shows: some hang over its border.
+    """A window of a larger patch result, whose patches may extend beyond its border.
 
-    Parameters
-    ----------
-    frame : int64 array (4,)
-        Height and width of what the patches lie on, and the row and column of it where the canvas
-        begins.
-    **about
-        As for `PatchSynthesis`.
+    `frame` (4,) is height and width of the larger canvas, and the window's row and column in it.
     """
 
     ARRAYS = {**PatchSynthesis.ARRAYS, "frame": np.int64}  # noqa: RUF012
@@ -151,15 +130,7 @@ class PatchWindow(PatchSynthesis):
 
 
 class RectifiedSynthesis(PatchSynthesis):
-    """Patches of a sample whose pixels were moved first.
-
-    Parameters
-    ----------
-    lookup : int32 array (H, W)
-        Flat index of the sample's pixel at each place that patches are taken from.
-    **about
-        As for `PatchSynthesis`.
-    """
+    """Patches of a rectified sample; `lookup` (H, W) has the flat sample index of its pixels."""
 
     ARRAYS = {**PatchSynthesis.ARRAYS, "lookup": np.int32}  # noqa: RUF012
 

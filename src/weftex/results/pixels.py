@@ -20,17 +20,7 @@ if TYPE_CHECKING:
 
 
 class PixelSynthesis(Synthesis):
-    """Pixels of the sample, one for each of the output.
-
-    Parameters
-    ----------
-    canvas : Canvas
-        What was made.
-    index : int32 array (H, W)
-        y * width + x of the source in the sample; -1 for a known pixel.
-    **about
-        As for `Synthesis`.
-    """
+    """A result with one source per pixel: `index` (H, W) is y * width + x, -1 for a known pixel."""
 
     ARRAYS = {"index": np.int32}  # noqa: RUF012
 

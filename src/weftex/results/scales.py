@@ -21,25 +21,13 @@ if TYPE_CHECKING:
 
 
 def check_size(exemplar: Exemplar, shape: tuple[int, int]) -> None:
-    """Refuse an output that maps of fewer pixels than the sample would not fit.
-
-    Raises
-    ------
-    InvalidInputError
-        If a side is no multiple of the pixels that one of a map covers.
-    """
+    """Raise if a side is no multiple of the pixels that one pixel of a coarser map covers."""
     for name in exemplar.maps:
         check_window((0, 0, *shape), exemplar.scale_of(name), name)
 
 
 def as_rendered(given: Any, role: str | None) -> Exemplar:
-    """Return a picture to be rendered, of which an array does not say what it shows.
-
-    Raises
-    ------
-    InvalidInputError
-        If it cannot be used, or has a role already, or there is no such role.
-    """
+    """The picture as an Exemplar; an array takes its role from `role`."""
     if role is None:
         return as_map(given, "map")
     if isinstance(given, Exemplar):
@@ -48,13 +36,7 @@ def as_rendered(given: Any, role: str | None) -> Exemplar:
 
 
 def scale_to(given: Exemplar, sample: tuple[int, int]) -> Fraction | int:
-    """Return how many pixels of a map lie along one of the sample.
-
-    Raises
-    ------
-    InvalidInputError
-        If that is neither an integer nor 1 / integer.
-    """
+    """Pixels of a map per pixel of the sample; raises unless an integer or 1 / integer."""
     scale = scale_between(given.shape, sample)
     if scale is None:
         raise InvalidInputError(
@@ -102,10 +84,10 @@ def in_few_pixels(
     background: NDArray[Any] | None,
     scale: Fraction | int,
 ) -> NDArray[Any]:
-    """Lay a map of fewer pixels than the sample, at its own size.
+    """Render a map with fewer pixels than the sample at its own size.
 
-    It is laid with its pixels repeated, and then each block becomes one pixel: its mean, or for
-    vectors, labels and colors with alpha, which have no such means, the pixel in its middle.
+    It is rendered with repeated pixels, then each block becomes its mean, or its middle pixel for
+    vectors, labels and colors with alpha.
     """
     large = given.changed(pixels=resized(given.pixels, 1 / scale), maps={}, mask=None, guide=None)
     made = lay(large, None if background is None else resized(background, 1 / scale))
