@@ -1,3 +1,3 @@
 cdef enum:
     REACH = 2  # blocks around those that the cut passes
-    STEP = 2  # so many halvings less at a time
+    STEP = 2  # the number of halvings less at each step

@@ -42,15 +42,14 @@ class Picture:
         self.growth = growth
         self.shape, self.sample_shape = growth.canvas.shape, settings.exemplar.shape
         self.done, self.halvings = growth.done.ravel(), block.bit_length() - 1
-        self.usable = settings.windows.usable.ravel()
         channels = growth.pixels.shape[2]
         self._sample = kept(
             settings.windows,
             (settings.by_gradients, settings.whole),
-            lambda: _sample_of(settings, channels),
+            lambda: _seam_cost(settings, channels),
         )
         self.runs = np.zeros(self.done.size, np.int8)
-        self._picture = seam_kernels.Picture(
+        self._labeling = seam_kernels.Labeling(
             growth.pixels.reshape(-1, channels),
             growth.source.ravel(),
             self.done,
@@ -68,7 +67,7 @@ class Picture:
             ]
             for shape in (self.shape, self.sample_shape)
         ]
-        self._graphs = [_graph(*size, channels) for _ in range(settings.candidates)]
+        self._graphs = [_graph(*size) for _ in range(settings.candidates)]
         self._least = math.inf
 
     @staticmethod
@@ -81,7 +80,7 @@ class Picture:
 
     def follow(self) -> None:
         """Look through all of the canvas for what `runs` tells; patches keep it up to date."""
-        run_kernels.follow_all(self._picture, self._sample)
+        run_kernels.find_runs(self._labeling, self._sample)
 
     def missing(self) -> Iterator[tuple[int, int]]:
         """Yield the first pixel that is missing, until none is."""
@@ -125,11 +124,9 @@ class Picture:
         # A little more, as what is rounded must not keep the cheapest one from its price.
         least = max(self._least, 0.0) / place.price * (1 + 1e-9)
         more, covered = cut_kernels.cost_in_blocks(
-            self._picture,
+            self._labeling,
             self._sample,
-            self.usable,
-            self._patch(place),
-            self._graphs[number],
+            self._graph_of(place, number),
             self.halvings,
             least,
         )
@@ -147,11 +144,9 @@ class Picture:
         if asked:
             note("patch", growth=self.growth, place=place)
         covered: int = cut_kernels.paste_patch(
-            self._picture,
+            self._labeling,
             self._sample,
-            self.usable,
-            self._patch(place),
-            self._graphs[0],
+            self._graph_of(place, 0),
             max(0, self.halvings - 1),
         )
         if asked:
@@ -179,47 +174,47 @@ class Picture:
         side : int
             Of a square, in pixels.
         """
-        seam_kernels.price_seams(self._picture, self._sample, rows, columns, costs, cells, side)
+        seam_kernels.sum_seams(self._labeling, self._sample, rows, columns, costs, cells, side)
 
-    def _patch(self, place: Place) -> graph_kernels.Patch:
+    def _graph_of(self, place: Place, number: int) -> graph_kernels.Graph:
+        """One of the graphs, over the box of a patch."""
         (down, along), (from_rows, from_columns) = self._lines
         y, x = place.top % self.shape[0], place.left % self.shape[1]
         v, u = place.source_top % self.sample_shape[0], place.source_left % self.sample_shape[1]
-        return graph_kernels.Patch(
+        graph = self._graphs[number]
+        graph.cover(
             down[y : y + place.height],
             along[x : x + place.width],
             from_rows[v : v + place.height],
             from_columns[u : u + place.width],
         )
+        return graph
 
 
-def _sample_of(settings: Settings, channels: int) -> seam_kernels.Sample:
+def _seam_cost(settings: Settings, channels: int) -> seam_kernels.SeamCost:
     """The sample, with room for its gradients."""
-    windows, by_gradients = settings.windows, settings.by_gradients
-    return seam_kernels.Sample(
+    windows = settings.windows
+    return seam_kernels.SeamCost(
         windows.pixels.reshape(-1, channels),
+        windows.usable.ravel(),
         _joins(windows.usable != 0, settings.exemplar.tileable).ravel(),
         settings.exemplar.shape,
         settings.whole,
-        by_gradients,
-        np.zeros((2, windows.usable.size if by_gradients else 0), np.int32),
+        np.zeros((2, windows.usable.size), np.int32) if settings.by_gradients else None,
     )
 
 
-def _graph(height: int, width: int, channels: int) -> graph_kernels.Graph:
+def _graph(height: int, width: int) -> graph_kernels.Graph:
     """Make room for the graph of a patch."""
-    shape = height, width
-    old, new, apart = np.empty((3, *shape), np.int32)
-    arcs = np.empty((*shape, 4), np.int32)
-    choice, side, shown, along = np.empty((4, *shape), np.uint8)
+    old, new = np.empty((2, height, width), np.int32)
+    arcs = np.empty((height, width, 4), np.int32)
+    choice, side = np.empty((2, height, width), np.uint8)
+    near, scratch = (
+        np.empty((2, height, width), np.uint8),
+        np.empty((2, max(height, width)), np.int32),
+    )
     trees = search_trees(height, width)
-    apart_in, sums = (
-        np.empty((2, width * channels), np.uint8),
-        np.empty((3, max(height, width)), np.int32),
-    )
-    return graph_kernels.Graph(
-        arcs, old, new, apart, choice, side, shown, along, trees, apart_in, sums
-    )
+    return graph_kernels.Graph(arcs, old, new, choice, side, near, scratch, trees)
 
 
 def _joins(usable: NDArray[np.bool_], tiles: bool) -> NDArray[np.uint8]:

@@ -1,4 +1,4 @@
-from weftex.methods.graphcut.graph_kernels cimport Patch
-from weftex.methods.graphcut.seam_kernels cimport Picture, Sample
+from weftex.methods.graphcut.seam_kernels cimport Labeling, SeamCost
 
-cdef void follow(Picture picture, Sample sample, Patch patch, int[:, ::1] ends) noexcept nogil
+cdef void update_runs(Labeling labeling, SeamCost sample, const int[::1] rows,
+                      const int[::1] columns, const int[:, ::1] ends) noexcept nogil

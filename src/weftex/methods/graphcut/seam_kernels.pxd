@@ -3,8 +3,9 @@ cdef enum:
     SCALE = 256
     SOFT = 32
 
-cdef class Sample:
+cdef class SeamCost:
     cdef const unsigned char[:, ::1] pixels
+    cdef const unsigned char[::1] usable
     cdef const unsigned char[::1] joins
     cdef int height
     cdef int width
@@ -12,7 +13,7 @@ cdef class Sample:
     cdef bint by_gradients
     cdef const int[:, ::1] gradients
 
-cdef class Picture:
+cdef class Labeling:
     cdef unsigned char[:, ::1] pixels
     cdef int[::1] source
     cdef unsigned char[::1] done
@@ -23,7 +24,7 @@ cdef class Picture:
     cdef bint wrap_y
     cdef bint wrap_x
 
-cdef int beside(Picture picture, int p, int dy, int dx) noexcept nogil
+cdef int beside(Labeling labeling, int p, int dy, int dx) noexcept nogil
 
 # Here, or they cannot be inlined.
 cdef inline int difference(const unsigned char* a, const unsigned char* b,
@@ -38,16 +39,8 @@ cdef inline int difference(const unsigned char* a, const unsigned char* b,
         total += abs(<int> a[k] - <int> b[k])
     return total
 
-cdef inline int cost_within(Sample sample, int apart, int old, int new, int d) noexcept nogil:
-    """`seam_cost` where both pixels are in both patches, `apart` the sum of their differences."""
-    cdef int gradient
-    if not sample.by_gradients:
-        return apart
-    gradient = sample.gradients[d, old] + sample.gradients[d, new]
-    return SCALE * apart // (gradient + SOFT * <int> sample.pixels.shape[1])
-
-cdef inline int continued(Sample sample, int label, int d) noexcept nogil:
-    """The place in the sample that a pixel's patch has beside it; -1 for none."""
+cdef inline int continued(SeamCost sample, int label, int d) noexcept nogil:
+    """The sample's pixel beside a label in direction d, or -1 where the sample ends."""
     cdef int joins, step
     if label < 0:
         return -1
@@ -59,5 +52,5 @@ cdef inline int continued(Sample sample, int label, int d) noexcept nogil:
         step -= sample.height * sample.width if d & 1 else sample.width
     return label - step if d & 2 else label + step
 
-cdef long long seam_cost(Picture picture, Sample sample, int p, int q, int d, int label_p,
+cdef long long seam_cost(Labeling labeling, SeamCost sample, int p, int q, int d, int label_p,
                          int label_q) noexcept nogil

@@ -1,37 +1,40 @@
 # mypy: ignore-errors
-"""Kernels of graph-cut textures: what a seam costs; compiled by Cython, see setup.py.
+"""Kernels of graph-cut textures: the cost of a seam (Kwatra et al., 2003, sections 3 and 5).
 
-Pixels of the canvas and of the sample are flat, row by row. A pixel's label is its source: the
-place in the sample that it was copied from, and so the patch that it belongs to. A direction is
-right, down, left or up; the opposite of d is d ^ 2.
+Pixels of the canvas and of the sample are flat, row by row. The label of a pixel is its source, the
+pixel of the sample that it was copied from. A direction is right, down, left or up; the opposite
+of d is d ^ 2. Compiled by Cython, see setup.py.
 """
 
 import cython
 
 
 @cython.cclass
-class Sample:
-    """The sample, and how its seams are weighed.
+class SeamCost:
+    """The sample, and what the cost of its seams needs.
 
-    Of a pixel's `joins`, bit d says that it has a usable neighbor in direction d, bit 4 + d that
-    this one is around the border of a sample that tiles. `gradients` is filled with the differences
-    of each pixel from the right and the lower one, if costs are weighed by them.
+    Bit d of `joins` is set where a pixel has a usable neighbor in direction d, and bit 4 + d where
+    that neighbor is across the border of a tileable sample. `gradients` is filled with the
+    differences from the right and the lower neighbor, if costs are divided by them. `whole`: all
+    pixels of the sample are usable.
     """
 
-    def __init__(self, pixels, joins, shape, whole, by_gradients, gradients):
+    def __init__(self, pixels, usable, joins, shape, whole, gradients):
         self.pixels = pixels
+        self.usable = usable
         self.joins = joins
         self.whole = whole
         self.height, self.width = shape
-        self.by_gradients = by_gradients
-        fill_gradients(self, gradients)
-        self.gradients = gradients
+        self.by_gradients = gradients is not None
+        if self.by_gradients:
+            fill_gradients(self, gradients)
+            self.gradients = gradients
 
 
 @cython.cfunc
 @cython.exceptval(check=False)
-def fill_gradients(sample: Sample, gradients: cython.int[:, ::1]) -> cython.void:
-    """See `Sample`."""
+def fill_gradients(sample: SeamCost, gradients: cython.int[:, ::1]) -> cython.void:
+    """Fill in the differences of all pixels from their right and lower neighbors."""
     cython.declare(p=cython.int, d=cython.int, q=cython.int)
     for p in range(gradients.shape[1]):
         for d in range(2):
@@ -45,13 +48,11 @@ def fill_gradients(sample: Sample, gradients: cython.int[:, ::1]) -> cython.void
 
 
 @cython.cclass
-class Picture:
-    """The canvas so far.
+class Labeling:
+    """The canvas: pixels and their labels, with old seams wherever labels do not continue.
 
-    A label is -1 for a known pixel that is not in the sample; `done` is 1 where a pixel is, `known`
-    where it may not be replaced. `runs` tells how many pixels there are, from each on along its
-    row, up to 127, that may be replaced and have no seam to the right or below; or, as less
-    than 0, how many that are missing. See `run_kernels.follow`.
+    The label is -1 for a known pixel that is not from the sample. `done` is 1 for known and pasted
+    pixels, `known` where a pixel may not be replaced. `runs`: see `run_kernels`.
     """
 
     def __init__(self, pixels, source, done, known, runs, shape, wrap):
@@ -67,27 +68,27 @@ class Picture:
 @cython.cfunc
 @cython.nogil
 @cython.exceptval(check=False)
-def beside(picture: Picture, p: cython.int, dy: cython.int, dx: cython.int) -> cython.int:
-    """The pixel of the canvas beside p, or -1 beyond a border that does not go around."""
-    y: cython.int = p // picture.width + dy
-    x: cython.int = p % picture.width + dx
-    if y < 0 or y >= picture.height:
-        if not picture.wrap_y:
+def beside(labeling: Labeling, p: cython.int, dy: cython.int, dx: cython.int) -> cython.int:
+    """The canvas pixel beside p, or -1 beyond a border that does not wrap around."""
+    y: cython.int = p // labeling.width + dy
+    x: cython.int = p % labeling.width + dx
+    if y < 0 or y >= labeling.height:
+        if not labeling.wrap_y:
             return -1
-        y = y - picture.height if y > 0 else y + picture.height
-    if x < 0 or x >= picture.width:
-        if not picture.wrap_x:
+        y = y - labeling.height if y > 0 else y + labeling.height
+    if x < 0 or x >= labeling.width:
+        if not labeling.wrap_x:
             return -1
-        x = x - picture.width if x > 0 else x + picture.width
-    return y * picture.width + x
+        x = x - labeling.width if x > 0 else x + labeling.width
+    return y * labeling.width + x
 
 
 @cython.cfunc
 @cython.nogil
 @cython.exceptval(check=False)
 def seam_cost(
-    picture: Picture,
-    sample: Sample,
+    labeling: Labeling,
+    sample: SeamCost,
     p: cython.int,
     q: cython.int,
     d: cython.int,
@@ -96,10 +97,9 @@ def seam_cost(
 ) -> cython.longlong:
     """M(s, t, A, B) of equation (1): the cost of a seam between p and its neighbor q.
 
-    |A(p) - B(p)| + |A(q) - B(q)|, and with gradients divided by those of A and of B across the
-    seam (M' of section 5). Where a patch ends, the other half counts four times, and gradients
-    twice: what goes on beyond the sample's border would be cut off. A known pixel that is not in
-    the sample has the label -1, and no patch goes on from it.
+    |A(p) - B(p)| + |A(q) - B(q)|, or M' of section 5, which divides it by the gradients across the
+    seam. Where one patch ends at the sample's border, the other's half counts four times, and its
+    gradient twice. No patch continues from the label -1.
     """
     cython.declare(at_p=cython.p_const_uchar, at_q=cython.p_const_uchar)
     cython.declare(other=cython.p_const_uchar, b_at_p=cython.int, cost=cython.int)
@@ -114,10 +114,10 @@ def seam_cost(
     if b_at_p < 0 and a_at_q < 0:
         cost = 1020 * channels
     else:
-        at_p = cython.address(picture.pixels[p, 0])
+        at_p = cython.address(labeling.pixels[p, 0])
         if label_p >= 0:
             at_p = cython.address(sample.pixels[label_p, 0])
-        at_q = cython.address(picture.pixels[q, 0])
+        at_q = cython.address(labeling.pixels[q, 0])
         if label_q >= 0:
             at_q = cython.address(sample.pixels[label_q, 0])
         if b_at_p >= 0:
@@ -136,45 +136,36 @@ def seam_cost(
     return cost
 
 
-@cython.cfunc
-@cython.nogil
-@cython.exceptval(check=False)
-def price(
-    picture: Picture,
-    sample: Sample,
+def sum_seams(
+    labeling: Labeling,
+    sample: SeamCost,
     rows: cython.const[cython.int][::1],
     columns: cython.const[cython.int][::1],
     costs: cython.int[:, ::1],
     cells: cython.longlong[:, ::1],
     side: cython.int,
-) -> cython.void:
-    """See `price_seams`."""
+):
+    """Update the costs of the seams right of and below the pixels of a box of the canvas.
+
+    `cells` are the sums of all `costs` over squares of `side` pixels.
+    """
     cython.declare(i=cython.Py_ssize_t, j=cython.Py_ssize_t, d=cython.int)
     cython.declare(p=cython.int, q=cython.int, cost=cython.int)
     for i in range(rows.shape[0]):
         for j in range(columns.shape[0]):
-            p = rows[i] * picture.width + columns[j]
+            p = rows[i] * labeling.width + columns[j]
             cost = 0
             for d in range(2):
-                q = p + (picture.width if d else 1)
-                if (rows[i] + 1 == picture.height) if d else (columns[j] + 1 == picture.width):
-                    q = beside(picture, p, d, 1 - d)
-                if q < 0 or q == p or not picture.done[p] or not picture.done[q]:
+                q = p + (labeling.width if d else 1)
+                if (rows[i] + 1 == labeling.height) if d else (columns[j] + 1 == labeling.width):
+                    q = beside(labeling, p, d, 1 - d)
+                if q < 0 or q == p or not labeling.done[p] or not labeling.done[q]:
                     continue
-                if picture.known[p] and picture.known[q]:
+                if labeling.known[p] and labeling.known[q]:
                     continue
                 cost += cython.cast(
                     cython.int,
-                    seam_cost(picture, sample, p, q, d, picture.source[p], picture.source[q]),
+                    seam_cost(labeling, sample, p, q, d, labeling.source[p], labeling.source[q]),
                 )
             cells[rows[i] // side, columns[j] // side] += cost - costs[rows[i], columns[j]]
             costs[rows[i], columns[j]] = cost
-
-
-def price_seams(picture: Picture, sample: Sample, rows, columns, costs, cells, side):
-    """Fill in the cost of the seams to the right of and below pixels; sum them up by cells.
-
-    `rows` and `columns` are those of a box, `costs` and `cells` of the whole canvas; a cell has
-    `side` pixels a side.
-    """
-    price(picture, sample, rows, columns, costs, cells, side)
