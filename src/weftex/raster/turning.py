@@ -75,7 +75,7 @@ def picture_size(shape: tuple[int, ...], turn: str, gap: int) -> tuple[int, int]
 
 
 def gap_of(size: tuple[int, ...], turn: Any, shape: Any) -> int | None:
-    """Width of the line between copies in a picture of `size` made from `shape`; None if it is not."""
+    """Width of the line between copies in a picture of `size` made from `shape`, or None."""
     sides = shape if isinstance(shape, tuple) and [*map(type, shape)] == [int, int] else (0, 0)
     if not isinstance(turn, str) or turn not in TURNS or min(sides) < 1:
         return None

@@ -208,7 +208,7 @@ def blend(
 
 
 def paste(out, source, layout, k, zone, view):
-    """Paste patch `k` with the weights of `zone`; positions in sample pixels wrap at the borders."""
+    """Paste patch `k` with the weights of `zone`; positions in sample pixels wrap at borders."""
     placements: cython.p_const_int = cython.address(layout.placements[k, 0])
     y: cython.Py_ssize_t = placements[0]
     x: cython.Py_ssize_t = placements[1]
