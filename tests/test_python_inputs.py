@@ -83,3 +83,8 @@ def test_the_pixels_of_a_sample_are_kept_once():
     changed = sample.changed(tileable=True)
     assert np.shares_memory(changed.pixels, sample.pixels)
     assert np.shares_memory(changed.maps["height"], sample.maps["height"])
+
+
+def test_auto_is_not_among_the_methods():
+    with pytest.raises(InvalidInputError, match="chooses one of them"):
+        weftex.METHODS["auto"]

@@ -50,6 +50,10 @@ class Registry(Mapping[str, type[Any]]):
             return theirs
         if not isinstance(slug, str):
             raise InvalidInputError(f"method is {shown(slug)}; it must be a name")
+        if slug == "auto":
+            raise InvalidInputError(
+                "'auto' is no class in METHODS: it chooses one of them; use synthesize(method='auto')"
+            )
         raise InvalidInputError(f"unknown method '{slug}'{did_you_mean(slug, ['auto', *self])}")
 
     def get(self, slug: str, default: Any = None) -> Any:

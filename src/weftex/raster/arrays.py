@@ -31,8 +31,8 @@ def without_mask(pixels: Any) -> tuple[Any, NDArray[np.bool_] | None]:
     """Return pixels, and which of them are usable: those that are masked in no channel."""
     if not is_masked(pixels) or pixels.ndim not in (2, 3):
         return pixels, None
-    usable = ~np.ma.getmaskarray(pixels)
-    usable = usable.all(axis=2) if pixels.ndim == 3 else usable
+    masked: NDArray[np.bool_] = np.atleast_3d(np.ma.getmaskarray(pixels))
+    usable: NDArray[np.bool_] = np.logical_not(masked.any(axis=2))
     first = pixels.data[usable]
     return pixels.filled(first.flat[0] if first.size else 0), usable
 

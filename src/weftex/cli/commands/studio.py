@@ -48,7 +48,10 @@ def run(argv: list[str]) -> None:
     add("--host", default="127.0.0.1", metavar="ADDRESS", help=text)
     text = "folder for uploads and kept results; default: one of your own, such as ~/.local/state"
     add("--data", metavar="DIR", help=text)
-    add("--memory", type=int, metavar="MIB", help="memory for results; default: by this machine")
+    text = (
+        "MiB of results that stay in memory; making a picture takes more; default: by this machine"
+    )
+    add("--memory", type=int, metavar="MIB", help=text)
     args = parser.parse(argv)
     if args.port is not None and not 0 <= args.port < 2**16:
         raise InvalidInputError(f"--port is {args.port}; it must be from 0 to 65535")
