@@ -52,7 +52,7 @@ class Registry(Mapping[str, type[Any]]):
             raise InvalidInputError(f"method is {shown(slug)}; it must be a name")
         if slug == "auto":
             raise InvalidInputError(
-                "'auto' is no class in METHODS: it chooses one of them; use synthesize(method='auto')"
+                "'auto' is no method, it chooses one of them: synthesize(..., method='auto')"
             )
         raise InvalidInputError(f"unknown method '{slug}'{did_you_mean(slug, ['auto', *self])}")
 
