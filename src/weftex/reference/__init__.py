@@ -14,8 +14,11 @@ from weftex.reference.best_tile import best_tile
 from weftex.reference.common import Made
 from weftex.reference.efros_leung import efros_leung
 from weftex.reference.exact_matching import exact_matching
+from weftex.reference.fusion import fusion
 from weftex.reference.graphcut import graphcut
+from weftex.reference.heeger_bergen import heeger_bergen
 from weftex.reference.image_quilting import image_quilting
+from weftex.reference.iterative_refinement import iterative_refinement
 from weftex.reference.lattice import Found, lattice
 from weftex.reference.near_regular import near_regular
 from weftex.reference.patch_based_sampling import patch_based_sampling
@@ -28,8 +31,11 @@ __all__ = [
     "best_tile",
     "efros_leung",
     "exact_matching",
+    "fusion",
     "graphcut",
+    "heeger_bergen",
     "image_quilting",
+    "iterative_refinement",
     "lattice",
     "near_regular",
     "patch_based_sampling",
