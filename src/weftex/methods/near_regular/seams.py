@@ -14,7 +14,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from weftex.methods.near_regular.blocks import Plan
-    from weftex.methods.near_regular.layout import Axis, Layout
+    from weftex.methods.near_regular.layout import Axis
 
 _AT_A_TIME = 32  # edges that a thread cuts
 
@@ -180,72 +180,53 @@ def _own(
     return first, last
 
 
-class _Profile(NamedTuple):
-    """The share that a block has of each line of its window, along one axis.
-
-    Two profiles of the same `kind` have the same shares. `odd` are those of odd numbers.
-    """
-
-    kind: tuple[int, ...]
-    share: NDArray[np.float64]
-    odd: bool
-
-
 def blend_linearly(plan: Plan) -> Joints:
     """Feather blocks over the blending area (section 4.2.3); one of no width pastes them."""
     method, layout = plan.method, plan.layout
     width = min(method.blend_width if method.blend == "feather" else 0, 2 * layout.reach)
-    rows, columns = (_profiles(width, layout, axis) for axis in (layout.rows, layout.columns))
-    zones = np.zeros((len(rows), len(columns)), np.int64)
-    known: dict[tuple[Any, ...], int] = {}
-    weights = []
-    for i, row in enumerate(rows):
-        for j, column in enumerate(columns):
-            kind = row.kind, column.kind
-            if kind not in known:
-                known[kind] = len(known)
-                weights.append(_weights(row, column))
-            zones[i, j] = known[kind]
+    # Rows, and columns, of the same shares and parity blend alike.
+    kinds, number = [], []
+    for axis in (layout.rows, layout.columns):
+        odd = axis.numbers[axis.visible] % 2
+        profiles = np.column_stack([odd, _shares(width, layout.reach, axis)])
+        found, which = np.unique(profiles, axis=0, return_inverse=True)
+        kinds.append([(int(kind[0]), kind[1:]) for kind in found])
+        number.append(which.ravel())
+    weights = [_weights(row, column) for row in kinds[0] for column in kinds[1]]
+    zones = number[0][:, None] * len(kinds[1]) + number[1]
     return Joints(np.zeros((0, 0), np.uint16), zones, np.stack(weights))
 
 
-def _profiles(width: int, layout: Layout, axis: Axis) -> list[_Profile]:
-    """Alpha of eqs. (4.9) and (4.10) from both sides of each visible block."""
-    side, margin = axis.side, axis.margin
-    lines, firsts = axis.pasted(layout.reach)
-    found = []
-    visible = range(axis.visible.start, axis.visible.stop)
-    for block, first in zip(visible, firsts.tolist(), strict=True):
-        size, start = int(axis.sizes[block]), int(axis.edges[block]) - margin
-        # x of eq. (4.9), 1 at the first line that is blended
-        at = np.arange(side) - margin + width // 2 + 1
-        share = np.clip(at, 0, width + 1) / (width + 1)
-        share -= np.clip(at - size, 0, width + 1) / (width + 1)
-        low, high = 0, side
-        if not axis.period:
-            low, high = max(0, -start), min(side, axis.length - start)
-            share[:low] = share[max(high, 0) :] = 0
-        odd = bool(axis.numbers[block] % 2)
-        found.append(_Profile((size, low, high, odd), share[first : first + lines], odd))
-    return found
+def _shares(width: int, reach: int, axis: Axis) -> NDArray[np.float64]:
+    """Alpha of eqs. (4.9) and (4.10) from both sides of each visible block: (blocks, lines)."""
+    sizes, edges = axis.sizes[axis.visible], axis.edges[:-1][axis.visible]
+    lines, first = axis.pasted(reach)
+    at = first[:, None] + np.arange(lines) - axis.margin
+    x = at + width // 2 + 1  # of eq. (4.9), 1 at the first line that is blended
+    share: NDArray[np.float64] = np.clip(x, 0, width + 1) / (width + 1)
+    share -= np.clip(x - sizes[:, None], 0, width + 1) / (width + 1)
+    line = edges[:, None] + at
+    if not axis.period:
+        share[(line < 0) | (line >= axis.length)] = 0
+    return share
 
 
-def _weights(row: _Profile, column: _Profile) -> NDArray[np.uint16]:
+def _weights(
+    row: tuple[int, NDArray[np.float64]], column: tuple[int, NDArray[np.float64]]
+) -> NDArray[np.uint16]:
     """Weights in 1/256 that blend four kinds of blocks, one after the other (eqs. 4.6 to 4.8).
 
     Every corner of a block meets one block of each kind. A block's weight is its share over the sum
     of its own share and the shares of the blocks pasted before it.
     """
-    shares = {}
-    for odd_y in (False, True):
-        for odd_x in (False, True):
-            y = row.share if odd_y == row.odd else 1 - row.share
-            x = column.share if odd_x == column.odd else 1 - column.share
-            # Drawn ones of even rows, drawn ones of odd rows, gaps of even rows, of odd rows.
-            shares[2 * (odd_y != odd_x) + odd_y] = np.outer(y, x)
-    kind = 2 * (row.odd != column.odd) + row.odd
-    own = shares[kind]
-    before = sum(shares[k] for k in range(kind + 1))
+    before, kind = np.zeros((len(row[1]), len(column[1]))), 2 * (row[0] != column[0]) + row[0]
+    for other in range(kind + 1):
+        # Drawn ones of even rows, drawn ones of odd rows, gaps of even rows, of odd rows.
+        odd_y, odd_x = other % 2, (other % 2 + other // 2) % 2
+        y = row[1] if odd_y == row[0] else 1 - row[1]
+        x = column[1] if odd_x == column[0] else 1 - column[1]
+        own = np.outer(y, x)
+        before = before + own
     result = np.rint(256 * own / np.where(own > 0, before, 1))
     return result.astype(np.uint16)
 
