@@ -45,7 +45,7 @@ def test_killed_at_any_moment(here):
         kills += run.returncode != 0
         if number == signal.SIGTERM and run.returncode:
             assert run.returncode == 143
-            assert err.endswith("blocks that are done are kept; the same command goes on\n")
+            assert err.endswith("blocks that are done are kept; the same command continues\n")
     assert kills
     assert weft_run(*words) == 0
     assert files(here) == files(here, "whole")

@@ -170,7 +170,7 @@ def test_targets_that_are_none(tmp_path):
 def test_a_full_disk_is_said_in_one_line(tmp_path):
     store, _ = written(tmp_path / "a.tif", (64, 64), "uint8", 3, False)
     (tmp_path / "a.tif").unlink()
-    with pytest.raises(FileError, match="cannot write: No such file.*the same command goes on"):
+    with pytest.raises(FileError, match="cannot write: No such file.*the same command continues"):
         store.write((0, 0, 0), np.zeros((64, 64, 3), np.uint8))
 
 

@@ -39,12 +39,12 @@ _WHOLE = {
 def add_plane(parser: Parser) -> None:
     """Add the options of every command that can write a picture block by block."""
     text = "OUT.zarr, OUT.dzi, and OUT.tif of more than 2**28 pixels, are written block by block; "
-    text += "the same command goes on where it was stopped"
+    text += "the same command resumes an interrupted run"
     group = parser.add_argument_group("larger than memory", text)
     add = group.add_argument
     text = "side of the blocks, a power of two; changes no pixel; default: 2048"
     add("--block", type=int, metavar="PX", help=text)
-    add("--restart", action="store_true", help="remove what is there and begin again")
+    add("--restart", action="store_true", help="remove the plane that is there and begin again")
     text = "make part K of N, on any machine that has the folder; needs --seed; see 'weftex check'"
     add("--part", metavar="K/N", help=text)
     add("--workers", type=int, metavar="N", help="number of processes of this machine")
@@ -170,7 +170,7 @@ def write(
             f"{args.output} is written block by block: {what}{left} of {job.count} blocks "
             f"are left, up to {in_words(most_bytes(job, left))}"
         )
-    bar.left = "blocks that are done are kept; the same command goes on"
+    bar.left = "blocks that are done are kept; the same command continues"
     how: dict[str, Any] = {"restart": args.restart, "progress": bar}
     how |= {"threads": getattr(args, "threads", None), "check_disk": not args.allow_huge}
     with ExitStack() as stack:

@@ -127,7 +127,7 @@ class Store(ABC):
         except OSError as error:
             raise FileError(
                 f"{show(self.path)}: cannot write: {error.strerror or error}; blocks that are done "
-                "are kept, and the same command goes on"
+                "are kept, and the same command continues"
             ) from None
 
     def read(self, level: int, window: Window) -> NDArray[Any]:

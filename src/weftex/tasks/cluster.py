@@ -34,7 +34,7 @@ _LEAST_AHEAD = 16
 _TRIES = 10  # workers that may die while they make one block
 _PATIENCE = "10s"  # for the scheduler's answer
 _POLL, _LOOK = 0.02, 2.0  # seconds
-_GONE = "the scheduler is gone; blocks that are done are kept, and the same command goes on"
+_GONE = "the scheduler is gone; blocks that are done are kept, and the same command continues"
 
 
 @contextmanager
