@@ -1,0 +1,261 @@
+"""Faults that tests of parts do not show: many processes at once, kills, full disks.
+
+    python tests/faults.py              # at most five minutes
+    python tests/faults.py --long       # each fault many times, for nights
+    python tests/faults.py kills disk   # only some
+
+Every fault must end with one line or none, and the bytes of an undisturbed run.
+"""
+
+from __future__ import annotations
+
+import argparse
+import contextlib
+import importlib.util
+import os
+import random
+import signal
+import socket
+import subprocess
+import sys
+import tempfile
+import threading
+import time
+from concurrent.futures import ThreadPoolExecutor
+from pathlib import Path
+
+from processes import ENVIRONMENT, weftex_process
+
+sys.path.append(str(Path(__file__).parent / "studio"))
+PLANE = ["synth", "sample:bricks", "--method", "best-tile", "--lattice", "64,0,0,32", "--quiet"]
+PLANE += ["--size", 1000, "--block", 64]
+PICTURE = ["synth", "sample:bricks", "--method", "quilting", "--size", 600, "--quiet"]
+WAIT = 120  # seconds for one command on a busy machine
+
+
+class Skipped(Exception):
+    """A fault that this machine cannot have, and why."""
+
+
+def ended(run):
+    """Exit code and standard error of a process, of which there is at most one line."""
+    err = run.communicate(timeout=WAIT)[1]
+    assert err.count("\n") <= 1, err
+    return run.returncode, err
+
+
+def done(*words):
+    """Run a command that must succeed."""
+    code, err = ended(weftex_process(*words, stdout=subprocess.DEVNULL))
+    assert code == 0, err
+
+
+def whole_plane(folder, seed):
+    """The bytes of an undisturbed run."""
+    target = folder / f"whole{seed}.tif"
+    if not target.exists():
+        done(*PLANE, "--seed", seed, "-o", target)
+    return target.read_bytes()
+
+
+def check(target, folder, seed):
+    """The plane has the bytes of an undisturbed run, and `check` agrees."""
+    done("check", target, "--read")
+    assert target.read_bytes() == whole_plane(folder, seed)
+
+
+def blocks(target):
+    """The number of blocks that journals name."""
+    with contextlib.suppress(OSError):
+        return sum(p.read_bytes().count(b"\n") for p in Path(f"{target}.run").rglob("*.txt"))
+    return 0
+
+
+def hidden(folder):
+    return [path.name for path in folder.rglob(".weftex-*")]
+
+
+def parts(folder, long):
+    """Eight parts of one plane that start at the same moment."""
+    for turn in range(20 if long else 2):
+        target = folder / f"parts{turn}.tif"
+        words = [*PLANE, "--seed", 1, "-o", target]
+        runs = [weftex_process(*words, "--part", f"{k}/8") for k in range(1, 9)]
+        assert [ended(run) for run in runs] == [(0, "")] * 8
+        done(*words)
+        check(target, folder, 1)
+
+
+def cluster(folder, long):
+    """A client is killed, and its worker goes on after another run began the plane again."""
+    if importlib.util.find_spec("distributed") is None:
+        raise Skipped("distributed is not installed")
+    with socket.socket() as one:
+        one.bind(("127.0.0.1", 0))
+        port = one.getsockname()[1]
+    address = f"tcp://127.0.0.1:{port}"
+
+    def dask(*words):
+        quiet = {"stdout": subprocess.DEVNULL, "stderr": subprocess.DEVNULL}
+        command = [sys.executable, "-m", "dask", *words, "--no-dashboard"]
+        process = subprocess.Popen(command, env=ENVIRONMENT, **quiet)
+        stack.callback(process.wait)
+        stack.callback(process.kill)
+        return process
+
+    with contextlib.ExitStack() as stack:
+        dask("scheduler", "--host", "127.0.0.1", "--port", str(port))
+        workers = [dask("worker", address, "--nthreads", "1", "--no-nanny") for _ in range(2)]
+        for turn in range(10 if long else 1):
+            target = folder / f"cluster{turn}.tif"
+            words = [*PLANE, "-o", target]
+            client = weftex_process(*words, "--seed", 1, "--cluster", address)
+            while blocks(target) < 10:
+                assert client.poll() is None, client.communicate()
+                time.sleep(0.01)
+            for worker in workers:
+                worker.send_signal(signal.SIGSTOP)
+            client.kill()
+            client.communicate()
+            again = weftex_process(*words, "--seed", 2, "--restart")
+            time.sleep(2)
+            for worker in workers:
+                worker.send_signal(signal.SIGCONT)
+            assert ended(again) == (0, "")
+            time.sleep(3)  # for what the workers still have to do
+            check(target, folder, 2)
+            done(*words, "--seed", 2, "--restart", "--cluster", address)
+            check(target, folder, 2)
+
+
+def kills(folder, long):
+    """`kill -9` between the start and the first blocks, and while a picture is written."""
+    moments, killed = random.Random(os.getpid()), 0
+    start = time.perf_counter()
+    picture = folder / "picture.png"
+    done(*PICTURE, "--seed", 1, "-o", picture)
+    took, content = time.perf_counter() - start, picture.read_bytes()
+    for turn in range(200 if long else 12):
+        target = folder / f"kills{turn}.tif"
+        words = [*PLANE, "--seed", 1, "-o", target]
+        for command in (words, [*PICTURE, "--seed", 1, "-o", picture]):
+            run = weftex_process(*command)
+            time.sleep(moments.uniform(0.2, 1.1) * took)
+            run.kill()
+            run.communicate()
+            killed += run.returncode != 0
+            assert picture.read_bytes() == content
+        done(*words)
+        check(target, folder, 1)
+        target.unlink()
+    done(*PICTURE, "--seed", 1, "-o", picture)
+    assert killed and picture.read_bytes() == content and not hidden(folder), hidden(folder)
+
+
+def disk(folder, long):
+    """A disk without room: one line that names the file, nothing hidden, and then it works."""
+    small = folder / "small"
+    small.mkdir()
+    mount = ["mount", "-t", "tmpfs", "-o", "size=4m", "tmpfs", str(small)]
+    if not hasattr(os, "getuid") or os.getuid() or subprocess.run(mount, check=False).returncode:
+        raise Skipped("a small disk can be mounted by root only")
+    try:
+        for suffix in (".png", ".tif", ".exr", ".jpg") * (10 if long else 1):
+            given = folder / "float.exr" if suffix == ".exr" else "sample:bricks"
+            if suffix == ".exr":
+                from weftex.io.pictures import read_image, write_image
+
+                write_image(given, read_image("sample:bricks").pixels.astype("float32"))
+            words = ["synth", given, "--method", "quilting", "--size", 1600, "--quiet", "-o"]
+            target = small / f"a{suffix}"
+            (small / "other").write_bytes(os.urandom(4_000_000))
+            code, err = ended(weftex_process(*words, target))
+            assert code == 2 and str(target) in err and "weftex-" not in err, err
+            assert not target.exists() and not hidden(small)
+            (small / "other").unlink()
+            done(*words, target, "--size", 100)
+            target.unlink()
+        target = small / "p.tif"
+        words = [*PLANE, "--seed", 1, "-o", target]
+        run = weftex_process(*words, "--size", 2000, "--allow-huge")
+        code, err = ended(run)
+        assert code == 2 and "No space left" in err, err
+        for path in small.glob("p.tif*"):
+            subprocess.run(["rm", "-r", str(path)], check=True)
+        done(*PLANE, "--seed", 1, "-o", target, "--size", 500)
+    finally:
+        subprocess.run(["umount", str(small)], check=True)
+
+
+def writers(folder, long):
+    """Two commands that write the same file: a picture is one of theirs, a plane is refused one."""
+    for turn in range(20 if long else 3):
+        picture = folder / f"two{turn}.png"
+        pictures = []
+        for seed in (1, 2):
+            done(*PICTURE, "--seed", seed, "-o", folder / f"one{seed}.png")
+            pictures.append((folder / f"one{seed}.png").read_bytes())
+        runs = [weftex_process(*PICTURE, "--seed", seed, "-o", picture) for seed in (1, 2)]
+        assert [ended(run) for run in runs] == [(0, "")] * 2
+        assert picture.read_bytes() in pictures
+        target = folder / f"two{turn}.tif"
+        words = [*PLANE, "--seed", 1, "-o", target]
+        runs = [weftex_process(*words) for _ in range(2)]
+        assert 0 in [ended(run)[0] for run in runs]
+        check(target, folder, 1)
+    assert not hidden(folder)
+
+
+def studio(folder, long):
+    """Results that are kept at the same moment are all there after the server is killed."""
+    if importlib.util.find_spec("uvicorn") is None:
+        raise Skipped("the studio's extra is not installed")
+    from pages import Page
+    from processes_of_studio import Process
+
+    for turn in range(10 if long else 1):
+        data = folder / f"studio{turn}"
+        first = Process(data, "sample:bricks")
+        try:
+            page = Page(first.client, first.token)
+            recipe = {"materials": [page.start["opened"]], "size": [64, 64], "method": "quilting"}
+            results = [page.made({**recipe, "seed": seed}) for seed in range(6)]
+            ready = threading.Barrier(len(results))
+
+            def keep(result, page=page, ready=ready):
+                ready.wait()
+                page.post(f"results/{result['id']}/keep", {"title": "wall"})
+
+            with ThreadPoolExecutor(len(results)) as pool:
+                list(pool.map(keep, results))
+        finally:
+            first.end(signal.SIGKILL)
+        second = Process(data)
+        try:
+            again = Page(second.client, second.token, session=page.start["session"])
+            assert len(again.start["kept"]) == len(results), again.start["kept"]
+        finally:
+            second.end(signal.SIGTERM)
+
+
+FAULTS = {act.__name__: act for act in (parts, cluster, kills, disk, writers, studio)}
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("faults", nargs="*", metavar="FAULT", help=", ".join(FAULTS))
+    parser.add_argument("--long", action="store_true", help="each fault many times")
+    args = parser.parse_args()
+    for name in args.faults or FAULTS:
+        start = time.perf_counter()
+        with tempfile.TemporaryDirectory(prefix="faults-") as folder:
+            try:
+                FAULTS[name](Path(folder), args.long)
+                how = "passed"
+            except Skipped as why:
+                how = f"not run: {why}"
+        print(f"{name}: {how} ({time.perf_counter() - start:.0f} s)", flush=True)
+
+
+if __name__ == "__main__":
+    main()
