@@ -203,8 +203,7 @@ def test_killed_at_any_call_of_the_start(tmp_path, suffix, restart):
     assert int(done.stdout) > 30
 
 
-def test_files_of_others_of_the_same_name_come_first(tmp_path):
-    """A task that a killed restart left behind is not believed."""
+def test_a_recipe_of_another_run_is_refused(tmp_path):
     target = tmp_path / "p.tif"
     weftex.stream(SAMPLE, target, SIZE, **HOW)
     recipe = tmp_path / "p.tif.run" / "recipe.npz"
