@@ -15,13 +15,6 @@ from weftex.search.boundary_zone import boundary_zone
 SIDES = ("left", "top", "right", "bottom")
 
 
-@given(
-    arrays(np.int64, st.tuples(st.integers(1, 6), st.integers(1, 4)), elements=st.integers(0, 5))
-)
-def test_the_twins_agree(cost):
-    assert reference.path_by_programming(cost) == reference.path_by_exhaustion(cost)
-
-
 def find_cuts(canvas, pixels, place, weight, bands, row, cost, cuts):
     """Cut a patch at (y, x, source y, source x); fill its row of `cuts`."""
     placements = np.zeros((row + 1, 5), np.int32)

@@ -6,6 +6,8 @@ import itertools
 
 import numpy as np
 
+from weftex.reference.image_quilting import minimum_error_boundary
+
 #: What a step of a path costs where the patch cannot show: more than any path where it can.
 OUTSIDE = 2**44
 
@@ -26,33 +28,15 @@ def path_by_exhaustion(cost):
     return list(best[1][::-1])
 
 
-def path_by_programming(cost):
-    """The same path by dynamic programming."""
-    rows, columns = cost.shape
-    table = [[int(c) for c in cost[0]]]
-    for i in range(1, rows):
-        table.append(
-            [
-                int(cost[i, k]) + min(table[-1][max(k - 1, 0) : min(k + 2, columns)])
-                for k in range(columns)
-            ]
-        )
-    path = [min(range(columns), key=lambda k: (table[-1][k], k))]
-    for i in range(rows - 2, -1, -1):
-        near = range(max(path[0] - 1, 0), min(path[0] + 2, columns))
-        path.insert(0, min(near, key=lambda k: (table[i][k], k)))
-    return path
-
-
 def path_around(cost, closed):
     """The cheapest path; a closed one starts where the cheapest twice around crosses."""
     if not closed:
-        return path_by_programming(cost)
-    start = path_by_programming(np.concatenate([cost, cost]))[len(cost)]
+        return minimum_error_boundary(cost).tolist()
+    start = int(minimum_error_boundary(np.concatenate([cost, cost]))[len(cost)])
     held = np.concatenate([cost, cost[:1]])
     for row in (0, -1):
         held[row] = [cost[0][k] if k == start else 10**15 for k in range(cost.shape[1])]
-    return path_by_programming(held)[:-1]
+    return minimum_error_boundary(held)[:-1].tolist()
 
 
 def box_of(weights):
@@ -90,7 +74,9 @@ def cut_sides(canvas_window, new_window, weights, zone, width, hole=False):
         "bottom": (cost[::-1].T, there[::-1].T, left, lambda k: bottom - k),
     }
     return {
-        side: {first + i: at(k) for i, k in enumerate(path_by_programming(c[:, :depth]))}
+        side: {
+            first + i: at(k) for i, k in enumerate(minimum_error_boundary(c[:, :depth]))
+        }
         for side, (c, z, first, at) in turned.items()
         if z[:, :depth].any()
     }
