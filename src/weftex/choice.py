@@ -1,4 +1,4 @@
-"""What a choice among the methods says."""
+"""A choice among the methods, and the reason for it."""
 
 from __future__ import annotations
 
@@ -16,16 +16,30 @@ class Choice:
         A name in `weftex.METHODS`.
     parameters : dict
         Those that differ from the method's defaults.
-    reason : str
-        One line.
+    because : str
+        What was found, as a clause.
     warnings : tuple of str
-        What no method can do with this sample, the figure that says so, and what would help.
+        Faults of the sample that no method can repair, with their size and a remedy.
     """
 
     method: str
     parameters: dict[str, Any] = field(default_factory=dict)
-    reason: str = ""
+    because: str = ""
     warnings: tuple[str, ...] = ()
+
+    @property
+    def reason(self) -> str:
+        """One line: the method, and why."""
+        return f"{self.method}, because {self.because}"
+
+    def as_dict(self) -> dict[str, Any]:
+        """Return everything as numbers, texts, lists and dicts, ready for JSON."""
+        return {
+            "method": self.method,
+            "parameters": self.parameters,
+            "reason": self.reason,
+            "warnings": list(self.warnings),
+        }
 
     def __str__(self) -> str:
         return "; ".join((self.reason, *(f"but {text}" for text in self.warnings)))

@@ -146,7 +146,7 @@ def test_auto_turns_what_has_no_way_up_and_all_else_goes_on(tmp_path):
     """Reports, figures and replay take the sample as it was."""
     made = weftex.synthesize("sample:leaves", 300, seed=3)
     assert made.provenance["orientations"] == "half-turns"
-    assert "no way up" in made.provenance["reason"]
+    assert "upside down" in made.provenance["reason"]
     names = ("method", "placement", "orientations", "seed")
     again = weftex.synthesize("sample:leaves", 300, **{k: made.provenance[k] for k in names})
     np.testing.assert_array_equal(again.image, made.image)

@@ -82,7 +82,7 @@ def test_what_a_material_is(page):
     assert seen["lattice"]["words"] == "126.2 x 41.8 px, every other row shifted by half"
     assert len(seen["runners_up"]) == 4 and len(seen["lattice"]["lines"]) == 2
     assert seen["auto"]["method"] in weftex.METHODS
-    assert seen["auto"]["reason"].startswith("near-regular, lattice 126.2 x 41.8 px")
+    assert "the sample has a lattice of 126.2 x 41.8 px" in seen["auto"]["reason"]
     other = seen["runners_up"][0]
     rated = page.get(f"materials/{material}/lattice?vectors={other['numbers']}")
     assert rated["goodness"] == pytest.approx(other["goodness"], rel=0.05)

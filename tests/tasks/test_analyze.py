@@ -259,9 +259,11 @@ def test_a_sample_is_looked_at_once(monkeypatch):
     from weftex.analysis import relief as reliefs
 
     taken, seen = [], []
-    take, view = reliefs._taken, lattices.views
+    take, view = reliefs._taken, lattices.autocorrelations
     monkeypatch.setattr(reliefs, "_taken", lambda one: taken.append(one.shape) or take(one))
-    monkeypatch.setattr(lattices, "views", lambda one, *a: seen.append(one.shape) or view(one, *a))
+    monkeypatch.setattr(
+        lattices, "autocorrelations", lambda one, *a: seen.append(one.shape) or view(one, *a)
+    )
     pixels = np.random.default_rng(0).integers(0, 256, (400, 400), np.uint8)
     analyze(pixels)
     assert sorted(set(taken)) == sorted(taken)  # the photo, its smaller copy, its middle

@@ -16,8 +16,7 @@ from weftex.choice import Choice
 from weftex.errors import InvalidInputError
 from weftex.tasks.auto import Findings, choose, look
 from weftex.tasks.auto.findings import count_colors
-from weftex.tasks.auto.likeness import like_itself
-from weftex.tasks.auto.trial import best_of_choices, others, refined_if_whole
+from weftex.tasks.auto.trial import best_of_choices, like_itself, others, refined_if_whole
 
 EVEN = Evenness(0.0, 0.0, 0.0, (1.0, 1.0))
 GRASS = Findings((256, 256), None, True, 12.5, 5000, EVEN)
@@ -30,31 +29,36 @@ def with_(**changes):
 
 
 RULE = [
-    (GRASS, Canvas(1024, 1024), "graphcut", "fine structure, 12.5 px of 256"),
-    (with_(scale=9.5), Canvas(1024, 1025), "patch-sampling", "fine structure, 9.5 px of 256"),
+    (GRASS, Canvas(1024, 1024), "graphcut", r"structure is fine \(12.5 px of 256\)"),
+    (
+        with_(scale=9.5),
+        Canvas(1024, 1025),
+        "patch-sampling",
+        r"fine \(9.5 px of 256\)",
+    ),
     (with_(scale=9.5, colors=2), Canvas(512, 512), "quilting", r"few colors \(2\)"),
     (with_(scale=21.3), Canvas(1100, 1100), "patch-sampling", "fine"),
-    (with_(scale=21.4), Canvas(512, 512), "graphcut", "irregular structure of 21.4 px"),
+    (with_(scale=21.4), Canvas(512, 512), "graphcut", "irregular .features of 21.4 px"),
     (with_(scale=40.0), Canvas(1024, 1024), "graphcut", "irregular"),
     (with_(scale=60.0, shape=(512, 513)), Canvas(1024, 1025), "graphcut", "1.05 megapixels"),
     (with_(scale=60.0, shape=(600, 600)), Canvas(8192, 8192), "graphcut", "67.1 megapixels"),
     (with_(colors=2), Canvas(512, 512), "quilting", r"few colors \(2\)"),
-    (with_(lattice=ROWS), Canvas(512, 512), "graphcut", "rows, distance 46 px"),
-    (with_(lattice=ROWS), Canvas(1024, 1025), "near-regular", "rows, distance 46 px"),
-    (with_(lattice=ROWS, exact=False), Canvas(512, 512), "near-regular", "rows, distance 46 px"),
-    (with_(lattice=ROWS), Canvas(466, 99, (True, True)), "graphcut", "rows, distance 46 px"),
-    (with_(lattice=ROWS), Canvas(482, 99, (True, True)), "near-regular", "rows, distance 46 px"),
+    (with_(lattice=ROWS), Canvas(512, 512), "graphcut", "has rows 46 px apart"),
+    (with_(lattice=ROWS), Canvas(1024, 1025), "near-regular", "has rows 46 px apart"),
+    (with_(lattice=ROWS, exact=False), Canvas(512, 512), "near-regular", "has rows 46 px apart"),
+    (with_(lattice=ROWS), Canvas(466, 99, (True, True)), "graphcut", "has rows 46 px apart"),
+    (with_(lattice=ROWS), Canvas(482, 99, (True, True)), "near-regular", "has rows 46 px apart"),
     (with_(lattice=Lattice(((0.0, 46.0),), 0.5)), Canvas(512, 512), "graphcut", "fine"),
-    (with_(lattice=TILES), Canvas(512, 512), "graphcut", "lattice 31.1 x 102.2 px.* 0.87"),
-    (with_(lattice=TILES), Canvas(9999, 9999), "near-regular", "lattice 31.1 x 102.2 px.* 0.87"),
+    (with_(lattice=TILES), Canvas(512, 512), "graphcut", "lattice of 31.1 x 102.2 px.* 0.87"),
+    (with_(lattice=TILES), Canvas(9999, 9999), "near-regular", "lattice of 31.1 x 102.2 px.* 0.87"),
     (
         with_(lattice=TILES),
         Canvas(512, 512, (True, True)),
         "near-regular",
-        "confidence 0.87: near-regular",
+        "confidence 0.87",
     ),
     (with_(lattice=TILES, shape=(100, 120)), Canvas(150, 150), "graphcut", "irregular"),
-    (with_(shape=(300, 31)), Canvas(512, 512), "graphcut", "too small to be analyzed, 31x300"),
+    (with_(shape=(300, 31)), Canvas(512, 512), "graphcut", "too small to analyze .31x300"),
     (with_(shape=(300, 31)), Canvas(2048, 2048), "graphcut", "too small"),
     (with_(shape=(1, 2)), Canvas(2048, 2048), "graphcut", "too small"),
 ]
@@ -64,7 +68,7 @@ RULE = [
 def test_the_rule(findings, canvas, method, reason):
     choice = choose(findings, canvas)
     assert choice.method == method
-    assert choice.reason.endswith(f": {method}") and "\n" not in str(choice)
+    assert choice.reason.startswith(f"{method}, because ") and "\n" not in str(choice)
     assert re.search(reason, choice.reason), choice.reason
     assert choice.warnings == ()
 
@@ -72,7 +76,7 @@ def test_the_rule(findings, canvas, method, reason):
 def test_a_lattice_that_does_not_go_around_names_the_size_that_does():
     for lattice in (TILES, ROWS):
         choice = choose(with_(lattice=lattice), Canvas(160, 160, (True, True)))
-        assert choice.method == "quilting" and "do not go around 160x160" in choice.reason
+        assert choice.method == "quilting" and "do not fit a tileable 160x160" in choice.reason
         (warning,) = choice.warnings
         size = re.search(r"strained by .*; (\d+)x(\d+) would do", warning)
         again = Canvas(int(size[2]), int(size[1]), (True, True))
@@ -136,12 +140,12 @@ def test_another_picture_is_kept_only_if_it_is_clearly_better():
     bricks = weftex.synthesize(exemplar, 200, method="near-regular", seed=1)
     broken = weftex.synthesize(exemplar, 200, method="patch-sampling", patch_size=9, seed=1)
     made = {"graphcut": broken, "near-regular": bricks, "quilting": broken}
-    choices = [Choice("graphcut", {}, "irregular: graphcut"), Choice("near-regular")]
+    choices = [Choice("graphcut", {}, "irregular"), Choice("near-regular")]
     kept, picture = best_of_choices(choices, exemplar, lambda choice: made[choice.method])
     assert kept.method == "near-regular" and picture is bricks
-    assert re.fullmatch(r"irregular, score .* \(tried near-regular .*\): near-regular", kept.reason)
+    assert re.fullmatch(r"irregular; the scores are graphcut \S+, near-regular \S+", kept.because)
     for first, second in (("graphcut", "quilting"), ("near-regular", "graphcut")):
-        choices = [Choice(first, {}, f"so: {first}"), Choice(second)]
+        choices = [Choice(first, {}, "so"), Choice(second)]
         kept, picture = best_of_choices(choices, exemplar, lambda choice: made[choice.method])
         assert kept.method == first and picture is made[first]
 
@@ -150,16 +154,24 @@ def test_where_refinement_breaks_lines_joints_alone_are_refined():
     exemplar = weftex.load_exemplar("sample:tiles")
     laid = weftex.synthesize(exemplar, 200, method="near-regular", seed=1)
     broken = weftex.synthesize(exemplar, 200, method="patch-sampling", patch_size=9, seed=1)
-    choices = [Choice("near-regular", {}, "tiles: near-regular"), Choice("refinement")]
+    choices = [Choice("near-regular", {}, "tiles"), Choice("refinement")]
     for before, after, kept in (
-        (laid, laid, "tiles: refinement"),
-        (laid, broken, r"tiles, joints alone, as 0\.\d\d of its lines would be left: refinement"),
-        (broken, laid, "tiles: near-regular"),  # lines that the blocks do not show are not judged
+        (laid, laid, "refinement, because tiles"),
+        (
+            laid,
+            broken,
+            r"refinement, because tiles; only its seams are refined, as 0\.\d\d of .*",
+        ),
+        (
+            broken,
+            laid,
+            "near-regular, because tiles",
+        ),  # faint lines are not judged
     ):
         made = {"near-regular": before, "refinement": after}
         choice = refined_if_whole(choices, TILES, exemplar, lambda one, all_=made: all_[one.method])
         assert re.fullmatch(kept, choice.reason), choice.reason
-        assert choice.parameters == ({"joints": 24} if "alone" in kept else {})
+        assert choice.parameters == ({"joints": 24} if "only" in kept else {})
 
 
 def test_likeness_is_the_correlation_of_what_may_be_used():
@@ -182,12 +194,12 @@ def test_likeness_is_the_correlation_of_what_may_be_used():
 def test_effort_is_a_parameter_of_auto():
     exemplar = weftex.load_exemplar("sample:leaves")
     quick = weftex.synthesize(exemplar, 90, seed=1, effort="quick", threads=1)
-    assert "tried" not in quick.provenance["reason"]
+    assert "scores" not in quick.provenance["reason"]
     normal = weftex.synthesize(exemplar, 90, seed=1)
     assert np.array_equal(quick.image, normal.image)
     assert quick.provenance["method"] == normal.provenance["method"] == "graphcut"
     best = [weftex.synthesize(exemplar, 90, seed=1, effort="best", threads=n) for n in (1, 2)]
-    assert "tried refinement" in best[0].provenance["reason"]
+    assert ", refinement " in best[0].provenance["reason"]
     assert np.array_equal(*(one.image for one in best))
     with pytest.raises(InvalidInputError, match="effort is 'fast'"):
         weftex.Auto(effort="fast")
@@ -196,9 +208,9 @@ def test_effort_is_a_parameter_of_auto():
 @pytest.mark.parametrize(
     ("even", "words"),
     [
-        (Evenness(0.4, 80.0, 0.1, (1.0, 1.0)), "light changes by 80 of 255 levels.* even it out"),
-        (Evenness(0.4, 80.0, 0.6, (1.0, 1.0)), "60 % .* one object, or too few things"),
-        (Evenness(0.0, 0.0, 0.0, (1.0, 0.5)), "2 times as large at one side.* straighten"),
+        (Evenness(0.4, 80.0, 0.1, (1.0, 1.0)), "light changes by 80 of 255 levels.* --even-light"),
+        (Evenness(0.4, 80.0, 0.6, (1.0, 1.0)), "60 % .* one object, or too few features"),
+        (Evenness(0.0, 0.0, 0.0, (1.0, 0.5)), r"2 times as large at one side.* \(--straighten\)"),
         (Evenness(0.4, 20.0, 0.3, (1.0, 1.0)), None),
         (Evenness(0.2, 90.0, 0.3, (1.0, 1.0)), None),
     ],
@@ -267,7 +279,7 @@ def test_the_result_is_that_of_the_method_by_name():
         exemplar = weftex.load_exemplar(f"sample:{name}")
         made = weftex.synthesize(exemplar, size, seed=3, tileable="x")
         about = dict(made.provenance)
-        assert about.pop("reason").endswith(about["method"])
+        assert about.pop("reason").startswith(f"{about['method']}, because ")
         seed = about.pop("seed")
         known = {f.name for f in dataclasses.fields(weftex.METHODS[about["method"]])}
         parameters = {k: v for k, v in about.items() if k in known}
@@ -312,7 +324,7 @@ def test_a_mask_that_leaves_little_gets_a_method_that_takes_it():
     fine = weftex.Exemplar(grains.astype(np.uint8), mask=mask[:120, :120])
     choice, _ = weftex.Auto().fit(fine).chosen((1100, 1100))
     assert choice.method in ("graphcut", "ashikhmin")
-    assert "which this sample does not do" in choice.reason
+    assert " cannot be fitted (" in choice.reason
     wide = np.zeros((700, 900), bool)
     wide[640:, 850:] = True
     assert look(weftex.Exemplar(np.zeros((700, 900), np.uint8), mask=wide)).colors == 1

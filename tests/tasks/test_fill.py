@@ -308,9 +308,7 @@ def test_rows_go_on():
     hole = np.zeros(photo.shape, bool)
     hole[50:110, 60:130] = True
     result = weftex.fill(photo, hole, seed=1)
-    assert (
-        result.provenance["method"] == "graphcut" and "distance 25" in result.provenance["reason"]
-    )
+    assert result.provenance["method"] == "graphcut" and "rows 25 px" in result.provenance["reason"]
     assert abs(result.image - (ribs + 12.0)).max() < 20
 
 

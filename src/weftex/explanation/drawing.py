@@ -18,13 +18,7 @@ _ENLARGED = 96  # pixels that a small picture is enlarged to, or more
 
 
 def colors(pixels: NDArray[Any]) -> NDArray[np.uint8]:
-    """Return bytes (H, W, K) that methods match on as RGB: the first three, or one for all.
-
-    Examples
-    --------
-    >>> colors(np.full((1, 1, 2), 7, np.uint8)).tolist()
-    [[[7, 7, 7]]]
-    """
+    """Return bytes (H, W, K) that methods match on as RGB: the first three, or one for all."""
     pixels = np.atleast_3d(pixels)
     shown = pixels[..., :3] if pixels.shape[2] >= 3 else np.repeat(pixels[..., :1], 3, axis=2)
     return np.array(shown, np.uint8)

@@ -165,13 +165,7 @@ class WeiLevoyWatcher:
 
 
 def path_to(nodes: NDArray[np.int32], row: int) -> list[tuple[int, int, int]]:
-    """Return the nodes that hold a row of a tree, from the root: number, first and last row + 1.
-
-    Examples
-    --------
-    >>> path_to(np.array([[1, 0, 9], [-1, 0, 5], [-1, 5, 9]]), 6)
-    [(0, 0, 9), (2, 5, 9)]
-    """
+    """Return the nodes that hold a row of a tree, from the root: number, first and last row + 1."""
     first, last = int(nodes[:, 1].min()), int(nodes[:, 2].max())
     path, node = [(0, first, last)], 0
     while (child := int(nodes[node, 0])) >= 0:

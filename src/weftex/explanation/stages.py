@@ -92,18 +92,7 @@ class Explanation:
         return f"<div>{figures}</div>"
 
     def save(self, folder: str | os.PathLike[str]) -> list[Path]:
-        """Write the pictures, as `01-canvas.png` and so on, and the captions as `captions.txt`.
-
-        Parameters
-        ----------
-        folder : str or path
-            Is made if it is not there.
-
-        Raises
-        ------
-        FileError
-            If a picture cannot be written.
-        """
+        """Write the pictures, as `01-canvas.png` and so on, and the captions as `captions.txt`."""
         folder = Path(folder)
         folder.mkdir(parents=True, exist_ok=True)
         paths, lines = [], []

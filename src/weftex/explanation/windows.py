@@ -40,35 +40,7 @@ def error_surface(
     *,
     tileable: bool = False,
 ) -> NDArray[np.float64]:
-    """Sum the squared differences of a half-known window to all windows of a sample.
-
-    Parameters
-    ----------
-    sample : uint8 array (H, W, K)
-        Its bytes.
-    window : uint8 array (h, w, K)
-        What is looked for.
-    known : bool array (h, w)
-        The pixels that count.
-    weights : array (h, w), optional
-        Of the pixels; 1 by default.
-    tileable : bool
-        Windows of the sample go around it.
-
-    Returns
-    -------
-    float64 array (H, W)
-        By the place of the window's middle (of even sides, one after it); inf where its known part
-        is not in the sample.
-
-    Examples
-    --------
-    >>> sample = np.arange(12, dtype=np.uint8).reshape(3, 4, 1)
-    >>> known = np.array([[True, True, True], [True, False, False], [False] * 3])
-    >>> errors = error_surface(sample, sample[:3, 1:], known)
-    >>> np.argwhere(errors == 0).tolist()
-    [[1, 2]]
-    """
+    """Sum the squared differences of a half-known window to all windows of a sample."""
     height, width = sample.shape[:2]
     total = np.zeros((height, width))
     rows, columns = np.arange(height)[:, None], np.arange(width)
@@ -94,21 +66,7 @@ def choice_stages(
     tileable: bool = False,
     at: str = "",
 ) -> list[Stage]:
-    """How one pixel was chosen: its neighborhood, the error surface, the candidates.
-
-    Parameters
-    ----------
-    sample, window, known, weights, tileable
-        As for `error_surface`.
-    candidates : int array (n, 2)
-        Row and column of those that were compared or could be drawn.
-    chosen : (int, int)
-        The one that was taken.
-    words : (str, str, str)
-        Captions.
-    at : str
-        Added to the titles.
-    """
+    """How one pixel was chosen: its neighborhood, the error surface, the candidates."""
     errors = error_surface(sample, window, known, weights, tileable=tileable)
     neighborhood = enlarged(made(window, known))
     times = neighborhood.shape[0] // window.shape[0]

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import dataclasses
 from dataclasses import dataclass
 from html import escape
 from typing import TYPE_CHECKING, Any
@@ -93,7 +92,7 @@ class Comparison(Page):
             "height": self.shape[0],
             "width": self.shape[1],
             "seed": self.seed,
-            "auto": dataclasses.asdict(self.choice),
+            "auto": self.choice.as_dict(),
             "methods": [entry.as_dict() for entry in self.entries],
         }
 

@@ -54,13 +54,7 @@ class Page(ABC):
         return f'<iframe {frame} srcdoc="{escape(self.html())}"></iframe>'
 
     def save(self, path: str | os.PathLike[str]) -> None:
-        """Write the page.
-
-        Raises
-        ------
-        FileError
-            If it cannot be written there.
-        """
+        """Write the page."""
         from weftex.io.pictures import check_output, write_text
 
         check_output(path, suffixes=(".html",))

@@ -148,8 +148,8 @@ class Analysis:
     windows: dict[str, int | None]
 
     def as_dict(self) -> dict[str, Any]:
-        """Return everything as numbers, texts, lists and dicts, as JSON has them."""
-        return dataclasses.asdict(self)
+        """Return everything as numbers, texts, lists and dicts, ready for JSON."""
+        return dataclasses.asdict(self) | {"choice": self.choice.as_dict()}
 
     def __repr__(self) -> str:
         size = f"{self.width}x{self.height}"
@@ -287,13 +287,7 @@ def analyze(
 
 
 def given_lattice(vectors: Sequence[float] | str, exemplar: Exemplar) -> Lattice:
-    """A lattice that somebody gave as x1, y1, x2, y2.
-
-    Raises
-    ------
-    InvalidInputError
-        If these are not four numbers, or not a lattice of which two tiles lie in the sample.
-    """
+    """A lattice that somebody gave as x1, y1, x2, y2."""
     plain = numbers_of("lattice", vectors, 4)
     canvas_lattice.check_lattice(plain, exemplar)
     return canvas_lattice.given_lattice(plain)

@@ -18,18 +18,7 @@ _DEPTH = 1.5  # a belt reaches into a region of so many times its own depth; oth
 
 
 class Meetings:
-    """Where regions of a map are near each other, and how far their belts reach.
-
-    Parameters
-    ----------
-    labels : int32 array (H, W)
-    present : sequence of int
-        The labels in the map.
-    reaches : int array (n, n)
-        Half the width of the belt between each two of all labels, in pixels.
-    wrap : (bool, bool)
-        Whether the map goes around.
-    """
+    """Where regions of a map are near each other, and how far their belts reach."""
 
     def __init__(
         self,
@@ -111,20 +100,6 @@ def hills(
 
     Narrow belts have hills of their own, or they would be led aside as a whole. What all have in
     common is taken off: around a small region lie few, which would make it larger or smaller.
-
-    Parameters
-    ----------
-    place, room : array (H, W)
-        See `Meetings.place`.
-    wrap : (bool, bool)
-        Whether the map goes around.
-    seed : int
-        Of these two regions.
-
-    Returns
-    -------
-    array (H, W)
-        From -2 to 2.
     """
     astray = np.zeros(place.shape)
     for wide in np.unique(room):
@@ -139,14 +114,7 @@ def hills(
 def wander(
     shape: tuple[int, ...], cell: int, wrap: tuple[bool, ...], seed: int
 ) -> NDArray[np.float64]:
-    """Smooth noise from -1 to 1, with hills of about `cell` pixels and of half as many.
-
-    Examples
-    --------
-    >>> hills = wander((40, 50), 10, (False, True), seed=1)
-    >>> hills.shape, bool(abs(hills).max() <= 1)
-    ((40, 50), True)
-    """
+    """Smooth noise from -1 to 1, with hills of about `cell` pixels and of half as many."""
     result = np.zeros(shape)
     for octave, weight in enumerate((2 / 3, 1 / 3)):
         size = max(2, cell >> octave)

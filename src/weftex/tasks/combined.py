@@ -58,20 +58,7 @@ def together(samples: Sequence[Sample]) -> Exemplar:
 
 
 def combined(exemplars: Sequence[Exemplar], *, apart: bool = False) -> Exemplar:
-    """Put samples one under the other, so that one source map can point into all of them.
-
-    Parameters
-    ----------
-    exemplars : sequence of Exemplar
-        Of one kind, or gray beside color; maps that all of them have come along.
-    apart : bool
-        With a masked line between any two.
-
-    Returns
-    -------
-    Exemplar
-        As wide as the widest; its mask leaves out what lies beside a narrower one.
-    """
+    """Put samples one under the other, so that one source map can point into all of them."""
     exemplars = of_one_kind(exemplars)
     first = exemplars[0]
     shared = [k for k in first.maps if all(k in e.maps for e in exemplars)]
@@ -110,13 +97,7 @@ def _stacked(
 
 
 def of_one_kind(exemplars: Sequence[Exemplar], what: str = "sample") -> list[Exemplar]:
-    """Make gray samples color beside color ones.
-
-    Raises
-    ------
-    InvalidInputError
-        If they still differ in dtype, channels or alpha.
-    """
+    """Make gray samples color beside color ones."""
     most = max(e.channels for e in exemplars)
     same = [_as_color(e, most) for e in exemplars]
     first = same[0]
@@ -137,32 +118,6 @@ def paired(
 
     Normal maps are one role, whichever way their y points, and are turned as those of the first
     sample that has one.
-
-    Parameters
-    ----------
-    exemplars : sequence of Exemplar
-    missing : mapping of str to float or "flat", optional
-        Values of maps for samples that lack them; "flat" is that of normals.
-
-    Returns
-    -------
-    exemplars : list of Exemplar
-    notes : list of str
-        A line for each map that not all of them have.
-
-    Raises
-    ------
-    InvalidInputError
-        If a value is out of range or nobody needs it, or maps of one role differ in kind or scale.
-
-    Examples
-    --------
-    >>> gray = np.zeros((4, 4), np.uint8)
-    >>> stone, moss = Exemplar(gray, maps={"ao": gray}), Exemplar(gray, name="moss")
-    >>> paired([stone, moss])[1]
-    ['ao is left out: moss has none']
-    >>> paired([stone, moss], {"ao": 1.0})[0][1].maps["ao"].max()
-    np.uint8(255)
     """
     values = _checked(missing)
     owned = [_slots(exemplar) for exemplar in exemplars]

@@ -101,7 +101,8 @@ def compare(
     for entry in done:
         if entry.method == AUTO and entry.result is not None:  # which may have tried more than one
             used = entry.result.provenance
-            choice = replace(choice, method=used["method"], reason=used["reason"])
+            because = used["reason"].removeprefix(f"{used['method']}, because ")
+            choice = replace(choice, method=used["method"], because=because)
     ranked = sorted(done, key=lambda entry: (entry.result is None, entry.rank))
     return Comparison(exemplar, canvas.shape, number, choice, tuple(ranked))
 

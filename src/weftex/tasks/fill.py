@@ -244,13 +244,7 @@ def _made(choice: Choice, near: Exemplar, part: Canvas, how: dict[str, Any]) -> 
 
 
 def hole_of(mask: Mask | Picture | None, photo: Exemplar) -> NDArray[np.bool_]:
-    """Return where a photo is to be filled, bool (H, W); see `fill`.
-
-    Raises
-    ------
-    InvalidInputError
-        If the mask is of another size, or is left out and nothing of the photo is clear.
-    """
+    """Return where a photo is to be filled, bool (H, W); see `fill`."""
     if mask is None:
         if not photo.alpha or not (hole := _clear(photo.pixels)).any():
             raise InvalidInputError(

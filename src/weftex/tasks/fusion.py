@@ -69,14 +69,7 @@ class Fusion:
     options: dict[str, Any]
 
     def run(self, labels: NDArray[np.int32], materials: Sequence[Material]) -> NDArray[np.int32]:
-        """Return what lies where in the stacked samples.
-
-        Parameters
-        ----------
-        labels : int32 array (H, W)
-            Numbers of materials.
-        materials : sequence of Material
-        """
+        """Return what lies where in the stacked samples."""
         present = np.unique(labels).tolist()
         meeting = Meetings(labels, present, self._reaches(materials), self.canvas.wrap)
         layers = {k: self._layer(materials[k], labels == k, meeting.farthest) for k in present}

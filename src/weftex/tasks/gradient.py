@@ -102,27 +102,6 @@ class Gradient:
         At x beyond the start of a transition a circle is of a sample before it with probability
         exp(-x^2 / 2 sigma^2), sigma being the width / 2.5. Where it meets another sample's circle,
         that becomes a region of both mixed.
-
-        Parameters
-        ----------
-        size : (int, int)
-            Height and width.
-        scales : sequence of int
-            Radius of each sample's circles in pixels, unless `circles` says.
-        seed : int
-            From `weftex.random.seed_number`.
-
-        Returns
-        -------
-        labels : int32 array (H, W)
-            0 to n - 1 for the samples, from n on for mixed regions.
-        pairs : list of (int, int)
-            The samples that are mixed in each of these.
-
-        Raises
-        ------
-        InvalidInputError
-            If the number of radii or circles does not fit that of samples.
         """
         count, (height, width) = len(scales), size
         sizes = self._circles(size, scales)

@@ -21,31 +21,7 @@ _SHOWN = 6  # colors that a message lists
 def labels_of(
     picture: NDArray[Any], count: int, colors: Sequence[Any] | None = None
 ) -> tuple[NDArray[np.int32], list[Any]]:
-    """Number the colors of a painted map.
-
-    Parameters
-    ----------
-    picture : array (H, W) or (H, W, C)
-        Of any dtype; alpha must be constant.
-    count : int
-        How many colors there must be.
-    colors : sequence of colors, optional
-        The color of each label, as numbers or tuples of numbers of the picture's dtype; then
-        other colors count as the nearest of these, so that painted edges may be smooth; they may
-        be without the alpha. By default the colors are numbered as they appear, from the upper left
-        corner row by row.
-
-    Returns
-    -------
-    labels : int32 array (H, W)
-    colors : list
-        The color of each label.
-
-    Raises
-    ------
-    InvalidInputError
-        If the map has more or fewer colors, or one of `colors` is not in it.
-    """
+    """Number the colors of a painted map."""
     if picture.ndim not in (2, 3) or picture.size == 0:
         raise InvalidInputError(f"the map has shape {picture.shape}; it must be (H, W[, C])")
     flat = picture.reshape(picture.shape[0] * picture.shape[1], -1)
@@ -90,13 +66,7 @@ def labels_of(
 
 
 def map_picture(label_map: Any) -> NDArray[Any]:
-    """Return the picture of a map, or its labels: whole numbers of any type as they are.
-
-    Raises
-    ------
-    InvalidInputError
-        If it is no picture, or has NaN or a label below 0.
-    """
+    """Return the picture of a map, or its labels: whole numbers of any type as they are."""
     if isinstance(label_map, np.ndarray):
         if label_map.dtype == bool:
             return label_map.astype(np.uint8)

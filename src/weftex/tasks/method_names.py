@@ -21,13 +21,7 @@ def is_auto(method: str | Method) -> bool:
 
 
 def method_class(name: str) -> type[Method]:
-    """Return the method of that slug; "auto" too, which is a choice among them and not one of them.
-
-    Raises
-    ------
-    InvalidInputError
-        For an unknown method, with the nearest right name.
-    """
+    """Return the method of a slug, also of "auto", which is not in `METHODS`."""
     if name == AUTO:
         from weftex.tasks.auto import Auto  # only where it is wanted: it loads the analyses
 
@@ -36,18 +30,7 @@ def method_class(name: str) -> type[Method]:
 
 
 def make_method(method: str | Method, parameters: Mapping[str, Any]) -> Method:
-    """Return the method of that slug, or "auto", with these parameters.
-
-    Raises
-    ------
-    InvalidInputError
-        For an unknown method, parameter or value, with the nearest right name.
-
-    Examples
-    --------
-    >>> make_method("quilting", {"patch_size": 24}).patch_size
-    24
-    """
+    """Return the method of that slug, or "auto", with these parameters."""
     if is_auto(method):
         if isinstance(method, Method):
             return dataclasses.replace(method, **parameters) if parameters else method

@@ -19,18 +19,7 @@ _CELL = 16  # pixels a side; the neighborhood grows by whole cells
 
 
 class Region:
-    """The part of a photo that filling its holes looks at.
-
-    Parameters
-    ----------
-    hole : bool array (H, W)
-    wrap : (bool, bool)
-        Axes along which the photo repeats.
-    usable : bool array (H, W) or None
-        Pixels to learn from; None if that is somewhere else.
-    reach : int
-        Look at least so far around the holes, in pixels.
-    """
+    """The part of a photo that filling its holes looks at."""
 
     def __init__(
         self,

@@ -27,27 +27,6 @@ def warped(picture: Exemplar, matrix: Floats, size: tuple[int, int]) -> NDArray[
 
     Values stay within their range, clear pixels bleed nothing, labels are not mixed, and vectors
     are turned.
-
-    Parameters
-    ----------
-    picture : Exemplar
-    matrix : float array (3, 3)
-        Takes rows (x, y, 1) of the picture's places to those of the result.
-    size : (int, int)
-        Height and width of the result.
-
-    Raises
-    ------
-    InvalidInputError
-        If the picture cannot be resampled.
-
-    Examples
-    --------
-    >>> from weftex.exemplar import Exemplar
-    >>> right = np.broadcast_to(np.uint8([255, 128, 128]), (8, 8, 3))
-    >>> quarter = np.array([[0, 1, 0], [-1, 0, 0], [8, 0, 1.0]])  # what was right is down
-    >>> warped(Exemplar(right, name="normal"), quarter, (8, 8))[4, 4].tolist()
-    [128, 0, 128]
     """
     pixels = picture.pixels
     if picture.role.kind == "labels":

@@ -1,4 +1,4 @@
-"""`auto`: look at the sample, choose the method for it, and say why.
+"""`auto`: analyze the sample, choose a method for it, and say why.
 
 `docs/auto.md` has the rule as a table, with what it was measured against.
 """
@@ -21,7 +21,7 @@ from weftex.parameters import parameter
 from weftex.progress import Progress
 from weftex.random import seed_number
 from weftex.tasks.auto.findings import Findings, look
-from weftex.tasks.auto.rule import choose, choose_for_hole, lays_anywhere
+from weftex.tasks.auto.rule import choose, choose_for_hole, places_freely
 from weftex.tasks.auto.trial import (
     PREVIEW,
     best_of_choices,
@@ -35,7 +35,7 @@ if TYPE_CHECKING:
     from weftex.random import Seed
     from weftex.results.synthesis import Synthesis
 
-#: What is tried in turn where a method cannot be fitted, as to a sample that is mostly masked.
+#: Tried in turn where a method cannot be fitted, as to a sample that is mostly masked.
 _OTHERS = ("graphcut", "quilting", "patch-sampling", "ashikhmin")
 
 #: The canvas that the method of a plane is chosen for.
@@ -51,7 +51,7 @@ class Auto(Method):
     >>> import weftex
     >>> made = weftex.Auto().fit(weftex.load_exemplar("sample:tiles")).sample(300, seed=7)
     >>> made.provenance["method"], made.provenance["reason"]
-    ('graphcut', 'near-regular, lattice 31.1 x 102.2 px, confidence 0.95: graphcut')
+    ('graphcut', 'graphcut, because the sample has a lattice of 31.1 x 102.2 px (confidence 0.95)')
     """
 
     slug: ClassVar[str] = "auto"
@@ -61,26 +61,18 @@ class Auto(Method):
 
     effort: str = parameter(
         "normal",
-        "quick takes what the rule says; normal refines blocks on a lattice and tries what is as "
-        "fast, where the rule is not sure; best tries all that may be better",
+        "quick takes the method of the rule; normal refines blocks on a lattice and tries fast "
+        "alternatives where the rule is not sure; best tries all alternatives",
         choices=("quick", "normal", "best"),
     )
 
     def fit_exemplar(self, exemplar: Exemplar) -> AutoModel:
-        """Return a model that chooses when it knows what to make; the sample is analyzed once."""
+        """Return a model that chooses for each canvas; the sample is analyzed once."""
         return AutoModel(self, exemplar)
 
 
 class AutoModel(Model):
-    """A sample; `sample` chooses the method for what is to be made.
-
-    Parameters
-    ----------
-    method : Auto
-        How much it may try.
-    exemplar : Exemplar
-        The sample.
-    """
+    """A sample; `sample` chooses the method for each canvas."""
 
     def __init__(self, method: Auto, exemplar: Exemplar) -> None:
         self.method, self.exemplar, self._effort = method, exemplar, method.effort
@@ -88,27 +80,27 @@ class AutoModel(Model):
 
     @cached_property
     def findings(self) -> Findings:
-        """What the sample is like."""
+        """The analysis of the sample."""
         return look(self.exemplar)
 
     def choose(self, size: Canvas | int | tuple[int, int]) -> Choice:
-        """The method that the rule names for a canvas, and why; nothing is tried."""
+        """Return the rule's method for a canvas, and why; nothing is tried."""
         canvas = as_canvas(size)
         if canvas.guide is not None:
-            return Choice("refinement", {}, "a guide to follow: refinement")
+            return Choice("refinement", {}, "there is a guide to follow")
         if canvas.known is not None:
             return choose_for_hole(self.exemplar, canvas)
         return choose(self.findings, canvas)
 
     def chosen(self, size: Canvas | int | tuple[int, int]) -> tuple[Choice, Model]:
-        """The rule's choice and the fitted method; the next one where a method cannot be fitted."""
+        """Return the rule's choice and its model, or the next method that can be fitted."""
         first = self.choose(size)
         failure: InvalidInputError | None = None
         for slug in (first.method, *(other for other in _OTHERS if other != first.method)):
             choice = first
             if failure is not None:
-                said = f"{first.reason}, which this sample does not do ({failure}): {slug}"
-                choice = Choice(slug, {}, said, first.warnings)
+                because = f"{first.because}, but {first.method} cannot be fitted ({failure})"
+                choice = Choice(slug, {}, because, first.warnings)
             try:
                 return choice, self._fitted(choice)
             except InvalidInputError as error:
@@ -179,13 +171,13 @@ class AutoModel(Model):
         Nothing is tried, so that every window has the same method.
         """
         choice, model = self.chosen(_ENDLESS)
-        if lays_anywhere(choice):  # patches join blocks better, in half of the time
+        if places_freely(choice):  # patches join blocks better, in half of the time
             choice = replace(choice, parameters={})
             model = self._fitted(choice)
         cut = choice.method != "near-regular" and "lattice" in choice.parameters
         if asked.period is not None and (cut or is_strained(model, Around(*asked.period))):
-            said = f"{choice.reason.rpartition(':')[0]}, a plane that repeats: quilting"
-            choice = Choice("quilting", {}, said, choice.warnings)
+            because = f"{choice.because}, but the plane wraps around"
+            choice = Choice("quilting", {}, because, choice.warnings)
             model = self._fitted(choice)
         made = model.make_window(box, asked, progress)
         made.provenance["reason"] = choice.reason

@@ -1,4 +1,4 @@
-"""What a choice hangs on: lattice, scale, colors and evenness of a sample."""
+"""The analysis that a choice depends on: lattice, scale, colors and evenness of a sample."""
 
 from __future__ import annotations
 
@@ -13,51 +13,28 @@ from weftex.analysis.scale import dominant_scale
 from weftex.analysis.sidedness import sidedness
 from weftex.exemplar import Exemplar
 
-LOOK = 320  #: pixels a side; of larger samples a smaller copy and a part are looked at
-SMALLEST_ANALYZED = 32  #: pixels a side of a sample that has something to be analyzed
+LOOK = 320  #: pixels a side; of larger samples a smaller copy and a part are analyzed
+SMALLEST_ANALYZED = 32  #: pixels a side; a smaller sample is not analyzed
 
 
 @dataclass(frozen=True)
 class Findings:
-    """What the choice hangs on.
+    """The analysis of a sample that the choice depends on."""
 
-    Attributes
-    ----------
-    shape : (int, int)
-        Height and width of the sample.
-    lattice : Lattice or None
-        See `weftex.analysis.lattice.find_lattice`.
-    exact : bool
-        Whether the lattice was found in the sample itself and not in a smaller copy or a part.
-    scale : float
-        See `weftex.analysis.scale.DominantScale`, in pixels of the sample.
-    colors : int
-        Different colors; many of more than some thousand.
-    evenness : Evenness
-        See `weftex.analysis.evenness`.
-    sidedness : float
-        See `weftex.analysis.sidedness`; 1 where copies that are turned cannot be made.
-    """
-
-    shape: tuple[int, int]
+    shape: tuple[int, int]  # height and width
     lattice: Lattice | None
-    exact: bool
-    scale: float
-    colors: int
+    exact: bool  # whether the lattice is of the sample itself, not of a smaller copy or a part
+    scale: float  # in pixels of the sample
+    colors: int  # different colors; approximate above some thousand
     evenness: Evenness
-    sidedness: float = 1.0
+    sidedness: float = 1.0  # 1 where rotated copies cannot be made
 
 
 def look(exemplar: Exemplar) -> Findings:
-    """Analyze a sample for the rule, in about 0.2 s, or a second where it is of some megapixels.
+    """Analyze a sample for the rule, in 0.2 s to 1 s.
 
-    A sample of more than 320 pixels a side is averaged down; where that shows no lattice, a part
-    of it is looked at as it is, because fine lattices are lost in averages.
-
-    Parameters
-    ----------
-    exemplar : Exemplar
-        The sample.
+    Larger than 320 pixels a side it is averaged down; where that has no lattice, a part of it is
+    analyzed at full resolution, because averages lose fine lattices.
     """
     small, step = smaller_copy(exemplar, LOOK)
     if min(small.shape) < SMALLEST_ANALYZED:
@@ -83,13 +60,13 @@ def look(exemplar: Exemplar) -> Findings:
 
 
 def _may_turn(exemplar: Exemplar) -> bool:
-    """Maps of fewer pixels than the sample would come in as many as it has, see `turned`."""
+    """Return whether rotated copies can be made; smaller maps would be enlarged, see `turned`."""
     fewer = any(exemplar.scale_of(name) < 1 for name in exemplar.maps)
     return not (exemplar.pieces or exemplar.tileable or fewer)
 
 
 def _of_whole(found: Lattice | None, step: int, exemplar: Exemplar) -> Lattice | None:
-    """The lattice of a copy so many times smaller in pixels of the sample, or that of a part."""
+    """Return the lattice of a smaller copy in pixels of the sample, or that of a part."""
     if found is None:
         return find_lattice(_part(exemplar))
     vectors = tuple((x * step, y * step) for x, y in found.vectors)
@@ -97,7 +74,7 @@ def _of_whole(found: Lattice | None, step: int, exemplar: Exemplar) -> Lattice |
 
 
 def _part(exemplar: Exemplar) -> Exemplar:
-    """The middle of the sample; with a mask, of what may be used."""
+    """Return the middle of the usable part of the sample."""
     usable = np.ones(exemplar.shape, bool) if exemplar.mask is None else exemplar.mask
     corner = []
     for axis in (0, 1):
@@ -112,7 +89,7 @@ def _part(exemplar: Exemplar) -> Exemplar:
 
 
 def count_colors(exemplar: Exemplar) -> int:
-    """Different colors in every third row, which is enough to tell few from many."""
+    """Return the number of colors in every third row, enough to tell few from many."""
     levels = exemplar.matching()[::3]
     levels = levels.reshape(-1, levels.shape[-1])
     names = np.zeros(len(levels), np.uint64)

@@ -1,7 +1,8 @@
-"""What `auto` tries beside the rule's choice, and which of the pictures it keeps."""
+"""What `auto` tries beside the rule's choice, and which of the outputs it keeps."""
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -11,11 +12,13 @@ from weftex.choice import Choice
 from weftex.errors import InvalidInputError
 from weftex.methods import make_method
 from weftex.naming import text_of
-from weftex.tasks.auto.likeness import detail, like_itself
-from weftex.tasks.auto.rule import WHOLE, is_sure, lays_anywhere
+from weftex.raster.boxes import box_sums
+from weftex.tasks.auto.rule import WHOLE, is_sure, places_freely
 
 if TYPE_CHECKING:
     from collections.abc import Callable
+
+    from numpy.typing import NDArray
 
     from weftex.analysis.lattice import Lattice
     from weftex.canvas import Canvas
@@ -23,49 +26,26 @@ if TYPE_CHECKING:
     from weftex.results.synthesis import Synthesis
     from weftex.tasks.auto.findings import Findings
 
-#: How much better another picture's score must be: an eye agrees in three of four cases then.
+    Values = NDArray[np.int64]
+
+#: How much lower another score must be: judges agree in three of four cases then.
 MARGIN = 1.0
 _LARGEST = 2**20  # pixels of an output of which several are made to keep one
 _WEAK = 0.3  # confidence from which a lattice is worth a trial
-#: Pixels of an output up to which blocks on a lattice are refined, which takes as long as the rest.
+#: Pixels of an output up to which blocks on a lattice are refined, which doubles the time.
 _REFINED = 2**18
-#: Pixels across the belts that are refined alone where refinement broke lines.
+#: Width in pixels of the belts that are refined alone where refinement broke lines.
 BELT = 24
-#: Pixels a side of the preview that says whether refinement keeps lines whole.
+#: Pixels a side of the preview that shows whether refinement keeps lines whole.
 PREVIEW = 256
-#: How much of the likeness of fine detail, one vector on, refinement must leave. Where thin joints
-#: broke it left 0.8, elsewhere 0.88 to 1.02 (but 0.72 of bricks that differ, which were whole).
+#: The share of the correlation of fine detail, one vector on, that refinement must keep. Where thin
+#: joints broke it kept 0.8, elsewhere 0.88 to 1.02 (0.72 of irregular bricks, which were whole).
 _KEPT = 0.85
-_FAINT = 0.1  # likeness from which it says anything; wires before stones have less
+_FAINT = 0.1  # correlation below which it says nothing; wires before stones have less
 
 
 def others(first: Choice, findings: Findings, canvas: Canvas, effort: str) -> list[Choice]:
-    """What is tried beside the rule's choice; nothing where the rule is sure.
-
-    A sure lattice is not given up for a score, and the score has nothing to say of drawings.
-
-    Parameters
-    ----------
-    first : Choice
-        See `weftex.tasks.auto.rule.choose`.
-    findings : Findings
-        What the sample is like.
-    canvas : Canvas
-        Without known pixels and without a guide.
-    effort : {"quick", "normal", "best"}
-        Nothing; what is as fast as the choice; or all that may be better.
-
-    Examples
-    --------
-    >>> from weftex.analysis.evenness import Evenness
-    >>> from weftex.canvas import Canvas
-    >>> from weftex.tasks.auto.findings import Findings
-    >>> from weftex.tasks.auto.rule import choose
-    >>> even = Evenness(0.0, 0.0, 0.0, (1.0, 1.0))
-    >>> leaves, canvas = Findings((256, 256), None, True, 43.0, 5000, even), Canvas(512, 512)
-    >>> [c.method for c in others(choose(leaves, canvas), leaves, canvas, "best")]
-    ['refinement', 'graphcut']
-    """
+    """Return what is tried beside the rule's choice: nothing where the rule is sure."""
     pixels, lattice = canvas.height * canvas.width, findings.lattice
     if effort == "quick" or pixels > _LARGEST:
         return []
@@ -84,29 +64,14 @@ def others(first: Choice, findings: Findings, canvas: Canvas, effort: str) -> li
         found.append(Choice(slug, {**placed, **vectors}))
     if effort == "best":
         found.append(Choice("refinement"))
-        found.append(Choice("graphcut", {} if lays_anywhere(first) else dict(WHOLE)))
+        found.append(Choice("graphcut", {} if places_freely(first) else dict(WHOLE)))
     return found
 
 
 def best_of_choices(
     choices: list[Choice], exemplar: Exemplar, make: Callable[[Choice], Synthesis]
 ) -> tuple[Choice, Synthesis]:
-    """Make all, and keep the first unless another's score is clearly better.
-
-    Parameters
-    ----------
-    choices : list of Choice
-        The rule's first.
-    exemplar : Exemplar
-        The sample.
-    make : callable
-        Makes the output of a choice.
-
-    Returns
-    -------
-    Choice, Synthesis
-        With the scores in its reason.
-    """
+    """Make all outputs and return the first unless another's score is clearly better."""
     from weftex.quality.score import Scorer  # most choices need none
 
     scorer, kept, best = Scorer(exemplar), make(choices[0]), choices[0]
@@ -126,9 +91,9 @@ def best_of_choices(
             kept, best, score = made, choice, other
     if not tried:
         return best, kept
-    head = choices[0].reason.removesuffix(f": {choices[0].method}")
-    said = f"{head}, score {first:.2f} (tried {', '.join(tried)}): {best.method}"
-    return Choice(best.method, best.parameters, said, choices[0].warnings), kept
+    scores = ", ".join([f"{choices[0].method} {first:.2f}", *tried])
+    because = f"{choices[0].because}; the scores are {scores}"
+    return replace(best, because=because, warnings=choices[0].warnings), kept
 
 
 def refined_if_whole(
@@ -137,45 +102,70 @@ def refined_if_whole(
     exemplar: Exemplar,
     preview: Callable[[Choice], Synthesis],
 ) -> Choice:
-    """Choose blocks on a lattice, their refinement, or that of their joints, by a preview.
+    """Return blocks on a lattice, their refinement, or that of their joints, by a preview.
 
-    Refinement hides seams and mends steps of tone and of joints, but breaks thin lines where the
-    coarse copies that it begins with do not show them.
-
-    Parameters
-    ----------
-    choices : list of Choice
-        Blocks, and their refinement.
-    lattice : Lattice
-        The sample's, of two vectors.
-    exemplar : Exemplar
-        The sample.
-    preview : callable
-        Makes a small output of a choice.
-
-    Returns
-    -------
-    Choice
-        Where lines broke, all but belts along the seams stays; the reason says how much was kept.
+    Refinement hides seams and repairs steps of tone and of joints, but breaks thin lines that its
+    coarse levels do not show.
     """
-    laid, refined = choices
-    head = laid.reason.removesuffix(f": {laid.method}")
-    before = _likeness(preview(laid), lattice, exemplar)
+    blocks, refined = choices
+    refined = replace(refined, because=blocks.because, warnings=blocks.warnings)
+    before = _likeness(preview(blocks), lattice, exemplar)
     if before < _FAINT:
-        return laid
+        return blocks
     try:
         left = _likeness(preview(refined), lattice, exemplar) / before
     except InvalidInputError:  # a mask that leaves refinement no window
-        return laid
-    if left < _KEPT:
-        said = f"{head}, joints alone, as {left:.2f} of its lines would be left: refinement"
-        belts = dict(refined.parameters, joints=BELT)
-        return Choice(refined.method, belts, said, laid.warnings)
-    return Choice(refined.method, refined.parameters, f"{head}: refinement", laid.warnings)
+        return blocks
+    if left >= _KEPT:
+        return refined
+    because = (
+        f"{blocks.because}; only its seams are refined, as {left:.2f} of thin lines would be left"
+    )
+    return replace(refined, parameters=dict(refined.parameters, joints=BELT), because=because)
 
 
 def _likeness(made: Synthesis, lattice: Lattice, exemplar: Exemplar) -> float:
-    """How much fine detail is like that one vector on; its mean over both vectors."""
+    """Return the correlation of fine detail with itself one vector on, the mean of both vectors."""
     y, x = np.moveaxis(made.source, -1, 0)
     fine = detail(exemplar.matching()[y, x])
     return float(np.mean([like_itself(fine, vector) for vector in lattice.vectors]))
+
+
+def like_itself(
+    values: NDArray[np.integer],
+    vector: tuple[float, float],
+    usable: NDArray[np.bool_] | None = None,
+) -> float:
+    """Return the correlation of usable pixels (H, W, K) with themselves, shifted by (x, y).
+
+    In integers, so that it is the same on every machine; 0 where there is nothing to compare.
+    """
+    x, y = (round(part) for part in vector)
+    height, width = values.shape[:2]
+    if abs(y) >= height or abs(x) >= width:
+        return 0.0
+    first = (slice(max(0, -y), height - max(0, y)), slice(max(0, -x), width - max(0, x)))
+    second = (slice(max(0, y), height - max(0, -y)), slice(max(0, x), width - max(0, -x)))
+    here, there = values[first].astype(np.int64), values[second].astype(np.int64)
+    if usable is None:
+        here, there = (part.reshape(-1, values.shape[2]) for part in (here, there))
+    else:
+        both = usable[first] & usable[second]
+        here, there = here[both], there[both]
+    if not len(here):
+        return 0.0
+    together = _variance(here, here) + _variance(there, there)
+    return 2 * _variance(here, there) / together if together else 0.0
+
+
+def detail(pixels: NDArray[np.integer]) -> Values:
+    """Return 49 times the difference from the mean of 7x7 pixels (H - 6, W - 6, 1)."""
+    values = pixels.sum(axis=2, dtype=np.int64)
+    fine: Values = 49 * values[3:-3, 3:-3] - box_sums(values, 7, 7)
+    return fine[..., None]
+
+
+def _variance(first: Values, second: Values) -> int:
+    """Return the covariance of (N, K), summed over K, times N squared; it may exceed 64 bits."""
+    sums = [int(a) * int(b) for a, b in zip(first.sum(axis=0), second.sum(axis=0), strict=True)]
+    return len(first) * int((first * second).sum()) - sum(sums)
