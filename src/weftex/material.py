@@ -130,10 +130,7 @@ def read_material(path: StrPath, files: Mapping[str, str] | None = None, **limit
 
 
 def role_of_picture(path: str) -> Role:
-    """Return what a picture on its own is taken for.
-
-    A photo of a metal may be named metal, so only normals and heights are believed.
-    """
+    """The role of a single picture: only normal and height are believed, else color."""
     role = role_of(os.path.splitext(os.path.basename(path))[0])
     return role if role is not None and role.kind in ("normal", "height") else COLOR
 

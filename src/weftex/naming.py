@@ -13,13 +13,7 @@ from weftex.registry import METHODS
 
 
 def make_method(method: str | Method, parameters: Mapping[str, Any]) -> Method:
-    """Return the method of that slug with these parameters.
-
-    Raises
-    ------
-    InvalidInputError
-        For an unknown method, parameter or value, with the nearest right name.
-    """
+    """The method with this slug and parameters; errors name the nearest right name."""
     if not isinstance(method, (str, Method)):
         raise InvalidInputError(f"method is {shown(method)}; it must be a name or a Method")
     if isinstance(method, str):
@@ -29,19 +23,7 @@ def make_method(method: str | Method, parameters: Mapping[str, Any]) -> Method:
 
 
 def method_of(text: str) -> Method:
-    """Return the method of a text: its slug, then ``name=value`` for parameters, with spaces.
-
-    Raises
-    ------
-    InvalidInputError
-        For an unknown method, parameter or value, with the nearest right name.
-
-    Examples
-    --------
-    >>> import weftex
-    >>> method_of("graphcut placement=entire").placement
-    'entire'
-    """
+    """The method of a text such as 'graphcut placement=entire'; errors suggest the nearest name."""
     try:
         slug, *words = shlex.split(text)
     except ValueError:  # nothing, or a quotation without an end
@@ -64,14 +46,7 @@ def method_of(text: str) -> Method:
 
 
 def text_of(method: Method) -> str:
-    """Return the text that `method_of` makes the method of: parameters that are not its defaults.
-
-    Examples
-    --------
-    >>> import weftex
-    >>> text_of(weftex.GraphCut(placement="entire", tolerance=0.5))
-    'graphcut placement=entire tolerance=0.5'
-    """
+    """The text that `method_of` reads back: slug and parameters that are not defaults."""
     words = [method.slug]
     for field in dataclasses.fields(method):
         value = getattr(method, field.name)

@@ -20,14 +20,9 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class Listener:
-    """Somebody who wants to see how one pixel of the output is made.
+    """A callback `hear(step, facts)` for how one `pixel` (row, column) of the output is made.
 
-    Attributes
-    ----------
-    pixel : (int, int)
-        Its row and column.
-    hear : callable
-        Called as ``hear(step, facts)`` for each note; arrays among the facts will change.
+    Arrays among the facts will change later.
     """
 
     pixel: tuple[int, int]
@@ -48,15 +43,7 @@ def listening(listener: Listener | None) -> Iterator[None]:
 
 
 def note(step: str, **facts: Any) -> None:
-    """Say what a step has in hand.
-
-    Examples
-    --------
-    >>> with listening(Listener((0, 0), lambda step, facts: print(step, facts))):
-    ...     note("cut", cost=7)
-    cut {'cost': 7}
-    >>> note("cut", cost=9)
-    """
+    """Report a step and its values to the listener, if there is one."""
     listener = _LISTENER.get()
     if listener is not None:
         listener.hear(step, facts)
@@ -69,14 +56,7 @@ def pixel_asked(level: int = 0) -> tuple[int, int] | None:
 
 
 def is_asked(box: tuple[int, int, int, int], shape: tuple[int, ...], level: int = 0) -> bool:
-    """Whether the pixel asked about lies in a box (top, left, height, width), which may go around.
-
-    Examples
-    --------
-    >>> with listening(Listener((1, 9), print)):
-    ...     is_asked((0, 8, 4, 4), (10, 10)), is_asked((2, 8, 4, 4), (10, 10))
-    (True, False)
-    """
+    """Whether the listener's pixel lies in a box (top, left, height, width), which may wrap."""
     pixel = pixel_asked(level)
     if pixel is None:
         return False
@@ -87,18 +67,10 @@ def is_asked(box: tuple[int, int, int, int], shape: tuple[int, ...], level: int 
 def asked_among(
     places: NDArray[np.int32], columns: int, *, level: int | None = 0, top: int = 0
 ) -> int | None:
-    """Return which of some pixels is the one asked about.
+    """The position of the listener's pixel among flat indices `places` (n,), or None.
 
-    Parameters
-    ----------
-    places : int32 array (n,)
-        Flat indices.
-    columns : int
-        Of the picture.
-    level : int, optional
-        Of a pyramid; None for a picture that is not a part of the output.
-    top : int
-        Rows that the picture has above the output.
+    `level` is the pyramid level, None for a picture outside the output; `top` counts extra rows
+    above.
     """
     pixel = None if level is None else pixel_asked(level)
     if pixel is None:
@@ -110,24 +82,7 @@ def asked_among(
 def parts(
     places: NDArray[np.int32], columns: int, *, level: int | None = 0, top: int = 0
 ) -> list[tuple[slice, bool]]:
-    """Split pixels that are made in turn so that the one asked about is on its own.
-
-    Parameters are those of `asked_among`.
-
-    Returns
-    -------
-    list of (slice, bool)
-        Parts of `places`, and whether a part is the pixel asked about; all in one if it is not
-        there.
-
-    Examples
-    --------
-    >>> parts(np.arange(10, 15), 10)
-    [(slice(0, 5, None), False)]
-    >>> with listening(Listener((1, 2), print)):
-    ...     parts(np.arange(10, 15), 10)
-    [(slice(0, 2, None), False), (slice(2, 3, None), True), (slice(3, 5, None), False)]
-    """
+    """Split `places` into slices so that the listener's pixel is alone; each with whether it is."""
     k = asked_among(places, columns, level=level, top=top)
     if k is None:
         return [(slice(0, len(places)), False)]

@@ -99,13 +99,7 @@ def check_value(field: dataclasses.Field[Any], value: Any) -> None:
 
 
 def numbers_of(name: str, value: Any, count: int) -> tuple[float, ...]:
-    """So many numbers, from a sequence or a text with commas.
-
-    Raises
-    ------
-    InvalidInputError
-        That names the value, if it is not that.
-    """
+    """A tuple of `count` finite numbers from a sequence or a text with commas; raises otherwise."""
     try:
         found = tuple(float(v) for v in (value.split(",") if isinstance(value, str) else value))
     except (TypeError, ValueError, OverflowError):

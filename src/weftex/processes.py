@@ -22,26 +22,9 @@ class LostError(WeftexError):
 
 
 class Workers:
-    """Processes that each begin once and then do one piece of work after the other.
+    """Processes that start on demand and run `begin(*about)` once, then work through its result.
 
-    They are Python anew and not copies of this process, which may have threads. Ctrl-C does not
-    reach them. One that finds that this process is gone ends at once.
-
-    Parameters
-    ----------
-    begin : callable
-        Called in each of them with `about`; returns what does a piece of work. Both, work and
-        results are pickled.
-    *about
-        Arguments.
-
-    Examples
-    --------
-    >>> from operator import mul
-    >>> from functools import partial
-    >>> with Workers(partial, mul, 3) as workers:
-    ...     workers.do(14)
-    42
+    They are fresh interpreters, ignore Ctrl-C, and end when this process does. All is pickled.
     """
 
     def __init__(self, begin: Callable[..., Callable[[Any], Any]], *about: Any) -> None:
@@ -57,14 +40,9 @@ class Workers:
         self.end()
 
     def do(self, work: Any) -> Any:
-        """Return what becomes of a piece of work, in the first process that has nothing to do.
+        """The result of a piece of work in an idle process; threads may call it and wait.
 
-        Threads call this, each of which waits for its own; a process is started where all work.
-
-        Raises
-        ------
-        LostError
-            If the process ended. Errors of the work itself are raised as they are.
+        Raises `LostError` if the process ended, and the work's own errors.
         """
         with self._lock:
             if self._ended:

@@ -99,26 +99,7 @@ class Bar:
 
 
 class Progress:
-    """Report steps of one stage to a callback.
-
-    Parameters
-    ----------
-    callback : callable, True or None
-        See `ProgressCallback`; None reports to nobody.
-    total : int
-        The number of steps.
-    stage : str
-        What is being done, in a word.
-    preview : callable
-        Renders the picture as it stands.
-
-    Examples
-    --------
-    >>> seen = []
-    >>> progress = Progress(lambda done, *_: seen.append(done), 2, "patches", lambda: None)
-    >>> progress.advance(1); progress.advance(1); seen
-    [1, 2]
-    """
+    """Reports the steps of one stage to a callback, with a function that renders a preview."""
 
     def __init__(
         self,
@@ -142,15 +123,7 @@ class Progress:
             raise CancelledError(f"cancelled after {self.done} of {self.total} {self.stage}")
 
     def within(self) -> ProgressCallback | None:
-        """A callback for the work of one step: it only says how many steps are done, and cancels.
-
-        Examples
-        --------
-        >>> seen = []
-        >>> steps = Progress(lambda *now: seen.append(now[:3]), 2, "outputs", lambda: None)
-        >>> Progress(steps.within(), 99, "pixels", lambda: None).advance(40); seen
-        [(0, 2, 'outputs')]
-        """
+        """A callback for the work inside one step: it repeats this progress and can cancel."""
         callback = self.callback
         if callback is None:
             return None

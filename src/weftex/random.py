@@ -27,23 +27,7 @@ _MIX2 = np.uint64(0x94D049BB133111EB)
 
 
 def seed_number(seed: Seed) -> int:
-    """Return the seed as an integer from 0 to 2**64 - 1.
-
-    Parameters
-    ----------
-    seed : int, numpy.random.Generator or None
-        None takes fresh entropy from the system; a Generator gives its next 64 bits.
-
-    Raises
-    ------
-    InvalidInputError
-        If the seed is negative, too large or of another type.
-
-    Examples
-    --------
-    >>> seed_number(7)
-    7
-    """
+    """The seed as an integer below 2**64; None draws one, a Generator gives its next 64 bits."""
     if seed is None:
         return int.from_bytes(os.urandom(8), "little")
     if isinstance(seed, numbers.Integral) and not isinstance(seed, bool):
@@ -57,26 +41,9 @@ def seed_number(seed: Seed) -> int:
 
 
 def draw(seed: int, purpose: str, *place: NDArray[np.integer] | int) -> NDArray[np.uint64]:
-    """Return 64 random bits for each place.
+    """64 random bits (uint64) for each of `place`, coordinates that broadcast; see `seed_number`.
 
-    Parameters
-    ----------
-    seed : int
-        From `seed_number`.
-    purpose : str
-        What the bits are for; different purposes are independent.
-    *place : int or integer array
-        Coordinates, broadcast against each other.
-
-    Returns
-    -------
-    uint64 array
-        Of the broadcast shape.
-
-    Examples
-    --------
-    >>> bool(draw(7, "patch", 3, 4) == draw(7, "patch", [0, 3], [1, 4])[1])
-    True
+    Bits for different purposes are independent.
     """
     state = _begun(seed, purpose)
     for coordinate in place:

@@ -118,13 +118,7 @@ _PREVIEW = re.compile(r"previews?|thumb|thumbs|thumbnails?|render|renders|icon")
 
 
 def as_role(role: Any) -> Role:
-    """Return a role, which may be given by its name.
-
-    Raises
-    ------
-    InvalidInputError
-        If there is no such role.
-    """
+    """The role with this name, or the role itself; raises if there is none."""
     if isinstance(role, Role):
         return role
     if not isinstance(role, str) or role not in ROLES:
@@ -134,13 +128,7 @@ def as_role(role: Any) -> Role:
 
 
 def words_of(stem: str) -> list[str]:
-    """Return the words of a file's name in small letters, less those about the file.
-
-    Examples
-    --------
-    >>> words_of("Bricks075A_1K-PNG_NormalGL")
-    ['bricks075a', 'normal', 'gl']
-    """
+    """The lower-case words of a file name, without those about the file (4k, png, 16bit)."""
     spaced = re.sub(r"(?<=[a-z])(?=[A-Z])", " ", stem)
     words = [word.lower() for word in re.split(r"[\W_]+", spaced) if word]
     # "mask map" has a name of its own, "normal map" is a normal.
@@ -149,16 +137,7 @@ def words_of(stem: str) -> list[str]:
 
 
 def role_of(stem: str) -> Role | None:
-    """Return what a file's name, without suffix, says that the map shows; None if it does not say.
-
-    Words about the file (``4k``, ``png``, ``16bit``) are passed over; what is left must end, or
-    begin, with a name of `ROLES`.
-
-    Examples
-    --------
-    >>> print(role_of("Bricks075A_1K-PNG_NormalGL"), role_of("brick_arm_4k"), role_of("leaves"))
-    normal_gl (y up) orm (ao, roughness, metallic) None
-    """
+    """The role that a file name without suffix begins or ends with, or None."""
     words, known = words_of(stem), _by_words()
     most = max(map(len, known))
     for ends in (True, False):
@@ -170,39 +149,20 @@ def role_of(stem: str) -> Role | None:
 
 
 def is_preview(stem: str) -> bool:
-    """Return whether a picture's name says that it shows the material.
-
-    Examples
-    --------
-    >>> is_preview("Bricks_Preview"), is_preview("Bricks_Color"), is_preview("thumb_4k")
-    (True, False, True)
-    """
+    """Whether a file name says that the picture is a preview of the material."""
     words = words_of(stem)
     return bool(words) and any(_PREVIEW.fullmatch(word) for word in (words[0], words[-1]))
 
 
 def is_name_of(stem: str, maps: list[str]) -> bool:
-    """Return whether a picture has the bare name of the material that these are maps of.
-
-    Examples
-    --------
-    >>> maps = ["Bricks_1K_Color", "Bricks_1K_NormalGL"]
-    >>> is_name_of("Bricks", maps), is_name_of("Tiles", maps), is_name_of("Bricks_1K_Color", maps)
-    (True, False, False)
-    """
+    """Whether a file name is the bare name of the material of these maps."""
     words = words_of(stem)
     same = [words_of(other)[: len(words)] == words for other in maps]
     return bool(words) and role_of(stem) is None and len(same) > 0 and all(same)
 
 
 def checked_weights(given: Any, maps: Collection[str]) -> dict[str, float]:
-    """Return how much each map counts in matching, 1 where nothing is said.
-
-    Raises
-    ------
-    InvalidInputError
-        If there is no such map, or a weight is out of range.
-    """
+    """The weight of each map in matching, 1 by default; raises for unknown maps or bad values."""
     weights = dict.fromkeys(maps, 1.0)
     if given is not None and not isinstance(given, Mapping):
         raise InvalidInputError(f"weights is {shown(given)}; it must be numbers by maps' names")

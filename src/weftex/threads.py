@@ -13,13 +13,7 @@ from weftex.errors import InvalidInputError, shown
 
 
 def thread_count(threads: int | None) -> int:
-    """Return how many threads to use: at most `threads`, by default one a usable processor.
-
-    Raises
-    ------
-    InvalidInputError
-        If it is not an integer of 1 or more.
-    """
+    """The number of threads: `threads`, which must be 1 or more, or one per usable processor."""
     whole = isinstance(threads, numbers.Integral) and not isinstance(threads, bool)
     if threads is not None and not (whole and threads >= 1):
         raise InvalidInputError(f"threads is {shown(threads)}; it must be an integer of 1 or more")
@@ -38,14 +32,7 @@ def _processors() -> int:
 
 @contextmanager
 def thread_map(threads: int) -> Iterator[Callable[..., Any]]:
-    """Give a function like `map` that makes up to so many calls at a time.
-
-    Examples
-    --------
-    >>> with thread_map(2) as map_:
-    ...     list(map_(abs, [-1, 2]))
-    [1, 2]
-    """
+    """Yield a function like `map` that runs at most `threads` calls at a time."""
     if threads == 1:
         yield map
         return
@@ -57,16 +44,9 @@ def thread_map(threads: int) -> Iterator[Callable[..., Any]]:
 
 @contextmanager
 def quick_map(threads: int) -> Iterator[Callable[..., Any]]:
-    """`thread_map` for calls of less than a millisecond, which are all made before it returns.
+    """Yield a `thread_map` for calls under a millisecond, all done before it returns.
 
-    The thread that asks takes part, and each takes the next call as soon as it has made one: to
-    hand over every single one would take a tenth as long as the call.
-
-    Examples
-    --------
-    >>> with quick_map(2) as map_:
-    ...     list(map_(pow, [2, 3, 4], [3, 2, 1]))
-    [8, 9, 4]
+    The calling thread takes part, and each takes the next call itself, which saves hand-overs.
     """
     if threads == 1:
         yield map
@@ -104,16 +84,7 @@ def quick_map(threads: int) -> Iterator[Callable[..., Any]]:
 
 
 def in_turn(work: Callable[[Any], Any], over: Iterable[Any], threads: int) -> Iterator[Any]:
-    """Yield `work` of each thing in their order, a few of them made ahead in threads.
-
-    Unlike `map` of a pool it takes things without end, and holds no more than two a thread.
-
-    Examples
-    --------
-    >>> from itertools import count, islice
-    >>> list(islice(in_turn(abs, count(-2), threads=2), 4))
-    [2, 1, 0, 1]
-    """
+    """Yield `work` of each item in order, at most two ahead per thread; takes endless iterables."""
     if threads == 1:
         yield from map(work, over)
         return

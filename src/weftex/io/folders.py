@@ -19,16 +19,10 @@ _LOSSY = (".jpg", ".jpeg")
 
 
 def map_files(folder: StrPath) -> tuple[dict[str, str], list[str]]:
-    """Return the paths of a folder's pictures by their names without suffix, and what is left out.
+    """Paths of a folder's pictures by stem, and notes on what was left out.
 
-    Hidden files, folders and files of other suffixes are passed over. Of two pictures with one name
-    the deeper is taken, of equally deep ones that which is not a JPEG. A folder without pictures
-    may have them in one named ``textures``.
-
-    Raises
-    ------
-    FileError
-        If there are none, or two that are alike.
+    Of two with one stem the deeper wins, then the one that is not a JPEG. A folder without pictures
+    may have them in `textures`. Raises `FileError` if there are none, or two alike.
     """
     name, given = locate(folder)
     paths, notes = _listed(name, given)

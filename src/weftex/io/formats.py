@@ -97,19 +97,9 @@ def suffix_of(path: str) -> str:
 
 
 def written_as(path: str, floats: bool | None = None) -> str:
-    """Return the suffix of what is made from a file: its own, or else PNG, of floats OpenEXR.
+    """The suffix of what is made from a file: its own, or `.png`, or `.exr` for floats.
 
-    Parameters
-    ----------
-    path : str
-        The file; it is opened if its type is only read, and `floats` is not given.
-    floats : bool, optional
-        Whether it holds floats.
-
-    Examples
-    --------
-    >>> written_as("a.JPG"), written_as("a.jxl", False), written_as("sky.hdr", True)
-    ('.JPG', '.png', '.exr')
+    The file is opened if its type can only be read and `floats` is not given.
     """
     if suffix_of(path) in FORMATS:
         return os.path.splitext(path)[1]

@@ -18,21 +18,10 @@ _UNFINISHED = ".weftex-batch-"  # whoever holds the folder may remove what is ca
 
 
 class Manifest:
-    """The records of a folder's outputs, of which each is on disk before its output appears.
+    """The records of a folder's outputs; each is on disk before its output appears.
 
-    So an output without a record was not made by a batch, and a record without its output is of
-    work that was cut off; those are left out when the file is opened. One process at a time has a
-    folder, where the system can lock it; `sweep` gives it back.
-
-    Parameters
-    ----------
-    folder : str
-        Where the outputs are.
-
-    Raises
-    ------
-    FileError
-        If the file cannot be read or written, or another process has the folder.
+    An output without a record is foreign; a record without output was interrupted and is dropped on
+    opening. One process at a time has the folder; `sweep` releases it.
     """
 
     def __init__(self, folder: str) -> None:
@@ -56,15 +45,7 @@ class Manifest:
         return os.path.join(self._folder, record["output"])
 
     def publish(self, record: dict[str, Any], made: str) -> None:
-        """Write a record, durably, and then let its output, which is whole, appear by its name.
-
-        Parameters
-        ----------
-        record : dict
-            With the output's name under "output".
-        made : str
-            Where it is, from `unfinished`.
-        """
+        """Write a record durably, then move its finished output from `made` to its name."""
         target = self.path_of(record)
         try:
             with self._lock, open(self._path, "ab", buffering=0) as file:
@@ -150,9 +131,9 @@ def _line(record: dict[str, Any]) -> bytes:
 
 @contextmanager
 def unfinished(target: str) -> Iterator[str]:
-    """Give a path in a folder of its own beside `target`, for a file or a folder of that name.
+    """Yield a path for a file or folder named like `target`, in a folder of its own beside it.
 
-    It stays there until `Manifest.publish`; on any exception it is removed.
+    It stays until `Manifest.publish`; any exception removes it.
     """
     folder, name = os.path.split(target)
     temporary = os.path.join(folder, f"{_UNFINISHED}{os.getpid()}-{os.urandom(4).hex()}")

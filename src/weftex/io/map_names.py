@@ -33,19 +33,7 @@ SCHEMES: dict[str, dict[str, str]] = {
 
 
 def file_stem(scheme: str, material: str, role: Role) -> str:
-    """Return the name without suffix that a scheme has for a map.
-
-    Raises
-    ------
-    InvalidInputError
-        If no scheme is named so.
-
-    Examples
-    --------
-    >>> from weftex.roles import ROLES
-    >>> file_stem("ambientcg", "Rock", ROLES["normal_gl"]), file_stem("gltf", "rock", ROLES["mra"])
-    ('Rock_NormalGL', 'rock_mra')
-    """
+    """The file name without suffix that a naming scheme gives to a map of a material."""
     if scheme not in SCHEMES:
         raise InvalidInputError(f"names is '{scheme}'{did_you_mean(scheme, SCHEMES)}")
     words = role.name.split("_")

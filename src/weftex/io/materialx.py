@@ -26,26 +26,10 @@ _RELIEF = 0.05
 def materialx_document(
     name: str, files: Mapping[str, str], roles: Mapping[str, Role], linear: Collection[str]
 ) -> tuple[str, list[str]]:
-    """Return a document in which a Standard Surface has these maps, and the maps that it lacks.
+    """A MaterialX document of a Standard Surface with these maps, and the maps it cannot use.
 
-    Normals whose y points down are turned up, gloss becomes roughness, and channels of packed maps
-    are taken apart where no map shows the same.
-
-    Parameters
-    ----------
-    name : str
-        Of the material.
-    files : mapping of str to str
-        File names beside the document, by the names of the maps.
-    roles : mapping of str to Role
-        What the maps show.
-    linear : collection of str
-        Maps whose colors are linear: those stored as floats.
-
-    Raises
-    ------
-    InvalidInputError
-        If the package is not installed.
+    `files` and `roles` are by map name; `linear` names maps with linear colors. Normals are turned
+    to OpenGL, gloss becomes roughness, packed channels are separated unless a map shows the same.
     """
     try:
         import MaterialX as mx

@@ -23,15 +23,7 @@ class DamageError(ValueError):
 
 
 class Arrays:
-    """An open file.
-
-    Attributes
-    ----------
-    facts : dict
-        What the JSON of its array "about" says.
-    size : int
-        Bytes that its arrays will take; a few kilobytes of zeros may unpack to many.
-    """
+    """An open `.npz` file: `facts` from its JSON, and `size`, the bytes its arrays will take."""
 
     def __init__(self, file: Any) -> None:
         self._file = file

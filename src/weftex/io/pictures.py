@@ -227,24 +227,8 @@ def check_output(
 ) -> None:
     """Refuse an output path that cannot work, before any work is done for it.
 
-    Parameters
-    ----------
-    path : str or path-like
-        The file to be written.
-    like : ndarray or None
-        An array with the type and channels of what will be written, such as the sample's pixels;
-        then its fit to the format is checked as well.
-    alpha : bool
-        Whether the last channel of `like` is alpha.
-    suffixes : collection of str or None
-        Suffixes to accept instead of those of pictures, such as ``(".npz",)``.
-
-    Raises
-    ------
-    InvalidInputError
-        If the format cannot hold `like`.
-    FileError
-        If the suffix is unknown, the folder missing or read-only, or the path a folder.
+    Checks suffix (of pictures, or of `suffixes`), folder and permissions; with `like`, also that
+    the format can hold its type and channels, the last of which is alpha if `alpha`.
     """
     given, known = path_text(path), FORMATS if suffixes is None else suffixes
     suffix, target = suffix_of(given), _target(given)
@@ -276,10 +260,9 @@ def read_mask(path: StrPath, *, max_pixels: int | None = MAX_PIXELS) -> NDArray[
 
 
 def mask_of(pixels: NDArray[Any], alpha: bool) -> NDArray[np.bool_]:
-    """Take a picture for an ``(H, W)`` mask.
+    """The mask (H, W) of a picture: True where any color channel is at least half of its range.
 
-    A pixel is True where any color channel reaches half of the range: 128, 32768 or 0.5. Alpha is
-    ignored, unless the color is the same everywhere and alpha is not: then alpha is the mask.
+    Alpha counts only if the color is constant and alpha is not.
     """
     pixels = np.atleast_3d(pixels)
     if alpha:
@@ -291,13 +274,10 @@ def mask_of(pixels: NDArray[Any], alpha: bool) -> NDArray[np.bool_]:
 
 @contextmanager
 def atomic(path: StrPath) -> Iterator[str]:
-    """Give a temporary path beside `path` that replaces it when the block ends well.
+    """Yield a temporary path beside `path` that is synced and replaces it when the block succeeds.
 
-    It is an empty file with the same suffix, and is on the disk before it replaces `path`. On any
-    exception it is removed, and `path` is as it was. Symbolic links are written through; an
-    existing file keeps its permissions, a new one gets the usual ones. An OSError in the block
-    becomes a FileError, and errors about the temporary file name `path`. A `path` that is itself
-    such a temporary path of this process is given as it is.
+    Exceptions remove it; OSError becomes a `FileError` that names `path`. Symbolic links and
+    permissions are kept. A path that is already temporary is yielded as it is.
     """
     given = path_text(path)
     target, temporary = _target(given), ""
@@ -330,10 +310,7 @@ def sample_names() -> list[str]:
 
 
 def sample_path(name: str) -> str:
-    """Return the path of a shipped sample by NAME or ``sample:NAME``.
-
-    It is a picture or a folder of maps; ``FOLDER/MAP`` names one of these.
-    """
+    """The path of a packaged sample, a picture or a folder, from NAME or `sample:NAME[/MAP]`."""
     name, samples = name.removeprefix("sample:"), _samples()
     if name not in samples:
         raise FileError(f"no sample is named '{show(name)}'{did_you_mean(name, samples)}")

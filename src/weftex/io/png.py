@@ -29,18 +29,7 @@ _COLOR_TYPES = {1: 0, 2: 4, 3: 2, 4: 6}  # by channels; even ones have alpha
 
 
 def write_png(file: IO[bytes], pixels: NDArray[Any], threads: int = 1, level: int = _LEVEL) -> None:
-    """Write a picture, without a color profile.
-
-    Parameters
-    ----------
-    file : binary file
-    pixels : uint8 or uint16 array (H, W, C)
-        1 to 4 channels, of which the second or the fourth is alpha.
-    threads : int
-        At most so many; the bytes are the same with any.
-    level : int
-        Of zlib, from 0 to 9.
-    """
+    """Write uint8 or uint16 pixels (H, W, 1 to 4) as PNG; the bytes do not depend on `threads`."""
     height, width, channels = pixels.shape
     kind = 8 * pixels.itemsize, _COLOR_TYPES[channels]
     rows = max(1, _BAND // (width * channels * pixels.itemsize))
@@ -65,10 +54,7 @@ def write_png(file: IO[bytes], pixels: NDArray[Any], threads: int = 1, level: in
 
 
 def _packer(data: memoryview, level: int) -> Any:
-    """What packs a band: without a search for repeats where there are hardly any.
-
-    In 16 bits the lower bytes are noise: half the time, and smaller files.
-    """
+    """A compressor for a band, without string matching where nothing repeats (16-bit noise)."""
     found = []
     for strategy in (zlib.Z_RLE, zlib.Z_FILTERED):
         packer = zlib.compressobj(level, zlib.DEFLATED, -15, 9, strategy)
@@ -79,15 +65,7 @@ def _packer(data: memoryview, level: int) -> Any:
 
 
 def png_bytes(pixels: NDArray[Any], level: int = _SMALLER) -> bytes:
-    """Return a picture, with alpha or not, as a PNG file in memory, to be put into a page.
-
-    `level` is zlib's: 1 is the quickest, 9 makes the smallest files.
-
-    Examples
-    --------
-    >>> png_bytes(np.zeros((2, 3), np.uint8))[:8] == SIGNATURE
-    True
-    """
+    """A PNG file in memory; `level` is zlib's, 1 to 9."""
     file = io.BytesIO()
     write_png(file, np.atleast_3d(pixels), level=level)
     return file.getvalue()

@@ -47,13 +47,7 @@ class Shown:
 
 
 def small_bytes(pixels: NDArray[Any], alpha: bool = False) -> NDArray[np.uint8]:
-    """Return any picture as one to look at: at most `LARGEST` a side, gray or RGB, 8 bits.
-
-    Examples
-    --------
-    >>> small_bytes(np.zeros((3000, 1500, 5), np.float32)).shape
-    (1000, 500, 3)
-    """
+    """The picture as uint8 gray or RGB with at most `LARGEST` pixels a side, for display."""
     step = -(-max(pixels.shape[:2]) // LARGEST)
     small = np.atleast_3d(pixels)[::step, ::step]
     colors = small.shape[2] - alpha
@@ -68,12 +62,6 @@ def small_bytes(pixels: NDArray[Any], alpha: bool = False) -> NDArray[np.uint8]:
 
 
 def size_text(pixels: NDArray[Any]) -> str:
-    """Return width, height, channels and type of a picture, in a few signs.
-
-    Examples
-    --------
-    >>> size_text(np.zeros((4, 6, 3), np.uint8))
-    '6x4, 3 x uint8'
-    """
+    """Width, height, channels and dtype of a picture in words, such as '6x4, 3 x uint8'."""
     channels = 1 if pixels.ndim == 2 else pixels.shape[2]
     return f"{pixels.shape[1]}x{pixels.shape[0]}, {channels} x {pixels.dtype}"

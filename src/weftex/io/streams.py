@@ -42,23 +42,9 @@ def unhidden(text: str) -> str:
 
 @contextmanager
 def as_files(argv: list[str], before_sending: Callable[[], None]) -> Iterator[list[str]]:
-    """Give arguments with files in place of `-`; what is written there goes out at the end.
+    """Yield the arguments with temporary files for `-`; output is sent to stdout at the end.
 
-    Until then nothing reaches standard output: what a command prints goes to standard error.
-
-    Parameters
-    ----------
-    argv : list of str
-        The command and what follows it.
-    before_sending : callable
-        Called once the command has ended, before anything goes to standard output.
-
-    Raises
-    ------
-    InvalidInputError
-        If there is more than one of either.
-    FileError
-        If standard input is a terminal, closed, too long, or has nothing that weftex reads.
+    Until then prints go to stderr. `before_sending` is called after the command, before sending.
     """
     global _folder
     folder = temporary.claim(os.path.realpath(tempfile.gettempdir()), as_folder=True)

@@ -90,18 +90,7 @@ def box_of(top: int, left: int, height: int, width: int) -> Box:
 
 
 def as_period(period: int | tuple[int, int] | None) -> tuple[int, int] | None:
-    """Height and width after which a plane comes back to itself, from one number or two.
-
-    Examples
-    --------
-    >>> as_period(1000)
-    (1000, 1000)
-
-    Raises
-    ------
-    InvalidInputError
-        If it is neither, or out of range.
-    """
+    """Height and width of a plane's period from one number or two; raises if out of range."""
     if period is None:
         return None
     sides: Any = (period, period) if isinstance(period, numbers.Integral) else period

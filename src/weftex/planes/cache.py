@@ -13,24 +13,9 @@ if TYPE_CHECKING:
 
 
 class BlockCache:
-    """Arrays by their keys; those that were not asked for the longest go first.
+    """A thread-safe cache of arrays with at most `most` bytes; the least recently used go first.
 
-    Threads may ask at the same time: of two that want one block, one makes it and the other waits.
-
-    Parameters
-    ----------
-    most : int
-        Bytes that are kept.
-
-    Examples
-    --------
-    >>> import numpy as np
-    >>> cache = BlockCache(100)
-    >>> cache.get("a", lambda: np.zeros(8)) is cache.get("a", lambda: np.ones(8))
-    True
-    >>> _ = cache.get("b", lambda: np.zeros(8))  # 64 bytes more: "a" goes
-    >>> cache.size
-    64
+    Of two threads that want one block, one computes it and the other waits.
     """
 
     def __init__(self, most: int) -> None:

@@ -21,23 +21,10 @@ _ROWS = 0.6  # confidence from which rows are kept
 
 
 class Pieces:
-    """Places of the sample that the nodes of a plane show.
+    """Sample positions for the nodes of a plane; neighbors come from different quarters.
 
-    Pieces at neighboring nodes come from other quarters of the sample, so that no copies lie side
-    by side, although no node knows of another. Where the sample surely has a lattice, they lie as
-    in one endless wall: what is between them would have to be stretched otherwise.
-
-    Parameters
-    ----------
-    exemplar : Exemplar
-        The sample.
-    usable : array (H, W)
-        True, or not 0, at the upper left corners of pieces that may be used.
-
-    Attributes
-    ----------
-    vectors : tuple of float
-        x1, y1, x2, y2 of the lattice; x1, y1 of rows; or nothing.
+    `usable` marks allowed top left corners. `vectors` is the sample's lattice x1, y1, x2, y2, or
+    rows x1, y1, or empty; with a lattice all pieces lie in phase.
     """
 
     def __init__(self, exemplar: Exemplar, usable: NDArray[np.uint8]) -> None:
@@ -56,16 +43,9 @@ class Pieces:
         return counts.reshape(self.usable.shape)
 
     def pick(self, seed: int, nodes: NDArray[np.int64], at: NDArray[np.int64]) -> NDArray[np.int64]:
-        """Rows and columns in the sample of the pieces at nodes, int64 (n, 2).
+        """Rows and columns (n, 2) in the sample of the pieces at `nodes` (n, 2).
 
-        Parameters
-        ----------
-        seed : int
-            Of the plane.
-        nodes : int64 array (n, 2)
-            Row and column of each node.
-        at : int64 array (n, 2)
-            Where on the plane each piece's corner lies, in pixels.
+        `at` (n, 2) is the position of each piece's corner on the plane in pixels.
         """
         tries = np.arange(_TRIES if self.vectors else 1)
         bits = draw(seed, "piece", nodes[:, :1], nodes[:, 1:], tries)

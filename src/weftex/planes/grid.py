@@ -31,18 +31,10 @@ CORNER, ACROSS, DOWN, INSIDE = range(4)
 
 @dataclass(frozen=True)
 class Sizes:
-    """Sizes of blocks in pixels.
+    """Block sizes in pixels: `pitch` between nodes, even `belt` width of corners and edges.
 
-    Parameters
-    ----------
-    pitch : int
-        From one node to the next.
-    belt : int
-        Side of a corner and width of an edge; even.
-    loose : int
-        How far blocks reach into those that they hang on; at most a third of `belt`.
-    around : int
-        How much of what a start shows is seen beside corners and edges.
+    `loose` is how far a block may change earlier ones, at most belt / 3; `around` is how much of
+    the start is visible beside corners and edges.
     """
 
     pitch: int
@@ -61,13 +53,7 @@ class Block(NamedTuple):
 
 @dataclass(frozen=True)
 class Axis:
-    """The nodes along an axis: `count` of them, evenly spread, in each `period` pixels.
-
-    Examples
-    --------
-    >>> [Axis(10, 3).node(i) for i in range(-1, 5)]
-    [-4, 0, 3, 6, 10, 13]
-    """
+    """The nodes along an axis: `count` of them, evenly spaced, in each `period` pixels."""
 
     period: int
     count: int

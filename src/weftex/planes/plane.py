@@ -78,20 +78,9 @@ def make_window(
     about: dict[str, Any],
     callback: ProgressCallback | None = None,
 ) -> PixelSynthesis:
-    """Return a window of a plane.
+    """The window `box` of an endless plane, by a model that fills holes.
 
-    Parameters
-    ----------
-    model : Model
-        Of a method that fills holes.
-    box : Box
-        The window.
-    asked : Asked
-        The plane's seed and period, and the number of threads.
-    about : dict
-        The method and its parameters.
-    callback : callable, optional
-        See `weftex.progress.ProgressCallback`.
+    `asked` has seed, period and threads; `about` the method and its parameters for provenance.
     """
     plane = Plane(model, asked)
     return PixelSynthesis(
@@ -246,13 +235,7 @@ def lay(shown: NDArray[np.int32], box: Box, block: NDArray[np.int32], place: Box
 
 
 def axes_of(sizes: Sizes, period: tuple[int, int] | None) -> tuple[Axis, Axis]:
-    """The nodes of a plane down and across.
-
-    Raises
-    ------
-    InvalidInputError
-        If a period is too short for blocks.
-    """
+    """The nodes of a plane down and across; raises if the period is too short for blocks."""
     if period is None:
         return Axis(sizes.pitch, 1), Axis(sizes.pitch, 1)
     check_period(period, 2 * _FEWEST * sizes.belt)

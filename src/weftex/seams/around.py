@@ -18,27 +18,9 @@ def cut_around(
     wide: NDArray[np.bool_],
     hole: NDArray[np.bool_],
 ) -> NDArray[np.bool_]:
-    """Cut a filling out, along the boundary where it differs least from the photo.
+    """Mask (H, W) of the pixels to take from `new`: within `wide`, covering `hole`.
 
-    Parameters
-    ----------
-    old, new : uint8 array (H, W, K)
-        The photo, and the photo with `wide` filled.
-    wide, hole : bool array (H, W)
-        What may be new, and what must be.
-
-    Returns
-    -------
-    bool array (H, W)
-        The minimum cut; a seam costs the differences of the two pixels beside it.
-
-    Examples
-    --------
-    >>> import numpy as np
-    >>> old, new = np.zeros((2, 1, 5, 1), np.uint8)
-    >>> new[0, 2:] = 9
-    >>> cut_around(old, new, np.bool_([[0, 1, 1, 1, 1]]), np.bool_([[0, 0, 0, 0, 1]])).tolist()
-    [[False, True, True, True, True]]
+    Its border is a minimum cut; a seam costs the differences of the two pixels (H, W, K) beside it.
     """
     difference = np.abs(old.astype(np.int32) - new).sum(axis=2, dtype=np.int32)
     difference[~wide] = 0

@@ -10,13 +10,11 @@ OUTSIDE = cython.declare(cython.longlong, 1 << 44)
 
 
 def cut_bands(canvas, pixels, layout, bands, p, cost, cuts):
-    """Find the minimum-error path along each band of the zone, by dynamic programming.
+    """Find the minimum-error path along each band of the boundary zone, by dynamic programming.
 
-    `bands` is (depth, top, left, bottom, right, and whether there is a band at the left, top,
-    right and bottom): the box that the patch can show in, and how far into it a band reaches. Ties
-    go to the pixel nearest to the box's border. A path avoids pixels that the patch cannot show;
-    pixels where nothing was known cost nothing. `layout` has the weights of this zone alone; row
-    `p` of `cuts` is filled as `paste` reads it. `cost` is scratch.
+    `bands` is depth, the box (top, left, bottom, right) and four flags for left, top, right,
+    bottom; row `p` of `cuts` is filled as `paste` reads it. Ties go to the pixel nearest the box's
+    border.
     """
     placement: cython.p_const_int = cython.address(layout.placements[p, 0])
     y: cython.Py_ssize_t = placement[0]

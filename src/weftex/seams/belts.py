@@ -18,29 +18,9 @@ def seam_belts(
     wrap: tuple[bool, bool],
     period: tuple[int, int] | None = None,
 ) -> NDArray[np.bool_]:
-    """Find the pixels near a seam: where the next pixel is not from the next place in the sample.
+    """Mask (H, W) of the pixels within `reach` of a seam, where neighbors have no adjacent sources.
 
-    Parameters
-    ----------
-    source : int32 array (H, W, 2)
-        Row and column of the sample that each pixel was copied from.
-    reach : int
-        Half the width of a belt in pixels, 1 or more.
-    wrap : (bool, bool)
-        Whether the picture goes around from bottom to top and from right to left.
-    period : (int, int), optional
-        Height and width of a sample that tiles.
-
-    Returns
-    -------
-    bool array (H, W)
-
-    Examples
-    --------
-    >>> import numpy as np
-    >>> row = np.array([0, 1, 2, 7, 8, 9])
-    >>> seam_belts(np.stack([0 * row, row], axis=1)[None], 1, (False, False))[0].tolist()
-    [False, False, True, True, False, False]
+    `source` is (H, W, 2); `period` is the size of a tileable sample.
     """
     belts = np.zeros(source.shape[:2], bool)
     for axis in (0, 1):

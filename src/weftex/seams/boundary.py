@@ -26,37 +26,10 @@ def cheapest_boundary(
     free: NDArray[np.bool_] | None = None,
     wrap: tuple[bool, bool] = (False, False),
 ) -> NDArray[np.bool_]:
-    """Choose one of two pictures for each pixel, so that the steps from one to the other are small.
+    """Mask (H, W), True where `second` is taken instead of `first`, by a minimum cut.
 
-    A minimum cut. What it costs that one neighbor is of the first picture and the other of the
-    second is the square of the step that is then seen between them: squared, because a way round
-    past small steps is to be cheaper than a short one past large ones. A step counts as
-    little as half where a picture has an edge of its own: the boundary follows the outlines of
-    things.
-
-    Parameters
-    ----------
-    first, second : uint8 array (H, W, K)
-        Two pictures of one place.
-    leaning : int32 array (H, W)
-        How much each pixel is for the second picture, or, if negative, for the first, in
-        `1 / UNIT` of a small step, the lower quartile; plus or minus `HELD` decides it.
-    free : bool array (H, W), optional
-        The pixels that take part; all by default. No step from one that does not counts.
-    wrap : (bool, bool)
-        Whether the pictures go around from bottom to top and from right to left.
-
-    Returns
-    -------
-    bool array (H, W)
-        True where the second picture is taken.
-
-    Examples
-    --------
-    >>> dark = np.uint8([[[10], [10], [90], [10]]])
-    >>> light = np.uint8([[[80], [80], [80], [80]]])
-    >>> cheapest_boundary(dark, light, np.int32([[-HELD, 0, 0, HELD]]))[0].tolist()
-    [False, False, False, True]
+    A step costs its square, down to half of it on an edge. `leaning` is each pixel's bias to
+    `second` in 1 / UNIT of a small step, +-`HELD` decides it; pixels outside `free` take no part.
     """
     if free is None:
         free = np.ones(leaning.shape, bool)

@@ -7,18 +7,9 @@ NEVER = cython.declare(cython.longlong, 1 << 60)  # more than any boundary costs
 
 
 class Band:
-    """A band, line by line, and what a thread works on along it.
+    """The costs of a band: `error` (lines, depth), `beyond` (lines or 0, depth + 1) of crossings.
 
-    Parameters
-    ----------
-    error : int64 array (lines, depth)
-        Cost of a boundary beside each pixel.
-    beyond : int64 array (lines, depth + 1) or (0, depth + 1)
-        Cost of each place that it may cross a line at, if anything.
-    total, came : int64 and int32 array (lines, depth + 1)
-        Scratch.
-    path : int32 array (lines,)
-        The boundary, when it is found.
+    `total`, `came` are scratch; `path` (lines,) receives the boundary.
     """
 
     def __init__(self, error, beyond, total, came, path):
@@ -27,13 +18,10 @@ class Band:
 
 
 def least_boundary(band, length, depth, begin, end):
-    """Find the cheapest boundary along a band between two given places.
+    """Find the cheapest boundary along a band between two given positions.
 
-    Line i of the band belongs to one side up to path[i] and to the other from there on. Both
-    pixels beside every piece of the boundary count, also where it runs across from line to line,
-    and for each place on a line what is `beyond`, if anything.
-    The path moves at most one place a line, and every place on it can reach both ends in that way,
-    so that no two paths of a corner cross.
+    Line i belongs to one side up to path[i]. The pixels on both sides of each piece count, also
+    where it crosses lines; it moves one position a line, and can always reach both ends.
     """
     cython.declare(i=cython.Py_ssize_t, k=cython.Py_ssize_t, low=cython.Py_ssize_t)
     cython.declare(high=cython.Py_ssize_t, left=cython.longlong)

@@ -24,36 +24,10 @@ _NODE = np.dtype(
 def minimum_cut(
     arcs: NDArray[np.int32], source: NDArray[np.int32], sink: NDArray[np.int32]
 ) -> tuple[NDArray[np.bool_], int]:
-    """Cut a grid of nodes, each joined to its four neighbors, between a source and a sink.
+    """The minimum cut of a 4-connected grid: its smallest source side (H, W), and its value.
 
-    Parameters
-    ----------
-    arcs : int32 array (H, W, 4)
-        Capacity of the arc from each node to its right, lower, left and upper neighbor, 0 to
-        `LARGEST_CAPACITY`. Those that lead out of the grid do not count.
-    source, sink : int32 array (H, W)
-        Capacity of the arc from the source to each node, and from each node to the sink.
-
-    Returns
-    -------
-    side : bool array (H, W)
-        True for the nodes on the source's side; of all minimum cuts, the one with the fewest.
-    value : int
-        Capacity of the arcs that are cut, which is the largest flow.
-
-    Raises
-    ------
-    InvalidInputError
-        If a shape does not fit, or a capacity is negative or above `LARGEST_CAPACITY`.
-
-    Examples
-    --------
-    >>> import numpy as np
-    >>> arcs = np.full((1, 3, 4), 5, np.int32)
-    >>> arcs[0, 1, 0] = 2  # from the second node to the third
-    >>> side, value = minimum_cut(arcs, np.int32([[9, 0, 0]]), np.int32([[0, 0, 9]]))
-    >>> side.tolist(), value
-    ([[True, True, False]], 2)
+    `arcs` (H, W, 4) are capacities to the right, lower, left and upper neighbor; `source` and
+    `sink` (H, W) those of the terminals. Capacities are 0 to `LARGEST_CAPACITY`, else it raises.
     """
     shape = source.shape
     if arcs.shape != (*shape, 4) or sink.shape != shape or len(shape) != 2:

@@ -16,10 +16,7 @@ from cython.cimports.libc.string import memset
 
 @cython.cclass
 class Capacities:
-    """The capacities of the grid's arcs, and of those from the source and to the sink.
-
-    Arcs lead right, down, left and up. The grid may be set smaller than the arrays.
-    """
+    """Capacities of the grid's arcs (right, down, left, up) and of the terminals' arcs."""
 
     def __init__(self, arcs, source, sink):
         self.arcs = arcs
@@ -30,11 +27,10 @@ class Capacities:
 
 @cython.cclass
 class Trees:
-    """The two search trees, and two rings of nodes: those that may grow, and orphans.
+    """The two search trees, and rings of active nodes and orphans.
 
-    Nodes are row by row, in a grid with a border; `steps` lead from each to its neighbors. A ring's
-    last two entries are the place of its first node and how many nodes it holds, zeros at first.
-    `now`, a time stamp, is the number of augmentations.
+    Nodes lie row by row in a grid with a border; `steps` lead to neighbors. A ring ends with its
+    start and length. `now` is the number of augmentations.
     """
 
     def __init__(self, nodes, active, orphans):
@@ -134,10 +130,7 @@ def grow(trees: Trees, node: cython.pointer(Node)) -> cython.int:
 @cython.nogil
 @cython.exceptval(check=False)
 def augment(trees: Trees, node: cython.pointer(Node), d: cython.int) -> cython.int:
-    """Push the largest flow along the path through a node and its neighbor in direction d.
-
-    Nodes whose arc to their parent is full become orphans.
-    """
+    """Push the largest flow through a node and its neighbor in direction d; full arcs orphan."""
     cython.declare(k=cython.pointer(Node), up=cython.pointer(Node), p=cython.int, flow=cython.int)
     start: cython.pointer(Node) = node  # in the tree of the source
     end: cython.pointer(Node) = beside(trees, node, d)
@@ -257,10 +250,7 @@ def adopt(trees: Trees, node: cython.pointer(Node)) -> cython.void:
 @cython.nogil
 @cython.exceptval(check=False)
 def plant(capacities: Capacities, trees: Trees) -> cython.longlong:
-    """Fill in the grid's nodes; each one with an arc to a terminal roots a tree.
-
-    Returns the flow from the source through single nodes to the sink.
-    """
+    """Fill in the nodes, those with a terminal as roots; return the flow through single nodes."""
     cython.declare(y=cython.Py_ssize_t, x=cython.Py_ssize_t, d=cython.int)
     cython.declare(arcs=cython.p_const_int, source=cython.int, sink=cython.int)
     node: cython.pointer(Node) = cython.address(trees.nodes[0])
@@ -301,10 +291,9 @@ def plant(capacities: Capacities, trees: Trees) -> cython.longlong:
 def minimum_cut(
     capacities: Capacities, trees: Trees, side: cython.uchar[:, ::1], most: cython.longlong
 ) -> cython.longlong:
-    """Fill `side` with 1 for nodes that the source reaches through residual capacities.
+    """Mark in `side` the nodes that residual capacities reach from the source; return the flow.
 
-    That set is the same for every maximum flow. Returns the flow, which is the value of the cut;
-    or, once it is more than `most`, the flow so far, and `side` is left.
+    Once the flow exceeds `most`, stop and leave `side` as it is.
     """
     cython.declare(y=cython.Py_ssize_t, x=cython.Py_ssize_t, i=cython.Py_ssize_t, d=cython.int)
     cython.declare(node=cython.pointer(Node))

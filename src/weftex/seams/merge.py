@@ -26,36 +26,10 @@ def islands(
     scale: int,
     seed: int,
 ) -> NDArray[np.int32]:
-    """Lay islands of one sample into another, each cut out where the two differ least.
+    """Flat index (H, W) into `land` of islands placed in `sea`, -1 elsewhere.
 
-    Closed boundaries show the two materials meeting in every direction. Each island has an outline
-    of its own: a core of irregular shape is inside, a belt around it is free. What it shows of the
-    other sample is searched: of many places, drawn at random, the one that meets the sea best.
-
-    Parameters
-    ----------
-    sea : uint8 array (H, W, K)
-        The sample around the islands.
-    land : uint8 array (H', W', K)
-        The sample of the islands.
-    usable : bool array (H', W')
-        What may be shown of it.
-    scale : int
-        Size of the things in the samples, in pixels.
-    seed : int
-        From `weftex.random.seed_number`.
-
-    Returns
-    -------
-    int32 array (H, W)
-        Flat index into `land`; -1 in the sea.
-
-    Examples
-    --------
-    >>> flat = np.zeros((60, 70, 1), np.uint8)
-    >>> found = islands(flat, flat + 9, np.ones((60, 70), bool), scale=5, seed=1)
-    >>> bool((found >= 0).any()), bool((found[0] >= 0).any())
-    (True, False)
+    Each island has a random core and a free belt; of many random offsets the best match is taken.
+    `scale` is the feature size in pixels, `usable` (H', W') what may be shown of `land`.
     """
     height, width = sea.shape[:2]
     shown = np.full((height, width), -1, np.int32)

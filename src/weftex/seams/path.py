@@ -13,27 +13,10 @@ _BARRED = 2**62  # the cost of a forbidden place; any path costs less
 
 
 def least_path(cost: NDArray[np.int64], *, closed: bool = False) -> NDArray[np.int64]:
-    """Find the cheapest path along the first axis, one step aside a row at most.
+    """The cheapest path (n,) along the first axis of `cost` (n, width), moving at most one a row.
 
-    Parameters
-    ----------
-    cost : int64 array (n, width)
-        Cost of each place, 0 or more; together less than 2**62.
-    closed : bool
-        The band goes around, and the path ends within one step of its start. It crosses the border
-        where the cheapest path twice around the band crosses it.
-
-    Returns
-    -------
-    int64 array (n,)
-        The place in each row. Of equally cheap paths, the one with the first place in the last row,
-        then in the row before, and so on.
-
-    Examples
-    --------
-    >>> import numpy as np
-    >>> least_path(np.array([[0, 9, 9], [9, 0, 9], [0, 9, 9]])).tolist()
-    [0, 1, 0]
+    With `closed` the band wraps and the path ends within one of its start. Ties: the first place in
+    the last row, then in the row before. Costs are 0 or more, together below 2**62.
     """
     if not closed:
         return _open_path(cost)
