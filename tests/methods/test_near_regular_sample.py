@@ -50,19 +50,19 @@ def test_rectified_results_are_saved_and_replayed(tmp_path):
         assert np.array_equal(again.draw(what), result.draw(what))
 
 
-def boards(height, width, tone=40):
-    """Boards that lie, each with grain and a color of its own."""
-    rng = np.random.default_rng(4)
-    tones = rng.integers(90, 90 + tone, (height // 16 + 1, 3))[np.arange(height) // 16]
-    pixels = tones[:, None] + rng.integers(0, 9, (height, width, 1))
-    pixels[np.arange(height) % 16 < 2] = 20
+def boards(side, high=16, tone=40):
+    """Boards that lie, `high` pixels each, with grain and a color of their own."""
+    rng, y = np.random.default_rng(4), np.arange(side)
+    tones = rng.integers(90, 90 + tone, (side // high + 1, 3))[y // high]
+    pixels = tones[:, None] + rng.integers(0, 9, (side, side, 1))
+    pixels[y % high < 2] = 20
     return pixels.astype(np.uint8)
 
 
 @pytest.mark.parametrize("stands", [False, True])
 def test_boards_go_on(stands):
     """One vector is found, joints stay where they are and boards do not end."""
-    pixels = boards(128, 128)
+    pixels = boards(128)
     pixels = pixels.swapaxes(0, 1) if stands else pixels
     model = model_of(np.ascontiguousarray(pixels))
     assert model.blocks.row_axis == int(stands)
@@ -83,12 +83,7 @@ def test_boards_go_on(stands):
 @pytest.mark.parametrize(("height", "size"), [(16, 112), (16, 80), (56, 168), (56, 224)])
 def test_boards_go_on_around_a_tileable_picture(height, size):
     """An odd number of boards, or boards that are wider than a block, too."""
-    rng = np.random.default_rng(4)
-    at = np.arange(160)
-    tones = rng.integers(90, 140, (11, 3))[at // height]
-    pixels = tones[:, None] + rng.integers(0, 9, (160, 160, 1))
-    pixels[at % height < 2] = 20
-    model = model_of(pixels.astype(np.uint8), lattice=(1, 0, 0, height))
+    model = model_of(boards(160, height), lattice=(1, 0, 0, height))
     assert model.blocks.row_axis == 0 and (model.method.block_size < height) == (height == 56)
     image = model.sample((size, size), seed=1, tileable=True).image
     dark = np.flatnonzero((image.max(axis=2) < 60).mean(axis=1) > 0.98)
@@ -103,9 +98,9 @@ def test_boards_go_on_around_a_tileable_picture(height, size):
 
 def test_rows_that_are_given_are_rows_that_are_found():
     """By a vector along them and one across, in any order; and by the settled parameters."""
-    found = model_of(boards(128, 128))
+    found = model_of(boards(128))
     for lattice in ((1, 0, 0, 16), (0, 16, 1, 0), found.method.lattice):
-        model = model_of(boards(128, 128), lattice=lattice)
+        model = model_of(boards(128), lattice=lattice)
         assert model.method.by_rows and model.blocks.row_axis == 0
         assert model.method.block_size == found.method.block_size
     assert np.array_equal(model.sample((90, 90), seed=1).image, found.sample(90, seed=1).image)
@@ -113,13 +108,7 @@ def test_rows_that_are_given_are_rows_that_are_found():
 
 def test_boards_wider_than_a_block_keep_their_color():
     """Blocks share a board; windows of the plane agree."""
-    wide = np.repeat(np.repeat(boards(16 * 12, 4)[::16, :1][:, 0][2:], 40, 0)[:, None], 240, 1)[
-        :240
-    ]
-    wide = wide // 2 + 60 + np.random.default_rng(0).integers(0, 9, (240, 240, 1))
-    wide[np.arange(240) % 40 < 2] = 9
-    wide[2:40] += 30
-    model = model_of(wide.astype(np.uint8), lattice=(1, 0, 0, 40), block_size=36)
+    model = model_of(boards(240, 40), lattice=(1, 0, 0, 40), block_size=36)
     assert model.blocks.row_axis == 0
     image = model.sample((300, 300), seed=2).image
     y = np.arange(300) % 40
@@ -131,11 +120,11 @@ def test_boards_wider_than_a_block_keep_their_color():
 def test_rows_of_mixed_colors_are_free():
     """What differs along a row may come from any row."""
     rng = np.random.default_rng(0)
-    pixels = boards(128, 128, tone=2).astype(int)
+    pixels = boards(128, tone=2).astype(int)
     pixels += rng.integers(-30, 30, (8, 8, 1)).repeat(16, 0).repeat(16, 1)
     pixels[np.arange(128) % 16 < 2] = 20
     mixed = axis_of_rows(pixels.astype(np.uint8), (0, 16, 7, 0))
-    assert mixed is None and axis_of_rows(boards(128, 128), (0, 16, 7, 0)) == 0
-    assert axis_of_rows(boards(128, 128), (8, 14, -14, 8)) is None
+    assert mixed is None and axis_of_rows(boards(128), (0, 16, 7, 0)) == 0
+    assert axis_of_rows(boards(128), (8, 14, -14, 8)) is None
     flat = np.full((128, 128, 3), 9, np.uint8)
     assert axis_of_rows(flat, (0, 16, 7, 0)) is None

@@ -27,26 +27,14 @@ _HOLE, _BESIDE, _OFF = 0, 1, 2  # states of a pixel: beside are known pixels nex
 
 @dataclass(frozen=True, eq=False)
 class Hole:
-    """The blocks that fill a hole, and what is known around it; without a hole, all blocks.
+    """The blocks that fill a hole, and what is known around it; without a hole, all blocks."""
 
-    Attributes
-    ----------
-    missing, near : bool array (H, W) or (0, 0)
-        The hole, and the known pixels within the width of a border around it.
-    known : uint8 array (H, W, K) or (0, 0, 0)
-        The canvas's pixels.
-    filling : bool array (rows, columns)
-        Blocks that have some of the hole in their windows.
-    bound, drawn : bool array (rows, columns)
-        Blocks among these that are not gaps: with known pixels in their windows, and without.
-    """
-
-    missing: NDArray[np.bool_]
-    near: NDArray[np.bool_]
-    known: NDArray[np.uint8]
-    filling: NDArray[np.bool_]
-    bound: NDArray[np.bool_]
-    drawn: NDArray[np.bool_]
+    missing: NDArray[np.bool_]  # (H, W), empty without a hole
+    near: NDArray[np.bool_]  # known pixels within the width of a border around the hole
+    known: NDArray[np.uint8]  # (H, W, K), the canvas's pixels
+    filling: NDArray[np.bool_]  # (rows, columns): blocks with some of the hole in their windows
+    bound: NDArray[np.bool_]  # of these that are not gaps, those that see known pixels
+    drawn: NDArray[np.bool_]  # and the others
 
     @property
     def exists(self) -> bool:

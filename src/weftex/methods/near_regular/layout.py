@@ -112,28 +112,22 @@ def _block_at(cuts: EndlessCuts | CircularCuts, pixel: int, guess: int) -> int:
 class Axis:
     """The blocks along one axis of a canvas.
 
-    Attributes
-    ----------
-    edges : int64 array (n + 1,)
-        Where blocks begin and the last one ends, in canvas pixels.
-    corners : int64 array (n,)
-        Where the windows of blocks begin in the plane of the lattice.
-    sizes, numbers : int64 array (n,)
-        Of the blocks; numbers count from the plane's origin.
-    side, margin : int
-        Of a block's window at most, and how far it reaches beyond the block.
-    visible : slice
-        The blocks that are on the canvas or overlap it.
-    period : int
-        The canvas's length if it wraps, else 0.
-    least, share : int
-        See `EndlessCuts`.
-    first_of_row, last_of_row : int64 array (n,)
-        Where the first and the last begin of the blocks that share a row with each block.
-    beside, apart : int64 array (5, n)
-        [k, i] for k from -2 to 2: the block k after block i, -1 if there is none, and the pixels
-        from where it begins to where block i begins.
+    A window is `side` pixels wide at most and reaches `margin` beyond its block. `visible` blocks
+    are on the canvas or overlap it; others matter to what these become.
     """
+
+    edges: NDArray[np.int64]  # (n + 1,): where blocks begin and the last one ends, on the canvas
+    corners: NDArray[np.int64]  # (n,): where their windows begin in the plane of the lattice
+    sizes: NDArray[np.int64]  # (n,)
+    numbers: NDArray[np.int64]  # (n,), counted from the plane's origin
+    period: int  # the canvas's length if it wraps, else 0
+    # (n,): where the first and the last begin of the blocks that share a row with each block.
+    first_of_row: NDArray[np.int64]
+    last_of_row: NDArray[np.int64]
+    # (5, n), [k, i] for k from -2 to 2: the block k after block i, -1 if there is none, and the
+    # pixels from where it begins to where block i begins.
+    beside: NDArray[np.int64]
+    apart: NDArray[np.int64]
 
     def __init__(
         self,
@@ -197,34 +191,18 @@ class Axis:
 
 @dataclass(frozen=True, eq=False)
 class Layout:
-    """The blocks of one canvas.
-
-    Attributes
-    ----------
-    origin : (int, int)
-        Where the canvas's corner is in the plane of the sample's lattice.
-    lattice : CanvasLattice
-        The vectors, stretched to wrap around the canvas.
-    reach : int
-        How far seams leave the edges of blocks; less than the margin where blocks are small.
-    bits : uint64 array (rows, columns)
-        Random bits of each block.
-    phase : int64 array (rows, columns, 2)
-        Where in the first tile the corner of its window lies (eq. 3.29), in 1/65536 pixel.
-    row : int64 array (rows, columns) or None
-        Which rows of the sample it is to contain, see `choose_rows`; None if it may have any.
-    """
+    """The blocks of one canvas."""
 
     canvas: Canvas
-    origin: tuple[int, int]
+    origin: tuple[int, int]  # of the canvas in the plane of the sample's lattice
     seed: int
-    lattice: CanvasLattice
+    lattice: CanvasLattice  # stretched to wrap around the canvas
     rows: Axis
     columns: Axis
-    reach: int
-    bits: NDArray[np.uint64]
-    phase: NDArray[np.int64]
-    row: NDArray[np.int64] | None
+    reach: int  # how far seams leave edges of blocks: the margin, or less where blocks are small
+    bits: NDArray[np.uint64]  # (rows, columns), random ones
+    phase: NDArray[np.int64]  # (rows, columns, 2): of windows in the first tile (eq. 3.29), 1/65536
+    row: NDArray[np.int64] | None  # (rows, columns): rows of the sample to contain, see `_rows`
 
     @cached_property
     def gap(self) -> NDArray[np.bool_]:

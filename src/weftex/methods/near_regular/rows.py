@@ -114,27 +114,10 @@ def choose_rows(
     numbers: NDArray[np.int64],
     seed: int,
 ) -> NDArray[np.int64]:
-    """Choose the multiple of the first vector for each block: the same for blocks of one row.
+    """The multiple of the first vector for each block, one after the other from row to row.
 
-    Parameters
-    ----------
-    whole : bool array (n,)
-        Where whole windows lie along the axis that rows change along.
-    period : int
-        Of a sample that tiles, else 0.
-    multiples : int64 array (k,)
-        To choose from.
-    places : int64 array (rows, columns, k)
-        Where they lead to along that axis, from the first of the blocks that share a row.
-    reach : int64 array, broadcast against (rows, columns)
-        How much further the last of those is.
-    numbers : int64 array, broadcast against (rows, columns)
-        Numbers of the rows that blocks are in.
-
-    Returns
-    -------
-    int64 array (rows, columns)
-        `ANY` where none of them leads to a whole window.
+    `places` (rows, columns, k) are where `multiples` lead for the first of the blocks that share a
+    row, the last is `reach` further; `ANY` where not all of these are `whole` windows.
     """
     there = np.ones(places.shape, bool)
     for ends in (places, places + reach[..., None]):

@@ -29,58 +29,31 @@ _SOFT = 40  # squared difference of a channel, two pixels apart, that halves the
 
 
 class Border(NamedTuple):
-    """The pixels of a gap's window that must match.
+    """The pixels of a gap's window that must match."""
 
-    Attributes
-    ----------
-    wedges : uint8 array (rows, columns)
-        From which neighbor: 1 to 4 for above, left, below and right, 0 off the border.
-    runs : int32 array (n, 4)
-        The border as runs of pixels, as in `BoundaryZone`.
-    """
-
-    wedges: NDArray[np.uint8]
-    runs: NDArray[np.int32]
+    wedges: NDArray[np.uint8]  # 1 to 4: of the neighbor above, left, below, right; 0 off the border
+    runs: NDArray[np.int32]  # the border as runs of pixels, as in `BoundaryZone`
 
 
 @dataclass(frozen=True, eq=False)
 class BlockSample:
     """All that outputs of one sample have in common.
 
-    Attributes
-    ----------
-    windows : Windows
-        The sample's bytes, and the upper left corners of blocks' windows.
-    lookup : int32 array (H, W) or None
-        Which pixel of the sample is at each place, if it was rectified.
-    pixels, turned : uint8 arrays (H', W', K) and (W', H', K)
-        The windows' pixels, rectified; the same with their axes exchanged.
-    visibility : uint16 array (H', W')
-        How visible a seam is at each of them.
-    offsets : int64 array (n, 2)
-        From a block's phase to similar windows, in 1/65536 pixel: sums of multiples of the lattice
-        vectors, shuffled. In the unconstrained mode all windows, from phase 0.
-    multiples : int64 array (n,)
-        The multiple of the first vector in each offset; none in the unconstrained mode.
-    row_axis : int or None
-        Along which axis rows change that have a color each, see `axis_of_rows`.
-    courses : (Courses or None, Courses or None)
-        The rows that blocks keep to along both axes.
-    search : ZoneSearch or None
-        All windows by their borders, in the unconstrained mode.
+    An offset leads from a block's phase to a similar window: a sum of multiples of the lattice
+    vectors in 1/65536 pixel. In the unconstrained mode all windows are offsets, from phase 0.
     """
 
     exemplar: Exemplar
-    windows: Windows
-    lookup: NDArray[np.int32] | None
-    pixels: NDArray[np.uint8]
-    turned: NDArray[np.uint8]
-    visibility: NDArray[np.uint16]
-    offsets: NDArray[np.int64]
-    multiples: NDArray[np.int64]
-    row_axis: int | None
-    courses: tuple[Courses | None, ...]
-    search: ZoneSearch | None
+    windows: Windows  # by their upper left corners
+    lookup: NDArray[np.int32] | None  # (H, W): the pixel at each place, if the sample is rectified
+    pixels: NDArray[np.uint8]  # (H', W', K), the windows' pixels, rectified
+    turned: NDArray[np.uint8]  # with their axes exchanged
+    visibility: NDArray[np.uint16]  # (H', W'), of a seam at each of them
+    offsets: NDArray[np.int64]  # (n, 2), shuffled
+    multiples: NDArray[np.int64]  # (n,), of the first vector in each; empty if unconstrained
+    row_axis: int | None  # along which rows change that have a color each, see `axis_of_rows`
+    courses: tuple[Courses | None, ...]  # rows that blocks keep to, along both axes
+    search: ZoneSearch | None  # all windows by their borders, in the unconstrained mode
     _borders: dict[tuple[int, ...], Border] = field(default_factory=dict, repr=False)
 
     def border(self, height: int, width: int, margin: int, reach: int) -> Border:

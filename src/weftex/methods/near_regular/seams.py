@@ -20,21 +20,11 @@ _AT_A_TIME = 32  # edges that a thread cuts
 
 
 class Joints(NamedTuple):
-    """How the visible blocks are pasted over each other, see `PatchSynthesis`.
+    """How the visible blocks are pasted over each other, see `PatchSynthesis`."""
 
-    Attributes
-    ----------
-    cuts : uint16 array (rows, columns, n) or (0, 0)
-        Of each block.
-    zones : int64 array (rows, columns)
-        Its row of `weights`.
-    weights : uint16 array (zones, lines, columns)
-        In 1/256.
-    """
-
-    cuts: NDArray[np.uint16]
-    zones: NDArray[np.int64]
-    weights: NDArray[np.uint16]
+    cuts: NDArray[np.uint16]  # (rows, columns, n) or (0, 0)
+    zones: NDArray[np.int64]  # (rows, columns): the weights of each block
+    weights: NDArray[np.uint16]  # (zones, lines, columns), in 1/256
 
 
 class _Cutter:
