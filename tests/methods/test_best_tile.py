@@ -66,14 +66,14 @@ def test_many_tiles_show_the_same_part_of_the_lattice():
 
 
 @pytest.mark.parametrize("tileable", [True, "x", "y"])
-def test_it_goes_around(tileable):
+def test_it_wraps(tileable):
     model = model_of(noise((60, 64, 3)), lattice=(16, 0, 8, 12), tiles=4)
     result = model.sample((49, 62), seed=1, tileable=tileable)
     assert 0 < result.provenance["strain"] < 0.05
     index, steps = result.index, []
     for axis, name in ((0, "y"), (1, "x")):
         if tileable in (True, name):
-            # Across the border sources go on as often as inside.
+            # Across the border sources continue as often as inside.
             step = (np.roll(index, -1, axis) - index) == (64 if axis == 0 else 1)
             step = np.moveaxis(step, axis, 0).mean(axis=1)
             steps.append(step[-1] >= step.min())
@@ -118,7 +118,7 @@ def test_nothing_repeats():
 
 
 def test_borders_are_as_wide_as_there_is_room_for():
-    """The default is narrowed, a given width is refused; either way the settled one is true."""
+    """The default is narrowed, a given width is refused; either way the resolved one is true."""
     pixels = noise((40, 50))
     model = model_of(pixels, lattice=(20, 0, 0, 35))
     assert 0 < model.method.border_width < 10
@@ -134,7 +134,7 @@ def test_borders_are_as_wide_as_there_is_room_for():
 
 
 def test_the_number_of_tiles_is_what_is_repeated():
-    """Up to so many: the settled method says how many there are."""
+    """The resolved method has their number, at most the one asked for."""
     model = model_of(wall(96, 96, spread=1), lattice=(16, 0, 8, 12), tiles=1000)
     assert 1 < model.method.tiles == len(model.anchors) < 1000
     again = model.method.fit(model.exemplar)

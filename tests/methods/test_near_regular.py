@@ -225,11 +225,11 @@ def test_blends_are_as_wide_as_asked():
     assert (images[2] != images[3]).any()
 
 
-def test_narrow_borders_of_small_canvases_are_told():
+def test_provenance_has_the_narrow_borders_of_small_canvases():
     model = model_of(wall(96, 96), lattice=(16, 0, 0, 12), block_size=30, border_width=20)
     assert model.sample((48, 48), seed=1).provenance.get("border_narrowed_to") is None
     told = model.sample((24, 32), seed=1, tileable=True).provenance
-    assert told["border_narrowed_to"] == 10  # blocks of 12 go around
+    assert told["border_narrowed_to"] == 10  # blocks of 12 wrap
 
 
 def test_blending_is_linear():

@@ -97,7 +97,7 @@ def test_boards_go_on_around_a_tileable_picture(height, size):
 
 
 def test_rows_that_are_given_are_rows_that_are_found():
-    """By a vector along them and one across, in any order; and by the settled parameters."""
+    """By a vector along them and one across, in any order; and by the resolved parameters."""
     found = model_of(boards(128))
     for lattice in ((1, 0, 0, 16), (0, 16, 1, 0), found.method.lattice):
         model = model_of(boards(128), lattice=lattice)

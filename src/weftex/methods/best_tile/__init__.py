@@ -65,7 +65,7 @@ class BestTile(Method):
     )
     tiles: int = parameter(
         1,
-        "repeat up to so many of the best tiles, in any order; 1 is the paper's way",
+        "maximum number of tiles, the best ones, to repeat in random order; 1 is the paper's",
         low=1,
         high=1000,
     )

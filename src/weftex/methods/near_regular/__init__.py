@@ -38,10 +38,10 @@ _WIDE = 0.7  # of a block that is blended then
 class NearRegular(Method):
     """Constrained random sampling and gap filling.
 
-    The output is divided into blocks. Every second one shows a piece of the sample that lies a
-    multiple of the translation vectors away, drawn at random; the gaps between take the piece that
-    fits their four neighbors best. So the regular structure goes on however far, and what is
-    irregular stays irregular.
+    The output is divided into blocks. Every second block is copied from the sample, a random
+    multiple of the translation vectors away; each gap between is copied from where the sample fits
+    its four neighbors best. So the regular structure continues at any size, and irregularities stay
+    irregular.
 
     Examples
     --------
@@ -70,7 +70,7 @@ class NearRegular(Method):
     )
     preset: str = parameter(
         "weftex",
-        "what parameters are that are not given: chosen by the sample, or the paper's",
+        "defaults of the other parameters: chosen for the sample, or the paper's",
         choices=("weftex", "paper"),
     )
     block_size: int | None = parameter(
@@ -90,12 +90,12 @@ class NearRegular(Method):
     )
     blend: str = parameter(
         "auto",
-        "joining blocks: cut along least error or feathered as the preset says, or pasted",
+        "how blocks are joined: cut along the least error, feathered or pasted; auto by preset",
         choices=("auto", "cut", "feather", "none"),
     )
     seam_cost: str = parameter(
         "gradient",
-        "where a cut shows: less where the sample has edges of its own, or everywhere alike",
+        "cost of a cut: lower on edges of the sample, or the same everywhere",
         choices=("gradient", "difference"),
         needs=("blend", ("auto", "cut")),
     )
@@ -109,7 +109,7 @@ class NearRegular(Method):
     )
     tolerance: int | None = parameter(
         None,
-        "how far from a multiple of the vectors a gap's piece may lie",
+        "maximum distance of a gap's source from a multiple of the vectors",
         low=0,
         high=64,
         unit="px",
@@ -117,7 +117,7 @@ class NearRegular(Method):
     )
     rectify: int | None = parameter(
         None,
-        "how far pixels of the sample are moved, to lie as in its mean tile; 0 is the paper's",
+        "maximum distance that pixels of the sample move to match its mean tile; 0 is the paper's",
         low=0,
         high=64,
         unit="px",
@@ -131,14 +131,14 @@ class NearRegular(Method):
     )
     candidates: int | None = parameter(
         None,
-        "multiples of the vectors around which a gap's piece is looked for, the best ones",
+        "number of multiples of the vectors, the best ones, that a gap's source is searched around",
         low=1,
         high=512,
         default_text="6; all in the paper",
     )
     variety: float | None = parameter(
         None,
-        "how much worse a piece counts for what of it is shown beside; 0 is the paper's way",
+        "penalty for repeating what neighboring blocks contain; 0 is the paper's",
         low=0.0,
         high=1000.0,
         default_text="1; 0 in the paper",

@@ -62,7 +62,7 @@ def axis_of_rows(pixels: NDArray[np.uint8], vectors: tuple[float, ...]) -> int |
     period = round(max(x, y))
     tile = MeanTile(pixels, vectors).at(*np.indices(pixels.shape[:2]))
     rest = np.moveaxis(pixels.astype(np.int64) - tile, axis, 0)
-    # Colors of pieces as long as rows are high, or half the sample, and half as high.
+    # Colors of boxes as long as rows are high, or half the sample, and half as high.
     high, period = max(1, period // 2), min(period, rest.shape[1] // 2)
     count = rest.shape[1] // max(1, period)
     if count < 2 or len(rest) < high:
