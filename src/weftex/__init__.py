@@ -13,51 +13,52 @@ from typing import TYPE_CHECKING, Any
 from weftex.dispatch import prefer_fast_kernels
 
 if TYPE_CHECKING:
-    from weftex import reference
-    from weftex.canvas import Canvas
-    from weftex.errors import (
-        CancelledError,
-        FileError,
-        InvalidInputError,
-        UnsupportedError,
-        WeftexError,
-    )
-    from weftex.exemplar import Exemplar
-    from weftex.explanation import Explanation, explain
-    from weftex.io.pictures import read_image, write_image
-    from weftex.loading import load_exemplar
-    from weftex.method import Method
-    from weftex.methods import METHODS
-    from weftex.methods.ashikhmin import Ashikhmin
-    from weftex.methods.best_tile import BestTile
-    from weftex.methods.efros_leung import EfrosLeung
-    from weftex.methods.exact_matching import ExactMatching
-    from weftex.methods.graphcut import GraphCut
-    from weftex.methods.near_regular import NearRegular
-    from weftex.methods.patch_sampling import PatchSampling
-    from weftex.methods.quilting import Quilting
-    from weftex.methods.refinement import Refinement
-    from weftex.methods.wei_levoy import WeiLevoy
-    from weftex.pages.report import Report
-    from weftex.quality.assess import Assessment, assess
-    from weftex.results.synthesis import Synthesis
-    from weftex.studio.notebook import view
-    from weftex.tasks.analyze import analyze
-    from weftex.tasks.auto import Auto
-    from weftex.tasks.combined import together
-    from weftex.tasks.compare import compare
-    from weftex.tasks.estimate_maps import estimate_maps
-    from weftex.tasks.even_light import even_light
-    from weftex.tasks.fill import fill
-    from weftex.tasks.fuse import fuse
-    from weftex.tasks.gradient import Gradient
-    from weftex.tasks.plane import plane
-    from weftex.tasks.report import report
-    from weftex.tasks.straighten import straighten
-    from weftex.tasks.stream import stream
-    from weftex.tasks.synthesize import synthesize
-    from weftex.tasks.tile import tile
-    from weftex.turns import turned
+    from weftex import reference as reference
+    from weftex.canvas import Canvas as Canvas
+    from weftex.errors import CancelledError as CancelledError
+    from weftex.errors import FileError as FileError
+    from weftex.errors import InvalidInputError as InvalidInputError
+    from weftex.errors import UnsupportedError as UnsupportedError
+    from weftex.errors import WeftexError as WeftexError
+    from weftex.exemplar import Exemplar as Exemplar
+    from weftex.explanation import Explanation as Explanation
+    from weftex.explanation import explain as explain
+    from weftex.io.pictures import read_image as read_image
+    from weftex.io.pictures import write_image as write_image
+    from weftex.loading import load_exemplar as load_exemplar
+    from weftex.method import Method as Method
+    from weftex.methods import METHODS as METHODS
+    from weftex.methods.ashikhmin import Ashikhmin as Ashikhmin
+    from weftex.methods.best_tile import BestTile as BestTile
+    from weftex.methods.efros_leung import EfrosLeung as EfrosLeung
+    from weftex.methods.exact_matching import ExactMatching as ExactMatching
+    from weftex.methods.graphcut import GraphCut as GraphCut
+    from weftex.methods.near_regular import NearRegular as NearRegular
+    from weftex.methods.patch_sampling import PatchSampling as PatchSampling
+    from weftex.methods.quilting import Quilting as Quilting
+    from weftex.methods.refinement import Refinement as Refinement
+    from weftex.methods.wei_levoy import WeiLevoy as WeiLevoy
+    from weftex.pages.report import Report as Report
+    from weftex.quality.assess import Assessment as Assessment
+    from weftex.quality.assess import assess as assess
+    from weftex.results.synthesis import Synthesis as Synthesis
+    from weftex.studio.notebook import view as view
+    from weftex.tasks.analyze import analyze as analyze
+    from weftex.tasks.auto import Auto as Auto
+    from weftex.tasks.combined import together as together
+    from weftex.tasks.compare import compare as compare
+    from weftex.tasks.estimate_maps import estimate_maps as estimate_maps
+    from weftex.tasks.even_light import even_light as even_light
+    from weftex.tasks.fill import fill as fill
+    from weftex.tasks.fuse import fuse as fuse
+    from weftex.tasks.gradient import Gradient as Gradient
+    from weftex.tasks.plane import plane as plane
+    from weftex.tasks.report import report as report
+    from weftex.tasks.straighten import straighten as straighten
+    from weftex.tasks.stream import stream as stream
+    from weftex.tasks.synthesize import synthesize as synthesize
+    from weftex.tasks.tile import tile as tile
+    from weftex.turns import turned as turned
 
 __version__ = "0.2.0"
 

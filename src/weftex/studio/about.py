@@ -6,18 +6,18 @@ import dataclasses
 from functools import cache
 from typing import TYPE_CHECKING, Any
 
+from weftex import METHODS
 from weftex.io.formats import FORMATS
 from weftex.io.map_names import SCHEMES
 from weftex.io.pictures import sample_names
 from weftex.material import read_material
-from weftex.methods import METHODS
 from weftex.naming import kind_of
 from weftex.quality.figures import FIGURES
 from weftex.results.drawing import DRAWINGS
 from weftex.tasks.method_names import AUTO, method_class
 
 if TYPE_CHECKING:
-    from weftex.method import Method
+    from weftex import Method
 
 _KINDS = {int: "int", float: "float", str: "text"}
 

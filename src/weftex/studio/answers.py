@@ -1,4 +1,4 @@
-"""Errors as the page is told of them: one line, a status, and the field that it is about."""
+"""Errors as the page gets them: one line, a status, the field concerned."""
 
 from __future__ import annotations
 
@@ -16,14 +16,7 @@ _ALIASES = {"degree": "even_light"}
 
 
 def answer_of(error: Exception) -> tuple[int, dict[str, str | None]]:
-    """Return the status and the JSON of an error.
-
-    Examples
-    --------
-    >>> from weftex.errors import InvalidInputError
-    >>> answer_of(InvalidInputError("patch_size is 3; it must be from 8 to 256"))[1]["parameter"]
-    'patch_size'
-    """
+    """Return the status and the JSON of an error."""
     status, parameter = 422, None
     if isinstance(error, Refusal):
         status, parameter = error.status, error.parameter

@@ -48,15 +48,7 @@ _log = logging.getLogger(__name__)
 
 
 def make_app(studio: Studio, hosts: Collection[str]) -> ASGIApp:
-    """Return the application.
-
-    Parameters
-    ----------
-    studio : Studio
-        It is closed when the server stops.
-    hosts : collection of str
-        What the Host header may be, ports included.
-    """
+    """Return the application."""
 
     async def page(request: Request) -> Response:
         known = static_files()

@@ -9,10 +9,11 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+import weftex
 from weftex.errors import InvalidInputError, did_you_mean, shown
 from weftex.io.formats import suffix_of
 from weftex.io.map_names import SCHEMES, file_stem
-from weftex.io.pictures import check_output, write_image, write_text
+from weftex.io.pictures import check_output, write_text
 from weftex.studio.results import formats_of
 from weftex.studio.uploads import label_of
 
@@ -32,37 +33,18 @@ DATE = (1980, 1, 1, 0, 0, 0)
 
 @dataclass(frozen=True)
 class Wanted:
-    """What is to be taken of a result.
+    """What is to be taken of a result."""
 
-    Attributes
-    ----------
-    maps : tuple of str or None
-        All of them if None.
-    format : dict of str to str, str or None
-        Suffixes by maps, or of all of them; as their material's files have it if None.
-    names : str or None
-        A scheme of `weftex.io.map_names`.
-    name : str
-        What files are called after.
-    beside : frozenset of str
-        Of `BESIDE`.
-    """
-
-    maps: tuple[str, ...] | None
+    maps: tuple[str, ...] | None  # all of them if None
+    # Suffixes by maps, or of all of them; as their material's files have it if None.
     format: dict[str, str] | str | None
-    names: str | None
-    name: str
-    beside: frozenset[str]
+    names: str | None  # a scheme of `weftex.io.map_names`
+    name: str  # what files are called after
+    beside: frozenset[str]  # of `BESIDE`
 
     @classmethod
     def of(cls, given: Mapping[str, Any], usual_name: str) -> Wanted:
-        """Read what the page sent.
-
-        Raises
-        ------
-        InvalidInputError
-            If it is not known.
-        """
+        """Read what the page sent."""
         maps, form, names = (given.get(key) for key in ("maps", "format", "names"))
         if maps is not None and not (
             isinstance(maps, list) and all(isinstance(m, str) for m in maps)
@@ -105,7 +87,7 @@ def write(made: Made, wanted: Wanted, folder: Path) -> list[Path]:
     for name, file in written.items():
         like = made.pictures[name]
         how: dict[str, Any] = {"alpha": like.alpha, "icc": like.icc, "half": like.half}
-        write_image(folder / file, made.pixels(name), **how)
+        weftex.write_image(folder / file, made.pixels(name), **how)
         files.append(folder / file)
     if "mtlx" in wanted.beside:
         files.append(_material_file(made, wanted, written, folder))
@@ -113,14 +95,12 @@ def write(made: Made, wanted: Wanted, folder: Path) -> list[Path]:
         files.append(folder / f"{wanted.name}.npz")
         made.result.save(files[-1])
     if "report" in wanted.beside:
-        from weftex.tasks.report import report
-
         files.append(folder / f"{wanted.name}.html")
-        report(made.result.sample, made.result).save(files[-1])
+        weftex.report(made.result.sample, made.result).save(files[-1])
     if "debug" in wanted.beside:
         for what in ("sources", "patches", "seams", "uncertainty"):
             files.append(folder / f"{wanted.name}_{what}.png")
-            write_image(files[-1], made.result.draw(what))
+            weftex.write_image(files[-1], made.result.draw(what))
     if "recipe" in wanted.beside:
         files.append(folder / f"{wanted.name}.weftex.json")
         write_text(files[-1], json.dumps(made.recipe.as_json(), indent=1) + "\n")

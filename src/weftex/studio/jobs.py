@@ -29,17 +29,10 @@ ENDED = ("done", "failed", "cancelled")
 
 
 class Job:
-    """One piece of work of a session.
+    """One piece of work of a session; it ends the one before it in its `lane`.
 
-    Parameters
-    ----------
-    session : Session
-    work : callable
-        Takes the job, which is the progress callback; returns nothing, and adds to `results`.
-    lane : str or None
-        A job ends the one before it in its lane.
-    leave : {"cancel", "keep"}
-        What becomes of it when its page goes.
+    `work` takes the job, which is the progress callback; `leave` says what becomes of it when its
+    page goes: "cancel" or "keep".
     """
 
     def __init__(
@@ -145,12 +138,7 @@ class Job:
 
 
 class Jobs:
-    """The queue of all sessions, and the threads that work on it.
-
-    Parameters
-    ----------
-    limits : Limits
-    """
+    """The queue of all sessions, and the threads that work on it."""
 
     def __init__(self, limits: Limits) -> None:
         self.limits = limits
@@ -165,13 +153,7 @@ class Jobs:
             thread.start()
 
     def add(self, job: Job) -> None:
-        """Queue a job.
-
-        Raises
-        ------
-        Refusal
-            If there are too many.
-        """
+        """Queue a job."""
         with self._change:
             for other in self.of(job.session):
                 if job.lane is not None and other.lane == job.lane and other.state not in ENDED:
@@ -185,13 +167,7 @@ class Jobs:
             self._change.notify_all()
 
     def get(self, name: str, session: Session) -> Job:
-        """Return a job of a session.
-
-        Raises
-        ------
-        Refusal
-            If it has none of this name.
-        """
+        """Return a job of a session, or raise `Refusal`."""
         job = self._jobs.get(name)
         if job is None or job.session is not session:
             raise Refusal(404, "there is no such job")

@@ -43,19 +43,7 @@ def usual_limits() -> Limits:
 
 
 class Memory:
-    """What was made, as long as there is room: the longest unused goes first.
-
-    Parameters
-    ----------
-    most_bytes : int
-
-    Examples
-    --------
-    >>> memory = Memory(10)
-    >>> memory.put("a", 1, 6); memory.put("b", 2, 6)
-    >>> memory.get("a"), memory.get("b"), memory.bytes
-    (None, 2, 6)
-    """
+    """What was made, as long as there is room: the longest unused goes first."""
 
     def __init__(self, most_bytes: int) -> None:
         self.most_bytes, self.bytes = most_bytes, 0

@@ -47,13 +47,7 @@ def listen(host: str, port: int | None) -> socket.socket:
 
 
 def hosts_of(host: str, port: int) -> set[str]:
-    """Return what the Host header of a request may be.
-
-    Examples
-    --------
-    >>> sorted(hosts_of("127.0.0.1", 8427))
-    ['127.0.0.1:8427', '[::1]:8427', 'localhost:8427']
-    """
+    """Return what the Host header of a request may be."""
     names = {*LOOPBACK, host} - {"0.0.0.0", "::"}
     if host in ("0.0.0.0", "::"):
         names |= {socket.gethostname(), *_addresses()}

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
+import weftex
 from weftex.analysis.canvas_lattice import four_numbers
 from weftex.analysis.courses import courses
 from weftex.analysis.lattice import Lattice
@@ -12,14 +13,13 @@ from weftex.analysis.relief import smaller_copy
 from weftex.canvas import as_canvas
 from weftex.errors import InvalidInputError
 from weftex.studio.refusals import Refusal
-from weftex.tasks.analyze import analyze
-from weftex.tasks.auto import Auto, AutoModel
+from weftex.tasks.auto import AutoModel
 
 if TYPE_CHECKING:
+    from weftex import Exemplar
     from weftex.analysis.autocorrelations import Autocorrelations
     from weftex.analysis.ratings import Rated
     from weftex.choice import Choice
-    from weftex.exemplar import Exemplar
     from weftex.studio.making import Bench
     from weftex.studio.materials import Loaded
 
@@ -29,13 +29,7 @@ _DEGREE = 2  # of the light that the button takes off
 
 
 def look(loaded: Loaded, bench: Bench) -> dict[str, Any]:
-    """Return what a material is like; larger ones are analyzed by a smaller copy.
-
-    Raises
-    ------
-    Refusal
-        If it is too large for that.
-    """
+    """Return what a material is like; larger ones are analyzed by a smaller copy."""
 
     def find() -> tuple[dict[str, Any], int]:
         return _look(loaded), 2**14
@@ -48,7 +42,7 @@ def _look(loaded: Loaded) -> dict[str, Any]:
     exemplar = loaded.exemplar
     if exemplar.shape[0] * exemplar.shape[1] > _LARGEST:
         return _quick_look(exemplar)
-    found = analyze(exemplar, runners_up=_RUNNERS_UP)
+    found = weftex.analyze(exemplar, runners_up=_RUNNERS_UP)
     rated = found.ratings
     own = found.lattice
     light = found.evenness
@@ -73,7 +67,7 @@ def _look(loaded: Loaded) -> dict[str, Any]:
 
 def _quick_look(exemplar: Exemplar) -> dict[str, Any]:
     """The same of a large sample, by what `auto` looks at: a smaller copy and a part."""
-    model = AutoModel(Auto(), exemplar)
+    model = AutoModel(weftex.Auto(), exemplar)
     seen = model.findings
     choice = model.choose((2 * exemplar.shape[0], 2 * exemplar.shape[1]))
     return {
@@ -96,13 +90,7 @@ def _quick_look(exemplar: Exemplar) -> dict[str, Any]:
 
 
 def rate(loaded: Loaded, vectors: str, bench: Bench) -> dict[str, Any]:
-    """Return how good a lattice is that somebody drew.
-
-    Raises
-    ------
-    InvalidInputError
-        If it is none of the sample.
-    """
+    """Return how good a lattice is that somebody drew, or raise `InvalidInputError`."""
     from weftex.analysis.autocorrelations import autocorrelations
     from weftex.analysis.goodness import ALPHA, SIGNIFICANT
     from weftex.analysis.ratings import rate_lattices
@@ -117,9 +105,8 @@ def rate(loaded: Loaded, vectors: str, bench: Bench) -> dict[str, Any]:
     rule: dict[str, Any] = {"goodness": "contrast", "alpha": ALPHA, "significant": SIGNIFICANT}
 
     def see() -> tuple[Autocorrelations, int]:
-        return autocorrelations(exemplar, ALPHA, SIGNIFICANT), 64 * exemplar.shape[
-            0
-        ] * exemplar.shape[1]
+        size = 64 * exemplar.shape[0] * exemplar.shape[1]
+        return autocorrelations(exemplar, ALPHA, SIGNIFICANT), size
 
     seen = bench.memory.find((bench.session.key, "views", loaded.id), see)
     rated = rate_lattices(exemplar, given, **rule, runners_up=0, fields=seen)[0]
@@ -130,7 +117,7 @@ def choose(loaded: Loaded, query: dict[str, Any], bench: Bench) -> dict[str, Any
     """Return what `auto` would do for a size, and why."""
     sample = loaded.sample
     model = bench.memory.find(
-        (bench.session.key, "auto", loaded.id), lambda: (AutoModel(Auto(), sample), 2**14)
+        (bench.session.key, "auto", loaded.id), lambda: (AutoModel(weftex.Auto(), sample), 2**14)
     )
     height, width = query["size"] or (2 * sample.shape[0], 2 * sample.shape[1])
     return _choice(model.choose(as_canvas((height, width), query["tileable"])))

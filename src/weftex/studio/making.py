@@ -6,8 +6,10 @@ import math
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
+import weftex
 from weftex.canvas import as_canvas
 from weftex.errors import InvalidInputError
+from weftex.io.pictures import mask_of
 from weftex.naming import text_of
 from weftex.results.scales import check_size
 from weftex.studio import materials
@@ -17,12 +19,11 @@ from weftex.studio.refusals import Refusal
 from weftex.studio.uploads import picture_of
 
 if TYPE_CHECKING:
-    from weftex.exemplar import Exemplar
+    from weftex import Exemplar, Synthesis
     from weftex.io.pictures import Picture
     from weftex.material import Material
     from weftex.method import Model
     from weftex.progress import ProgressCallback
-    from weftex.results.synthesis import Synthesis
     from weftex.studio.limits import Limits, Memory
     from weftex.studio.recipes import Recipe
     from weftex.studio.sessions import Session
@@ -30,25 +31,12 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class Made:
-    """A result, and how its pictures are stored.
+    """A result, and how its pictures are stored."""
 
-    Attributes
-    ----------
-    recipe : Recipe
-        With its size.
-    result : Synthesis
-    main : str
-        The name of the picture among its maps.
-    pictures : dict of str to Picture
-        By the maps' names: what the files of the material are like, of which only the pixels
-        differ.
-    materials : tuple of Material
-    seconds : float
-    """
-
-    recipe: Recipe
+    recipe: Recipe  # with its size
     result: Synthesis
-    main: str
+    main: str  # the name of the picture among its maps
+    # By the maps' names: what the files of the material are like, of which only the pixels differ.
     pictures: dict[str, Picture]
     materials: tuple[Material, ...]
     seconds: float = 0.0
@@ -75,14 +63,7 @@ class Made:
 
 
 class Bench:
-    """Where a session works: it reads materials and fits models, and remembers them.
-
-    Parameters
-    ----------
-    session : Session
-    memory : Memory
-    limits : Limits
-    """
+    """Where a session works: it reads materials and fits models, and remembers them."""
 
     def __init__(self, session: Session, memory: Memory, limits: Limits) -> None:
         self.session, self.memory, self.limits = session, memory, limits
@@ -112,13 +93,7 @@ class Bench:
         return loaded, found
 
     def sized(self, recipe: Recipe) -> Recipe:
-        """Return a recipe with the size of what it makes.
-
-        Raises
-        ------
-        Refusal
-            If that is too large.
-        """
+        """Return a recipe with the size of what it makes, or raise `Refusal`."""
         options = recipe.options
         if recipe.task in ("tile", "fill"):
             size = self.load(recipe.materials[0]).exemplar.shape
@@ -142,15 +117,7 @@ class Bench:
         return recipe
 
     def make(self, recipe: Recipe, progress: ProgressCallback) -> Made:
-        """Make what a recipe says.
-
-        Parameters
-        ----------
-        recipe : Recipe
-            From `sized`.
-        progress : callable
-            See `weftex.progress.ProgressCallback`.
-        """
+        """Make what a recipe says."""
         how: dict[str, Any] = {"seed": recipe.seed, "progress": progress}
         task = {"synth": self._synth, "tile": self._tile, "fill": self._fill, "fuse": self._fuse}
         return task[recipe.task](recipe, how)
@@ -165,8 +132,6 @@ class Bench:
             loaded, model = self.model(recipe)
             check_size(model.exemplar, canvas.shape)
             return _made(recipe, model.sample(canvas, **how), loaded)
-        from weftex.tasks.synthesize import synthesize
-
         loaded = [self.load(spec) for spec in recipe.materials]
         sample = _sample(loaded)
         check_size(sample, canvas.shape)
@@ -174,31 +139,28 @@ class Bench:
             "guide": None if guide is None else _exemplar(self.picture(guide)),
             "sample_guide": None if own is None else _exemplar(self.picture(own)),
         }
-        made = synthesize(sample, canvas, method=recipe.method, best_of=several, **guides, **how)
+        made = weftex.synthesize(
+            sample, canvas, method=recipe.method, best_of=several, **guides, **how
+        )
         return _made(recipe, made, loaded)
 
     def _tile(self, recipe: Recipe, how: dict[str, Any]) -> Made:
-        from weftex.tasks.tile import tile
-
         loaded = self.load(recipe.materials[0])
-        made = tile(loaded.sample, **recipe.options, **_method(recipe), **how)
+        made = weftex.tile(loaded.sample, **recipe.options, **_method(recipe), **how)
         return _made(recipe, made, [loaded])
 
     def _fill(self, recipe: Recipe, how: dict[str, Any]) -> Made:
-        from weftex.tasks.fill import fill, hole_of
-
         loaded = [self.load(spec) for spec in recipe.materials]
         photo, options = loaded[0].exemplar, dict(recipe.options)
         mask = options.pop("mask")
-        hole = hole_of(None if mask == "alpha" else self.picture(mask), photo)
+        hole: Any = None if mask == "alpha" else self.picture(mask)
+        if hole is not None:
+            hole = mask_of(hole.pixels, alpha=hole.alpha)
         sample = loaded[1].sample if len(loaded) > 1 else None
-        made = fill(photo, hole, sample=sample, **options, **_method(recipe), **how)
+        made = weftex.fill(photo, hole, sample=sample, **options, **_method(recipe), **how)
         return _made(recipe, made, loaded[:1])
 
     def _fuse(self, recipe: Recipe, how: dict[str, Any]) -> Made:
-        from weftex.tasks.fuse import fuse
-        from weftex.tasks.gradient import Gradient
-
         options = dict(recipe.options)
         given, colors = options.pop("map"), options.pop("colors")
         label_map: Any
@@ -207,12 +169,12 @@ class Bench:
         if isinstance(given, str):
             label_map = self.picture(given).pixels
         else:
-            label_map = Gradient(**fields_of_gradient(given))
+            label_map = weftex.Gradient(**fields_of_gradient(given))
         if colors is not None:
             options["colors"] = [tuple(one) if isinstance(one, list) else one for one in colors]
         loaded = [self.load(spec) for spec in recipe.materials]
         samples = [one.sample for one in loaded]
-        made = fuse(samples, label_map, method=recipe.method, **options, **how)
+        made = weftex.fuse(samples, label_map, method=recipe.method, **options, **how)
         return _made(recipe, made, loaded)
 
 
@@ -226,14 +188,11 @@ def _sample(loaded: list[Loaded]) -> Exemplar:
     """One sample of all materials, as the command line makes it of several photos."""
     if len(loaded) == 1:
         return loaded[0].sample
-    from weftex.tasks.combined import combined, of_one_kind, paired
-
     for one in loaded:
         for name in ("mask", "map_weights", "repeats", "turn"):
             if name in one.spec:
                 raise InvalidInputError(f"{name} needs one material, not several")
-    pairs, _ = paired(of_one_kind([one.exemplar for one in loaded]))
-    return combined(pairs, apart=True)
+    return weftex.together([one.exemplar for one in loaded])
 
 
 def _exemplar(picture: Picture) -> Exemplar:

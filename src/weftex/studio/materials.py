@@ -10,14 +10,15 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
+import weftex
 from weftex.errors import InvalidInputError, shown
-from weftex.exemplar import Exemplar
 from weftex.io.pictures import mask_of, sample_names
 from weftex.material import Material, read_material, role_of_picture
 from weftex.roles import COLOR, Role, is_preview, role_of, words_of
 from weftex.studio.uploads import picture_of
 
 if TYPE_CHECKING:
+    from weftex import Exemplar
     from weftex.studio.limits import Limits, Memory
     from weftex.studio.sessions import Session
 
@@ -31,21 +32,11 @@ FIELDS = frozenset({"sample", "name", "maps", *CHANGES})
 
 @dataclass(frozen=True)
 class Loaded:
-    """A material in memory.
+    """A material in memory."""
 
-    Attributes
-    ----------
-    spec : dict
-        What it was asked for by.
-    material : Material
-        As its files have it.
-    exemplar : Exemplar
-        Masked, straightened, evenly lit, but not turned.
-    """
-
-    spec: dict[str, Any]
-    material: Material
-    exemplar: Exemplar
+    spec: dict[str, Any]  # what it was asked for by
+    material: Material  # as its files have it
+    exemplar: Exemplar  # masked, straightened, evenly lit, but not turned
 
     @property
     def id(self) -> str:
@@ -57,9 +48,7 @@ class Loaded:
         """What things are made from: with its turned copies, if they were asked for."""
         if "turn" not in self.spec:
             return self.exemplar
-        from weftex.turns import turned
-
-        return turned(self.exemplar, self.spec["turn"])
+        return weftex.turned(self.exemplar, self.spec["turn"])
 
 
 def id_of(spec: Mapping[str, Any]) -> str:
@@ -105,15 +94,7 @@ def checked(given: Any) -> dict[str, Any]:
 
 
 def load(given: Any, session: Session, memory: Memory, limits: Limits) -> Loaded:
-    """Read a material, or remember it.
-
-    Raises
-    ------
-    Refusal
-        If an upload is not there.
-    WeftexError
-        If it cannot be used.
-    """
+    """Read a material, or remember it."""
     spec = checked(given)
 
     def read() -> tuple[Loaded, int]:
@@ -183,13 +164,9 @@ def _changed(
             usable = mask_of(picture.pixels, alpha=picture.alpha)
         exemplar = exemplar.changed(mask=usable)
     if "straighten" in spec:
-        from weftex.tasks.straighten import straighten
-
-        exemplar = straighten(exemplar, **ways_to_straighten(spec["straighten"]))
+        exemplar = weftex.straighten(exemplar, **ways_to_straighten(spec["straighten"]))
     if "even_light" in spec:
-        from weftex.tasks.even_light import even_light
-
-        exemplar = even_light(exemplar, spec["even_light"])
+        exemplar = weftex.even_light(exemplar, spec["even_light"])
     return exemplar
 
 
@@ -204,20 +181,7 @@ def ways_to_straighten(text: str) -> dict[str, str]:
 
 
 def sets_of(uploads: list[dict[str, Any]]) -> tuple[list[dict[str, Any]], list[str]]:
-    """Sort what was dropped together into sets of maps and single pictures, by its names.
-
-    Parameters
-    ----------
-    uploads : list of dict
-        What is known of each.
-
-    Returns
-    -------
-    specs : list of dict
-        Of materials.
-    notes : list of str
-        What was left out, and why.
-    """
+    """Sort what was dropped together into sets of maps and single pictures, by its names."""
     notes: list[str] = []
     groups: dict[tuple[str, ...], dict[str, dict[str, Any]]] = {}
     singles: list[dict[str, Any]] = []

@@ -7,8 +7,8 @@ from typing import TYPE_CHECKING, Any
 from weftex.errors import InvalidInputError, UnsupportedError, shown
 
 if TYPE_CHECKING:
+    from weftex import Synthesis
     from weftex.loading import Sample
-    from weftex.results.synthesis import Synthesis
 
 LOWEST, HIGHEST = 160, 4000  # pixels of the screen
 
@@ -55,8 +55,7 @@ def view(thing: Synthesis | Sample, *, height: int = 480) -> Any:
             raise
         line = "views in notebooks need anywidget: pip install 'weftex[notebook]'"
         raise UnsupportedError(line) from None
-    from weftex.loading import load_exemplar
-    from weftex.results.synthesis import Synthesis
+    from weftex import Synthesis, load_exemplar
 
     if isinstance(thing, Synthesis):
         return View(thing.sample, thing, height=height)

@@ -16,30 +16,15 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class Opened:
-    """What a page begins with.
-
-    Attributes
-    ----------
-    name : str
-    sample : str or None
-        Of a bundled sample, its name.
-    files : dict of str to Path
-        Else the files by the maps that they are.
-    """
+    """What a page begins with."""
 
     name: str
-    sample: str | None
-    files: dict[str, Path]
+    sample: str | None  # of a bundled sample, its name
+    files: dict[str, Path]  # else the files by the maps that they are
 
     @classmethod
     def of(cls, path: str, limits: Limits) -> Opened:
-        """Look at what the command was given.
-
-        Raises
-        ------
-        WeftexError
-            If it cannot be used.
-        """
+        """Look at what the command was given."""
         if path.startswith("sample:") and "/" not in path:
             sample_path(path)
             return cls(path, path.removeprefix("sample:"), {})

@@ -16,7 +16,7 @@ from weftex.studio.refusals import Refusal
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-    from weftex.exemplar import Exemplar
+    from weftex import Exemplar
 
     Bytes = NDArray[np.uint8]
 
@@ -26,13 +26,7 @@ _QUICK = 1  # zlib's level: on one machine sending costs less than packing
 
 
 def whole_number(query: Mapping[str, str], name: str, default: int, low: int, high: int) -> int:
-    """Return a number of a query.
-
-    Raises
-    ------
-    Refusal
-        If it is none, or out of its range.
-    """
+    """Return a number of a query, or raise `Refusal`."""
     text = query.get(name)
     if text is None or text == "":
         return default
@@ -47,31 +41,17 @@ def whole_number(query: Mapping[str, str], name: str, default: int, low: int, hi
 
 @dataclass(frozen=True)
 class Part:
-    """Which part of a picture is asked for, and with how many fewer pixels.
+    """Which part of a picture is asked for, and with how many fewer pixels."""
 
-    Attributes
-    ----------
-    top, left, height, width : int
-        In its pixels.
-    reduce : int
-        Means of so many times so many pixels.
-    """
-
-    top: int
-    left: int
-    height: int
-    width: int
-    reduce: int
+    top: int  # in its pixels
+    left: int  # in its pixels
+    height: int  # in its pixels
+    width: int  # in its pixels
+    reduce: int  # means of so many times so many pixels
 
     @classmethod
     def of(cls, query: Mapping[str, str], shape: tuple[int, int]) -> Part:
-        """Read it from a query; all of the picture by default.
-
-        Examples
-        --------
-        >>> Part.of({"left": "4", "width": "2", "most": "3"}, (8, 8))
-        Part(top=0, left=4, height=8, width=2, reduce=4)
-        """
+        """Read it from a query; all of the picture by default."""
         top = whole_number(query, "top", 0, 0, shape[0] - 1)
         left = whole_number(query, "left", 0, 0, shape[1] - 1)
         height = whole_number(query, "height", shape[0] - top, 1, shape[0] - top)
@@ -89,13 +69,7 @@ class Part:
 
 
 def smaller(picture: Bytes, times: int) -> Bytes:
-    """Return means of blocks; those at the border may be cut.
-
-    Examples
-    --------
-    >>> smaller(np.array([[[0], [4], [8]]], np.uint8), 2)[..., 0].tolist()
-    [[2, 8]]
-    """
+    """Return means of blocks; those at the border may be cut."""
     if times == 1:
         return picture
     rows, columns = (np.arange(0, side, times) for side in picture.shape[:2])
@@ -111,19 +85,7 @@ def smaller(picture: Bytes, times: int) -> Bytes:
 
 
 def shown(like: Exemplar, pixels: NDArray[Any]) -> Bytes:
-    """Return pixels as a screen shows them.
-
-    Parameters
-    ----------
-    like : Exemplar
-        Of the same kind: says what they are, and the range of what is not color.
-    pixels : array (H, W) or (H, W, C)
-
-    Returns
-    -------
-    uint8 array (H, W, C)
-        Gray, RGB or RGBA with straight alpha.
-    """
+    """Return pixels as a screen shows them."""
     planes = pixels.reshape(*pixels.shape[:2], -1)
     alpha = like.alpha and planes.shape[2] > 1
     colors = planes[..., :-1] if alpha else planes
@@ -153,11 +115,6 @@ def packed(picture: Bytes, query: Mapping[str, str]) -> tuple[bytes, dict[str, s
 
     That is a PNG file; a page that says ``raw`` gets small ones as a canvas has them, RGBA: that
     takes a tenth of the time to pack, and none to unpack.
-
-    Examples
-    --------
-    >>> list(packed(np.full((1, 1, 1), 7, np.uint8), {"raw": "1"})[0])
-    [7, 7, 7, 255]
     """
     height, width, channels = picture.shape
     if "raw" not in query or height * width > _MOST_RAW:

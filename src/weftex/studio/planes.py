@@ -31,22 +31,12 @@ _ENDLESS = 2**15  # pixels a side of a picture that has the method of a plane
 
 @dataclass(frozen=True)
 class Plane:
-    """A fitted method that makes windows.
-
-    Attributes
-    ----------
-    model : Model
-    main : str
-        The name of its picture among the maps.
-    seed : int
-    reason : str or None
-        Why `auto` took the method.
-    """
+    """A fitted method that makes windows."""
 
     model: Model
-    main: str
+    main: str  # the name of its picture among the maps
     seed: int
-    reason: str | None
+    reason: str | None  # why `auto` took the method
 
     def described(self, name: str) -> dict[str, Any]:
         """Return what the page is told of it."""
@@ -56,13 +46,7 @@ class Plane:
 
 
 def begin(given: Any, bench: Bench) -> dict[str, Any]:
-    """Fit the method of a recipe to its material; what the page is told of the plane.
-
-    Raises
-    ------
-    UnsupportedError
-        If the method makes no windows.
-    """
+    """Fit the method of a recipe to its material; what the page is told of the plane."""
     recipe = Recipe.of(given)
     name = id_of({"plane": recipe.changed(size=None, tileable=False).as_json()})
 
@@ -79,13 +63,7 @@ def begin(given: Any, bench: Bench) -> dict[str, Any]:
 
 
 def window(name: str, query: Mapping[str, str], bench: Bench) -> Bytes:
-    """Return a window of a plane as a screen shows it.
-
-    Raises
-    ------
-    Refusal
-        If the plane is not there, or the window is none.
-    """
+    """Return a window of a plane as a screen shows it, or raise `Refusal`."""
     plane: Plane | None = bench.memory.get((bench.session.key, "plane", name))
     if plane is None:
         raise Refusal(410, "this plane is not in memory any more; begin it again")

@@ -8,15 +8,15 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
+import weftex
 from weftex.canvas import as_canvas
 from weftex.errors import InvalidInputError, did_you_mean, shown
 from weftex.studio import materials
 from weftex.studio.materials import id_of
-from weftex.tasks.auto import Auto
 from weftex.tasks.method_names import AUTO, make_method
 
 if TYPE_CHECKING:
-    from weftex.method import Method
+    from weftex import Method
 
 #: What each task takes beside `_ALL`, and what stands for a field that is left out.
 TASKS: dict[str, dict[str, Any]] = {
@@ -47,42 +47,17 @@ GRADIENT = ("direction", "center", "radii", "width", "circles")
 
 @dataclass(frozen=True)
 class Recipe:
-    """What to make.
+    """What to make."""
 
-    Attributes
-    ----------
-    task : str
-        One of `TASKS`.
-    materials : tuple of dict
-        Descriptions, see `weftex.studio.materials`.
-    seed : int
-    method : Method
-        With its parameters.
-    options : dict
-        The other fields of the task, with values for all of them.
-    """
-
-    task: str
-    materials: tuple[dict[str, Any], ...]
+    task: str  # one of `TASKS`
+    materials: tuple[dict[str, Any], ...]  # descriptions, see `weftex.studio.materials`
     seed: int
-    method: Method
-    options: dict[str, Any]
+    method: Method  # with its parameters
+    options: dict[str, Any]  # the other fields of the task, with values for all of them
 
     @classmethod
     def of(cls, given: Any) -> Recipe:
-        """Read what a page sent; a seed that is left out is drawn.
-
-        Raises
-        ------
-        InvalidInputError
-            If it is no recipe; what only the materials tell is not looked at.
-
-        Examples
-        --------
-        >>> recipe = Recipe.of({"materials": [{"sample": "bricks"}], "seed": 7})
-        >>> recipe.as_json()["task"], recipe.method.slug
-        ('synth', 'auto')
-        """
+        """Read what a page sent; a seed that is left out is drawn."""
         if not isinstance(given, Mapping):
             raise InvalidInputError(f"recipe is {shown(given)}; it must be an object")
         task = given.get("task", "synth")
@@ -121,7 +96,11 @@ class Recipe:
             if not isinstance(options.get(name, ""), (str, type(None))):
                 raise InvalidInputError(f"{name} is {shown(options[name])}; it must be an upload")
         as_canvas(1, options.get("tileable", False))
-        if self.task in ("tile", "fill") and self.method != Auto() and self.method.slug == AUTO:
+        if (
+            self.task in ("tile", "fill")
+            and self.method != weftex.Auto()
+            and self.method.slug == AUTO
+        ):
             raise InvalidInputError(f"effort has no effect on {self.task}")
         if self.task == "fuse":
             _check_map(options["map"])
@@ -201,9 +180,7 @@ def _check_map(given: Any) -> None:
     for name in given:
         if name not in GRADIENT:
             raise InvalidInputError(f"map has {shown(name)}{did_you_mean(str(name), GRADIENT)}")
-    from weftex.tasks.gradient import Gradient
-
-    Gradient(**fields_of_gradient(given))
+    weftex.Gradient(**fields_of_gradient(given))
 
 
 def fields_of_gradient(given: Mapping[str, Any]) -> dict[str, Any]:

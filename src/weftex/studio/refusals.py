@@ -6,17 +6,7 @@ from weftex.errors import WeftexError
 
 
 class Refusal(WeftexError):
-    """A request that is not answered as asked.
-
-    Parameters
-    ----------
-    status : int
-        Of HTTP.
-    message : str
-        One line for a person.
-    parameter : str, optional
-        The field that it is about; by default the one that the message begins with.
-    """
+    """A request that is not answered as asked."""
 
     def __init__(self, status: int, message: str, parameter: str | None = None) -> None:
         super().__init__(message)

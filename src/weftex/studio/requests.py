@@ -28,13 +28,7 @@ _MOST_DEEP = 32  # levels of JSON
 
 
 class Call:
-    """One request.
-
-    Parameters
-    ----------
-    request : Request
-    studio : Studio
-    """
+    """One request."""
 
     def __init__(self, request: Request, studio: Studio) -> None:
         self.request, self.studio = request, studio
@@ -61,13 +55,7 @@ class Call:
                 yield chunk
 
     async def json(self) -> Any:
-        """Return the body's JSON, of which no more is read than is allowed.
-
-        Raises
-        ------
-        Refusal
-            If it is too long, or no JSON.
-        """
+        """Return the body's JSON, of which no more is read than is allowed, or raise `Refusal`."""
         text = bytearray()
         async for chunk in self.body():
             text += chunk
@@ -85,13 +73,7 @@ class Call:
         return found
 
     async def object(self, *known: str) -> dict[str, Any]:
-        """Return the body's JSON object, of which only these fields are known.
-
-        Raises
-        ------
-        Refusal
-            If it is none, or has others.
-        """
+        """Return the body's JSON object, of which only these fields are known."""
         found = await self.json()
         if not isinstance(found, dict):
             raise Refusal(400, "the request must be an object")
@@ -116,13 +98,7 @@ class Call:
 
 
 def as_plain(value: Any) -> Any:
-    """Return a value as JSON has it: no tuples, no numbers of NumPy, null for what is no number.
-
-    Examples
-    --------
-    >>> as_plain({"a": (1.5, float("nan"))})
-    {'a': [1.5, None]}
-    """
+    """Return a value as JSON has it: no tuples, no numbers of NumPy, null for what is no number."""
     if isinstance(value, dict):
         return {str(key): as_plain(one) for key, one in value.items()}
     if isinstance(value, Sequence) and not isinstance(value, str):

@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+import weftex
 from weftex.io.formats import FORMATS
 from weftex.results.drawing import DRAWINGS
 from weftex.studio.about import is_endless
@@ -14,7 +15,7 @@ from weftex.studio.refusals import Refusal
 from weftex.studio.words import command_of, python_of
 
 if TYPE_CHECKING:
-    from weftex.exemplar import Exemplar
+    from weftex import Exemplar
     from weftex.io.pictures import Picture
     from weftex.studio.making import Bench, Made
 
@@ -24,13 +25,7 @@ _ABOUT = ("method", "seed", "reason", "warnings", "best_of")
 
 
 def result_of(name: str, bench: Bench) -> Made:
-    """Return a result of a session.
-
-    Raises
-    ------
-    Refusal
-        If it is not in memory any more; its recipe makes the same again.
-    """
+    """Return a result of a session, or raise `Refusal`."""
     made: Made | None = bench.memory.get((bench.session.key, "result", name))
     if made is None:
         raise Refusal(410, "this result is not in memory any more; it is made again by its recipe")
@@ -119,11 +114,10 @@ def picture_of(made: Made, map_name: str | None, drawing: str | None, bench: Ben
 
 def figures_of(made: Made, bench: Bench) -> dict[str, Any]:
     """Return how good a result is."""
-    from weftex.quality.assess import assess
     from weftex.quality.figures import FIGURES
 
     def measure() -> tuple[dict[str, Any], int]:
-        found = assess(made.result.sample, made.result)
+        found = weftex.assess(made.result.sample, made.result)
         plain = found.as_dict()
         figures = {name: plain.get(name) for name in FIGURES}
         about = {"score": found.score, "flags": list(found.flags), "verdict": found.verdict()}

@@ -1,18 +1,21 @@
-"""The server itself, by uvicorn."""
+"""The server itself, by uvicorn, which closes connections that send nothing."""
 
 from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
 import uvicorn
+from uvicorn.protocols.http.h11_impl import H11Protocol
 
 from weftex.studio.app import make_app
-from weftex.studio.connections import connection_class
+from weftex.studio.guard import OWNER
 from weftex.studio.listening import hosts_of
 
 if TYPE_CHECKING:
+    import asyncio
     import socket
 
+    from weftex.studio.limits import Limits
     from weftex.studio.studio import Studio
 
 _GRACE = 1  # seconds that requests have to end
@@ -43,3 +46,60 @@ class Server(uvicorn.Server):
     async def startup(self, sockets: Any = None) -> None:
         """Begin to answer."""
         await super().startup([self.listener])
+
+
+def connection_class(limits: Limits) -> type[H11Protocol]:
+    """Return the class of a server's connections, which know each other.
+
+    A connection is closed `header_seconds` after it began, or after its last answer, if no whole
+    request has come. A new one closes the oldest that has not sent the token, if they are too many.
+    """
+    strangers: dict[Connection, None] = {}  # the oldest first
+
+    class Connection(H11Protocol):
+        _deadline: asyncio.TimerHandle | None = None
+
+        def connection_made(self, transport: asyncio.Transport) -> None:  # type: ignore[override]
+            super().connection_made(transport)
+            for one in list(strangers)[: len(strangers) + 1 - limits.strangers]:
+                one._know_owner()
+                if one in strangers:
+                    one._end()
+            strangers[self] = None
+            self._wait()
+
+        def connection_lost(self, exc: Exception | None) -> None:
+            self._stop_waiting()
+            strangers.pop(self, None)
+            super().connection_lost(exc)
+
+        def handle_events(self) -> None:
+            before = self.cycle
+            super().handle_events()
+            if self.cycle is not before and not self.cycle.response_complete:
+                self._stop_waiting()
+
+        def on_response_complete(self) -> None:
+            self._know_owner()
+            self._wait()  # before the next request, which may be here already
+            super().on_response_complete()
+
+        def _know_owner(self) -> None:
+            if OWNER in (self.scope or {}):
+                strangers.pop(self, None)
+
+        def _wait(self) -> None:
+            self._stop_waiting()
+            self._deadline = self.loop.call_later(limits.header_seconds, self._end)
+
+        def _stop_waiting(self) -> None:
+            if self._deadline is not None:
+                self._deadline.cancel()
+                self._deadline = None
+
+        def _end(self) -> None:
+            """Close at once, also while an answer is sent that is not read."""
+            strangers.pop(self, None)
+            self.transport.abort()
+
+    return Connection

@@ -22,16 +22,7 @@ _AT_A_TIME = 4  # pieces of short work, such as pictures to be packed
 
 
 class Studio:
-    """One start of the studio.
-
-    Parameters
-    ----------
-    folder : Path
-        Where sessions keep their uploads.
-    limits : Limits
-    opened : Opened, optional
-        What the command was given.
-    """
+    """One start of the studio."""
 
     def __init__(self, folder: Path, limits: Limits, opened: Opened | None = None) -> None:
         self.limits, self.opened = limits, opened

@@ -29,13 +29,7 @@ _LONGEST_NAME = 100
 
 
 def label_of(given: str | None) -> str:
-    """Return what a file is called in words and downloads; it is never where anything is.
-
-    Examples
-    --------
-    >>> label_of("..%2F..%2Fetc%2Fpass%00wd.png"), label_of(None)
-    ('passwd.png', 'picture')
-    """
+    """Return what a file is called in words and downloads; it is never where anything is."""
     last = unquote(given or "").replace("\\", "/").rpartition("/")[2]  # never a folder
     kept = "".join(c for c in last if c.isprintable() and c not in '<>:"|?*').strip(" .")
     return kept[-_LONGEST_NAME:] or "picture"

@@ -18,20 +18,11 @@ if TYPE_CHECKING:
     import numpy as np
     from numpy.typing import NDArray
 
-    from weftex.exemplar import Exemplar
-    from weftex.results.synthesis import Synthesis
+    from weftex import Exemplar, Synthesis
 
 
 class View(anywidget.AnyWidget):  # type: ignore[misc]
-    """Views of a sample, or of a result and its sample.
-
-    Parameters
-    ----------
-    sample : Exemplar
-    result : Synthesis or None
-    height : int
-        Of the picture on the screen, in pixels.
-    """
+    """Views of a sample, or of a result and its sample."""
 
     _esm = module()
     _css = styles()

@@ -13,7 +13,7 @@ from weftex.studio.recipes import GRADIENT, fields_of_gradient
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
-    from weftex.method import Method
+    from weftex import Method
     from weftex.studio.making import Made
     from weftex.studio.recipes import Recipe
 
@@ -39,14 +39,7 @@ def output_of(made: Made) -> str:
 
 
 def command_of(made: Made, names: Names) -> str | None:
-    """Return the commands that make the same; None if the command line cannot say it.
-
-    Parameters
-    ----------
-    made : Made
-    names : mapping of str to str
-        What files are called, by uploads.
-    """
+    """Return the commands that make the same; None if the command line cannot say it."""
     recipe = made.recipe
     lines: list[list[str]] = []
     paths = []

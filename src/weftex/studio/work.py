@@ -9,6 +9,7 @@ from dataclasses import dataclass
 from time import perf_counter
 from typing import TYPE_CHECKING, Any
 
+import weftex
 from weftex.errors import CancelledError, InvalidInputError, WeftexError, shown
 from weftex.io.manifest import MANIFEST
 from weftex.progress import Progress
@@ -77,13 +78,7 @@ def made_of(recipe: Recipe, bench: Bench, job: Job) -> Made:
 
 
 def several(recipe: Recipe, count: Any, methods: Any) -> list[Recipe]:
-    """Return the recipes of a job: seeds from the recipe's on, or each with another method.
-
-    Raises
-    ------
-    InvalidInputError
-        If they are not known.
-    """
+    """Return the recipes of a job: seeds from the recipe's on, or each with another method."""
     if count is not None and (type(count) is not int or not 1 <= count <= MOST_SEEDS):
         raise InvalidInputError(f"count is {shown(count)}; it must be from 1 to {MOST_SEEDS}")
     if methods is None:
@@ -98,30 +93,15 @@ def several(recipe: Recipe, count: Any, methods: Any) -> list[Recipe]:
 
 @dataclass(frozen=True)
 class Batch:
-    """Many outputs in one zip.
+    """Many outputs in one zip."""
 
-    Attributes
-    ----------
-    recipes : list of list of Recipe
-        A list for each material, with its seeds.
-    keep : int or None
-        So many of each, those with the best scores; all if None.
-    wanted : Wanted
-    """
-
-    recipes: list[list[Recipe]]
-    keep: int | None
+    recipes: list[list[Recipe]]  # a list for each material, with its seeds
+    keep: int | None  # so many of each, those with the best scores; all if None
     wanted: Wanted
 
     @classmethod
     def of(cls, recipe: Recipe, given: dict[str, Any]) -> Batch:
-        """Read what the page sent.
-
-        Raises
-        ------
-        InvalidInputError
-            If it is not known, or too much.
-        """
+        """Read what the page sent."""
         seeds, keep, specs = (given.get(name) for name in ("seeds", "keep", "materials"))
         seeds = [recipe.seed] if seeds is None else seeds
         if not isinstance(seeds, list) or not seeds or len(set(map(str, seeds))) < len(seeds):
@@ -187,7 +167,5 @@ class Batch:
 
 
 def _score(made: Made) -> float:
-    from weftex.quality.assess import assess
-
-    score = assess(made.result.sample, made.result).score
+    score = weftex.assess(made.result.sample, made.result).score
     return float("inf") if score is None else score
