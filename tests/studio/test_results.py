@@ -156,6 +156,14 @@ def test_a_screen_shows_any_kind_of_pixels(rng):
     assert Part.of({"most": "100"}, (512, 300)).reduce == 8
 
 
+def test_a_large_sample_is_shown_in_bands(rng, monkeypatch):
+    monkeypatch.setattr("weftex.studio.pictures._BAND", 300)
+    large = weftex.Exemplar(rng.integers(0, 65535, (70, 90, 4)).astype(np.uint16), alpha=True)
+    for query in ({}, {"reduce": "4"}, {"left": "3", "top": "5", "height": "33", "reduce": "2"}):
+        part = Part.of(query, large.shape)
+        assert (part.shown(large) == part.cut(shown(large, large.pixels))).all()
+
+
 def test_any_format_that_holds_it(wall, tmp_path):
     page, result = wall
     content, name = page.taken(result, names="ambientcg", name="../My Wall", mtlx=True, source=True,

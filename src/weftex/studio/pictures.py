@@ -22,6 +22,7 @@ if TYPE_CHECKING:
 
 _MOST_REDUCED = 64
 _MOST_RAW = 2**20  # pixels
+_BAND = 2**22  # pixels, about, that are converted together: a large sample would take gigabytes
 _QUICK = 1  # zlib's level: on one machine sending costs less than packing
 
 
@@ -66,6 +67,15 @@ class Part:
         """Return the part of a picture (H, W, C)."""
         part = picture[self.top : self.top + self.height, self.left : self.left + self.width]
         return smaller(part, self.reduce)
+
+    def shown(self, like: Exemplar) -> Bytes:
+        """Return the part of a sample as a screen shows it, a band of rows at a time."""
+        part = like.pixels[self.top : self.top + self.height, self.left : self.left + self.width]
+        rows = -(-_BAND // max(1, self.width) // self.reduce) * self.reduce
+        bands = range(0, self.height, rows)
+        return np.concatenate(
+            [smaller(shown(like, part[top : top + rows]), self.reduce) for top in bands]
+        )
 
 
 def smaller(picture: Bytes, times: int) -> Bytes:

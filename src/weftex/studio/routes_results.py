@@ -136,7 +136,7 @@ async def result_picture(call: Call) -> Any:
     made, bench, query = _made(call), call.bench, call.query
     drawing = query.get("draw") or None
     picture = await call.work(results.picture_of, made, query.get("map") or None, drawing, bench)
-    return await picture_answer(call, picture.shape[:2], lambda: picture)
+    return await picture_answer(call, picture.shape[:2], lambda part: part.cut(picture))
 
 
 async def figures(call: Call) -> Any:
@@ -150,7 +150,7 @@ async def fault(call: Call) -> Any:
     what = call.query.get("what", "seams")
     if what not in found:
         raise Refusal(404, f"there is no such map; known: {', '.join(found)}", "what")
-    return await picture_answer(call, found[what].shape[:2], lambda: found[what])
+    return await picture_answer(call, found[what].shape[:2], lambda part: part.cut(found[what]))
 
 
 async def source(call: Call) -> Any:

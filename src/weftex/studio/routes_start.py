@@ -13,7 +13,6 @@ from weftex.material import read_material
 from weftex.studio import looks, materials
 from weftex.studio.about import about
 from weftex.studio.pictures import Part, packed
-from weftex.studio.pictures import shown as as_shown
 from weftex.studio.refusals import Refusal
 from weftex.studio.uploads import label_of, receive
 
@@ -66,7 +65,7 @@ async def sample_picture(call: Call) -> Any:
     if name not in sample_names():
         raise Refusal(404, "there is no such sample", "sample")
     found = (await call.work(read_material, f"sample:{name}")).exemplar()
-    return await picture_answer(call, found.shape, lambda: as_shown(found, found.pixels))
+    return await picture_answer(call, found.shape, lambda part: part.shown(found))
 
 
 async def upload(call: Call) -> Any:
@@ -153,18 +152,16 @@ async def material_picture(call: Call) -> Any:
     if name != main and name not in exemplar.maps:
         raise Refusal(404, "there is no such map", "map")
     one = exemplar if name == main else exemplar.map(name)
-    return await picture_answer(call, one.shape, lambda: as_shown(one, one.pixels))
+    return await picture_answer(call, one.shape, lambda part: part.shown(one))
 
 
-async def picture_answer(call: Call, shape: tuple[int, int], make: Any) -> Response:
+async def picture_answer(
+    call: Call, shape: tuple[int, int], make: Callable[[Part], NDArray[np.uint8]]
+) -> Response:
     """Answer with the part of a picture that the query asks for."""
     part = Part.of(call.query, shape)
-
-    def cut() -> NDArray[np.uint8]:
-        return part.cut(make())
-
     headers = {"x-weftex-width": str(shape[1]), "x-weftex-height": str(shape[0])}
-    return await pixels_answer(call, cut, headers)
+    return await pixels_answer(call, lambda: make(part), headers)
 
 
 async def pixels_answer(
