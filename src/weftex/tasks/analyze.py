@@ -1,4 +1,4 @@
-"""What a sample is like: scale, lattice, evenness, whether it tiles; the method that follows."""
+"""The analysis of a sample: scale, lattice, evenness, tiling, and the method for it."""
 
 from __future__ import annotations
 
@@ -32,10 +32,10 @@ if TYPE_CHECKING:
     from weftex.exemplar import Exemplar
     from weftex.loading import Sample
 
-_BANDS = 4  # of the spectrum, an octave
+_BANDS = 4  # of the spectrum to an octave
 _BAR = 40  # characters
 _WIDTH = 100  # the same, of a line
-_RUNNERS_UP = 3  # that are listed, if nobody asks for more
+_RUNNERS_UP = 3  # that are listed by default
 _MOST_RUNNERS_UP = 24  # pairs that are rated by all their multiples
 
 
@@ -86,7 +86,7 @@ class Ratings:
 
 @dataclass(frozen=True)
 class Analysis:
-    """What `analyze` finds; `as_dict` gives plain values, `str` what the command prints.
+    """The analysis of a sample; `as_dict` gives plain values, `str` the output of the command.
 
     Attributes
     ----------
@@ -115,15 +115,14 @@ class Analysis:
     border_steps : (float, float)
         See `weftex.analysis.tiling.border_steps`.
     tiles : (bool, bool)
-        Whether it repeats without a seam, downwards and to the right.
+        Whether it tiles without a seam, downwards and to the right.
     evenness : Evenness
         See `weftex.analysis.evenness`.
     choice : Choice
-        What "auto" takes for an output of twice the sample's size, and why; see
+        The method of "auto" for an output of twice the sample's size, and why; see
         `weftex.tasks.auto`.
     windows : dict of str to int or None
-        What each method with a window takes for this sample by itself; None where it cannot be
-        made from this sample at all.
+        The window of each method by default; None where it cannot be fitted to this sample.
     """
 
     name: str
@@ -196,7 +195,7 @@ class Analysis:
         return "\n".join(lines)
 
     def _lattices(self) -> list[tuple[str, str]]:
-        """What is said of the lattice, of a given one, and of the runners-up."""
+        """Return the lines on the lattice, a given one, and the runners-up."""
         rated, own, rows = self.ratings, self.lattice, [("lattice", "none")]
         if own is not None:
             rows = [("lattice", f"{_words(own)}, confidence {own.confidence:g}")]
@@ -219,7 +218,7 @@ def analyze(
     lattice: Sequence[float] | str | None = None,
     runners_up: int = _RUNNERS_UP,
 ) -> Analysis:
-    """Say what a sample is like, and what follows from it.
+    """Analyze a sample: scale, lattice, evenness, tiling, and the method for it.
 
     Parameters
     ----------
@@ -227,12 +226,12 @@ def analyze(
         The material; see `weftex.load_exemplar`.
     goodness, alpha, significant
         How the lattice is found, see `weftex.analysis.lattice.find_lattice`; the paper's are
-        "height", 1.12 and 0.85. The choice of a method hangs on weftex's own.
+        "height", 1.12 and 0.85. The choice of a method depends on the defaults only.
     lattice : x1, y1, x2, y2, optional
-        Rate this lattice too; numbers, or a text with commas. One vector of a pixel stands for the
+        Rate this lattice too; numbers, or a text with commas. A vector of one pixel is the
         direction of rows.
     runners_up : int
-        List so many other lattices, 0 to 24.
+        Number of other lattices to list, 0 to 24.
 
     Raises
     ------
@@ -287,7 +286,7 @@ def analyze(
 
 
 def given_lattice(vectors: Sequence[float] | str, exemplar: Exemplar) -> Lattice:
-    """A lattice that somebody gave as x1, y1, x2, y2."""
+    """Return a lattice given as x1, y1, x2, y2."""
     plain = numbers_of("lattice", vectors, 4)
     canvas_lattice.check_lattice(plain, exemplar)
     return canvas_lattice.given_lattice(plain)
@@ -300,7 +299,7 @@ def _rate(
     runners_up: int,
     seen: Autocorrelations,
 ) -> Ratings:
-    """Rate the sample's own lattice and the given one."""
+    """Return the ratings of the sample's own lattice and of the given one."""
     own, given = lattices
     found, others = rate_lattices(exemplar, own, **rule, runners_up=runners_up, fields=seen)
     asked = None
@@ -310,7 +309,7 @@ def _rate(
 
 
 def _numbers(lattice: Lattice) -> str:
-    """What `--lattice` takes."""
+    """Return a lattice as `--lattice` takes it."""
     return ",".join(f"{number:g}" for number in canvas_lattice.four_numbers(lattice))
 
 
@@ -324,7 +323,7 @@ def _rated(rated: Rated) -> str:
 
 
 def _words(lattice: Lattice) -> str:
-    """The sides of the pieces, or how far rows are apart."""
+    """Return a lattice or rows in words."""
     said = courses(lattice)
     if len(lattice.vectors) == 2:
         return said
@@ -333,7 +332,7 @@ def _words(lattice: Lattice) -> str:
 
 
 def _count_colors(exemplar: Exemplar) -> int:
-    """Different pixels, whatever their dtype."""
+    """Return the number of different pixels of any dtype."""
     pixels = exemplar.pixels.reshape(*exemplar.shape, -1)
     pixels = pixels if exemplar.mask is None else pixels[exemplar.mask]
     pixels = np.ascontiguousarray(pixels.reshape(-1, pixels.shape[-1]) + pixels.dtype.type(0))
@@ -351,7 +350,7 @@ def _count_colors(exemplar: Exemplar) -> int:
 
 
 def _bands(found: DominantScale) -> tuple[Band, ...]:
-    """The strongest ring of each quarter octave."""
+    """Return the strongest ring of each quarter octave."""
     if not len(found.power):
         return ()
     band = np.floor(_BANDS * np.log2(found.frequencies / found.frequencies[0]) + 1e-9).astype(int)
@@ -366,7 +365,7 @@ def _bands(found: DominantScale) -> tuple[Band, ...]:
 
 
 def _windows(exemplar: Exemplar) -> dict[str, int | None]:
-    """The window that each method settles on."""
+    """Return the window of each method by default."""
     result: dict[str, int | None] = {}
     for slug, cls in METHODS.items():
         try:

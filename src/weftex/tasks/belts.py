@@ -18,7 +18,7 @@ _DEPTH = 1.5  # a belt reaches into a region of so many times its own depth; oth
 
 
 class Meetings:
-    """Where regions of a map are near each other, and how far their belts reach."""
+    """Where regions of a label map are near each other, and how far their belts reach."""
 
     def __init__(
         self,
@@ -37,7 +37,7 @@ class Meetings:
         self._room = self._rooms(depth, wrap)
 
     def _rooms(self, depth: NDArray[np.float64], wrap: tuple[bool, bool]) -> NDArray[np.float64]:
-        """How far a belt may reach into each place of a region, so that some of it is left."""
+        """Return how far belts may reach into each pixel of a region, leaving some of it."""
         room = np.zeros(depth.shape)
         reach = float(self.farthest)
         while True:
@@ -55,11 +55,11 @@ class Meetings:
             reach /= 2
 
     def have_met(self, a: int, b: int) -> bool:
-        """Whether two regions touch, corners included."""
+        """Return whether two regions touch, corners included."""
         return bool((self._away[a] + self._away[b] < 2).any())
 
     def span(self, a: int, b: int) -> tuple[NDArray[np.intp], NDArray[np.intp]]:
-        """Rows and columns of the belt between two regions, one pixel more on each side."""
+        """Return the rows and columns of the belt between two regions and one pixel around it."""
         near = np.maximum(self._away[a], self._away[b]) <= self.reaches[a, b] + 1
         lines = []
         for axis in (0, 1):
@@ -70,7 +70,7 @@ class Meetings:
     def place(
         self, a: int, b: int, rows: NDArray[np.intp], columns: NDArray[np.intp]
     ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-        """Where pixels lie in the belt: -1 at its edge in the first region, 1 in the second.
+        """Return where pixels lie in the belt: -1 at its edge in the first region, 1 in the second.
 
         Also half the width of the belt there, in pixels; it takes few values.
         """
@@ -81,7 +81,7 @@ class Meetings:
 
 
 def _around(mask: NDArray[np.bool_], far: int, wrap: tuple[bool, bool]) -> tuple[slice, slice]:
-    """The rows and columns of a mask and `far` more on each side; all along an axis that wraps."""
+    """Return the box of a mask and `far` pixels around it; all of an axis that wraps."""
     spans = []
     for axis, (side, wraps) in enumerate(zip(mask.shape, wrap, strict=True)):
         taken = np.flatnonzero(mask.any(axis=1 - axis))
@@ -96,7 +96,7 @@ def hills(
     wrap: tuple[bool, ...],
     seed: int,
 ) -> NDArray[np.float64]:
-    """How far a boundary is led astray: hills as wide as its belt, in both directions alike.
+    """Return the noise that bends a boundary: hills as wide as its belt, of either sign.
 
     Narrow belts have hills of their own, or they would be led aside as a whole. What all have in
     common is taken off: around a small region lie few, which would make it larger or smaller.
@@ -114,7 +114,7 @@ def hills(
 def wander(
     shape: tuple[int, ...], cell: int, wrap: tuple[bool, ...], seed: int
 ) -> NDArray[np.float64]:
-    """Smooth noise from -1 to 1, with hills of about `cell` pixels and of half as many."""
+    """Return smooth noise from -1 to 1 with periods of about `cell` pixels and half of that."""
     result = np.zeros(shape)
     for octave, weight in enumerate((2 / 3, 1 / 3)):
         size = max(2, cell >> octave)

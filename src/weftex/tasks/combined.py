@@ -1,4 +1,4 @@
-"""Several samples as one: of one kind, their maps paired by role, one under the other."""
+"""Several samples as one: converted to one kind, their maps paired by role, stacked."""
 
 from __future__ import annotations
 
@@ -29,13 +29,13 @@ FLAT = "flat"
 def together(samples: Sequence[Sample]) -> Exemplar:
     """Make one sample of several photos of a material; methods choose from all of them.
 
-    A masked line lies between any two, so that nothing is taken from two at once.
+    A masked line separates any two, so that no patch is of two samples.
 
     Parameters
     ----------
     samples : sequence of path, array, PIL image or Exemplar
-        Of one depth and at one scale, as photos from one distance are; gray ones may stand beside
-        color. Maps that all of them have come along, paired by role.
+        Of one depth and at one scale, as photos from one distance are; gray and color may be mixed.
+        Maps that all of them have are kept, paired by role.
 
     Returns
     -------
@@ -58,7 +58,7 @@ def together(samples: Sequence[Sample]) -> Exemplar:
 
 
 def combined(exemplars: Sequence[Exemplar], *, apart: bool = False) -> Exemplar:
-    """Put samples one under the other, so that one source map can point into all of them."""
+    """Stack samples, so that one source map can point into all; with masked lines if `apart`."""
     exemplars = of_one_kind(exemplars)
     first = exemplars[0]
     shared = [k for k in first.maps if all(k in e.maps for e in exemplars)]
@@ -86,7 +86,7 @@ def combined(exemplars: Sequence[Exemplar], *, apart: bool = False) -> Exemplar:
 def _stacked(
     pictures: Sequence[NDArray[Any]], gap: int, mode: Literal["edge", "constant"] = "edge"
 ) -> NDArray[Any]:
-    """One under the other; what is beside and between them is like their borders, or 0."""
+    """Return stacked arrays, padded by their edges or by 0."""
     width = max(p.shape[1] for p in pictures)
     padded = [
         np.pad(p, [(0, gap), (0, width - p.shape[1]), *[(0, 0)] * (p.ndim - 2)], mode=mode)
@@ -97,7 +97,7 @@ def _stacked(
 
 
 def of_one_kind(exemplars: Sequence[Exemplar], what: str = "sample") -> list[Exemplar]:
-    """Make gray samples color beside color ones."""
+    """Convert gray samples to color beside color ones; refuse other differences of kind."""
     most = max(e.channels for e in exemplars)
     same = [_as_color(e, most) for e in exemplars]
     first = same[0]
@@ -155,7 +155,7 @@ def paired(
 
 
 def _slots(exemplar: Exemplar) -> dict[str, list[str]]:
-    """The names of maps that stand for each other: normals of both conventions; else the map."""
+    """Return names of equivalent maps: normals of both conventions, else the map itself."""
     slots: dict[str, list[str]] = {}
     for name, role in exemplar.roles.items():
         slots.setdefault("normal" if role.kind == "normal" else name, []).append(name)
@@ -163,7 +163,7 @@ def _slots(exemplar: Exemplar) -> dict[str, list[str]]:
 
 
 def _turned(exemplar: Exemplar, names: list[str], key: str) -> Exemplar:
-    """The map of this name, or another normal map with its y turned as that name says."""
+    """Return the map of a name, or another normal map with its y in that name's convention."""
     if key in names:
         return exemplar.map(key)
     one = exemplar.map(names[0])
@@ -175,7 +175,7 @@ def _turned(exemplar: Exemplar, names: list[str], key: str) -> Exemplar:
 
 
 def _constant(exemplar: Exemplar, like: Exemplar, key: str, value: float | str) -> Exemplar:
-    """A map of one value, of the kind of that which another sample has."""
+    """Return a map of one value, of the kind of another sample's map."""
     given, scale = like.map(key), like.scale_of(key)
     shape = tuple(int(side * scale) for side in exemplar.shape)
     if (value == FLAT) != (given.role.kind == "normal"):
@@ -193,7 +193,7 @@ def _constant(exemplar: Exemplar, like: Exemplar, key: str, value: float | str) 
 def _check_scales(
     exemplars: Sequence[Exemplar], found: Sequence[Exemplar], like: Exemplar, key: str
 ) -> None:
-    """Refuse maps of one role that have other resolutions beside their samples."""
+    """Refuse maps of one role with different resolutions relative to their samples."""
     scale = like.scale_of(key)
     for exemplar, one in zip(exemplars, found, strict=True):
         if scale_between(one.shape, exemplar.shape) != scale:
@@ -205,7 +205,7 @@ def _check_scales(
 
 
 def _checked(missing: Mapping[str, float | str] | None) -> dict[str, float | str]:
-    """The values, by what stands for each other."""
+    """Return the values by equivalent names."""
     if missing is not None and not isinstance(missing, Mapping):
         raise InvalidInputError(f"missing is {shown(missing)}; it must be values by maps' names")
     for name, value in (missing or {}).items():

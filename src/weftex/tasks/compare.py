@@ -37,7 +37,7 @@ def compare(
     threads: int | None = None,
     progress: ProgressCallback | None = None,
 ) -> Comparison:
-    """Make the same from one sample with every method, and measure each.
+    """Synthesize one output with every method, and measure each.
 
     A method that cannot do it says why in its place.
 

@@ -1,4 +1,4 @@
-"""Height and normals of a photo that has none: guesses, by brightness."""
+"""Estimates of height and normals of a photo by its brightness."""
 
 from __future__ import annotations
 
@@ -19,29 +19,28 @@ if TYPE_CHECKING:
 
     Floats = NDArray[np.float64]
 
-_GRAIN = 1.0  # pixels, the deviation of what is taken for the photo's noise
-_LIGHT = 8  # of the shorter side: what is wider is taken for light
-_ENDS = (0.01, 0.99)  # quantiles of the relief that become black and white
+_GRAIN = 1.0  # pixels: the standard deviation of the blur that removes noise
+_LIGHT = 8  # structure wider than 1 / 8 of the shorter side counts as light
+_ENDS = (0.01, 0.99)  # quantiles of the height that become black and white
 _DEEPEST = 1000  # pixels
 
 
 def estimate_maps(sample: Sample, *, depth: float = 6.0, invert: bool = False) -> Exemplar:
-    """Guess height and normals of a photo: what is dark lies deep.
+    """Estimate height and normals of a photo, assuming that dark pixels are deep.
 
-    Brightness, without what is finer than a pixel (noise) and wider than an eighth of the photo
-    (light), is taken for height, and normals are those of that surface. This is right for pits and
-    joints in the shade and wrong for paint, stains, and light joints between dark bricks, for which
-    there is `invert`; a photo does not say more. So they are estimates, and made when asked for
-    only.
+    The height is the brightness without structure finer than a pixel (noise) or wider than an
+    eighth of the photo (light), and the normals are those of that surface. This is right for pits
+    and dark joints, and wrong for paint, stains, and light joints between dark bricks (use
+    `invert`).
 
     Parameters
     ----------
     sample : path, array, PIL image or Exemplar
         A photo without height and normals. If it is tileable, so are the maps.
     depth : float
-        From the deepest to the highest place, in pixels; up to 1000.
+        From the deepest to the highest pixel, in pixels; up to 1000.
     invert : bool
-        What is bright lies deep.
+        Bright pixels are deep.
 
     Returns
     -------
@@ -83,7 +82,7 @@ def estimate_maps(sample: Sample, *, depth: float = 6.0, invert: bool = False) -
 
 
 def _relief(exemplar: Exemplar) -> Floats:
-    """Brightness between the finest and the widest."""
+    """Return brightness without noise and slow light."""
     colors = exemplar.pixels.reshape(*exemplar.shape, -1)
     colors = tamed(colors[..., : exemplar.channels - exemplar.alpha])[0].astype(np.float64)
     bright = colors.mean(axis=2)
@@ -92,7 +91,7 @@ def _relief(exemplar: Exemplar) -> Floats:
 
 
 def _blurred(values: Floats, deviation: float, wraps: bool) -> Floats:
-    """Under a Gaussian; beyond the borders the picture goes around or back."""
+    """Return values blurred by a Gaussian, wrapped or mirrored at the borders."""
     margins = [min(int(3 * deviation) + 1, side) for side in values.shape]
     pads = [(margin, margin) for margin in margins]
     padded = np.pad(values, pads, "wrap" if wraps else "symmetric")
@@ -106,7 +105,7 @@ def _blurred(values: Floats, deviation: float, wraps: bool) -> Floats:
 
 
 def _normals(height: Floats, wraps: bool) -> NDArray[np.uint8]:
-    """Of a surface in pixels, y up."""
+    """Return the normals of a surface in pixels, y up."""
     padded = np.pad(height, 1, "wrap" if wraps else "edge")
     right = (padded[1:-1, 2:] - padded[1:-1, :-2]) / 2
     down = (padded[2:, 1:-1] - padded[:-2, 1:-1]) / 2

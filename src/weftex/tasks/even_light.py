@@ -1,4 +1,4 @@
-"""Take slow lighting off a photo: one side brighter, corners darker."""
+"""Remove slow lighting from a photo: one side brighter, corners darker."""
 
 from __future__ import annotations
 
@@ -76,7 +76,7 @@ def even_light(sample: Sample, degree: int = 2) -> Exemplar:
 
 
 def _light(linear: Floats, usable: NDArray[np.bool_], degree: int) -> Floats:
-    """The light (H, W) on values (H, W), around 1."""
+    """Return the light (H, W) on values (H, W), around 1."""
     seen = usable & (linear > _DARKEST * linear.max())
     if not seen.any():
         return np.ones(linear.shape)
@@ -104,17 +104,17 @@ def _light(linear: Floats, usable: NDArray[np.bool_], degree: int) -> Floats:
 
 
 def _terms(degree: int) -> NDArray[np.bool_]:
-    """Which products of two polynomials have at most this degree."""
+    """Return which products of two polynomials have at most this degree."""
     return np.add.outer(np.arange(degree + 1), np.arange(degree + 1)) <= degree
 
 
 def _span(place: NDArray[np.floating[Any]], side: int) -> Floats:
-    """Pixels as numbers from -1 to 1."""
+    """Return pixel positions from -1 to 1."""
     return 2 * place / side - 1
 
 
 def _linear(stored: NDArray[Any]) -> Floats:
-    """Linear light of stored values."""
+    """Return linear light of stored values."""
     if stored.dtype.kind == "f":
         return stored.astype(np.float64)
     top = np.iinfo(stored.dtype).max
@@ -123,7 +123,7 @@ def _linear(stored: NDArray[Any]) -> Floats:
 
 
 def _stored(linear: Floats, dtype: np.dtype[Any]) -> NDArray[Any]:
-    """The values that are stored for linear light; what is brighter than white is white."""
+    """Return stored values of linear light, clipped at white."""
     if dtype.kind == "f":
         most = np.finfo(dtype).max
         return np.clip(linear, -most, most).astype(dtype)

@@ -1,4 +1,4 @@
-"""Fill holes of a photo from what surrounds them, or from a sample of their own."""
+"""Fill holes of a photo from their surroundings, or from a separate sample."""
 
 from __future__ import annotations
 
@@ -36,10 +36,10 @@ if TYPE_CHECKING:
     #: A path, a PIL image or a bool array (H, W), True where the photo is to be filled.
     Mask = str | os.PathLike[str] | NDArray[np.bool_] | Any
 
-#: The method for holes, but for those that "auto" finds a better one for.
+#: The method for holes where "auto" has no better one.
 DEFAULT = "patch-sampling"
 
-#: Around a hole at least so many pixels are looked at, or those that the method asks for.
+#: Pixels around a hole that are used at least; more if the method needs them.
 _LEAST_REACH = 256
 
 
@@ -66,10 +66,10 @@ def fill(
     Parameters
     ----------
     photo : path, array, PIL image or Exemplar
-        What has holes; what their pixels look like does not matter.
+        The photo with holes; the pixels in them are ignored.
     mask : path, PIL image or bool array (H, W), optional
-        True, in a picture white, where the photo is to be filled. By default, and where it is the
-        photo itself with its hole cut out, every pixel that its alpha says is not quite there.
+        True, or white in a picture, where the photo is to be filled. By default, and where it is
+        the photo itself with its hole cut out, every pixel that is not fully opaque.
     sample : path, array, PIL image or Exemplar, optional
         Take patches from this instead of the photo; of the photo's dtype and channels, with maps
         of the same roles.
@@ -79,7 +79,7 @@ def fill(
         shows things as large as a twelfth of it; `near-regular` in a larger one with a lattice;
         else `patch-sampling`, which parameters belong to; the result's `provenance` says why.
     overlap : int
-        So many pixels around the holes may change too: the boundary between photo and filling is
+        Pixels around the holes that may change too: the boundary between photo and filling is
         then cut where they differ least, so that it does not follow the outline of the mask.
     match_tone : bool, optional
         Shift the tone inside of the holes, where it differs from that along their border by more
@@ -224,7 +224,7 @@ def fill(
 
 
 def _choice(near: Exemplar, part: Canvas) -> Choice | None:
-    """What "auto" finds better than the default for a hole; None if nothing."""
+    """Return the choice of "auto" for a hole, or None if it is the default."""
     from weftex.tasks.auto import choose_for_hole
 
     choice = choose_for_hole(near, part)
@@ -232,7 +232,7 @@ def _choice(near: Exemplar, part: Canvas) -> Choice | None:
 
 
 def _made(choice: Choice, near: Exemplar, part: Canvas, how: dict[str, Any]) -> Synthesis | None:
-    """Fill by a choice of "auto"; None if the hole leaves the method too little to learn from."""
+    """Fill by a choice of "auto"; None if the hole leaves too few pixels to learn from."""
     method = make_method(choice.method, choice.parameters)
     assert part.hole is not None and near.mask is not None
     try:
@@ -277,7 +277,7 @@ def hole_of(mask: Mask | Picture | None, photo: Exemplar) -> NDArray[np.bool_]:
 
 
 def _hole_in(pixels: NDArray[Any], alpha: bool, photo: Exemplar) -> NDArray[np.bool_]:
-    """What a picture masks: its white, or what is clear if it is the photo with a hole in it."""
+    """Return the mask of a picture: its white, or its transparency if it is the cut-out photo."""
     from weftex.io.pictures import mask_of
 
     if alpha and pixels.shape[:2] == photo.shape and pixels.dtype == photo.pixels.dtype:
@@ -290,14 +290,14 @@ def _hole_in(pixels: NDArray[Any], alpha: bool, photo: Exemplar) -> NDArray[np.b
 
 
 def _clear(pixels: NDArray[Any]) -> NDArray[np.bool_]:
-    """Where alpha is less than full."""
+    """Return where alpha is less than full."""
     full = 1 if pixels.dtype.kind == "f" else np.iinfo(pixels.dtype).max
     clear: NDArray[np.bool_] = pixels[..., -1] < full
     return clear
 
 
 def _load_sample(sample: Sample, photo: Exemplar) -> tuple[Exemplar, Exemplar]:
-    """The photo and what fills it, with the same maps."""
+    """Return the photo and the sample that fills it, with the same maps."""
     source = load_exemplar(sample)
     kinds = [f"{e.pixels.dtype} with {e.channels} channels" for e in (source, photo)]
     if kinds[0] != kinds[1]:

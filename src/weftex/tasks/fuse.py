@@ -55,11 +55,10 @@ def fuse(
     progress: ProgressCallback | None = None,
     **parameters: Any,
 ) -> PixelSynthesis:
-    """Make a picture of several materials that merge where a map says.
+    """Synthesize one picture of several materials, arranged by a label map.
 
-    Each region of the map is made from its own sample, and so are the belts around it. In a belt
-    lie both materials then, and the boundary between them goes where it shows least, along the
-    outlines of things: a minimum cut.
+    Each region of the map and the belts around it are synthesized from the region's sample. In a
+    belt both materials overlap, and a minimum cut places the boundary where it shows least.
 
     Parameters
     ----------
@@ -68,7 +67,7 @@ def fuse(
         Their maps are paired by role.
     label_map : path, array, PIL image, Gradient or "gradient"
         A picture with one color for each sample; an integer array (H, W) of labels from 0; or a
-        `weftex.Gradient`, which goes over from one sample to the next; "gradient" is
+        `weftex.Gradient`, a transition from one sample to the next; "gradient" is
         ``Gradient()``, from the top to the bottom.
     size : int or (int, int), optional
         Height and width of the output: those of the map by default, and needed with a gradient.
@@ -79,23 +78,22 @@ def fuse(
         Values, from 0 to 1, of maps for samples that lack them; a normal map is flat. By default
         maps that not all samples have are left out, and `provenance` says so.
     mixed : mapping of color to (int, int), optional
-        Further colors, or labels, whose regions are made of two samples merged: their numbers.
+        Further colors, or labels, of regions that merge two samples, with the samples' numbers.
     boundary : {"cut", "merged"}
-        "merged" makes belts along the cuts once more, as the paper makes its belts: half as wide
-        as the larger window of the two materials, with that window, from a sample that is merged
-        of the two.
+        "merged" synthesizes belts along the cuts again, as the paper does: half as wide as the
+        larger window of the two materials, with that window, from a merged sample of the two.
     belt_width : int, optional
-        Within how many pixels, across, a boundary may wander. By default 1.5 windows of the
-        coarser of its materials; less in regions that are too narrow for it.
+        Width in pixels of the belt that a boundary may use. By default 1.5 windows of the coarser
+        of its materials; less in regions that are too narrow for it.
     method : str or Method
         A name in `weftex.METHODS`, or a method with its parameters, that copies single pixels and
         fills holes.
     seed : int, numpy Generator or None
         The same seed gives the same bytes.
     tileable : bool or {"x", "y"}
-        Axes that are to repeat without a seam; the map is taken to go around there.
+        Axes that wrap around without a seam, also those of the map.
     threads : int, optional
-        At most so many.
+        Maximum number of threads.
     progress : callable, optional
         See `weftex.progress.ProgressCallback`.
     **parameters
@@ -104,7 +102,7 @@ def fuse(
     Returns
     -------
     PixelSynthesis
-        Its exemplar is the samples one under the other, see `weftex.tasks.combined`.
+        Its exemplar is the stacked samples, see `weftex.tasks.combined`.
 
     Raises
     ------
@@ -180,7 +178,7 @@ def fuse(
 def _parted(
     method: Method, parameters: Mapping[str, Any], canvas: Canvas
 ) -> tuple[Method, dict[str, Any]]:
-    """The method of the regions, and those of its parameters that only belts take."""
+    """Return the method of the regions, and the parameters that only belts take."""
     defaults = {f.name: f.default for f in dataclasses.fields(method)}
     both = {name: getattr(method, name) for name in method.belt_parameters} | {**parameters}
     of_belts = {name: both[name] for name in method.belt_parameters}
@@ -191,7 +189,7 @@ def _parted(
 
 
 def _load(samples: Any) -> list[Exemplar]:
-    """The samples, each with what is wrong with it named."""
+    """Return the samples; errors name the number of the sample."""
     if not isinstance(samples, (list, tuple)):
         raise InvalidInputError(f"samples is {shown(samples)}; give a list of two or more samples")
     if len(samples) < 2:
@@ -214,7 +212,7 @@ def _labels(
     named: tuple[Sequence[Any] | None, Mapping[Any, tuple[int, int]] | None],
     seed: int,
 ) -> tuple[NDArray[np.int32], list[Material]]:
-    """Numbers of materials, and what each is: the samples first, then those that are mixed."""
+    """Return labels of materials, and the materials: the samples first, then mixed ones."""
     count, (colors, mixed) = len(scales), named
     wanted = None if size is None else as_canvas(size).shape
     single: list[Material] = [(k,) for k in range(count)]

@@ -29,47 +29,31 @@ if TYPE_CHECKING:
 
 #: Half the width of a belt, in windows of the coarser of its materials.
 BELT = 0.75
-_PULL = 1.5  # how strongly a boundary is held off the edges of its belt, beside steps
-_WANDER = 8.0  # how far it is led astray, in half widths of its belt
-_OPEN = 0.05  # the pull at an edge is 1 / _OPEN times that in the middle
+_PULL = 1.5  # weight of the cost near the edges of a belt, relative to that of steps
+_WANDER = 8.0  # amplitude of the noise that bends boundaries, in half widths of the belt
+_OPEN = 0.05  # the cost at an edge is 1 / _OPEN times that in the middle
 
 
 @dataclass(frozen=True)
 class Fusion:
-    """What one fusion is made of.
+    """The settings of one fusion, and its steps.
 
-    Attributes
-    ----------
-    whole : Exemplar
-        The samples one under the other, see `weftex.tasks.combined.combined`.
-    exemplars : sequence of Exemplar
-    scales : sequence of int
-        The window that follows from each one's dominant scale, in pixels.
-    method : Method
-    canvas : Canvas
-    seed : int
-        From `weftex.random.seed_number`.
-    reach : int, optional
-        Half the width of all belts in pixels; by default by the materials' scales.
-    belt_method : callable, optional
-        Returns the method for belts whose windows are so wide. Then boundaries are made from
-        merged samples at last.
-    options : dict
-        `threads` and `progress`.
+    With a `belt_method`, which returns the method for a window width, the boundaries are finally
+    synthesized again from merged samples.
     """
 
-    whole: Exemplar
+    whole: Exemplar  # the samples stacked, see `weftex.tasks.combined.combined`
     exemplars: Sequence[Exemplar]
-    scales: Sequence[int]
+    scales: Sequence[int]  # the window width by each sample's dominant scale, in pixels
     method: Method
     canvas: Canvas
     seed: int
-    reach: int | None
+    reach: int | None  # half the width of all belts; by default by the materials' scales
     belt_method: Callable[[int], Method] | None
-    options: dict[str, Any]
+    options: dict[str, Any]  # `threads` and `progress`
 
     def run(self, labels: NDArray[np.int32], materials: Sequence[Material]) -> NDArray[np.int32]:
-        """Return what lies where in the stacked samples."""
+        """Return the source in the stacked samples of each pixel, for labels (H, W)."""
         present = np.unique(labels).tolist()
         meeting = Meetings(labels, present, self._reaches(materials), self.canvas.wrap)
         layers = {k: self._layer(materials[k], labels == k, meeting.farthest) for k in present}
@@ -84,11 +68,11 @@ class Fusion:
         return index
 
     def window(self, *numbers: int) -> int:
-        """Width of the window for the coarsest of these samples."""
+        """Return the width of the window for the coarsest of these samples."""
         return self.method.window_for(max(self.scales[k] for k in numbers))
 
     def _reaches(self, materials: Sequence[Material]) -> NDArray[np.int64]:
-        """Half the widths of the belts between materials."""
+        """Return half the widths of the belts between materials."""
         if self.reach is not None:
             return np.full((len(materials),) * 2, self.reach)
         # A window wider than the canvas reaches all over it; that it fits no sample is said later.
@@ -99,7 +83,7 @@ class Fusion:
     def _layer(
         self, material: Material, region: NDArray[np.bool_], reach: int
     ) -> NDArray[np.int32]:
-        """Make a material all over its region and the belts around it; -1 elsewhere."""
+        """Synthesize a material in its region and the belts around it; -1 elsewhere."""
         canvas, corner = self.canvas, (0, 0)
         if not any(canvas.wrap):
             spans = []
@@ -126,7 +110,7 @@ class Fusion:
         layers: dict[int, NDArray[np.int32]],
         meeting: Meetings,
     ) -> NDArray[np.int32]:
-        """Lay the boundary between two materials where it shows least, within their belt."""
+        """Move the boundary between two materials to the cheapest cut within their belt."""
         rows, columns = meeting.span(a, b)
         area = np.ix_(rows, columns)
         wraps, shape = self.canvas.wrap, labels.shape
@@ -153,7 +137,7 @@ class Fusion:
         materials: Sequence[Material],
         belt_method: Callable[[int], Method],
     ) -> NDArray[np.int32]:
-        """Make belts along the boundaries from merged samples, with the window of the larger."""
+        """Synthesize belts along the boundaries from merged samples, with the larger window."""
         flat = self.whole.pixels.reshape(-1, *self.whole.pixels.shape[2:])
         for a, b in itertools.combinations(np.unique(labels).tolist(), 2):
             pair = sorted({*materials[a], *materials[b]})[:2]
@@ -170,14 +154,14 @@ class Fusion:
         return index
 
     def _places(self, number: int) -> NDArray[np.int32]:
-        """Where the pixels of a sample are among all."""
+        """Return the indices of a sample's pixels in the stacked samples."""
         top = sum(e.shape[0] for e in self.exemplars[:number])
         height, width = self.exemplars[number].shape
         rows = (np.arange(height)[:, None] + top) * self.whole.shape[1]
         return (rows + np.arange(width)).astype(np.int32)
 
     def _merged_sample(self, a: int, b: int) -> tuple[Exemplar, NDArray[np.int32]]:
-        """Each sample with islands of the other, one above the other, and where its pixels are."""
+        """Return each sample with islands of the other, stacked, and the indices of its pixels."""
         bytes_of = self.whole.matching().reshape(-1, self.whole.matching().shape[2])
         usable = np.ones(self.whole.shape, bool) if self.whole.mask is None else self.whole.mask
         own = [self._places(k) for k in (a, b)]
@@ -199,7 +183,7 @@ class Fusion:
         return Exemplar(pixels, mask=mask, alpha=self.whole.alpha, name=name), places
 
     def _number(self, material: Material) -> int:
-        """A number of its own for each material, for draws."""
+        """Return a different number for each material, for random draws."""
         return material[0] if len(material) == 1 else (1 << 16) + material[0] * 4096 + material[1]
 
     def _sample(

@@ -1,4 +1,4 @@
-"""Maps that go over from one sample to the next: circles at random (the paper's Fig. 11)."""
+"""Label maps of gradual transitions between samples: random circles (the paper's Fig. 11)."""
 
 from __future__ import annotations
 
@@ -23,24 +23,23 @@ _SIGMAS = 2.5
 
 @dataclass(frozen=True)
 class Gradient:
-    """A map that goes over from the first sample to the last, along a line or around a center.
+    """A label map with transitions from the first sample to the last, along a line or in rings.
 
-    Everything is in shares of the canvas. The way through it begins at 0 where the first sample
-    is and ends at 1: from corner to corner along `direction`, or from `center` to the farthest
-    corner.
+    Lengths are shares of the canvas. Positions run from 0 at the first sample to 1 at the last:
+    from corner to corner along `direction`, or from `center` to the farthest corner.
 
     Parameters
     ----------
     direction : float, optional
-        In degrees, where the last sample lies: 0 to the right, 90 (the default) at the bottom.
+        Of the last sample, in degrees: 0 is right, 90 (the default) is down.
     center : (float, float), optional
-        Row and column, 0 to 1: the first sample lies there, the others in rings around it.
+        Row and column, 0 to 1, of the first sample; the others are rings around it.
     radii : sequence of float, optional
-        Where each sample's half of the way to the next is over, rising: one fewer than samples.
-        By default they are even.
+        Position of the middle of each transition, rising: one fewer than samples. Evenly spaced by
+        default.
     width : float, optional
-        How much of the way one transition takes, above 0 and at most 1. By default the transitions
-        take all of the way together, as in the paper.
+        Length of one transition, above 0 and at most 1. By default the transitions fill the canvas,
+        as in the paper.
     circles : float or sequence of float, optional
         Radius of the circles, or of each sample's, as a share of the canvas's shorter side. By
         default the dominant scale of the sample, as in the paper.
@@ -97,7 +96,7 @@ class Gradient:
     def label_map(
         self, size: tuple[int, int], scales: Sequence[int], seed: int
     ) -> tuple[NDArray[np.int32], list[tuple[int, int]]]:
-        """Place circles at random until everything is covered.
+        """Place circles at random until the canvas is covered; return labels and the mixed pairs.
 
         At x beyond the start of a transition a circle is of a sample before it with probability
         exp(-x^2 / 2 sigma^2), sigma being the width / 2.5. Where it meets another sample's circle,
@@ -143,7 +142,7 @@ class Gradient:
         return labels, [pairs[n] for n in used]
 
     def _circles(self, size: tuple[int, int], scales: Sequence[int]) -> list[int]:
-        """Radius of each sample's circles in pixels."""
+        """Return the radius of each sample's circles in pixels."""
         if self.circles is None:
             return [max(1, scale) for scale in scales]
         single = isinstance(self.circles, numbers.Real)
@@ -155,7 +154,7 @@ class Gradient:
         return [max(1, round(float(share) * min(size))) for share in shares]  # type: ignore[arg-type]
 
     def _transitions(self, count: int) -> tuple[list[float], float]:
-        """Where each transition begins on the way, and its sigma."""
+        """Return the position at which each transition begins, and its sigma."""
         wide = self.width if self.width is not None else 1 / max(1, count - 1)
         middles: Sequence[float] = [(k + 0.5) / (count - 1) for k in range(count - 1)]
         if self.radii is not None:
@@ -168,7 +167,7 @@ class Gradient:
         return [middle - wide / 2 for middle in middles], max(wide / _SIGMAS, 1e-9)
 
     def _way(self, y: int, x: int, size: tuple[int, int]) -> float:
-        """How far a pixel is on the way, 0 to 1."""
+        """Return the position of a pixel, 0 to 1."""
         v, u = y + 0.5, x + 0.5
         height, width = size
         if self.center is not None:

@@ -21,7 +21,10 @@ _SHOWN = 6  # colors that a message lists
 def labels_of(
     picture: NDArray[Any], count: int, colors: Sequence[Any] | None = None
 ) -> tuple[NDArray[np.int32], list[Any]]:
-    """Number the colors of a painted map."""
+    """Return labels (H, W) of the colors of a painted map, and the color of each label.
+
+    With `colors`, other colors count as the nearest of these, so painted edges may be smooth.
+    """
     if picture.ndim not in (2, 3) or picture.size == 0:
         raise InvalidInputError(f"the map has shape {picture.shape}; it must be (H, W[, C])")
     flat = picture.reshape(picture.shape[0] * picture.shape[1], -1)
@@ -66,7 +69,7 @@ def labels_of(
 
 
 def map_picture(label_map: Any) -> NDArray[Any]:
-    """Return the picture of a map, or its labels: whole numbers of any type as they are."""
+    """Return the picture of a map, or its labels: integers of any type unchanged."""
     if isinstance(label_map, np.ndarray):
         if label_map.dtype == bool:
             return label_map.astype(np.uint8)

@@ -1,4 +1,4 @@
-"""The part of a photo that filling its holes looks at."""
+"""The part of a photo that is used to fill its holes."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ _CELL = 16  # pixels a side; the neighborhood grows by whole cells
 
 
 class Region:
-    """The part of a photo that filling its holes looks at."""
+    """The part of a photo that is used to fill its holes."""
 
     def __init__(
         self,
@@ -51,13 +51,13 @@ class Region:
         self.near = self.crop(near)
 
     def put(self, part: NDArray[np.bool_], shape: tuple[int, int]) -> NDArray[np.bool_]:
-        """The mask of the whole photo that is `part` here and False elsewhere."""
+        """Return the mask of the whole photo: `part` in the region, False elsewhere."""
         whole = np.zeros(shape, bool)
         whole[self._rows[:, None], self._columns] = part
         return whole
 
     def crop(self, pixels: NDArray[Any], blank: NDArray[np.bool_] | None = None) -> NDArray[Any]:
-        """Cut the region out; `blank` pixels get the value of another one."""
+        """Return the region of an array; `blank` pixels get the value of another pixel."""
         part: NDArray[Any] = pixels[self._rows[:, None], self._columns]
         if blank is not None:
             # What marks a hole, such as white, must not stretch the range of values.
@@ -68,7 +68,7 @@ class Region:
 
 
 def _span(taken: NDArray[np.bool_], wraps: bool) -> tuple[int, int]:
-    """Start and length of the shortest stretch that holds everything taken."""
+    """Return start and length of the shortest interval that holds all True values."""
     at = np.flatnonzero(taken)
     if not wraps:
         return int(at[0]), int(at[-1] - at[0] + 1)

@@ -1,4 +1,4 @@
-"""Straighten a photo: rows level, tiles upright, a wall seen from the side seen from the front."""
+"""Straighten a photo: make rows level and tiles upright, or correct its perspective."""
 
 from __future__ import annotations
 
@@ -25,10 +25,10 @@ if TYPE_CHECKING:
 
     Floats = NDArray[np.float64]
 
-_UPRIGHT = math.radians(20)  # that a photo may be askew before another way up is thought of
-_SQUARE = math.sin(math.radians(10))  # that sides of a right-angled piece may be off it
+_UPRIGHT = math.radians(20)  # rotation beyond which another orientation is preferred
+_SQUARE = math.sin(math.radians(10))  # tolerance of the right angle of a piece
 _TIMES = range(-3, 4)  # vectors of a lattice that are summed up to a piece's sides
-_SHORTEST = 8  # pixels, of what is left of a photo
+_SHORTEST = 8  # pixels that must be left of a photo
 
 
 def straighten(
@@ -37,24 +37,24 @@ def straighten(
     lattice: Lattice | Sequence[float] | str | None = None,
     corners: Sequence[float] | str | None = None,
 ) -> Exemplar:
-    """Turn, shear or rectify a photo, so that what it shows lies straight.
+    """Rotate, shear or rectify a photo, so that its lattice or a rectangle in it is straight.
 
-    With a lattice the sides of its right-angled piece (a tile; two courses of a running bond)
-    become level and upright; with rows, of which only the distance is known, these are turned. What
-    is left is the largest part of the photo's proportions in its middle that has no empty corners.
-    With corners the photo is rectified, as if taken from the front, and they become the picture's.
+    With a lattice, the sides of its right-angled piece (a tile; two courses of a running bond)
+    become level and upright; rows are rotated. The result is the largest central part of the
+    photo's proportions without empty corners. With corners, the perspective is corrected and they
+    become the corners of the result.
 
     Parameters
     ----------
     sample : path, array, PIL image or Exemplar
         The photo. Maps, mask and guide are straightened with it, and the vectors of normal maps
-        turned, so that they are those of the straightened heights.
+        are rotated to fit the straightened heights.
     lattice : Lattice, or x1, y1, x2, y2, optional
         Of the photo; found in it by default.
     corners : eight numbers, optional
-        x and y in pixels of the corners of something that is a rectangle in truth: top left, top
-        right, bottom right, bottom left. Its proportions follow from the perspective if that is
-        clear, for a photo that was not cropped to one side, and else from the sides' lengths.
+        x and y in pixels of the corners of a rectangle in the scene: top left, top right, bottom
+        right, bottom left. Its proportions follow from the perspective if that is clear, for a
+        photo that was not cropped to one side, otherwise from the lengths of the sides.
 
     Returns
     -------
@@ -96,7 +96,7 @@ def straighten(
 
 
 def _warped_map(exemplar: Exemplar, name: str, matrix: Floats, size: tuple[int, int]) -> Exemplar:
-    """A map at its own scale, with the same corners."""
+    """Return a warped map at its own scale, with the same corners."""
     one, scale = exemplar.map(name), exemplar.scale_of(name)
     unit = np.diag([float(scale), float(scale), 1.0])
     own = np.linalg.inv(unit) @ matrix @ unit
@@ -112,17 +112,14 @@ def _lattice_of(given: Lattice | Sequence[float] | str | None, exemplar: Exempla
     found = find_lattice(exemplar)
     if found is None:
         raise InvalidInputError(
-            f"{exemplar.name} has no lattice or rows that are seen; give lattice vectors, or the "
-            "corners of something that is a rectangle in truth"
+            f"no lattice or rows are found in {exemplar.name}; give lattice vectors, or the "
+            "corners of a rectangle in the scene"
         )
     return found
 
 
 def _by_lattice(lattice: Lattice, exemplar: Exemplar) -> tuple[Floats, tuple[int, int]]:
-    """The matrix (3, 3) that makes a lattice level, for rows (x, y, 1), and the size that is left.
-
-    It is the affine one that turns the level and the upright side of the piece on the axes.
-    """
+    """Return the affine matrix (3, 3) that makes a lattice level, and the size of the result."""
     sides = _sides(lattice)
     level = np.diag(np.hypot(*sides.T))
     turn = np.linalg.inv(sides) @ level
@@ -141,7 +138,7 @@ def _by_lattice(lattice: Lattice, exemplar: Exemplar) -> tuple[Floats, tuple[int
 
 
 def _sides(lattice: Lattice) -> Floats:
-    """The side that is to be level and the one that is to be upright, (2, 2), as x and y."""
+    """Return the sides (x, y) that become level and upright, (2, 2)."""
     if len(lattice.vectors) == 1:
         x, y = lattice.vectors[0]
         down = np.array([x, y]) * (1 if y > 0 else -1)
@@ -171,7 +168,7 @@ def _sides(lattice: Lattice) -> Floats:
 
 
 def _by_corners(corners: Floats, exemplar: Exemplar) -> tuple[Floats, tuple[int, int]]:
-    """The matrix that takes four corners to those of a rectangle, and its size."""
+    """Return the matrix that maps four corners to those of a rectangle, and its size."""
     height, width = exemplar.shape
     if (corners < 0).any() or (corners > (width, height)).any():
         raise InvalidInputError(f"corners lie outside {exemplar.name}, which is {width}x{height}")
@@ -194,7 +191,7 @@ def _by_corners(corners: Floats, exemplar: Exemplar) -> tuple[Floats, tuple[int,
 
 
 def _projection(places: Floats, to: Floats) -> Floats:
-    """The projective matrix (3, 3), for rows (x, y, 1), that takes four places to four others."""
+    """Return the projective matrix (3, 3), for rows (x, y, 1), that maps four points to others."""
     rows, right = [], []
     for (x, y), (u, v) in zip(places, to, strict=True):
         rows += [[x, y, 1, 0, 0, 0, -u * x, -u * y], [0, 0, 0, x, y, 1, -v * x, -v * y]]
@@ -203,11 +200,10 @@ def _projection(places: Floats, to: Floats) -> Floats:
 
 
 def _proportions(matrix: Floats) -> float | None:
-    """Width over height of the rectangle that a camera sees as the matrix takes a unit square.
+    """Return width over height of a rectangle from the projection of a unit square, or None.
 
-    The square's sides are perpendicular in space, which gives the focal length, and that their
-    lengths; the camera's axis goes through the middle of the photo. None where lines that are
-    parallel in truth are so, or nearly so, in the photo too.
+    Its sides are perpendicular, which gives the focal length and thus their lengths; the camera's
+    axis goes through the middle of the photo. None without clear perspective.
     """
     along, down = matrix[0], matrix[1]
     far = along[2] * down[2]

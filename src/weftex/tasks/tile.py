@@ -23,10 +23,10 @@ if TYPE_CHECKING:
     from weftex.random import Seed
     from weftex.results.synthesis import Synthesis
 
-_SHARE = 8  # of the shorter side: the border that is made anew
-_LEAST = 3  # borders that must fit into a side, so that more is kept than made
-_STRAIN = 0.015  # that a lattice takes without a fault that is seen
-_ANEW = 8  # pixels at each side that are surely made anew, or half a narrow border
+_SHARE = 8  # the border that may change is 1 / 8 of the shorter side
+_LEAST = 3  # borders that must fit into a side, so that most of it is kept
+_STRAIN = 0.015  # strain of a lattice up to which no fault is visible
+_ANEW = 8  # pixels at each side that are always filled, or half a narrow border
 
 
 def tile(
@@ -40,19 +40,19 @@ def tile(
     progress: ProgressCallback | None = None,
     **parameters: Any,
 ) -> Synthesis:
-    """Make a photo repeat without a seam; its middle stays byte for byte.
+    """Make a photo tileable; its middle stays byte for byte.
 
-    A narrow frame is filled from the rest, as a hole that goes around the photo's edges is, and the
-    boundary between photo and filling is cut within the border where they differ least, see
-    `weftex.fill`. Maps are filled alike. What has a lattice repeats without a fault only at a size
-    that whole tiles fit into; `provenance["warnings"]` names one if it is another.
+    A narrow frame at the edges is filled from the rest as a hole, and the boundary between photo
+    and filling is cut within the border where they differ least, see `weftex.fill`. Maps are filled
+    with it. A lattice tiles without a fault only at a size that holds whole tiles of it; otherwise
+    `provenance["warnings"]` names such a size.
 
     Parameters
     ----------
     photo : path, array, PIL image or Exemplar
-        What is to repeat, at the size that it has.
+        The photo, at the size that it keeps.
     axes : True or {"x", "y"}
-        Along which it is to repeat.
+        The axes along which it wraps around.
     border : int, optional
         Pixels at each side that may change; an eighth of the shorter side by default, at most a
         third of a side.
@@ -87,7 +87,7 @@ def tile(
     most = min(sides) // _LEAST
     if not most:
         raise InvalidInputError(
-            f"{exemplar.name} is {exemplar.shape[1]}x{exemplar.shape[0]}; sides that are to repeat "
+            f"{exemplar.name} is {exemplar.shape[1]}x{exemplar.shape[0]}; sides that wrap around "
             f"must be {_LEAST} pixels or more"
         )
     if border is None:
@@ -115,7 +115,7 @@ def tile(
 
 
 def _ill_fitting(exemplar: Exemplar, canvas: Canvas) -> str | None:
-    """Why whole tiles of what is surely a lattice do not fit into the photo; None if they do."""
+    """Return why whole tiles of a sure lattice do not fit into the photo; None if they do."""
     found = find_lattice(exemplar)
     if found is None or not is_sure(found, exemplar.shape[0] * exemplar.shape[1]):
         return None

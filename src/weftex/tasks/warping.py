@@ -1,4 +1,4 @@
-"""Pictures seen through a projective matrix, by what they show."""
+"""Pictures warped by a projective matrix, by the kind of their values."""
 
 from __future__ import annotations
 
@@ -23,10 +23,10 @@ _FILTER = "lanczos3"
 
 
 def warped(picture: Exemplar, matrix: Floats, size: tuple[int, int]) -> NDArray[Any]:
-    """Return the pixels of a picture where a matrix takes them.
+    """Return a picture (H, W, ...) warped by a matrix for rows (x, y, 1).
 
-    Values stay within their range, clear pixels bleed nothing, labels are not mixed, and vectors
-    are turned.
+    Values stay within their range, transparent pixels do not bleed, labels are not blended, and
+    vectors are rotated.
     """
     pixels = picture.pixels
     if picture.role.kind == "labels":
@@ -51,10 +51,10 @@ def warped(picture: Exemplar, matrix: Floats, size: tuple[int, int]) -> NDArray[
 def _turned(
     planes: NDArray[Any], middle: float, down: bool, matrix: Floats, size: tuple[int, int]
 ) -> NDArray[Any]:
-    """Vectors, which are resampled as directions and lengths and then turned.
+    """Return vectors resampled as directions and lengths, and then rotated.
 
-    Along the surface a normal is the slope of its heights, which changes with the distances on it.
-    Sizes are left out of it: how high the surface is above a photo's pixels nobody knows.
+    A normal is the slope of the heights, which changes with distances along the surface; a change
+    of size is ignored, as the scale of the heights is unknown.
     """
     vectors = vectors_of(planes[..., :3], middle)
     lengths = np.linalg.norm(vectors, axis=2, keepdims=True)
@@ -85,7 +85,7 @@ def _turned(
 
 
 def _resampled(numbers: Floats, matrix: Floats, size: tuple[int, int]) -> Floats:
-    """Each channel of (H, W, C) by itself."""
+    """Return each channel of (H, W, C) resampled."""
     oiio = image_library()
     channels = numbers.shape[2]
     area = oiio.ROI(0, size[1], 0, size[0], 0, 1, 0, channels)
@@ -97,7 +97,7 @@ def _resampled(numbers: Floats, matrix: Floats, size: tuple[int, int]) -> Floats
 
 
 def nearest(values: NDArray[Any], matrix: Floats, size: tuple[int, int]) -> NDArray[Any]:
-    """Resample labels, of which there is nothing between two; see `warped`."""
+    """Return labels resampled by the nearest pixel; see `warped`."""
     y, x = np.indices(size) + 0.5
     place = np.stack([x, y, np.ones(size)], axis=-1) @ np.linalg.inv(matrix)
     columns, rows = np.floor(place[..., :2] / place[..., 2:]).astype(int).transpose(2, 0, 1)
