@@ -22,7 +22,7 @@ def model_of(pixels, **parameters):
     "parameters",
     [
         {},
-        {"match": "gncc", "variety": 0.0},
+        {"variety": 0.0},
         {"candidates": 1, "tolerance": 0, "variety": 5.0},
         {"border_width": 2, "lattice": (8.0, 12.25, -16.5, 0.3)},
     ],

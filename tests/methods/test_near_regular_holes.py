@@ -15,7 +15,7 @@ from weftex.methods.lattices.model import origin_of
     "inside, radius, parameters",
     [
         (True, (17, 15), {}),
-        (True, (19, 16), {"match": "gncc", "variety": 0.0}),
+        (True, (19, 16), {"variety": 0.0}),
         (False, (26, 30), {"variety": 3.0}),
         (False, (9, 6), {"lattice": (8.0, 12.25, -16.5, 0.3), "tolerance": 0}),
         (True, (3, 11), {"lattice": (1.0, 0.0, 0.0, 1.0)}),

@@ -7,6 +7,7 @@ import math
 import numpy as np
 
 from twins.randomness import random_bits
+from weftex.reference.near_regular import multiples_of
 
 
 def usable_of(model):
@@ -33,7 +34,8 @@ class NearRegularTwin:
         self.inverse = ((x2 / det, -x1 / det), (-y2 / det, y1 / det))
         self.free = abs(x1 * y2 - x2 * y1) < 4
         height, width = pixels.shape[:2]
-        self.steps = self.all_steps(height, width)
+        steps = multiples_of(np.array(self.vectors), (height, width))
+        self.steps = [(round(y * 65536), round(x * 65536)) for y, x in steps.tolist()]
         self.places = {}
         self.visibility = [[self.shows(y, x) for x in range(width)] for y in range(height)]
 
@@ -47,28 +49,6 @@ class NearRegularTwin:
         soft = 40 * len(self.channels)
         steep = sum((below[k] - above[k]) ** 2 + (right[k] - left[k]) ** 2 for k in self.channels)
         return max(1, 4096 * soft // (soft + steep))
-
-    def all_steps(self, height, width):
-        """Multiples in 1/65536 pixel, sorted by random bits."""
-        (y1, x1), (y2, x2) = self.vectors
-        spans = []
-        for k in (0, 1):
-            corners = [
-                y * self.inverse[0][k] + x * self.inverse[1][k]
-                for y in (0, height)
-                for x in (0, width)
-            ]
-            spans.append((math.floor(min(corners)) - 1, math.ceil(max(corners))))
-        low_y, high_y = min(0, y1) + min(0, y2), max(0, y1) + max(0, y2)
-        low_x, high_x = min(0, x1) + min(0, x2), max(0, x1) + max(0, x2)
-        found = []
-        for a in range(spans[0][0], spans[0][1] + 1):
-            for b in range(spans[1][0], spans[1][1] + 1):
-                y, x = a * y1 + b * y2, a * x1 + b * x2
-                if y + high_y > -1 and y + low_y < height and x + high_x > -1 and x + low_x < width:
-                    found.append((round(y * 65536), round(x * 65536)))
-        order = sorted(range(len(found)), key=lambda n: random_bits(0, "steps", n))
-        return [found[n] for n in order]
 
     def similar(self, i, j):
         """Places a multiple of the vectors away, in the block's own order (section 4.2.1)."""
@@ -134,26 +114,11 @@ class NearRegularTwin:
         return found
 
     def mismatch(self, border, place):
-        if self.method.match == "gncc":
-            return int((1 - self.correlation(border, place)) * 2**40)
         return sum(
             (self.pixels[place[0] + v][place[1] + u][k] - color[k]) ** 2
             for (v, u), color in border.items()
             for k in self.channels
         )
-
-    def correlation(self, border, place):
-        """Equation (3.13) over the border."""
-        above, below = 0, 0.0
-        for k in self.channels:
-            g = [color[k] for color in border.values()]
-            f = [self.pixels[place[0] + v][place[1] + u][k] for v, u in border]
-            n = len(f)
-            above += n * sum(a * b for a, b in zip(f, g, strict=True)) - sum(f) * sum(g)
-            below += math.sqrt(n * sum(a * a for a in f) - sum(f) ** 2) * math.sqrt(
-                n * sum(b * b for b in g) - sum(g) ** 2
-            )
-        return above / below
 
     def fitting(self, i, j):
         """Section 4.2.2."""

@@ -74,9 +74,7 @@ def cut_sides(canvas_window, new_window, weights, zone, width, hole=False):
         "bottom": (cost[::-1].T, there[::-1].T, left, lambda k: bottom - k),
     }
     return {
-        side: {
-            first + i: at(k) for i, k in enumerate(minimum_error_boundary(c[:, :depth]))
-        }
+        side: {first + i: at(k) for i, k in enumerate(minimum_error_boundary(c[:, :depth]))}
         for side, (c, z, first, at) in turned.items()
         if z[:, :depth].any()
     }
