@@ -60,8 +60,8 @@ def test_the_best_set_is_good_in_all_maps():
     exemplar = weftex.Exemplar(np.full((72, 80, 3), 90, np.uint8), maps={"height": SAMPLE[..., 0]})
     best = weftex.synthesize(exemplar, 90, seed=3, best_of=4, **QUILTING)
     each = [weftex.synthesize(exemplar, 90, seed=s, **QUILTING) for s in range(3, 7)]
-    eye = Scorer(exemplar.map("height"))
-    heights = [eye.score(made.maps["height"]) for made in each]
+    scorer = Scorer(exemplar.map("height"))
+    heights = [scorer.score(made.maps["height"]) for made in each]
     assert best.provenance["seed"] == 3 + int(np.argmin(heights)) and len(set(heights)) == 4
     assert len({Scorer(exemplar).score(made.image) for made in each}) == 1
     left_out = exemplar.changed(weights={"height": 0})

@@ -4,41 +4,17 @@ from __future__ import annotations
 
 import base64
 import json
-from html.parser import HTMLParser
 
 import numpy as np
 import pytest
 
 import weftex
+from html_page import Page
 from weftex import cli
 from weftex.errors import FileError, InvalidInputError
 from weftex.io.pictures import write_image, write_text
 from weftex.io.png import png_bytes
 from weftex.tasks.report import report
-
-EMPTY = {"meta", "br", "img"}
-
-
-class Page(HTMLParser):
-    """Checks that tags close in order; keeps what the tests ask for."""
-
-    def __init__(self, text):
-        super().__init__()
-        self.open, self.tags, self.words = [], [], []
-        self.feed(text)
-        self.close()
-        assert self.open == []
-
-    def handle_starttag(self, tag, attrs):
-        self.tags.append((tag, dict(attrs)))
-        if tag not in EMPTY:
-            self.open.append(tag)
-
-    def handle_endtag(self, tag):
-        assert self.open.pop() == tag
-
-    def handle_data(self, data):
-        self.words.append(data)
 
 
 @pytest.fixture(scope="module")
@@ -65,16 +41,15 @@ def test_the_page_is_whole_and_needs_nothing_else(files, tmp_path, capsys):
     assert said.err == "" and said.out.count("\n") == 1 and said.out[0].isupper()
     text = (tmp_path / "r.html").read_text("utf-8")
     page = Page(text)
-    pictures = [attrs for tag, attrs in page.tags if tag == "img"]
-    assert len(pictures) == 5  # sample, result, seams, source, use
-    for picture in pictures:
+    assert len(page.pictures) == 5  # sample, result, seams, source, use
+    for picture in page.pictures:
         assert picture["alt"] and picture["src"].startswith("data:image/png;base64,")
         base64.b64decode(picture["src"].partition(",")[2], validate=True)
-    assert not {tag for tag, _ in page.tags} & {"script", "link", "iframe", "b"}
+    assert not set(page.tags) & {"script", "link", "iframe", "b"}
     assert "http" not in text and "url(" not in text
     assert "prefers-color-scheme: dark" in text
-    words = "".join(page.words)
-    assert sample.name in words and any(sample.name in p["alt"] for p in pictures)
+    words = page.text
+    assert sample.name in words and any(sample.name in p["alt"] for p in page.pictures)
     assert said.out.strip() in words
     assert "quilting" in words and "patch_size" in words  # the parameters
     assert "seam at the wrap" in words
@@ -84,8 +59,8 @@ def test_without_a_source(files, tmp_path):
     sample, made, _ = files
     assert run(sample, made, "-o", tmp_path / "r.html") == 0
     page = Page((tmp_path / "r.html").read_text("utf-8"))
-    assert len([tag for tag, _ in page.tags if tag == "img"]) == 3
-    assert "Without a source" in "".join(page.words)
+    assert len(page.pictures) == 3
+    assert "Without a source" in page.text
 
 
 def test_json_has_all_figures(files, capsys):
