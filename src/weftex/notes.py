@@ -1,7 +1,6 @@
-"""What a method says of its work while it runs, for whoever wants to see how it works.
+"""Notes of a method while it runs, from which `weftex.explain` makes its stages.
 
-A step of a method that is worth showing calls `note`; `weftex.explain` listens. Nobody else does,
-so that it costs nothing.
+A step of a method calls `note`; without a listener that costs nothing.
 """
 
 from __future__ import annotations
@@ -20,13 +19,13 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class Listener:
-    """A callback `hear(step, facts)` for how one `pixel` (row, column) of the output is made.
+    """A callback `record(step, facts)` for how one `pixel` (row, column) of the output is made.
 
     Arrays among the facts will change later.
     """
 
     pixel: tuple[int, int]
-    hear: Callable[[str, dict[str, Any]], None]
+    record: Callable[[str, dict[str, Any]], None]
 
 
 _LISTENER: ContextVar[Listener | None] = ContextVar("listener", default=None)
@@ -34,7 +33,7 @@ _LISTENER: ContextVar[Listener | None] = ContextVar("listener", default=None)
 
 @contextmanager
 def listening(listener: Listener | None) -> Iterator[None]:
-    """Send the notes of all that is called meanwhile, in this thread, to a listener."""
+    """Send the notes of all calls in this context to a listener."""
     token = _LISTENER.set(listener)
     try:
         yield
@@ -46,11 +45,11 @@ def note(step: str, **facts: Any) -> None:
     """Report a step and its values to the listener, if there is one."""
     listener = _LISTENER.get()
     if listener is not None:
-        listener.hear(step, facts)
+        listener.record(step, facts)
 
 
 def pixel_asked(level: int = 0) -> tuple[int, int] | None:
-    """Return the pixel that somebody asks about, at a level of a pyramid; None if nobody does."""
+    """Return the pixel that is explained, at a level of a pyramid; None without a listener."""
     listener = _LISTENER.get()
     return None if listener is None else (listener.pixel[0] >> level, listener.pixel[1] >> level)
 

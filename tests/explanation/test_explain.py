@@ -5,7 +5,7 @@ import pytest
 
 import weftex
 from twins import boundary_zone as zones
-from weftex.explanation import WATCHERS
+from weftex.explanation import RECORDERS
 from weftex.methods import METHODS
 from weftex.notes import note, pixel_asked
 
@@ -46,7 +46,7 @@ def shown(sample):
 
 
 def test_every_method_says_how_it_works():
-    assert set(WATCHERS) == set(METHODS) == set(SMALL)
+    assert set(RECORDERS) == set(METHODS) == set(SMALL)
 
 
 @pytest.mark.parametrize("slug", SMALL)

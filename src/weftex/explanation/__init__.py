@@ -1,4 +1,4 @@
-"""How a method makes a pixel, step by step: what it has in hand while it runs, as pictures."""
+"""How a method makes a pixel, step by step, as pictures of its intermediate values."""
 
 from __future__ import annotations
 
@@ -6,39 +6,39 @@ from typing import TYPE_CHECKING, Any
 
 from weftex.canvas import as_canvas
 from weftex.errors import InvalidInputError, UnsupportedError, shown
-from weftex.explanation.graphcut import GraphCutWatcher
-from weftex.explanation.lattices import BestTileWatcher, NearRegularWatcher
-from weftex.explanation.patches import PatchWatcher
+from weftex.explanation.graphcut import GraphCutRecorder
+from weftex.explanation.lattices import BestTileRecorder, NearRegularRecorder
+from weftex.explanation.patches import PatchRecorder
 from weftex.explanation.pixels import (
-    AshikhminWatcher,
-    EfrosLeungWatcher,
-    ExactMatchingWatcher,
-    WeiLevoyWatcher,
+    AshikhminRecorder,
+    EfrosLeungRecorder,
+    ExactMatchingRecorder,
+    WeiLevoyRecorder,
 )
-from weftex.explanation.refinement import RefinementWatcher
+from weftex.explanation.refinement import RefinementRecorder
 from weftex.explanation.stages import Explanation, Stage
 from weftex.loading import load_exemplar
 from weftex.naming import make_method
 from weftex.notes import Listener, listening
 
 if TYPE_CHECKING:
-    from weftex.explanation.watchers import Watcher
+    from weftex.explanation.recorder import Recorder
     from weftex.loading import Sample
     from weftex.method import Method
     from weftex.random import Seed
 
 #: Who listens to each method.
-WATCHERS: dict[str, type[Watcher]] = {
-    "patch-sampling": PatchWatcher,
-    "quilting": PatchWatcher,
-    "graphcut": GraphCutWatcher,
-    "efros-leung": EfrosLeungWatcher,
-    "wei-levoy": WeiLevoyWatcher,
-    "ashikhmin": AshikhminWatcher,
-    "exact-matching": ExactMatchingWatcher,
-    "refinement": RefinementWatcher,
-    "near-regular": NearRegularWatcher,
-    "best-tile": BestTileWatcher,
+RECORDERS: dict[str, type[Recorder]] = {
+    "patch-sampling": PatchRecorder,
+    "quilting": PatchRecorder,
+    "graphcut": GraphCutRecorder,
+    "efros-leung": EfrosLeungRecorder,
+    "wei-levoy": WeiLevoyRecorder,
+    "ashikhmin": AshikhminRecorder,
+    "exact-matching": ExactMatchingRecorder,
+    "refinement": RefinementRecorder,
+    "near-regular": NearRegularRecorder,
+    "best-tile": BestTileRecorder,
 }
 
 
@@ -98,16 +98,16 @@ def explain(
     (192, 192)
     """
     chosen = make_method(method, parameters)
-    if chosen.slug not in WATCHERS:
+    if chosen.slug not in RECORDERS:
         raise UnsupportedError(
-            f"{chosen.slug} does not say how it works; these do: {', '.join(WATCHERS)}"
+            f"{chosen.slug} does not say how it works; these do: {', '.join(RECORDERS)}"
         )
     exemplar, canvas = load_exemplar(sample), as_canvas(size, tileable)
     pixel = _pixel_of(at, canvas.shape)
-    watcher = WATCHERS[chosen.slug](exemplar, pixel)
-    with listening(Listener(pixel, watcher.hear)):
+    recorder = RECORDERS[chosen.slug](exemplar, pixel)
+    with listening(Listener(pixel, recorder.record)):
         result = chosen.fit(exemplar).sample(canvas, seed=seed, threads=1)
-    return Explanation(result, pixel, watcher.stages())
+    return Explanation(result, pixel, recorder.stages())
 
 
 def _pixel_of(at: tuple[int, int] | None, shape: tuple[int, int]) -> tuple[int, int]:

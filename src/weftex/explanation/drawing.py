@@ -1,4 +1,4 @@
-"""Drawings of what methods have in hand."""
+"""Drawings of intermediate values of methods."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ def colors(pixels: NDArray[Any]) -> NDArray[np.uint8]:
 
 
 def made(pixels: NDArray[Any], done: NDArray[Any]) -> NDArray[np.uint8]:
-    """Draw a canvas; what is not made yet is dark blue."""
+    """Draw a canvas; unknown pixels are dark blue."""
     picture = colors(pixels)
     picture[np.asarray(done) == 0] = UNKNOWN
     return picture
@@ -58,7 +58,7 @@ def framed(
 
 
 def heat(values: NDArray[Any], there: NDArray[np.bool_]) -> NDArray[np.uint8]:
-    """Draw errors, the best bright yellow, the worst dark; what is no place at all is blue.
+    """Draw errors, the lowest bright yellow, the highest dark; invalid positions are blue.
 
     The scale is that of their roots, from the best to the median.
     """

@@ -15,19 +15,19 @@ if TYPE_CHECKING:
     from weftex.methods.graphcut.places import Place
 
 
-class GraphCutWatcher:
-    """Sees how the last patch whose box holds the pixel is placed and cut."""
+class GraphCutRecorder:
+    """Records how the last patch whose box holds the pixel is placed and cut."""
 
     def __init__(self, exemplar: Exemplar, pixel: tuple[int, int]) -> None:
         self._exemplar, self._stages = exemplar, list[Stage]()
         self._matches: dict[str, Any] = {}
 
     def stages(self) -> list[Stage]:
-        """See `Watcher`."""
+        """See `Recorder`."""
         return self._stages
 
-    def hear(self, step: str, facts: dict[str, Any]) -> None:
-        """See `Watcher`."""
+    def record(self, step: str, facts: dict[str, Any]) -> None:
+        """See `Recorder`."""
         if step == "matches":
             self._matches = facts
             return
@@ -74,7 +74,7 @@ class GraphCutWatcher:
         ]
 
     def _placement(self, place: Place) -> list[Stage]:
-        """Where the patch may come from."""
+        """Return the candidate offsets of the patch."""
         found = self._matches
         costs, allowed = found["costs"] * found["prices"], found["allowed"] != 0
         there = allowed & np.isfinite(costs)

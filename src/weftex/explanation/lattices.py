@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 
 
 def lattice_stages(exemplar: Exemplar, vectors: tuple[float, ...]) -> list[Stage]:
-    """The correlation that the lattice was found in, the lattice, and the mean tile."""
+    """Return the stages of the correlation, the lattice, and the mean tile."""
     seen = autocorrelations(exemplar)
     stages = [
         Stage(
@@ -52,15 +52,15 @@ def lattice_stages(exemplar: Exemplar, vectors: tuple[float, ...]) -> list[Stage
     ]
 
 
-class NearRegularWatcher:
-    """Sees the blocks that are drawn, and those that fill the gaps."""
+class NearRegularRecorder:
+    """Records the drawn blocks, and the blocks that fill the gaps."""
 
     def __init__(self, exemplar: Exemplar, pixel: tuple[int, int]) -> None:
         self._exemplar, self._blocks = exemplar, list[Stage]()
         self._vectors: tuple[float, ...] = ()
 
-    def hear(self, step: str, facts: dict[str, Any]) -> None:
-        """See `Watcher`."""
+    def record(self, step: str, facts: dict[str, Any]) -> None:
+        """See `Recorder`."""
         sample, layout, sources = facts["sample"], facts["layout"], facts["sources"]
         self._vectors = facts["vectors"]
         picture = layout.preview(sample, sources)
@@ -76,18 +76,18 @@ class NearRegularWatcher:
         )
 
     def stages(self) -> list[Stage]:
-        """See `Watcher`."""
+        """See `Recorder`."""
         return [*lattice_stages(self._exemplar, self._vectors), *self._blocks]
 
 
-class BestTileWatcher:
-    """Sees the errors of all tiles."""
+class BestTileRecorder:
+    """Records the errors of all tiles."""
 
     def __init__(self, exemplar: Exemplar, pixel: tuple[int, int]) -> None:
         self._exemplar, self._stages = exemplar, list[Stage]()
 
-    def hear(self, step: str, facts: dict[str, Any]) -> None:
-        """See `Watcher`."""
+    def record(self, step: str, facts: dict[str, Any]) -> None:
+        """See `Recorder`."""
         errors, (y, x) = facts["errors"], facts["anchors"][0].tolist()
         tile: NDArray[np.bool_] = np.zeros(self._exemplar.shape, bool)
         for v, u, last in facts["rows"].tolist():
@@ -112,5 +112,5 @@ class BestTileWatcher:
         ]
 
     def stages(self) -> list[Stage]:
-        """See `Watcher`."""
+        """See `Recorder`."""
         return self._stages

@@ -17,20 +17,20 @@ if TYPE_CHECKING:
     from weftex.search.boundary_zone import BoundaryZone
 
 
-class PatchWatcher:
-    """Sees how the last patch that covers the pixel is chosen and laid."""
+class PatchRecorder:
+    """Records how the last patch that covers the pixel is chosen and pasted."""
 
     def __init__(self, exemplar: Exemplar, pixel: tuple[int, int]) -> None:
         self._found: dict[str, Any] = {}
 
-    def hear(self, step: str, facts: dict[str, Any]) -> None:
-        """See `Watcher`; a note is there for each patch that covers the pixel."""
+    def record(self, step: str, facts: dict[str, Any]) -> None:
+        """See `Recorder`; there is a note for each patch that covers the pixel."""
         output = facts["output"]
         placement = output.placements[facts["number"]].tolist()
         self._found = facts | {"after": output.pixels.copy(), "placement": placement}
 
     def stages(self) -> list[Stage]:
-        """See `Watcher`."""
+        """See `Recorder`."""
         facts = self._found
         output, zone, before, after = (facts[k] for k in ("output", "zone", "before", "after"))
         y, x, v, u, _ = facts["placement"]
@@ -81,7 +81,7 @@ class PatchWatcher:
 
 
 def zone_mask(zone: BoundaryZone) -> NDArray[np.bool_]:
-    """The pixels of a boundary zone: bool (rows, columns)."""
+    """Return the pixels of a boundary zone, bool (rows, columns)."""
     known = np.zeros(zone.weight.shape, bool)
     for upright, v, u, length in zone.runs.tolist():
         part = np.s_[v : v + length, u] if upright else np.s_[v, u : u + length]
@@ -96,7 +96,7 @@ def _matching(
     facts: dict[str, Any],
     chosen: tuple[int, int],
 ) -> list[Stage]:
-    """What must match, how badly all windows do, and those that were looked at."""
+    """Return the stages of the boundary zone, the error of all windows, and the candidates."""
     height, width = known.shape
     middle = error_surface(sample, window, known)
     errors = np.full_like(middle, np.inf)  # by the corner and not by the middle
@@ -135,7 +135,7 @@ def _matching(
 
 
 def _made_before(output: Any, number: int) -> NDArray[np.bool_]:
-    """The pixels of the frame that earlier patches cover, or that are known."""
+    """Return the pixels of the frame that earlier patches cover, or that are known."""
     there = np.zeros(output.pixels.shape[:2], bool)
     height, width = output.frame.window
     for y, x in output.placements[:number, :2].tolist():

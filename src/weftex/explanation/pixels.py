@@ -18,16 +18,16 @@ if TYPE_CHECKING:
 _DRAWS = 256  # that show which windows may be drawn
 
 
-class EfrosLeungWatcher:
-    """Sees the layers grow, and how the pixel is drawn."""
+class EfrosLeungRecorder:
+    """Records the layers, and how the pixel is drawn."""
 
     def __init__(self, exemplar: Exemplar, pixel: tuple[int, int]) -> None:
         self._exemplar, self._pixel = exemplar, pixel
         self._order: NDArray[np.int32] | None = None
         self._layer, self._own = 0, list[Stage]()
 
-    def hear(self, step: str, facts: dict[str, Any]) -> None:
-        """See `Watcher`."""
+    def record(self, step: str, facts: dict[str, Any]) -> None:
+        """See `Recorder`."""
         growth = facts["growth"]
         if step == "layer":  # before it grows
             if self._order is None:
@@ -74,7 +74,7 @@ class EfrosLeungWatcher:
         ]
 
     def stages(self) -> list[Stage]:
-        """See `Watcher`."""
+        """See `Recorder`."""
         if self._order is None:
             return self._own
         self._order[self._order < 0] = self._layer
@@ -90,14 +90,14 @@ class EfrosLeungWatcher:
         return [order, *self._own]
 
 
-class WeiLevoyWatcher:
-    """Sees each level of the pyramid, and at each how the pixel or its parent is chosen."""
+class WeiLevoyRecorder:
+    """Records at each level of the pyramid how the pixel or its parent is chosen."""
 
     def __init__(self, exemplar: Exemplar, pixel: tuple[int, int]) -> None:
         self._pixel, self._levels = pixel, dict[int, list[Stage]]()
 
-    def hear(self, step: str, facts: dict[str, Any]) -> None:
-        """See `Watcher`."""
+    def record(self, step: str, facts: dict[str, Any]) -> None:
+        """See `Recorder`."""
         level = facts["level"]
         number, at = level.number, f" of level {level.number}"
         y, x = (n >> number for n in self._pixel)
@@ -160,7 +160,7 @@ class WeiLevoyWatcher:
         ]
 
     def stages(self) -> list[Stage]:
-        """See `Watcher`; the coarsest level first."""
+        """See `Recorder`; the coarsest level first."""
         return [stage for number in sorted(self._levels)[::-1] for stage in self._levels[number]]
 
 
@@ -178,15 +178,15 @@ def path_to(nodes: NDArray[np.int32], row: int) -> list[tuple[int, int, int]]:
 
 
 def spans_of(nodes: NDArray[np.int32], node: int) -> tuple[int, int]:
-    """First and last row + 1 below a node."""
+    """Return first and last row + 1 below a node."""
     while (child := int(nodes[node, 0])) >= 0:
         first, last = spans_of(nodes, child), spans_of(nodes, child + 1)
         return min(first[0], last[0]), max(first[1], last[1])
     return int(nodes[node, 1]), int(nodes[node, 2])
 
 
-class CandidateWatcher:
-    """Sees which places are compared for the pixel: coherent candidates, or listed windows."""
+class CandidateRecorder:
+    """Records the candidates of the pixel: coherent ones, or listed windows."""
 
     words: tuple[str, str, str]
     canvas = ""
@@ -195,7 +195,7 @@ class CandidateWatcher:
         self._pixel, self._found = pixel, dict[str, list[Stage]]()
 
     def stages(self) -> list[Stage]:
-        """See `Watcher`."""
+        """See `Recorder`."""
         return [stage for stages in self._found.values() for stage in stages]
 
     def take(
@@ -229,8 +229,8 @@ class CandidateWatcher:
         ]
 
 
-class AshikhminWatcher(CandidateWatcher):
-    """Sees the coherent candidates of the first pass and of the last."""
+class AshikhminRecorder(CandidateRecorder):
+    """Records the coherent candidates of the first pass and of the last."""
 
     canvas = "The picture when the pixel's turn comes, in scan order."
     words = (
@@ -242,8 +242,8 @@ class AshikhminWatcher(CandidateWatcher):
         "The coherent candidates: where the neighbors' sources go on. The best is framed.",
     )
 
-    def hear(self, step: str, facts: dict[str, Any]) -> None:
-        """See `Watcher`."""
+    def record(self, step: str, facts: dict[str, Any]) -> None:
+        """See `Recorder`."""
         growth = facts["growth"]
         if step == "window":
             self._pass = "" if facts["number"] == 0 else " of a later pass"
@@ -254,8 +254,8 @@ class AshikhminWatcher(CandidateWatcher):
         self.choose(growth.windows.pixels, np.unique(places[places >= 0]), chosen, self._pass)
 
 
-class ExactMatchingWatcher(CandidateWatcher):
-    """Sees the windows that are listed under the neighbors' colors, at each level."""
+class ExactMatchingRecorder(CandidateRecorder):
+    """Records the windows listed under the neighbors' colors, at each level."""
 
     canvas = "The picture when the pixel's turn comes, in scanline order."
     words = (
@@ -271,8 +271,8 @@ class ExactMatchingWatcher(CandidateWatcher):
         ),
     )
 
-    def hear(self, step: str, facts: dict[str, Any]) -> None:
-        """See `Watcher`."""
+    def record(self, step: str, facts: dict[str, Any]) -> None:
+        """See `Recorder`."""
         sheet = facts["sheet"]
         y, x = (n >> sheet.level for n in self._pixel)
         if step == "window":

@@ -17,15 +17,15 @@ if TYPE_CHECKING:
 _CURVE = 64  # pixels a side of the drawing of the curve
 
 
-class RefinementWatcher:
-    """Sees each level as it starts, after its first sweep and after its last."""
+class RefinementRecorder:
+    """Records each level at its start, after its first sweep and after its last."""
 
     def __init__(self, exemplar: Exemplar, pixel: tuple[int, int]) -> None:
         self._found: dict[str, Stage] = {}
         self._changes: list[float] = []
 
-    def hear(self, step: str, facts: dict[str, Any]) -> None:
-        """See `Watcher`; the method that it starts from has notes of its own."""
+    def record(self, step: str, facts: dict[str, Any]) -> None:
+        """See `Recorder`; the method of the start has notes of its own."""
         if step not in ("start", "sweep"):
             return
         output, at = facts["output"], f" of level {facts['output'].number}"
@@ -51,7 +51,7 @@ class RefinementWatcher:
         self._found[title] = Stage(title, words, output.pixels.copy(), enlarged(picture))
 
     def stages(self) -> list[Stage]:
-        """See `Watcher`."""
+        """See `Recorder`."""
         if not self._changes:
             return list(self._found.values())
         changes = np.array(self._changes)
@@ -63,7 +63,7 @@ class RefinementWatcher:
 
 
 def _curve(values: NDArray[np.float64]) -> NDArray[np.uint8]:
-    """Bars, the highest as high as the drawing."""
+    """Return a drawing of bars, the highest as high as the drawing."""
     picture = np.full((_CURVE, len(values) * 4, 3), UNKNOWN, np.uint8)
     for k, value in enumerate(values / max(float(values.max()), 1e-12)):
         picture[_CURVE - round(float(value) * _CURVE) :, 4 * k : 4 * k + 3] = MAGENTA

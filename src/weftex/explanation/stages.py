@@ -76,7 +76,7 @@ class Explanation:
     @overload
     def __getitem__(self, which: slice) -> tuple[Stage, ...]: ...
     def __getitem__(self, which: int | str | slice) -> Stage | tuple[Stage, ...]:
-        """A stage by its number or its title."""
+        """Return a stage by its number or its title."""
         if isinstance(which, str):
             return {stage.title: stage for stage in self.stages}[which]
         return self.stages[which]
@@ -106,7 +106,7 @@ class Explanation:
         return [*paths, captions]
 
     def strip(self, height: int = 160) -> NDArray[np.uint8]:
-        """All pictures beside each other, each so high: (height, W, 3)."""
+        """Return all pictures side by side, scaled to a height: (height, W, 3)."""
         gap = np.full((height, 6, 3), 255, np.uint8)
         row: list[NDArray[np.uint8]] = []
         for stage in self.stages:

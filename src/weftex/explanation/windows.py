@@ -1,4 +1,4 @@
-"""The stages that all methods have which compare windows: what is known, errors, candidates."""
+"""Stages of methods that compare windows: known pixels, errors, candidates."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ def window_around(
     half: int,
     wrap: tuple[bool, bool] = (False, False),
 ) -> tuple[NDArray[np.uint8], NDArray[np.bool_]]:
-    """Copy the window around a pixel: its bytes, and which are known; the pixel itself is not."""
+    """Return the window around a pixel: its bytes, and which are known; the pixel is not."""
     lines, inside = [], []
     for at, n, around in zip(pixel, done.shape, wrap, strict=True):
         line = at + np.arange(-half, half + 1)
@@ -40,7 +40,7 @@ def error_surface(
     *,
     tileable: bool = False,
 ) -> NDArray[np.float64]:
-    """Sum the squared differences of a half-known window to all windows of a sample."""
+    """Return the squared differences of a partly known window to all windows of a sample."""
     height, width = sample.shape[:2]
     total = np.zeros((height, width))
     rows, columns = np.arange(height)[:, None], np.arange(width)
@@ -66,7 +66,7 @@ def choice_stages(
     tileable: bool = False,
     at: str = "",
 ) -> list[Stage]:
-    """How one pixel was chosen: its neighborhood, the error surface, the candidates."""
+    """Return the stages of one pixel: its neighborhood, the errors, the candidates."""
     errors = error_surface(sample, window, known, weights, tileable=tileable)
     neighborhood = enlarged(made(window, known))
     times = neighborhood.shape[0] // window.shape[0]
