@@ -11,6 +11,7 @@ from twins import ashikhmin as reference
 from weftex.canvas import Canvas
 from weftex.raster.masks import peeled
 from weftex.search import coherence_kernels as _coherence_kernels
+from weftex.search.vocabulary_kernels import Picture, Query
 from weftex.search.windows import windows_of
 
 WRAPS = [(False, False), (False, True), (True, False), (True, True)]
@@ -109,9 +110,10 @@ def test_coherent_places_are_each_there_once(data):
     steps = reference.known_window(rng.random((6, 6)) < 0.7, y, x, (True, True), [half] * 4)
     runs = np.array([(dy, dx, 1) for dy, dx in steps], np.int32).reshape(-1, 3)
     places = np.empty(40, np.int32)
-    n = _coherence_kernels.places_at(
-        windows.from_sample(source), y, x, runs, len(runs), windows.usable, windows.period, places
-    )
+    nothing = np.zeros((1, 1, 1), np.uint8), np.zeros((1, 1), np.uint8)
+    picture = Picture(*nothing, windows.from_sample(source), (True, True))
+    query = Query(runs, np.empty(0, np.uint8))
+    n = _coherence_kernels.places_at(picture, windows.kernel, y, x, query, len(runs), places)
     found = [None if k < 0 else divmod(int(k), 8) for k in windows.to_sample(places[:n])]
     own = [[None if k < 0 else divmod(int(k), 8) for k in row] for row in source]
     assert found == reference.coherent_places(own, y, x, steps, exemplar, centers)

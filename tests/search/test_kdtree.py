@@ -8,7 +8,7 @@ from hypothesis import strategies as st
 import weftex
 from weftex.errors import UnsupportedError
 from weftex.results.patches import PatchSynthesis
-from weftex.search.kdtree import KDTree
+from weftex.search.zone_search import KDTree
 
 
 def distances(points, query):

@@ -11,6 +11,7 @@ from weftex.exemplar import Exemplar
 from weftex.search import nearest_kernels as kernels
 from weftex.search import window_kernels
 from weftex.search.nearest import nearest_search
+from weftex.search.vocabulary_kernels import Query
 from weftex.search.windows import windows_of
 
 
@@ -29,10 +30,9 @@ def found_and_expected(search, window, there, near=()):
     count = window_kernels.runs_of(
         np.pad(there, reach).astype(np.uint8), 2 * reach, 2 * reach, (0, 0), (reach,) * 4, runs
     )
-    runs = runs[:count]
     query = np.append(window[there].ravel(), np.zeros(1, np.uint8))
     near = np.array(near, np.int32)
-    place = kernels.nearest(search.bundle(), runs, query, near)
+    place = kernels.nearest(search.bundle(), Query(runs, query), count, near)
     every = all_windows(search.windows, reach).astype(int)
     apart = ((every - window)[:, there] ** 2).reshape(len(every), -1).sum(axis=1)
     return place, int(search.windows.centers[apart.argmin()])

@@ -52,7 +52,9 @@ def test_runs_are_what_is_known_of_the_window(height, width, reach, wrap, causal
     done = (np.random.default_rng(seed).random((height, width)) < 0.6).astype(np.uint8)
     runs = np.zeros(((sum(reach[:2]) + 1) * (sum(reach[2:]) + 2), 3), np.int32)
     for y, x in np.ndindex(height, width):
-        if causal:  # everything above and to the left is made
+        if not causal:
+            reach = reach[:1] * 4
+        else:  # everything above and to the left is made
             done[:] = np.arange(height * width).reshape(height, width) < y * width + x
         count = kernels.runs_of(done, y, x, wrap, reach, runs, causal)
         got = [(dy, dx + k) for dy, dx, length in runs[:count].tolist() for k in range(length)]

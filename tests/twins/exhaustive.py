@@ -38,11 +38,11 @@ def weighted_distances(levels, y, x, known, exemplar, centers, weights):
 
 def choice_of_all(search, exemplar, levels, done, wrap, place, bits, tolerance, candidates=None):
     """(chosen, distance, weight) of one pixel, over all windows or some candidates."""
-    width, weights = search.sample.width, search.sample.weights.tolist()
+    width, weights = len(search.weights), search.weights.tolist()
     y, x = divmod(int(place), done.shape[1])
     known = known_window(done, y, x, wrap, [width // 2] * 4)
-    places = search.sample.windows.centers.tolist() if candidates is None else sorted(candidates)
-    flat = search.sample.windows.to_sample(np.array(places, np.int32))
+    places = search.windows.centers.tolist() if candidates is None else sorted(candidates)
+    flat = search.windows.to_sample(np.array(places, np.int32))
     centers = [divmod(int(p), exemplar.shape[1]) for p in flat]
     distances = weighted_distances(levels, y, x, known, exemplar, centers, weights)
     limit = min(distances) * (1 + tolerance)

@@ -1,4 +1,4 @@
-cdef Py_ssize_t coherent_places(const int[:, ::1] source, Py_ssize_t y, Py_ssize_t x,
-                                const int[:, ::1] runs, Py_ssize_t n,
-                                const unsigned char[:, ::1] usable, const int[::1] period,
-                                int[::1] places, Py_ssize_t count) noexcept nogil
+from weftex.search.vocabulary_kernels cimport Picture, Query, Sample
+
+cdef Py_ssize_t coherent_places(Picture picture, Sample sample, Py_ssize_t y, Py_ssize_t x,
+                                Query query, int[::1] places, Py_ssize_t count) noexcept nogil

@@ -1,54 +1,75 @@
-"""The exact search of the windows that match what is known around a pixel."""
+"""The exact search of the windows that match the known pixels around a pixel."""
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from weftex.search import exhaustive_kernels as kernels
-from weftex.search.weighted_kernels import Picture
-from weftex.search.weighted_windows import drawing, found_windows, weighted_windows
+from weftex.search.vocabulary_kernels import Picture
+from weftex.search.windows import query_room
 
 if TYPE_CHECKING:
+    from collections.abc import Callable
+
     from numpy.typing import NDArray
 
-    from weftex.search.weighted_windows import Draw
     from weftex.search.windows import Windows
 
-#: Windows that the kernels take lower bounds of at a time.
-BLOCK: int = kernels.block_windows
+    #: For each pixel the window drawn, a flat index into the windows' pixels; its distance; and the
+    #: sum of the weights of the known pixels: int64 (n,).
+    Drawn = tuple[NDArray[np.int64], NDArray[np.int64], NDArray[np.int64]]
+    #: Draws windows for unknown pixels: flat indices into the canvas and random bits, int32 and
+    #: uint64 (n,). For one thread at a time.
+    Draw = Callable[[NDArray[np.int32], NDArray[np.uint64]], Drawn]
+
+_LARGEST_WEIGHT = 127  # times a difference it fits 16 bits
+_VECTOR = 16  # bytes; rows of windows are whole vectors
+_BLOCK: int = kernels.block_windows
 _STEP: int = kernels.step_terms
 _MOST_TERMS = 168  # bytes that lower bounds are made of, a multiple of the step
 
 
+def gaussian_weights(width: int, sigma: float) -> NDArray[np.int16]:
+    """Return a Gaussian around the middle of a square window, in whole numbers from 1 to 127.
+
+    `width` and `sigma`, the standard deviation, are in pixels.
+
+    Examples
+    --------
+    >>> gaussian_weights(3, 1.0)
+    array([[ 47,  77,  47],
+           [ 77, 127,  77],
+           [ 47,  77,  47]], dtype=int16)
+    """
+    away = np.arange(width) - width // 2
+    bell = np.exp(-(away[:, None] ** 2 + away**2) / (2 * sigma * sigma))
+    weights: NDArray[np.int16] = np.maximum(np.rint(_LARGEST_WEIGHT * bell), 1).astype(np.int16)
+    return weights
+
+
 class ExhaustiveSearch:
-    """Compares with every window of the sample; see `WindowSearch`.
+    """Compares the known pixels around a pixel with every window of a sample, exactly.
 
-    The heaviest known pixels give all windows a lower bound, 64 windows at a time. Only those are
-    compared in full whose bound is not past the best distance so far, which starts from the
-    windows where the neighbors' sources go on.
-
-    Parameters
-    ----------
-    windows : Windows
-        Of the sample, square.
-    weights : int16 array (width, width)
-        From 1 to 127. A distance is the sum of w d**2 over the known pixels.
+    Lower bounds from the heaviest pixels rule out most windows. `weights` are int16 (width, width),
+    from 1 to 127; a distance is the sum of w d**2 over the known pixels.
     """
 
     def __init__(self, windows: Windows, weights: NDArray[np.int16]) -> None:
-        self.sample = weighted_windows(windows, weights)
-        width, channels = self.sample.width, self.sample.channels
+        self.windows, self.weights = windows, weights
+        width, channels = len(weights), windows.pixels.shape[2]
+        self.stride = -(-width * channels // _VECTOR) * _VECTOR
+        self.flat = np.pad(windows.pixels.ravel(), (0, self.stride))  # rows are read past their end
         self.starts = _block_starts(windows.centers)
-        self.allowed = np.pad(windows.usable.ravel(), (0, BLOCK))
+        self.allowed = np.pad(windows.usable.ravel(), (0, _BLOCK))
         lead = width // 2 * (windows.pixels.shape[1] + 1)
         planes = np.ascontiguousarray(windows.pixels.reshape(-1, channels).T)
-        self.planes = np.pad(planes, ((0, 0), (lead, lead + BLOCK)))
+        self.planes = np.pad(planes, ((0, 0), (lead, lead + _BLOCK)))
         heaviest = np.argsort(-weights.ravel(), kind="stable")
         self.order = np.stack(np.divmod(heaviest, width), axis=1).astype(np.int32) - width // 2
         size = width * width * channels
-        self.terms = whole_groups(size) if size < _STEP else min(_MOST_TERMS, size // _STEP * _STEP)
+        self.terms = -(-size // 4) * 4 if size < _STEP else min(_MOST_TERMS, size // _STEP * _STEP)
 
     def on(
         self,
@@ -58,32 +79,48 @@ class ExhaustiveSearch:
         wrap: tuple[bool, bool],
         tolerance: float,
     ) -> Draw:
-        """See `WindowSearch.on`."""
-        sample, query = self.sample.bundle(), self.sample.query()
-        picture = Picture(pixels, done, source, wrap)
-        found = found_windows(self.sample.windows.centers.size)
-        lower = np.empty((len(self.starts), BLOCK), np.uint16)
-        least = np.empty(len(self.starts), np.uint16)
-        blocks = kernels.Blocks(self.planes, self.starts, self.allowed, self.order, lower, least)
+        """Return a function that draws windows for pixels of a canvas; one for each thread.
+
+        It draws one of the windows within (1 + tolerance) of the best distance, each as likely. The
+        canvas, its known pixels and their sources may change between calls.
+        """
+        picture, sample = Picture(pixels, done, source, wrap), self.windows.kernel
+        windows = kernels.WeightedWindows(
+            self.flat, self.weights, self.stride, self.windows.pixels.shape,
+            self.planes, self.starts, self.allowed, self.order,
+        )  # fmt: skip
+        known = self._known()
+
+        def draw(places: NDArray[np.int32], bits: NDArray[np.uint64]) -> Drawn:
+            out = np.empty((3, len(places)), np.int64)
+            kernels.draw_windows(sample, windows, picture, known, places, bits, tolerance, out)
+            chosen, distances, weights = out
+            return chosen, distances, weights
+
+        return draw
+
+    def _known(self) -> Any:
+        """Return the scratch of one thread."""
+        width, blocks = len(self.weights), len(self.starts)
+        most = self.windows.centers.size + 9  # the 8 neighbors' and -1
         types = np.intp, np.int16, np.uint16, np.uint16
-        terms = kernels.Terms(*(np.empty(self.terms, kind) for kind in types))
-        return drawing(
-            lambda choices: kernels.search_full(
-                sample, blocks, picture, choices, query, terms, found
-            ),
-            tolerance,
+        return kernels.Known(
+            query_room(width // 2, 1),
+            np.zeros(width * self.stride, np.uint8),
+            np.zeros(width * self.stride, np.int16),
+            np.empty(width + 1, np.int32),
+            [np.empty(self.terms, kind) for kind in types],
+            np.empty((blocks, _BLOCK), np.uint16),
+            np.empty(blocks, np.uint16),
+            np.empty(most, np.int32),
+            np.empty(most, np.int64),
         )
 
 
-def whole_groups(terms: int) -> int:
-    """Round up to the number of terms that the kernels take at a time."""
-    return -(-terms // 4) * 4
-
-
 def _block_starts(centers: NDArray[np.int32]) -> NDArray[np.int32]:
-    """Starts of the fewest stretches of 64 flat indices that hold all centers."""
+    """Starts of the fewest blocks of flat indices that hold all centers."""
     starts, at = [], 0
     while at < len(centers):
         starts.append(centers[at])
-        at = int(np.searchsorted(centers, centers[at] + BLOCK))
+        at = int(np.searchsorted(centers, centers[at] + _BLOCK))
     return np.array(starts, np.int32)

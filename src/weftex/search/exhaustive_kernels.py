@@ -1,66 +1,185 @@
 # mypy: ignore-errors
-"""Kernels that compare what is known around a pixel with every window of a sample.
+"""Kernels that compare the known pixels around a pixel with every window of a sample, with weights.
 
+The distance is a sum of w d**2 over known pixels, w from 1 to 127, in integers. Known pixels lie in
+rows as long as the window, with the weight 0 where nothing is known, so that no loop has holes.
 Compiled by Cython, see setup.py.
 """
 
 import cython
 from cython.cimports.libc.string import memset
-from cython.cimports.weftex.search.weighted_kernels import (
-    Choices,
-    Found,
-    Picture,
-    Query,
-    Sample,
-    choose_one,
-    coherent_windows,
-    limit_of,
-    look,
-    window_distance,
-)
+from cython.cimports.weftex.search.coherence_kernels import coherent_places
+from cython.cimports.weftex.search.vocabulary_kernels import Picture, Query, Sample
+from cython.cimports.weftex.search.window_kernels import known_runs
 
 #: For Python, the constants of the .pxd.
 block_windows = int(BLOCK_WINDOWS)
 step_terms = int(STEP_TERMS)
-largest_term = int(LARGEST_TERM)
-
-
-class Terms:
-    """Scratch: the bytes of a query that lower bounds are made of."""
-
-    def __init__(self, at, value, weight, cap):
-        self.at = at
-        self.value = value
-        self.weight = weight
-        self.cap = cap
 
 
 @cython.cclass
-class Blocks:
-    """Stretches of BLOCK_WINDOWS flat indices that hold all windows, and their lower bounds."""
+class WeightedWindows:
+    """The windows of a sample and the weights of their pixels."""
 
+    flat: cython.const[cython.uchar][::1]  # the pixels row by row, and a stride more
+    weights: cython.const[cython.short][:, ::1]
+    stride: cython.Py_ssize_t  # bytes of a row of a window, filled up to whole vectors
+    width: cython.Py_ssize_t  # of the sample
+    channels: cython.Py_ssize_t
+    reach: cython.Py_ssize_t
     planes: cython.const[cython.uchar][:, ::1]  # of one channel each, with a margin
-    starts: cython.const[cython.int][::1]
+    starts: cython.const[cython.int][::1]  # of blocks of flat indices that hold all windows
     allowed: cython.const[cython.uchar][::1]  # `usable` row by row, and a block more
     order: cython.const[cython.int][:, ::1]  # places in a window, the heaviest first
-    lower: cython.ushort[:, ::1]
-    least: cython.ushort[::1]  # of a block
 
-    def __init__(self, planes, starts, allowed, order, lower, least):
-        self.planes = planes
-        self.starts = starts
-        self.allowed = allowed
-        self.order = order
-        self.lower = lower
-        self.least = least
+    def __init__(self, flat, weights, stride, shape, planes, starts, allowed, order):
+        self.flat, self.weights, self.stride = flat, weights, stride
+        self.width, self.channels, self.reach = shape[1], shape[2], len(weights) // 2
+        self.planes, self.starts, self.allowed, self.order = planes, starts, allowed, order
+
+
+@cython.cclass
+class Known:
+    """Scratch: the known part of a window, the bytes that bounds are made of, and the search."""
+
+    query: Query
+    values: cython.uchar[::1]  # a row of the window is a stride
+    weights: cython.short[::1]  # of each value; 0 where nothing is known
+    rows: cython.int[::1]  # their number, then the rows with anything known, the nearest first
+    at: cython.Py_ssize_t[::1]  # where the bytes of a term begin in the planes
+    value: cython.short[::1]  # of a term
+    weight: cython.ushort[::1]
+    cap: cython.ushort[::1]  # of the squared difference
+    lower: cython.ushort[:, ::1]  # bounds of each block's windows
+    least: cython.ushort[::1]  # of a block
+    places: cython.int[::1]  # windows that were compared; -1 for none
+    distances: cython.longlong[::1]
+
+    def __init__(self, query, values, weights, rows, terms, lower, least, places, distances):
+        self.query, self.values, self.weights, self.rows = query, values, weights, rows
+        self.at, self.value, self.weight, self.cap = terms
+        self.lower, self.least = lower, least
+        self.places, self.distances = places, distances
 
 
 @cython.cfunc
 @cython.nogil
 @cython.exceptval(check=False)
-def pick_terms(
-    sample: Sample, blocks: Blocks, query: Query, limit: cython.longlong, terms: Terms
+def look(
+    picture: Picture,
+    windows: WeightedWindows,
+    y: cython.Py_ssize_t,
+    x: cython.Py_ssize_t,
+    known: Known,
 ) -> cython.longlong:
+    """Copy what is known around a pixel of the picture, with its weights; return their sum."""
+    cython.declare(height=cython.Py_ssize_t, width=cython.Py_ssize_t, reach=cython.Py_ssize_t)
+    cython.declare(n=cython.Py_ssize_t, r=cython.Py_ssize_t, i=cython.Py_ssize_t)
+    cython.declare(k=cython.Py_ssize_t, cy=cython.Py_ssize_t, cx=cython.Py_ssize_t)
+    cython.declare(row=cython.Py_ssize_t, column=cython.Py_ssize_t, at=cython.Py_ssize_t)
+    cython.declare(first=cython.Py_ssize_t, last=cython.Py_ssize_t, count=cython.int)
+    cython.declare(total=cython.longlong, weight=cython.short)
+    height = picture.done.shape[0]
+    width = picture.done.shape[1]
+    reach = windows.reach
+    n = known_runs(
+        picture.done, y, x, picture.wrap_y, picture.wrap_x, reach,
+        known.query.runs,
+    )  # fmt: skip
+    total = 0
+    memset(
+        cython.address(known.weights[0]), 0,
+        cython.cast(cython.size_t, known.weights.shape[0]) * 2,
+    )  # fmt: skip
+    for r in range(n):
+        row = known.query.runs[r, 0] + reach
+        column = known.query.runs[r, 1] + reach
+        cy = y + known.query.runs[r, 0]
+        cy = cy + height if cy < 0 else (cy - height if cy >= height else cy)
+        cx = x + known.query.runs[r, 1]
+        cx = cx + width if cx < 0 else (cx - width if cx >= width else cx)
+        at = row * windows.stride + column * windows.channels
+        for i in range(known.query.runs[r, 2]):
+            weight = windows.weights[row, column + i]
+            total += weight
+            for k in range(windows.channels):
+                known.values[at] = picture.pixels[cy, cx, k]
+                known.weights[at] = weight
+                at += 1
+            cx = cx + 1 if cx + 1 < width else 0
+    # The runs are sorted by row: take them from the middle outwards.
+    count = 0
+    last = 0
+    while last < n and known.query.runs[last, 0] < 0:
+        last += 1
+    first = last - 1
+    while first >= 0 or last < n:
+        if last < n and (first < 0 or known.query.runs[last, 0] <= -known.query.runs[first, 0]):
+            r = last
+            last += 1
+        else:
+            r = first
+            first -= 1
+        row = known.query.runs[r, 0] + reach
+        if count == 0 or known.rows[count] != row:
+            count += 1
+            known.rows[count] = cython.cast(cython.int, row)
+    known.rows[0] = count
+    return total
+
+
+@cython.cfunc
+@cython.inline
+@cython.nogil
+@cython.exceptval(check=False)
+def weighted(
+    a: cython.p_const_uchar, b: cython.p_const_uchar, w: cython.p_const_short, n: cython.Py_ssize_t
+) -> cython.longlong:
+    """Sum of w d**2 of two rows of bytes."""
+    cython.declare(i=cython.Py_ssize_t, start=cython.Py_ssize_t, stop=cython.Py_ssize_t)
+    cython.declare(d=cython.short, e=cython.short, part=cython.int, total=cython.longlong)
+    total = 0
+    start = 0
+    while start < n:
+        stop = start + 256 if start + 256 < n else n  # 256 * 127 * 255**2 < 2**31
+        part = 0
+        for i in range(start, stop):
+            d = cython.cast(cython.short, a[i]) - cython.cast(cython.short, b[i])
+            e = w[i] * d  # 127 * 255 < 2**15
+            part += cython.cast(cython.int, e) * d
+        total += part
+        start = stop
+    return total
+
+
+@cython.cfunc
+@cython.nogil
+@cython.exceptval(check=False)
+def window_distance(
+    windows: WeightedWindows, place: cython.Py_ssize_t, known: Known, bound: cython.longlong
+) -> cython.longlong:
+    """Distance to the window at a flat index; stops past `bound` (negative: never)."""
+    cython.declare(r=cython.Py_ssize_t, row=cython.Py_ssize_t, total=cython.longlong)
+    cython.declare(corner=cython.Py_ssize_t)
+    total = 0
+    corner = place - windows.reach * windows.width - windows.reach
+    for r in range(1, known.rows[0] + 1):
+        row = known.rows[r]
+        total += weighted(
+            cython.address(windows.flat[(corner + row * windows.width) * windows.channels]),
+            cython.address(known.values[row * windows.stride]),
+            cython.address(known.weights[row * windows.stride]),
+            windows.stride,
+        )
+        if total > bound and bound >= 0:
+            break
+    return total
+
+
+@cython.cfunc
+@cython.nogil
+@cython.exceptval(check=False)
+def pick_terms(windows: WeightedWindows, known: Known, limit: cython.longlong) -> cython.longlong:
     """Choose the heaviest known bytes for `bounds`; return the scale of their weights.
 
     The limit becomes about 2**13, so that 16 bits tell small differences apart.
@@ -68,20 +187,20 @@ def pick_terms(
     cython.declare(o=cython.Py_ssize_t, k=cython.Py_ssize_t, n=cython.Py_ssize_t)
     cython.declare(dy=cython.Py_ssize_t, dx=cython.Py_ssize_t, place=cython.Py_ssize_t)
     cython.declare(lead=cython.Py_ssize_t, wanted=cython.Py_ssize_t, scale=cython.longlong)
-    lead = sample.reach * sample.width + sample.reach
-    wanted = terms.at.shape[0]
+    lead = windows.reach * windows.width + windows.reach
+    wanted = known.at.shape[0]
     n = 0
-    for o in range(blocks.order.shape[0]):
-        dy = blocks.order[o, 0]
-        dx = blocks.order[o, 1]
-        place = (dy + sample.reach) * sample.stride + (dx + sample.reach) * sample.channels
-        if query.weights[place] == 0:
+    for o in range(windows.order.shape[0]):
+        dy = windows.order[o, 0]
+        dx = windows.order[o, 1]
+        place = (dy + windows.reach) * windows.stride + (dx + windows.reach) * windows.channels
+        if known.weights[place] == 0:
             continue
-        for k in range(sample.channels):
+        for k in range(windows.channels):
             if n < wanted:
-                terms.at[n] = k * blocks.planes.shape[1] + lead + dy * sample.width + dx
-                terms.value[n] = query.values[place + k]
-                terms.weight[n] = query.weights[place]
+                known.at[n] = k * windows.planes.shape[1] + lead + dy * windows.width + dx
+                known.value[n] = known.values[place + k]
+                known.weight[n] = known.weights[place]
                 n += 1
         if n >= wanted:
             break
@@ -91,19 +210,25 @@ def pick_terms(
     scale = max(1, min(511, scale))  # 127 * 511 < 2**16
     for k in range(wanted):
         if k < n:
-            terms.weight[k] = cython.cast(cython.ushort, terms.weight[k] * scale)
-            terms.cap[k] = cython.cast(
-                cython.ushort, min(65535, (LARGEST_TERM << 16) // terms.weight[k])
+            known.weight[k] = cython.cast(cython.ushort, known.weight[k] * scale)
+            known.cap[k] = cython.cast(
+                cython.ushort, min(65535, (LARGEST_TERM << 16) // known.weight[k])
             )
         else:
-            terms.at[k] = lead
-            terms.value[k] = 0
-            terms.weight[k] = 0
-            terms.cap[k] = 0
+            known.at[k] = lead
+            known.value[k] = 0
+            known.weight[k] = 0
+            known.cap[k] = 0
     return scale
 
 
-def bounds(planes, terms, first, last, out):
+@cython.cfunc
+@cython.nogil
+@cython.exceptval(check=False)
+def bounds(
+    planes: cython.p_const_uchar, known: Known, first: cython.Py_ssize_t, last: cython.Py_ssize_t,
+    out: cython.p_ushort,
+) -> cython.ushort:  # fmt: skip
     """Add terms to the lower bounds of a block of neighboring windows; return the least of them.
 
     A bound is the sum of floor(w d**2 / 2**16), in 16 bits, as twice as many as in 32 are done at
@@ -117,22 +242,22 @@ def bounds(planes, terms, first, last, out):
     cython.declare(e=cython.p_const_uchar, ve=cython.short, we=cython.ushort, me=cython.ushort)
     cython.declare(d=cython.short, s=cython.ushort, p=cython.ushort)
     for t in range(first, last, 4):
-        a = planes + terms.at[t]
-        b = planes + terms.at[t + 1]
-        c = planes + terms.at[t + 2]
-        e = planes + terms.at[t + 3]
-        va = terms.value[t]
-        vb = terms.value[t + 1]
-        vc = terms.value[t + 2]
-        ve = terms.value[t + 3]
-        wa = terms.weight[t]
-        wb = terms.weight[t + 1]
-        wc = terms.weight[t + 2]
-        we = terms.weight[t + 3]
-        ma = terms.cap[t]
-        mb = terms.cap[t + 1]
-        mc = terms.cap[t + 2]
-        me = terms.cap[t + 3]
+        a = planes + known.at[t]
+        b = planes + known.at[t + 1]
+        c = planes + known.at[t + 2]
+        e = planes + known.at[t + 3]
+        va = known.value[t]
+        vb = known.value[t + 1]
+        vc = known.value[t + 2]
+        ve = known.value[t + 3]
+        wa = known.weight[t]
+        wb = known.weight[t + 1]
+        wc = known.weight[t + 2]
+        we = known.weight[t + 3]
+        ma = known.cap[t]
+        mb = known.cap[t + 1]
+        mc = known.cap[t + 2]
+        me = known.cap[t + 3]
         for j in range(BLOCK_WINDOWS):
             d = cython.cast(cython.short, a[j]) - va
             s = cython.cast(cython.ushort, d * d)
@@ -172,90 +297,143 @@ def cut_of(limit: cython.longlong, scale: cython.longlong) -> cython.longlong:
 @cython.cfunc
 @cython.nogil
 @cython.exceptval(check=False)
-def first_bounds(blocks: Blocks, terms: Terms, step: cython.Py_ssize_t) -> cython.Py_ssize_t:
+def first_bounds(
+    windows: WeightedWindows, known: Known, step: cython.Py_ssize_t
+) -> cython.Py_ssize_t:
     """Bound all windows by the first terms; return the block with the least bound."""
     cython.declare(b=cython.Py_ssize_t, nearest=cython.Py_ssize_t)
     nearest = 0
-    for b in range(blocks.starts.shape[0]):
-        memset(cython.address(blocks.lower[b, 0]), 0, BLOCK_WINDOWS * 2)
-        blocks.least[b] = bounds(
-            cython.address(blocks.planes[0, blocks.starts[b]]), terms, 0, step,
-            cython.address(blocks.lower[b, 0]),
+    for b in range(windows.starts.shape[0]):
+        memset(cython.address(known.lower[b, 0]), 0, BLOCK_WINDOWS * 2)
+        known.least[b] = bounds(
+            cython.address(windows.planes[0, windows.starts[b]]), known, 0, step,
+            cython.address(known.lower[b, 0]),
         )  # fmt: skip
-        if blocks.least[b] < blocks.least[nearest]:
+        if known.least[b] < known.least[nearest]:
             nearest = b
     return nearest
 
 
-def search_full(
-    sample: Sample,
-    blocks: Blocks,
-    picture: Picture,
-    choices: Choices,
-    query: Query,
-    terms: Terms,
-    found: Found,
-):
-    """Choose for each pixel one of the windows that match what is known around it best."""
-    cython.declare(n=cython.Py_ssize_t, i=cython.Py_ssize_t, j=cython.Py_ssize_t)
-    cython.declare(b=cython.Py_ssize_t, y=cython.Py_ssize_t, x=cython.Py_ssize_t)
+@cython.cfunc
+@cython.nogil
+@cython.exceptval(check=False)
+def limit_of(best: cython.longlong, tolerance: cython.double) -> cython.longlong:
+    """The largest distance within (1 + tolerance) of the best."""
+    return cython.cast(cython.longlong, cython.cast(cython.double, best) * (1 + tolerance))
+
+
+@cython.cfunc
+@cython.nogil
+@cython.exceptval(check=False)
+def nearest_coherent(
+    picture: Picture, sample: Sample, windows: WeightedWindows, y: cython.Py_ssize_t,
+    x: cython.Py_ssize_t, known: Known,
+) -> cython.longlong:  # fmt: skip
+    """The least distance to where the sources of the 8 neighbors continue; -1 without any."""
+    cython.declare(j=cython.Py_ssize_t, d=cython.longlong, best=cython.longlong)
+    known.query.count = known_runs(
+        picture.done, y, x, picture.wrap_y, picture.wrap_x, 1 if windows.reach > 0 else 0,
+        known.query.runs,
+    )  # fmt: skip
+    best = -1
+    for j in range(coherent_places(picture, sample, y, x, known.query, known.places, 0)):
+        if known.places[j] >= 0:
+            d = window_distance(windows, known.places[j], known, best)
+            if best < 0 or d < best:
+                best = d
+    return best
+
+
+@cython.cfunc
+@cython.nogil
+@cython.exceptval(check=False)
+def list_within(
+    windows: WeightedWindows, known: Known, best: cython.longlong, tolerance: cython.double
+) -> cython.Py_ssize_t:
+    """List the windows within the tolerance of the best, which is at most `best`; return how many.
+
+    All others have too large a lower bound, or are left out when a better one is found.
+    """
+    cython.declare(n=cython.Py_ssize_t, j=cython.Py_ssize_t, b=cython.Py_ssize_t)
     cython.declare(place=cython.Py_ssize_t, count=cython.Py_ssize_t, nearest=cython.Py_ssize_t)
-    cython.declare(best=cython.longlong, limit=cython.longlong, scale=cython.longlong)
-    cython.declare(cut=cython.longlong, d=cython.longlong, size=cython.Py_ssize_t)
-    cython.declare(step=cython.Py_ssize_t)
-    size = terms.at.shape[0]
+    cython.declare(limit=cython.longlong, scale=cython.longlong, cut=cython.longlong)
+    cython.declare(d=cython.longlong, size=cython.Py_ssize_t, step=cython.Py_ssize_t)
+    size = known.at.shape[0]
     step = min(STEP_TERMS, size)
+    limit = limit_of(best, tolerance) if best >= 0 else -1
+    scale = pick_terms(windows, known, limit)
+    nearest = first_bounds(windows, known, step)
+    # The distance of the window with the least bound limits the others further.
+    for j in range(BLOCK_WINDOWS):
+        if known.lower[nearest, j] == known.least[nearest]:
+            place = windows.starts[nearest] + j
+            if windows.allowed[place]:
+                d = window_distance(windows, place, known, limit)
+                if best < 0 or d < best:
+                    best = d
+                    limit = limit_of(best, tolerance)
+            break
+    cut = cut_of(limit, scale)
+    count = 0
+    for b in range(windows.starts.shape[0]):
+        n = step
+        while known.least[b] <= cut and n < size:
+            known.least[b] = bounds(
+                cython.address(windows.planes[0, windows.starts[b]]), known, n, n + step,
+                cython.address(known.lower[b, 0]),
+            )  # fmt: skip
+            n += step
+        if known.least[b] > cut:
+            continue
+        for j in range(BLOCK_WINDOWS):
+            if known.lower[b, j] > cut:
+                continue
+            place = windows.starts[b] + j
+            if not windows.allowed[place]:
+                continue
+            d = window_distance(windows, place, known, limit)
+            if d > limit and limit >= 0:
+                continue
+            known.places[count] = cython.cast(cython.int, place)
+            known.distances[count] = d
+            count += 1
+            if best < 0 or d < best:
+                best = d
+                limit = limit_of(best, tolerance)
+                cut = cut_of(limit, scale)
+    n = 0
+    for j in range(count):
+        if known.distances[j] <= limit:
+            known.places[n] = known.places[j]
+            known.distances[n] = known.distances[j]
+            n += 1
+    return n
+
+
+def draw_windows(
+    sample: Sample,
+    windows: WeightedWindows,
+    picture: Picture,
+    known: Known,
+    places: cython.const[cython.int][::1],
+    bits: cython.const[cython.ulonglong][::1],
+    tolerance: cython.double,
+    out: cython.longlong[:, ::1],
+):
+    """Draw for each pixel one of the windows within the tolerance of the best, each as likely.
+
+    A column of `out` has the window's flat index, its distance, and the sum of the weights of the
+    known pixels.
+    """
+    cython.declare(i=cython.Py_ssize_t, j=cython.Py_ssize_t, y=cython.Py_ssize_t)
+    cython.declare(x=cython.Py_ssize_t, count=cython.ulonglong, best=cython.longlong)
     with cython.nogil:
-        for i in range(choices.places.shape[0]):
-            y = choices.places[i] // picture.done.shape[1]
-            x = choices.places[i] % picture.done.shape[1]
-            choices.weights[i] = look(picture, sample, y, x, query)
-            # The distance of coherent windows limits that of the others.
-            best = -1
-            for j in range(coherent_windows(picture, sample, y, x, query, found, 0)):
-                if found.places[j] >= 0:
-                    d = window_distance(sample, found.places[j], query, best)
-                    if best < 0 or d < best:
-                        best = d
-            limit = limit_of(best, choices.tolerance) if best >= 0 else -1
-            scale = pick_terms(sample, blocks, query, limit, terms)
-            nearest = first_bounds(blocks, terms, step)
-            # The distance of the window with the least bound limits it further.
-            for j in range(BLOCK_WINDOWS):
-                if blocks.lower[nearest, j] == blocks.least[nearest]:
-                    place = blocks.starts[nearest] + j
-                    if blocks.allowed[place]:
-                        d = window_distance(sample, place, query, limit)
-                        if best < 0 or d < best:
-                            best = d
-                            limit = limit_of(best, choices.tolerance)
-                    break
-            cut = cut_of(limit, scale)
-            count = 0
-            for b in range(blocks.starts.shape[0]):
-                n = step
-                while blocks.least[b] <= cut and n < size:
-                    blocks.least[b] = bounds(
-                        cython.address(blocks.planes[0, blocks.starts[b]]), terms, n, n + step,
-                        cython.address(blocks.lower[b, 0]),
-                    )  # fmt: skip
-                    n += step
-                if blocks.least[b] > cut:
-                    continue
-                for j in range(BLOCK_WINDOWS):
-                    if blocks.lower[b, j] > cut:
-                        continue
-                    place = blocks.starts[b] + j
-                    if not blocks.allowed[place]:
-                        continue
-                    d = window_distance(sample, place, query, limit)
-                    if d > limit and limit >= 0:
-                        continue
-                    found.places[count] = cython.cast(cython.int, place)
-                    found.distances[count] = d
-                    count += 1
-                    if best < 0 or d < best:
-                        best = d
-                        limit = limit_of(best, choices.tolerance)
-                        cut = cut_of(limit, scale)
-            choose_one(choices, i, found, count, limit)
+        for i in range(places.shape[0]):
+            y = places[i] // picture.done.shape[1]
+            x = places[i] % picture.done.shape[1]
+            out[2, i] = look(picture, windows, y, x, known)
+            best = nearest_coherent(picture, sample, windows, y, x, known)
+            count = cython.cast(cython.ulonglong, list_within(windows, known, best, tolerance))
+            j = cython.cast(cython.Py_ssize_t, ((bits[i] >> 32) * count) >> 32)
+            out[0, i] = known.places[j]
+            out[1, i] = known.distances[j]

@@ -75,7 +75,7 @@ class NearestSearch:
             nearest_kernels.Bound(bound, *self._room(bound.components.basis), apart)
             for bound in (self.whole, self.above)
         )
-        return nearest_kernels.Search(self.windows, self.reach, *bounds)
+        return nearest_kernels.NearestWindows(self.windows, self.reach, *bounds)
 
     def _room(self, basis: NDArray[np.int16]) -> tuple[NDArray[np.int32], NDArray[np.int16]]:
         return np.zeros(basis.shape[1], np.int32), np.zeros(len(basis), np.int16)

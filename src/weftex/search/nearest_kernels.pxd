@@ -1,3 +1,5 @@
+from weftex.search.vocabulary_kernels cimport Query
+
 cdef class Bound:
     cdef const short[:, ::1] basis
     cdef const int[::1] offset
@@ -8,13 +10,12 @@ cdef class Bound:
     cdef short[::1] coordinates
     cdef int[::1] apart
 
-cdef class Search:
+cdef class NearestWindows:
     cdef const unsigned char[:, :, ::1] pixels
     cdef const int[::1] centers
     cdef Py_ssize_t reach
     cdef Bound whole
     cdef Bound above
 
-cdef Py_ssize_t nearest_window(Search search, const int[:, ::1] runs, Py_ssize_t count,
-                               const unsigned char[::1] query, const int[::1] near,
+cdef Py_ssize_t nearest_window(NearestWindows search, Query query, const int[::1] near,
                                Py_ssize_t near_count) noexcept nogil

@@ -3,6 +3,7 @@
 
 import cython
 from cython.cimports.libc.math import sqrt
+from cython.cimports.weftex.search.vocabulary_kernels import Query
 from cython.cimports.weftex.search.window_kernels import run_distance
 from cython.cimports.weftex.search.zone_kernels import distances_by_features, project
 
@@ -18,7 +19,7 @@ class Bound:
         self.query, self.coordinates, self.apart = query, coordinates, apart
 
 
-class Search:
+class NearestWindows:
     """A `NearestSearch`."""
 
     def __init__(self, windows, reach, whole, above):
@@ -29,20 +30,18 @@ class Search:
 @cython.cfunc
 @cython.nogil
 @cython.exceptval(check=False)
-def leading(
-    search: Search, runs: cython.const[cython.int][:, ::1], count: cython.Py_ssize_t
-) -> cython.Py_ssize_t:
+def leading(search: NearestWindows, query: Query) -> cython.Py_ssize_t:
     """Pixels of a window, in scan order and without its middle, before the first unknown one."""
     cython.declare(r=cython.Py_ssize_t, y=cython.Py_ssize_t, x=cython.Py_ssize_t)
     cython.declare(pixels=cython.Py_ssize_t)
     y = -search.reach
     x = -search.reach
     pixels = 0
-    for r in range(count):
-        if runs[r, 0] != y or runs[r, 1] != x:
+    for r in range(query.count):
+        if query.runs[r, 0] != y or query.runs[r, 1] != x:
             break
-        pixels += runs[r, 2]
-        x += runs[r, 2]
+        pixels += query.runs[r, 2]
+        x += query.runs[r, 2]
         if y == 0 and x == 0:
             x = 1
         if x > search.reach:
@@ -81,8 +80,7 @@ def farthest(bound: Bound, distance: cython.longlong) -> cython.longlong:
 @cython.nogil
 @cython.exceptval(check=False)
 def nearest_within(
-    search: Search, bound: Bound, bounded: cython.bint, runs: cython.const[cython.int][:, ::1],
-    count: cython.Py_ssize_t, query: cython.const[cython.uchar][::1],
+    search: NearestWindows, bound: Bound, bounded: cython.bint, query: Query,
     near: cython.const[cython.int][::1], near_count: cython.Py_ssize_t,
 ) -> cython.Py_ssize_t:  # fmt: skip
     """`nearest_window`, where `bounded` without those that are too far by their coordinates."""
@@ -91,7 +89,7 @@ def nearest_within(
     cython.declare(limit=cython.longlong)
     columns: cython.Py_ssize_t = search.pixels.shape[1]
     if bounded:
-        bound_all(bound, query)
+        bound_all(bound, query.values)
     best = -1
     least = -1
     limit = 0
@@ -101,7 +99,13 @@ def nearest_within(
         if place < 0 or (bounded and n >= 0 and best >= 0 and bound.apart[n] > limit):
             continue
         distance = run_distance(
-            search.pixels, place // columns, place % columns, runs, count, query, least
+            search.pixels,
+            place // columns,
+            place % columns,
+            query.runs,
+            query.count,
+            query.values,
+            least,
         )
         if best < 0 or distance < least or (distance == least and place < best):
             best = place
@@ -111,20 +115,20 @@ def nearest_within(
     return best
 
 
-def nearest_window(search, runs, count, query, near, near_count):
-    """Return the nearest window to one of which the runs are known; of equals the first.
+def nearest_window(search, query, near, near_count):
+    """Return the nearest window to one that is known in part; of equals the first.
 
     It is likely to be one of the `near`, where -1 stands for none, or like one of them.
     """
-    known: cython.Py_ssize_t = leading(search, runs, count) * search.pixels.shape[2]
+    known: cython.Py_ssize_t = leading(search, query) * search.pixels.shape[2]
     if known >= search.whole.query.shape[0]:
-        return nearest_within(search, search.whole, True, runs, count, query, near, near_count)
+        return nearest_within(search, search.whole, True, query, near, near_count)
     return nearest_within(
-        search, search.above, known >= search.above.query.shape[0], runs, count, query, near,
-        near_count,
-    )  # fmt: skip
+        search, search.above, known >= search.above.query.shape[0], query, near, near_count
+    )
 
 
-def nearest(search: Search, runs, query, near):
-    """`nearest_window` from Python."""
-    return nearest_window(search, runs, len(runs), query, near, len(near))
+def nearest(search: NearestWindows, query: Query, count, near):
+    """`nearest_window` from Python, for the first `count` runs of a query."""
+    query.count = count
+    return nearest_window(search, query, near, len(near))

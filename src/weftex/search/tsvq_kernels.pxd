@@ -7,9 +7,10 @@ cdef class Tree:
     cdef int[::1] pending
     cdef Py_ssize_t waiting
 
-cdef class Query:
+cdef class Vector:
     cdef unsigned char[::1] values  # as long as a vector
     cdef int[:, ::1] spans  # first byte and number of bytes of what is known
     cdef Py_ssize_t count  # of the spans
+    cdef Py_ssize_t leaves  # to look into; 1 goes down without backtracking
 
-cdef Py_ssize_t nearest(Tree tree, Query query, Py_ssize_t leaves) noexcept nogil
+cdef Py_ssize_t nearest(Tree tree, Vector query) noexcept nogil

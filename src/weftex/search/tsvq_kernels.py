@@ -18,13 +18,14 @@ class Tree:
         self.waiting = 0
 
 
-class Query:
-    """A vector of which spans of bytes are known."""
+class Vector:
+    """A vector of which spans of bytes are known, and how many leaves are searched for it."""
 
-    def __init__(self, values, spans, count):
+    def __init__(self, values, spans, count, leaves):
         self.values = values
         self.spans = spans
         self.count = count
+        self.leaves = leaves
 
 
 @cython.cclass
@@ -137,15 +138,16 @@ def pop(tree: Tree) -> cython.int:
     return result
 
 
-def nearest(tree, query, leaves):
+def nearest(tree, query):
     """The row nearest to the query in the leaves that are looked at; the first place of a tie."""
     cython.declare(node=cython.int, child=cython.int, i=cython.Py_ssize_t, best=cython.Py_ssize_t)
     cython.declare(near=cython.longlong, far=cython.longlong, d=cython.longlong)
-    cython.declare(least=cython.longlong, n=cython.Py_ssize_t)
+    cython.declare(least=cython.longlong, n=cython.Py_ssize_t, leaves=cython.Py_ssize_t)
     cython.declare(values=cython.p_const_uchar, spans=cython.p_const_int)
     values = cython.address(query.values[0])
     spans = cython.address(query.spans[0, 0])
     n = query.count
+    leaves = query.leaves
     tree.waiting = 0
     node = 0
     best = -1
@@ -306,4 +308,4 @@ def nearest_rows(tree: Tree, queries, spans, leaves: cython.Py_ssize_t, found):
     """Call `nearest` for each of `queries`."""
     rows: cython.int[::1] = found
     for i in range(len(queries)):
-        rows[i] = nearest(tree, Query(queries[i], spans, len(spans)), leaves)
+        rows[i] = nearest(tree, Vector(queries[i], spans, len(spans), leaves))

@@ -3,8 +3,8 @@ cdef Py_ssize_t causal_runs(Py_ssize_t y, Py_ssize_t x, Py_ssize_t height, Py_ss
                             int[:, ::1] runs) noexcept nogil
 
 cdef Py_ssize_t known_runs(const unsigned char[:, ::1] done, Py_ssize_t y, Py_ssize_t x,
-                           bint wrap_y, bint wrap_x, Py_ssize_t up, Py_ssize_t down,
-                           Py_ssize_t left, Py_ssize_t right, int[:, ::1] runs) noexcept nogil
+                           bint wrap_y, bint wrap_x, Py_ssize_t reach,
+                           int[:, ::1] runs) noexcept nogil
 
 cdef void turn_runs(int[:, ::1] runs, Py_ssize_t n) noexcept nogil
 

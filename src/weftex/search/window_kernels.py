@@ -60,8 +60,8 @@ def turn_runs(runs, n):
             runs[n - 1 - i, k] = swapped
 
 
-def known_runs(done, y, x, wrap_y, wrap_x, up, down, left, right, runs):
-    """Write the known part of the window around a pixel, without the pixel itself.
+def known_runs(done, y, x, wrap_y, wrap_x, reach, runs):
+    """Write the known part of the square window around a pixel, without the pixel itself.
 
     On a wrapped axis that is shorter than the window no pixel is in it twice. Returns the number
     of runs.
@@ -70,28 +70,14 @@ def known_runs(done, y, x, wrap_y, wrap_x, up, down, left, right, runs):
     cython.declare(dy=cython.Py_ssize_t, dx=cython.Py_ssize_t)
     cython.declare(cy=cython.Py_ssize_t, cx=cython.Py_ssize_t)
     cython.declare(running=cython.bint, known=cython.bint)
+    cython.declare(up=cython.Py_ssize_t, down=cython.Py_ssize_t)
+    cython.declare(left=cython.Py_ssize_t, right=cython.Py_ssize_t)
     height, width = done.shape[0], done.shape[1]
     n = 0
-    if wrap_y:
-        if up > (height - 1) // 2:
-            up = (height - 1) // 2
-        if down > height // 2:
-            down = height // 2
-    else:
-        if up > y:
-            up = y
-        if down > height - 1 - y:
-            down = height - 1 - y
-    if wrap_x:
-        if left > (width - 1) // 2:
-            left = (width - 1) // 2
-        if right > width // 2:
-            right = width // 2
-    else:
-        if left > x:
-            left = x
-        if right > width - 1 - x:
-            right = width - 1 - x
+    up = min(reach, (height - 1) // 2 if wrap_y else y)
+    down = min(reach, height // 2 if wrap_y else height - 1 - y)
+    left = min(reach, (width - 1) // 2 if wrap_x else x)
+    right = min(reach, width // 2 if wrap_x else width - 1 - x)
     cy = (y - up + height) % height
     for dy in range(-up, down + 1):
         running = False
@@ -200,7 +186,7 @@ def runs_of(done, y, x, wrap, reach, runs, causal=False):
     out: cython.int[:, ::1] = runs
     if causal:
         return causal_runs(y, x, d.shape[0], d.shape[1], wrap[1], reach[0], reach[2], reach[3], out)
-    return known_runs(d, y, x, wrap[0], wrap[1], reach[0], reach[1], reach[2], reach[3], out)
+    return known_runs(d, y, x, wrap[0], wrap[1], reach[0], out)
 
 
 def compare(levels, y, x, pixels, places, runs, n, query, bound=-1):

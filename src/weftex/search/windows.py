@@ -10,6 +10,7 @@ import numpy as np
 
 from weftex.errors import InvalidInputError
 from weftex.raster.boxes import box_sums
+from weftex.search.vocabulary_kernels import Query, Sample
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -41,6 +42,11 @@ class Windows:
     usable: NDArray[np.uint8]
     period: NDArray[np.int32]
     shape: tuple[int, int]
+
+    @property
+    def kernel(self) -> Sample:
+        """The windows as kernels take them."""
+        return Sample(self.pixels, self.usable, self.period)
 
     @cached_property
     def centers(self) -> NDArray[np.int32]:
@@ -110,9 +116,18 @@ def windows_of(
     return Windows(np.ascontiguousarray(pixels), usable, period, exemplar.shape)
 
 
-def square_windows(exemplar: Exemplar, width: int) -> Windows:
+def query_room(reach: int, channels: int) -> Query:
+    """Return room for the known part of a square window, or of the eight pixels around."""
+    width = max(2 * reach + 1, 3)
+    runs = np.empty((width * (width + 1), 3), np.int32)
+    return Query(runs, np.empty(width * width * channels, np.uint8))
+
+
+def square_windows(
+    exemplar: Exemplar, width: int, pixels: NDArray[np.uint8] | None = None
+) -> Windows:
     """Return the square windows of a sample, of an odd width; see `windows_of`."""
-    return windows_of(exemplar, (width // 2,) * 4)
+    return windows_of(exemplar, (width // 2,) * 4, pixels)
 
 
 def whole_windows(mask: NDArray[np.bool_], reach: Reach) -> NDArray[np.uint8]:

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from weftex.errors import UnsupportedError
 from weftex.search import zone_kernels
 from weftex.search.boundary_zone import BoundaryZone
 from weftex.search.pca import ZonePCA, fit_pca
@@ -15,8 +16,6 @@ from weftex.search.zone_search_kernels import SOURCES, ZoneWindows
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
-
-    from weftex.search.kdtree import KDTree
 
 #: How candidates are found: compare all, or the paper's accelerations and what they combine to.
 SEARCHES = ("exhaustive", "quadtree", "pca", "kdtree", "kdtree-pca")
@@ -81,8 +80,6 @@ class ZoneSearch:
                 self.positions = places
             self.source = _COMPONENTS
             if "kdtree" in search:
-                from weftex.search.kdtree import KDTree
-
                 points = self.pca.features if self._projected else windows
                 self.source, self.tree = _TREE, KDTree(points.T, places, _TREE_ERROR)
 
@@ -117,6 +114,34 @@ class ZoneSearch:
             pca, means, query = self.pca, query, np.empty(len(self.pca.basis), np.int16)
             zone_kernels.coordinates(pca.basis, pca.offset, pca.shift, means, query)
         return self.tree.nearest(query, self.wanted)
+
+
+class KDTree:
+    """The approximate kd-tree of section 3.1, over integer points (n, K).
+
+    Of a point its number in `places` is found; a neighbor may be `error` times farther, relatively,
+    than the true one.
+    """
+
+    def __init__(
+        self, points: NDArray[np.integer], places: NDArray[np.int32], error: float
+    ) -> None:
+        try:
+            from scipy.spatial import cKDTree
+        except ImportError:
+            raise UnsupportedError(
+                "kd-trees come from SciPy; install it with: pip install 'weftex[kdtree]'"
+            ) from None
+        # Without balancing, SciPy splits by the sliding midpoint rule, as the paper wants.
+        self.tree: Any = cKDTree(points, leafsize=8, balanced_tree=False, compact_nodes=False)
+        self.places, self.error = places, error
+
+    def nearest(self, query: NDArray[np.integer], wanted: int) -> NDArray[np.int32]:
+        """Return the places of about the `wanted` nearest points."""
+        wanted = min(wanted, len(self.places))
+        found = self.tree.query(query, k=wanted, eps=self.error, workers=1)[1]
+        nearest: NDArray[np.int32] = self.places[np.atleast_1d(found)]
+        return nearest
 
 
 def _stride(side: int, count: int) -> int:

@@ -3,20 +3,25 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from functools import partial
 from typing import TYPE_CHECKING, ClassVar, Self
 
 import numpy as np
 
 from weftex.methods.ashikhmin.choice import Choice, random_places
-from weftex.methods.ashikhmin.model import Prepared, prepare
-from weftex.methods.ashikhmin.settings import settle
-from weftex.methods.pixels.growth import PixelModel, WindowedMethod
+from weftex.methods.pixels.growth import PixelModel, WindowedMethod, narrowed, width_for
 from weftex.parameters import parameter
 from weftex.raster.masks import peeled
+from weftex.search.windows import square_windows
 
 if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
     from weftex.exemplar import Exemplar
     from weftex.methods.pixels.growth import Growth
+    from weftex.search.windows import Windows
+
+_PROPOSED_WIDTH = 5
 
 
 @dataclass(frozen=True)
@@ -72,23 +77,48 @@ class Ashikhmin(WindowedMethod):
     )
 
     def fit_exemplar(self, exemplar: Exemplar) -> PixelModel:
-        """See `Method.fit`."""
-        settings = settle(self, exemplar)
-        settled = replace(self, window_width=settings.window_width)
-        return PixelModel(settled, exemplar, prepare(settings, exemplar), grow)
+        """Find the whole windows of a sample and of its guide."""
+        method = self.resolved(exemplar)
+        width = method.window_for(0)
+        windows = square_windows(exemplar, width)
+        guide = windows.pixels  # the picture's channels come first, those of its maps after
+        if exemplar.guide is not None:
+            guide = square_windows(exemplar, width, exemplar.as_guide(exemplar.guide)).pixels
+        return PixelModel(method, exemplar, Prepared(method, windows, guide), grow)
 
     def resolved(self, exemplar: Exemplar) -> Self:
-        """See `Method.resolved`."""
-        return replace(self, window_width=settle(self, exemplar).window_width)
+        """See `Method.resolved`; `jumps` depends on the canvas."""
+        width = width_for(self.window_width, exemplar, _PROPOSED_WIDTH)
+        if self.window_width is None:
+            width = narrowed(width, partial(square_windows, exemplar))
+        return replace(self, window_width=width)
+
+
+@dataclass(frozen=True, eq=False)
+class Prepared:
+    """A sample prepared for synthesis from coherent candidates."""
+
+    method: Ashikhmin  # resolved
+    windows: Windows  # the sample's whole windows
+    guide: NDArray[np.uint8]  # (H, W, K): the sample's own for their pixels, or these themselves
+
+    @property
+    def half(self) -> int:
+        """How far a window reaches from its center, in pixels."""
+        return self.method.window_for(0) // 2
 
 
 def grow(prepared: Prepared, growth: Growth) -> None:
     """Choose all pixels several times (section 3); those of a hole in layers from its border."""
-    settings = prepared.settings
-    choice = Choice(settings, prepared.windows, prepared.guide, growth)
+    method, half = prepared.method, prepared.half
+    guided = growth.canvas.guide is not None
+    jumps = int(guided) if method.jumps is None else method.jumps
+    weight = method.guide_weight if guided else 0.0
+    choice = Choice(prepared.windows, half, prepared.guide, weight, jumps, growth)
+    choice.progress = growth.progress(choice.count(method.passes), "pixels")
     if growth.hole is not None:
         layers = peeled(growth.hole, growth.canvas.wrap)
-        for number in range(settings.passes):
+        for number in range(method.passes):
             for layer in layers:
                 choice.choose(layer, number)
         return
@@ -100,9 +130,9 @@ def grow(prepared: Prepared, growth: Growth) -> None:
     # from the one whose L-shaped window is most like its own, and the guide's like the output's:
     # see `growth_kernels.choose` and `guide_distance` there.
     for i, line in enumerate(lines):
-        if i < settings.half:
+        if i < half:
             # Around the border, as the paper's windows go, to the random pixels of the last rows.
-            noise = slice(max(i + 1, height - settings.half), None)
+            noise = slice(max(i + 1, height - half), None)
             growth.done[noise] = 1
             choice.choose(line, 0, around=True)
             growth.done[noise] = 0
@@ -111,14 +141,14 @@ def grow(prepared: Prepared, growth: Growth) -> None:
     if choice.rows_to_close:
         choice.close(lines[: choice.rows_to_close])
     # Further passes, with the whole window and candidates from all neighbors.
-    for number in range(1, settings.passes):
+    for number in range(1, method.passes):
         for line in lines:
             choice.choose(line, number)
 
 
 def start_from_noise(prepared: Prepared, growth: Growth) -> None:
     """Fill the last rows, which the windows of the first see above them, with random pixels."""
-    rows = slice(max(0, growth.canvas.height - prepared.settings.half), None)
+    rows = slice(max(0, growth.canvas.height - prepared.half), None)
     index = np.arange(growth.source.size).reshape(growth.source.shape)[rows]
     source = random_places(prepared.windows, growth.seed, "ashikhmin start", index)
     growth.source[rows] = source

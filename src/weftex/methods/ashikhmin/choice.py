@@ -10,12 +10,13 @@ from weftex.methods.ashikhmin import growth_kernels as kernels
 from weftex.notes import note, parts
 from weftex.random import draw
 from weftex.seams.path import least_path
+from weftex.search.windows import query_room
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-    from weftex.methods.ashikhmin.settings import Settings
     from weftex.methods.pixels.growth import Growth
+    from weftex.progress import Progress
     from weftex.search.windows import Windows
 
 #: Random places that stand in for candidates outside the sample. The paper takes one; among eight
@@ -30,77 +31,63 @@ _ONE = 256  # a weight of 1 in distances, which are integers
 class Choice:
     """Chooses the pixels of one output.
 
-    Parameters
-    ----------
-    settings : Settings
-        See there.
-    windows : Windows
-        Of the sample.
-    guide : uint8 array (H, W, K)
-        The sample's own guide for the pixels of the windows.
-    growth : Growth
-        The output.
-
-    Attributes
-    ----------
-    rows_to_close : int
-        Rows that are made twice where the canvas wraps along y; at least 2, or 0.
+    `guide` is the sample's own for the pixels of the windows; it counts where `guide_weight` is
+    above 0. `rows_to_close` rows are made twice where the canvas wraps along y: at least 2, or 0.
     """
 
+    progress: Progress
+
     def __init__(
-        self, settings: Settings, windows: Windows, guide: NDArray[np.uint8], growth: Growth
+        self,
+        windows: Windows,
+        half: int,
+        guide: NDArray[np.uint8],
+        guide_weight: float,
+        jumps: int,
+        growth: Growth,
     ) -> None:
-        self._windows, self._half, self._growth = windows, settings.half, growth
+        self._windows, self._half, self._growth = windows, half, growth
         canvas = growth.canvas
-        followed, weight, jumps = np.zeros((1, 1, 1), np.uint8), 0, settings.jumps
+        followed = np.zeros((1, 1, 1), np.uint8)
         if canvas.guide is not None:
             followed = growth.exemplar.as_guide(canvas.guide)
-            weight, jumps = round(_ONE * settings.guide_weight), settings.jumps_with_guide
         growth.about["jumps"] = jumps
         self._tries = max(jumps, _REPLACEMENTS)
-        width, channels = settings.window_width, growth.pixels.shape[2]
-        self._sample = kernels.Sample(windows, guide, settings.half)
-        self._picture = kernels.Picture(
-            growth.pixels, growth.done, growth.source, canvas.wrap, followed, weight
-        )
-        self._candidates = np.empty(width * width + self._tries + 1, np.int32)
-        self._search = kernels.Search(
-            jumps,
-            np.empty((width * (settings.half + 1), 3), np.int32),
-            np.empty(width * width * channels, np.uint8),
-            self._candidates,
-        )
+        self._candidates = np.empty((2 * half + 1) ** 2 + self._tries + 1, np.int32)
+        self._choice = kernels.PixelChoice(
+            half, jumps, query_room(half, growth.pixels.shape[2]), self._candidates,
+            followed, guide, round(_ONE * guide_weight),
+        )  # fmt: skip
         rows = min(_ROWS_TO_CLOSE, canvas.height // 4)
         self.rows_to_close = rows if rows > 1 and growth.hole is None and canvas.wrap[0] else 0
-        pixels = canvas.height * canvas.width if growth.hole is None else int(growth.hole.sum())
-        total = settings.passes * pixels + self.rows_to_close * canvas.width
-        self._progress = growth.progress(total, "pixels")
+
+    def count(self, passes: int) -> int:
+        """Return how many pixels are chosen in all passes."""
+        canvas, hole = self._growth.canvas, self._growth.hole
+        pixels = canvas.height * canvas.width if hole is None else int(hole.sum())
+        return passes * pixels + self.rows_to_close * canvas.width
 
     def choose(self, line: NDArray[np.int32], number: int, *, around: bool = False) -> None:
-        """Choose some pixels one after the other.
+        """Choose pixels one after the other; `line` has their flat indices.
 
-        Parameters
-        ----------
-        line : int32 array
-            Their flat indices.
-        number : int
-            Of the pass; from 1 on, the pixel's own source is a candidate too.
-        around : bool
-            Windows go around the canvas along y, even if it does not wrap.
+        `number` is that of the pass: from 1 on, the pixel's own source is a candidate too. `around`
+        lets windows go around the canvas along y, even if it does not wrap.
         """
-        seed, tries = self._growth.seed, np.arange(self._tries)
-        strangers = random_places(self._windows, seed, "ashikhmin", number, line[:, None], tries)
-        for part, asked in parts(line, self._growth.canvas.width):
+        growth, tries = self._growth, np.arange(self._tries)
+        strangers = random_places(
+            self._windows, growth.seed, "ashikhmin", number, line[:, None], tries
+        )
+        for part, asked in parts(line, growth.canvas.width):
             if asked:
                 self._candidates.fill(-1)
-                note("window", growth=self._growth, number=number, half=self._half)
+                note("window", growth=growth, number=number, half=self._half)
             kernels.choose(
-                *(self._sample, self._picture, self._search),
-                *(line[part], strangers[part], around, number > 0),
-            )
+                self._windows.kernel, growth.picture, self._choice,
+                line[part], strangers[part], around, number > 0,
+            )  # fmt: skip
             if asked:
-                note("chosen", growth=self._growth, places=self._candidates)
-        self._progress.advance(len(line))
+                note("chosen", growth=growth, places=self._candidates)
+        self.progress.advance(len(line))
 
     def close(self, lines: list[NDArray[np.int32]]) -> None:
         """Make the first lines again, below the last; cut where old and new differ least."""

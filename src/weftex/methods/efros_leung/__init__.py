@@ -18,8 +18,7 @@ from weftex.methods.efros_leung.layers import (
 from weftex.methods.pixels.growth import PixelModel, WindowedMethod, narrowed, width_for
 from weftex.notes import asked_among, note
 from weftex.parameters import parameter
-from weftex.search.exhaustive import ExhaustiveSearch
-from weftex.search.weighted_windows import gaussian_weights
+from weftex.search.exhaustive import ExhaustiveSearch, gaussian_weights
 from weftex.search.windows import square_windows
 
 if TYPE_CHECKING:
@@ -153,7 +152,7 @@ def grow_in_layers(prepared: Prepared, growth: Growth) -> None:
             for wave, bits in waves.of(layer, growth.done):
                 chosen, distances, weights = draw_match(wave, bits)
                 if (k := asked_among(wave, growth.canvas.width)) is not None:
-                    search = prepared.search.sample
+                    search = prepared.search
                     note("pixel", growth=growth, chosen=chosen[k], draw=draw_match, search=search)
                 # "... normalizing the error by the total number of known pixels"; it is 1
                 # between black and white.

@@ -15,7 +15,7 @@ from weftex.raster.masks import grown
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-    from weftex.search.weighted_windows import Draw, Drawn
+    from weftex.search.exhaustive import Draw, Drawn
     from weftex.search.windows import Windows
 
 _SHARE = 8  # pixels; fewer are not worth another thread
@@ -91,7 +91,7 @@ class Waves:
         self, shape: tuple[int, int], wrap: tuple[bool, bool], width: int, seed: int
     ) -> None:
         runs = np.empty((width * (width // 2 + 1), 3), np.int32)
-        self._window = kernels.Neighborhood(width // 2, wrap, runs)
+        self._window = (*wrap, width // 2, runs)
         self._listed, self._numbers = np.zeros(shape, np.uint8), np.empty(shape, np.int32)
         self._seed = seed
 
@@ -103,10 +103,10 @@ class Waves:
         In order are those with the most known pixels in their windows, ties at random.
         """
         known, waves = (np.empty(len(layer), np.int32) for _ in range(2))
-        kernels.count_known(self._window, done, layer, known)
+        kernels.count_known(*self._window, done, layer, known)
         at = np.divmod(layer, done.shape[1])
         order = np.lexsort((draw(self._seed, "efros-leung order", *at), -known))
-        kernels.wave_numbers(self._window, layer[order], self._listed, self._numbers, waves)
+        kernels.wave_numbers(*self._window, layer[order], self._listed, self._numbers, waves)
         order = order[np.argsort(waves, kind="stable")]
         ends = np.cumsum(np.bincount(waves))
         places, bits = layer[order], draw(self._seed, "efros-leung", *at)[order]

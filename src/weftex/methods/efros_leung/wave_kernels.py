@@ -5,55 +5,36 @@ import cython
 from cython.cimports.weftex.search.window_kernels import known_runs
 
 
-@cython.cclass
-class Neighborhood:
-    """The square window around a pixel of a canvas, and scratch for what is known of it."""
-
-    reach: cython.Py_ssize_t
-    wrap_y: cython.bint
-    wrap_x: cython.bint
-    runs: cython.int[:, ::1]
-
-    def __init__(self, reach, wrap, runs):
-        self.reach = reach
-        self.wrap_y, self.wrap_x = wrap
-        self.runs = runs
-
-
-@cython.cfunc
-@cython.nogil
-@cython.exceptval(check=False)
-def look(
-    window: Neighborhood,
-    marked: cython.const[cython.uchar][:, ::1],
-    y: cython.Py_ssize_t,
-    x: cython.Py_ssize_t,
-) -> cython.Py_ssize_t:
-    """Find the runs of marked pixels in the window around a pixel; return their number."""
-    return known_runs(
-        marked, y, x, window.wrap_y, window.wrap_x, window.reach, window.reach, window.reach,
-        window.reach, window.runs,
-    )  # fmt: skip
-
-
 def count_known(
-    window: Neighborhood,
+    wrap_y: cython.bint,
+    wrap_x: cython.bint,
+    reach: cython.Py_ssize_t,
+    runs: cython.int[:, ::1],
     done: cython.const[cython.uchar][:, ::1],
     places: cython.const[cython.int][::1],
     counts: cython.int[::1],
 ):
-    """Fill `counts` with the number of known pixels in the window around each place."""
+    """Fill `counts` with the number of known pixels in the window around each place.
+
+    `runs` is scratch, here and below.
+    """
     cython.declare(i=cython.Py_ssize_t, r=cython.Py_ssize_t, width=cython.Py_ssize_t)
+    cython.declare(y=cython.Py_ssize_t, x=cython.Py_ssize_t)
     width = done.shape[1]
     with cython.nogil:
         for i in range(places.shape[0]):
             counts[i] = 0
-            for r in range(look(window, done, places[i] // width, places[i] % width)):
-                counts[i] += window.runs[r, 2]
+            y = places[i] // width
+            x = places[i] % width
+            for r in range(known_runs(done, y, x, wrap_y, wrap_x, reach, runs)):
+                counts[i] += runs[r, 2]
 
 
 def wave_numbers(
-    window: Neighborhood,
+    wrap_y: cython.bint,
+    wrap_x: cython.bint,
+    reach: cython.Py_ssize_t,
+    runs: cython.int[:, ::1],
     places: cython.const[cython.int][::1],
     listed: cython.uchar[:, ::1],
     numbers: cython.int[:, ::1],
@@ -75,10 +56,10 @@ def wave_numbers(
             y = places[i] // width
             x = places[i] % width
             wave = 0
-            for r in range(look(window, listed, y, x)):
-                cy = (y + window.runs[r, 0] + height) % height
-                cx = (x + window.runs[r, 1] + width) % width
-                for j in range(window.runs[r, 2]):
+            for r in range(known_runs(listed, y, x, wrap_y, wrap_x, reach, runs)):
+                cy = (y + runs[r, 0] + height) % height
+                cx = (x + runs[r, 1] + width) % width
+                for j in range(runs[r, 2]):
                     wave = max(wave, numbers[cy, cx] + 1)
                     cx = cx + 1 if cx + 1 < width else 0
             waves[i] = wave

@@ -200,13 +200,13 @@ def gather_windows(picture: Picture, rule: Rule, search: Search) -> cython.void:
     else:
         search.run_count = known_runs(
             picture.done, y, x, picture.wrap_y, picture.wrap_x,
-            reach, reach, reach, reach, search.runs,
+            reach, search.runs,
         )  # fmt: skip
     gather_runs(picture.pixels, y, x, search.runs, search.run_count, search.query)
     if picture.guided:
         search.coarse_run_count = known_runs(
             picture.coarse_done, y, x, picture.wrap_y, picture.wrap_x,
-            coarse_reach, coarse_reach, coarse_reach, coarse_reach, search.coarse_runs,
+            coarse_reach, search.coarse_runs,
         )  # fmt: skip
         gather_runs(
             picture.coarse, y, x, search.coarse_runs, search.coarse_run_count, search.coarse_query

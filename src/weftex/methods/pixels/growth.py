@@ -13,6 +13,7 @@ from weftex.method import Method, Model
 from weftex.progress import Progress, ProgressCallback
 from weftex.random import seed_number
 from weftex.results.pixels import PixelSynthesis
+from weftex.search.vocabulary_kernels import Picture
 from weftex.threads import thread_count
 
 if TYPE_CHECKING:
@@ -84,6 +85,11 @@ class Growth:
             y, x = np.indices(canvas.shape) + np.reshape(canvas.known_from, (2, 1, 1))
             place = (y * exemplar.shape[1] + x).astype(np.int32)
             self.source[~self.hole] = windows.from_sample(place[~self.hole])
+
+    @property
+    def picture(self) -> Picture:
+        """The output as kernels take it."""
+        return Picture(self.pixels, self.done, self.source, self.canvas.wrap)
 
     def show(self, where: NDArray[np.bool_]) -> None:
         """Begin with what the canvas shows at some pixels."""

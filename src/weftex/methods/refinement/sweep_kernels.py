@@ -3,7 +3,8 @@
 
 import cython
 from cython.cimports.weftex.search.coherence_kernels import coherent_places
-from cython.cimports.weftex.search.nearest_kernels import Search, nearest_window
+from cython.cimports.weftex.search.nearest_kernels import NearestWindows, nearest_window
+from cython.cimports.weftex.search.vocabulary_kernels import Picture, Query, Sample
 from cython.cimports.weftex.search.window_kernels import gather_runs, known_runs, run_distance
 from cython.cimports.weftex.search.zone_kernels import squared
 
@@ -11,61 +12,23 @@ _MOST_EXCESS = cython.declare(cython.longlong, 16384)  # in 1/256
 
 
 @cython.cclass
-class Output:
-    """The output at one level while it is refined."""
+class Sources:
+    """The places of a sample's level: how they are numbered, and the cost of taking one."""
 
-    pixels: cython.uchar[:, :, ::1]
-    done: cython.uchar[:, ::1]
-    source: cython.int[:, ::1]
-    wrap_y: cython.bint
-    wrap_x: cython.bint
-
-    def __init__(self, pixels, done, source, wrap):
-        self.pixels, self.done, self.source = pixels, done, source
-        self.wrap_y, self.wrap_x = wrap
-
-
-@cython.cclass
-class Sample:
-    """The sample at one level, see `Level`."""
-
-    pixels: cython.const[cython.uchar][:, :, ::1]
-    usable: cython.const[cython.uchar][:, ::1]
-    places: cython.const[cython.int][::1]
+    reach: cython.Py_ssize_t  # of a window
+    places: cython.const[cython.int][::1]  # numbers of the padded pixels, see `Level`
     index: cython.const[cython.int][::1]
-    centers: cython.const[cython.int][::1]
-    period: cython.const[cython.int][::1]
-    reach: cython.Py_ssize_t
+    similar: cython.const[cython.int][:, ::1]  # the places most like each place
+    margin: cython.longlong  # factor of their distances in 1/256
+    cells: cython.const[cython.int][::1]  # of each place
+    used: cython.int[::1]  # how often each cell is used
+    capacity: cython.const[cython.int][::1]  # and may be
+    weight: cython.longlong  # of using one too often
 
-    def __init__(self, level, period):
-        self.pixels, self.usable = level.pixels, level.usable
-        self.places, self.index = level.places.ravel(), level.index
-        self.centers, self.reach = level.centers, level.reach
-        self.period = period
-
-
-@cython.cclass
-class Similar:
-    """The places most like each place of the sample, and how much they count."""
-
-    places: cython.const[cython.int][:, ::1]
-    margin: cython.longlong
-
-    def __init__(self, places, margin):
-        self.places, self.margin = places, margin
-
-
-@cython.cclass
-class Usage:
-    """How often each cell of the sample is used, and may be."""
-
-    cells: cython.const[cython.int][::1]
-    used: cython.int[::1]
-    capacity: cython.const[cython.int][::1]
-    weight: cython.longlong
-
-    def __init__(self, cells, used, capacity, weight):
-        self.cells, self.used, self.capacity, self.weight = cells, used, capacity, weight
+    def __init__(self, level, margin, usage):
+        self.reach, self.places, self.index = level.reach, level.places.ravel(), level.index
+        self.similar, self.margin = level.similar, margin
+        self.cells, self.used, self.capacity, self.weight = usage
 
 
 @cython.cclass
@@ -75,56 +38,42 @@ class GuidePair:
     output: cython.const[cython.uchar][:, :, ::1]
     sample: cython.const[cython.uchar][:, :, ::1]
     weight: cython.longlong
-    everywhere: cython.const[cython.uchar][:, ::1]
-    runs: cython.int[:, ::1]
-    query: cython.uchar[::1]
-    run_count: cython.Py_ssize_t
+    everywhere: cython.const[cython.uchar][:, ::1]  # 1
+    query: Query
 
-    def __init__(self, guide, everywhere, runs, query):
+    def __init__(self, guide, everywhere, query):
         self.output, self.sample, self.weight = guide.output, guide.sample, guide.weight
-        self.everywhere, self.runs, self.query = everywhere, runs, query
-
-
-@cython.cclass
-class Scratch:
-    """Room for the window of a pixel, and for its candidates."""
-
-    runs: cython.int[:, ::1]
-    query: cython.uchar[::1]
-    places: cython.int[::1]
-
-    def __init__(self, runs, query, places):
-        self.runs, self.query, self.places = runs, query, places
+        self.everywhere, self.query = everywhere, query
 
 
 @cython.cfunc
 @cython.nogil
 @cython.exceptval(check=False)
 def take(
-    output: Output, sample: Sample, y: cython.Py_ssize_t, x: cython.Py_ssize_t,
+    picture: Picture, sample: Sample, y: cython.Py_ssize_t, x: cython.Py_ssize_t,
     place: cython.Py_ssize_t,
 ) -> cython.bint:  # fmt: skip
     """Give a pixel its place in the sample; return whether it changed."""
     cython.declare(k=cython.Py_ssize_t)
     columns: cython.Py_ssize_t = sample.pixels.shape[1]
-    output.done[y, x] = 1
-    if output.source[y, x] == place:
+    picture.done[y, x] = 1
+    if picture.source[y, x] == place:
         return False
-    output.source[y, x] = cython.cast(cython.int, place)
-    for k in range(output.pixels.shape[2]):
-        output.pixels[y, x, k] = sample.pixels[place // columns, place % columns, k]
+    picture.source[y, x] = cython.cast(cython.int, place)
+    for k in range(picture.pixels.shape[2]):
+        picture.pixels[y, x, k] = sample.pixels[place // columns, place % columns, k]
     return True
 
 
 @cython.cfunc
 @cython.nogil
 @cython.exceptval(check=False)
-def excess(usage: Usage, cell: cython.Py_ssize_t) -> cython.longlong:
+def excess(sources: Sources, cell: cython.Py_ssize_t) -> cython.longlong:
     """Factor of a distance, in 1/256: 256 unless the place's cell is used too often."""
-    over: cython.longlong = usage.used[cell] - usage.capacity[cell]
+    over: cython.longlong = sources.used[cell] - sources.capacity[cell]
     if over <= 0:
         return 256
-    over = usage.weight * over // usage.capacity[cell]
+    over = sources.weight * over // sources.capacity[cell]
     return 256 + (over if over < _MOST_EXCESS else _MOST_EXCESS)
 
 
@@ -132,14 +81,14 @@ def excess(usage: Usage, cell: cython.Py_ssize_t) -> cython.longlong:
 @cython.nogil
 @cython.exceptval(check=False)
 def gather_guide(
-    output: Output, sample: Sample, guide: GuidePair, y: cython.Py_ssize_t, x: cython.Py_ssize_t
-) -> cython.void:
+    picture: Picture, guide: GuidePair, y: cython.Py_ssize_t, x: cython.Py_ssize_t,
+    reach: cython.Py_ssize_t,
+) -> cython.void:  # fmt: skip
     """Gather the whole window of the output's guide around a pixel."""
-    reach: cython.Py_ssize_t = sample.reach
-    guide.run_count = known_runs(
-        guide.everywhere, y, x, output.wrap_y, output.wrap_x, reach, reach, reach, reach, guide.runs
+    guide.query.count = known_runs(
+        guide.everywhere, y, x, picture.wrap_y, picture.wrap_x, reach, guide.query.runs
     )
-    gather_runs(guide.output, y, x, guide.runs, guide.run_count, guide.query)
+    gather_runs(guide.output, y, x, guide.query.runs, guide.query.count, guide.query.values)
 
 
 @cython.cfunc
@@ -157,7 +106,7 @@ def guide_distance(
             guide.output.shape[2],
         )
         + run_distance(
-            guide.sample, v, u, guide.runs, guide.run_count, guide.query,
+            guide.sample, v, u, guide.query.runs, guide.query.count, guide.query.values,
             bound // guide.weight if bound >= 0 else -1,
         )
     )  # fmt: skip
@@ -167,89 +116,93 @@ def guide_distance(
 @cython.nogil
 @cython.exceptval(check=False)
 def gather_coherent(
-    output: Output, sample: Sample, scratch: Scratch, y: cython.Py_ssize_t, x: cython.Py_ssize_t
-) -> cython.Py_ssize_t:
+    picture: Picture, sample: Sample, query: Query, places: cython.int[::1],
+    y: cython.Py_ssize_t, x: cython.Py_ssize_t, reach: cython.Py_ssize_t,
+) -> cython.Py_ssize_t:  # fmt: skip
     """List a pixel's own place, then the coherent ones; return their number, -1 for none usable."""
-    cython.declare(count=cython.Py_ssize_t)
-    beside: cython.Py_ssize_t = 1 if sample.reach > 0 else 0  # see `coherent_places`
+    beside: cython.Py_ssize_t = 1 if reach > 0 else 0  # see `coherent_places`
     columns: cython.Py_ssize_t = sample.pixels.shape[1]
-    own: cython.Py_ssize_t = output.source[y, x]
-    scratch.places[0] = -1
+    own: cython.Py_ssize_t = picture.source[y, x]
+    places[0] = -1
     if own >= 0 and sample.usable[own // columns, own % columns]:
-        scratch.places[0] = cython.cast(cython.int, own)
-    count = known_runs(
-        output.done, y, x, output.wrap_y, output.wrap_x, beside, beside, beside, beside,
-        scratch.runs,
-    )  # fmt: skip
-    return coherent_places(
-        output.source, y, x, scratch.runs, count, sample.usable, sample.period, scratch.places, 1
-    )
+        places[0] = cython.cast(cython.int, own)
+    query.count = known_runs(picture.done, y, x, picture.wrap_y, picture.wrap_x, beside, query.runs)
+    return coherent_places(picture, sample, y, x, query, places, 1)
 
 
 @cython.cfunc
 @cython.nogil
 @cython.exceptval(check=False)
 def gather_similar(
-    sample: Sample, similar: Similar, scratch: Scratch, coherent: cython.Py_ssize_t
+    sample: Sample, sources: Sources, places: cython.int[::1], coherent: cython.Py_ssize_t
 ) -> cython.Py_ssize_t:
     """List the usable places most like the coherent ones after them; return their number in all."""
     cython.declare(i=cython.Py_ssize_t, k=cython.Py_ssize_t, place=cython.Py_ssize_t)
     columns: cython.Py_ssize_t = sample.pixels.shape[1]
     count: cython.Py_ssize_t = coherent
     for i in range(coherent):
-        if scratch.places[i] < 0:
+        if places[i] < 0:
             continue
-        for k in range(similar.places.shape[1]):
-            place = similar.places[sample.places[scratch.places[i]], k]
+        for k in range(sources.similar.shape[1]):
+            place = sources.similar[sources.places[places[i]], k]
             if place < 0:
                 continue
-            place = sample.index[place]
+            place = sources.index[place]
             if sample.usable[place // columns, place % columns]:
-                scratch.places[count] = cython.cast(cython.int, place)
+                places[count] = cython.cast(cython.int, place)
                 count += 1
     return count
 
 
+@cython.cfunc
+@cython.nogil
+@cython.exceptval(check=False)
+def look(
+    picture: Picture, query: Query, y: cython.Py_ssize_t, x: cython.Py_ssize_t,
+    reach: cython.Py_ssize_t,
+) -> cython.void:  # fmt: skip
+    """Gather the known part of the window around a pixel."""
+    query.count = known_runs(picture.done, y, x, picture.wrap_y, picture.wrap_x, reach, query.runs)
+    gather_runs(picture.pixels, y, x, query.runs, query.count, query.values)
+
+
 def refine_coherently(
-    output: Output, sample: Sample, similar: Similar, usage: Usage, guide: GuidePair,
-    scratch: Scratch, order: cython.const[cython.int][::1], tried: cython.const[cython.int][::1],
+    picture: Picture, sample: Sample, sources: Sources, guide: GuidePair, query: Query,
+    places: cython.int[::1], order: cython.const[cython.int][::1],
+    tried: cython.const[cython.int][::1],
 ):  # fmt: skip
     """Give each pixel in `order` the best of its candidates; return how many changed.
 
     Candidates are its own place, where the sources of its eight neighbors go on, the places
-    `similar` to these, and those `tried`; of equals the first is best. The distance to one of
-    the latter two counts `similar.margin` / 256 times, that to a place in a cell used too often
+    similar to these, and those `tried`; of equals the first is best. The distance to one of
+    the latter two counts `sources.margin` / 256 times, that to a place in a cell used too often
     counts `excess` / 256 times. To this comes the distance between the two guides, over the whole
     window. A pixel takes the same place within the borders.
     """
     cython.declare(p=cython.Py_ssize_t, y=cython.Py_ssize_t, x=cython.Py_ssize_t)
     cython.declare(v=cython.Py_ssize_t, u=cython.Py_ssize_t, i=cython.Py_ssize_t)
-    cython.declare(count=cython.Py_ssize_t, runs=cython.Py_ssize_t, own=cython.Py_ssize_t)
+    cython.declare(count=cython.Py_ssize_t, own=cython.Py_ssize_t)
     cython.declare(place=cython.Py_ssize_t, best=cython.Py_ssize_t, least=cython.longlong)
     cython.declare(coherent=cython.Py_ssize_t)
     cython.declare(apart=cython.longlong, factor=cython.longlong, distance=cython.longlong)
-    reach: cython.Py_ssize_t = sample.reach
-    width: cython.Py_ssize_t = output.pixels.shape[1]
+    reach: cython.Py_ssize_t = sources.reach
+    width: cython.Py_ssize_t = picture.pixels.shape[1]
     columns: cython.Py_ssize_t = sample.pixels.shape[1]
     changed: cython.Py_ssize_t = 0
     with cython.nogil:
         for p in range(order.shape[0]):
             y = order[p] // width
             x = order[p] % width
-            own = output.source[y, x]
-            coherent = gather_coherent(output, sample, scratch, y, x)
-            count = gather_similar(sample, similar, scratch, coherent)
-            runs = known_runs(
-                output.done, y, x, output.wrap_y, output.wrap_x, reach, reach, reach, reach,
-                scratch.runs,
-            )  # fmt: skip
-            gather_runs(output.pixels, y, x, scratch.runs, runs, scratch.query)
+            own = picture.source[y, x]
+            coherent = gather_coherent(picture, sample, query, places, y, x, reach)
+            count = gather_similar(sample, sources, places, coherent)
+            look(picture, query, y, x, reach)
             if guide.weight > 0:
-                gather_guide(output, sample, guide, y, x)
+                gather_guide(picture, guide, y, x, reach)
             best = -1
             least = -1
             for i in range(count + tried.shape[0]):
-                place = scratch.places[i] if i < count else tried[i - count]
+                place = places[i] if i < count else tried[i - count]
                 if place < 0:
                     continue
                 v = place // columns
@@ -259,11 +212,11 @@ def refine_coherently(
                     apart = guide_distance(guide, y, x, v, u, least)
                     if best >= 0 and apart >= least:
                         continue
-                factor = excess(usage, usage.cells[sample.places[place]])
+                factor = excess(sources, sources.cells[sources.places[place]])
                 if i >= coherent:
-                    factor = factor * similar.margin // 256
+                    factor = factor * sources.margin // 256
                 distance = run_distance(
-                    sample.pixels, v, u, scratch.runs, runs, scratch.query,
+                    sample.pixels, v, u, query.runs, query.count, query.values,
                     (least - apart) // factor if best >= 0 else -1,
                 )  # fmt: skip
                 if best < 0 or distance * factor + apart < least:
@@ -272,33 +225,28 @@ def refine_coherently(
             if best < 0:
                 continue
             if own >= 0:
-                usage.used[usage.cells[sample.places[own]]] -= 1
-            usage.used[usage.cells[sample.places[best]]] += 1
-            best = sample.index[sample.places[best]]
-            changed += take(output, sample, y, x, best)
+                sources.used[sources.cells[sources.places[own]]] -= 1
+            sources.used[sources.cells[sources.places[best]]] += 1
+            best = sources.index[sources.places[best]]
+            changed += take(picture, sample, y, x, best)
     return changed
 
 
 def refine_to_nearest(
-    output: Output, sample: Sample, search: Search, scratch: Scratch,
-    order: cython.const[cython.int][::1],
+    picture: Picture, sample: Sample, search: NearestWindows, query: Query,
+    places: cython.int[::1], order: cython.const[cython.int][::1],
 ):  # fmt: skip
     """Give each pixel in `order` the nearest of all windows; return how many changed."""
     cython.declare(p=cython.Py_ssize_t, y=cython.Py_ssize_t, x=cython.Py_ssize_t)
-    cython.declare(near=cython.Py_ssize_t, runs=cython.Py_ssize_t, place=cython.Py_ssize_t)
-    reach: cython.Py_ssize_t = sample.reach
-    width: cython.Py_ssize_t = output.pixels.shape[1]
+    cython.declare(near=cython.Py_ssize_t, place=cython.Py_ssize_t)
+    width: cython.Py_ssize_t = picture.pixels.shape[1]
     changed: cython.Py_ssize_t = 0
     with cython.nogil:
         for p in range(order.shape[0]):
             y = order[p] // width
             x = order[p] % width
-            near = gather_coherent(output, sample, scratch, y, x)
-            runs = known_runs(
-                output.done, y, x, output.wrap_y, output.wrap_x, reach, reach, reach, reach,
-                scratch.runs,
-            )  # fmt: skip
-            gather_runs(output.pixels, y, x, scratch.runs, runs, scratch.query)
-            place = nearest_window(search, scratch.runs, runs, scratch.query, scratch.places, near)
-            changed += take(output, sample, y, x, place)
+            near = gather_coherent(picture, sample, query, places, y, x, search.reach)
+            look(picture, query, y, x, search.reach)
+            place = nearest_window(search, query, places, near)
+            changed += take(picture, sample, y, x, place)
     return changed

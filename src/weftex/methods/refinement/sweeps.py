@@ -11,6 +11,8 @@ from weftex.methods.refinement.levels import CoherentLevel, NearestLevel
 from weftex.methods.refinement.output import NO_GUIDE
 from weftex.methods.refinement.settings import ONE
 from weftex.random import draw
+from weftex.search.vocabulary_kernels import Picture, Sample
+from weftex.search.windows import query_room
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -21,8 +23,9 @@ if TYPE_CHECKING:
     from weftex.progress import Progress
 
     Floats = NDArray[np.float64]
+    #: The cell of each place, how often each cell is used, how often it may be, and the weight.
+    Usage = tuple[NDArray[np.int32], NDArray[np.int32], NDArray[np.int32], int]
 
-_NO_PERIOD = np.zeros(4, np.int32)  # pixels beyond a border that tiles are laid out
 _TRIED_IN_ALL = 2**23  # comparisons of the first sweep with places of the whole sample
 _TRIED_AT_LEAST = 64  # of these, at each pixel
 _EVENNESS = 4 * ONE  # weight on the coarsest level
@@ -95,18 +98,19 @@ class CoherentSweep:
         whole = bool(output.done.all()) and (coarser > 0 or not free)
         tried = max(_TRIED_IN_ALL // output.count, _TRIED_AT_LEAST)
         self._tried_count = 0 if whole else min(tried, len(level.centers))
+        evenness = round(_EVENNESS * settings.evenness / 2**coarser)
         channels, candidates = output.pixels.shape[2], _BESIDE * (1 + level.similar.shape[1])
         self._bundles = (
-            kernels.Output(output.pixels, output.done, output.source, output.wrap),
-            kernels.Sample(level, _NO_PERIOD),
-            kernels.Similar(level.similar, settings.margin),
-            _usage_on(level, output, guide, round(_EVENNESS * settings.evenness / 2**coarser)),
+            _picture(output, output.wrap),
+            _sample(level),
+            kernels.Sources(level, settings.margin, _usage_on(level, output, guide, evenness)),
             kernels.GuidePair(
                 guide,
                 np.ones(guide.output.shape[:2], np.uint8),
-                *_room_for_window(level.reach, guide.output.shape[2]),
+                query_room(level.reach, guide.output.shape[2]),
             ),
-            _scratch(level.reach, channels, candidates),
+            query_room(level.reach, channels),
+            np.zeros(candidates, np.int32),
         )
 
     def lines(self, iteration: int) -> list[NDArray[np.int32]]:
@@ -139,13 +143,14 @@ class NearestSweep:
         self._cyclic = cyclic
         # From the second iteration neighborhoods are full, around the borders (section 3).
         self._outputs = [
-            kernels.Output(output.pixels, output.done, output.source, wrap)
+            _picture(output, wrap)
             for wrap in (output.wrap, output.wrap if cyclic else (True, True))
         ]
         self._bundles = (
-            kernels.Sample(level, _NO_PERIOD),
+            _sample(level),
             level.search.bundle(),
-            _scratch(level.reach, output.pixels.shape[2], _BESIDE),
+            query_room(level.reach, output.pixels.shape[2]),
+            np.zeros(_BESIDE, np.int32),
         )
 
     def lines(self, iteration: int) -> list[NDArray[np.int32]]:
@@ -187,11 +192,8 @@ class BlockSweep:
         self._level, self._number, self._begun, self._near = level, number, begun, near
         self._rounds, self._threshold = settings.rounds[number], settings.threshold
         self._weight = round(_EVENNESS * settings.evenness / 2**coarser)
-        self._sample = kernels.Sample(level, _NO_PERIOD)
-        self._similar = kernels.Similar(level.similar, settings.margin)
-        self._guide = kernels.GuidePair(
-            NO_GUIDE, np.ones((1, 1), np.uint8), *_room_for_window(0, 1)
-        )
+        self._margin = settings.margin
+        self._guide = kernels.GuidePair(NO_GUIDE, np.ones((1, 1), np.uint8), query_room(0, 1))
 
     def refine(self, output: Output, place: tuple[slice, slice]) -> None:
         """Refine the pixels of a block, to and fro, until they change too little."""
@@ -200,15 +202,16 @@ class BlockSweep:
         line = (y[:, None] * np.int32(output.known.shape[1]) + x).ravel()
         lines = line, line[::-1].copy()
         near = [slice(max(0, k.start - self._near), k.stop + self._near) for k in place]
-        shown = self._level.places.ravel()[self._begun[near[0], near[1]].ravel()]
-        channels = output.pixels.shape[2]
+        level, channels = self._level, output.pixels.shape[2]
+        shown = level.places.ravel()[self._begun[near[0], near[1]].ravel()]
+        usage = usage_of(level, self._number, shown, len(shown), self._weight)
         bundles = (
-            kernels.Output(output.pixels, output.done, output.source, output.wrap),
-            self._sample,
-            self._similar,
-            usage_of(self._level, self._number, shown, len(shown), self._weight),
+            _picture(output, output.wrap),
+            _sample(level),
+            kernels.Sources(level, self._margin, usage),
             self._guide,
-            _scratch(self._level.reach, channels, _BESIDE * (1 + self._level.similar.shape[1])),
+            query_room(level.reach, channels),
+            np.zeros(_BESIDE * (1 + level.similar.shape[1]), np.int32),
         )
         pixels, nothing = output.pixels[rows, columns], np.zeros(0, np.int32)
         for iteration in range(self._rounds):
@@ -279,20 +282,18 @@ def _sum(ratio: Floats) -> float:
     return int(np.rint(ratio * 2**20).astype(np.int64).sum()) / 2**20
 
 
-def _room_for_window(reach: int, channels: int) -> tuple[NDArray[np.int32], NDArray[np.uint8]]:
-    """Arrays for the runs and the bytes of a window, and of the eight neighbors."""
-    width = max(2 * reach + 1, 3)
-    return np.zeros((width * (width + 1), 3), np.int32), np.zeros(width**2 * channels, np.uint8)
+def _picture(output: Output, wrap: tuple[bool, bool]) -> Picture:
+    return Picture(output.pixels, output.done, output.source, wrap)
 
 
-def _scratch(reach: int, channels: int, candidates: int) -> kernels.Scratch:
-    """Room for the window of a pixel, and for its candidates."""
-    return kernels.Scratch(*_room_for_window(reach, channels), np.zeros(candidates, np.int32))
+def _sample(level: Level) -> Sample:
+    """The sample at a level, without a period: the pixels beyond a border that tiles are there."""
+    return Sample(level.pixels, level.usable, np.zeros(4, np.int32))
 
 
 def usage_of(
     level: CoherentLevel, number: int, made: NDArray[np.int32], count: int, weight: int
-) -> kernels.Usage:
+) -> Usage:
     """How often cells of the sample are used by what shows places so far, of `count` in all."""
     # As often as all others, or once: on a coarse level for all that a pixel stands for.
     least = len(level.centers) >> 2 * number
@@ -300,14 +301,12 @@ def usage_of(
     return _usage(level, made, room, weight)
 
 
-def _usage(
-    level: CoherentLevel, made: NDArray[np.int32], room: NDArray[Any], weight: int
-) -> kernels.Usage:
+def _usage(level: CoherentLevel, made: NDArray[np.int32], room: NDArray[Any], weight: int) -> Usage:
     used = np.bincount(level.cells[made], minlength=len(room)).astype(np.int32)
-    return kernels.Usage(level.cells, used, np.maximum(room, 1).astype(np.int32), weight)
+    return level.cells, used, np.maximum(room, 1).astype(np.int32), weight
 
 
-def _usage_on(level: CoherentLevel, output: Output, guide: Guide, weight: int) -> kernels.Usage:
+def _usage_on(level: CoherentLevel, output: Output, guide: Guide, weight: int) -> Usage:
     """How often each cell of the sample is used by the start, and may be."""
     places = level.places.ravel()
     made = places[output.source[output.wanted & (output.done > 0)]]

@@ -2,26 +2,25 @@
 
 from __future__ import annotations
 
-from dataclasses import asdict, dataclass, replace
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, ClassVar, Self
 
 from weftex.errors import InvalidInputError
 from weftex.methods.pixels.growth import PixelModel, WindowedMethod
 from weftex.methods.wei_levoy.levels import noise, output_pyramid, parents_or_noise
-from weftex.methods.wei_levoy.model import Prepared, prepare
 from weftex.methods.wei_levoy.passes import hole_passes, scan_passes
-from weftex.methods.wei_levoy.search import replace_by_nearest
-from weftex.methods.wei_levoy.settings import (
-    PROPOSED_WIDTH,
-    TREES_WINDOWS,
-    settle,
-    window_width,
-)
+from weftex.methods.wei_levoy.search import Trees, replace_by_nearest
+from weftex.methods.wei_levoy.sizes import PROPOSED_WIDTH, levels_and_widths, window_width
 from weftex.parameters import parameter
+from weftex.search.pyramid_windows import sample_pyramid
+from weftex.search.windows import windows_of
 
 if TYPE_CHECKING:
     from weftex.exemplar import Exemplar
     from weftex.methods.pixels.growth import Growth
+    from weftex.search.windows import Windows
+
+_TREES_WINDOWS = 2**17  # a tree over more takes long and hundreds of megabytes
 
 
 @dataclass(frozen=True)
@@ -95,7 +94,7 @@ class WeiLevoy(WindowedMethod):
         None,
         "windows of a level that are searched, a random part where there are more; 0 is all",
         low=0,
-        default_text=f"{TREES_WINDOWS} with a tree, all with the full search",
+        default_text=f"{_TREES_WINDOWS} with a tree, all with the full search",
     )
     passes: int = parameter(
         0, "further passes over everything, with windows that look to all sides", low=0, high=1000
@@ -124,22 +123,48 @@ class WeiLevoy(WindowedMethod):
 
     def fit_exemplar(self, exemplar: Exemplar) -> PixelModel:
         """Build the pyramid and, for each level, the tree."""
-        settings = settle(self, exemplar)
-        settled = replace(self, **asdict(settings))
-        return PixelModel(settled, exemplar, prepare(settings, exemplar), synthesize)
+        method = self.resolved(exemplar)
+        assert method.levels and method.window_width
+        assert method.parent_width is not None and method.most_windows is not None
+        samples = sample_pyramid(exemplar, method.levels)
+        # With one leaf a tree is an exhaustive search.
+        most_leaves = 1 if method.search == "full" else method.tree_size
+        widths = method.window_width, method.parent_width
+        trees = Trees(samples, *widths, most_leaves, method.most_windows)
+        windows = windows_of(exemplar, (0, 0, 0, 0))
+        return PixelModel(method, exemplar, Prepared(method, windows, samples, trees), synthesize)
 
     def window_of(self, exemplar: Exemplar) -> int:
         """See `Method.window_of`."""
-        return window_width(self, exemplar)
+        return window_width(exemplar, self.window_width)
 
     def resolved(self, exemplar: Exemplar) -> Self:
         """See `Method.resolved`; the trees are what takes long."""
-        return replace(self, **asdict(settle(self, exemplar)))
+        levels, width, parent_width = levels_and_widths(
+            exemplar, self.levels, self.window_width, self.parent_width
+        )
+        most = self.most_windows
+        if most is None:
+            most = 0 if self.search == "full" else _TREES_WINDOWS
+        return replace(
+            self, levels=levels, window_width=width, parent_width=parent_width, most_windows=most
+        )
+
+
+@dataclass(frozen=True, eq=False)
+class Prepared:
+    """A sample prepared for Wei and Levoy's method."""
+
+    method: WeiLevoy  # resolved
+    windows: Windows  # of a single pixel, so that indices are the sample's own
+    samples: list[Exemplar]  # the levels of the sample's pyramid, finest first
+    trees: Trees  # of the windows of each level
 
 
 def synthesize(prepared: Prepared, growth: Growth) -> None:
     """Make the levels of the output, the coarsest first (sections III.B.1 and III.B.2)."""
-    settings, samples, seed = prepared.settings, prepared.samples, growth.seed
+    method, samples, seed = prepared.method, prepared.samples, growth.seed
+    leaves, reach = method.leaves, method.window_for(0) // 2
     filling = growth.hole is not None
     # "For the random image, the edges are treated toroidally"; those around a hole are not.
     wrap = growth.canvas.wrap if filling else (True, True)
@@ -152,9 +177,9 @@ def synthesize(prepared: Prepared, growth: Growth) -> None:
     pyramid = output_pyramid(growth.pixels, growth.source, growth.done, samples, wrap)
     # Step 3 goes over a level in raster scan order; over a hole inwards, as on a spiral.
     passes = [
-        hole_passes(level.unknown, growth.canvas.wrap, seed, settings)
+        hole_passes(level.unknown, growth.canvas.wrap, seed, leaves, method.passes)
         if filling
-        else scan_passes(level.unknown.shape, growth.canvas.wrap, settings)
+        else scan_passes(level.unknown.shape, growth.canvas.wrap, reach, leaves, method.passes)
         for level in pyramid
     ]
     total = sum(len(step.places) for steps in passes for step in steps)
@@ -162,10 +187,10 @@ def synthesize(prepared: Prepared, growth: Growth) -> None:
     # Step 3 of III.B.2: "starting at the lowest resolution level of the pyramids", ...
     for level, steps in zip(pyramid, passes, strict=True):
         # (Beyond the paper, a level starts as a copy of its parents and not as noise.)
-        if settings.start == "parent" and settings.levels > 1:
+        if method.start == "parent" and len(pyramid) > 1:
             level.start_from(parents_or_noise(level, seed))
         for step in steps:
             # ... "replace each pixel in the random image [...] with a pixel from the input image
             # that best matches it": by the SSD of its S x S window, causal in raster scan, and of
             # the N x N window around its parent. The tree makes the search fast.
-            replace_by_nearest(level, step, prepared.trees, settings, wrap, progress)
+            replace_by_nearest(level, step, prepared.trees, wrap, progress)

@@ -2,39 +2,21 @@
 """The kernel of Wei and Levoy's method; compiled by Cython, see setup.py."""
 
 import cython
-from cython.cimports.weftex.search.tsvq_kernels import Query, Tree, nearest
+from cython.cimports.weftex.search.tsvq_kernels import Tree, Vector, nearest
+from cython.cimports.weftex.search.vocabulary_kernels import Picture
 from cython.cimports.weftex.search.window_kernels import copy_pixel
-
-
-@cython.cclass
-class Level:
-    """A level of the output's pyramid, and the pixels of the sample's."""
-
-    pixels: cython.uchar[:, :, ::1]
-    source: cython.int[:, ::1]
-    done: cython.uchar[:, ::1]
-    sample: cython.const[cython.uchar][:, :, ::1]
-    wrap_y: cython.bint
-    wrap_x: cython.bint
-
-    def __init__(self, level, wrap):
-        self.pixels = level.pixels
-        self.source = level.source
-        self.done = level.done
-        self.sample = level.sample.pixels
-        self.wrap_y, self.wrap_x = wrap
 
 
 @cython.cfunc
 @cython.nogil
 @cython.exceptval(check=False)
 def gather(
-    level: Level,
+    level: Picture,
     y: cython.Py_ssize_t,
     x: cython.Py_ssize_t,
     offsets: cython.const[cython.int][:, ::1],
     first: cython.Py_ssize_t,
-    query: Query,
+    query: Vector,
 ) -> cython.void:
     """Copy what is known of a window to its bytes of the query, from byte `first` on."""
     cython.declare(height=cython.Py_ssize_t, width=cython.Py_ssize_t, channels=cython.Py_ssize_t)
@@ -70,14 +52,14 @@ def gather(
 
 
 def replace_pixels(
-    level: Level,
-    coarser: Level,
+    level: Picture,
+    coarser: Picture,
+    sample: cython.const[cython.uchar][:, :, ::1],
     own: cython.const[cython.int][:, ::1],
     parents: cython.const[cython.int][:, ::1],
     places: cython.const[cython.int][::1],
     tree: Tree,
-    leaves: cython.Py_ssize_t,
-    query: Query,
+    query: Vector,
 ):
     """Replace the pixels of a level at `places` one after the other.
 
@@ -98,5 +80,5 @@ def replace_pixels(
             level.done[y, x] = 1
             if query.count == 0:
                 continue
-            place = tree.places[nearest(tree, query, leaves)]
-            copy_pixel(level.sample, place, level.pixels, level.source, y, x)
+            place = tree.places[nearest(tree, query)]
+            copy_pixel(sample, place, level.pixels, level.source, y, x)

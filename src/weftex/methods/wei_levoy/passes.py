@@ -13,8 +13,6 @@ from weftex.raster.masks import peeled
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-    from weftex.methods.wei_levoy.settings import Settings
-
 _MASKED_FACTOR = 8  # times the leaves: a window known in part says less of where to look
 _CLOSING_PASSES = 2  # over the border of a wrapped picture; after one, at one level, much is left
 _WHOLE_PASSES = 4  # over a hole by whole windows; the paper has one, but more make stones whole
@@ -22,33 +20,23 @@ _WHOLE_PASSES = 4  # over a hole by whole windows; the paper has one, but more m
 
 @dataclass(frozen=True, eq=False)
 class Pass:
-    """One pass over pixels of a level.
+    """One pass over pixels of a level."""
 
-    Attributes
-    ----------
-    places : int32 array (n,)
-        Flat indices of the pixels in their order.
-    causal : bool
-        L-shaped windows, or such that look to all sides.
-    leaves : int
-        Leaves to look into.
-    """
-
-    places: NDArray[np.int32]
-    causal: bool
-    leaves: int
+    places: NDArray[np.int32]  # flat indices of the pixels in their order
+    causal: bool  # L-shaped windows, or such that look to all sides
+    leaves: int  # to look into
 
 
-def scan_passes(shape: tuple[int, ...], wrap: tuple[bool, bool], settings: Settings) -> list[Pass]:
+def scan_passes(
+    shape: tuple[int, ...], wrap: tuple[bool, bool], reach: int, leaves: int, further: int
+) -> list[Pass]:
     """Return the passes over a level of which nothing is known; `wrap` is the canvas's.
 
     The first is that of the paper, in scan order with causal windows. It does not show the first
     rows to the last ones, so where the canvas wraps its border is gone over again.
     """
-    leaves = settings.leaves
     every = np.arange(shape[0] * shape[1], dtype=np.int32)
-    found = [Pass(every, True, leaves)] + [Pass(every, False, leaves)] * settings.passes
-    reach = settings.window_width // 2
+    found = [Pass(every, True, leaves)] + [Pass(every, False, leaves)] * further
     border = np.zeros(shape, bool)
     for axis in (0, 1):
         if wrap[axis]:
@@ -61,12 +49,12 @@ def scan_passes(shape: tuple[int, ...], wrap: tuple[bool, bool], settings: Setti
 
 
 def hole_passes(
-    unknown: NDArray[np.bool_], wrap: tuple[bool, bool], seed: int, settings: Settings
+    unknown: NDArray[np.bool_], wrap: tuple[bool, bool], seed: int, leaves: int, further: int
 ) -> list[Pass]:
     """Return the passes of constrained synthesis: by what is known, then by whole windows."""
-    places, leaves = inwards(unknown, wrap, seed), settings.leaves
+    places = inwards(unknown, wrap, seed)
     first = Pass(places, False, leaves * _MASKED_FACTOR)
-    return [first] + [Pass(places, False, leaves)] * (_WHOLE_PASSES + settings.passes)
+    return [first] + [Pass(places, False, leaves)] * (_WHOLE_PASSES + further)
 
 
 def inwards(unknown: NDArray[np.bool_], wrap: tuple[bool, bool], seed: int) -> NDArray[np.int32]:

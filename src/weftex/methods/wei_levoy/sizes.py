@@ -1,10 +1,8 @@
-"""The parameters of Wei and Levoy's method, settled for a sample."""
+"""How many levels a sample has room for, and how wide the windows are."""
 
 from __future__ import annotations
 
-import dataclasses
-from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from weftex.errors import InvalidInputError
 from weftex.methods.pixels.growth import width_for
@@ -15,81 +13,53 @@ if TYPE_CHECKING:
 
 PROPOSED_WIDTH = 9
 _PROPOSED_LEVELS = 4
-TREES_WINDOWS = 2**17  # a tree over more takes long and hundreds of megabytes
 
 
-@dataclass(frozen=True)
-class Settings:
-    """Every parameter of `WeiLevoy`, settled; each is described there."""
-
-    levels: int
-    window_width: int
-    parent_width: int
-    search: str
-    tree_size: int
-    leaves: int
-    most_windows: int
-    passes: int
-    start: str
-
-    def parent_width_at(self, level: int) -> int:
-        """Return N, or 0 at the coarsest level, where pixels have no parents."""
-        return self.parent_width if level + 1 < self.levels else 0
-
-    @property
-    def most_leaves(self) -> int:
-        """The most leaves of a tree; with 0, as many as leave a few windows in each."""
-        return 1 if self.search == "full" else self.tree_size
-
-
-def settle(method: Any, exemplar: Exemplar) -> Settings:
-    """Settle the parameters of a method for a sample.
+def levels_and_widths(
+    exemplar: Exemplar, given: int | None, given_width: int | None, given_parent_width: int | None
+) -> tuple[int, int, int]:
+    """Return the number of levels, S and N for a sample, from what was given of the three.
 
     Raises
     ------
     InvalidInputError
         If the sample has no room for the given levels and windows, or N is not below S.
     """
-    width = window_width(method, exemplar)
-    parent_width = max(1, width - 2) if method.parent_width is None else method.parent_width
+    width = window_width(exemplar, given_width)
+    parent_width = max(1, width - 2) if given_parent_width is None else given_parent_width
     if parent_width >= max(width, 2):
         raise InvalidInputError(_too_wide(parent_width, width))
-    samples = sample_pyramid(exemplar, method.levels or _PROPOSED_LEVELS)
+    samples = sample_pyramid(exemplar, given or _PROPOSED_LEVELS)
     levels = _levels_with_windows(samples, width, parent_width)
-    if method.levels is None:
+    if given is None:
         # The coarsest level holds two windows side by side.
         small = [min(sample.shape) <= 2 * width for sample in samples[:levels]]
         levels = max(1, small.index(True) if True in small else levels)
-    elif levels < method.levels:
+    elif levels < given:
         raise InvalidInputError(
-            f"levels is {method.levels}; {exemplar.name} is {exemplar.shape[1]}x"
+            f"levels is {given}; {exemplar.name} is {exemplar.shape[1]}x"
             f"{exemplar.shape[0]}, which has room for {levels} with windows of {width} pixels"
         )
     if levels == 1:
-        if method.parent_width:
+        if given_parent_width:
             raise InvalidInputError(
                 f"parent_width has no effect: {exemplar.name} has room for one level only"
             )
         parent_width = 0
     elif parent_width >= width:
         raise InvalidInputError(_too_wide(parent_width, width))
-    most = method.most_windows
-    if most is None:
-        most = 0 if method.search == "full" else TREES_WINDOWS
-    found = {"levels": levels, "window_width": width, "parent_width": parent_width}
-    found["most_windows"] = most
-    return Settings(**dataclasses.asdict(method) | found)
+    return levels, width, parent_width
 
 
-def window_width(method: Any, exemplar: Exemplar) -> int:
+def window_width(exemplar: Exemplar, given: int | None) -> int:
     """Return the width of the windows: the one given, or the widest proposed that has room."""
-    width: int = width_for(method.window_width, exemplar, PROPOSED_WIDTH)
+    width: int = width_for(given, exemplar, PROPOSED_WIDTH)
     while True:
         try:
             interior_windows(exemplar, None, width, 0, causal=False)
             return width
         except InvalidInputError:
-            if method.window_width is not None or width == 1:
+            if given is not None or width == 1:
                 raise
             width -= 2
 
