@@ -24,6 +24,7 @@ import run  # noqa: E402
 import soak  # noqa: E402
 from shared import papers  # noqa: E402
 
+pytestmark = pytest.mark.pages
 
 @pytest.mark.parametrize("table", run.TABLES)
 def test_tables(table, tmp_path, capsys):

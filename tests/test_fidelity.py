@@ -165,6 +165,7 @@ def test_rows_are_whole(row):
         assert (SOURCE / file).exists(), file
 
 
+@pytest.mark.pages
 @pytest.mark.parametrize("command", COMMANDS)
 def test_commands_run(command, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)

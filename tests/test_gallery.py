@@ -22,6 +22,7 @@ import gallery_page  # noqa: E402
 import judging  # noqa: E402
 import sources  # noqa: E402
 
+pytestmark = pytest.mark.pages
 METHODS = ["auto", "quilting"]
 WORDS = ["--surfaces", "grass_gray", "--methods", *METHODS, "--size", "64"]
 

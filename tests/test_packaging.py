@@ -7,6 +7,8 @@ import tarfile
 import tomllib
 from pathlib import Path
 
+import pytest
+
 import weftex
 
 ROOT = Path(__file__).parent.parent
@@ -24,6 +26,7 @@ def under(*folders):
     return {p.relative_to(ROOT).as_posix() for p in files if "__pycache__" not in p.parts}
 
 
+@pytest.mark.pages
 def test_the_source_archive(tmp_path):
     command = [sys.executable, "setup.py", "-q", "egg_info", "--egg-base", tmp_path, "sdist"]
     subprocess.run([*command, "-d", tmp_path], cwd=ROOT, check=True, capture_output=True)

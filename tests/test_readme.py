@@ -52,6 +52,7 @@ def smaller(size):
             return "x".join(map(str, sides))
 
 
+@pytest.mark.pages
 @pytest.mark.parametrize("page", PAGES, ids=lambda page: page.name)
 def test_commands_of_pages(page, tmp_path, monkeypatch, capsys):
     """In the order of the page, in one folder: a command may use what an earlier one made."""
@@ -70,6 +71,7 @@ def test_commands_of_pages(page, tmp_path, monkeypatch, capsys):
         assert line in said
 
 
+@pytest.mark.pages
 @pytest.mark.parametrize("page", PAGES, ids=lambda page: page.name)
 def test_python_of_pages(page, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
@@ -77,6 +79,7 @@ def test_python_of_pages(page, tmp_path, monkeypatch):
         exec(compile(block, str(page), "exec"), {})
 
 
+@pytest.mark.pages
 @pytest.mark.parametrize("example", EXAMPLES, ids=lambda example: example.name)
 def test_examples(example, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
@@ -96,6 +99,7 @@ def experiments(script):
     return [name.id for names in lists for name in names]
 
 
+@pytest.mark.pages
 @pytest.mark.parametrize(
     "script, experiment",
     [
