@@ -26,6 +26,7 @@ from shared import papers  # noqa: E402
 
 pytestmark = pytest.mark.pages
 
+
 @pytest.mark.parametrize("table", run.TABLES)
 def test_tables(table, tmp_path, capsys):
     """Each is written into the page, where the others stay."""

@@ -44,12 +44,6 @@ def test_bad_sizes_are_refused(size):
         as_canvas(size)
 
 
-@pytest.mark.parametrize("tileable", ["xy", "no", None, 2, [True], (True, False)])
-def test_bad_tileable_is_refused(tileable):
-    with pytest.raises(InvalidInputError, match="tileable is"):
-        as_canvas(5, tileable)
-
-
 def test_tileable_beside_a_canvas_is_refused():
     with pytest.raises(InvalidInputError, match="give wrap to the Canvas"):
         as_canvas(Canvas(4, 6), True)
@@ -73,16 +67,6 @@ def test_known_pixels_need_a_hole_and_a_method_needs_both():
     with pytest.raises(InvalidInputError, match="hole is 5x4"):
         Canvas(4, 6, known=KNOWN, hole=HOLE[:, :5])
     assert Canvas(4, 6, known=KNOWN, hole=HOLE.astype(np.uint8)).hole.dtype == bool
-
-
-@pytest.mark.parametrize("hole", [HOLE[..., None], HOLE.tolist()])
-def test_odd_holes_work_or_are_refused(hole):
-    """A mask with a channel axis, as image libraries give it, and a list of lists."""
-    try:
-        canvas = Canvas(4, 6, known=KNOWN, hole=hole)
-    except weftex.WeftexError:
-        return
-    assert canvas.hole.shape == (4, 6)
 
 
 SAMPLE = np.random.default_rng(0).integers(0, 256, (24, 24, 3), np.uint8)
@@ -124,12 +108,6 @@ def test_known_from_must_lie_in_the_sample(known_from):
     canvas = Canvas(20, 20, known=SAMPLE[:20, :20], hole=hole, known_from=known_from)
     with pytest.raises(InvalidInputError):
         weftex.synthesize(SAMPLE, canvas, seed=1, method="patch-sampling", patch_size=6)
-
-
-@pytest.mark.parametrize("wrap", [True, (True,), "yes", None, (1, 0, 1)])
-def test_bad_wrap_is_refused(wrap):
-    with pytest.raises(InvalidInputError, match="wrap"):
-        Canvas(4, 6, wrap)
 
 
 def test_a_guide_is_a_picture_of_the_canvas_size():

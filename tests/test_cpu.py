@@ -129,20 +129,3 @@ def test_every_kernel_is_the_fast_one_whatever_is_used_first(first):
     lines = done.stdout.splitlines()
     assert lines
     assert [line for line in lines if line.endswith("False")] == []
-
-
-def test_the_baseline_can_be_asked_for():
-    """It works on its own, whatever the machine."""
-    script = (
-        "import weftex.results.paste_kernels as c, weftex, numpy as np;"
-        "print('_avx2' in c.__file__);"
-        "weftex.synthesize(np.zeros((20, 20), np.uint8), 30, seed=1, method='patch-sampling')"
-    )
-    done = subprocess.run(
-        [sys.executable, "-c", script],
-        env=os.environ | {"WEFTEX_KERNELS": "baseline"},
-        capture_output=True,
-        check=False,
-        text=True,
-    )
-    assert done.stdout.strip() == "False", done.stderr

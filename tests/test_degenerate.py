@@ -41,21 +41,6 @@ def attempt(method, exemplar, canvas, **parameters):
 
 
 @every("method", family="patch")
-@pytest.mark.parametrize("search", SEARCHES)
-@pytest.mark.parametrize(
-    "patch_size, value", [(1, 0), (1, 255), (2, 1), (7, 128), (8, 0), (8, 255)]
-)
-def test_constant_samples(method, search, value, patch_size):
-    exemplar = weftex.Exemplar(np.full((20, 22, 3), value, np.uint8))
-    for wrap in ((False, False), (True, True)):
-        canvas = weftex.Canvas(24, 21, wrap)
-        model = weftex.METHODS[method](search=search, patch_size=patch_size).fit(exemplar)
-        result = model.sample(canvas, seed=1)
-        check(result, exemplar, canvas.shape)
-        assert (result.image == value).all()
-
-
-@every("method", family="patch")
 @pytest.mark.parametrize(
     "shape", [(1, 1), (1, 2), (2, 1), (1, 30), (30, 1), (2, 2), (3, 3), (4, 4)]
 )
@@ -88,20 +73,8 @@ def test_a_sample_of_one_patch(method, search, patch_size):
 
 @every("method", family="patch")
 @pytest.mark.parametrize("search", SEARCHES)
-@pytest.mark.parametrize("patch_size", [1, 6])
-def test_tiny_canvases(method, search, patch_size):
-    exemplar = weftex.Exemplar(noise((20, 22, 3)))
-    model = weftex.METHODS[method](search=search, patch_size=patch_size).fit(exemplar)
-    for size in ((1, 1), (1, 2), (2, 1), (2, 2), (1, 40), (40, 1), (3, 3), (6, 6), (7, 5)):
-        for wrap in WRAPS:
-            check(model.sample(weftex.Canvas(*size, wrap), seed=1), exemplar, size)
-
-
-@every("method", family="patch")
-@pytest.mark.parametrize("channels", [1, 2, 7, 16, 40])
-@pytest.mark.parametrize("search", SEARCHES)
-def test_many_channels(method, channels, search):
-    exemplar = weftex.Exemplar(noise((24, 24, channels)))
+def test_many_channels(method, search):
+    exemplar = weftex.Exemplar(noise((24, 24, 40)))
     assert attempt(method, exemplar, weftex.Canvas(30, 30), search=search, patch_size=8)
 
 
@@ -148,11 +121,10 @@ def test_borders_wider_than_a_masked_sample_are_refused():
 @pytest.mark.parametrize("tileable", [False, True])
 @pytest.mark.parametrize(
     "parameters",
-    [{"patch_size": 10**6}, {"patch_size": 10**9}, {"patch_size": 10**30},
-     {"boundary_width": 10**9}, {"patch_size": 1, "boundary_width": 10**9}],
+    [{"boundary_width": 10**9}, {"patch_size": 1, "boundary_width": 10**9}],
     ids=str,
-)  # fmt: skip
-def test_absurd_parameters_are_refused_before_work_starts(method, tileable, parameters):
+)
+def test_absurd_boundaries_are_refused_before_work_starts(method, tileable, parameters):
     exemplar = weftex.Exemplar(noise((24, 24)), tileable=tileable)
     with pytest.raises(weftex.InvalidInputError):
         weftex.METHODS[method](**parameters).fit(exemplar)
@@ -167,22 +139,6 @@ def test_two_colors(method, colors):
 
 
 @every("method", family="patch")
-@pytest.mark.parametrize("patch_size", [1, 6])
-def test_holes_of_nothing_and_of_everything(method, patch_size):
-    exemplar = weftex.Exemplar(noise((20, 20, 3)))
-    model = weftex.METHODS[method](patch_size=patch_size).fit(exemplar)
-    known = noise((15, 16, 3))
-    nothing = model.sample(
-        weftex.Canvas(15, 16, known=known, hole=np.zeros((15, 16), bool)), seed=1
-    )
-    assert np.array_equal(nothing.image, known)
-    everything = model.sample(
-        weftex.Canvas(15, 16, known=known, hole=np.ones((15, 16), bool)), seed=1
-    )
-    check(everything, exemplar, (15, 16))
-
-
-@every("method", family="patch")
 def test_masks_with_one_window(method):
     mask = np.zeros((30, 30), bool)
     mask[11:17, 7:13] = True
@@ -193,17 +149,6 @@ def test_masks_with_one_window(method):
 
 
 # Every method
-
-
-@every("method", "way")
-@pytest.mark.parametrize("value", [0, 255])
-def test_constant_samples_in_every_way(method, way, value):
-    exemplar = weftex.Exemplar(np.full((20, 22, 3), value, np.uint8))
-    model = method_of(method, way).fit(exemplar)
-    for wrap in wraps_of(method):
-        result = model.sample(weftex.Canvas(24, 21, wrap), seed=1)
-        check(result, exemplar, (24, 21))
-        assert (result.image == value).all()
 
 
 @every("method")
@@ -232,22 +177,6 @@ def test_tiny_canvases_in_every_way(method, way):
             check(model.sample(weftex.Canvas(*size, wrap), seed=1), exemplar, size)
 
 
-@every("method", "way")
-@pytest.mark.parametrize("channels", [1, 2, 7, 40])
-def test_many_channels_in_every_way(method, way, channels):
-    exemplar = weftex.Exemplar(noise((24, 24, channels)))
-    result = method_of(method, way).fit(exemplar).sample(30, seed=3)
-    check(result, exemplar, (30, 30))
-
-
-@every("method", "way")
-@pytest.mark.parametrize("colors", [1, 2])
-def test_two_colors_in_every_way(method, way, colors):
-    exemplar = weftex.Exemplar(((noise((30, 30)) % colors) * 255).astype(np.uint8))
-    result = method_of(method, way).fit(exemplar).sample(40, seed=3)
-    check(result, exemplar, (40, 40))
-
-
 @every("method")
 @pytest.mark.parametrize("width", [10**6 + 1, 10**9 + 1, 10**30 + 1])
 @pytest.mark.parametrize("tileable", [False, True])
@@ -255,14 +184,6 @@ def test_absurd_windows_are_refused_before_work_starts(method, width, tileable):
     exemplar = weftex.Exemplar(noise((24, 24)), tileable=tileable)
     with pytest.raises(weftex.InvalidInputError, match=str(width)):
         weftex.METHODS[method](**{TRIALS[method].window: width}).fit(exemplar)
-
-
-@every("method", family="pixel")
-def test_even_windows_are_refused(method):
-    if TRIALS[method].window != "window_width":
-        return
-    with pytest.raises(weftex.InvalidInputError, match="window_width is 6; it must be odd"):
-        weftex.METHODS[method](window_width=6).fit(weftex.Exemplar(noise((24, 24))))
 
 
 @every("method", "way")
@@ -323,15 +244,6 @@ def test_constant_floats(method, value):
 
 
 @every("method")
-def test_wild_floats(method):
-    pixels = noise((20, 20)).astype(float)
-    pixels[3, 4], pixels[7, 7] = 1e308, -1e308
-    exemplar = weftex.Exemplar(pixels)
-    with np.errstate(over="ignore"):
-        check(method_of(method).fit(exemplar).sample(30, seed=3), exemplar, (30, 30))
-
-
-@every("method")
 def test_arrays_of_any_layout(method):
     pixels = noise((20, 20, 3))
     frozen = pixels.copy()
@@ -345,14 +257,6 @@ def test_arrays_of_any_layout(method):
             continue
         expected = result.image if expected is None else expected
         assert np.array_equal(result.image, expected)
-
-
-@pytest.mark.parametrize(
-    "sample", [None, 5, "", "no/such/file.png", "sample:no-such", [[1, 2], [3]], {}, b"x", object()]
-)
-def test_samples_that_are_none(sample):
-    with pytest.raises(weftex.WeftexError):
-        weftex.synthesize(sample, 30, seed=1)
 
 
 def test_the_sample_is_not_changed():

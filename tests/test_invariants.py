@@ -1,6 +1,5 @@
 """What holds for every method on every kind of canvas it declares; see `families`."""
 
-import hashlib
 import os
 import pickle
 import subprocess
@@ -9,12 +8,9 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from hypothesis import given
-from hypothesis import strategies as st
 
 import weftex
 from families import (
-    DTYPES,
     FORMATS,
     METHODS,
     SEARCHES,
@@ -191,10 +187,6 @@ def _unseen_borders(result):
     return count
 
 
-def digest(result):
-    return hashlib.sha256(result.image.tobytes() + result.source.tobytes()).hexdigest()
-
-
 @every("method", "kind", "way")
 def test_the_same_seed_the_same_bytes(method, kind, way):
     pixels = noise((30, 31, 3))
@@ -289,16 +281,6 @@ def test_processes_change_nothing(capsys):
         assert done.stdout == expected and len(expected.split()) >= len(METHODS)
 
 
-@every("method", "kind")
-@pytest.mark.parametrize(("dtype", "channels"), FORMATS)
-def test_dtype_and_channels_are_kept(method, kind, dtype, channels):
-    shape = shape_of(channels)
-    result = make(method, noise(shape, dtype), kind)
-    assert result.image.dtype == dtype
-    assert result.image.shape == (*result.shape, *shape[2:])
-    assert result.image.flags.c_contiguous
-
-
 @pytest.mark.pictures
 @every("method", "kind", "way", kinds=("plain", "wrapped hole", "guide"))
 def test_depth_does_not_change_what_goes_where(method, kind, way):
@@ -313,61 +295,3 @@ def test_depth_does_not_change_what_goes_where(method, kind, way):
     for dtype in (np.float32, np.float64):
         real = make(method, (pixels / 255).astype(dtype), kind, way)
         assert np.array_equal(real.source, eight.source)
-
-
-@st.composite
-def jobs(draw, method):
-    """Any sample, any canvas, any of the parameters that change the way."""
-    rng = np.random.default_rng(draw(st.integers(0, 2**30)))
-    dtype = draw(st.sampled_from(DTYPES))
-    channels = draw(st.sampled_from([None, 1, 2, 3, 4, 5]))
-    sample_shape = draw(st.tuples(st.integers(8, 30), st.integers(8, 30)))
-    size = draw(st.tuples(st.integers(1, 50), st.integers(1, 50)))
-    rest = () if channels is None else (channels,)
-    pixels = noise((*sample_shape, *rest), dtype, seed=int(rng.integers(2**30)))
-    known = hole = None
-    supports = weftex.METHODS[method].supports
-    if draw(st.booleans()) and "known" in supports:
-        known = noise((*size, *rest), dtype, seed=1)
-        hole = rng.random(size) < draw(st.sampled_from([0.02, 0.3, 0.95, 1.0]))
-    wrap = draw(st.tuples(st.booleans(), st.booleans()))
-    if "wrap" not in supports:
-        wrap = (False, False)
-    guide = None
-    way = draw(st.sampled_from(list(TRIALS[method].ways)))
-    if draw(st.booleans()) and "guide" in kinds_of(method, way):
-        guide = {"guide": noise((*size, *rest), dtype, seed=4)}
-    parameters = {}
-    if TRIALS[method].family == "patch":
-        parameters = {
-            "patch_size": draw(st.sampled_from([1, 2, 5, 8])),
-            "boundary_width": None,
-            "search": draw(st.sampled_from(SEARCHES)),
-            "repeat_distance": draw(st.sampled_from([0.0, 0.5, 2.0])),
-            "edge_weight": draw(st.sampled_from([0.0, 1.0])),
-        }
-        if parameters["patch_size"] == 1:  # it has no border to be joined at, and repeats nothing
-            parameters |= {"blend": "none", "repeat_distance": 0.0}
-    exemplar = weftex.Exemplar(pixels, tileable=draw(st.booleans()))
-    canvas = weftex.Canvas(*size, wrap, known=known, hole=hole, **guide or {})
-    return exemplar, canvas, way, parameters
-
-
-@every("method")
-@given(data=st.data(), seed=st.integers(0, 2**64 - 1))
-def test_anything_reasonable_works(method, data, seed):
-    exemplar, canvas, way, parameters = data.draw(jobs(method))
-    plain = TRIALS[method].plain if canvas.known is None else {}
-    copied = TRIALS[method].copies(way) and (not plain or data.draw(st.booleans()))
-    parameters |= plain if copied else {}
-    result = method_of(method, way, **parameters).fit(exemplar).sample(canvas, seed=seed)
-    assert result.image.shape == (*canvas.shape, *exemplar.pixels.shape[2:])
-    assert result.image.dtype == exemplar.pixels.dtype
-    where, source = made(result), result.source
-    assert (source[where] >= 0).all() and (source[where] < exemplar.shape).all()
-    assert np.array_equal(result.render(), result.image)
-    if copied or parameters.get("patch_size") == 1:
-        expected = exemplar.pixels[source[where][:, 0], source[where][:, 1]]
-        assert np.array_equal(result.image[where], expected)
-    if canvas.known is not None:
-        assert np.array_equal(result.image[~where], canvas.known[~where])

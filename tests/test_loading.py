@@ -64,22 +64,6 @@ def test_maps_that_cannot_be_named(photos, capsys):
             weftex.load_exemplar(sample, files={"color": "a.png"})
 
 
-def test_a_set_says_what_was_taken_for_what(tmp_path, monkeypatch, capsys):
-    monkeypatch.chdir(tmp_path)
-    (tmp_path / "set").mkdir()
-    names = ("Rock_1K_Color", "Rock_1K_NormalGL", "Rock_1K_NormalDX", "Rock_1K_Displacement")
-    for seed, name in enumerate(names):
-        write_image(f"set/{name}.png", noise((40, 40, 3), seed=seed))
-    assert weft_run("synth", "set", "-o", "out", "--size", 50, "--seed", 1) == 0
-    told = [line for line in capsys.readouterr().err.splitlines() if "map: " in line]
-    assert told == [
-        "weftex: map: Rock_1K_Color.png is color, the picture",
-        "weftex: map: Rock_1K_Displacement.png is height",
-        "weftex: map: Rock_1K_NormalDX.png is normal_dx (y down)",
-        "weftex: map: Rock_1K_NormalGL.png is normal_gl (y up)",
-    ]
-
-
 @every("method")
 def test_fit_takes_what_synthesize_takes(method, tmp_path):
     pixels = noise((24, 26, 3))

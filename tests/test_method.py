@@ -208,9 +208,6 @@ def test_make_method():
     for wrong in (3, None, weftex.Quilting):
         with pytest.raises(InvalidInputError, match="must be a name or a Method"):
             make_method(wrong, {})
-
-
-def test_unknown_parameters_beside_a_method_are_refused_too():
     with pytest.raises(InvalidInputError, match="patchsize"):
         make_method(weftex.Quilting(), {"patchsize": 3})
 

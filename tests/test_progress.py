@@ -99,20 +99,6 @@ def test_each_method_can_be_cancelled(method, way):
     assert len(calls) == 3
 
 
-@pytest.mark.parametrize("threads", [1, 4])
-def test_cancelling_stops_at_once(threads):
-    calls = []
-
-    def callback(done, total, stage, preview):
-        calls.append(done)
-        return len(calls) < 3
-
-    model = weftex.PatchSampling(patch_size=8).fit(weftex.Exemplar(SAMPLE))
-    with pytest.raises(CancelledError):
-        model.sample((400, 400), seed=1, threads=threads, progress=callback)
-    assert len(calls) == 3
-
-
 def test_an_error_in_the_callback_comes_through():
     def callback(*_):
         raise ZeroDivisionError

@@ -118,12 +118,6 @@ def test_drawings_of_copies(rng):
     assert len(np.unique(pieces)) == len(np.unique((y % 30) * 81 + x % 81))
 
 
-def test_maps_of_fewer_pixels_come_at_the_sample_s_own(rng):
-    maps = {"ao": rng.random((10, 12))}
-    found = weftex.turned(weftex.Exemplar(rng.random((20, 24)), maps=maps), "flip")
-    assert found.maps["ao"].shape == found.shape == (20, 49)
-
-
 def test_a_map_of_fewer_pixels_is_rendered_in_fewer(rng):
     sample, small = rng.random((20, 24)), rng.random((10, 12))
     result = weftex.synthesize(weftex.turned(sample, "flip"), 40, method="quilting", seed=1)
@@ -154,19 +148,6 @@ def test_a_mask_of_few_pixels_does_not_hide_which_side_is_which(shape, rng):
             assert found.mask[top : top + height, left : left + width].sum() == 1
         result = weftex.synthesize(found, 12, method="graphcut", placement="entire", seed=1)
         assert (result.source == (2, 0)).all()
-
-
-def test_maps_of_numbers_that_floats_just_hold():
-    huge = np.full((6, 7, 3), np.finfo(np.float64).max)
-    sample = weftex.Exemplar(np.zeros((6, 7), np.uint8), maps={"normal": huge})
-    assert (weftex.turned(sample, "half").maps["normal"][:, :7] == huge).all()
-
-
-def test_a_sample_of_one_pixel_and_its_maps():
-    sample = weftex.Exemplar(np.full((1, 1), 7, np.uint8), maps={"height": np.full((2, 2), 9.0)})
-    result = weftex.synthesize(weftex.turned(sample, "4"), 5, method="graphcut", seed=1)
-    assert result.image.shape == (5, 5) and result.maps["height"].shape == (10, 10)
-    assert result.render(np.full((1, 1), 3, np.uint8)).shape == (5, 5)
 
 
 @pytest.mark.parametrize("turn", ["flip", "half", "4", "2", ["flip"], 4])

@@ -6,7 +6,6 @@ import os
 import random
 import shutil
 import struct
-import time
 import zlib
 
 import numpy as np
@@ -30,10 +29,6 @@ def test_missing(tmp_path):
     fails(tmp_path / "dangling.png", "No such file")
     with pytest.raises(FileError, match="''"):
         io.read_image("")
-
-
-def test_folder(tmp_path):
-    fails(tmp_path, "is a folder")
 
 
 def test_not_a_regular_file(tmp_path):
@@ -204,14 +199,6 @@ def test_zero_sized(tmp_path, capfd):
         (tmp_path / "a.png").write_bytes(bomb(width, height))
         fails(tmp_path / "a.png", "damaged")
     assert capfd.readouterr().err == ""
-
-
-@pytest.mark.parametrize("side", [20_000, 30_000, 200_000, 1_000_000])
-def test_decompression_bomb_is_refused_from_its_header(tmp_path, side):
-    (tmp_path / "a.png").write_bytes(bomb(side, side))
-    before = time.perf_counter()
-    fails(tmp_path / "a.png", "max_pixels = 268435456|corrupt")
-    assert time.perf_counter() - before < 1
 
 
 def test_bombs_take_no_memory(tmp_path):

@@ -277,41 +277,6 @@ def test_tifffile_reads_the_same(tmp_path, dtype, channels, alpha):
     np.testing.assert_array_equal(tifffile.imread(tmp_path / "a.tif"), pixels)
 
 
-def test_sixteen_bit_png_by_hand(tmp_path):
-    """Pillow reduces 16-bit RGB to 8 bits, so the bytes are unpacked here."""
-    pixels = noise((9, 7, 3), "uint16")
-    io.write_image(tmp_path / "a.png", pixels)
-    chunks = png_chunks((tmp_path / "a.png").read_bytes())
-    width, height, bits, color = struct.unpack(">IIBB", chunks[b"IHDR"][:10])
-    assert (width, height, bits, color) == (7, 9, 16, 2)
-    np.testing.assert_array_equal(
-        unfilter(zlib.decompress(chunks[b"IDAT"]), 9, 42, 6).view(">u2").reshape(9, 7, 3), pixels
-    )
-    assert set(chunks) == {b"IHDR", b"IDAT", b"IEND"}
-
-
-def png_chunks(data):
-    found, at = {}, 8
-    while at < len(data):
-        length, kind = struct.unpack(">I4s", data[at : at + 8])
-        found[kind] = found.get(kind, b"") + data[at + 8 : at + 8 + length]
-        at += 12 + length
-    return found
-
-
-def unfilter(data, rows, stride, step):
-    """Undo PNG's filters, slowly."""
-    out = np.zeros((rows + 1, stride + step), int)
-    for y in range(rows):
-        line = data[y * (stride + 1) : (y + 1) * (stride + 1)]
-        for x in range(stride):
-            a, b, c = out[y + 1, x], out[y, x + step], out[y, x]
-            paeth = min((a, b, c), key=lambda v: abs(a + b - c - v))
-            guess = (0, a, b, (a + b) // 2, paeth)[line[0]]
-            out[y + 1, x + step] = (line[x + 1] + guess) % 256
-    return out[1:, step:].astype("uint8")
-
-
 def test_picture_prints_without_its_pixels():
     assert repr(io.read_image("sample:grass")) == "Picture(alpha=False, path='sample:grass')"
 
@@ -319,16 +284,12 @@ def test_picture_prints_without_its_pixels():
 def test_importing_does_not_load_the_library():
     code = """
         import sys
-        import numpy
-        before = set(sys.modules)
         from weftex.io import pictures as io
         io.check_output("a.png")
         io.sample_names()
-        print(*(m for m in set(sys.modules) - before if not m.startswith("weftex")))
+        print("OpenImageIO" in sys.modules)
     """
-    done = run(code)
-    assert done.returncode == 0, done.stderr
-    assert set(done.stdout.split()) <= {"__future__", "copy", "dataclasses", "zlib"}
+    assert run(code).stdout == "False\n"
 
 
 def test_without_the_library(monkeypatch, tmp_path, capsys):

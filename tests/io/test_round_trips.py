@@ -4,9 +4,6 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
-from hypothesis import strategies as st
-from hypothesis.extra import numpy as hnp
 
 from picture_files import files_in, noise, oiio_write, smooth
 from weftex.io import pictures as io
@@ -86,22 +83,6 @@ def test_jpeg_is_close(tmp_path, channels):
     with Image.open(tmp_path / "a.jpg") as peer:
         np.testing.assert_allclose(np.asarray(peer).astype(int), pixels, atol=6)
         assert channels == 1 or peer.layer[0][1:3] == (1, 1)  # no color subsampling
-
-
-@settings(max_examples=25, deadline=None)
-@given(
-    hnp.arrays(
-        st.sampled_from([np.uint8, np.uint16]),
-        hnp.array_shapes(min_dims=2, max_dims=2, max_side=40),
-    ),
-    st.integers(1, 4),
-    st.sampled_from([".png", ".tif"]),
-)
-def test_any_integers_survive(tmp_path_factory, plane, channels, suffix):
-    pixels = plane if channels == 1 else np.stack([np.roll(plane, k) for k in range(channels)], 2)
-    path = tmp_path_factory.mktemp("any") / f"a{suffix}"
-    io.write_image(path, pixels, alpha=channels in (2, 4))
-    np.testing.assert_array_equal(io.read_image(path).pixels, pixels)
 
 
 @pytest.mark.parametrize("suffix", [".tif", ".exr"])

@@ -111,25 +111,6 @@ def test_opposite_vectors_are_not_mixed_to_nothing():
             assert np.allclose(out[0, 0] / np.linalg.norm(out), expected)
 
 
-@given(st.sampled_from(DTYPES), st.booleans(), st.integers(1, 2), st.data())
-def test_a_window_is_that_part_of_the_whole(dtype, cut, scale, data):
-    rng = np.random.default_rng(data.draw(st.integers(0, 2**30)))
-    canvas, sample = (9, 11), (6, 7)
-    top, left = data.draw(st.integers(0, 8)), data.draw(st.integers(0, 10))
-    rows, columns = data.draw(st.integers(1, 9 - top)), data.draw(st.integers(1, 11 - left))
-    source = picture(rng, (sample[0] * scale, sample[1] * scale, 3), dtype)
-    plan = layout(rng, canvas, sample, 5, 4, 8, cut)
-    whole = np.zeros((canvas[0] * scale, canvas[1] * scale, 3), dtype)
-    part = np.zeros((rows * scale, columns * scale, 3), dtype)
-    plan = Layout(*plan, *canvas)
-    paste_kernels.paste_all(whole, source, plan, View(0, 0, scale, False))
-    paste_kernels.paste_all(part, source, plan, View(top, left, scale, False))
-    inside = np.ix_(
-        range(top * scale, (top + rows) * scale), range(left * scale, (left + columns) * scale)
-    )
-    assert np.array_equal(part, whole[inside])
-
-
 @given(st.booleans(), st.integers(1, 14), st.integers(0, 2**30))
 def test_layers_are_the_slow_twin(cut, count, seed):
     rng = np.random.default_rng(seed)
@@ -152,17 +133,6 @@ def test_whole_numbers_round_halves_up():
         layout = Layout(one, weights, np.zeros((0, 0), np.uint16), 1, 1)
         paste_kernels.paste_all(out, source, layout, View(0, 0, 1, False))
         assert out[0, 0, 0] == expected
-
-
-@pytest.mark.parametrize("dtype", DTYPES)
-@pytest.mark.parametrize("alpha", [False, True])
-def test_constant_in_constant_out_whatever_the_weights(rng, dtype, alpha):
-    for value in picture(rng, (20, 4), dtype):
-        out = np.broadcast_to(value, (9, 11, 4)).copy()
-        source = np.broadcast_to(value, (6, 7, 4)).copy()
-        plan = layout(rng, (9, 11), (6, 7), 5, 4, 12, False)
-        paste_kernels.paste_all(out, source, Layout(*plan, 9, 11), View(0, 0, 1, alpha))
-        assert np.array_equal(out, np.broadcast_to(value, out.shape))
 
 
 @pytest.mark.parametrize("dtype", DTYPES)

@@ -66,12 +66,6 @@ def test_known_pixels_stay_and_are_where_they_came_from():
     assert np.array_equal(inside.source[y, x], np.stack([y + 1, x + 2], axis=1))
 
 
-def test_alpha_goes_with_its_pixel():
-    sample = np.random.default_rng(5).integers(0, 256, (9, 11, 4)).astype(np.uint8)
-    result = make(sample=sample)
-    assert np.array_equal(result.image, sample.reshape(-1, 4)[result.index])
-
-
 def test_maps_are_replayed():
     own = np.arange(99, dtype=np.uint16).reshape(9, 11)
     assert np.array_equal(make(maps={"roughness": own}).maps["roughness"], make().index)

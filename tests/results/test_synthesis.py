@@ -4,8 +4,6 @@ import pickle
 
 import numpy as np
 import pytest
-from hypothesis import given
-from hypothesis import strategies as st
 
 import weftex
 from laid import BLENDS, SAMPLE, filled, make
@@ -20,15 +18,6 @@ def test_rendering_the_sample_is_the_image(blend, wrap):
     assert np.array_equal(result.render(), result.image)
     assert np.array_equal(result.render(SAMPLE), result.image)
     assert np.array_equal(result.render(weftex.Exemplar(SAMPLE)), result.image)
-
-
-@pytest.mark.parametrize("blend", BLENDS)
-def test_the_slow_twin_renders_the_same(blend):
-    result = make(blend, (True, True))
-    out = np.zeros_like(result.image)
-    arrays = result.placements, result.weights, result.cuts
-    reference.paste_all(out, SAMPLE, 0, 0, result.shape, *arrays)
-    assert np.array_equal(out, result.image)
 
 
 @pytest.mark.parametrize("blend", BLENDS)
@@ -64,13 +53,6 @@ def test_windows_are_parts_of_the_whole(rng, make_one):
         assert np.array_equal(got[1], shares[part])
         twice = slice(2 * top, 2 * (top + rows)), slice(2 * left, 2 * (left + columns))
         assert np.array_equal(result.render(big, window=window), result.render(big)[twice])
-
-
-def test_a_window_leaves_the_image_alone():
-    result = make("feather-at-end")
-    part = result.render(window=(3, 4, 5, 6))
-    assert result.image.shape == (40, 45, 3)
-    assert np.array_equal(result.image[3:8, 4:10], part)
 
 
 @pytest.mark.parametrize(
@@ -109,24 +91,6 @@ def test_shares_sum_to_one_with_the_widest_boundary(wrap, size):
     method = weftex.PatchSampling(patch_size=16, boundary_width=8)
     result = method.fit(weftex.Exemplar(SAMPLE)).sample(weftex.Canvas(*size, wrap), seed=1)
     assert np.allclose(result.layers()[1].sum(axis=2), 1, atol=1e-6)
-
-
-@pytest.mark.parametrize("blend", ["feather", "cut"])
-@pytest.mark.parametrize("boundary_width", [3, 5])
-def test_layers_are_the_slow_twins(blend, boundary_width):
-    """Where half of a patch is its boundary up to nine patches meet, and four are kept."""
-    method = weftex.PatchSampling(patch_size=10, boundary_width=boundary_width, blend=blend)
-    result = method.fit(weftex.Exemplar(SAMPLE)).sample((40, 45), seed=9)
-    window = (6, 4, 20, 23)
-    coordinates, shares = result.layers(window)
-    plan = result.placements, result.weights, result.cuts
-    for (i, j), entries in reference.layers(window, result.shape, *plan).items():
-        whole = sum(share for _, share in entries)  # less than 1 where a fifth was dropped
-        for n, (p, share) in enumerate(entries):
-            y, x, sy, sx, _ = result.placements[p].tolist()
-            at = ((6 + i - y) % 40 + sy) % 30, ((4 + j - x) % 45 + sx) % 34
-            assert tuple(coordinates[i, j, n]) == at
-            assert shares[i, j, n] == pytest.approx(share / whole, abs=1e-6)
 
 
 def test_source_is_the_heaviest_layer():
@@ -223,12 +187,3 @@ def test_results_can_be_pickled():
     copy = pickle.loads(pickle.dumps(result))
     assert np.array_equal(copy.image, result.image)
     assert np.array_equal(copy.source, result.source)
-
-
-@given(st.integers(1, 60), st.integers(1, 60), st.sampled_from(BLENDS), st.integers(0, 99))
-def test_any_size_is_covered(height, width, blend, seed):
-    method = weftex.PatchSampling(patch_size=8, boundary_width=2, blend=blend)
-    result = method.fit(weftex.Exemplar(SAMPLE)).sample((height, width), seed=seed)
-    assert result.image.shape == (height, width, 3)
-    assert (result.source >= 0).all()
-    assert np.allclose(result.layers()[1].sum(axis=2), 1, atol=1e-6)

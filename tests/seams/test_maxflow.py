@@ -90,23 +90,6 @@ def test_large_grids(shape, top, terminals):
         assert np.array_equal(side, expected)
 
 
-def test_the_cut_between_real_pictures():
-    """A patch over another one: the seam is as cheap as SciPy's."""
-    pixels = weftex.load_exemplar("sample:pebbles").pixels.astype(np.int32)
-    step = np.abs(pixels[20:68, 30:78] - pixels[90:138, 70:118]).sum(axis=2)
-    arcs = np.zeros((48, 48, 4), np.int32)
-    arcs[:, :-1, 0] = arcs[:, 1:, 2] = step[:, 1:] + step[:, :-1]
-    arcs[:-1, :, 1] = arcs[1:, :, 3] = step[1:] + step[:-1]
-    source, sink = np.zeros((2, 48, 48), np.int32)
-    source[20:28, 20:28] = 10**6
-    sink[[0, -1]] = sink[:, [0, -1]] = 10**6
-    side, value = minimum_cut(arcs, source, sink)
-    expected, flow = scipy_cut(arcs, source, sink)
-    assert value == flow > 0
-    assert np.array_equal(side, expected)
-    assert 64 <= side.sum() < 46 * 46
-
-
 def test_nothing_to_cut():
     empty = np.zeros((0, 3), np.int32)
     side, value = minimum_cut(np.zeros((0, 3, 4), np.int32), empty, empty)

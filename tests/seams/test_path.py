@@ -30,13 +30,6 @@ def test_paths_are_the_slow_twin(data, closed):
     assert least_path(cost, closed=closed).tolist() == list(reference.path_around(cost, closed))
 
 
-@given(st.data())
-def test_closed_paths_meet(data):
-    cost = costs(data, 12, 8, 1000)
-    path = least_path(cost, closed=True)
-    assert np.abs(np.diff(path, append=path[0])).max() <= 1
-
-
 @pytest.mark.parametrize("turn", range(7))
 def test_a_closed_valley_is_followed_wherever_it_is_cut(turn):
     valley = [2, 3, 3, 2, 1, 1, 2]

@@ -166,13 +166,6 @@ def test_a_very_wide_zone_is_blended_everywhere(width):
     assert (zone.weight[known] > 0).all(), "weight 0 means the canvas stays, also when it is cut"
 
 
-def test_nothing_known_and_everything_known():
-    nothing = boundary_zone(np.zeros((4, 5), bool), 2)
-    assert nothing.area == 0 and len(nothing.runs) == 0 and (nothing.weight == 256).all()
-    everything = boundary_zone(np.ones((4, 5), bool), 2)
-    assert everything.area == 0 and len(everything.runs) == 0 and (everything.weight == 0).all()
-
-
 def test_the_core_is_all_that_is_laid():
     known = np.zeros((5, 5), bool)
     known[:2] = True

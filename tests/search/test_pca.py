@@ -53,12 +53,6 @@ def test_coordinates_are_exact(seed, size, count):
     check_exact(fit_pca(windows, 0.97), windows)
 
 
-@pytest.mark.parametrize("name", SAMPLES)
-def test_coordinates_of_real_samples_are_exact(name):
-    windows = windows_of(name)[2]
-    check_exact(fit_pca(windows, 0.97), windows)
-
-
 def test_coordinates_are_exact_where_everything_is_bright(rng):
     """The longest sums there are: every byte 0 or 255, all together."""
     windows = np.repeat(rng.choice([0, 255], (1, 400)).astype(np.uint8), 200, axis=0)

@@ -199,6 +199,7 @@ def test_what_is_remembered_is_bounded():
     assert (memory.get(("tab", 48)), memory.bytes) == (None, 60)
 
 
+@pytest.mark.pages
 def test_its_benchmark_runs(tmp_path):
     script = Path(__file__).parents[2] / "benchmarks" / "studio.py"
     [(what, figure)] = runpy.run_path(str(script))["start"](tmp_path, 1)
