@@ -72,7 +72,7 @@ def explain(
     at : (int, int), optional
         Row and column of the pixel; by default one past the middle.
     tileable : bool or {"x", "y"}
-        Axes that are to repeat without a seam.
+        Axes that wrap around without a seam.
     **parameters
         Of the method, if that is a name.
 
