@@ -16,7 +16,7 @@ from weftex.io.pictures import read_image
 from weftex.tasks.method_names import make_method
 
 ROOT = Path(__file__).parent.parent
-sys.path.insert(0, str(ROOT / "benchmarks"))
+sys.path[:0] = [str(ROOT / "benchmarks" / name) for name in ("speed", "quality")]
 import gallery  # noqa: E402
 import gallery_page  # noqa: E402
 import judging  # noqa: E402
@@ -51,7 +51,7 @@ def test_pages_are_written_whole(made):
         old, new = ((where / name).read_text("utf-8") for where in (gallery.PAGES, made / "docs"))
         heads = [re.findall("^#+ .*", text, re.M) for text in (old, new)]
         assert set(heads[1]) <= set(heads[0]) and old != new
-        assert "python benchmarks/gallery.py" in new
+        assert "python benchmarks/quality/gallery.py" in new
     assert {p.name for p in (made / "docs").iterdir()} == set(gallery_page.PAGES)
 
 
@@ -71,7 +71,7 @@ def test_every_picture_and_figure_is_there(made):
 
 
 def test_pictures_and_figures_are_what_the_library_makes(made):
-    exemplar = weftex.load_exemplar(ROOT / "benchmarks/surfaces/grass_gray.png")
+    exemplar = weftex.load_exemplar(ROOT / "benchmarks/data/surfaces/grass_gray.png")
     again = weftex.synthesize(exemplar, 64, method="quilting", seed=1)
     kept = read_image(made / "keep/quilting/grass_gray.png").pixels
     assert np.array_equal(kept, again.image)
@@ -93,7 +93,7 @@ def test_a_second_run_makes_only_what_is_missing(made, tmp_path, capsys):
 
 
 def test_what_may_have_changed_is_made_again(made, monkeypatch):
-    file = str(ROOT / "benchmarks/surfaces/grass_gray.png")
+    file = str(ROOT / "benchmarks/data/surfaces/grass_gray.png")
     job = gallery.Job("grass_gray", file, "quilting", 64, f"{made}/keep")
     assert job.done() == job.kept() == job.run()
     for change in ({"size": 65}, {"file": __file__}, {"surface": "bark"}):
@@ -153,7 +153,7 @@ def test_scores_are_shown_for_the_same_picture_only(made, tmp_path, monkeypatch)
 
 
 def test_slow_methods_get_a_part():
-    file = str(ROOT / "benchmarks/surfaces/bark.webp")
+    file = str(ROOT / "benchmarks/data/surfaces/bark.webp")
     whole, part = (
         gallery.Job("bark", file, method, 512, "").sample().shape
         for method in ("quilting", "efros-leung")

@@ -37,7 +37,7 @@ def test_the_source_archive(tmp_path):
     tools = {file for file in under("benchmarks") if re.search(r"\.py$|/judged/", file)}
     wanted = (under("src", "examples", "tests") | tools) - STAY
     about = {"CHANGELOG.md", "LICENSE", "MANIFEST.in", "PKG-INFO", "README.md", "setup.cfg"}
-    about |= {"pyproject.toml", "setup.py", "benchmarks/judged/README.md"}
+    about |= {"pyproject.toml", "setup.py", "benchmarks/quality/judged/README.md"}
     assert files == wanted | about
     assert archive.name == f"weftex-{weftex.__version__}.tar.gz"
     assert archive.stat().st_size < 4_000_000

@@ -126,14 +126,20 @@ def code_of(page):
 @pytest.mark.parametrize("page", [*PAGES, ROOT / "CONTRIBUTING.md"], ids=lambda page: page.name)
 def test_named_scripts_are_run_by_a_test(page):
     """Examples and experiments by those above; what is left by test_gallery and test_benchmarks."""
-    names = ("gallery", "run", "pictures", "house", "digests", "fusion", "lattices", "repeats")
-    names += ("everyday", "commits", "many_threads", "studio_page", "planes", "planes_on_disk")
-    names += ("soak", "studio")
-    others = {f"benchmarks/{name}.py" for name in names}
+    others = {
+        f"benchmarks/{folder}/{name}.py"
+        for folder, names in {
+            "guards": ("digests", "many_threads", "size", "soak"),
+            "pages": ("pictures", "references"),
+            "quality": ("fusion", "gallery", "lattices", "planes", "repeats"),
+            "speed": ("commits", "everyday", "planes_on_disk", "run", "studio", "studio_page"),
+        }.items()
+        for name in names
+    }
     for code in code_of(page):
-        named = re.match(r"(?:python )?((?:examples|benchmarks)/\w+\.py)\b(.*)", code.strip())
+        named = re.match(r"(?:python )?((?:examples|benchmarks/\w+)/\w+\.py)\b(.*)", code.strip())
         if not named:
-            assert not re.search(r"\b(examples|benchmarks)/\w+\.py", code), code
+            assert not re.search(r"\b(examples|benchmarks/\w+)/\w+\.py", code), code
             continue
         script, words = ROOT / named[1], shlex.split(named[2], comments=True)
         if script in PAPERS:

@@ -18,7 +18,7 @@ from weftex.analysis.relief import Relief, relief
 from weftex.analysis.rows import find_rows, ridges
 from weftex.exemplar import Exemplar
 
-sys.path.insert(0, str(Path(__file__).parents[2] / "benchmarks"))
+sys.path.insert(0, str(Path(__file__).parents[2] / "benchmarks" / "quality"))
 from drawn import draw
 
 

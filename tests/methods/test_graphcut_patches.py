@@ -12,7 +12,7 @@ from weftex.methods.graphcut import GraphCut, subpatch
 from weftex.methods.graphcut.cutting import Picture
 from weftex.methods.graphcut.subpatch import SubPatchMatching
 
-sys.path.insert(0, str(Path(__file__).parents[2] / "benchmarks"))
+sys.path.insert(0, str(Path(__file__).parents[2] / "benchmarks" / "quality"))
 import repeats
 
 

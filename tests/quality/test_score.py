@@ -21,8 +21,8 @@ ROOT = Path(__file__).parents[2]
 
 
 def judged():
-    """benchmarks/judged/agreement.py as a module."""
-    path = ROOT / "benchmarks" / "judged" / "agreement.py"
+    """benchmarks/quality/judged/agreement.py as a module."""
+    path = ROOT / "benchmarks" / "quality" / "judged" / "agreement.py"
     sys.path.insert(0, str(path.parent))  # it takes its tables from draw.py beside it
     spec = importlib.util.spec_from_file_location("agreement", path)
     module = importlib.util.module_from_spec(spec)

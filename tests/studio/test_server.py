@@ -201,6 +201,6 @@ def test_what_is_remembered_is_bounded():
 
 @pytest.mark.pages
 def test_its_benchmark_runs(tmp_path):
-    script = Path(__file__).parents[2] / "benchmarks" / "studio.py"
+    script = Path(__file__).parents[2] / "benchmarks" / "speed" / "studio.py"
     [(what, figure)] = runpy.run_path(str(script))["start"](tmp_path, 1)
     assert "to the sample's picture" in what and figure.endswith(")")

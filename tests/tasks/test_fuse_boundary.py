@@ -1,4 +1,4 @@
-"""Boundaries that nobody could draw with a ruler: benchmarks/fusion.py, on small pictures."""
+"""Boundaries that no ruler could draw: benchmarks/quality/fusion.py, on small pictures."""
 
 import functools
 import sys
@@ -10,7 +10,7 @@ import pytest
 import weftex
 from weftex.tasks.belts import Meetings, wander
 
-sys.path.insert(0, str(Path(__file__).parents[2] / "benchmarks"))
+sys.path.insert(0, str(Path(__file__).parents[2] / "benchmarks" / "quality"))
 import fusion
 
 SMALL = (110, 130)

@@ -36,7 +36,7 @@ WEIGHTS = {
     "autocorrelation": 1.55,
     "seams": 0.74,
 }
-"""Weights of the terms, fitted to judged pictures by benchmarks/judged/agreement.py."""
+"""Weights of the terms, fitted to judged pictures by benchmarks/quality/judged/agreement.py."""
 
 _SIDE = 32  # pixels, about, of the sample's shorter side at the coarse level
 _MAX_WINDOWS = 1600  # of a picture

@@ -12,14 +12,14 @@ from typing import Any
 
 import numpy as np
 from PIL import Image
-from shared import HERE, rows_of
 
 import weftex
 from weftex.pages.html import as_shown, document
 from weftex.quality.figures import FIGURES
 from weftex.tasks.method_names import AUTO, method_class
 
-JUDGED = HERE / "judged.csv"
+DATA = Path(__file__).resolve().parents[1] / "data"
+JUDGED = DATA / "judged.csv"
 PAGES = ("quality.md", "quality-figures.md")
 KINDS = {"near-regular": ("near-regular", "regular"), "irregular": (), "stochastic": ()}
 _MIDDLE = 320  # pixels a side of an output that is shown beside the others
@@ -95,7 +95,7 @@ def write(
 QUALITY = """\
 # Quality: scores
 
-`python benchmarks/gallery.py --jobs 2` writes this page; edits are lost.
+`python benchmarks/quality/gallery.py --jobs 2` writes this page; edits are lost.
 [How to read it, and what the eye sees](../quality.md).
 
 ## Summary
@@ -115,7 +115,7 @@ Bold: no figure is beyond its limit. [All figures](quality-figures.md).
 FIGURES_PAGE = """\
 # Quality: all figures
 
-`python benchmarks/gallery.py --jobs 2` writes this page; edits are lost.
+`python benchmarks/quality/gallery.py --jobs 2` writes this page; edits are lost.
 
 Every figure of every output of [quality.md](quality.md). Bold figures are beyond their limits;
 [measures.md](../measures.md) has their meanings, units and limits. Below each table stand the
@@ -331,7 +331,7 @@ def _figure(file: str, told: str) -> str:
 
 def draw(gallery: Gallery, name: str, images: Path) -> None:
     """Write the pictures of a surface."""
-    file = (HERE / "surfaces" / gallery.surfaces[name]["file"]).resolve()
+    file = (DATA / "surfaces" / gallery.surfaces[name]["file"]).resolve()
     exemplar = weftex.load_exemplar(file)
 
     def shown(method: str, kind: str = "") -> np.ndarray:
@@ -394,3 +394,9 @@ def _save(path: Path, lines: Sequence[Sequence[np.ndarray]]) -> None:
             x += pixels.shape[1] + _GAP
         y += height + _GAP
     whole.save(path, quality=_QUALITY, method=6)
+
+
+def rows_of(head: Sequence[str], rows: Sequence[Sequence[str]]) -> str:
+    """A table in Markdown."""
+    lines = (f"| {' | '.join(cells)} |\n" for cells in (head, ["---"] * len(head), *rows))
+    return "".join(lines)

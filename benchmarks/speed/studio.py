@@ -1,7 +1,7 @@
 """The studio under load, and how quick it is: requests at once, large uploads, lines that are cut.
 
-    python benchmarks/studio.py               all of it, in about a minute and a half
-    python benchmarks/studio.py --only start  what is named so
+    python benchmarks/speed/studio.py               all of it, in about a minute and a half
+    python benchmarks/speed/studio.py --only start  what is named so
 
 It starts `weftex studio` as a process, asks it over the loopback as a page does, and prints a
 table.
@@ -23,7 +23,7 @@ from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any
 
-sys.path.append(str(Path(__file__).resolve().parent.parent / "tests" / "studio"))
+sys.path.append(str(Path(__file__).resolve().parents[2] / "tests" / "studio"))
 import numpy as np
 from pages import Page
 from processes_of_studio import Process

@@ -1,6 +1,6 @@
 """Print how large the code base is, and how much there is to read for each method.
 
-    python benchmarks/house.py
+    python benchmarks/guards/size.py
 
 `tests/test_size.py` holds the first table as ceilings. The second counts, for each method, the
 files and lines of `methods`, `repeats`, `search` and `seams` that it imports, kernels and their
@@ -12,7 +12,7 @@ from __future__ import annotations
 import sys
 from pathlib import Path
 
-sys.path.append(str(Path(__file__).resolve().parent.parent / "tests"))
+sys.path.append(str(Path(__file__).resolve().parents[2] / "tests"))
 import weftex
 from test_dependencies import LEVEL, arrows, circles, room
 from test_size import CEILINGS, lines_of, measured, modules_of, to_read

@@ -1,9 +1,9 @@
 """Every test surface with every method: pictures, measures and the pages of docs/measured.
 
-    python benchmarks/gallery.py --jobs 2                     # everything; 15 minutes with one
-    python benchmarks/gallery.py --surfaces bark --methods quilting auto --docs FOLDER
+    python benchmarks/quality/gallery.py --jobs 2             # everything; 15 minutes with one
+    python benchmarks/quality/gallery.py --surfaces bark --methods quilting auto --docs FOLDER
 
-From each surface of benchmarks/surfaces, 256x256, each method makes 512x512 with seed 1 at its
+From each surface of benchmarks/data/surfaces, 256x256, each method makes 512x512 with seed 1 at its
 defaults, with one thread; efros-leung, which is slow, 256x256 from the upper left 128x128. Each
 also makes a tileable output half as large, of which only the seam at the wrap is measured. The
 tables go to --docs (docs/measured/quality.md and quality-figures.md, written whole). A part of the
@@ -13,7 +13,7 @@ surfaces or methods needs another folder there.
 pictures, sources (.npz) and figures (.json). A run that was interrupted goes on from there, and
 later runs make again only outputs that may have changed: pictures after a change of the method's
 code, of its imports, of the surface or the size, and figures after a change of the measures.
-benchmarks/judged.csv has scores of a measure that is not part of weftex; the pages show those of
+benchmarks/data/judged.csv has scores of a measure outside weftex; the pages show those of
 pictures that are still the same. Needs weftex[test].
 """
 
@@ -34,7 +34,6 @@ from time import perf_counter, process_time
 from typing import Any
 
 import numpy as np
-from shared import HERE
 from sources import code_hash
 
 import weftex
@@ -42,8 +41,8 @@ from weftex.quality.seams import StepModel, wrap_seam
 from weftex.quality.view import views
 from weftex.tasks.method_names import AUTO, make_method, method_class
 
-ROOT = HERE.parent
-SURFACES = HERE / "surfaces" / "MANIFEST.csv"
+ROOT = Path(__file__).resolve().parents[2]
+SURFACES = ROOT / "benchmarks" / "data" / "surfaces" / "MANIFEST.csv"
 PAGES = ROOT / "docs" / "measured"
 METHODS = (AUTO, *weftex.METHODS)
 SEED = 1

@@ -1,8 +1,8 @@
 """Where materials meet: how much of a boundary a ruler could draw, and how it steps.
 
-    python benchmarks/fusion.py                     # six pairs of materials, four maps
-    python benchmarks/fusion.py --pictures FOLDER   # and every picture
-    python benchmarks/fusion.py --sheet FILE        # only docs/img/fuse_pairs.webp
+    python benchmarks/quality/fusion.py                     # six pairs of materials, four maps
+    python benchmarks/quality/fusion.py --pictures FOLDER   # and every picture
+    python benchmarks/quality/fusion.py --sheet FILE        # only docs/img/fuse_pairs.webp
 
 For each picture three figures. `edge`: the share of rows in which the boundary of the materials
 lies within a pixel of a belt's edge. `line`: the share of the boundary that lies within a pixel of

@@ -12,8 +12,8 @@ from dataclasses import fields
 from time import perf_counter, process_time
 
 from shared import (
-    HERE,
     PATCH_METHODS,
+    SURFACES,
     Table,
     child,
     environment,
@@ -114,7 +114,7 @@ def rivals() -> Table:
         for side, size in some(((128, 200), (200, 800), (256, 1024), (512, 2048))):
             for name in some(("pebbles_mixed", "stone_wall", "brick_castle", "weave_red")):
                 source, edge = f"{folder}/{name}{side}.png", str(sized(size))
-                photo = weftex.read_image(HERE / f"surfaces/{name}.webp").pixels
+                photo = weftex.read_image(SURFACES / f"{name}.webp").pixels
                 weftex.write_image(source, of_side(side, photo))
                 ours = [*(sys.executable, "-m", "weftex", "synth", source, "--quiet")]
                 ours += ["-o", f"{folder}/a.png", "--size", edge, "--seed", "7", "--threads", "1"]

@@ -1,7 +1,7 @@
 """Planes on disk: speed, growth, kills, workers that die, disks that fill, what limits a cluster.
 
-    python benchmarks/planes_on_disk.py speed --side 16384 --methods near-regular
-    python benchmarks/planes_on_disk.py growth | kills | cluster | disk | null
+    python benchmarks/speed/planes_on_disk.py speed --side 16384 --methods near-regular
+    python benchmarks/speed/planes_on_disk.py growth | kills | cluster | disk | null
 
 Each prints its lines; docs/endless.md has those of one run.
 """

@@ -1,6 +1,6 @@
 """Draw the pictures of docs/at-work.md: run its commands, which write a strip for each method.
 
-python benchmarks/at_work.py
+python benchmarks/pages/at_work.py
 """
 
 from __future__ import annotations
@@ -13,7 +13,7 @@ from pathlib import Path
 from pictures import commands
 from PIL import Image
 
-DOCS = Path(__file__).resolve().parent.parent / "docs"
+DOCS = Path(__file__).resolve().parents[2] / "docs"
 _ACROSS, _QUALITY = 900, 70
 
 

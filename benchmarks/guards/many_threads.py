@@ -1,6 +1,6 @@
 """Many threads of Python on one model make the bytes that one makes, with a lock or without.
 
-    python benchmarks/many_threads.py [METHOD ...]
+    python benchmarks/guards/many_threads.py [METHOD ...]
 
 Needs no files, so it runs where OpenImageIO cannot be had: a free-threaded Python. It says whether
 the lock is on.

@@ -9,7 +9,7 @@ import re
 import statistics
 import subprocess
 import sys
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Mapping
 from pathlib import Path
 from time import perf_counter, process_time
 from typing import Any
@@ -19,7 +19,9 @@ import numpy as np
 import weftex
 
 HERE = Path(__file__).resolve().parent
-sys.path.append(str(HERE.parent / "examples"))
+ROOT = HERE.parents[1]
+SURFACES = ROOT / "benchmarks" / "data" / "surfaces"
+sys.path.append(str(ROOT / "examples"))
 import _papers as papers  # noqa: E402
 import paper_patch_sampling as paper  # noqa: E402, F401
 from _papers import sized, some  # noqa: E402
@@ -176,9 +178,3 @@ def peak_memory() -> int:
 
 def ms(seconds: float) -> str:
     return f"{seconds * 1e3:.3g} ms" if seconds < 1 else f"{seconds:.2f} s"
-
-
-def rows_of(head: Sequence[str], rows: Sequence[Sequence[str]]) -> str:
-    """A table in Markdown."""
-    lines = (f"| {' | '.join(cells)} |\n" for cells in (head, ["---"] * len(head), *rows))
-    return "".join(lines)

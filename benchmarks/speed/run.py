@@ -1,6 +1,6 @@
 """Speed, memory, start-up, growth: docs/measured/benchmarks.md; run by hand, never a test.
 
-    python benchmarks/run.py [all | TABLE ...] [--json FILE] [--update [PAGE]] [--small]
+    python benchmarks/speed/run.py [all | TABLE ...] [--json FILE] [--update [PAGE]] [--small]
 
 The tables of the patch methods are in patch.py, those of the pixel methods in pixel.py, those of
 near-regular textures in near_regular.py, those of whole processes in process.py and everyday.py,
@@ -28,14 +28,14 @@ import near_regular
 import patch
 import pixel
 import process
-from shared import HERE, Table, in_child, machine, papers
+from shared import ROOT, Table, in_child, machine, papers
 
-PAGE = HERE.parent / "docs" / "measured" / "benchmarks.md"
+PAGE = ROOT / "docs" / "measured" / "benchmarks.md"
 _HEAD = """\
 # Benchmarks: tables
 
-`python benchmarks/run.py all --update` writes this page, and
-`python benchmarks/run.py TABLE --update` one table of it; edits are lost.
+`python benchmarks/speed/run.py all --update` writes this page, and
+`python benchmarks/speed/run.py TABLE --update` one table of it; edits are lost.
 [How to read them](../benchmarks.md).
 """
 

@@ -1,6 +1,6 @@
 """What people wait for: materials of each kind from a shell, and what showing progress takes.
 
-    python benchmarks/everyday.py [FOLDER]        # the pictures of docs/index.md, to docs/img
+    python benchmarks/speed/everyday.py [FOLDER]        # the pictures of docs/index.md, to docs/img
 
 The tables are run.py's. Needs weftex[test].
 """
@@ -19,7 +19,7 @@ from time import perf_counter, process_time, thread_time
 from unittest.mock import patch
 
 from PIL import Image
-from shared import HERE, Table, busy, environment, ms, sample_of, sized, some
+from shared import ROOT, Table, busy, environment, ms, sample_of, sized, some
 
 import weftex
 from weftex.cli import terminal
@@ -167,4 +167,4 @@ def seconds_of_a_call(call: Callable[[], object], times: int = 100_000) -> float
 TABLES = (materials, progress)
 
 if __name__ == "__main__":
-    draw(Path(sys.argv[1]) if len(sys.argv) > 1 else HERE.parent / "docs" / "img")
+    draw(Path(sys.argv[1]) if len(sys.argv) > 1 else ROOT / "docs" / "img")

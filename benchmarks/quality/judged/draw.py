@@ -1,6 +1,6 @@
 """Draw the pictures that were judged: every line of recipes.csv that FOLDER has not yet.
 
-    python benchmarks/judged/draw.py SURFACES FOLDER [--surface NAME ...] [--program NAME ...]
+    python benchmarks/quality/judged/draw.py SURFACES FOLDER [--surface NAME] [--program NAME]
 
 SURFACES holds the pictures of surfaces.csv (which says where they are from); FOLDER gets
 SURFACE/sample.png, the middle 256x256, and SURFACE/PICTURE.png. Pictures of weftex are the same

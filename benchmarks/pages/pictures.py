@@ -1,7 +1,7 @@
 """The first picture of every page of docs: the input and output of the page's first commands.
 
-    python benchmarks/pictures.py                  # every page that shows img/PAGE.webp first
-    python benchmarks/pictures.py quilting fuse    # some of them
+    python benchmarks/pages/pictures.py                  # every page that shows img/PAGE.webp first
+    python benchmarks/pages/pictures.py quilting fuse    # some of them
 
 The weftex commands of a page's first block of shell are run in an empty folder. Their samples,
 masks and guides, their outputs and, of --debug, the false colors of places are laid side by side,
@@ -22,12 +22,11 @@ from collections.abc import Iterator
 from pathlib import Path
 
 from PIL import Image
-from shared import HERE
 
 import weftex
 from weftex.tasks.opened import open_plane
 
-DOCS = HERE.parent / "docs"
+DOCS = Path(__file__).resolve().parents[2] / "docs"
 _ACROSS = 1100  # pixels of a row, in which the next picture finds no place
 _SHOWN = 860  # pixels of a page's column
 _GAP = 6

@@ -1,11 +1,11 @@
 """How fast the studio's page is in headless Chromium, without a graphics card.
 
-    python benchmarks/studio_page.py
-    python benchmarks/studio_page.py --shots    # draws the pictures of docs/studio.md and no more
+    python benchmarks/speed/studio_page.py
+    python benchmarks/speed/studio_page.py --shots    # only draws the pictures of docs/studio.md
 
 Prints the time from the command to the sample on the screen, that from a change of a number to the
 picture that follows, the frames a second while the endless plane is panned, and the weight of the
-page. Needs `weftex[browser]` and Chromium. What the server does by itself: `benchmarks/studio.py`.
+page. Needs `weftex[browser]` and Chromium. The server alone: `benchmarks/speed/studio.py`.
 """
 
 from __future__ import annotations
@@ -24,7 +24,7 @@ from typing import Any
 
 from PIL import Image
 from playwright.sync_api import sync_playwright
-from shared import HERE
+from shared import ROOT
 
 _ACROSS, _QUALITY = 1000, 72  # pixels, and of WebP, of the pictures in the docs
 _LIGHT = ["--use-angle=swiftshader", "--enable-unsafe-swiftshader"]  # WebGL2 by the processor
@@ -86,7 +86,7 @@ def draw(page: Any, name: str) -> None:
     """Write what is on the screen as a picture of the docs."""
     shown = Image.open(io.BytesIO(page.screenshot())).convert("RGB")
     shown.thumbnail((_ACROSS, _ACROSS), Image.Resampling.LANCZOS)
-    path = HERE.parent / "docs" / "img" / f"studio_{name}.webp"
+    path = ROOT / "docs" / "img" / f"studio_{name}.webp"
     shown.save(path, quality=_QUALITY, method=6)
     print(f"{path}: {path.stat().st_size} bytes")
 

@@ -1,6 +1,6 @@
 """Is one installation slower than another? Both in turn on one machine, so that only ratios count.
 
-    python benchmarks/commits.py OLD_PYTHON NEW_PYTHON [--small]
+    python benchmarks/speed/commits.py OLD_PYTHON NEW_PYTHON [--small]
 
 Each argument is a Python with a weftex. Every job runs in a process of its own, in turn with the
 other's; medians of processor time, of five. Prints Markdown.

@@ -1,8 +1,8 @@
 """Digests of what every method makes: a refactoring must not change a byte of any output.
 
-    python benchmarks/digests.py                  # compare: both builds, 1 and 2 threads
-    python benchmarks/digests.py --only graphcut  # only the cases whose name contains this
-    python benchmarks/digests.py --write          # after a change of pixels that is wanted
+    python benchmarks/guards/digests.py                  # compare: both builds, 1 and 2 threads
+    python benchmarks/guards/digests.py --only graphcut  # only the cases whose name contains this
+    python benchmarks/guards/digests.py --write          # after a change of pixels that is wanted
 
 A case is METHOD/WAY/CANVAS/PIXELS. Its digest covers the picture, the source coordinates, the
 layers with their weights, and the maps replayed. Samples are crops of the packaged ones.
@@ -26,8 +26,8 @@ import numpy as np
 import weftex
 
 HERE = Path(__file__).resolve().parent
-RECORD = HERE / "digests.json"
-sys.path.append(str(HERE.parent / "tests"))
+RECORD = HERE.parent / "data" / "digests.json"
+sys.path.append(str(HERE.parents[1] / "tests"))
 from families import BLENDS, SEARCHES, TRIALS, canvas_of, kinds_of, method_of  # noqa: E402
 
 Case = tuple[str, Callable[[], Any]]

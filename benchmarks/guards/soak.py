@@ -1,7 +1,7 @@
 """Commands without end in one process: what stays behind of memory, files and threads.
 
-    python benchmarks/soak.py --seconds 300    as many as there is time for
-    python benchmarks/soak.py --commands 50    so many; the same for the same --seed
+    python benchmarks/guards/soak.py --seconds 300    as many as there is time for
+    python benchmarks/guards/soak.py --commands 50    so many; the same for the same --seed
 
 Tiny outputs of all commands that make pictures, with methods, options and maps drawn at random; a
 quarter of them are told nonsense. Each ends with 0, or 2 and one line. The first tenth warms up;

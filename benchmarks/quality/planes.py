@@ -1,6 +1,6 @@
 """Planes beside pictures: scores across the borders of blocks, and processor time.
 
-Run from the repository: ``python benchmarks/planes.py scores`` or ``... times``, with --methods and
+Run ``python benchmarks/quality/planes.py scores`` or ``... times``, with --methods and
 --surfaces to do a part. Scores are those of `weftex.quality.score`, less is better: windows with a
 node of the grid in the middle (across), those with the middle of a block (inside), and windows of
 pictures that the plain method makes (plain); one row a surface, the mean of all windows.
@@ -21,7 +21,7 @@ import weftex
 from weftex.quality.score import Scorer
 from weftex.random import draw
 
-SURFACES = Path(__file__).parent / "surfaces"
+SURFACES = Path(__file__).parents[1] / "data" / "surfaces"
 METHODS = "patch-sampling,quilting,graphcut,refinement"
 _SIDE, _COUNT, _FAR = 256, 4, 2**30
 _ONE: dict[str, Any] = {"seed": 1, "threads": 1}

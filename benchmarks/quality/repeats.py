@@ -1,10 +1,10 @@
 """What pieces show: their seams, what they show again in line and in sight, and how evenly.
 
-    python benchmarks/repeats.py                                   # graphcut, both placements
-    python benchmarks/repeats.py 1024 "quilting" "quilting repeat_distance=0"
-    python benchmarks/repeats.py 512 "graphcut" --surfaces bark pebbles_mixed
+    python benchmarks/quality/repeats.py                           # graphcut, both placements
+    python benchmarks/quality/repeats.py 1024 "quilting" "quilting repeat_distance=0"
+    python benchmarks/quality/repeats.py 512 "graphcut" --surfaces bark pebbles_mixed
 
-Means over surfaces of `benchmarks/surfaces`, crops of 256 pixels, one seed. `seam`: the difference
+Means over surfaces of `benchmarks/data/surfaces`, crops of 256 pixels, one seed. `seam`: difference
 along seams, summed, per thousand pixels of the picture, in standard deviations of the sample.
 `line`, `sight`: how often a place of the sample, 16 pixels wide, is shown twice within 8 pixels of
 one row or column, and within half of the sample both ways; 1 is chance. `use`: standard deviation
@@ -24,7 +24,7 @@ import weftex
 from weftex.methods import METHODS  # noqa: F401  (declares the methods that are named)
 from weftex.naming import method_of
 
-HERE = Path(__file__).parent
+DATA = Path(__file__).parents[1] / "data"
 SURFACES = ("bark", "cobbles_granite", "floor_boards", "leaves_autumn", "pebbles_mixed",
             "rock_cracked", "roof_slates", "stone_wall")  # fmt: skip
 WAYS = ("graphcut", "graphcut placement=entire", "graphcut placement=entire variety=0")
@@ -81,7 +81,7 @@ def use(source: np.ndarray, shape: tuple[int, ...]) -> tuple[float, float]:
 
 def measured(name: str, way: str, size: int, crop: int) -> tuple[float, ...]:
     """All figures of one surface."""
-    (path,) = (HERE / "surfaces").glob(f"{name}.*")
+    (path,) = (DATA / "surfaces").glob(f"{name}.*")
     pixels = weftex.load_exemplar(path).pixels
     top, left = ((n - crop) // 2 for n in pixels.shape[:2])
     sample = weftex.Exemplar(np.ascontiguousarray(pixels[top : top + crop, left : left + crop]))

@@ -1,6 +1,6 @@
 """How often lattices and rows are found, and how often each confidence is right.
 
-    python benchmarks/lattices.py [--seeds N] [--more FOLDER] [--jobs N] [--fit] [--small]
+    python benchmarks/quality/lattices.py [--seeds N] [--more FOLDER] [--jobs N] [--fit] [--small]
 
 Surfaces are drawn whose lattice is known (see drawn.py), N of each kind, 9 by default; real ones
 are those of weftex, and with --more the pictures of a folder that lattices.json has the lattices
@@ -43,13 +43,14 @@ from weftex.analysis.candidates import (
 from weftex.analysis.evidence import JOINTS, PAIRS, ROWS, SUREST, Evidence
 from weftex.analysis.lattice import Lattice, lattice_in
 
-HERE = Path(__file__).resolve().parent
+ROOT = Path(__file__).resolve().parents[2]
+DATA = ROOT / "benchmarks" / "data"
 TRUTH: dict[str, Vectors] = {
     name: tuple((x, y) for x, y in vectors)
-    for name, vectors in json.loads((HERE / "lattices.json").read_text()).items()
+    for name, vectors in json.loads((DATA / "lattices.json").read_text()).items()
     if name != "about"
 }
-FOLDERS = (HERE / "surfaces", HERE.parent / "examples" / "samples")
+FOLDERS = (DATA / "surfaces", ROOT / "examples" / "samples")
 SAMPLES = ("bricks", "tiles", "weave", "pebbles", "grass", "wood", "leaves", "stone_wall")
 _TOLERANCE = {1: 0.06, 2: 0.04}
 _SIDES = (256, 384)
