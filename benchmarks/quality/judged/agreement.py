@@ -1,7 +1,7 @@
 """How well do the judges agree with each other, and the figures with the judges?
 
     python benchmarks/quality/judged/agreement.py           # tables
-    python benchmarks/quality/judged/agreement.py FOLDER    # first write figures.csv of draw.py's output
+    python benchmarks/quality/judged/agreement.py FOLDER  # write figures.csv of draw.py's output
 
 A figure agrees on a pair of pictures of one surface if it puts them in the judge's order; a tie
 counts half. Pairs that the judge holds to be equal are left out. The weights of the score are
