@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any, ClassVar, Self
 import numpy as np
 
 from weftex.errors import InvalidInputError
+from weftex.methods.exact_matching.defaults import resolved_values, window_width
 from weftex.methods.exact_matching.matching import (
     Matching,
     Parents,
@@ -16,7 +17,6 @@ from weftex.methods.exact_matching.matching import (
     structured_band,
 )
 from weftex.methods.exact_matching.model import Prepared, prepare
-from weftex.methods.exact_matching.settings import Settings, settle, window_width
 from weftex.methods.pixels.growth import PixelModel, WindowedMethod
 from weftex.parameters import parameter
 
@@ -123,9 +123,8 @@ class ExactMatching(WindowedMethod):
 
     def fit_exemplar(self, exemplar: Exemplar) -> PixelModel:
         """Propose what was left open; make the lists of colors (section 4.1)."""
-        settings = settle(self, exemplar)
-        prepared = prepare(settings, exemplar)
-        return PixelModel(self._settled(settings), exemplar, prepared, grow)
+        method = self.resolved(exemplar)
+        return PixelModel(method, exemplar, prepare(method, exemplar), grow)
 
     def takes(self, name: str, canvas: Canvas | None = None) -> bool:
         """See `Method.takes`: only what lies between known pixels is passed over again."""
@@ -161,18 +160,7 @@ class ExactMatching(WindowedMethod):
 
     def resolved(self, exemplar: Exemplar) -> Self:
         """See `Method.resolved`; scale, regularity and colors are looked at, no list is made."""
-        return self._settled(settle(self, exemplar))
-
-    def _settled(self, settings: Settings) -> Self:
-        """Fill in what was left open; of tolerance and nearest_colors only one ever is set."""
-        return replace(
-            self,
-            window_width=settings.window_width,
-            tolerance=None if settings.nearest_colors else settings.tolerance,
-            init=settings.init,
-            repeat_distance=settings.repeat_distance,
-            levels=settings.levels,
-        )
+        return replace(self, **resolved_values(self, exemplar))
 
 
 def grow(prepared: Prepared, growth: Growth) -> None:
@@ -186,7 +174,7 @@ def grow(prepared: Prepared, growth: Growth) -> None:
 
 def synthesize(prepared: Prepared, growth: Growth, level: int) -> Sheet:
     """Synthesize one level of the canvas; the coarser ones before it (section 7)."""
-    settings, sample, parents = prepared.settings, prepared.levels[level], None
+    method, sample, parents = prepared.method, prepared.levels[level], None
     height, width = (-(-n >> level) for n in growth.canvas.shape)
     # Sections 4 and 4.1: the kd-tree over the sample's colors, and the windows of each color:
     # `search.color_index.ColorIndex`, `lists.color_lists`.
@@ -197,19 +185,19 @@ def synthesize(prepared: Prepared, growth: Growth, level: int) -> Sheet:
     if sample.coarser:
         coarser = synthesize(prepared, growth, level + 1)
         band, parents = coarser.parents(top, (height, width), sample.sample.shape)
-    elif settings.init == "structured":
-        band = structured_band(sample.turned, width, settings, growth)
+    elif method.init == "structured":
+        band = structured_band(sample.turned, width, method, growth)
     else:
         band = random_band(lists, width, growth.seed)
         top += lists.reach
     sheet = Sheet(lists, (top + height, width), (False, growth.canvas.wrap[1]), top, level)
     sheet.put(band)
-    matching = Matching(sheet, settings, growth, parents)
+    matching = Matching(sheet, method, growth, parents)
     matching.scan(range(len(band), top), f"exact {level}", "beginning")
     # Section 4.2: in scanline order, each pixel is copied from the center of the best matching
     # window of the union of its direct neighbors' lists: see `match_kernels.match_pixels`. No
     # neighborhood is compared twice (section 4.4): `match_kernels.Search.seen`. Nor is a color
-    # looked up twice in a row: `lists.ColorLists.recent`.
+    # looked up twice in a row: `list_kernels.slot_of`.
     shown = growth.pixels if level == 0 else None
     matching.scan(range(top, top + height), f"exact {level}", "rows", shown)
     if growth.canvas.wrap[0] and height > 1:
@@ -228,17 +216,17 @@ def close(
     closed = Sheet(lists, (height, width), growth.canvas.wrap)
     closed.put(sheet.places[sheet.top : sheet.top + height - again])
     below = parents and parents.below(sheet.top)
-    Matching(closed, prepared.settings, growth, below).fill(f"exact seam {level}")
+    Matching(closed, prepared.method, growth, below).fill(f"exact seam {level}")
     sheet.put(closed.places, sheet.top)
 
 
 def fill_hole(prepared: Prepared, growth: Growth) -> None:
     """Beyond the paper: make a hole from its border inwards, at a single resolution."""
-    settings, lists = prepared.settings, prepared.levels[0].around
+    lists = prepared.levels[0].around
     growth.about["levels"] = 1
     sheet = Sheet(lists, growth.canvas.shape, growth.canvas.wrap)
     sheet.pixels, sheet.done = growth.pixels, growth.done
     sheet.source = lists.windows.from_sample(growth.source)
     sheet.name_colors()
-    Matching(sheet, settings, growth).fill("exact hole")
+    Matching(sheet, prepared.method, growth).fill("exact hole")
     growth.source[:] = sheet.places

@@ -1,7 +1,7 @@
 from weftex.search.color_kernels cimport ColorTree
 
 # The sample, and the lists of section 4.1; `ColorLists` says what the arrays hold.
-cdef class Sample:
+cdef class Lists:
     cdef const unsigned char[:, :, ::1] pixels
     cdef const unsigned char[:, ::1] usable
     cdef const int[::1] period
@@ -14,11 +14,8 @@ cdef class Sample:
     cdef const int[:, ::1] starts
     cdef const int[::1] groups
     cdef const int[::1] places
-
-# The colors looked up last: for each slot color, number of intervals, last stamp; the intervals.
-cdef class Recent:
+    # The colors looked up last: for each slot color, number of intervals, last stamp; the intervals.
     cdef int[:, ::1] kept
     cdef int[:, ::1] intervals
 
-cdef long long near_lists(Sample sample, Recent recent, const int[::1] colors, int stamp,
-                          int[::1] slots) noexcept nogil
+cdef long long near_lists(Lists lists, const int[::1] colors, int stamp, int[::1] slots) noexcept nogil

@@ -9,42 +9,41 @@ from cython.cimports.weftex.search.color_kernels import near_colors
 from cython.cimports.weftex.search.window_kernels import gather_runs, run_distance
 
 
-class Sample:
-    """The sample and its lists for the kernels."""
+class Lists:
+    """The sample and its lists for the kernels, and room for the lists that were looked up last.
 
-    def __init__(self, windows, coarse, index, radius, offsets, starts, groups, places):
+    There is room for at least as many as a pixel has neighbors.
+    """
+
+    def __init__(self, lists, kept, intervals):
+        windows, index = lists.windows, lists.index
         self.pixels, self.usable, self.period = windows.pixels, windows.usable, windows.period
-        self.centers, self.coarse = windows.centers, coarse
-        self.tree, self.number, self.radius = index.tree(), index.number, radius
-        self.offsets, self.starts, self.groups, self.places = offsets, starts, groups, places
-
-
-class Recent:
-    """The lists looked up last; there is room for at least as many as a pixel has neighbors."""
-
-    def __init__(self, kept, intervals):
+        self.centers, self.coarse = windows.centers, lists.coarse
+        self.tree, self.number, self.radius = index.tree(), index.number, lists.radius
+        self.offsets, self.starts = lists.offsets, lists.starts
+        self.groups, self.places = lists.groups, lists.places
         self.kept, self.intervals = kept, intervals
 
 
-def near_lists(sample, recent, colors, stamp, slots):
+def near_lists(lists, colors, stamp, slots):
     """Find the lists of the colors near to each neighbor's; return the sum of their lengths.
 
     `slots` are filled with the rows of `intervals` that the near colors stand in; -1 for none.
     """
     cython.declare(d=cython.Py_ssize_t, j=cython.Py_ssize_t, listed=cython.longlong)
     listed = 0
-    for d in range(sample.offsets.shape[0]):
-        slots[d] = slot_of(sample, recent, colors[d], stamp) if colors[d] >= 0 else -1
-        for j in range(recent.kept[slots[d], 1] if slots[d] >= 0 else 0):
-            listed += sample.starts[d, recent.intervals[slots[d], 2 * j + 1]]
-            listed -= sample.starts[d, recent.intervals[slots[d], 2 * j]]
+    for d in range(lists.offsets.shape[0]):
+        slots[d] = slot_of(lists, colors[d], stamp) if colors[d] >= 0 else -1
+        for j in range(lists.kept[slots[d], 1] if slots[d] >= 0 else 0):
+            listed += lists.starts[d, lists.intervals[slots[d], 2 * j + 1]]
+            listed -= lists.starts[d, lists.intervals[slots[d], 2 * j]]
     return listed
 
 
 @cython.cfunc
 @cython.nogil
 @cython.exceptval(check=False)
-def slot_of(sample: Sample, recent: Recent, color: cython.int, stamp: cython.int) -> cython.int:
+def slot_of(lists: Lists, color: cython.int, stamp: cython.int) -> cython.int:
     """Find the colors near to one; return the slot of `intervals` that they stand in.
 
     A scan meets two of the four neighbors of a pixel again at the next one, so the results looked
@@ -52,22 +51,22 @@ def slot_of(sample: Sample, recent: Recent, color: cython.int, stamp: cython.int
     """
     cython.declare(slot=cython.int, oldest=cython.int)
     oldest = 0
-    for slot in range(recent.kept.shape[0]):
-        if recent.kept[slot, 0] == color:
-            recent.kept[slot, 2] = stamp
+    for slot in range(lists.kept.shape[0]):
+        if lists.kept[slot, 0] == color:
+            lists.kept[slot, 2] = stamp
             return slot
-        if recent.kept[slot, 2] < recent.kept[oldest, 2]:
+        if lists.kept[slot, 2] < lists.kept[oldest, 2]:
             oldest = slot
-    recent.kept[oldest, 0] = color
-    recent.kept[oldest, 2] = stamp
-    if sample.radius[color] == 0:
-        recent.intervals[oldest, 0] = color
-        recent.intervals[oldest, 1] = color + 1
-        recent.kept[oldest, 1] = 1
+    lists.kept[oldest, 0] = color
+    lists.kept[oldest, 2] = stamp
+    if lists.radius[color] == 0:
+        lists.intervals[oldest, 0] = color
+        lists.intervals[oldest, 1] = color + 1
+        lists.kept[oldest, 1] = 1
     else:
-        recent.kept[oldest, 1] = cython.cast(
+        lists.kept[oldest, 1] = cython.cast(
             cython.int,
-            near_colors(sample.tree, color, sample.radius[color], recent.intervals, oldest),
+            near_colors(lists.tree, color, lists.radius[color], lists.intervals, oldest),
         )
     return oldest
 

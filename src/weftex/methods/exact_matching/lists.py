@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from weftex.methods.exact_matching import list_kernels as kernels
-from weftex.methods.exact_matching.settings import reach_of
+from weftex.methods.exact_matching.defaults import reach_of
 from weftex.search.color_index import ColorIndex
 from weftex.search.windows import windows_of
 
@@ -16,7 +16,6 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from weftex.exemplar import Exemplar
-    from weftex.methods.exact_matching.settings import Settings
     from weftex.search.windows import Windows
 
 #: The direct neighbors of figure 2, and the next pixel, which is there where a row wraps around.
@@ -69,28 +68,20 @@ class ColorLists:
     places: NDArray[np.int32]
     coarse: NDArray[np.uint8]
 
-    def recent(self) -> kernels.Recent:
-        """Return room for the lists looked up last (section 4.4)."""
+    def for_kernels(self) -> kernels.Lists:
+        """Return the lists for kernels, with room for those that are looked up (section 4.4)."""
         kept = np.full((_KEPT_LISTS, 3), -1, np.int32)
-        return kernels.Recent(kept, np.empty((_KEPT_LISTS, len(self.index.colors) + 2), np.int32))
-
-    def for_kernels(self) -> kernels.Sample:
-        """Return the bundle that the kernels take."""
-        return kernels.Sample(
-            self.windows, self.coarse, self.index, self.radius, self.offsets,
-            self.starts, self.groups, self.places,
-        )  # fmt: skip
+        intervals = np.empty((_KEPT_LISTS, len(self.index.colors) + 2), np.int32)
+        return kernels.Lists(self, kept, intervals)
 
 
 def color_lists(
-    settings: Settings, sample: Exemplar, *, causal: bool, coarser: Exemplar | None = None
+    method: Any, sample: Exemplar, *, causal: bool, coarser: Exemplar | None = None
 ) -> ColorLists:
     """List the windows of a sample by the colors of the direct neighbors.
 
     Parameters
     ----------
-    settings : Settings
-        Width of the window, tolerance and grouping.
     sample : Exemplar
         The sample, or a coarser version of it.
     causal : bool
@@ -98,7 +89,7 @@ def color_lists(
     coarser : Exemplar, optional
         The next coarser level; its windows are compared too.
     """
-    width, guided = settings.window_width, coarser is not None
+    width, guided = method.window_width, coarser is not None
     reaches, coarse_reach = reach_of(width, sample, causal=causal, guided=guided)
     windows, reach = windows_of(sample, reaches), reaches[0]
     index = ColorIndex(
@@ -108,7 +99,7 @@ def color_lists(
     starts, places = index.centers_beside(offsets)
     runs = _whole_window(reach, causal)
     if len(runs):
-        starts, groups, places = _grouped(windows, runs, starts, places, settings.grouping)
+        starts, groups, places = _grouped(windows, runs, starts, places, method.grouping)
     else:
         groups = np.arange(len(places) + 1, dtype=np.int32)
     return ColorLists(
@@ -117,7 +108,7 @@ def color_lists(
         coarse_reach=coarse_reach,
         windows=windows,
         index=index,
-        radius=_radius(settings, index),
+        radius=_radius(method, index),
         offsets=offsets,
         starts=starts,
         groups=groups,
@@ -140,11 +131,11 @@ def _with_room_below(windows: Windows, reach: int) -> NDArray[np.uint8]:
     return room if room.any() else usable
 
 
-def _radius(settings: Settings, index: ColorIndex) -> NDArray[np.int64]:
+def _radius(method: Any, index: ColorIndex) -> NDArray[np.int64]:
     """The squared distance up to which colors count as each color (section 5)."""
-    if settings.nearest_colors:
-        return index.reach(settings.nearest_colors)
-    limit = int(settings.tolerance * settings.tolerance * index.span)
+    if method.nearest_colors:
+        return index.reach(method.nearest_colors)
+    limit = int(method.tolerance * method.tolerance * index.span)
     return np.full(len(index.colors), limit, np.int64)
 
 

@@ -6,7 +6,8 @@ indices into the pixels of the sample's windows.
 """
 
 import cython
-from cython.cimports.weftex.methods.exact_matching.list_kernels import Recent, Sample, near_lists
+from cython.cimports.weftex.methods.exact_matching.list_kernels import Lists, near_lists
+from cython.cimports.weftex.search.vocabulary_kernels import Picture, Query
 from cython.cimports.weftex.search.window_kernels import (
     causal_runs,
     copy_pixel,
@@ -23,62 +24,31 @@ MIXER = cython.declare(cython.uint, 2654435761)  # of a place's bits, for its ke
 
 
 @cython.cclass
-class Picture:
-    """A sheet; with the next coarser level at its size, and the places that this leads to."""
+class Search:
+    """The search for one pixel: the windows that are compared, and what is kept between pixels."""
 
-    pixels: cython.uchar[:, :, ::1]
-    done: cython.uchar[:, ::1]
-    source: cython.int[:, ::1]
-    color: cython.int[:, ::1]
-    wrap_y: cython.bint
-    wrap_x: cython.bint
-    guided: cython.bint
-    coarse: cython.const[cython.uchar][:, :, ::1]
-    coarse_done: cython.const[cython.uchar][:, ::1]  # 1 everywhere
-    suggested: cython.const[cython.int][:, ::1]
-
-    def __init__(self, pixels, done, source, color, wrap, coarse, coarse_done, suggested):
-        self.pixels, self.done, self.source, self.color = pixels, done, source, color
-        self.wrap_y, self.wrap_x = wrap
-        self.coarse, self.coarse_done, self.suggested = coarse, coarse_done, suggested
-        self.guided = len(suggested) > 0
-
-
-@cython.cclass
-class Rule:
-    """Which windows are compared."""
-
+    # Which windows are compared.
     causal: cython.bint
     reach: cython.Py_ssize_t
     coarse_reach: cython.Py_ssize_t
     repeat_distance: cython.Py_ssize_t
     copies_blocks: cython.bint
     most: cython.longlong  # windows of the lists that are compared; 0 is all
-
-    def __init__(self, causal, reach, coarse_reach, repeat_distance, copies_blocks, most):
-        self.causal, self.reach, self.coarse_reach = causal, reach, coarse_reach
-        self.repeat_distance, self.copies_blocks = repeat_distance, copies_blocks
-        self.most = most
-
-
-@cython.cclass
-class Search:
-    """The search for one pixel, and what is kept from pixel to pixel."""
-
+    # The next coarser level at the picture's size, and the places that it leads to.
+    guided: cython.bint
+    coarse: cython.const[cython.uchar][:, :, ::1]
+    coarse_done: cython.const[cython.uchar][:, ::1]  # 1 everywhere
+    suggested: cython.const[cython.int][:, ::1]
     # The pixel, the window around it, and that of the coarser level.
     y: cython.Py_ssize_t
     x: cython.Py_ssize_t
     bits: cython.ulonglong  # random ones
-    runs: cython.int[:, ::1]
-    query: cython.uchar[::1]
-    run_count: cython.Py_ssize_t
-    coarse_runs: cython.int[:, ::1]
-    coarse_query: cython.uchar[::1]
-    coarse_run_count: cython.Py_ssize_t
+    query: Query
+    coarse_query: Query
     # Its direct neighbors, and the place of the coarser level after them.
     color: cython.int[::1]  # -1: there is none
     goes_on: cython.Py_ssize_t[::1]  # where the sources go on; -1: nowhere
-    slots: cython.int[::1]  # where `recent` has the lists; -1: nowhere
+    slots: cython.int[::1]  # where `Lists.intervals` has the lists; -1: nowhere
     # The best match so far.
     best: cython.longlong  # its distance; -1: there is none
     best_key: cython.uint
@@ -86,28 +56,25 @@ class Search:
     coherent: cython.bint  # a neighbor's source goes on there
     compared: cython.longlong
     apart: cython.Py_ssize_t
-    # Of each place of the sample.
+    # Of each pixel of the picture, and of each place of the lists.
+    colors: cython.int[:, ::1]  # the number of its color, or -1
     last: cython.int[::1]  # the pixel that it was last copied to, or -1
     seen: cython.int[::1]  # the stamp of the search that met it last
     stamp: cython.int
-    recent: Recent
 
-    def __init__(self, last, seen, recent, windows, neighbors):
-        self.last, self.seen, self.stamp, self.recent = last, seen, 0, recent
-        (self.runs, self.query), (self.coarse_runs, self.coarse_query) = windows
+    def __init__(self, windows, coarser, queries, neighbors, colors, last, seen):
+        self.causal, self.reach, self.coarse_reach, *rule = windows
+        self.repeat_distance, self.copies_blocks, self.most = rule
+        self.coarse, self.coarse_done, self.suggested = coarser
+        self.guided = len(self.suggested) > 0
+        self.query, self.coarse_query = queries
         self.color, self.goes_on, self.slots = neighbors
-
-    def forget(self):
-        """Begin with the first stamp again."""
-        self.seen[:] = 0
-        self.recent.kept[:, :] = -1
-        self.stamp = 0
+        self.colors, self.last, self.seen, self.stamp = colors, last, seen, 0
 
 
 def match_pixels(
-    sample: Sample,
+    lists: Lists,
     picture: Picture,
-    rule: Rule,
     search: Search,
     order: cython.const[cython.int][::1],
     bits: cython.const[cython.ulonglong][::1],
@@ -120,52 +87,54 @@ def match_pixels(
     width = picture.source.shape[1]
     search.compared = 0
     if search.stamp > LAST_STAMP - 2 * order.shape[0]:  # a pixel takes one or two
-        search.forget()
+        search.seen[:] = 0
+        lists.kept[:, :] = -1
+        search.stamp = 0
     with cython.nogil:
         for p in range(order.shape[0]):
             search.y, search.x, search.bits = order[p] // width, order[p] % width, bits[p]
-            look_around(sample, picture, search)
+            look_around(lists, picture, search)
             search.chosen = -1
-            if rule.copies_blocks:  # section 7
+            if search.copies_blocks:  # section 7
                 search.chosen = next_of_block(picture, search)
             if search.chosen < 0:
-                gather_windows(picture, rule, search)
-                find_best(sample, picture, rule, search)
+                gather_windows(picture, search)
+                find_best(lists, picture, search)
             if search.chosen < 0:  # no list has anything: any window
-                search.chosen = sample.centers[portion(search.bits, sample.centers.shape[0])]
-            copy_chosen(sample, picture, search)
+                search.chosen = lists.centers[portion(search.bits, lists.centers.shape[0])]
+            copy_chosen(lists, picture, search)
     return search.compared
 
 
 @cython.cfunc
 @cython.nogil
 @cython.exceptval(check=False)
-def look_around(sample: Sample, picture: Picture, search: Search) -> cython.void:
+def look_around(lists: Lists, picture: Picture, search: Search) -> cython.void:
     """Find the direct neighbors' colors, and the places where their sources go on (figure 3)."""
     cython.declare(d=cython.Py_ssize_t, y=cython.Py_ssize_t, x=cython.Py_ssize_t)
     cython.declare(height=cython.Py_ssize_t, width=cython.Py_ssize_t, columns=cython.Py_ssize_t)
     cython.declare(source=cython.Py_ssize_t)
     height, width = picture.source.shape[0], picture.source.shape[1]
-    columns = sample.pixels.shape[1]
-    for d in range(sample.offsets.shape[0]):
+    columns = lists.pixels.shape[1]
+    for d in range(lists.offsets.shape[0]):
         search.color[d] = -1
         search.goes_on[d] = -1
-        y = search.y + sample.offsets[d, 0]
-        x = search.x + sample.offsets[d, 1]
+        y = search.y + lists.offsets[d, 0]
+        x = search.x + lists.offsets[d, 1]
         if picture.wrap_y:
             y = (y + height) % height
         if picture.wrap_x:
             x = (x + width) % width
         if y < 0 or x < 0 or y >= height or x >= width or not picture.done[y, x]:
             continue
-        search.color[d] = picture.color[y, x]
+        search.color[d] = search.colors[y, x]
         source = picture.source[y, x]
         if source >= 0:
-            y = source // columns - sample.offsets[d, 0]
-            x = source % columns - sample.offsets[d, 1]
-            search.goes_on[d] = usable_place(sample.usable, sample.period, y, x)
-    search.goes_on[sample.offsets.shape[0]] = (
-        picture.suggested[search.y, search.x] if picture.guided else -1
+            y = source // columns - lists.offsets[d, 0]
+            x = source % columns - lists.offsets[d, 1]
+            search.goes_on[d] = usable_place(lists.usable, lists.period, y, x)
+    search.goes_on[lists.offsets.shape[0]] = (
+        search.suggested[search.y, search.x] if search.guided else -1
     )
 
 
@@ -186,48 +155,53 @@ def next_of_block(picture: Picture, search: Search) -> cython.Py_ssize_t:
 @cython.cfunc
 @cython.nogil
 @cython.exceptval(check=False)
-def gather_windows(picture: Picture, rule: Rule, search: Search) -> cython.void:
+def gather_windows(picture: Picture, search: Search) -> cython.void:
     """Copy the pixel's window, causal or as far as it is done, and that of the coarser level."""
     cython.declare(y=cython.Py_ssize_t, x=cython.Py_ssize_t)
     cython.declare(reach=cython.Py_ssize_t, coarse_reach=cython.Py_ssize_t)
-    y, x, reach, coarse_reach = search.y, search.x, rule.reach, rule.coarse_reach
-    if rule.causal:
-        search.run_count = causal_runs(
+    y, x, reach, coarse_reach = search.y, search.x, search.reach, search.coarse_reach
+    if search.causal:
+        search.query.count = causal_runs(
             y, x, picture.done.shape[0], picture.done.shape[1], picture.wrap_x,
-            reach, reach, reach, search.runs,
+            reach, reach, reach, search.query.runs,
         )  # fmt: skip
-        turn_runs(search.runs, search.run_count)
+        turn_runs(search.query.runs, search.query.count)
     else:
-        search.run_count = known_runs(
+        search.query.count = known_runs(
             picture.done, y, x, picture.wrap_y, picture.wrap_x,
-            reach, search.runs,
+            reach, search.query.runs,
         )  # fmt: skip
-    gather_runs(picture.pixels, y, x, search.runs, search.run_count, search.query)
-    if picture.guided:
-        search.coarse_run_count = known_runs(
-            picture.coarse_done, y, x, picture.wrap_y, picture.wrap_x,
-            coarse_reach, search.coarse_runs,
+    gather_runs(picture.pixels, y, x, search.query.runs, search.query.count, search.query.values)
+    if search.guided:
+        search.coarse_query.count = known_runs(
+            search.coarse_done, y, x, picture.wrap_y, picture.wrap_x,
+            coarse_reach, search.coarse_query.runs,
         )  # fmt: skip
         gather_runs(
-            picture.coarse, y, x, search.coarse_runs, search.coarse_run_count, search.coarse_query
+            search.coarse,
+            y,
+            x,
+            search.coarse_query.runs,
+            search.coarse_query.count,
+            search.coarse_query.values,
         )
 
 
 @cython.cfunc
 @cython.nogil
 @cython.exceptval(check=False)
-def find_best(sample: Sample, picture: Picture, rule: Rule, search: Search) -> cython.void:
+def find_best(lists: Lists, picture: Picture, search: Search) -> cython.void:
     """Choose the best match of the reduced search space (section 4.2).
 
     Places that were copied to a pixel nearby are left out, unless there are no others.
     """
     search.best, search.best_key, search.coherent = -1, 0, False
-    search.apart = rule.repeat_distance
+    search.apart = search.repeat_distance
     while True:
         search.stamp += 1
-        compare_coherent(sample, picture, search)
+        compare_coherent(lists, picture, search)
         if not (search.coherent and search.best == 0):
-            compare_listed(sample, picture, rule, search)
+            compare_listed(lists, picture, search)
         if search.chosen >= 0 or search.apart == 0:
             return
         search.apart = 0
@@ -236,17 +210,17 @@ def find_best(sample: Sample, picture: Picture, rule: Rule, search: Search) -> c
 @cython.cfunc
 @cython.nogil
 @cython.exceptval(check=False)
-def compare_coherent(sample: Sample, picture: Picture, search: Search) -> cython.void:
+def compare_coherent(lists: Lists, picture: Picture, search: Search) -> cython.void:
     """Compare the places where the neighbors' sources go on; of equal ones the first is best."""
     cython.declare(d=cython.Py_ssize_t, place=cython.Py_ssize_t, distance=cython.longlong)
-    for d in range(sample.offsets.shape[0] + 1):
+    for d in range(lists.offsets.shape[0] + 1):
         place = search.goes_on[d]
         if place < 0 or search.seen[place] == search.stamp:
             continue
         search.seen[place] = search.stamp
         if repeats(picture, search, place):
             continue
-        distance = window_distance(sample, picture, search, place)
+        distance = window_distance(lists, picture, search, place)
         if search.best < 0 or distance < search.best:
             search.best = distance
             search.chosen = place
@@ -256,7 +230,7 @@ def compare_coherent(sample: Sample, picture: Picture, search: Search) -> cython
 @cython.cfunc
 @cython.nogil
 @cython.exceptval(check=False)
-def compare_listed(sample: Sample, picture: Picture, rule: Rule, search: Search) -> cython.void:
+def compare_listed(lists: Lists, picture: Picture, search: Search) -> cython.void:
     """Compare the union of the lists of the neighbors' colors, or about `most` windows of it.
 
     Each window has one key, whichever lists it is in, and those with keys in a share of all numbers
@@ -264,21 +238,21 @@ def compare_listed(sample: Sample, picture: Picture, rule: Rule, search: Search)
     what the first share meets says how large the union is, and the second one is made of that.
     """
     cython.declare(listed=cython.longlong, share=cython.longlong, met=cython.longlong)
-    listed = near_lists(sample, search.recent, search.color, search.stamp, search.slots)
-    if rule.most == 0 or listed <= rule.most:
-        compare_share(sample, picture, search, ALL_KEYS)
+    listed = near_lists(lists, search.color, search.stamp, search.slots)
+    if search.most == 0 or listed <= search.most:
+        compare_share(lists, picture, search, ALL_KEYS)
         return
-    share = ALL_KEYS * rule.most // listed
-    met = compare_share(sample, picture, search, share)
-    if 0 < met < rule.most:
-        compare_share(sample, picture, search, share * rule.most // met)
+    share = ALL_KEYS * search.most // listed
+    met = compare_share(lists, picture, search, share)
+    if 0 < met < search.most:
+        compare_share(lists, picture, search, share * search.most // met)
 
 
 @cython.cfunc
 @cython.nogil
 @cython.exceptval(check=False)
 def compare_share(
-    sample: Sample, picture: Picture, search: Search, share: cython.longlong
+    lists: Lists, picture: Picture, search: Search, share: cython.longlong
 ) -> cython.longlong:
     """Compare the listed windows with keys below `share`, but none twice for a pixel (section 4.4).
 
@@ -289,24 +263,24 @@ def compare_share(
     cython.declare(key=cython.uint, low_bits=cython.uint, met=cython.longlong)
     cython.declare(places=cython.p_const_int, heads=cython.p_const_int, seen=cython.p_int)
     low_bits, stamp, met = cython.cast(cython.uint, search.bits), search.stamp, 0
-    if sample.places.shape[0] == 0:
+    if lists.places.shape[0] == 0:
         return 0  # no color lies beside a window, and nothing has an address
     # Pointers, as most entries of a long list are only looked at and left out.
-    places, heads = cython.address(sample.places[0]), cython.address(sample.groups[0])
+    places, heads = cython.address(lists.places[0]), cython.address(lists.groups[0])
     seen = cython.address(search.seen[0])
-    for d in range(sample.offsets.shape[0]):
+    for d in range(lists.offsets.shape[0]):
         slot = search.slots[d]
-        for j in range(search.recent.kept[slot, 1] if slot >= 0 else 0):
+        for j in range(lists.kept[slot, 1] if slot >= 0 else 0):
             for i in range(
-                sample.starts[d, search.recent.intervals[slot, 2 * j]],
-                sample.starts[d, search.recent.intervals[slot, 2 * j + 1]],
+                lists.starts[d, lists.intervals[slot, 2 * j]],
+                lists.starts[d, lists.intervals[slot, 2 * j + 1]],
             ):
                 place = places[heads[i]]
                 key = (cython.cast(cython.uint, place) ^ low_bits) * MIXER
                 if key < share and seen[place] != stamp:
                     seen[place] = stamp
                     met += 1
-                    compare_group(sample, picture, search, i, key)
+                    compare_group(lists, picture, search, i, key)
     return met
 
 
@@ -314,7 +288,7 @@ def compare_share(
 @cython.nogil
 @cython.exceptval(check=False)
 def compare_group(
-    sample: Sample, picture: Picture, search: Search, group: cython.Py_ssize_t, key: cython.uint
+    lists: Lists, picture: Picture, search: Search, group: cython.Py_ssize_t, key: cython.uint
 ) -> cython.void:
     """Compare one entry of a list.
 
@@ -322,13 +296,13 @@ def compare_group(
     does, and keys are random. An entry that stands for a group is compared by a random member.
     """
     cython.declare(first=cython.Py_ssize_t, member=cython.Py_ssize_t, distance=cython.longlong)
-    first = sample.groups[group]
-    distance = window_distance(sample, picture, search, sample.places[first])
+    first = lists.groups[group]
+    distance = window_distance(lists, picture, search, lists.places[first])
     if search.best >= 0 and (
         distance > search.best or (distance == search.best and search.coherent)
     ):
         return
-    member = sample.places[first + portion(search.bits, sample.groups[group + 1] - first)]
+    member = lists.places[first + portion(search.bits, lists.groups[group + 1] - first)]
     if repeats(picture, search, member):
         return
     if search.best < 0 or distance < search.best or key < search.best_key:
@@ -342,19 +316,19 @@ def compare_group(
 @cython.nogil
 @cython.exceptval(check=False)
 def window_distance(
-    sample: Sample, picture: Picture, search: Search, place: cython.Py_ssize_t
+    lists: Lists, picture: Picture, search: Search, place: cython.Py_ssize_t
 ) -> cython.longlong:
     """The L2 difference to the window at a place, and at the coarser level; past `best` any."""
     cython.declare(distance=cython.longlong, y=cython.Py_ssize_t, x=cython.Py_ssize_t)
     search.compared += 1
-    y, x = place // sample.pixels.shape[1], place % sample.pixels.shape[1]
+    y, x = place // lists.pixels.shape[1], place % lists.pixels.shape[1]
     distance = run_distance(
-        sample.pixels, y, x, search.runs, search.run_count, search.query, search.best
+        lists.pixels, y, x, search.query.runs, search.query.count, search.query.values, search.best
     )
-    if picture.guided and (search.best < 0 or distance <= search.best):
+    if search.guided and (search.best < 0 or distance <= search.best):
         distance += run_distance(
-            sample.coarse, y, x, search.coarse_runs, search.coarse_run_count,
-            search.coarse_query, -1,
+            lists.coarse, y, x, search.coarse_query.runs, search.coarse_query.count,
+            search.coarse_query.values, -1,
         )  # fmt: skip
     return distance
 
@@ -387,11 +361,11 @@ def portion(bits: cython.ulonglong, count: cython.Py_ssize_t) -> cython.Py_ssize
 @cython.cfunc
 @cython.nogil
 @cython.exceptval(check=False)
-def copy_chosen(sample: Sample, picture: Picture, search: Search) -> cython.void:
+def copy_chosen(lists: Lists, picture: Picture, search: Search) -> cython.void:
     """Copy the center of the chosen window."""
     cython.declare(y=cython.Py_ssize_t, x=cython.Py_ssize_t, columns=cython.Py_ssize_t)
-    y, x, columns = search.y, search.x, sample.pixels.shape[1]
-    copy_pixel(sample.pixels, search.chosen, picture.pixels, picture.source, y, x)
-    picture.color[y, x] = sample.number[search.chosen // columns, search.chosen % columns]
+    y, x, columns = search.y, search.x, lists.pixels.shape[1]
+    copy_pixel(lists.pixels, search.chosen, picture.pixels, picture.source, y, x)
+    search.colors[y, x] = lists.number[search.chosen // columns, search.chosen % columns]
     picture.done[y, x] = 1
     search.last[search.chosen] = cython.cast(cython.int, y * picture.source.shape[1] + x)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
@@ -11,12 +11,13 @@ from weftex.notes import note, parts
 from weftex.random import draw
 from weftex.raster.masks import grown, peeled
 from weftex.raster.pyramids import children
+from weftex.search.vocabulary_kernels import Picture
+from weftex.search.windows import query_room
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from weftex.methods.exact_matching.lists import ColorLists
-    from weftex.methods.exact_matching.settings import Settings
     from weftex.methods.pixels.growth import Growth
 
 _MOST_NEIGHBORS = 8
@@ -152,7 +153,7 @@ def random_band(lists: ColorLists, width: int, seed: int) -> NDArray[np.int32]:
 
 
 def structured_band(
-    turned: ColorLists, width: int, settings: Settings, growth: Growth
+    turned: ColorLists, width: int, method: Any, growth: Growth
 ) -> NDArray[np.int32]:
     """Make a band as a picture of its own, from its left to its right end.
 
@@ -168,7 +169,7 @@ def structured_band(
     y, x = np.indices((min(high, width), high)) - high  # inside the window of that center
     block = corner + y * windows.pixels.shape[1] + x
     sheet.put(windows.to_sample(block.astype(np.int32)))
-    matching = Matching(sheet, settings, growth)
+    matching = Matching(sheet, method, growth)
     matching.scan(range(len(block), width), "exact structure", "beginning")
     columns, rows = np.divmod(sheet.places, windows.shape[1])
     return np.ascontiguousarray((rows * windows.shape[0] + columns).T)
@@ -181,8 +182,6 @@ class Matching:
     ----------
     sheet : Sheet
         The picture to fill.
-    settings : Settings
-        See there.
     growth : Growth
         Its seed breaks ties; it reports on progress, and takes down what was compared.
     parents : Parents, optional
@@ -190,32 +189,30 @@ class Matching:
     """
 
     def __init__(
-        self, sheet: Sheet, settings: Settings, growth: Growth, parents: Parents | None = None
+        self, sheet: Sheet, method: Any, growth: Growth, parents: Parents | None = None
     ) -> None:
-        self.sheet, self._settings, self._growth = sheet, settings, growth
+        self.sheet, self._method, self._growth = sheet, method, growth
         lists, channels = sheet.lists, sheet.pixels.shape[2]
         if parents is None:
             parents = Parents(np.empty((0, 0, channels), np.uint8), np.empty((0, 0), np.int32))
-        self._sample = lists.for_kernels()
-        self._picture = kernels.Picture(
-            sheet.pixels, sheet.done, sheet.source, sheet.color, sheet.wrap,
-            parents.pixels, np.ones(parents.suggested.shape, np.uint8),
-            _centers_at(lists, parents.suggested),
-        )  # fmt: skip
-        self._rule = kernels.Rule(
-            lists.causal, lists.reach, lists.coarse_reach, settings.repeat_distance,
-            lists.causal and settings.copying == "blocks", settings.candidates,
-        )  # fmt: skip
+        self._lists = lists.for_kernels()
+        self._picture = Picture(sheet.pixels, sheet.done, sheet.source, sheet.wrap)
         self._last = np.empty(lists.windows.usable.size, np.int32)
-        of_neighbors = np.empty(_MOST_NEIGHBORS, np.int32)
         self._seen = np.zeros(lists.windows.usable.size, np.int32)
+        of_neighbors = np.empty(_MOST_NEIGHBORS, np.int32)
+        everywhere = np.ones(parents.suggested.shape, np.uint8)
         self._search = kernels.Search(
+            (
+                lists.causal, lists.reach, lists.coarse_reach, method.repeat_distance,
+                lists.causal and method.copying == "blocks", method.candidates,
+            ),
+            (parents.pixels, everywhere, _centers_at(lists, parents.suggested)),
+            [query_room(reach, channels) for reach in (lists.reach, lists.coarse_reach)],
+            (of_neighbors, np.empty(_MOST_NEIGHBORS + 1, np.intp), of_neighbors.copy()),
+            sheet.color,
             self._last,
             self._seen,
-            lists.recent(),
-            [_window_room(reach, channels) for reach in (lists.reach, lists.coarse_reach)],
-            (of_neighbors, np.empty(_MOST_NEIGHBORS + 1, np.intp), of_neighbors.copy()),
-        )
+        )  # fmt: skip
         self._begin_pass()
 
     def scan(
@@ -248,7 +245,7 @@ class Matching:
         Beyond the paper. Windows look to all sides, and all eight neighbors are direct ones.
         """
         unknown = self.sheet.done == 0
-        passes = self._settings.passes
+        passes = self._method.passes
         progress = self._growth.progress(int(unknown.sum()) * (1 + passes), "pixels")
         for layer in peeled(unknown, self.sheet.wrap):
             # Nothing else is left to chance here, unless colors are few.
@@ -278,7 +275,7 @@ class Matching:
             if asked:
                 note("window", sheet=sheet)
             compared += kernels.match_pixels(
-                self._sample, self._picture, self._rule, self._search, order[part], bits[part]
+                self._lists, self._picture, self._search, order[part], bits[part]
             )
             if asked:
                 note("chosen", sheet=sheet, places=np.flatnonzero(self._seen > latest))
@@ -292,10 +289,3 @@ def _centers_at(lists: ColorLists, places: NDArray[np.int32]) -> NDArray[np.int3
     found = lists.windows.from_sample(places)
     usable = lists.windows.usable.ravel()[found] > 0
     return np.where((places >= 0) & usable, found, np.int32(-1))
-
-
-def _window_room(reach: int, channels: int) -> tuple[NDArray[np.int32], NDArray[np.uint8]]:
-    """Space for the runs and the bytes of a window."""
-    side = 2 * reach + 1
-    runs = np.empty((side * (reach + 1) + 1, 3), np.int32)
-    return runs, np.empty(side * side * channels, np.uint8)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cached_property
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -15,7 +15,6 @@ from weftex.search.pyramid_windows import sample_pyramid
 from weftex.search.windows import windows_of
 
 if TYPE_CHECKING:
-    from weftex.methods.exact_matching.settings import Settings
     from weftex.search.windows import Windows
 
 _SMALLEST_SIDE = 5  # of the coarsest level, in pixels
@@ -27,32 +26,30 @@ class LevelSample:
 
     Attributes
     ----------
-    settings : Settings
-        See there.
     sample : Exemplar
         The level's bytes.
     coarser : Exemplar or None
         The next coarser level.
     """
 
-    settings: Settings
+    method: Any
     sample: Exemplar
     coarser: Exemplar | None
 
     @cached_property
     def causal(self) -> ColorLists:
         """Lists of L-shaped windows."""
-        return color_lists(self.settings, self.sample, causal=True, coarser=self.coarser)
+        return color_lists(self.method, self.sample, causal=True, coarser=self.coarser)
 
     @cached_property
     def around(self) -> ColorLists:
         """Lists of windows that look to all sides, for pixels between known ones."""
-        return color_lists(self.settings, self.sample, causal=False, coarser=self.coarser)
+        return color_lists(self.method, self.sample, causal=False, coarser=self.coarser)
 
     @cached_property
     def turned(self) -> ColorLists:
         """Lists of L-shaped windows of the sample with its axes exchanged."""
-        return color_lists(self.settings, _turned(self.sample), causal=True)
+        return color_lists(self.method, _turned(self.sample), causal=True)
 
 
 @dataclass(frozen=True, eq=False)
@@ -61,20 +58,18 @@ class Prepared:
 
     Attributes
     ----------
-    settings : Settings
-        See there.
     windows : Windows
         Single pixels, so that indices are the sample's own.
     levels : tuple of LevelSample
         Finest first.
     """
 
-    settings: Settings
+    method: Any
     windows: Windows
     levels: tuple[LevelSample, ...]
 
 
-def prepare(settings: Settings, exemplar: Exemplar) -> Prepared:
+def prepare(method: Any, exemplar: Exemplar) -> Prepared:
     """Analyze a sample (section 4.1), at each of its levels.
 
     Raises
@@ -83,22 +78,22 @@ def prepare(settings: Settings, exemplar: Exemplar) -> Prepared:
         If there are more levels than the sample is large enough for.
     """
     windows = windows_of(exemplar, (0, 0, 0, 0))
-    samples = sample_pyramid(exemplar, settings.levels)
+    samples = sample_pyramid(exemplar, method.levels)
     enough = len(samples)
     while enough > 1 and min(samples[enough - 1].shape) < _SMALLEST_SIDE:
         enough -= 1
-    if enough < settings.levels:
+    if enough < method.levels:
         raise InvalidInputError(
-            f"levels is {settings.levels}; {exemplar.name} is {exemplar.shape[1]}x"
+            f"levels is {method.levels}; {exemplar.name} is {exemplar.shape[1]}x"
             f"{exemplar.shape[0]}, which is enough for {enough}"
         )
     coarser = [*samples[1:], None]
-    levels = [LevelSample(settings, *pair) for pair in zip(samples, coarser, strict=True)]
+    levels = [LevelSample(method, *pair) for pair in zip(samples, coarser, strict=True)]
     for level in levels:
         _ = level.causal
-    if settings.init == "structured":
+    if method.init == "structured":
         _ = levels[-1].turned
-    return Prepared(settings, windows, tuple(levels))
+    return Prepared(method, windows, tuple(levels))
 
 
 def _turned(sample: Exemplar) -> Exemplar:

@@ -1,8 +1,7 @@
-"""The settings of exact neighborhood matching, with everything proposed that was left open."""
+"""The values of the parameters of exact neighborhood matching that are left open."""
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -31,76 +30,40 @@ _REACH_TO_ALL_SIDES = 7
 _REACH_OVER_COARSER = 4
 
 
-@dataclass(frozen=True)
-class Settings:
-    """Every parameter of `ExactMatching`, settled for a sample."""
-
-    window_width: int  # odd
-    tolerance: float  # of the sample's largest color distance
-    nearest_colors: int  # 0 if the tolerance decides
-    init: str  # "random" or "structured"
-    candidates: int
-    grouping: float
-    repeat_distance: int
-    copying: str
-    levels: int
-    passes: int
-
-
-def settle(method: Any, exemplar: Exemplar) -> Settings:
-    """Propose what was left open (section 7), from the sample's scale, regularity and colors.
-
-    Parameters
-    ----------
-    method : ExactMatching
-        As it was given.
-    exemplar : Exemplar
-        The sample.
+def resolved_values(method: Any, exemplar: Exemplar) -> dict[str, Any]:
+    """Return the values left open, from the sample's scale, regularity and colors (section 7).
 
     Raises
     ------
     InvalidInputError
         If the sample has no room for `window_width`.
     """
-    init, repeat_distance = _init(method, exemplar), method.repeat_distance
+    init, repeat_distance, tolerance = _init(method, exemplar), method.repeat_distance, None
     width, levels = _width_and_levels(method, exemplar, init)
     if repeat_distance is None:
         repeat_distance = 0 if init == "structured" else width // 2
-    tolerance = method.tolerance
-    if tolerance is None:
-        tolerance = 0.0 if method.nearest_colors else _proposed_tolerance(exemplar)
-    return Settings(
-        window_width=width,
-        tolerance=tolerance,
-        nearest_colors=method.nearest_colors or 0,
-        init=init,
-        candidates=method.candidates,
-        grouping=method.grouping,
-        repeat_distance=repeat_distance,
-        copying=method.copying,
-        levels=levels,
-        passes=method.passes,
-    )
+    if not method.nearest_colors:
+        tolerance = method.tolerance
+        tolerance = _proposed_tolerance(exemplar) if tolerance is None else tolerance
+    return {
+        "window_width": width,
+        "levels": levels,
+        "init": init,
+        "repeat_distance": repeat_distance,
+        "tolerance": tolerance,
+    }
 
 
 def window_width(method: Any, exemplar: Exemplar) -> int:
-    """Return the width of `settle`; colors, which take longest, are not looked at."""
+    """Return the width of the windows; colors, which take longest, are not looked at."""
     return _width_and_levels(method, exemplar, _init(method, exemplar))[0]
 
 
 def reach_of(width: int, sample: Exemplar, *, causal: bool, guided: bool) -> tuple[Reach, int]:
     """Return how far windows of a level reach, and how far over the next coarser level, or 0.
 
-    Parameters
-    ----------
-    width : int
-        Of the settings. The coarser levels of a pyramid have room for smaller windows only.
-    sample : Exemplar
-        The level of the sample.
-    causal : bool
-        L-shaped windows, as in figure 2; otherwise they look to all sides, not as far.
-    guided : bool
-        There is a coarser level.
+    The coarser levels of a pyramid have room for smaller windows only. Windows that are not
+    `causal` (figure 2) look to all sides, not as far.
     """
     reach = (min(width, *sample.shape) - 1) // 2
     if not causal:
