@@ -1,10 +1,12 @@
 """For mkdocs: links that leave docs/ work on the site as they do in the repository.
 
-Every file outside that a page leads to becomes a page under repository/, as it is or as code.
+Every file outside that a page leads to becomes a page under repository/, as it is or as code. A
+reference that a line of a page leads to is printed below the line.
 """
 
 from __future__ import annotations
 
+import ast
 import os
 import re
 from pathlib import Path
@@ -16,6 +18,8 @@ ROOT = Path(__file__).parent.parent
 DOCS = ROOT / "docs"
 LINK = re.compile(r"(\]\(|(?:src|href)=\")([^)#\s\"]+)([^)\"]*)")
 CODE = re.compile(r"^```.*?^```$|``.*?``|`[^`\n]+`", re.M | re.S)
+#: A line that is a link to a reference.
+REFERENCE = re.compile(r"^\[`\w+`\]\(\.\./(src/weftex/reference/\w+\.py)\)$", re.M)
 #: Pages about the project that are always there.
 PROJECT = ("CHANGELOG.md", "CONTRIBUTING.md", "SECURITY.md")
 
@@ -77,12 +81,31 @@ def on_files(files: Any, config: Any) -> Any:
     return files
 
 
+def source_of(text: str) -> str:
+    """What a module defines, with only the first lines of long docstrings."""
+    lines, tree = text.splitlines(), ast.parse(text)
+    said = [node.body[0] for node in tree.body if isinstance(node, ast.FunctionDef | ast.ClassDef)]
+    for docstring in reversed(said):
+        if isinstance(docstring, ast.Expr) and (docstring.end_lineno or 0) > docstring.lineno + 3:
+            lines[docstring.lineno - 1 : docstring.end_lineno] = [
+                lines[docstring.lineno - 1] + '"""'
+            ]
+    imports = [n for n in tree.body if isinstance(n, ast.Import | ast.ImportFrom)]
+    return "\n".join(lines[imports[-1].end_lineno :]).strip("\n")
+
+
 def on_page_markdown(markdown: str, page: Any, config: Any, files: Any) -> str:
     """Turn links to files into links to the pages that they became."""
     here = page.file.src_uri
     if here == "index.md":
         page.meta["hide"] = ["navigation", "toc"]
     origin = made.get(here, DOCS / here)
+    markdown = REFERENCE.sub(
+        lambda found: (
+            f"{found[0]}\n\n```python\n{source_of((ROOT / found[1]).read_text('utf-8'))}\n```"
+        ),
+        markdown,
+    )
 
     def turned(found: re.Match[str]) -> str:
         target = target_of(found[2], origin)

@@ -108,7 +108,7 @@ def synthesize(
     def reduced_search_space(y: int, x: int) -> Any:
         """The union of the direct neighbors' lists, each adjusted to represent the centers."""
         lists = [
-            search_space(tuple(image[y + dy, x + dx].tolist()), (dy, dx))
+            search_space(image[y + dy, x + dx], (dy, dx))
             for dy, dx in DIRECT_NEIGHBORS
             if y + dy >= 0 and 0 <= x + dx < width
         ]
@@ -129,21 +129,19 @@ def synthesize(
 
 
 def texture_analysis(pixels: Any, centers: Any, tolerance: float) -> Any:
-    """Section 4.1: for each direct neighbor and color, the numbers of the centers that have it.
+    """Section 4.1: which centers have a color at a direct neighbor, instead of a kd-tree of them.
 
-    The paper looks colors up in a kd-tree; here all colors are compared with the key.
+    Returns the function that section 4.2 retrieves lists of positions with.
     """
-    colors = np.unique(pixels.reshape(-1, pixels.shape[2]), axis=0)
+    colors, number = np.unique(pixels.reshape(-1, pixels.shape[2]), axis=0, return_inverse=True)
+    number = number.reshape(pixels.shape[:2])
     radius = int(tolerance * tolerance * ((colors.max(axis=0) - colors.min(axis=0)) ** 2).sum())
-    positions: dict[Any, list[int]] = {}
-    for step in DIRECT_NEIGHBORS:
-        for number, color in enumerate(at(pixels, centers + step).tolist()):
-            positions.setdefault((step, tuple(color)), []).append(number)
+    beside = {step: at(number, centers + step) for step in DIRECT_NEIGHBORS}
 
     def search_space(key: Any, step: Any) -> Any:
         """Centers whose neighbor has the key's color, or one within the range of it (section 5)."""
-        near = colors[((colors - key) ** 2).sum(axis=1) <= radius].tolist()
-        return np.array([n for c in near for n in positions.get((step, tuple(c)), [])], int)
+        near = ((colors - key) ** 2).sum(axis=1) <= radius
+        return np.flatnonzero(near[beside[step]])
 
     return search_space
 
