@@ -96,7 +96,7 @@ PICTURES: dict[str, Callable[[], Pictures]] = {
         "pebbles", 2, 100, lambda s: reference.graphcut(s, (112, 144), 44, 14, seed=1)
     ),
     "iterative_refinement": lambda: of(
-        "pebbles", 2, 56, lambda s: reference.iterative_refinement(s, (56, 72), 6, iterations=2)
+        "pebbles", 3, 40, lambda s: reference.iterative_refinement(s, (40, 56), 4, iterations=2)
     ),
     "fusion": fusion,
     "lattice": lattice,

@@ -34,7 +34,7 @@ def graphcut(
     """Place patches where they match, and cut them out along minimum cuts.
 
     V. Kwatra, A. Schödl, I. Essa, G. Turk, A. Bobick: Graphcut textures: image and video synthesis
-    using graph cuts, SIGGRAPH 2003: section 3 with old seams and costs by gradients (3.1), and
+    using graph cuts, SIGGRAPH 2003: section 3 with old seams (3.1), costs by gradients (5), and
     section 4 with sub-patch matching. Its maximum flow is SciPy's.
 
     Parameters
@@ -50,7 +50,7 @@ def graphcut(
     k : float
         Randomness of the placement: offsets have chances exp(-C / (k sigma^2)).
     gradients : bool
-        Whether the cost of a seam is divided by the gradients across it: M' of section 3.1, or M
+        Whether the cost of a seam is divided by the gradients across it: M' of section 5, or M
         of eq. (1).
     seed : int
         Seed of the random draws.
