@@ -29,6 +29,7 @@ LEVELS = [
     ["planes"],
     ["quality"],
     ["analysis"],
+    ["repeats"],
     ["search", "seams"],
     ["results"],
     ["canvas", "turns"],

@@ -11,7 +11,8 @@ import weftex
 from families import canvas_of, noise
 from twins import graphcut as reference
 from weftex.methods.graphcut import GraphCut
-from weftex.methods.graphcut.draws import chances_of, drawn_places, variance
+from weftex.methods.graphcut.placement import chances_of, drawn_places
+from weftex.methods.graphcut.pyramid import Level
 from weftex.methods.graphcut.seams import CanvasSeams
 from weftex.search.translation import Spectra, fast_size, overlap_mismatch, window_mismatch
 
@@ -205,7 +206,7 @@ def test_old_seams_need_no_nodes(name):
 def test_refinement_never_makes_seams_worse(seam_cost, kind, monkeypatch):
     totals = []
 
-    def price(self, *box):
+    def update(self, *box):
         change = whole(self, *box)
         kept = [a.copy() for a in (self.cost, self.cells, self.squares, self.most)]
         for a in (self.cost, self.cells, self.squares, self.most):
@@ -216,11 +217,11 @@ def test_refinement_never_makes_seams_worse(seam_cost, kind, monkeypatch):
         totals.append(int(self.cost.sum()))
         return change
 
-    whole = CanvasSeams.price
+    whole = CanvasSeams.update
     pixels = material("pebbles", 40, 40)
     canvas = canvas_of(kind, pixels, (61, 50))
     method = GraphCut(patch_size=14, seam_cost=seam_cost, refinements=3.0)
-    monkeypatch.setattr(CanvasSeams, "price", price)
+    monkeypatch.setattr(CanvasSeams, "update", update)
     method.fit(weftex.Exemplar(pixels)).sample(canvas, seed=1)
     assert len(totals) > 5
     assert all(later <= before for before, later in itertools.pairwise(totals))
@@ -289,13 +290,15 @@ def test_chances_follow_the_exponential():
     costs = np.linspace(0, 300, 50).reshape(5, 10)
     chances = chances_of(costs, np.ones((5, 10), bool), 40.0)
     assert np.allclose(chances / chances[0, 0], np.exp(-costs / 40), rtol=0.03)
-    drawn = drawn_places(costs[::-1], np.ones((5, 10), bool), 0.0, (7, 0, 3), (1, 1))
+    drawn = drawn_places(costs[::-1], np.ones((5, 10), bool), 0.0, (7, 0, 3), [0, 0])
     assert drawn == [(4, 0), (4, 1), (4, 2)]  # without a spread the best ones, in turn
 
 
 def test_variance_is_numpys():
-    pixels = material("leaves", 30, 31).reshape(-1, 3)
-    assert variance(pixels) == pytest.approx(pixels.var(axis=0).sum(), rel=1e-12)
+    pixels = material("leaves", 30, 31)
+    some = noise((30, 31)) < 200
+    level = Level(pixels, some.astype(np.uint8))
+    assert level.variance == pytest.approx(pixels[some].var(axis=0).sum(), rel=1e-12)
 
 
 def test_variety_keeps_repeats_apart():

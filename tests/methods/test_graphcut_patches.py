@@ -39,13 +39,13 @@ def test_in_a_photo_only_what_is_around_a_hole_counts(monkeypatch):
     pixels = np.tile(weftex.load_exemplar("sample:pebbles").pixels[40:100, 50:110], (3, 3, 1))
     hole = np.zeros((180, 180), bool)
     hole[80:100, 90:104] = True
-    laid, price = [], Picture.price
+    pasted, cost = [], Picture.cost
 
-    def priced(self, place, number):
-        laid.append(place)
-        return price(self, place, number)
+    def counted(self, patch, number):
+        pasted.append(patch)
+        return cost(self, patch, number)
 
-    monkeypatch.setattr(Picture, "price", priced)
+    monkeypatch.setattr(Picture, "cost", counted)
     sample = weftex.Exemplar(pixels[:60, :60])
     method, filled = GraphCut(placement="entire"), []
     for shade in (0, 90):
@@ -53,8 +53,8 @@ def test_in_a_photo_only_what_is_around_a_hole_counts(monkeypatch):
         photo[:40, :] = shade
         canvas = weftex.Canvas(180, 180, hole=hole, known=photo)
         filled.append(method.fit(sample).sample(canvas, seed=2).image[hole])
-    assert laid and all(p.top >= 80 and p.top + p.height <= 100 for p in laid)
-    assert all(p.left >= 90 and p.left + p.width <= 104 for p in laid)
+    assert pasted and all(p.top >= 80 and p.top + p.height <= 100 for p in pasted)
+    assert all(p.left >= 90 and p.left + p.width <= 104 for p in pasted)
     assert np.array_equal(*filled)
 
 
@@ -129,10 +129,10 @@ def test_defaults_follow_from_the_sample():
 
 
 @pytest.mark.parametrize("placement", ["subpatch", "entire", "random"])
-def test_the_patches_that_were_laid_are_on_record(placement):
+def test_provenance_has_the_shape_of_patches(placement):
     exemplar = weftex.Exemplar(few_levels((40, 50)))
     model = GraphCut(placement=placement).fit(exemplar)
-    assert None not in vars(model.prepared).values()
+    assert model.method == GraphCut(placement=placement).resolved(exemplar)
     expected = [18, 18] if placement == "subpatch" else [40, 40]  # as far as the canvas goes
     about = model.sample((60, 40), seed=1).provenance
     assert about["patch_shape"] == expected
@@ -141,22 +141,22 @@ def test_the_patches_that_were_laid_are_on_record(placement):
 
 
 @pytest.mark.parametrize("kind", ["plain", "x", "xy", "hole", "wrapped hole"])
-def test_cuts_that_end_early_and_runs_that_are_kept_change_nothing(kind, monkeypatch):
+def test_cuts_that_end_early_and_updated_runs_change_nothing(kind, monkeypatch):
     compared = []
 
-    def cheapest(self, places, map_=map):
-        prices = []
-        for place in places:
+    def cheapest(self, patches, map_=map):
+        costs = []
+        for patch in patches:
             self._least = np.inf
-            prices.append(self.price(place, 0))
-        chosen = whole(self, places, map_)
-        assert chosen is places[int(np.argmin(prices))]
-        compared.append(max(prices) > min(prices))
+            costs.append(self.cost(patch, 0))
+        chosen = whole(self, patches, map_)
+        assert chosen is patches[int(np.argmin(costs))]
+        compared.append(max(costs) > min(costs))
         return chosen
 
-    def pasted(self, place):
-        covered, kept = paste(self, place), self.runs.copy()
-        self.follow()
+    def pasted(self, patch):
+        covered, kept = paste(self, patch), self.runs.copy()
+        self.find_runs()
         assert np.array_equal(self.runs, kept)
         return covered
 

@@ -5,8 +5,8 @@ import pytest
 from tests.twins import graphcut_turned as twin
 
 import weftex
-from weftex.methods.graphcut import turned_kernels as kernels
 from weftex.raster.turning import TURNS, turned_pixels
+from weftex.repeats import repeat_kernels as kernels
 from weftex.turns import copies_in
 
 
@@ -30,19 +30,23 @@ def test_the_kernel_equals_its_twin(seed):
             strict=True,
         )
     ]
-    first = np.searchsorted([each[0] for each in shown], np.arange(count + 1)).astype(np.int32)
-    where = np.array([each[1:] for each in shown], np.int32)
     counts, salience = rng.integers(0, 90, (2, count)).astype(np.int32)
     weights = rng.integers(0, 64, (7, 9)).astype(np.int32)
-    mirrored, near, close = np.array([0, 1, 0], np.uint8), 9, 4
-    seen = kernels.Seen(first, where, counts, salience, weights, mirrored, near, close)
+    mirrored, near, close = [0, 1, 0], 9, 4
+    where = np.array([(*each[1:], mirrored[each[3]]) for each in shown], np.int32)
+    about = np.zeros((3, count + 1), np.int32)
+    about[0] = np.searchsorted([each[0] for each in shown], np.arange(count + 1))
+    about[1:, :-1] = counts, salience
     cells = rng.integers(0, count, (high, wide)).astype(np.int32)
     missing = rng.integers(0, 2, (2 * high + 1, 2 * wide + 1)).astype(np.uint8)
     places = rng.integers(0, 2, (high, wide)).astype(np.uint8)
     for copy in range(copies):
         sums = np.zeros((high, wide, 6), np.int64)
-        kernels.sum_seen(seen, cells, copy, missing, places, sums)
-        expected = twin.sum_seen(
+        kernels.sum_copies(
+            *(about, where, weights, np.array([near, close], np.int32), cells),
+            *(np.array([copy, mirrored[copy]], np.int32), missing, places, sums),
+        )
+        expected = twin.sum_copies(
             *(shown, counts, salience, weights, mirrored, near, close),
             *(cells, copy, missing, places),
         )

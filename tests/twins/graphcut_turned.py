@@ -1,9 +1,11 @@
-"""The slow, obvious twin of `weftex.methods.graphcut.turned_kernels`."""
+"""The slow, obvious twin of `weftex.repeats.repeat_kernels.sum_copies`."""
 
 import numpy as np
 
 
-def sum_seen(shown, counts, salience, weights, mirrored, near, close, cells, copy, missing, places):
+def sum_copies(
+    shown, counts, salience, weights, mirrored, near, close, cells, copy, missing, places
+):
     """See the kernel; `shown` is a list of (cell, row, column, copy), the pixel being (0, 0)."""
     sums = np.zeros((*places.shape, 6), np.int64)
     up, left = (n // 2 for n in missing.shape)

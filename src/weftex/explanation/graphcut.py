@@ -12,7 +12,7 @@ from weftex.results.drawing import draw_seams, gray_of
 
 if TYPE_CHECKING:
     from weftex.exemplar import Exemplar
-    from weftex.methods.graphcut.places import Place
+    from weftex.methods.graphcut.placement import Patch
 
 
 class GraphCutRecorder:
@@ -73,10 +73,10 @@ class GraphCutRecorder:
             Stage("canvas after", "The canvas with the patch.", growth.pixels.copy(), picture),
         ]
 
-    def _placement(self, place: Place) -> list[Stage]:
+    def _placement(self, place: Patch) -> list[Stage]:
         """Return the candidate offsets of the patch."""
         found = self._matches
-        costs, allowed = found["costs"] * found["prices"], found["allowed"] != 0
+        costs, allowed = found["costs"] * found["factors"], found["allowed"] != 0
         there = allowed & np.isfinite(costs)
         at = np.array(found["drawn"]).reshape(-1, 2) << found["halvings"]
         chosen, size = (place.source_top, place.source_left), (place.height, place.width)

@@ -3,19 +3,28 @@
 from __future__ import annotations
 
 import math
-from dataclasses import asdict, dataclass, replace
-from typing import TYPE_CHECKING, ClassVar, Self
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING, Any, ClassVar, Self
 
+from weftex.analysis.canvas_lattice import check_lattice
 from weftex.errors import InvalidInputError
 from weftex.method import Method
 from weftex.methods.graphcut.cutting import Picture
-from weftex.methods.graphcut.placement import placement_of
+from weftex.methods.graphcut.entire import EntirePatchMatching
+from weftex.methods.graphcut.orientations import OrientedMatching
+from weftex.methods.graphcut.placement import draw_offsets
+from weftex.methods.graphcut.sample import PATCH_SHARE, Sample, check_boundary, patch_shape_for
 from weftex.methods.graphcut.seams import CanvasSeams
-from weftex.methods.graphcut.settings import Settings, check_boundary, settle
-from weftex.methods.patches.sizes import patch_size_for
+from weftex.methods.graphcut.subpatch import SubPatchMatching
+from weftex.methods.patches.sizes import patch_size_for, patch_size_on
 from weftex.methods.pixels.growth import PixelModel
 from weftex.parameters import parameter
 from weftex.planes.grid import Sizes
+from weftex.repeats import Repetition
+from weftex.repeats.orientations import OrientedPenalty
+from weftex.repeats.patches import PatchPenalty
+from weftex.repeats.salience import SaliencePenalty
+from weftex.search.windows import windows_of
 from weftex.threads import quick_map
 from weftex.turns import turned
 
@@ -23,13 +32,14 @@ if TYPE_CHECKING:
     import numpy as np
     from numpy.typing import NDArray
 
+    from weftex.canvas import Canvas
     from weftex.exemplar import Exemplar
-    from weftex.methods.graphcut.places import Place
+    from weftex.methods.graphcut.placement import Patch, Placement
     from weftex.methods.pixels.growth import Growth
 
-_LARGE = 2**14  # pixels of a patch from which on candidates are priced in threads
+_LARGE = 2**14  # pixels of a patch from which on candidates are cut in threads
 _PATCHES = 2  # in a row between two belts of a plane
-_IDLE = 4  # refinements that mend nothing, for each patch that covered the canvas, end it
+_IDLE = 4  # refinements that improve nothing, for each patch that covered the canvas, end it
 
 
 @dataclass(frozen=True)
@@ -165,89 +175,177 @@ class GraphCut(Method):
             return self
         return replace(self, patch_size=patch_size_for(hole, usable, 1))
 
+    def resolved(self, exemplar: Exemplar) -> Self:
+        """See `Method.resolved`; `patch_size` stays open for thin samples, see `patch_shape`."""
+        entire = self.placement == "entire"
+        if self.lattice is not None:
+            check_lattice(self.lattice, exemplar)
+        found = replace(
+            self,
+            candidates=self.candidates or (24 if entire else 4),
+            refinements=_given(self.refinements, 1.0 if self.placement == "random" else 0.0),
+        )
+        if self.placement != "random":
+            found = replace(found, tolerance=_given(self.tolerance, 0.0 if entire else 0.003))
+        return (
+            found.for_patches(self.patch_shape(exemplar)) if self.placement == "subpatch" else found
+        )
+
+    def patch_shape(self, exemplar: Exemplar) -> tuple[int, int]:
+        """Height and width of patches: squares, but for thin samples; or the entire sample."""
+        if self.placement != "subpatch":
+            return exemplar.shape
+        return patch_shape_for(exemplar, self.patch_size)
+
+    def for_patches(self, shape: tuple[int, int]) -> Self:
+        """Return this method for sub-patches of a shape, with the boundary that suits them."""
+        side = max(shape)
+        boundary = _given(self.boundary_width, side // 3)
+        check_boundary(side, boundary)
+        square = side if shape[0] == shape[1] else None
+        return replace(self, patch_size=square, boundary_width=boundary)
+
     def fit_exemplar(self, exemplar: Exemplar) -> GraphCutModel:
         """Prepare a sample, and perhaps a copy of it upside down."""
         if self.orientations == "half-turns":
             if self.lattice is not None:
                 raise InvalidInputError("copies that are turned share no lattice")
             exemplar = turned(exemplar, "half")
-        given = asdict(self)
-        del given["orientations"]
-        settings = settle(exemplar, **given)
-        method = replace(self, candidates=settings.candidates, refinements=settings.refinements)
-        if self.placement != "random":
-            method = replace(method, tolerance=settings.tolerance)
-        if self.placement == "subpatch":  # the others lay the entire sample
-            sizes = settings.sizes()
-            method = replace(
-                method, patch_size=sizes.get("patch_size"), boundary_width=sizes["boundary_width"]
-            )
-        return GraphCutModel(method, exemplar, settings, synthesize)
+        return GraphCutModel(self, exemplar)
 
 
 class GraphCutModel(PixelModel):
     """A sample prepared for graph-cut textures."""
 
+    def __init__(self, given: GraphCut, exemplar: Exemplar) -> None:
+        windows = windows_of(exemplar, (0, 0, 0, 0))
+        method = given.resolved(exemplar)
+        side = method.patch_size
+        self.given, self.patch_shape = given, (side, side) if side else given.patch_shape(exemplar)
+        sample = Sample(exemplar, windows, given.seam_cost == "gradient", given.halvings)
+        super().__init__(method, exemplar, sample, self.synthesize)
+
     def block_sizes(self) -> Sizes:
-        """See `Model.block_sizes`: a corner is a patch, and cuts go on in what is there.
+        """See `Model.block_sizes`: a corner is a patch, and cuts may run in its surroundings.
 
         Between belts is room for so many patches that the last ones lie on belts as far as the
         first ones do; entire patches are cut anywhere.
         """
-        settings: Settings = self.prepared
-        side, boundary = min(settings.patch_shape), settings.boundary_width
+        assert isinstance(self.method, GraphCut)
+        side, boundary = min(self.patch_shape), self.method.boundary_width or 0
         belt = 2 * max(side // 2 if boundary else side // 4, 8)
         gap = _PATCHES * (side - boundary) - boundary if boundary else 2 * belt
         return Sizes(pitch=belt + max(gap, belt), belt=belt, loose=belt // 3)
 
+    def on(self, canvas: Canvas) -> tuple[GraphCut, tuple[int, int]]:
+        """The method and the shape of patches for one output.
 
-def synthesize(settings: Settings, growth: Growth) -> None:
-    """Cover the canvas with patches, then put more patches over its worst seams.
+        Patches take no larger share of it than of the sample, unless their size was given.
+        """
+        method, shape, given = self.method, self.patch_shape, self.given
+        assert isinstance(method, GraphCut)
+        if given.placement != "subpatch" or given.patch_size is not None:
+            return method, shape
+        most = patch_size_on(canvas, PATCH_SHARE)
+        if given.boundary_width is not None:
+            most = max(most, 2 * given.boundary_width + 1)
+        if max(shape) <= most:
+            return method, shape
+        shape = min(shape[0], most), min(shape[1], most)
+        return replace(method, boundary_width=given.boundary_width).for_patches(shape), shape
 
-    Sections are those of the paper.
+    def synthesize(self, sample: Sample, growth: Growth) -> None:
+        """Cover the canvas with patches, then put more patches over its worst seams."""
+        if growth.canvas.shown is not None:  # a block of a plane: its border may be cut again
+            growth.show(growth.canvas.shown >= 0)
+        method, shape = self.on(growth.canvas)
+        placement = placement_of(method, shape, sample, growth)
+        growth.tone_reach = method.tone_reach
+        growth.about["patch_shape"] = list(placement.size)
+        if method.placement == "subpatch":
+            sizes = {"patch_size": method.patch_size, "boundary_width": method.boundary_width}
+            growth.about |= {name: side for name, side in sizes.items() if side is not None}
+        cover(method, placement, sample, growth)
+
+
+def placement_of(
+    method: GraphCut, shape: tuple[int, int], sample: Sample, growth: Growth
+) -> Placement:
+    """Random placement, entire patch matching or sub-patch matching (section 4).
+
+    Oriented copies, the lattice and the repetition penalty are not in the paper.
     """
-    settings = settings.on(growth.canvas)
-    if growth.canvas.shown is not None:  # a block of a plane: its border may be cut again
-        growth.show(growth.canvas.shown >= 0)
-    placement = placement_of(settings, growth)  # random, entire patch or sub-patch (section 4)
-    picture = Picture(settings, growth, placement.size, placement.reduction)
-    growth.tone_reach = settings.tone_reach
-    growth.about["patch_shape"] = list(placement.size)
-    if settings.placement == "subpatch":
-        growth.about |= settings.sizes()
+    variety = method.variety
+    if method.placement == "random":
+        return EntirePatchMatching(sample, growth, random=True)
+    if method.placement == "subpatch":
+        parts = SubPatchMatching(sample, growth, shape, method.boundary_width or 0)
+        if variety > 0:
+            policy = Repetition(variety, nearby=1.0, in_line=0.25, use=0.25)
+            step = 2 * parts.reduction
+            parts.penalty = PatchPenalty(policy, sample.exemplar, growth, parts.size, step)
+        return parts
+    policy = Repetition(variety, nearby=0.3, use=0.05)
+    if sample.boxes:
+        copies = OrientedMatching(sample, growth)
+        if variety > 0:
+            first = sample.part(sample.boxes[0]).windows
+            copies.penalty = OrientedPenalty(
+                policy, sample.exemplar, growth, first.pixels, first.usable, sample.boxes
+            )
+        return copies
+    entire = EntirePatchMatching(sample, growth, lattice=method.lattice)
+    if variety > 0:
+        windows, reduction = sample.windows, entire.reduction
+        entire.penalty = SaliencePenalty(policy, growth, windows.pixels, windows.usable, reduction)
+    return entire
 
-    threads = min(growth.threads, settings.candidates) if math.prod(placement.size) >= _LARGE else 1
+
+def cover(method: GraphCut, placement: Placement, sample: Sample, growth: Growth) -> None:
+    """The algorithm; sections are those of the paper."""
+    assert method.candidates is not None and method.refinements is not None
+    count, tolerance = method.candidates, _given(method.tolerance, 1.0)  # random: all match
+    copies = method.placement == "entire" and bool(sample.boxes)
+    picture = Picture(sample, growth, placement.size, placement.reduction, count, copies=copies)
+    threads = min(growth.threads, count) if math.prod(placement.size) >= _LARGE else 1
     with quick_map(threads) as map_:
 
-        def place(pixel: tuple[int, int], number: int, *, centered: bool) -> Place:
-            # Places that match, drawn by P(t) = exp(-C(t) / (k sigma**2)) (section 4); C(t) by FFT
-            # (section 5): `search.translation`.
-            places = placement.candidates(pixel, number, centered, map_)
-            if len(places) == 1:
-                return places[0]
+        def best_patch(pixel: tuple[int, int], number: int, *, centered: bool) -> Patch:
+            # C(t) for all offsets t (section 4), by FFT (section 5): `search.translation`.
+            matches = placement.matches(pixel, number, centered, map_)
+            # Some of them, drawn by P(t) = exp(-C(t) / (k sigma**2)) (section 4).
+            draws = growth.seed, number, count
+            drawn = draw_offsets(matches, placement, tolerance, draws)
+            patches = placement.patches(matches, drawn, map_)
+            if len(patches) == 1:
+                return patches[0]
             # The minimum cut between old and new pixels; old seams are in the graph (section 3).
-            return picture.cheapest(places, map_)
+            return picture.cheapest(patches, map_)
 
         # Patches that each cover the first missing pixel, until none is missing (section 4).
-        laid = 0
+        pasted = 0
         progress = growth.progress(int((growth.done == 0).sum()), "pixels")
         for pixel in picture.missing():
-            progress.advance(picture.paste(place(pixel, laid, centered=False)))
-            laid += 1
+            progress.advance(picture.paste(best_patch(pixel, pasted, centered=False)))
+            pasted += 1
 
         # Patches over the worst seams: an old seam goes where the cut is cheaper (section 4).
-        count = round(settings.refinements * laid)
-        if not count:
+        more = round(method.refinements * pasted)
+        if not more:
             return
         seams = CanvasSeams(picture, growth.canvas, placement.size)
-        progress = growth.progress(count, "repairs")
-        for number in range(laid, laid + count):
+        progress = growth.progress(more, "repairs")
+        for number in range(pasted, pasted + more):
             worst = seams.worst()
-            # Not in the paper: what many patches did not mend cannot be mended.
-            if worst is None or seams.idle > _IDLE * laid:
+            # Not in the paper: seams that many patches did not improve cannot be improved.
+            if worst is None or seams.idle > _IDLE * pasted:
                 progress.advance(progress.total - progress.done)
                 break
-            best = place(worst, number, centered=True)
+            best = best_patch(worst, number, centered=True)
             picture.paste(best)
-            seams.price_around(best)
+            seams.update_around(best)
             progress.advance(1)
+
+
+def _given(value: Any, default: Any) -> Any:
+    return default if value is None else value

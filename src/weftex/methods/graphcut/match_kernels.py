@@ -1,8 +1,5 @@
 # mypy: ignore-errors
-"""Kernels of graph-cut textures: matches on smaller copies, and places that are shown again.
-
-Compiled by Cython, see setup.py.
-"""
+"""Kernels of graph-cut textures: matches on the levels of a pyramid; compiled, see setup.py."""
 
 import cython
 from cython.cimports.libc.math import INFINITY
@@ -10,7 +7,7 @@ from cython.cimports.libc.string import memchr, memcpy, memset
 
 
 @cython.cclass
-class Copy:
+class MaskedPixels:
     """A picture, and which of its pixels count.
 
     `runs` is filled with the first pixel of each row that counts and one after the last; with -1
@@ -46,7 +43,9 @@ def mean_of(
 @cython.cfunc
 @cython.nogil
 @cython.exceptval(check=False)
-def halve(whole: Copy, pixels: cython.uchar[:, :, ::1], mask: cython.uchar[:, ::1]) -> cython.void:
+def halve(
+    whole: MaskedPixels, pixels: cython.uchar[:, :, ::1], mask: cython.uchar[:, ::1]
+) -> cython.void:
     """Means of squares of four pixels, rounded; those count all of whose pixels do."""
     cython.declare(i=cython.Py_ssize_t, j=cython.Py_ssize_t, k=cython.Py_ssize_t)
     cython.declare(upper=cython.p_const_uchar, lower=cython.p_const_uchar, half=cython.p_uchar)
@@ -76,7 +75,7 @@ def halve(whole: Copy, pixels: cython.uchar[:, :, ::1], mask: cython.uchar[:, ::
 @cython.nogil
 @cython.exceptval(check=False)
 def gather(
-    canvas: Copy,
+    canvas: MaskedPixels,
     rows: cython.const[cython.int][::1],
     columns: cython.const[cython.int][::1],
     pixels: cython.uchar[:, :, ::1],
@@ -127,19 +126,19 @@ def run_of(
 
 @cython.cfunc
 @cython.exceptval(check=False)
-def fill_runs(copy: Copy) -> cython.void:
-    """See `Copy`."""
+def fill_runs(picture: MaskedPixels) -> cython.void:
+    """Fill in the runs of all rows."""
     cython.declare(i=cython.Py_ssize_t, first=cython.Py_ssize_t, end=cython.Py_ssize_t)
-    width: cython.Py_ssize_t = copy.mask.shape[1]
+    width: cython.Py_ssize_t = picture.mask.shape[1]
     if width == 0:
         return
-    for i in range(copy.mask.shape[0]):
-        first = run_of(cython.address(copy.mask[i, 0]), 0, width, 1)
-        end = run_of(cython.address(copy.mask[i, 0]), first, width, 0)
-        if run_of(cython.address(copy.mask[i, 0]), end, width, 1) < width:
+    for i in range(picture.mask.shape[0]):
+        first = run_of(cython.address(picture.mask[i, 0]), 0, width, 1)
+        end = run_of(cython.address(picture.mask[i, 0]), first, width, 0)
+        if run_of(cython.address(picture.mask[i, 0]), end, width, 1) < width:
             first = -1
-        copy.runs[i, 0] = cython.cast(cython.int, first)
-        copy.runs[i, 1] = cython.cast(cython.int, end)
+        picture.runs[i, 0] = cython.cast(cython.int, first)
+        picture.runs[i, 1] = cython.cast(cython.int, end)
 
 
 @cython.cfunc
@@ -163,7 +162,7 @@ def squares(
 @cython.nogil
 @cython.exceptval(check=False)
 def area_of(
-    box: Copy, sample: Copy, top: cython.Py_ssize_t, left: cython.Py_ssize_t
+    box: MaskedPixels, sample: MaskedPixels, top: cython.Py_ssize_t, left: cython.Py_ssize_t
 ) -> cython.longlong:
     """How many pixels of the box count where it lies on the sample, or one pixel beyond."""
     cython.declare(i=cython.Py_ssize_t, j=cython.Py_ssize_t, run=cython.int)
@@ -185,8 +184,8 @@ def area_of(
 @cython.nogil
 @cython.exceptval(check=False)
 def mismatch(
-    box: Copy,
-    sample: Copy,
+    box: MaskedPixels,
+    sample: MaskedPixels,
     top: cython.Py_ssize_t,
     left: cython.Py_ssize_t,
     whole: cython.bint,
@@ -252,8 +251,8 @@ def mismatch(
 @cython.nogil
 @cython.exceptval(check=False)
 def match(
-    box: Copy,
-    sample: Copy,
+    box: MaskedPixels,
+    sample: MaskedPixels,
     allowed: cython.const[cython.uchar][:, ::1],
     offset: cython.const[cython.int][::1],
     whole: cython.bint,
@@ -271,8 +270,8 @@ def match(
 @cython.nogil
 @cython.exceptval(check=False)
 def nudge(
-    box: Copy,
-    sample: Copy,
+    box: MaskedPixels,
+    sample: MaskedPixels,
     allowed: cython.const[cython.uchar][:, ::1],
     offset: cython.const[cython.int][::1],
     place: cython.int[::1],
@@ -358,24 +357,24 @@ def best_places(
     return bits.shape[0]
 
 
-def make_half(whole: Copy, pixels, mask):
+def make_half(whole: MaskedPixels, pixels, mask):
     """Call `halve`."""
     halve(whole, pixels, mask)
 
 
-def gather_box(canvas: Copy, rows, columns, pixels, mask):
+def gather_box(canvas: MaskedPixels, rows, columns, pixels, mask):
     """Call `gather`."""
     gather(canvas, rows, columns, pixels, mask)
 
 
-def match_places(box: Copy, sample: Copy, allowed, offset, whole, costs):
+def match_places(box: MaskedPixels, sample: MaskedPixels, allowed, offset, whole, costs):
     """Call `match`."""
     match(box, sample, allowed, offset, whole, costs)
 
 
 def nudge_places(
-    box: Copy,
-    sample: Copy,
+    box: MaskedPixels,
+    sample: MaskedPixels,
     allowed: cython.const[cython.uchar][:, ::1],
     offset: cython.const[cython.int][::1],
     places: cython.int[:, ::1],

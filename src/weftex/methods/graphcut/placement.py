@@ -1,23 +1,148 @@
-"""Where patches come from: placement and matching (Kwatra et al., 2003, section 4)."""
+"""Candidate patches, and how they are drawn (Kwatra et al., 2003, section 4)."""
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple, Protocol
 
-from weftex.methods.graphcut.entire import EntirePatchMatching
-from weftex.methods.graphcut.subpatch import SubPatchMatching
-from weftex.methods.graphcut.turned import TurnedMatching
+import numpy as np
+
+from weftex.methods.graphcut.match_kernels import best_places
+from weftex.notes import note
+from weftex.random import draw
 
 if TYPE_CHECKING:
-    from weftex.methods.graphcut.places import Placement
-    from weftex.methods.graphcut.settings import Settings
-    from weftex.methods.pixels.growth import Growth
+    from collections.abc import Callable
+    from typing import Any
+
+    from numpy.typing import NDArray
+
+    from weftex.canvas import Canvas
+    from weftex.methods.graphcut.pyramid import Level
+
+_LARGEST_EXPONENT = 64.0  # e**-64 is no chance at all
+_BEST_CHANCE = 2.0**32  # the chance of the best match, as a whole number
+_APART = 32  # candidates lie more than 1/32 of a patch from each other
 
 
-def placement_of(settings: Settings, growth: Growth) -> Placement:
-    """Return the way that `settings.placement` names."""
-    if settings.placement == "subpatch":
-        return SubPatchMatching(settings, growth)
-    if settings.placement == "entire" and settings.exemplar.turn is not None:
-        return TurnedMatching(settings, growth)
-    return EntirePatchMatching(settings, growth, random=settings.placement == "random")
+class Patch(NamedTuple):
+    """A box on the canvas, and the pixel of the sample at its upper left corner."""
+
+    top: int
+    left: int
+    height: int
+    width: int
+    source_top: int
+    source_left: int
+    factor: float = 1.0  # for the cost of its seam, by what it repeats
+
+
+class Matches(NamedTuple):
+    """How well each offset matches on one level of the sample's pyramid."""
+
+    costs: NDArray[np.float64]  # C(t): mean squared differences
+    factors: NDArray[np.float64]  # of the repetition penalty
+    allowed: NDArray[np.bool_]
+    halvings: int  # the level
+    found: Any = None  # for `Placement.patches`
+
+
+class Placement(Protocol):
+    """A way to find candidate patches."""
+
+    size: tuple[int, int]  # height and width of a patch on this canvas, in pixels
+    reduction: int  # how many times smaller the smallest level is
+    levels: list[Level]  # of the sample
+
+    def matches(
+        self, pixel: tuple[int, int], number: int, centered: bool, map_: Callable[..., Any] = map
+    ) -> Matches:
+        """Match all offsets of the `number`-th patch, which is to cover a pixel of the canvas.
+
+        The pixel is in the middle of the patch if `centered`, else near its upper left corner.
+        `map_` may use threads.
+        """
+
+    def patches(
+        self,
+        matches: Matches,
+        drawn: list[tuple[int, int]],
+        map_: Callable[..., Any] = map,
+    ) -> list[Patch]:
+        """The patches of offsets that were drawn, found in full size."""
+
+
+def draw_offsets(
+    matches: Matches,
+    placement: Placement,
+    tolerance: float,
+    draws: tuple[int, int, int],
+) -> list[tuple[int, int]]:
+    """Draw offsets by P(t), proportional to exp(-C(t) / (k sigma**2)), not next to each other.
+
+    k is the tolerance; at 0 the best offset is taken, then the best one that is left. `draws`: the
+    seed, the number of the patch, and how many offsets to draw. There may be fewer.
+    """
+    variances = (level.variance for level in reversed(placement.levels[: matches.halvings + 1])
+                 if level.mask.any())  # fmt: skip
+    near = [(n >> matches.halvings) // _APART for n in placement.size]
+    costs = matches.costs * matches.factors
+    drawn = drawn_places(costs, matches.allowed, tolerance * next(variances), draws, near)
+    note("matches", **{**matches._asdict(), "found": None}, drawn=drawn)
+    return drawn
+
+
+def drawn_places(
+    costs: NDArray[np.float64],
+    allowed: NDArray[np.bool_],
+    spread: float,
+    draws: tuple[int, int, int],
+    near: list[int],
+) -> list[tuple[int, int]]:
+    """Draw places by their costs over `spread`, k sigma**2; no two as near as that, in pixels."""
+    seed, number, count = draws
+    allowed = allowed & (costs < np.inf)
+    bits = draw(seed, "patch", number, np.arange(count))
+    if spread <= 0:
+        left = np.ascontiguousarray(np.where(allowed, costs, np.inf))
+        places = np.empty((count, 2), np.int32)
+        many = best_places(left, bits, tuple(near), places) if left.size else 0
+        return [(y, x) for y, x in places[:many].tolist()]
+    chances = np.where(allowed, chances_of(costs, allowed, spread), 0)
+    found: list[tuple[int, int]] = []
+    for each in bits:
+        sums = chances.ravel().cumsum()
+        if not sums[-1]:
+            break
+        at = int(sums.searchsorted(int(each) % int(sums[-1]), side="right"))
+        y, x = divmod(at, chances.shape[1])
+        found.append((y, x))
+        rows, columns = (
+            slice(max(middle - reach, 0), middle + reach + 1)
+            for middle, reach in zip((y, x), near, strict=True)
+        )
+        chances[rows, columns] = 0
+    return found
+
+
+def chances_of(
+    costs: NDArray[np.float64], allowed: NDArray[np.bool_], spread: float
+) -> NDArray[np.int64]:
+    """Whole numbers in proportion to exp(-cost / spread), of a spread above 0.
+
+    exp(x) is taken as (1 + x / 1024)**1024, which every machine rounds alike.
+    """
+    above: NDArray[np.float64] = np.maximum(costs - costs[allowed].min(), 0)
+    with np.errstate(over="ignore"):  # a spread may be the least number that there is
+        power = 1 + np.minimum(above / spread, _LARGEST_EXPONENT) / 1024
+    for _ in range(10):
+        power *= power
+    return np.asarray(_BEST_CHANCE / power, np.int64)
+
+
+def size_on(canvas: Canvas, patch_shape: tuple[int, int]) -> tuple[int, int]:
+    """The size of patches on a canvas; along a wrapped axis they leave something to join."""
+    height, width = (
+        min(side, max(1, 2 * n // 3) if wraps else n)
+        for side, n, wraps in zip(patch_shape, canvas.shape, canvas.wrap, strict=True)
+    )
+    return height, width

@@ -12,22 +12,15 @@ from weftex.raster.boxes import box_sums
 if TYPE_CHECKING:
     from weftex.canvas import Canvas
     from weftex.methods.graphcut.cutting import Picture
-    from weftex.methods.graphcut.places import Place
+    from weftex.methods.graphcut.placement import Patch
 
-_CELL = 8  # side in pixels of the squares by which the worst seams are looked for
+_CELL = 8  # side in pixels of the squares that the costs of seams are summed over
 
 
 class CanvasSeams:
-    """The costs of all seams, kept up to date as patches are pasted.
+    """The costs of all seams of a covered canvas, kept up to date as patches are pasted.
 
-    Parameters
-    ----------
-    picture : Picture
-        The covered canvas.
-    canvas : Canvas
-        Its size, and whether it goes around.
-    patch_size : (int, int)
-        Height and width of the patches that will cover the worst seams.
+    The worst seams are those of the square of cells, half as wide as a patch, that costs most.
     """
 
     def __init__(self, picture: Picture, canvas: Canvas, patch_size: tuple[int, int]) -> None:
@@ -35,7 +28,7 @@ class CanvasSeams:
         self.cost = np.zeros(canvas.shape, np.int32)
         self.cells = np.zeros([-(-n // _CELL) for n in canvas.shape], np.int64)
         self.tried = np.zeros_like(self.cells)
-        self.idle = 0  # patches since one made the seams cheaper
+        self.idle = 0  # patches since one lowered the cost of seams
         self.spans = [
             min(max(1, size // (2 * _CELL)), n)
             for size, n in zip(patch_size, self.cells.shape, strict=True)
@@ -48,15 +41,15 @@ class CanvasSeams:
         ]
         self.squares = np.zeros(last, np.int64)
         self.most = np.zeros(last[0], np.int64)
-        self.price(0, 0, *canvas.shape)
+        self.update(0, 0, *canvas.shape)
 
-    def price_around(self, place: Place) -> None:
-        """Price the seams that a patch in this box may have changed."""
-        change = self.price(place.top - 1, place.left - 1, place.height + 1, place.width + 1)
+    def update_around(self, patch: Patch) -> None:
+        """Update the costs of seams that a patch may have changed."""
+        change = self.update(patch.top - 1, patch.left - 1, patch.height + 1, patch.width + 1)
         self.idle = 0 if change < 0 else self.idle + 1
 
-    def price(self, top: int, left: int, height: int, width: int) -> int:
-        """Price the seams in a box, and sum them up; return by how much they changed."""
+    def update(self, top: int, left: int, height: int, width: int) -> int:
+        """Update the costs of the seams in a box, and their sums; return how much is added."""
         lines, cells = [], []
         for start, length, n, wraps in zip(
             (top, left), (height, width), self.canvas.shape, self.canvas.wrap, strict=True
@@ -68,7 +61,7 @@ class CanvasSeams:
             lines.append(line.astype(np.int32))
             cells.append(np.unique(line // _CELL))
         before = int(self.cells[np.ix_(*cells)].sum())
-        self.picture.price_seams(lines[0], lines[1], self.cost, self.cells, _CELL)
+        self.picture.sum_seams(lines[0], lines[1], self.cost, self.cells, _CELL)
         self._sum_up([int(line[0]) // _CELL for line in lines], [len(c) for c in cells])
         return int(self.cells[np.ix_(*cells)].sum()) - before
 

@@ -1,4 +1,4 @@
-"""Places on a lattice, where the sample is regular, which is no idea of the paper."""
+"""Offsets on a lattice, for regular samples; not in the paper."""
 
 from __future__ import annotations
 
@@ -20,17 +20,9 @@ _UNIT = 1 << 16  # of `CanvasLattice.phase`
 
 
 class LatticePlaces:
-    """Which places of the sample may lie on a pixel of the canvas.
+    """The pixels of the sample that may lie on a pixel of the canvas, a lattice shift away.
 
-    Those from which a multiple of the vectors leads to the pixel, or nearly so; of these the best
-    match is taken.
-
-    Parameters
-    ----------
-    vectors : (float, float, float, float)
-        x1, y1, x2, y2; rows if one of them is a pixel long.
-    canvas : Canvas
-        Where it goes around, so must the lattice.
+    `vectors` are x1, y1, x2, y2; rows if one of them is a pixel long.
 
     Examples
     --------
@@ -49,7 +41,7 @@ class LatticePlaces:
     def of(
         self, pixel: tuple[int, int], shape: tuple[int, int], *, near: bool
     ) -> NDArray[np.bool_]:
-        """Mark the places of a sample of that shape for a pixel; those `near` the lattice too."""
+        """Mark the pixels of a sample of a shape that may lie on a pixel; `near` it marks more."""
         first = self._lattice.phase(*(np.array(at) for at in pixel)) / _UNIT
         y, x = (np.arange(n) - at for n, at in zip(shape, first, strict=True))
         parts = []  # of multiples of the vectors, that are left
@@ -64,7 +56,7 @@ class LatticePlaces:
 
 
 def on_smaller(places: NDArray[np.bool_], count: int) -> list[NDArray[np.uint8]]:
-    """So many copies, each half as large: 1 where one of four places is; whole squares only."""
+    """Levels of a mask, each half as large: 1 where one of four pixels is; whole squares only."""
     copies = [places.view(np.uint8)]
     while len(copies) < count:
         rows, columns = (n // 2 * 2 for n in copies[-1].shape)

@@ -1,4 +1,4 @@
-"""Smaller copies of the sample and of the canvas, to match on (Kwatra et al., 2003, section 4)."""
+"""Pyramids of the sample and of the canvas, to match coarse to fine; not in the paper."""
 
 from __future__ import annotations
 
@@ -11,7 +11,6 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from weftex.methods.graphcut import match_kernels as kernels
-from weftex.methods.graphcut.draws import variance
 from weftex.search.translation import Spectra, fast_size
 
 if TYPE_CHECKING:
@@ -22,7 +21,7 @@ _TOGETHER = 3  # places that one call looks up
 
 
 @dataclass(frozen=True, eq=False)
-class Copy:
+class Level:
     """A picture uint8 (H, W, K), and 1 where a pixel counts, uint8 (H, W)."""
 
     pixels: NDArray[np.uint8]
@@ -35,8 +34,11 @@ class Copy:
 
     @cached_property
     def variance(self) -> float:
-        """Of the pixels that count."""
-        return variance(self.pixels[self.mask != 0])
+        """Variance of the pixels that count, all channels together, from exact sums."""
+        pixels = self.pixels[self.mask != 0]
+        total = [int(k) for k in pixels.sum(axis=0, dtype=np.int64)]
+        squares = sum(int(np.square(k, dtype=np.int64).sum()) for k in pixels.T)
+        return (len(pixels) * squares - sum(t * t for t in total)) / len(pixels) ** 2
 
     @cached_property
     def spectra(self) -> Spectra:
@@ -44,78 +46,79 @@ class Copy:
         return self.spectra_of([fast_size(n) for n in self.mask.shape])
 
     @cached_property
-    def kernel(self) -> kernels.Copy:
+    def kernel(self) -> kernels.MaskedPixels:
         """For kernels."""
-        return kernels.Copy(self.pixels, self.mask, np.empty((len(self.mask), 2), np.int32))
+        runs = np.empty((len(self.mask), 2), np.int32)
+        return kernels.MaskedPixels(self.pixels, self.mask, runs)
 
-    def part(self, top: int, left: int, height: int, width: int) -> Copy:
-        """A part of it."""
+    def part(self, top: int, left: int, height: int, width: int) -> Level:
+        """A box of it."""
         here = np.s_[top : top + height, left : left + width]
-        return Copy(*(np.ascontiguousarray(a[here]) for a in (self.pixels, self.mask)))
+        return Level(*(np.ascontiguousarray(a[here]) for a in (self.pixels, self.mask)))
 
     def spectra_of(self, size: tuple[int, ...] | list[int]) -> Spectra:
         """To be matched by transforms of a size."""
         return Spectra(self.pixels, self.mask, tuple(size))
 
 
-def copies_of(whole: Copy, reduction: int) -> list[Copy]:
-    """The picture and copies half as large, a quarter, and so on.
+def levels_of(whole: Level, reduction: int) -> list[Level]:
+    """The picture and levels half as large each, the last one `reduction` times smaller.
 
-    A pixel is the rounded mean of four. It counts if all of them do.
-
-    Parameters
-    ----------
-    whole : Copy
-        The picture.
-    reduction : int
-        The last copy is so many times smaller; a power of 2.
+    A pixel is the rounded mean of four, and counts if all of them do.
     """
-    copies = [whole]
+    levels = [whole]
     while reduction > 1:
-        rows, columns = (n // 2 for n in copies[-1].mask.shape)
+        rows, columns = (n // 2 for n in levels[-1].mask.shape)
         half = _blank(rows, columns, whole)
-        kernels.make_half(copies[-1].kernel, half.pixels, half.mask)
-        copies.append(half)
+        kernels.make_half(levels[-1].kernel, half.pixels, half.mask)
+        levels.append(half)
         reduction //= 2
-    return copies
+    return levels
 
 
-def box_of(canvas: Copy, rows: NDArray[np.int32], columns: NDArray[np.int32]) -> Copy:
+def box_of(canvas: Level, rows: NDArray[np.int32], columns: NDArray[np.int32]) -> Level:
     """Copy these rows and columns; nothing counts in those below 0."""
     box = _blank(len(rows), len(columns), canvas)
     kernels.gather_box(canvas.kernel, rows, columns, box.pixels, box.mask)
     return box
 
 
-def _blank(rows: int, columns: int, like: Copy) -> Copy:
+def _blank(rows: int, columns: int, like: Level) -> Level:
     pixels = np.empty((rows, columns, like.pixels.shape[2]), np.uint8)
-    return Copy(pixels, np.empty((rows, columns), np.uint8))
+    return Level(pixels, np.empty((rows, columns), np.uint8))
 
 
-def places_in_full(
+def on_levels(allowed: NDArray[np.uint8], levels: list[Level]) -> list[NDArray[np.uint8]]:
+    """The allowed pixels that each level has."""
+    result = []
+    for k, level in enumerate(levels):
+        height, width = level.mask.shape
+        result.append(np.ascontiguousarray(allowed[:: 1 << k, :: 1 << k][:height, :width]))
+    return result
+
+
+def coarsest(boxes: list[Level], allowed: list[NDArray[np.uint8]]) -> int:
+    """The smallest level that has an allowed pixel, and pixels of the box if there are any."""
+    there = boxes[0].mask.any()
+    return next(
+        k
+        for k in range(len(boxes) - 1, -1, -1)
+        if allowed[k].any() and (boxes[k].mask.any() or not there)
+    )
+
+
+def in_full_size(
     places: list[tuple[int, int]],
-    boxes: list[Copy],
-    samples: list[Copy],
+    boxes: list[Level],
+    samples: list[Level],
     allowed: list[NDArray[np.uint8]],
     offset: Sequence[int],
     map_: Callable[..., Any] = map,
 ) -> list[tuple[int, int]]:
-    """Find places that were found on the smallest copy in larger and larger ones.
+    """Find places of the smallest level on larger and larger ones: the best of each and beside it.
 
-    On each the best match is kept among the place and those beside it.
-
-    Parameters
-    ----------
-    places : list of (row, column)
-        On the smallest copy.
-    boxes, samples : lists of Copy
-        What is matched, and where, from the full size on.
-    allowed : list of uint8 arrays (H, W)
-        Where a place may be, likewise.
-    offset : (int, int)
-        In full size: the corner of the box lies on place - offset of the sample.
-    map_ : callable
-        Like `map`, perhaps in threads.
+    The corner of the box lies on place - offset of the sample, in full size. All lists go from the
+    full size on; `map_` may use threads.
     """
     steps = []
     for k in range(len(boxes) - 2, -1, -1):
@@ -132,7 +135,7 @@ def places_in_full(
 
 
 def _in_larger(steps: list[Any], places: list[tuple[int, int]]) -> list[tuple[int, int]]:
-    """The best matches on one larger copy after the other."""
+    """The best matches on one larger level after the other."""
     found = np.array(places, np.int32)
     for box, sample, where, at, whole in steps:
         found *= 2

@@ -1,0 +1,155 @@
+"""A sample prepared for graph-cut textures."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field, replace
+from functools import cached_property
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from weftex.errors import InvalidInputError
+from weftex.methods.graphcut import seam_kernels
+from weftex.methods.graphcut.pyramid import Level, levels_of
+from weftex.methods.patches.sizes import patch_size_of
+from weftex.search.windows import Windows, windows_of
+from weftex.turns import copies_in
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    from weftex.exemplar import Exemplar
+    from weftex.raster.turning import Box
+
+#: Side of a patch, of the sample's shorter side.
+PATCH_SHARE = 0.45
+_HALVINGS = 4  # at most, unless they are given
+_LEAST = 24  # pixels a side that a patch has on the smallest level then
+_THIN = 4  # pixels a side; smaller patches are shares of both sides, not squares
+
+
+@dataclass(frozen=True, eq=False)
+class Sample:
+    """A sample, with what depends on it alone; that is made once, for many outputs."""
+
+    exemplar: Exemplar
+    windows: Windows  # its single pixels
+    by_gradients: bool  # costs of seams are divided by gradients
+    most_halvings: int | None  # None: as many as leave patches 24 pixels a side, up to 4
+    made: dict[Any, Any] = field(default_factory=dict, repr=False)  # by others, under their keys
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        """Leave out what can be made again; kernels cannot be pickled."""
+        return type(self), (self.exemplar, self.windows, self.by_gradients, self.most_halvings)
+
+    @cached_property
+    def boxes(self) -> list[Box]:
+        """Where the sample and its oriented copies lie, if it is a picture of them."""
+        return [] if self.exemplar.turn is None else copies_in(self.exemplar)
+
+    def part(self, box: Box) -> Sample:
+        """One of the oriented copies."""
+        top, left, height, width = box
+        here = np.s_[top : top + height, left : left + width]
+        pixels, usable = (
+            np.ascontiguousarray(a[here]) for a in (self.windows.pixels, self.windows.usable)
+        )
+        part = Windows(pixels, usable, self.windows.period, (height, width))
+        return replace(self, windows=part, made={})
+
+    def reduction_for(self, size: tuple[int, int], allowed: NDArray[np.uint8]) -> int:
+        """How many times smaller the smallest level is that patches of a size are matched on.
+
+        A power of 2, such that the level has some of the `allowed` pixels of the sample.
+        """
+        most, least = self.most_halvings, 1
+        if most is None:
+            most, least = _HALVINGS, _LEAST
+        reduction = 1
+        while (
+            2 * reduction <= 1 << most
+            and 2 * reduction * least <= min(size)
+            and allowed[:: 2 * reduction, :: 2 * reduction].any()
+        ):
+            reduction *= 2
+        return reduction
+
+    def levels(self, reduction: int) -> list[Level]:
+        """The sample's pyramid."""
+        return levels_of(Level(self.windows.pixels, self.windows.usable), reduction)
+
+    def seam_cost(self, copies: bool) -> seam_kernels.SeamCost:
+        """For kernels; patches lie in one of the oriented `copies`, or anywhere."""
+        if ("seam cost", copies) not in self.made:
+            pixels, usable = self.windows.pixels, self.windows.usable
+            whole = bool(usable.all())
+            if copies:  # there is a line between any two
+                whole = all(usable[y : y + h, x : x + w].all() for y, x, h, w in self.boxes)
+            self.made["seam cost", copies] = seam_kernels.SeamCost(
+                pixels.reshape(-1, pixels.shape[2]),
+                usable.ravel(),
+                _joins(usable != 0, self.exemplar.tileable).ravel(),
+                self.exemplar.shape,
+                whole,
+                np.zeros((2, usable.size), np.int32) if self.by_gradients else None,
+            )
+        found: seam_kernels.SeamCost = self.made["seam cost", copies]
+        return found
+
+
+def check_boundary(side: int, boundary: int) -> None:
+    """Refuse a boundary that takes half of a patch."""
+    if boundary > (side - 1) // 2:
+        raise InvalidInputError(
+            f"boundary_width is {boundary}; it must be less than half of the patch, at most "
+            f"{(side - 1) // 2}"
+        )
+
+
+def patch_shape_for(exemplar: Exemplar, given: int | None) -> tuple[int, int]:
+    """A square of the given side, or of the default one made smaller until it fits.
+
+    Squares of one pixel would take as many cuts as the canvas has pixels, so patches of a thin
+    sample are a share of either side.
+    """
+    height, width = exemplar.shape
+    if given is not None:
+        if given > min(height, width):
+            raise InvalidInputError(
+                f"patch_size is {given}; {exemplar.name} is {width}x{height}, which has room for "
+                f"{min(height, width)}"
+            )
+        if not _has_room(exemplar, given, given):
+            raise InvalidInputError(
+                f"patch_size is {given}; no patch that large lies on usable pixels of "
+                f"{exemplar.name}, make it smaller"
+            )
+        return given, given
+    side = patch_size_of(exemplar, PATCH_SHARE)
+    while not _has_room(exemplar, side, side):
+        side = side * 3 // 4
+    if side < _THIN:
+        rows, columns = (max(1, round(PATCH_SHARE * n)) for n in exemplar.shape)
+        if _has_room(exemplar, rows, columns):
+            return rows, columns
+    return side, side
+
+
+def _has_room(exemplar: Exemplar, rows: int, columns: int) -> bool:
+    try:
+        windows_of(exemplar, (0, rows - 1, 0, columns - 1))
+    except InvalidInputError:
+        return False
+    return True
+
+
+def _joins(usable: NDArray[np.bool_], tileable: bool) -> NDArray[np.uint8]:
+    """The directions in which each pixel has a neighbor, as bits; see `seam_kernels.SeamCost`."""
+    joins = np.zeros(usable.shape, np.uint8)
+    for d, (axis, step) in enumerate([(1, 1), (0, 1), (1, -1), (0, -1)]):
+        beside = np.roll(usable, -step, axis)
+        last = np.zeros_like(usable)  # the line whose neighbor is across the border
+        last[(slice(None),) * axis + (-1 if step > 0 else 0,)] = True
+        joins |= ((beside & (tileable | ~last)) * np.uint8(1 << d)).astype(np.uint8)
+        joins |= (last * np.uint8(16 << d)).astype(np.uint8)
+    return joins
