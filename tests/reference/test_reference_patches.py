@@ -34,6 +34,16 @@ def test_a_feathered_pixel_comes_from_the_larger_share():
     assert exact[np.ix_(inside[:40], inside)].all()
 
 
+@pytest.mark.parametrize(
+    ("size", "seed"), [((40, 16), 0), ((40, 16), 3), ((16, 28), 1), ((16, 28), 2)]
+)
+def test_image_quilting(size, seed):
+    """On canvases of one row or column, where further cuts of the method change nothing."""
+    expected = reference.image_quilting(SAMPLE, size, 16, 4, seed=seed)
+    result = weftex.Quilting(**PAPERS).fit(weftex.Exemplar(SAMPLE)).sample(Canvas(*size), seed=seed)
+    assert np.array_equal(result.image, expected.image)
+
+
 @pytest.mark.parametrize("seed", [0, 5])
 @pytest.mark.parametrize("gradients", [False, True])
 def test_graphcut(gradients, seed):
