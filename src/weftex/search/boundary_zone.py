@@ -21,32 +21,22 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, eq=False)
 class BoundaryZone:
-    """One configuration of known and unknown pixels in a window.
+    """One configuration of known and unknown pixels in a window."""
 
-    Attributes
-    ----------
-    weight : uint16 array (rows, columns)
-        Weight in 1/256 that the patch is laid with: 256 where nothing was known, falling through
-        the zone, 0 where the canvas stays.
-    runs : int32 array (n, 4)
-        The zone as runs of pixels (upright?, v, u, length): tall ones for tall parts.
-    blocks : int32 array (n, 2)
-        Upper left corners (v, u) of square blocks inside the zone, for the low resolution.
-    side : int
-        Side of the blocks.
-    bands : int32 array (9,)
-        Where minimum-error paths run: how deep, the box (top, left, bottom, right) that the patch
-        can show in, and whether there is a band at its left, top, right and bottom.
-    area : int
-        Pixels in the zone.
-    """
-
+    #: (rows, columns): in 1/256, 256 where nothing was known, falling through the zone, 0 where the
+    #: canvas stays.
     weight: NDArray[np.uint16]
-    runs: NDArray[np.int32]
-    blocks: NDArray[np.int32]
-    side: int
+    runs: NDArray[
+        np.int32
+    ]  # (n, 4), the zone as runs (upright?, v, u, length): tall for tall parts
+    blocks: NDArray[
+        np.int32
+    ]  # (n, 2): corners (v, u) of blocks in the zone, for the low resolution
+    side: int  # of the blocks
+    #: (9,), where minimum-error paths run: how deep, the box (top, left, bottom, right) that the
+    #: patch can show in, and whether there is a band at its left, top, right and bottom.
     bands: NDArray[np.int32]
-    area: int
+    area: int  # pixels in the zone
 
 
 def boundary_zone(
@@ -60,26 +50,10 @@ def boundary_zone(
     paste: bool = False,
     core: tuple[int, int] | None = None,
 ) -> BoundaryZone:
-    """Work out the zone of a window.
+    """Return the zone of a window: `known` pixels up to `width` (w_E) away from an unknown one.
 
-    Parameters
-    ----------
-    known : bool array (rows, columns)
-        Pixels of the window that are on the canvas already.
-    width : int
-        Boundary width w_E in pixels.
-    frozen : bool array (rows, columns), optional
-        Known pixels that must stay as they are.
-    outlines : bool
-        The zone follows the outline of a hole, anywhere in the window, and not its sides.
-    block_side : int
-        Largest side of the low-resolution blocks, a power of two.
-    most_blocks : int
-        The most blocks to keep; more are thinned out evenly.
-    paste : bool
-        Replace the whole zone instead of blending in it.
-    core : (int, int), optional
-        Lay only this pixel (section 2.5: pixel-based sampling).
+    `frozen` pixels stay as they are, and with `core` all but that one (section 2.5). `outlines` are
+    of a hole: they may lie anywhere in the window. `paste` replaces the zone, without blending.
     """
     distance = steps_to(~known, width)
     zone = known & (distance <= width)

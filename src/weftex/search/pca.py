@@ -25,24 +25,12 @@ _LONGEST_VECTOR = 2047  # of coordinates
 
 @dataclass(frozen=True, eq=False)
 class ZonePCA:
-    """Coordinates of all windows of a sample in the main components of their boundary zones.
+    """Coordinates of all windows of a sample in the main components of their boundary zones."""
 
-    Attributes
-    ----------
-    basis : int16 array (D, K)
-        Components, scaled and rounded.
-    offset : int32 array (D,)
-        Subtracted from a product with `basis`.
-    shift : int
-        Right shift, with rounding, that brings coordinates to their range.
-    features : int16 array (D, n)
-        Coordinates of the windows; one component is one row.
-    """
-
-    basis: NDArray[np.int16]
-    offset: NDArray[np.int32]
-    shift: int
-    features: NDArray[np.int16]
+    basis: NDArray[np.int16]  # (D, K): components, scaled and rounded
+    offset: NDArray[np.int32]  # (D,): subtracted from a product with `basis`
+    shift: int  # to the right, with rounding, which brings coordinates to their range
+    features: NDArray[np.int16]  # (D, n): of the windows; one component is one row
 
 
 @cache
@@ -65,16 +53,9 @@ def one_blas_thread() -> AbstractContextManager[Any]:
 
 
 def fit_pca(windows: NDArray[np.uint8], variance: float, most: int = MOST_COMPONENTS) -> ZonePCA:
-    """Find the components of the columns of `windows`, and all columns' coordinates.
+    """Return the components of the columns of `windows`, (K, n), and the columns' coordinates.
 
-    Parameters
-    ----------
-    windows : uint8 array (K, n)
-        One column for each window, from `QuadtreePyramid.windows`.
-    variance : float
-        Share of the variance to keep; the paper keeps 0.97.
-    most : int
-        The most components to keep.
+    At most `most` components keep this share of the variance; the paper keeps 0.97.
     """
     with one_blas_thread():
         return _fit(windows, variance, most)
@@ -101,18 +82,9 @@ def _fit(windows: NDArray[np.uint8], variance: float, most: int) -> ZonePCA:
 def main_components(
     power: NDArray[np.float64], vectors: NDArray[np.float64], variance: float, most: int
 ) -> NDArray[np.float64]:
-    """Of the eigenvectors that `eigh` found, the main ones as rows; the largest entry is positive.
+    """Return the main eigenvectors that `eigh` found as rows; the largest entry is positive.
 
-    Parameters
-    ----------
-    power : float64 array (n,)
-        Eigenvalues, rising.
-    vectors : float64 array (K, n)
-        Of length 1.
-    variance : float
-        Share of the variance to keep.
-    most : int
-        The most components to keep.
+    They keep this share of the variance, unless that takes more than `most`.
     """
     power, vectors = power[::-1].clip(0), vectors[:, ::-1]
     reached = np.cumsum(power) >= variance * power.sum()
@@ -128,14 +100,7 @@ def coordinates_of(
 ) -> tuple[NDArray[np.int32], int, NDArray[np.int16]]:
     """Bring products with the components, one component a row, into 16 bits.
 
-    Returns
-    -------
-    offset : int32 array (D,)
-        Subtracted first.
-    shift : int
-        Right shift, with rounding, taken after that.
-    features : int16 array (D, n)
-        The coordinates; no window is further than 2047 from 0.
+    Returns `offset`, `shift` and `features` of `ZonePCA`; no window is further than 2047 from 0.
     """
     offset = ((raw.max(axis=1) + raw.min(axis=1)) // 2).astype(np.int32)
     raw = raw - offset[:, None]

@@ -39,12 +39,7 @@ class QuadtreePyramid:
     def nodes(self, side: int, stride: int) -> NDArray[np.uint8]:
         """Return (channel, shift y, shift x, row, column): means of side x side blocks, rounded.
 
-        Parameters
-        ----------
-        side : int
-            Side of the blocks, a power of two; the paper's level 3 is 4.
-        stride : int
-            Pixels between the windows that will be looked at.
+        `side` is a power of two; the paper's level 3 is 4. Windows are `stride` pixels apart.
         """
         if (side, stride) not in self._nodes:
             rows, columns = (max(0, n - side + 1) for n in self.pixels.shape[:2])

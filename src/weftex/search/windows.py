@@ -23,25 +23,15 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, eq=False)
 class Windows:
-    """A sample's bytes, and where whole windows lie in it.
+    """A sample's bytes, and where whole windows lie in it."""
 
-    Parameters
-    ----------
-    pixels : uint8 array (H', W', K)
-        The bytes that distances are taken on; a sample that tiles is padded with its other side,
-        so that windows may hang over its border.
-    usable : uint8 array (H', W')
-        1 where a window may be centered: it is whole, on usable pixels, and not in the padding.
-    period : int32 array (4,)
-        Top, left, height and width of a tiling sample inside `pixels`; zeros if it does not tile.
-    shape : (int, int)
-        Height and width of the sample itself.
-    """
-
+    #: (H', W', K): the bytes that distances are taken on; a sample that tiles is padded with its
+    #: other side, so that windows may hang over its border.
     pixels: NDArray[np.uint8]
+    #: (H', W'): 1 where a window may be centered: whole, on usable pixels, and not in the padding.
     usable: NDArray[np.uint8]
-    period: NDArray[np.int32]
-    shape: tuple[int, int]
+    period: NDArray[np.int32]  # top, left, height, width of a tiling sample in `pixels`; or zeros
+    shape: tuple[int, int]  # of the sample itself
 
     @property
     def kernel(self) -> Sample:
@@ -74,16 +64,9 @@ class Windows:
 def windows_of(
     exemplar: Exemplar, reach: Reach, pixels: NDArray[np.uint8] | None = None
 ) -> Windows:
-    """Find the whole windows of a sample.
+    """Find the whole windows of a sample, which reach (up, down, left, right) from their centers.
 
-    Parameters
-    ----------
-    exemplar : Exemplar
-        The sample; its mask and whether it tiles are respected.
-    reach : (up, down, left, right)
-        How far a window reaches from its center.
-    pixels : uint8 array (H, W, K), optional
-        Take distances on these bytes instead of `exemplar.matching()`.
+    Distances are taken on `pixels`, by default on those of `exemplar.matching`.
 
     Raises
     ------
