@@ -48,12 +48,13 @@ class PatchSampling(PatchMethod):
     boundary_share: ClassVar[float] = 0.1
     epsilon: float = parameter(
         0.1,
-        "relative error of a matching zone, 0.2 in the paper; inf takes anything (chaos mosaic)",
+        "relative error up to which a patch matches; higher is more random, inf takes "
+        "any (0.2 in the paper)",
         low=0.0,
     )
     choice: str = parameter(
         "uniform",
-        "draw from the matching patches evenly or by the similarity factors alpha_i",
+        "draw from the matching patches uniformly, or by the paper's similarity factors alpha_i",
         choices=("uniform", "similarity"),
     )
 

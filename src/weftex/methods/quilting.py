@@ -43,19 +43,21 @@ class Quilting(PatchMethod):
     boundary_share: ClassVar[float] = 1 / 6  # section 2.2
     boundary_width: int | None = parameter(
         None,
-        "width of the overlap that must match and that is cut",
+        "width of the overlap that must match and is cut; wider gives the cut more room",
         low=1,
         unit="px",
-        default_text="a sixth of the patch, 4 or more",
+        default_text="a sixth of the patch size, at least 4",
     )
     tolerance: float = parameter(
         0.1,
-        "errors of candidates, roots of squared ones, may be up to 1 + this times the best's",
+        "how much larger than the best candidate's error others may be, as a share; "
+        "higher is more random",
         low=0.0,
     )
     blend: str = parameter(
         "cut",
-        "joining patches: cut along least error, feathered after each or at the end, or pasted",
+        "how patches join: cut along the least error, feathered after each or at the end, "
+        "or pasted",
         choices=("cut", "feather", "feather-at-end", "none"),
     )
 

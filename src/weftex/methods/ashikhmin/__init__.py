@@ -49,28 +49,28 @@ class Ashikhmin(WindowedMethod):
 
     window_width: int | None = parameter(
         None,
-        "window around a pixel that is compared; odd, wider keeps larger shapes",
+        "side of the square window that is compared, odd; wider keeps larger shapes",
         low=1,
         parity="odd",
         unit="pixels",
-        default_text="5, less if the sample has no room",
+        default_text="5, less for a very small sample",
     )
     passes: int = parameter(
         2,
-        "times that all pixels are chosen; after the first with the whole window",
+        "number of passes over all pixels; passes after the first compare the whole window",
         low=1,
         high=100,
     )
     jumps: int | None = parameter(
         None,
-        "random places tried for every pixel too; more follows a guide better and breaks shapes",
+        "number of random candidates for every pixel; more follow a guide better but break shapes",
         low=0,
         high=1000,
-        default_text="0, with a guide 1",
+        default_text="0; 1 with a guide",
     )
     guide_weight: float = parameter(
         0.3,
-        "how much the guide counts beside what is made",
+        "weight of the guide against the pixels made so far; higher follows the guide more closely",
         low=0.01,
         high=100.0,
         needs_canvas="guide",

@@ -62,21 +62,24 @@ class EfrosLeung(WindowedMethod):
 
     window_width: int | None = parameter(
         None,
-        "side of the window that pixels are chosen by; wider is less random, odd",
+        "side of the square window that is compared, odd; wider keeps larger shapes, is "
+        "less random",
         low=1,
         parity="odd",
         unit="px",
-        default_text="15, or less where the sample has no room for it",
+        default_text="15, less for a small sample",
     )
     tolerance: float = parameter(
         0.1,
-        "squared differences of candidates may be up to 1 + this times the best one's",
+        "how much worse than the best candidate others may match, as a share; higher is "
+        "more random",
         low=0.0,
         high=1000.0,
     )
     threshold: float = parameter(
         0.3,
-        "mean squared difference, of 1 between black and white, above which a pixel has to wait",
+        "mean squared difference above which a pixel waits for more neighbors; 1 is black "
+        "against white",
         low=1e-6,
         high=1.0,
     )
@@ -85,7 +88,7 @@ class EfrosLeung(WindowedMethod):
         "side of the piece of the sample that growth starts from",
         low=1,
         unit="px",
-        default_text="3, or the window if that is smaller",
+        default_text="3, or the window width if that is smaller",
         idle_canvas="known",
     )
 

@@ -57,63 +57,67 @@ class ExactMatching(WindowedMethod):
 
     window_width: int | None = parameter(
         None,
-        "side of the window around a pixel, odd; at least the size of what is to stay whole",
+        "side of the square window that is compared, odd; at least the size of features "
+        "to keep whole",
         low=1,
         parity="odd",
         high=1001,
         unit="px",
-        default_text="17 with levels, else from the sample's scale",
+        default_text="17 with several levels, else from the sample's scale",
     )
     tolerance: float | None = parameter(
         None,
-        "how far a color may be off, of the sample's largest color distance; 1 takes any",
+        "largest color difference of a match, as a share of the sample's largest; higher "
+        "is more random",
         low=0.0,
         high=1.0,
-        default_text="0 where colors occur more than once, else as far as the nearest four",
+        default_text="0 where colors occur more than once, else enough for the nearest four",
     )
     nearest_colors: int | None = parameter(
         None,
-        "take so many of the nearest colors, instead of a tolerance",
+        "number of nearest colors that match, in place of a tolerance; higher is more random",
         low=1,
         default_text="the tolerance decides",
     )
     init: str = parameter(
         "auto",
-        "the band above the first row: random pixels, a structured one, or as the sample asks",
+        "band above the first row: random pixels, a structured one, or auto (chosen for "
+        "the sample)",
         choices=("auto", "random", "structured"),
     )
     candidates: int = parameter(
         250,
-        "of longer lists about so many windows are compared, drawn for each pixel; 0 is all",
+        "number of windows compared for each pixel, drawn from longer lists; higher is "
+        "slower, 0 is all",
         low=0,
         high=2**31 - 1,
     )
     grouping: float = parameter(
-        0.0, "root mean square difference up to which windows are one entry of a list",
+        0.0, "root mean square difference up to which windows share one entry of a list",
         low=0.0, high=1.0,
     )  # fmt: skip
     repeat_distance: int | None = parameter(
         None,
-        "a pixel of the sample is not taken again nearer than this; 0 is the paper's way",
+        "minimum distance between copies of the same sample pixel (0 in the paper)",
         low=0,
         unit="px",
-        default_text="half a window for random beginnings, 0 for structured ones",
+        default_text="half the window width for a random band, 0 for a structured one",
     )
     copying: str = parameter(
         "pixels",
-        "search for each pixel, or not where the sources of all four neighbors go on at one place",
+        "search for every pixel (pixels), or not where the four neighbors' sources agree (blocks)",
         choices=("pixels", "blocks"),
         idle_canvas="known",
     )
     levels: int | None = parameter(
         None,
-        "levels of the pyramid; 1 is a single resolution",
+        "number of pyramid levels; more keep larger shapes, 1 is a single resolution",
         low=1,
         high=12,
-        default_text="1 if window_width is given, for holes, and for small samples; else 3",
+        default_text="1 for a given window width, holes or a small sample, else 3",
     )
     passes: int = parameter(
-        2, "further passes over pixels that were made between known ones", low=0, high=100
+        2, "number of further passes over pixels that were made between known ones", low=0, high=100
     )
 
     def __post_init__(self) -> None:

@@ -68,70 +68,74 @@ class GraphCut(Method):
 
     placement: str = parameter(
         "subpatch",
-        "patches: squares that match, the entire sample where it matches, or anywhere",
+        "what is placed: matching square patches, or the entire sample where it matches "
+        "or at random",
         choices=("subpatch", "entire", "random"),
     )
     patch_size: int | None = parameter(
         None,
-        "side of the square patches",
+        "side of the square patches; larger keeps larger features whole",
         low=1,
         unit="px",
-        default_text="0.45 x the sample's shorter side; over 512 px, of 36 x its scale or the "
-        "output's shorter side where that is less, 230 or more",
+        default_text="0.45 x the sample's shorter side; over 512 px, from its scale and the "
+        "output's size, at least 230",
         needs=("placement", ("subpatch",)),
     )
     boundary_width: int | None = parameter(
         None,
-        "reach of a patch over the pixels before it",
+        "width of the overlap with patches placed before; wider gives the seam more room",
         low=0,
         unit="px",
-        default_text="a third of the patch",
+        default_text="a third of the patch size",
         needs=("placement", ("subpatch",)),
     )
     tolerance: float | None = parameter(
         None,
-        "k: matches may be so much worse than the best, as shares of the sample's variance",
+        "k: how much worse than the best a match may be, in sample variances; higher is "
+        "more random",
         low=0.0,
         high=1000.0,
-        default_text="0.003, for entire patches 0: the best ones",
+        default_text="0.003; 0 (the best matches) for entire patches",
         needs=("placement", ("subpatch", "entire")),
     )
     candidates: int | None = parameter(
         None,
-        "places of a patch that are drawn and cut; the one with the cheapest seam is kept",
+        "number of placements cut for each patch, to use the cheapest seam; higher is slower",
         low=1,
         high=1000,
-        default_text="4, of entire patches 24",
+        default_text="4; 24 for entire patches",
     )
     seam_cost: str = parameter(
         "gradient",
-        "cost of a seam: the difference of its pixels, or that divided by gradients across it",
+        "cost of a seam: the color difference, or that divided by gradients, so that "
+        "edges hide seams",
         choices=("gradient", "difference"),
     )
     refinements: float | None = parameter(
         None,
-        "patches over the worst seams, for each that covered the canvas",
+        "number of patches over the worst seams, per patch that covered the canvas; "
+        "higher is slower",
         low=0.0,
         high=1000.0,
         default_text="1 after random placement, else 0",
     )
     variety: float = parameter(
         1.0,
-        "cost of showing a place of the sample again nearby, or in line; 0 is the paper's way",
+        "penalty for repeating the same part of the sample nearby or in a row (0 in the paper)",
         low=0.0,
         high=1000.0,
         needs=("placement", ("subpatch", "entire")),
     )
     halvings: int | None = parameter(
         None,
-        "matches and cuts begin on copies halved up to so many times; 0 is the paper's way",
+        "number of pyramid levels for matching and cutting; 0 is full resolution (the paper)",
         low=0,
         high=8,
-        default_text="up to 4, so that a patch has 24 pixels a side or more",
+        default_text="up to 4; patches keep at least 24 pixels a side",
     )
     tone_reach: float = parameter(
         16.0,
-        "pixels in which steps of tone across seams are spread; 0 is the paper's way",
+        "distance over which tone steps at seams are spread; higher is smoother (0 in the paper)",
         low=0.0,
         high=256.0,
         unit="px",
@@ -139,16 +143,17 @@ class GraphCut(Method):
     )
     lattice: tuple[float, ...] | None = parameter(
         None,
-        "translation vectors x1,y1,x2,y2 that the entire sample is shifted by; 1,0,0,P are rows",
+        "translation vectors x1,y1,x2,y2 that shift the entire sample; 1,0,0,P is rows P apart",
         count=4,
         unit="px",
-        default_text="any place",
+        default_text="any shift",
         needs=("placement", ("entire",)),
     )
 
     orientations: str = parameter(
         "upright",
-        "ways that the entire sample lies: as it is, or upside down too, so there is more of it",
+        "orientations of the entire sample: upright, or also rotated by 180 degrees for "
+        "more variety",
         choices=("upright", "half-turns"),
         needs=("placement", ("entire",)),
     )

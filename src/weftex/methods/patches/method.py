@@ -38,55 +38,56 @@ class PatchMethod(Method):
 
     patch_size: int | None = parameter(
         None,
-        "side w_B of the square patches; 1 samples single pixels (section 2.5)",
+        "side w_B of the square patches; larger keeps larger features whole, 1 samples "
+        "single pixels",
         low=1,
         unit="px",
-        default_text="0.3 x the sample's shorter side; over 512 px, of 36 x its scale or the "
-        "output's shorter side where that is less, 154 or more",
+        default_text="0.3 x the sample's shorter side; over 512 px, from its scale and the "
+        "output's size, at least 154",
     )
     boundary_width: int | None = parameter(
         None,
-        "width w_E of the boundary zone that must match",
+        "width w_E of the boundary zone that must match; wider fits more closely",
         low=1,
         unit="px",
-        default_text="a tenth of the patch, 4 or more",
+        default_text="a tenth of the patch size, at least 4",
     )
     search: str = parameter(
         "pca",
-        "how candidates are found: the default, or one of the paper's (Table I)",
+        "search structure for candidate patches; the paper compares several (Table I)",
         choices=SEARCHES,
     )
     candidates: int | None = parameter(
         None,
-        "m: windows from the low resolution that are compared at the full one",
+        "m: number of low-resolution candidates compared at full resolution; higher is slower",
         low=1,
         high=_MOST_CANDIDATES,
-        default_text="40, and more where the tolerance is wide",
+        default_text="40, more for a wide tolerance",
         needs=("search", ("quadtree", "pca", "kdtree", "kdtree-pca")),
     )
     variance: float = parameter(
         0.97,
-        "share of the variance that the principal components keep",
+        "share of the variance that the principal components keep; higher is slower and more exact",
         low=0.01,
         high=1.0,
         needs=("search", ("pca", "kdtree-pca")),
     )
     edge_weight: float = parameter(
         0.0,
-        "weight of outlines beside color when zones are compared; 0 is the paper's metric",
+        "weight of edges against color when boundary zones are compared (0 in the paper)",
         low=0.0,
         high=10.0,
     )
     repeat_distance: float = parameter(
         0.5,
-        "sources of neighboring patches are at least this far apart, in patches; 0 is the papers' "
-        "way",
+        "minimum distance between sources of neighboring patches, in patch sizes (0 in the papers)",
         low=0.0,
         high=10.0,
     )
     blend: str = parameter(
         "feather",
-        "joining patches: feathered after each or at the end, cut along least error, or pasted",
+        "how patches join: feathered after each or at the end, cut along the least error, "
+        "or pasted",
         choices=("feather", "feather-at-end", "cut", "none"),
     )
 

@@ -81,31 +81,39 @@ class Refinement(WindowedMethod):
 
     window_width: int | None = parameter(
         None,
-        "side of the square window, odd; one wider than 7 pixels is seen in a pyramid",
+        "side of the square window that is compared, odd; wider keeps larger shapes",
         low=1,
         parity="odd",
         unit="px",
-        default_text="twice the sample's dominant scale, 29 or more unless search is 'nearest'",
+        default_text="twice the sample's dominant scale, at least 29 unless search is 'nearest'",
     )
     search: str = parameter(
         "coherent",
-        "from coarse to fine along the neighbors' sources, or the nearest of all windows",
+        "coherent searches coarse to fine along the neighbors' sources; nearest compares "
+        "all windows",
         choices=("coherent", "nearest"),
     )
     iterations: int = parameter(
-        10, "at most so many; twice that on the coarsest level, half on others", low=1, high=1000
+        10,
+        "maximum number of iterations; doubled on the coarsest pyramid level, halved on the others",
+        low=1,
+        high=1000,
     )
     threshold: float = parameter(
-        0.01, "epsilon: stop when an iteration changes the picture by less (eq. 1)", low=0.0
+        0.01,
+        "epsilon (eq. 1): stop when an iteration changes the image by less; higher stops earlier",
+        low=0.0,
     )
     init: str | Method = parameter(  # noqa: RUF009  (methods are frozen)
         "auto",
-        "seeds or a method, as 'graphcut placement=entire'; auto: by the sample's lattice",
+        "start: seeds, a method such as 'graphcut placement=entire', or auto (by the "
+        "sample's lattice)",
         choices=Starts("auto", "seeds"),
     )
     joints: int | None = parameter(
         None,
-        "refine only belts of this width, even, along the start's seams; its patches stay",
+        "refine only belts of this even width along the seams of the initial image; wider "
+        "changes more",
         low=2,
         parity="even",
         unit="px",
@@ -114,7 +122,7 @@ class Refinement(WindowedMethod):
     )
     seed_scale: float | None = parameter(
         None,
-        "distance of the seed points at a density of 1",
+        "distance between seed points at a density of 1; higher places fewer",
         low=1.0,
         unit="px",
         default_text="the sample's dominant scale",
@@ -122,41 +130,42 @@ class Refinement(WindowedMethod):
     )
     seed_density: float = parameter(
         1.0,
-        "seed points for each such distance along an axis",
+        "number of seed points per seed scale along each axis; higher places more",
         low=0.1,
         high=10.0,
         needs=("init", ("seeds",)),
     )
     matches: int = parameter(
         5,
-        "k: a seed point is drawn from so many best tiles, or from all where there are fewer",
+        "k: number of best tiles that each seed point is drawn from; higher is more random",
         low=1,
         needs=("init", ("seeds",)),
     )
     similar: int = parameter(
         2,
-        "candidates beside each coherent one: the places of the sample most like it",
+        "number of similar sample pixels tried for each coherent candidate; higher is slower",
         low=0,
         high=32,
         needs=("search", ("coherent",)),
     )
     coherence: float = parameter(
         2.0,
-        "a place like a coherent one is taken if it is so many times nearer; more: larger pieces",
+        "how many times better a similar pixel must match than a coherent one; higher "
+        "keeps larger pieces",
         low=1.0,
         high=100.0,
         needs=("search", ("coherent",)),
     )
     evenness: float = parameter(
         1.0,
-        "how much a part of the sample that has been used too often counts as worse",
+        "penalty for overused parts of the sample; higher uses the sample more evenly",
         low=0.0,
         high=100.0,
         needs=("search", ("coherent",)),
     )
     guide_weight: float = parameter(
         0.3,
-        "how much a guide counts beside what is made",
+        "weight of the guide against the image so far; higher follows the guide more closely",
         low=0.01,
         high=100.0,
         needs_canvas="guide",

@@ -54,54 +54,59 @@ class WeiLevoy(WindowedMethod):
 
     levels: int | None = parameter(
         None,
-        "levels of the pyramid; 1 is a single resolution",
+        "number of pyramid levels; more keep larger shapes, 1 is a single resolution",
         low=1,
         high=16,
-        default_text="4, or fewer so that the coarsest holds two windows side by side",
+        default_text="4, fewer where the coarsest level would not hold two windows",
     )
     window_width: int | None = parameter(
         None,
-        "side S of the window at a pixel's own level, odd",
+        "side S of the square window at a pixel's own level, odd; wider keeps larger shapes",
         low=1,
         parity="odd",
         unit="px",
-        default_text=f"{PROPOSED_WIDTH}, or what fits the sample",
+        default_text=f"{PROPOSED_WIDTH}, less for a very small sample",
     )
     parent_width: int | None = parameter(
         None,
-        "side N of the window at the parent's level, odd and below S, or 0 for none",
+        "side N of the square window at the next coarser level, odd and less than S; 0 is none",
         low=0,
         parity="odd",
         unit="px",
-        default_text="2 less than window_width, or 0 for one level",
+        default_text="2 less than the window width; 0 for one level",
     )
     search: str = parameter(
-        "tsvq", "look into a part of a tree of windows, or at all of them", choices=("tsvq", "full")
+        "tsvq",
+        "tsvq searches part of a tree of windows; full compares all windows and is slower",
+        choices=("tsvq", "full"),
     )
     tree_size: int = parameter(
         0,
-        "leaves of the tree of each level; 0 is as many as leave 32 windows or fewer in each",
+        "number of leaves of each level's tree; 0 is enough for at most 32 windows in each leaf",
         low=0,
         needs=("search", ("tsvq",)),
     )
     leaves: int = parameter(
         8,
-        "leaves to look into; 1 goes down without backtracking",
+        "number of leaves searched; more match better but slower, 1 descends without backtracking",
         low=1,
         needs=("search", ("tsvq",)),
     )
     most_windows: int | None = parameter(
         None,
-        "windows of a level that are searched, a random part where there are more; 0 is all",
+        "maximum number of windows searched on each level, drawn at random; 0 is all",
         low=0,
         default_text=f"{_TREES_WINDOWS} with a tree, all with the full search",
     )
     passes: int = parameter(
-        0, "further passes over everything, with windows that look to all sides", low=0, high=1000
+        0,
+        "number of further passes over all pixels, which compare windows on all sides",
+        low=0,
+        high=1000,
     )
     start: str = parameter(
         "parent",
-        "a finer level before its pixels are chosen: copied like its parent, or the noise",
+        "what a finer level starts from: copies of the sources of its parent level, or noise",
         choices=("parent", "noise"),
         idle_canvas="known",
     )

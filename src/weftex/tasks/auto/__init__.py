@@ -61,8 +61,8 @@ class Auto(Method):
 
     effort: str = parameter(
         "normal",
-        "quick takes the method of the rule; normal refines blocks on a lattice and tries fast "
-        "alternatives where the rule is not sure; best tries all alternatives",
+        "number of methods tried: quick the rule's, normal others in doubtful cases, best "
+        "all; more is slower",
         choices=("quick", "normal", "best"),
     )
 
