@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import shlex
 import sys
 from functools import partial
 from importlib import import_module
@@ -19,39 +20,39 @@ from weftex.errors import InvalidInputError, WeftexError, did_you_mean
 
 #: Commands, and what they do in a few words.
 _COMMANDS = {
-    "synth": "make a picture of any size from a sample of a material",
-    "fill": "fill holes of a photo",
-    "tile": "make a photo repeat without a seam, its middle untouched",
-    "batch": "many outputs from all samples of a folder",
-    "fuse": "merge several materials where a map says",
-    "replay": "lay a saved result again with another map of the same sample",
-    "check": "say whether a picture that is written block by block is all there",
-    "analyze": "say what a sample is like: its scale, its lattice, whether it tiles",
-    "prepare": "straighten a photo and even its light, before it is a sample",
-    "estimate": "guess height and normals of a photo that has none",
-    "explain": "show how a method makes one pixel, step by step",
-    "compare": "every method on one sample, side by side: pictures, figures, times",
-    "studio": "see, paint, change and take materials in the browser",
-    "report": "say how good a result is, in figures and maps of where it fails",
+    "synth": "synthesize an image of any size from a sample of a material",
+    "fill": "fill the holes in a photo",
+    "tile": "make a photo tileable; its middle stays unchanged",
+    "batch": "synthesize from every sample in a folder",
+    "fuse": "merge several materials according to a map",
+    "replay": "render a saved result with another map of the same sample",
+    "check": "check that an image written block by block is complete",
+    "analyze": "measure a sample: its scale, its lattice, whether it is tileable",
+    "prepare": "straighten a photo and even its lighting, to use it as a sample",
+    "estimate": "estimate height and normals from a photo",
+    "explain": "show step by step how a method chooses one pixel",
+    "compare": "run every method on one sample: images, scores, times",
+    "studio": "open the studio in the browser, to view, edit and export materials",
+    "report": "measure how good a result is, with maps of its flaws",
     "methods": "list the methods, or the parameters of one",
     "samples": "list the samples that ship with weftex",
-    "completion": "print what makes bash, zsh or fish complete commands and options",
+    "completion": "print a script that completes commands and options in bash, zsh or fish",
 }
 
 _ABOUT = """\
-usage: weftex COMMAND ...      (weftex COMMAND --help says more)
+usage: weftex COMMAND ...      (weftex COMMAND --help shows its options)
 
 {commands}
 
   weftex synth sample:bricks -o wall.png --size 1024x768
   weftex synth brick.png -o tile.png --size 2k --tileable --seed 7
-  weftex synth - -o - < brick.png > wall.png       pictures through pipes; -.exr: of another format
+  weftex synth - -o - < brick.png > wall.png       through pipes, as PNG; -o -.exr writes EXR
   weftex fill photo.png --mask hole.png -o whole.png
   weftex --version
 
-exit codes: 0 done; 2 an error, one line of which says what to do; 130 Ctrl-C; 143 SIGTERM;
-129 SIGHUP; 141 nobody reads on. Only after 0 is there any output, and after 0 all of it, but for
-what is written block by block.
+exit codes: 0 success; 2 error, explained in one line; 130 Ctrl-C; 143 SIGTERM; 129 SIGHUP;
+141 closed pipe. A run that fails writes no output; only 'batch' and images written block by block
+keep the parts that were finished.
 """
 
 
@@ -109,6 +110,9 @@ def _run(arguments: list[str]) -> None:
         # Of the code that runs, whatever is installed beside it.
         print(f"weftex {sys.modules['weftex'].__version__}")
     elif name not in _COMMANDS:
+        if name.startswith("sample:") or os.path.splitext(name)[1] or os.path.exists(name):
+            command = f"weftex synth {shlex.quote(name)} -o out.png"
+            raise InvalidInputError(f"a command is missing before '{name}'; try: {command}")
         what = "option" if name.startswith("-") else "command"
         raise InvalidInputError(f"unknown {what} '{name}'{did_you_mean(name, _COMMANDS)}")
     elif any(word.startswith("-") and word[1:2] in ("", ".") for word in arguments):

@@ -1,167 +1,124 @@
-"""What the command line understands; the options of a method are those of its dataclass."""
+"""Options that commands share, and how their values are read."""
 
 from __future__ import annotations
 
 import argparse
-import re
-from typing import TYPE_CHECKING, Any, ClassVar, NoReturn
+from typing import TYPE_CHECKING, Any
 
-from weftex.errors import InvalidInputError, did_you_mean
+from weftex.errors import InvalidInputError
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
+    from weftex.cli.parser import Parser
     from weftex.method import Method
 
 _HUGE = 2**28  # pixels
-#: Options that may stand alone: the value that they have then, and which words are values of them.
-_BARE = {
-    "--tileable": ("xy", "x|y|xy"),
-    "--straighten": ("", r"[-+.,\deE]*,[-+.,\deE]*"),
-    "--even-light": ("2", r"[-+]?\d+"),
-}
-#: Options whose value may begin with a minus.
-_SIGNED = {"--window"}
 
 
-class Built(Exception):
-    """A parser is whole; only raised where parsers are wanted and nothing is to be run."""
-
-    def __init__(self, parser: Parser) -> None:
-        super().__init__(parser)
-        self.parser = parser
-
-
-class Parser(argparse.ArgumentParser):
-    """An ArgumentParser whose errors are one line."""
-
-    #: Whether to raise `Built` in place of parsing.
-    only_built: ClassVar[bool] = False
-
-    def __init__(self, command: str, description: str, examples: str) -> None:
-        # By itself argparse looks for the terminal's width with every option that is added.
-        self._columns = 80
-        super().__init__(
-            f"weftex {command}",
-            description=description,
-            epilog=examples,
-            allow_abbrev=False,
-            formatter_class=lambda prog: argparse.RawDescriptionHelpFormatter(
-                prog, width=self._columns - 2
-            ),
-        )
-
-    def format_help(self) -> str:
-        """Return the help, as wide as the terminal."""
-        import shutil
-
-        self._columns = shutil.get_terminal_size().columns
-        return super().format_help()
-
-    def error(self, message: str) -> NoReturn:
-        """Raise, so that usage errors look like all others."""
-        raise InvalidInputError(message)
-
-    def filled(self, argv: list[str]) -> list[str]:
-        """Give bare options their values, so that none takes the file name that follows it."""
-        for k in [k for k, word in enumerate(argv[:-1]) if word in _SIGNED][::-1]:
-            if re.match(r"-\d", argv[k + 1]):
-                argv = [*argv[:k], f"{argv[k]}={argv[k + 1]}", *argv[k + 2 :]]
-        pairs = zip(argv, [*argv[1:], ""], strict=False)
-        return [
-            f"{a}={_BARE[a][0]}" if a in _BARE and not re.fullmatch(_BARE[a][1], b) else a
-            for a, b in pairs
-        ]
-
-    def parse(self, argv: list[str]) -> argparse.Namespace:
-        """Parse all arguments; an unknown option is answered with the nearest known one."""
-        if Parser.only_built:
-            raise Built(self)
-        found, left = self.parse_known_args(self.filled(argv))
-        for word in left:
-            if word.startswith("-"):
-                known = [o for o in self._option_string_actions if o.startswith("--")]
-                near = did_you_mean(word.split("=")[0], known)
-                raise InvalidInputError(f"unknown option '{word}'{near}")
-        if left:
-            raise InvalidInputError(f"unexpected argument '{left[0]}'")
-        return found
-
-
-def add_huge(parser: Parser) -> None:
-    """Add the option of every command that reads pictures."""
-    text = f"take pictures of more than {_HUGE} pixels"
-    parser.add_argument("--allow-huge", action="store_true", help=text)
+def add_huge(to: Parser | argparse._ArgumentGroup) -> None:
+    """Add the option of every command that reads images."""
+    text = f"accept images larger than {_HUGE // 10**6} megapixels"
+    to.add_argument("--allow-huge", action="store_true", help=text)
 
 
 def add_tileable_sample(parser: Parser) -> None:
     """Add the option of every command that can use the sample's borders."""
-    text = "the sample itself repeats without a seam, so that patches may run over its borders"
-    parser.add_argument("--tileable-sample", action="store_true", help=f"{text}; see 'analyze'")
+    text = "the sample is tileable, so patches can cross its borders; see 'weftex analyze'"
+    parser.under["tiling"].add_argument("--tileable-sample", action="store_true", help=text)
 
 
 def add_sample_mask(parser: Parser) -> None:
     """Add the option of every command that can use a part of its sample."""
-    text = "picture, white where the sample may be used; or alpha: where it is not clear at all"
-    parser.add_argument("--sample-mask", metavar="M", help=text)
+    text = "image that is white where the sample may be used; 'alpha': where the sample is opaque"
+    add = parser.under["preparation of the sample"].add_argument
+    add("--sample-mask", metavar="FILE", help=text)
 
 
 def add_turn(parser: Parser) -> None:
     """Add the option of every command that can make more of a sample by mirroring and turning."""
     text = (
-        "use copies of the sample too: mirrored (flip), upside down (half), turned by quarters "
-        "(4), or all of these (8)"
+        "also use copies of the sample that are mirrored (flip), rotated by 180 degrees (half), "
+        "rotated by quarter turns (4), or both mirrored and rotated (8)"
     )
-    parser.add_argument("--turn", metavar="flip|half|4|8", help=text)
+    parser.under["quality"].add_argument("--turn", metavar="flip|half|4|8", help=text)
 
 
 def add_mending(parser: Parser) -> None:
     """Add the options that mend a photo before anything is made from it."""
-    text = "straighten the photo, by the lattice or rows seen in it, by vectors x1,y1,x2,y2, or by "
-    text += (
-        "the corners of a rectangle in it, x,y of top left, top right, bottom right, bottom left"
-    )
-    parser.add_argument("--straighten", nargs="?", const="", metavar="X,Y,...", help=text)
+    add = parser.under["preparation of the sample"].add_argument
     text = (
-        "take slow lighting off the photo; its maps stay as they are. DEGREE, 1 to 8, is that of "
+        "straighten the photo by its own lattice or rows (no value), by lattice vectors "
+        "x1,y1,x2,y2, or by the corners of a rectangle in it, clockwise from the top left, as "
+        "x1,y1,...,x4,y4"
     )
-    text += "the surface which the light is taken for; default: 2"
-    add = parser.add_argument
+    add("--straighten", nargs="?", const="", metavar="X,Y,...", help=text)
+    text = (
+        "remove uneven lighting from the photo; maps stay unchanged; DEGREE is that of the "
+        "polynomial that models the light, 1 to 8; higher removes finer changes; default: 2"
+    )
     add("--even-light", nargs="?", const=2, type=int, metavar="DEGREE", help=text)
 
 
+def add_output(parser: Parser) -> None:
+    """Add the option of every command that writes an image or a map set."""
+    text = "file to write; a folder for a map set"
+    parser.add_argument("-o", "--output", metavar="OUT", required=True, help=text)
+
+
+def add_threads(parser: Parser) -> None:
+    """Add the option of every command that works on several threads."""
+    text = "maximum number of threads; default: one per processor"
+    parser.add_argument("--threads", type=int, metavar="N", help=text)
+
+
 def add_limits(parser: Parser) -> None:
-    """Add the options of every command that makes pictures."""
+    """Add the options of every command that makes images."""
+    add_quiet(parser)
     add_huge(parser)
+
+
+def add_quiet(parser: Parser) -> None:
+    """Add the option of every command that prints a line about its result."""
     parser.add_argument("--quiet", action="store_true", help="print errors only")
 
 
 def parse_task(
-    parser: Parser, argv: list[str], default: str = "auto", *, positional: bool = False
+    parser: Parser,
+    argv: list[str],
+    default: str = "auto",
+    *,
+    positional: str = "",
+    usual: str = "",
+    tileable: str = "make the output tileable along both axes, or only along x or y",
 ) -> tuple[argparse.Namespace, type[Method], dict[str, Any]]:
     """Parse what all tasks take, and the parameters of the chosen method.
 
-    A task with another default than "auto" takes that for "auto" too. One whose output is a
-    `positional` argument writes a folder of many, and no sources.
+    A task with another default than "auto" uses it for "auto" too. `positional` is the help of an
+    output without `-o`, for tasks that save no sources; `usual` is the default method in words,
+    `tileable` the help of `--tileable`.
     """
     add = parser.add_argument
     if positional:
-        add("output", metavar="OUT", help="folder to write to")
+        add("output", metavar="OUT", help=positional)
     else:
-        add("-o", "--output", metavar="OUT", required=True, help="file, or folder, to write")
-        text = "where each pixel comes from, for 'weftex replay'"
-        add("--save-source", metavar="F.npz", help=text)
-        text = "write the picture so far there while work goes on, small, and in the end the result"
-        add("--preview", metavar="FILE", help=text)
-        text = "say what was read and used, and what each stage took"
+        add_output(parser)
+    add("--tileable", nargs="?", choices=("xy", "x", "y"), metavar="x|y", help=tileable)
+    add("--seed", type=int, metavar="N", help="random seed; the same seed gives the same output")
+    usual = usual or ("chosen for the sample" if default == "auto" else default)
+    text = f"synthesis method; 'weftex methods' lists them; default: {usual}"
+    add("--method", default=default, metavar="NAME", help=text)
+    if not positional:
+        text = "print what was read, all parameters and the time that each stage took"
         add("-v", "--verbose", action="store_true", help=text)
-    text = "chosen by the sample" if default == "auto" else default
-    add("--method", default=default, metavar="NAME", help=f"see 'weftex methods'; default: {text}")
-    add("--seed", type=int, metavar="N", help="the same seed gives the same bytes")
-    text = "repeats without a seam, along both axes or one"
-    add("--tileable", nargs="?", choices=("xy", "x", "y"), metavar="x|y", help=text)
-    add("--threads", type=int, metavar="N", help="use at most so many")
-    add_limits(parser)
+        add = parser.under["output"].add_argument
+        text = "save the source of every pixel, for 'weftex replay' and 'weftex report'"
+        add("--save-source", metavar="F.npz", help=text)
+        text = "image to update during the run: a small preview at first, the result at the end"
+        add("--preview", metavar="FILE", help=text)
+    add_threads(parser)
+    add_quiet(parser)
+    add_huge(parser.under["output"])
     argv = parser.filled(argv)
     chooser = argparse.ArgumentParser(add_help=False, allow_abbrev=False, exit_on_error=False)
     chooser.add_argument("--method", default=default, nargs="?")
@@ -175,10 +132,10 @@ def parse_task(
     method = method_class(name)
     if name == AUTO:
         _refuse_parameters(parser, argv)
-    group = parser.add_argument_group(f"parameters of {name}")
+    group = parser.add_argument_group(f"method parameters ({name})")
     for field, values in parameters_of(method):
         kind = kind_of(field)
-        text = f"{field.metadata['help']}; {values}"
+        text = f"{field.metadata['help']} [{values}]"
         group.add_argument(
             "--" + field.name.replace("_", "-"),
             dest="parameter_" + field.name,
@@ -187,7 +144,7 @@ def parse_task(
             help=text.replace("%", "%%"),
         )
     if name == AUTO:
-        group.description = "with --method NAME --help stand those of another method"
+        group.description = "--method NAME --help shows the parameters of another method"
     args = parser.parse(argv)
     args.method, args.by_default = name, by_default
     check_numbers(args)
@@ -235,7 +192,8 @@ def parameters_of(method: type[Method]) -> Iterator[tuple[Any, str]]:
         if field.default is not None:
             number = isinstance(field.default, float)
             default = f"{field.default:g}{unit}" if number else f"{field.default}{unit}"
-        yield field, f"{bounds(field)}{unit}; default: {default}"
+        values = f"{'one of ' * bool(field.metadata['choices'])}{bounds(field)}{unit}"
+        yield field, f"{values}; default: {default}"
 
 
 def parse_size(text: str, huge: bool, option: str = "--size") -> tuple[int, int]:
@@ -254,8 +212,8 @@ def parse_size(text: str, huge: bool, option: str = "--size") -> tuple[int, int]
         raise InvalidInputError(f"{option} is '{text}'; both sides must be 1 or more")
     if height * width > _HUGE and not huge:
         raise InvalidInputError(
-            f"{option} is '{text}', more than {_HUGE} pixels; --allow-huge makes it anyway, and "
-            "OUT.tif, OUT.zarr and OUT.dzi take any size"
+            f"{option} is '{text}', more than {_HUGE // 10**6} megapixels; --allow-huge makes it "
+            "anyway, and OUT.tif, OUT.zarr and OUT.dzi take any size"
         )
     return height, width
 
@@ -275,15 +233,18 @@ def parse_names(text: str) -> list[str]:
 
 def add_maps(parser: Parser) -> None:
     """Add the option of every command whose sample may be a folder of maps."""
-    text = "files of the folder that are its maps, where their names do not say so"
-    parser.add_argument("--maps", metavar="NAME=FILE,...", type=parse_maps, help=text)
+    text = "files of the maps in the folder, if their names do not say which map they are"
+    add = parser.under["map sets"].add_argument
+    add("--maps", metavar="NAME=FILE,...", type=parse_maps, help=text)
 
 
 def add_map_weights(parser: Parser) -> None:
     """Add the option of every command that matches on maps."""
-    text = "how much maps count in matching, 1 each by default, together as much as the color; 0: "
-    text += "not at all. With height=3,normal=2 seams rather run where heights and normals fit"
-    add = parser.add_argument
+    text = (
+        "weights of the maps in matching, such as height=3,normal=2; higher makes seams run where "
+        "that map matches, 0 ignores it; default: 1 each"
+    )
+    add = parser.under["map sets"].add_argument
     add("--map-weights", metavar="NAME=N,...", type=parse_weights, help=text)
 
 
@@ -296,10 +257,11 @@ def add_sets(parser: Parser) -> None:
 def add_names(parser: Parser) -> None:
     """Add the options about the files of a set that is written."""
     names = ("ambientcg", "polyhaven", "substance", "gltf")
-    text = f"call the maps of a set as {', '.join(names)} does; default: as they came"
-    parser.add_argument("--names", choices=names, metavar="NAME", help=text)
-    text = "write a MaterialX file beside the maps of a set, which renderers open"
-    parser.add_argument("--mtlx", action="store_true", help=text)
+    text = f"how to name the written maps: {', '.join(names)}; default: as in the sample"
+    add = parser.under["map sets"].add_argument
+    add("--names", choices=names, metavar="STYLE", help=text)
+    text = "also write a MaterialX file (.mtlx), which renderers can open"
+    add("--mtlx", action="store_true", help=text)
 
 
 def parse_weights(text: str) -> dict[str, float]:

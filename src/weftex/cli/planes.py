@@ -17,7 +17,7 @@ from weftex.stores.files import ALWAYS, SUFFIXES
 if TYPE_CHECKING:
     import argparse
 
-    from weftex.cli.options import Parser
+    from weftex.cli.parser import Parser
     from weftex.cli.terminal import Bar, Outputs
     from weftex.exemplar import Exemplar
     from weftex.material import Material
@@ -38,17 +38,19 @@ _WHOLE = {
 
 def add_plane(parser: Parser) -> None:
     """Add the options of every command that can write a picture block by block."""
-    text = "OUT.zarr, OUT.dzi, and OUT.tif of more than 2**28 pixels, are written block by block; "
-    text += "the same command resumes an interrupted run"
-    group = parser.add_argument_group("larger than memory", text)
+    group = parser.under["large outputs"]
+    group.description = (
+        "OUT.zarr and OUT.dzi, and OUT.tif of more than 268 megapixels, are written\n"
+        "block by block. The same command resumes an interrupted run."
+    )
     add = group.add_argument
-    text = "side of the blocks, a power of two; changes no pixel; default: 2048"
+    text = "side of the blocks, a power of two; the image does not depend on it; default: 2048"
     add("--block", type=int, metavar="PX", help=text)
-    add("--restart", action="store_true", help="remove the plane that is there and begin again")
-    text = "make part K of N, on any machine that has the folder; needs --seed; see 'weftex check'"
+    add("--restart", action="store_true", help="delete what was written before and start again")
+    text = "write part K of N, on any machine that shares the folder; needs --seed"
     add("--part", metavar="K/N", help=text)
-    add("--workers", type=int, metavar="N", help="number of processes of this machine")
-    text = "on the workers of a Dask scheduler, which all have the folder (extra dask)"
+    add("--workers", type=int, metavar="N", help="number of worker processes on this machine")
+    text = "use the workers of a Dask scheduler that share the folder; needs weftex[dask]"
     add("--cluster", metavar="tcp://HOST:PORT", help=text)
 
 

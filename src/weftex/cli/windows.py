@@ -10,7 +10,7 @@ from weftex.errors import InvalidInputError
 if TYPE_CHECKING:
     import argparse
 
-    from weftex.cli.options import Parser
+    from weftex.cli.parser import Parser
 
 #: Options that say something else about what is made.
 _OTHERS = ("size", "guide", "sample_guide", "tileable")
@@ -18,10 +18,11 @@ _OTHERS = ("size", "guide", "sample_guide", "tileable")
 
 def add_window(parser: Parser) -> None:
     """Add --window and --period."""
-    text = "make this part of an endless plane: the same bytes whichever part is asked for"
-    parser.add_argument("--window", metavar="TOP,LEFT,HEIGHT,WIDTH", help=text)
-    text = "with --window: the plane comes back to itself after so many pixels"
-    parser.add_argument("--period", metavar="WxH|N", help=text)
+    add = parser.under["tiling"].add_argument
+    text = "compute only this window of an endless plane; overlapping windows have the same pixels"
+    add("--window", metavar="TOP,LEFT,HEIGHT,WIDTH", help=text)
+    text = "with --window: number of pixels after which the plane wraps around"
+    add("--period", metavar="WxH|N", help=text)
 
 
 def parse_window(args: argparse.Namespace) -> tuple[int, int, int, int] | None:

@@ -1,11 +1,12 @@
-"""weftex analyze: say what a sample is like."""
+"""weftex analyze: measure what matters for synthesis from a sample."""
 
 from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
 from weftex.cli.files import load
-from weftex.cli.options import Parser, add_huge, add_maps
+from weftex.cli.options import add_huge, add_maps
+from weftex.cli.parser import Parser
 from weftex.errors import InvalidInputError
 
 if TYPE_CHECKING:
@@ -14,6 +15,10 @@ if TYPE_CHECKING:
     from weftex.analysis.lattice import Lattice
     from weftex.exemplar import Exemplar
     from weftex.tasks.analyze import Analysis
+
+_ABOUT = """\
+Measure the scale, the lattice and the evenness of a sample, and recommend window sizes.\
+"""
 
 _EXAMPLES = """\
 examples:
@@ -27,27 +32,32 @@ examples:
 
 def run(argv: list[str]) -> None:
     """Run the command; `argv` is what follows its name."""
-    parser = Parser("analyze", "Say what a sample is like, and what windows follow.", _EXAMPLES)
+    parser = Parser("analyze", _ABOUT, _EXAMPLES)
     add = parser.add_argument
-    add("sample", metavar="SAMPLE", help="picture, folder of maps, or sample:NAME")
+    add("sample", metavar="SAMPLE", help="image, folder of maps, or sample:NAME")
     add_maps(parser)
     add("--json", action="store_true", help="print JSON")
     add("--overlay", metavar="FILE", help="write the sample with its lattice drawn over it")
     add(
         "--lattice",
         metavar="X1,Y1,X2,Y2",
-        help="rate these vectors too, and draw them; rows: X1,Y1 and a pixel along them",
+        help="also rate and draw these lattice vectors; rows: X1,Y1 and a unit vector along them",
     )
-    add("--runner-up", type=int, metavar="N", help="draw the lattice that comes Nth after it")
-    text = "list so many lattices that come after it, up to 24; default: 3"
+    add(
+        "--runner-up",
+        type=int,
+        metavar="N",
+        help="draw the Nth alternative lattice in place of the best one",
+    )
+    text = "number of alternative lattices to list, up to 24; default: 3"
     add("--runners-up", type=int, default=3, metavar="N", help=text)
-    text = "rate lattices by contrast, height (the paper's) or dominance; default: contrast"
+    text = "ranking of lattices: contrast, height (the paper's) or dominance; default: contrast"
     add("--goodness", default="contrast", metavar="NAME", help=text)
-    text = "prefer small tiles: the exponent of eq. 3.22, from 1 to 4; default: 1.12"
+    text = "exponent of eq. 3.22, from 1 to 4; higher prefers smaller tiles; default: 1.12"
     add("--alpha", type=float, metavar="N", help=text)
-    text = "share of a tile that overlaps must hold to count; default: 0.85"
+    text = "share of a tile that an overlap must contain to count; default: 0.85"
     add("--significant", type=float, metavar="N", help=text)
-    text = "write the correlation of the sample with itself (GNCC); white is 1"
+    text = "write the autocorrelation (GNCC) of the sample; white is 1"
     add("--correlation", metavar="FILE", help=text)
     add_huge(parser)
     args = parser.parse(argv)

@@ -1,4 +1,4 @@
-"""weftex batch: many outputs from the samples of a folder."""
+"""weftex batch: synthesize from every sample in a folder."""
 
 from __future__ import annotations
 
@@ -6,13 +6,8 @@ import os
 from time import perf_counter
 from typing import TYPE_CHECKING
 
-from weftex.cli.options import (
-    Parser,
-    add_names,
-    add_turn,
-    parse_size,
-    parse_task,
-)
+from weftex.cli.options import add_names, add_turn, parse_size, parse_task
+from weftex.cli.parser import Parser
 from weftex.cli.terminal import finish, say
 from weftex.errors import CancelledError, FileError, InvalidInputError
 
@@ -25,15 +20,15 @@ if TYPE_CHECKING:
     from weftex.method import Method
 
 _ABOUT = """\
-Make outputs from every picture and every folder of maps in a folder. manifest.jsonl in the output
-folder says of each how it was made. What was stopped or killed goes on with --skip-existing.\
+Synthesize outputs from every image and every folder of maps in a folder. manifest.jsonl in the
+output folder records how each output was made. --skip-existing resumes an interrupted run.\
 """
 
 _EXAMPLES = """\
 examples:
   weftex batch samples/ out/ --size 1024 --tileable --seed 1
   weftex batch samples/ out/ --count 20 --keep-best 3 --seed 1
-  weftex batch samples/ out/ --count 1000 --seed 1 --skip-existing     go on where it stopped
+  weftex batch samples/ out/ --count 1000 --seed 1 --skip-existing     resume
 """
 _MOST = 10**6
 
@@ -43,19 +38,19 @@ def run(argv: list[str]) -> None:
     start = perf_counter()
     parser = Parser("batch", _ABOUT, _EXAMPLES)
     add = parser.add_argument
-    add("folder", metavar="IN", help="folder of pictures and of folders of maps")
-    text = "outputs of each sample, with the seeds from --seed on; default: 1"
+    add("folder", metavar="IN", help="folder of images and of folders of maps")
+    text = "number of outputs per sample, with successive seeds from --seed on; default: 1"
     add("--count", type=int, default=1, metavar="N", help=text)
-    text = "what outputs are called; default: {name}_{seed}, or {name} if there is one of each"
+    text = "names of the outputs; default: {name}_{seed}, or {name} for one output per sample"
     add("--template", metavar="TEXT", help=text)
-    add("--size", metavar="WxH|N", help="in pixels; default: twice the sample's")
-    add("--keep-best", type=int, metavar="K", help="keep the K of each sample that score best")
-    add("--score", action="store_true", help="write the score of each output into the manifest")
-    add("--skip-existing", action="store_true", help="make only what is not there yet")
-    add("--force", action="store_true", help="make outputs anew that are there")
+    add("--size", metavar="WxH|N", help="output size in pixels; default: twice the sample's")
+    add("--keep-best", type=int, metavar="K", help="keep only the K best outputs of each sample")
+    add("--score", action="store_true", help="write the score of each output to the manifest")
+    add("--skip-existing", action="store_true", help="make only the outputs that are missing")
+    add("--force", action="store_true", help="overwrite existing outputs")
     add_names(parser)
     add_turn(parser)
-    args, method, parameters = parse_task(parser, argv, positional=True)
+    args, method, parameters = parse_task(parser, argv, positional="folder to write to")
     size = None if args.size is None else parse_size(args.size, args.allow_huge)
     if not 1 <= args.count <= _MOST:
         raise InvalidInputError(f"--count is {args.count}; it must be from 1 to {_MOST}")

@@ -1,10 +1,10 @@
-"""weftex check: say whether a picture that is written block by block is all there."""
+"""weftex check: check that an image written block by block is complete."""
 
 from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from weftex.cli.options import Parser
+from weftex.cli.parser import Parser
 from weftex.errors import FileError
 from weftex.io.formats import show
 
@@ -15,8 +15,8 @@ _MEND = "--repair makes it again"
 _SHOWN = 8  # parts
 
 _ABOUT = """\
-Check a picture that was written block by block: whether all of its files and blocks are there, and
-which parts are missing. The exit code is 2 if anything is missing or damaged.\
+Check that an image written block by block is complete, and list the parts that are missing. The
+exit code is 2 if anything is missing or damaged.\
 """
 
 _EXAMPLES = """\
@@ -30,10 +30,12 @@ examples:
 def run(argv: list[str]) -> None:
     """Run the command; `argv` is what follows its name."""
     parser = Parser("check", _ABOUT, _EXAMPLES)
-    parser.add_argument("plane", metavar="PLANE", help="what 'weftex synth' writes block by block")
-    text = "read all pixels, and compare them with the check sums of what was written"
+    parser.add_argument(
+        "plane", metavar="PLANE", help="image that 'weftex synth' wrote block by block"
+    )
+    text = "also read all pixels and compare them with their checksums"
     parser.add_argument("--read", action="store_true", help=text)
-    text = "read all pixels, and make blocks and files that are damaged or missing again"
+    text = "read all pixels, and make damaged or missing blocks and files again"
     parser.add_argument("--repair", action="store_true", help=text)
     args = parser.parse(argv)
     from weftex.tasks.opened import open_plane

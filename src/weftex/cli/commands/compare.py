@@ -1,4 +1,4 @@
-"""weftex compare: every method on one sample."""
+"""weftex compare: run every method on one sample."""
 
 from __future__ import annotations
 
@@ -7,16 +7,17 @@ from typing import TYPE_CHECKING
 
 from weftex.cli.files import load, settings
 from weftex.cli.options import (
-    Parser,
     add_limits,
     add_map_weights,
     add_maps,
+    add_threads,
     add_tileable_sample,
     add_turn,
     check_numbers,
     parse_names,
     parse_size,
 )
+from weftex.cli.parser import Parser
 from weftex.cli.terminal import finish
 from weftex.errors import InvalidInputError
 
@@ -24,8 +25,8 @@ if TYPE_CHECKING:
     from weftex.cli.terminal import Bar, Outputs
 
 _ABOUT = """\
-Make the same from one sample with every method: a page with the pictures, where every pixel comes
-from, figures, times and parameters. Slow methods get fast options, and the page says so.\
+Run every method on one sample, and write a page with the results, the source of every pixel, the
+scores, times and parameters. Slow methods run with faster parameters; the page says which.\
 """
 
 _EXAMPLES = """\
@@ -40,17 +41,21 @@ def run(argv: list[str]) -> None:
     start = perf_counter()
     parser = Parser("compare", _ABOUT, _EXAMPLES)
     add = parser.add_argument
-    add("sample", metavar="SAMPLE", help="picture, folder of maps, or sample:NAME")
+    add("sample", metavar="SAMPLE", help="image, folder of maps, or sample:NAME")
     add_maps(parser)
     add_map_weights(parser)
-    add("-o", "--output", metavar="OUT.html", help="the page to write")
-    add("--methods", metavar="A,B,...", help="these only; see 'weftex methods'")
-    add("--size", metavar="WxH|N", help="in pixels; default: twice the sample's, at most 512")
-    add("--seed", type=int, metavar="N", default=1, help="of all methods; default: 1")
-    text = "compare tileable outputs; along both axes or one"
+    add("-o", "--output", metavar="OUT.html", help="page to write")
+    add("--methods", metavar="A,B,...", help="only these methods; see 'weftex methods'")
+    add(
+        "--size",
+        metavar="WxH|N",
+        help="output size in pixels; default: twice the sample's, at most 512",
+    )
+    add("--seed", type=int, metavar="N", default=1, help="random seed of all methods; default: 1")
+    text = "compare tileable outputs: along both axes, or only along x or y"
     add("--tileable", nargs="?", const="xy", choices=("xy", "x", "y"), metavar="x|y", help=text)
-    add("--threads", type=int, metavar="N", help="use at most so many")
-    add("--json", action="store_true", help="print the figures as JSON")
+    add_threads(parser)
+    add("--json", action="store_true", help="print the scores and times as JSON")
     add_tileable_sample(parser)
     add_turn(parser)
     add_limits(parser)

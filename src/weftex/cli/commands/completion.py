@@ -1,4 +1,4 @@
-"""weftex completion: what makes shells complete commands, options and methods."""
+"""weftex completion: print a script that completes commands, options and methods in a shell."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ import argparse
 from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
-from weftex.cli.options import Built, Parser
+from weftex.cli.parser import Built, Parser
 from weftex.errors import WeftexError
 
 if TYPE_CHECKING:
@@ -19,15 +19,19 @@ examples:
   weftex completion fish > ~/.config/fish/completions/weftex.fish
 """
 
-#: Options and arguments that are files or folders, by how they are called in the help.
-_FILES = {"SAMPLE", "PHOTO", "RESULT", "MAP", "OUT", "OUT.html", "F.npz", "FILE", "M", "G", "S"}
+#: Options and arguments that are files or folders, by their names in the help.
+_FILES = {"SAMPLE", "PHOTO", "RESULT", "MAP", "OUT", "OUT.html", "F.npz", "FILE"}
 _METHODS = ("--method", "method")
 
 
 def run(argv: list[str], commands: Mapping[str, str]) -> None:
     """Run the command; `argv` is what follows its name, `commands` are all, and what they do."""
-    parser = Parser("completion", "Print what makes a shell complete weftex.", _EXAMPLES)
-    parser.add_argument("shell", choices=("bash", "zsh", "fish"))
+    parser = Parser(
+        "completion",
+        "Print a script that completes weftex commands and options in a shell.",
+        _EXAMPLES,
+    )
+    parser.add_argument("shell", choices=("bash", "zsh", "fish"), help="shell to complete in")
     shell = parser.parse(argv).shell
     try:
         import shtab

@@ -1,4 +1,4 @@
-"""weftex estimate: guess height and normals of a photo that has none."""
+"""weftex estimate: estimate height and normals from a photo."""
 
 from __future__ import annotations
 
@@ -7,15 +7,16 @@ from time import perf_counter
 from typing import TYPE_CHECKING
 
 from weftex.cli.files import read
-from weftex.cli.options import Parser, add_limits
+from weftex.cli.options import add_limits
+from weftex.cli.parser import Parser
 from weftex.cli.terminal import finish
 
 if TYPE_CHECKING:
     from weftex.cli.terminal import Bar, Outputs
 
 _ABOUT = """\
-Guess height and normals of a photo that has none, by its brightness: what is dark lies deep. Stains
-and paint become relief too; a photo does not say more. The folder is a set of maps.\
+Estimate height and normals from the brightness of a photo, and write them as a map set. Dark pixels
+are taken to lie deeper, so stains and paint become relief too.\
 """
 
 _EXAMPLES = """\
@@ -30,12 +31,12 @@ def run(argv: list[str]) -> None:
     start = perf_counter()
     parser = Parser("estimate", _ABOUT, _EXAMPLES)
     add = parser.add_argument
-    add("photo", metavar="PHOTO", help="picture, or sample:NAME")
+    add("photo", metavar="PHOTO", help="image, or sample:NAME")
     add("-o", "--output", metavar="OUT", required=True, help="folder to write")
-    text = "from the deepest place to the highest, in pixels; default: 6"
+    text = "height between the lowest and the highest point, in pixels; default: 6"
     add("--depth", type=float, default=6.0, metavar="PX", help=text)
-    add("--invert", action="store_true", help="what is bright lies deep")
-    text = "the photo repeats without a seam, and so will the maps"
+    add("--invert", action="store_true", help="bright pixels lie deeper")
+    text = "the photo is tileable, and the maps will be"
     add("--tileable-sample", action="store_true", help=text)
     add_limits(parser)
     args = parser.parse(argv)

@@ -1,4 +1,4 @@
-"""weftex explain: show how a method makes one pixel, step by step."""
+"""weftex explain: show step by step how a method chooses one pixel."""
 
 from __future__ import annotations
 
@@ -6,7 +6,8 @@ from time import perf_counter
 from typing import TYPE_CHECKING
 
 from weftex.cli.files import axes_of, load
-from weftex.cli.options import Parser, parse_size, parse_task
+from weftex.cli.options import parse_size, parse_task
+from weftex.cli.parser import Parser
 from weftex.cli.terminal import finish
 from weftex.errors import InvalidInputError
 
@@ -16,9 +17,8 @@ if TYPE_CHECKING:
     from weftex.cli.terminal import Bar, Outputs
 
 _ABOUT = """\
-Show how a method makes one pixel of an output, by pictures of what it has in hand while it runs:
-neighborhoods, errors, candidates, cuts, levels. OUT is a folder, or one picture of all beside each
-other.\
+Show step by step how a method chooses one pixel: neighborhoods, errors, candidates, cuts, pyramid
+levels. OUT is a folder of images, or one image that shows all steps side by side.\
 """
 
 _EXAMPLES = """\
@@ -33,12 +33,16 @@ def run(argv: list[str]) -> None:
     """Run the command; `argv` is what follows its name."""
     start = perf_counter()
     parser = Parser("explain", _ABOUT, _EXAMPLES)
-    parser.add_argument("sample", metavar="SAMPLE", help="picture, or sample:NAME; small ones do")
-    text = "of the output, in pixels; default: 128"
+    parser.add_argument(
+        "sample", metavar="SAMPLE", help="image, or sample:NAME; a small one is enough"
+    )
+    text = "output size in pixels; default: 128"
     parser.add_argument("--size", metavar="WxH|N", default="128", help=text)
     text = "row and column of the pixel; default: one past the middle"
     parser.add_argument("--at", metavar="Y,X", help=text)
-    args, method, parameters = parse_task(parser, argv, "patch-sampling", positional=True)
+    args, method, parameters = parse_task(
+        parser, argv, "patch-sampling", positional="folder, or image, to write"
+    )
     if args.threads is not None:
         raise InvalidInputError("--threads has no effect: one thread works, so that it can be seen")
     chosen, size, at = method(**parameters), parse_size(args.size, args.allow_huge), _at(args)

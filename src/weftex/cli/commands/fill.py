@@ -1,4 +1,4 @@
-"""weftex fill: fill what a mask covers."""
+"""weftex fill: fill the holes in a photo."""
 
 from __future__ import annotations
 
@@ -7,7 +7,8 @@ from time import perf_counter
 from typing import TYPE_CHECKING
 
 from weftex.cli.files import load, open_sample, report, settings, write
-from weftex.cli.options import Parser, add_map_weights, add_sets, add_tileable_sample, parse_task
+from weftex.cli.options import add_map_weights, add_sets, add_tileable_sample, parse_task
+from weftex.cli.parser import Parser
 from weftex.cli.terminal import finish
 from weftex.errors import InvalidInputError
 
@@ -15,15 +16,16 @@ if TYPE_CHECKING:
     from weftex.cli.terminal import Bar, Outputs
 
 _ABOUT = """\
-Fill holes of a photo; all other pixels stay as they are, but for those of --overlap. Without a
-method and parameters, near-regular fills where the photo surely has a lattice. Patch size, boundary
-width and epsilon are chosen for holes where they are not given.\
+Fill the holes in a photo. All other pixels stay unchanged unless --overlap is given. Without
+--method and method parameters, weftex chooses a method: graphcut or near-regular for photos with a
+lattice or large features, patch-sampling for all others. Patch size, boundary width, candidates and
+epsilon then have defaults that suit holes.\
 """
 
 _EXAMPLES = """\
 examples:
   weftex fill photo.png --mask hole.png -o whole.png
-  weftex fill erased.png -o whole.png                 what was erased, to full clearness
+  weftex fill erased.png -o whole.png                 fill the transparent pixels
   weftex fill photo.png --mask hole.png -o whole.png --sample grass.png
   weftex fill stone_wall/ --mask hole.png -o whole/   a folder of aligned maps
 """
@@ -33,18 +35,24 @@ def run(argv: list[str]) -> None:
     """Run the command; `argv` is what follows its name."""
     start = perf_counter()
     parser = Parser("fill", _ABOUT, _EXAMPLES)
-    parser.add_argument("photo", metavar="PHOTO", help="picture, folder of maps, or sample:NAME")
+    parser.add_argument("photo", metavar="PHOTO", help="image, folder of maps, or sample:NAME")
     add_sets(parser)
     add_map_weights(parser)
-    text = "picture, white where to fill; default: where the photo is clear, by its alpha"
-    parser.add_argument("--mask", metavar="M", help=text)
-    parser.add_argument("--sample", metavar="S", help="learn from this picture, not from the photo")
-    text = "so many pixels around the holes may change, to hide the seam; default: 0"
-    parser.add_argument("--overlap", type=int, default=0, metavar="PX", help=text)
-    text = "shift tones inside the holes to those around; default: where no method is named"
-    parser.add_argument("--match-tone", action=argparse.BooleanOptionalAction, help=text)
+    text = "image that is white where the photo has holes; default: pixels that are not opaque"
+    parser.add_argument("--mask", metavar="FILE", help=text)
+    text = "image to fill the holes from, in place of the photo"
+    parser.add_argument("--sample", metavar="FILE", help=text)
+    add = parser.under["quality"].add_argument
+    text = "width of the margin around the holes that may change, to hide the seam; default: 0"
+    add("--overlap", type=int, default=0, metavar="PX", help=text)
+    text = "match the tone of the filling to its surroundings; default: yes if weftex chooses the "
+    text += "method"
+    add("--match-tone", action=argparse.BooleanOptionalAction, help=text)
     add_tileable_sample(parser)
-    args, method, parameters = parse_task(parser, argv, "patch-sampling")
+    text = "the photo is tileable along both axes, or only x or y, so holes can cross its border"
+    args, method, parameters = parse_task(
+        parser, argv, "patch-sampling", usual="chosen for the photo", tileable=text
+    )
     if args.tileable_sample and args.sample is None:
         raise InvalidInputError(
             "--tileable-sample has no effect without --sample; --tileable says it of the photo"

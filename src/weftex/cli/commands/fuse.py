@@ -1,4 +1,4 @@
-"""weftex fuse: two or more materials in one picture."""
+"""weftex fuse: merge several materials in one image."""
 
 from __future__ import annotations
 
@@ -8,7 +8,6 @@ from typing import TYPE_CHECKING, Any
 
 from weftex.cli.files import open_samples, report, settings, write
 from weftex.cli.options import (
-    Parser,
     add_names,
     parse_colors,
     parse_mixed,
@@ -17,6 +16,7 @@ from weftex.cli.options import (
     parse_task,
     parse_values,
 )
+from weftex.cli.parser import Parser
 from weftex.cli.sets import plan_of_several
 from weftex.cli.terminal import finish
 from weftex.errors import InvalidInputError
@@ -25,9 +25,10 @@ if TYPE_CHECKING:
     from weftex.cli.terminal import Bar, Outputs
 
 _ABOUT = """\
-Make a picture of several materials that merge where a map says. The map has one color for each
-sample: those of --colors, or in the order in which they appear, from the upper left corner row by
-row. The map 'gradient' goes over from one sample to the next, along a line or around a center.\
+Synthesize one image from several materials that merge according to a map. The map has one color
+for each sample. --colors lists these colors; by default the samples take the colors in the order of
+their appearance, row by row from the top left. --map gradient needs no image: it changes from one
+sample to the next, along a line or in rings around a center.\
 """
 
 _EXAMPLES = """\
@@ -47,22 +48,32 @@ def run(argv: list[str]) -> None:
     """Run the command; `argv` is what follows its name."""
     start = perf_counter()
     parser = Parser("fuse", _ABOUT, _EXAMPLES)
-    text = "pictures, folders of maps, or sample:NAME"
+    text = "two or more images, folders of maps, or sample:NAME"
     parser.add_argument("samples", metavar="SAMPLE", nargs="+", help=text)
-    text = "values, 0 to 1, or flat of normals, of maps for samples that lack them; default: maps "
-    text += "that not all samples have are left out"
-    parser.add_argument("--missing", metavar="NAME=VALUE,...", type=parse_values, help=text)
+    text = "values for maps that some samples lack: 0 to 1, or 'flat' for normals; default: omit "
+    text += "such maps"
+    add = parser.under["map sets"].add_argument
+    add("--missing", metavar="NAME=VALUE,...", type=parse_values, help=text)
     add_names(parser)
-    parser.add_argument("--map", metavar="M", required=True, help="picture, or 'gradient'")
-    text = "the map's color for each sample, as #rrggbb or a gray level"
+    parser.add_argument(
+        "--map",
+        metavar="MAP",
+        required=True,
+        help="image with one color for each sample, or 'gradient'",
+    )
+    text = "map colors of the samples, in their order, as #rrggbb or gray levels"
     parser.add_argument("--colors", metavar="C,C,...", help=text)
-    text = "further colors, of regions where two samples are mixed, as #rrggbb=1+2"
+    text = "map colors of regions that mix two samples, such as '#00ff00=1+2'"
     parser.add_argument("--mixed", metavar="C=A+B,...", help=text)
-    parser.add_argument("--size", metavar="WxH|N", help="in pixels; default: the map's")
-    text = "cut: where it shows least; merged: and belts there from merged samples; default: cut"
-    parser.add_argument("--boundary", default="cut", metavar="HOW", help=text)
-    text = "within how many pixels a boundary may wander; default: by the samples' scales"
-    parser.add_argument("--belt-width", type=int, metavar="PX", help=text)
+    parser.add_argument("--size", metavar="WxH|N", help="output size in pixels; default: the map's")
+    add = parser.under["quality"].add_argument
+    text = (
+        "cut: along the least visible seam; merged: then fill a belt along it from both materials; "
+    )
+    text += "default: cut"
+    add("--boundary", default="cut", metavar="cut|merged", help=text)
+    text = "width of the belt in which a boundary may move; default: from the samples' scales"
+    add("--belt-width", type=int, metavar="PX", help=text)
     _add_gradient(parser)
     args, method, parameters = parse_task(parser, argv, "refinement")
     size = None if args.size is None else parse_size(args.size, args.allow_huge)
@@ -95,16 +106,17 @@ def run(argv: list[str]) -> None:
 
 
 def _add_gradient(parser: Parser) -> None:
-    group = parser.add_argument_group("of --map gradient, in shares of the canvas")
-    text = "in degrees, where the last sample lies: 0 right, 90 at the bottom; default: 90"
+    group = parser.add_argument_group("--map gradient")
+    text = "direction of the last sample, in degrees: 0 is right, 90 is down; default: 90"
     group.add_argument("--direction", type=float, metavar="DEG", help=text)
-    text = "the first sample lies here, the others in rings around it; 0,0 is the upper left corner"
+    text = "center of the first sample, with rings of the others; 0,0 is top left, 1,1 bottom right"
     group.add_argument("--center", metavar="X,Y", help=text)
-    text = "where transitions have their middles, 0 to 1 on the way; default: even"
+    text = "middle of each transition, from 0 (first sample) to 1 (last); default: evenly spaced"
     group.add_argument("--radii", metavar="R,R,...", help=text)
-    text = "how much of the way a transition takes; default: all of it together"
+    text = "length of each transition, above 0 and at most 1; default: transitions fill the image"
     group.add_argument("--width", type=float, metavar="W", help=text)
-    text = "radius of the circles, or of each sample's; default: the samples' scales"
+    text = "radius of the circles that mix the samples, one or one for each, as a share of the "
+    text += "shorter side; default: the samples' scales"
     group.add_argument("--circles", metavar="C,C,...", help=text)
 
 

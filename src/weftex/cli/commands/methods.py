@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-from weftex.cli.options import Parser, parameters_of
+from weftex.cli.options import parameters_of
+from weftex.cli.parser import Parser
 
 
 def run(argv: list[str]) -> None:
     """Run the command; `argv` is what follows its name."""
     parser = Parser("methods", "List the methods, or the parameters of one.", "")
-    parser.add_argument("method", metavar="NAME", nargs="?")
+    parser.add_argument("method", metavar="NAME", nargs="?", help="method whose parameters to list")
     name = parser.parse(argv).method
     from weftex.method import CANVAS_KINDS
     from weftex.methods import METHODS

@@ -1,4 +1,4 @@
-"""weftex prepare: straighten a photo, and even its light."""
+"""weftex prepare: straighten a photo and even its lighting."""
 
 from __future__ import annotations
 
@@ -6,7 +6,8 @@ from time import perf_counter
 from typing import TYPE_CHECKING
 
 from weftex.cli.files import open_sample
-from weftex.cli.options import Parser, add_limits, add_mending, add_sets
+from weftex.cli.options import add_limits, add_mending, add_output, add_sets
+from weftex.cli.parser import Parser
 from weftex.cli.terminal import finish
 from weftex.errors import InvalidInputError
 
@@ -14,8 +15,8 @@ if TYPE_CHECKING:
     from weftex.cli.terminal import Bar, Outputs
 
 _ABOUT = """\
-Straighten a photo, and take slow lighting off it, before anything is made from it. `weftex synth`
-takes the same options; what is prepared here is a sample for all commands.\
+Straighten a photo and even its lighting, to get a sample for any other command. 'weftex synth' has
+the same options.\
 """
 
 _EXAMPLES = """\
@@ -31,10 +32,9 @@ def run(argv: list[str]) -> None:
     """Run the command; `argv` is what follows its name."""
     start = perf_counter()
     parser = Parser("prepare", _ABOUT, _EXAMPLES)
-    parser.add_argument("sample", metavar="PHOTO", help="picture, folder of maps, or sample:NAME")
+    parser.add_argument("sample", metavar="PHOTO", help="image, folder of maps, or sample:NAME")
     add_sets(parser)
-    text = "file, or folder, to write"
-    parser.add_argument("-o", "--output", metavar="OUT", required=True, help=text)
+    add_output(parser)
     add_mending(parser)
     add_limits(parser)
     args = parser.parse(argv)

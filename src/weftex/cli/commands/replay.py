@@ -1,4 +1,4 @@
-"""weftex replay: lay a saved result again with another map of its sample."""
+"""weftex replay: render a saved result with another map of its sample."""
 
 from __future__ import annotations
 
@@ -8,7 +8,8 @@ from time import perf_counter
 from typing import TYPE_CHECKING
 
 from weftex.cli.files import open_samples, read
-from weftex.cli.options import Parser, add_limits, add_names
+from weftex.cli.options import add_limits, add_names, add_output
+from weftex.cli.parser import Parser
 from weftex.cli.planes import add_plane, is_source, recipe_of_replay, refuse_options
 from weftex.cli.planes import write as write_plane
 from weftex.cli.sets import plan, plan_of_several
@@ -33,14 +34,20 @@ examples:
 def run(argv: list[str]) -> None:
     """Run the command; `argv` is what follows its name."""
     start = perf_counter()
-    parser = Parser("replay", "Lay a saved result again with other maps of its sample.", _EXAMPLES)
+    parser = Parser("replay", "Render a saved result with other maps of its sample.", _EXAMPLES)
     add = parser.add_argument
-    add("source", metavar="F.npz", help="what --save-source saved, or a plane that synth wrote")
-    text = "picture of the sample's size, or an integer multiple or fraction of it, or a folder of "
-    text += "such maps; of a fusion one for each sample"
+    add(
+        "source",
+        metavar="F.npz",
+        help="file from --save-source, or an image written block by block",
+    )
+    text = (
+        "image of the sample's size, or of an integer multiple or fraction of it; or a folder of "
+    )
+    text += "such maps; for 'weftex fuse', one for each sample"
     add("maps", metavar="MAP", nargs="+", help=text)
-    add("-o", "--output", metavar="OUT", required=True, help="file, or folder, to write")
-    text = "this map, or folder of maps, of a photo that another sample filled"
+    add_output(parser)
+    text = "same map, or folder of maps, of the photo, if it was filled from another sample"
     add("--background", metavar="PHOTO", help=text)
     add_names(parser)
     add_limits(parser)

@@ -1,19 +1,20 @@
-"""weftex report: say how good a result is."""
+"""weftex report: measure how good a result is."""
 
 from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
 from weftex.cli.files import load
-from weftex.cli.options import Parser, add_huge, add_maps
+from weftex.cli.options import add_huge, add_maps
+from weftex.cli.parser import Parser
 from weftex.errors import InvalidInputError
 
 if TYPE_CHECKING:
     import argparse
 
 _ABOUT = """\
-Say how good a result is beside its sample: a page with pictures, maps of where it fails, and every
-figure beside that of real pictures of the surface.\
+Measure how well a result matches its sample, and write a page with images, maps of the flaws, and
+each score next to the scores of real photos of the surface.\
 """
 
 _EXAMPLES = """\
@@ -21,8 +22,8 @@ examples:
   weftex report brick.png wall.png -o report.html
   weftex report brick.png wall.png --source wall.npz -o report.html
   weftex report brick.png tile.png --tileable --json
-  weftex report brick.png plane.zarr -o report.html  windows of what was written block by block
-  weftex report stone_wall/ big/ -o report.html      a folder of maps, and what was made from it
+  weftex report brick.png plane.zarr -o report.html  windows of an image written block by block
+  weftex report stone_wall/ big/ -o report.html      a folder of maps and the result from it
 """
 
 
@@ -30,15 +31,15 @@ def run(argv: list[str]) -> None:
     """Run the command; `argv` is what follows its name."""
     parser = Parser("report", _ABOUT, _EXAMPLES)
     add = parser.add_argument
-    add("sample", metavar="SAMPLE", help="picture, folder of maps, or sample:NAME")
+    add("sample", metavar="SAMPLE", help="image, folder of maps, or sample:NAME")
     add_maps(parser)
-    add("result", metavar="RESULT", help="what was made from it: a picture, or a folder of maps")
-    text = "what --save-source saved: says what was copied from where, and the parameters"
+    add("result", metavar="RESULT", help="result from that sample: an image, or a folder of maps")
+    text = "file from --save-source, to show the source of every pixel and the parameters"
     add("--source", metavar="F.npz", help=text)
-    text = "look at the border as well; x or y for one axis (default: what the source says)"
-    add("--tileable", nargs="?", const="xy", choices=("x", "y", "xy"), help=text)
-    add("-o", "--output", metavar="OUT.html", help="the page to write")
-    add("--json", action="store_true", help="print the figures as JSON")
+    text = "also check the border, along both axes or only x or y; default: as saved in --source"
+    add("--tileable", nargs="?", const="xy", choices=("x", "y", "xy"), metavar="x|y", help=text)
+    add("-o", "--output", metavar="OUT.html", help="page to write")
+    add("--json", action="store_true", help="print the scores as JSON")
     add_huge(parser)
     args = parser.parse(argv)
     if args.output is None and not args.json:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from weftex.cli.options import Parser
+from weftex.cli.parser import Parser
 
 
 def run(argv: list[str]) -> None:

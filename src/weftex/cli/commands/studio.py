@@ -1,4 +1,4 @@
-"""weftex studio: see, paint, change and take materials in the browser."""
+"""weftex studio: open the studio in the browser."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from importlib.util import find_spec
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from weftex.cli.options import Parser
+from weftex.cli.parser import Parser
 from weftex.cli.terminal import say
 from weftex.errors import InvalidInputError
 
@@ -40,17 +40,17 @@ def run(argv: list[str]) -> None:
     """Run the command; `argv` is what follows its name."""
     parser = Parser("studio", _ABOUT, _EXAMPLES)
     add = parser.add_argument
-    text = "picture, folder of maps, or sample:NAME to begin with"
+    text = "image, folder of maps, or sample:NAME to open"
     add("sample", metavar="SAMPLE", nargs="?", help=text)
-    add("--no-browser", action="store_true", help="print the address and open nothing")
-    add("--port", type=int, metavar="N", help="default: 8427, or any that is free")
-    text = "listen at this address of this machine; others can reach the studio then"
+    add("--no-browser", action="store_true", help="print the address without opening a browser")
+    add("--port", type=int, metavar="N", help="port to listen on; default: 8427, or any free port")
+    text = "address to listen on; other machines can reach all but 127.0.0.1, which is the default"
     add("--host", default="127.0.0.1", metavar="ADDRESS", help=text)
-    text = "folder for uploads and kept results; default: one of your own, such as ~/.local/state"
-    add("--data", metavar="DIR", help=text)
     text = (
-        "MiB of results that stay in memory; making a picture takes more; default: by this machine"
+        "folder for uploads and saved results; default: a folder of yours, such as ~/.local/state"
     )
+    add("--data", metavar="DIR", help=text)
+    text = "memory for results, in MiB; synthesis needs more; default: depends on this machine"
     add("--memory", type=int, metavar="MIB", help=text)
     args = parser.parse(argv)
     if args.port is not None and not 0 <= args.port < 2**16:

@@ -1,4 +1,4 @@
-"""weftex synth: make a picture of any size from a sample of a material."""
+"""weftex synth: synthesize an image of any size from a sample of a material."""
 
 from __future__ import annotations
 
@@ -18,7 +18,6 @@ from weftex.cli.files import (
     write_debug,
 )
 from weftex.cli.options import (
-    Parser,
     add_map_weights,
     add_mending,
     add_sample_mask,
@@ -29,6 +28,7 @@ from weftex.cli.options import (
     parse_size,
     parse_task,
 )
+from weftex.cli.parser import Parser
 from weftex.cli.planes import (
     add_plane,
     check_options,
@@ -44,6 +44,10 @@ from weftex.cli.windows import add_window, parse_period, parse_window
 
 if TYPE_CHECKING:
     from weftex.cli.terminal import Bar, Outputs
+
+_ABOUT = """\
+Synthesize an image of any size from a sample of a material.\
+"""
 
 _EXAMPLES = """\
 examples:
@@ -65,20 +69,24 @@ examples:
 def run(argv: list[str]) -> None:
     """Run the command; `argv` is what follows its name."""
     start = perf_counter()
-    parser = Parser("synth", "Make a picture of any size from a sample of a material.", _EXAMPLES)
-    text = "picture, folder of maps, or sample:NAME; of several, all of one material, all are used"
+    parser = Parser("synth", _ABOUT, _EXAMPLES)
+    text = "image, folder of maps, or sample:NAME; several must show the same material"
     parser.add_argument("sample", metavar="SAMPLE", nargs="+", help=text)
     add_sets(parser)
     add_map_weights(parser)
-    text = "in pixels; default: the guide's, or twice the sample's"
+    text = (
+        "output size in pixels, such as 1024x768 or 2k; default: the guide's, or twice the sample's"
+    )
     parser.add_argument("--size", metavar="WxH|N", help=text)
-    parser.add_argument("--guide", metavar="G", help="picture to follow, of the output's size")
-    text = "what stands for the sample in the guide, such as a painted map of what is where in it"
-    parser.add_argument("--sample-guide", metavar="S", help=text)
-    text = "make N with the seeds from --seed on, or one with each method, and keep the best"
-    parser.add_argument("--best-of", metavar="N|NAME,...", default="1", help=text)
-    text = "write how it was put together: coordinates, patches, seams, uncertainty"
-    parser.add_argument("--debug", metavar="DIR", help=text)
+    text = "image of the output's size that the output follows"
+    parser.add_argument("--guide", metavar="FILE", help=text)
+    add = parser.under["quality"].add_argument
+    text = "keep the best of N results, with successive seeds; or of one result per named method"
+    add("--best-of", metavar="N|NAME,...", default="1", help=text)
+    text = "guide for the sample: an image of the sample's size that labels its regions"
+    add("--sample-guide", metavar="FILE", help=text)
+    text = "folder for images that show how the result is put together: sources, patches, seams"
+    parser.under["output"].add_argument("--debug", metavar="DIR", help=text)
     add_sample_mask(parser)
     add_tileable_sample(parser)
     add_mending(parser)

@@ -1,4 +1,4 @@
-"""weftex tile: make an existing photo repeat without a seam."""
+"""weftex tile: make a photo tileable."""
 
 from __future__ import annotations
 
@@ -6,15 +6,15 @@ from time import perf_counter
 from typing import TYPE_CHECKING
 
 from weftex.cli.files import open_sample, report, settings, write
-from weftex.cli.options import Parser, add_map_weights, add_sets, parse_task
+from weftex.cli.options import add_map_weights, add_sets, parse_task
+from weftex.cli.parser import Parser
 from weftex.cli.terminal import finish
 
 if TYPE_CHECKING:
     from weftex.cli.terminal import Bar, Outputs
 
 _ABOUT = """\
-Make a photo repeat without a seam, at the size that it has. A border of it changes, its middle
-stays byte for byte. --tileable x or y does it along one axis.\
+Make a photo tileable at its own size. Only a border changes; the middle keeps every byte.\
 """
 
 _EXAMPLES = """\
@@ -29,12 +29,15 @@ def run(argv: list[str]) -> None:
     """Run the command; `argv` is what follows its name."""
     start = perf_counter()
     parser = Parser("tile", _ABOUT, _EXAMPLES)
-    parser.add_argument("photo", metavar="PHOTO", help="picture, folder of maps, or sample:NAME")
+    parser.add_argument("photo", metavar="PHOTO", help="image, folder of maps, or sample:NAME")
     add_sets(parser)
     add_map_weights(parser)
-    text = "so many pixels at each side may change; default: an eighth of the shorter side"
+    text = "width of the border that may change; default: an eighth of the photo's shorter side"
     parser.add_argument("--border", type=int, metavar="PX", help=text)
-    args, method, parameters = parse_task(parser, argv, "patch-sampling")
+    text = "make the photo tileable along both axes (default), or only along x or y"
+    args, method, parameters = parse_task(
+        parser, argv, "patch-sampling", usual="chosen for the photo", tileable=text
+    )
     method(**parameters)  # finds wrong values before anything is read
 
     def work(bar: Bar, outputs: Outputs) -> str:

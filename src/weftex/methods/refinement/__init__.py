@@ -106,8 +106,8 @@ class Refinement(WindowedMethod):
     )
     init: str | Method = parameter(  # noqa: RUF009  (methods are frozen)
         "auto",
-        "start: seeds, a method such as 'graphcut placement=entire', or auto (by the "
-        "sample's lattice)",
+        "what to refine: seeds, a method such as 'graphcut placement=entire', or auto (by "
+        "the lattice)",
         choices=Starts("auto", "seeds"),
     )
     joints: int | None = parameter(

@@ -61,8 +61,7 @@ class Auto(Method):
 
     effort: str = parameter(
         "normal",
-        "number of methods tried: quick the rule's, normal others in doubtful cases, best "
-        "all; more is slower",
+        "how many methods to try: one (quick), a few if the choice is unclear (normal), all (best)",
         choices=("quick", "normal", "best"),
     )
 
