@@ -117,7 +117,7 @@ def bounds(field: dataclasses.Field[Any]) -> str:
     if choices:
         return ", ".join(choices)
     if low is not None and high is not None:
-        return f"from {low:g} to {high:g}"
+        return f"from {low:g} to {high if isinstance(high, int) else f'{high:g}'}"
     return (
         f"{low:g} or more" if low is not None else f"at most {high:g}" if high is not None else ""
     )

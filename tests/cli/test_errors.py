@@ -36,6 +36,7 @@ WRONG = [
     (["synth", "sample:stone_wall", "-o", "nowhere/x"], "nowhere/x"),
     (["synth", "sample:stone_wall", "-o", "old.png"], "it is a file"),
     (["synth", "sample.png", "-o", "x.pngg"], "did you mean '.png'"),
+    (["synth", "sample.png", "-o", "x.gif"], "did you mean '.png'"),
     (["synth", "sample.png", "-o", "x.exr"], "'.exr' cannot hold uint8"),
     (["synth", "sample.png", "-o", "."], "folder"),
     (["synth", "sample.png", "-o", "x.png", "--save-source", "nowhere/x.npz"], "does not exist"),

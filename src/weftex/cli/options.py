@@ -188,11 +188,12 @@ def parameters_of(method: type[Method]) -> Iterator[tuple[Any, str]]:
 
     for field in fields(method):
         unit = f" {field.metadata['unit']}" if field.metadata["unit"] else ""
+        between = " in" if field.metadata["count"] else ""
         default = field.metadata["default_text"]
         if field.default is not None:
             number = isinstance(field.default, float)
             default = f"{field.default:g}{unit}" if number else f"{field.default}{unit}"
-        values = f"{'one of ' * bool(field.metadata['choices'])}{bounds(field)}{unit}"
+        values = f"{'one of ' * bool(field.metadata['choices'])}{bounds(field)}{between}{unit}"
         yield field, f"{values}; default: {default}"
 
 

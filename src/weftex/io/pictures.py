@@ -238,7 +238,8 @@ def check_output(
     if os.path.isdir(target):
         raise file_error(given, "is a folder; name a file in it")
     if suffix not in known:
-        near = did_you_mean(suffix, known) if suffix else f"; known: {', '.join(sorted(known))}"
+        meant = ".png" if suffix == ".gif" else suffix
+        near = did_you_mean(meant, known) if suffix else f"; known: {', '.join(sorted(known))}"
         raise file_error(
             given,
             f"cannot write {f'{suffix!r}' if suffix else 'without a suffix'}{near}",

@@ -50,8 +50,8 @@ class Quilting(PatchMethod):
     )
     tolerance: float = parameter(
         0.1,
-        "how much larger than the best candidate's error others may be, as a share; "
-        "higher is more random",
+        "maximum error of a candidate above the best one's, as a share of it; higher is "
+        "more random",
         low=0.0,
     )
     blend: str = parameter(

@@ -52,7 +52,7 @@ class Ashikhmin(WindowedMethod):
         "side of the square window that is compared, odd; wider keeps larger shapes",
         low=1,
         parity="odd",
-        unit="pixels",
+        unit="px",
         default_text="5, less for a very small sample",
     )
     passes: int = parameter(

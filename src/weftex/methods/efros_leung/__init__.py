@@ -71,7 +71,7 @@ class EfrosLeung(WindowedMethod):
     )
     tolerance: float = parameter(
         0.1,
-        "how much worse than the best candidate others may match, as a share; higher is "
+        "maximum error of a candidate above the best one's, as a share of it; higher is "
         "more random",
         low=0.0,
         high=1000.0,

@@ -71,7 +71,7 @@ class ExactMatching(WindowedMethod):
         "is more random",
         low=0.0,
         high=1.0,
-        default_text="0 where colors occur more than once, else enough for the nearest four",
+        default_text="0 if colors occur more than once, else so that the nearest four match",
     )
     nearest_colors: int | None = parameter(
         None,

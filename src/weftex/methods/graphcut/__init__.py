@@ -91,8 +91,8 @@ class GraphCut(Method):
     )
     tolerance: float | None = parameter(
         None,
-        "k: how much worse than the best a match may be, in sample variances; higher is "
-        "more random",
+        "k: maximum error of a match above the best one's, in sample variances; higher "
+        "is more random",
         low=0.0,
         high=1000.0,
         default_text="0.003; 0 (the best matches) for entire patches",
@@ -100,7 +100,7 @@ class GraphCut(Method):
     )
     candidates: int | None = parameter(
         None,
-        "number of placements cut for each patch, to use the cheapest seam; higher is slower",
+        "number of placements tried for each patch; the cheapest seam wins; higher is slower",
         low=1,
         high=1000,
         default_text="4; 24 for entire patches",

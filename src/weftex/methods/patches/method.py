@@ -74,7 +74,7 @@ class PatchMethod(Method):
     )
     edge_weight: float = parameter(
         0.0,
-        "weight of edges against color when boundary zones are compared (0 in the paper)",
+        "weight of edges against color in matching; higher lines up edges (0 in the paper)",
         low=0.0,
         high=10.0,
     )

@@ -82,7 +82,7 @@ class WeiLevoy(WindowedMethod):
     )
     tree_size: int = parameter(
         0,
-        "number of leaves of each level's tree; 0 is enough for at most 32 windows in each leaf",
+        "number of leaves of each level's tree; 0 chooses it for at most 32 windows per leaf",
         low=0,
         needs=("search", ("tsvq",)),
     )
