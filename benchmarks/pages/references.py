@@ -20,7 +20,7 @@ from weftex import reference
 
 ROOT = Path(__file__).resolve().parents[2]
 IMAGES = ROOT / "docs" / "img"
-_ENLARGED, _GAP, _QUALITY = 2, 6, 75
+_ENLARGED, _GAP, _QUALITY = 2, 6, 60
 
 Pictures = Sequence[np.ndarray]
 
