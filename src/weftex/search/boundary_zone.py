@@ -50,10 +50,10 @@ def boundary_zone(
     paste: bool = False,
     core: tuple[int, int] | None = None,
 ) -> BoundaryZone:
-    """Return the zone of a window: `known` pixels up to `width` (w_E) away from an unknown one.
+    """Return the zone of a window: `known` pixels at most `width` (w_E) from an unknown one.
 
-    `frozen` pixels stay as they are, and with `core` all but that one (section 2.5). `outlines` are
-    of a hole: they may lie anywhere in the window. `paste` replaces the zone, without blending.
+    `frozen` pixels stay, and with `core` all known ones but the core (section 2.5). `outlines` of a
+    hole may lie anywhere in the window. `paste` replaces the zone without blending.
     """
     distance = steps_to(~known, width)
     zone = known & (distance <= width)

@@ -7,12 +7,10 @@ from cython.cimports.weftex.search.window_kernels import usable_place
 
 
 def coherent_places(picture, sample, y, x, query, places, count):
-    """List where the neighbors' sources go on at (y, x), after the `count` places already listed.
+    """List the continued sources of (y, x)'s neighbors after `count` places; return the length.
 
-    The neighbors are the pixels of the query's runs, from the last to the first. Each place is
-    listed once; -1 stands once for all places that no window may be centered at, where the first
-    of them was met. The runs reach no further along x than the windows do, so a step along a row
-    of the sample never ends in a usable place of another row. Returns the length of the list.
+    Neighbors are the pixels of the query's runs, last run first; each place is listed once, and -1
+    once for all unusable ones. Runs reach no further along x than windows, so no row is left.
     """
     cython.declare(height=cython.Py_ssize_t, width=cython.Py_ssize_t, across=cython.Py_ssize_t)
     cython.declare(size=cython.Py_ssize_t, may=cython.p_const_uchar, before=cython.Py_ssize_t)

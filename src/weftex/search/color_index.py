@@ -21,39 +21,10 @@ _COLORS_OF_A_LEAF = 8  # about; they are compared one by one
 
 
 class ColorIndex:
-    """The colors of a sample's pixels, and where they are.
+    """A kd-tree of the colors at the centers of listed windows and beside them.
 
-    The index holds the colors of the pixels at the centers of listed windows and of those beside
-    them. Distances are sums of squared differences of bytes.
-
-    Parameters
-    ----------
-    pixels : uint8 array (H, W, K)
-        The sample's bytes.
-    usable : uint8 array (H, W)
-        1 at the centers of the windows to list; there is at least one.
-
-    Attributes
-    ----------
-    colors : uint8 array (C, K)
-        Distinct colors in the order of the tree's leaves; a color's number is its row.
-    number : int32 array (H, W)
-        The color number of each pixel; of the nearest color where the index lacks its own.
-    rank : int32 array (C,)
-        A color's place when all are sorted by their bytes; of equally near colors the one of the
-        lowest rank is the nearest.
-    depth : int
-        Node i of the tree is followed by 2 i and 2 i + 1; 2**depth is the first leaf.
-    low, high : uint8 array (2**(depth + 1), K)
-        Smallest and largest bytes in each node.
-
-    Examples
-    --------
-    >>> import numpy as np
-    >>> pixels = np.arange(64, dtype=np.uint8).reshape(8, 8, 1)
-    >>> index = ColorIndex(pixels, np.ones((8, 8), np.uint8))
-    >>> index.colors[index.nearest(np.uint8([[9], [200]]))].ravel().tolist()
-    [9, 63]
+    `usable` is 1 at the centers of the windows to list. Distances are sums of squared differences
+    of bytes.
     """
 
     def __init__(self, pixels: NDArray[np.uint8], usable: NDArray[np.uint8]) -> None:
@@ -69,10 +40,15 @@ class ColorIndex:
         number = np.empty(len(order), np.int32)
         number[order] = np.cumsum(new) - 1
         colors = counted[order[new]]
+        # children of node i are 2 i and 2 i + 1; 2**depth is the first leaf
         self.depth = max(0, (len(colors) // _COLORS_OF_A_LEAF).bit_length() - 1)
+        # low and high (2**(depth + 1), K): smallest and largest bytes in each node
         leaves, self.low, self.high = _split(colors, self.depth)
+        # (C, K): distinct colors in the order of the leaves; a color's number is its row
         self.colors = np.ascontiguousarray(colors[leaves])
+        # (C,): place in byte order; of equally near colors the lowest rank is nearest
         self.rank = leaves.astype(np.int32)
+        # (H, W): color number of each pixel, or of the nearest color in the index
         self.number = np.empty((height, width), np.int32)
         self.number[counts] = np.argsort(leaves).astype(np.int32)[number]
         self.number[~counts] = self.nearest(pixels[~counts])
@@ -112,19 +88,10 @@ class ColorIndex:
     def centers_beside(
         self, offsets: NDArray[np.int32]
     ) -> tuple[NDArray[np.int32], NDArray[np.int32]]:
-        """List the centers of windows by the color that they have beside them (section 4.2).
+        """Return starts (d, C + 1) and places: the centers of windows by the color beside them.
 
-        Parameters
-        ----------
-        offsets : int32 array (d, 2)
-            The steps dy and dx from a center to the pixels beside it.
-
-        Returns
-        -------
-        starts : int32 array (d, C + 1)
-            Those of color c are `places[starts[d, c] : starts[d, c + 1]]`, in scan order.
-        places : int32 array
-            Flat indices into the pixels.
+        Those of color c at `offsets[d]` (dy, dx) are `places[starts[d, c] : starts[d, c + 1]]`,
+        flat indices in scan order (section 4.2).
         """
         centers = np.flatnonzero(self.usable).astype(np.int32)
         y, x = np.divmod(centers, np.int32(self.usable.shape[1]))
@@ -145,9 +112,9 @@ class ColorIndex:
 def _split(
     colors: NDArray[np.uint8], depth: int
 ) -> tuple[NDArray[np.intp], NDArray[np.uint8], NDArray[np.uint8]]:
-    """Halve each node along its widest channel, level by level.
+    """Return the order of the colors, and the lowest and highest bytes of each node.
 
-    Returns the order of the colors, and the lowest and highest bytes of each node.
+    Each node is halved along its widest channel, level by level.
     """
     count = len(colors)
     order = np.arange(count)

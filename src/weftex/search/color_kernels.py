@@ -55,10 +55,10 @@ def nearer_child(
 
 
 def near_colors(tree, number, radius, intervals, row):
-    """Find the colors within a squared distance of one of them.
+    """Write to a row of `intervals` the colors within a squared distance of a color.
 
-    Their numbers are written to a row of `intervals` as first and last + 1, in rising order; with
-    one gap at least between two intervals, twice their number is at most C + 1.
+    Intervals are first and last + 1, ascending. Gaps separate them, so twice their number is at
+    most C + 1.
     """
     stack = cython.declare(cython.Py_ssize_t[128])
     cython.declare(color=cython.p_const_uchar, channels=cython.Py_ssize_t, total=cython.longlong)

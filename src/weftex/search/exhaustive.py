@@ -32,16 +32,9 @@ _MOST_TERMS = 168  # bytes that lower bounds are made of, a multiple of the step
 
 
 def gaussian_weights(width: int, sigma: float) -> NDArray[np.int16]:
-    """Return a Gaussian around the middle of a square window, in whole numbers from 1 to 127.
+    """Return (width, width) integers from 1 to 127: a Gaussian around the middle of a window.
 
     `width` and `sigma`, the standard deviation, are in pixels.
-
-    Examples
-    --------
-    >>> gaussian_weights(3, 1.0)
-    array([[ 47,  77,  47],
-           [ 77, 127,  77],
-           [ 47,  77,  47]], dtype=int16)
     """
     away = np.arange(width) - width // 2
     bell = np.exp(-(away[:, None] ** 2 + away**2) / (2 * sigma * sigma))
@@ -79,10 +72,10 @@ class ExhaustiveSearch:
         wrap: tuple[bool, bool],
         tolerance: float,
     ) -> Draw:
-        """Return a function that draws windows for pixels of a canvas; one for each thread.
+        """Return a function that draws windows for pixels of a canvas; each thread needs its own.
 
-        It draws one of the windows within (1 + tolerance) of the best distance, each as likely. The
-        canvas, its known pixels and their sources may change between calls.
+        It draws uniformly among the windows within (1 + tolerance) of the best distance. The canvas
+        and its known pixels may change between calls.
         """
         picture, sample = Picture(pixels, done, source, wrap), self.windows.kernel
         windows = kernels.WeightedWindows(

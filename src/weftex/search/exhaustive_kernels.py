@@ -182,7 +182,7 @@ def window_distance(
 def pick_terms(windows: WeightedWindows, known: Known, limit: cython.longlong) -> cython.longlong:
     """Choose the heaviest known bytes for `bounds`; return the scale of their weights.
 
-    The limit becomes about 2**13, so that 16 bits tell small differences apart.
+    The limit becomes about 2**13, so 16 bits resolve small differences.
     """
     cython.declare(o=cython.Py_ssize_t, k=cython.Py_ssize_t, n=cython.Py_ssize_t)
     cython.declare(dy=cython.Py_ssize_t, dx=cython.Py_ssize_t, place=cython.Py_ssize_t)
@@ -229,11 +229,11 @@ def bounds(
     planes: cython.p_const_uchar, known: Known, first: cython.Py_ssize_t, last: cython.Py_ssize_t,
     out: cython.p_ushort,
 ) -> cython.ushort:  # fmt: skip
-    """Add terms to the lower bounds of a block of neighboring windows; return the least of them.
+    """Add terms to the lower bounds of a block of neighboring windows; return the smallest bound.
 
-    A bound is the sum of floor(w d**2 / 2**16), in 16 bits, as twice as many as in 32 are done at
-    a time. A square is capped, so that no term passes LARGEST_TERM, and a sum stops at
-    LARGEST_BOUND. Four terms are added in one pass over the block.
+    A bound is the sum of floor(w d**2 / 2**16) in 16 bits, which doubles the lanes of 32. Squares
+    are capped so that no term passes LARGEST_TERM; sums stop at LARGEST_BOUND. A pass adds four
+    terms.
     """
     cython.declare(t=cython.Py_ssize_t, j=cython.Py_ssize_t, least=cython.ushort)
     cython.declare(a=cython.p_const_uchar, va=cython.short, wa=cython.ushort, ma=cython.ushort)
@@ -350,9 +350,10 @@ def nearest_coherent(
 def list_within(
     windows: WeightedWindows, known: Known, best: cython.longlong, tolerance: cython.double
 ) -> cython.Py_ssize_t:
-    """List the windows within the tolerance of the best, which is at most `best`; return how many.
+    """List the windows within the tolerance of the best; return their number.
 
-    All others have too large a lower bound, or are left out when a better one is found.
+    `best` is an upper limit of the best distance. Other windows have too large a lower bound or are
+    dropped when a better one is found.
     """
     cython.declare(n=cython.Py_ssize_t, j=cython.Py_ssize_t, b=cython.Py_ssize_t)
     cython.declare(place=cython.Py_ssize_t, count=cython.Py_ssize_t, nearest=cython.Py_ssize_t)
@@ -420,7 +421,7 @@ def draw_windows(
     tolerance: cython.double,
     out: cython.longlong[:, ::1],
 ):
-    """Draw for each pixel one of the windows within the tolerance of the best, each as likely.
+    """Draw a window for each pixel, uniformly among those within the tolerance of the best.
 
     A column of `out` has the window's flat index, its distance, and the sum of the weights of the
     known pixels.

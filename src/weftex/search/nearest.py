@@ -34,39 +34,20 @@ _COMPONENT_LENGTH = 2000
 
 @dataclass(frozen=True, eq=False)
 class LowerBound:
-    """A lower bound of the distances between windows, by a part of each.
+    """A lower bound of the distances between windows, from a part of each."""
 
-    Attributes
-    ----------
-    components : ZonePCA
-        Of the part's bytes, and all windows' coordinates.
-    length : float
-        Two windows of which the squared distance is d are at most ``length * sqrt(d)`` apart in
-        coordinates, but for the rounding of these.
-    """
-
-    components: ZonePCA
-    length: float
+    components: ZonePCA  # of the part's bytes, with all windows' coordinates
+    length: float  # windows of squared distance d are at most length * sqrt(d) apart in coordinates
 
 
 @dataclass(frozen=True, eq=False)
 class NearestSearch:
-    """The windows of a sample, with lower bounds of their distances.
-
-    Attributes
-    ----------
-    windows : Windows
-        Those that reach `reach` pixels to each side.
-    reach : int
-        In pixels, from the middle of a window to its side.
-    whole, above : LowerBound
-        By all of a window but its middle pixel, and by what is before that in scan order.
-    """
+    """The windows of a sample with bounds of their distances; `reach` is in pixels."""
 
     windows: Windows
     reach: int
-    whole: LowerBound
-    above: LowerBound
+    whole: LowerBound  # by all of a window but its center
+    above: LowerBound  # by the pixels before the center in scan order
 
     def bundle(self) -> Any:
         """Return the kernels' view, with scratch; one bundle a thread."""
@@ -91,10 +72,10 @@ def nearest_search(windows: Windows, reach: int) -> NearestSearch:
 
 
 def _lower_bound(windows: Windows, reach: int, part: NDArray[np.bool_]) -> LowerBound:
-    """Find the components of a part (width, width, K), and all windows' coordinates in them.
+    """Return the components of a part (width, width, K) with all windows' coordinates in them.
 
-    A coordinate of all windows at once is the correlation of the picture with a component, so it
-    comes from Fourier transforms; windows are too many and too large to be laid out.
+    Coordinates are the picture's correlations with the components, by Fourier transforms: windows
+    are too many and too large to be stored.
     """
     with one_blas_thread():
         vectors = _main_vectors(windows, reach, part)
@@ -109,9 +90,9 @@ def _lower_bound(windows: Windows, reach: int, part: NDArray[np.bool_]) -> Lower
 
 
 def _main_vectors(windows: Windows, reach: int, part: NDArray[np.bool_]) -> NDArray[np.float64]:
-    """Learn components from some of the windows, as rows of length 1 with 0 beside the part.
+    """Return components learned from some windows, as unit rows that are 0 outside the part.
 
-    There are fewer windows than numbers in one, so the eigenvectors are those of their products.
+    There are fewer windows than bytes in one, so eigenvectors are taken of the windows' products.
     """
     centers = windows.centers
     some = np.linspace(0, len(centers) - 1, min(len(centers), _LEARNED_WINDOWS)).astype(np.intp)

@@ -66,9 +66,9 @@ def bound_all(bound: Bound, query: cython.const[cython.uchar][::1]) -> cython.vo
 @cython.nogil
 @cython.exceptval(check=False)
 def farthest(bound: Bound, distance: cython.longlong) -> cython.longlong:
-    """How far apart in coordinates windows of this distance can be, squared.
+    """Return the largest squared distance in coordinates of windows that are `distance` apart.
 
-    A coordinate of each window is rounded by at most a half.
+    Each window's coordinates are rounded by at most a half.
     """
     cython.declare(apart=cython.double)
     apart = bound.length * sqrt(cython.cast(cython.double, distance))
@@ -116,9 +116,9 @@ def nearest_within(
 
 
 def nearest_window(search, query, near, near_count):
-    """Return the nearest window to one that is known in part; of equals the first.
+    """Return the nearest window to one that is partly known; of equals the first.
 
-    It is likely to be one of the `near`, where -1 stands for none, or like one of them.
+    The `near` windows, -1 for none, and those similar to them are compared first.
     """
     known: cython.Py_ssize_t = leading(search, query) * search.pixels.shape[2]
     if known >= search.whole.query.shape[0]:

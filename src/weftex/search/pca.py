@@ -41,10 +41,10 @@ def _blas() -> Any:
 
 
 def one_blas_thread() -> AbstractContextManager[Any]:
-    """Keep BLAS from spreading small products over all cores.
+    """Return a context that keeps BLAS to one thread.
 
-    Its threads wait for each other busily, so beside other work a product of a millisecond takes
-    a tenth of a second; and rounding must not depend on how many there are.
+    Its threads busy-wait, so a product of a millisecond takes a tenth of a second beside other
+    work. Rounding must not depend on their number either.
     """
     if os.environ.get("OPENBLAS_NUM_THREADS") == "1":
         return nullcontext()
@@ -82,7 +82,7 @@ def _fit(windows: NDArray[np.uint8], variance: float, most: int) -> ZonePCA:
 def main_components(
     power: NDArray[np.float64], vectors: NDArray[np.float64], variance: float, most: int
 ) -> NDArray[np.float64]:
-    """Return the main eigenvectors that `eigh` found as rows; the largest entry is positive.
+    """Return the main eigenvectors from `eigh` as rows, with a positive largest entry.
 
     They keep this share of the variance, unless that takes more than `most`.
     """
@@ -98,9 +98,9 @@ def main_components(
 def coordinates_of(
     raw: NDArray[np.integer],
 ) -> tuple[NDArray[np.int32], int, NDArray[np.int16]]:
-    """Bring products with the components, one component a row, into 16 bits.
+    """Return `offset`, `shift`, `features` of `ZonePCA`: products with components, in 16 bits.
 
-    Returns `offset`, `shift` and `features` of `ZonePCA`; no window is further than 2047 from 0.
+    `raw` has one component a row. No window is further than 2047 from 0.
     """
     offset = ((raw.max(axis=1) + raw.min(axis=1)) // 2).astype(np.int32)
     raw = raw - offset[:, None]

@@ -28,8 +28,7 @@ _CHUNK = 4096  # windows that are copied at a time
 def sample_pyramid(exemplar: Exemplar, count: int) -> list[Exemplar]:
     """Return the levels of a sample, finest first: `count`, or fewer if its mask leaves no more.
 
-    The pixels of a level are bytes, as `Exemplar.matching` gives them. A sample that tiles does so
-    at every level.
+    Pixels are bytes, as of `Exemplar.matching`. A tileable sample is tileable at every level.
     """
     wrap = (exemplar.tileable, exemplar.tileable)
     mask = np.ones(exemplar.shape, bool) if exemplar.mask is None else exemplar.mask
@@ -45,13 +44,7 @@ def sample_pyramid(exemplar: Exemplar, count: int) -> list[Exemplar]:
 
 
 def window_offsets(width: int, causal: bool) -> NDArray[np.int32]:
-    """Rows and columns of a window around its center, in scan order without it: (n, 2).
-
-    Examples
-    --------
-    >>> window_offsets(3, causal=True).tolist()
-    [[-1, -1], [-1, 0], [-1, 1], [0, -1]]
-    """
+    """Return (n, 2) dy and dx of a window's pixels, in scan order, without the center."""
     around = _square(width)
     return np.delete(around, len(around) // 2, axis=0)[: len(around) // 2 if causal else None]
 
@@ -64,26 +57,10 @@ def parent_offsets(width: int) -> NDArray[np.int32]:
 def interior_windows(
     sample: Exemplar, parent: Exemplar | None, width: int, parent_width: int, *, causal: bool
 ) -> list[tuple[Windows, NDArray[np.int32], NDArray[np.int32]]]:
-    """Find the pixels of a level whose windows are whole, at the parent's level too.
+    """Return (windows, centers, offsets) at the parent's level, if any, and at the own.
 
-    Parameters
-    ----------
-    sample, parent : Exemplar
-        A level from `sample_pyramid`, and the next coarser one if there is one.
-    width, parent_width : int
-        S and N, odd.
-    causal : bool
-        L-shaped windows, or such that look to all sides.
-
-    Returns
-    -------
-    list of (windows, centers, offsets)
-        The parent's, if there is one, and the pixel's own; centers are indices into the windows.
-
-    Raises
-    ------
-    InvalidInputError
-        If there are none.
+    Windows are whole. Centers are flat indices into them. `width` and `parent_width` are S and N,
+    odd, in pixels.
     """
     reach = width // 2
     own = windows_of(sample, (reach, 0 if causal else reach, reach, reach))
@@ -109,10 +86,10 @@ def window_vectors(
     causal: bool,
     most: int = 0,
 ) -> tuple[NDArray[np.uint8], NDArray[np.int32]]:
-    """Return the vectors of a level's pixels, and the pixels' flat indices in scan order.
+    """Return uint8 (n, D) vectors of a level's pixels, and (n,) flat indices of them in scan order.
 
-    They are uint8 (n, D) and int32 (n,), of at most `most` pixels, a random part if there are more;
-    0 is all. The other parameters are those of `interior_windows`.
+    They are a random part of `most` pixels if there are more; 0 takes all. For the other parameters
+    see `interior_windows`.
     """
     parts = interior_windows(sample, parent, width, parent_width, causal=causal)
     places = parts[-1][0].to_sample(parts[-1][1])

@@ -17,27 +17,14 @@ if TYPE_CHECKING:
 
 
 class QuadtreePyramid:
-    """Means over blocks at every pixel of a sample, sorted by shift.
-
-    Parameters
-    ----------
-    pixels : uint8 array (H, W, C)
-        The sample as it is matched.
-
-    Examples
-    --------
-    >>> import numpy as np
-    >>> pyramid = QuadtreePyramid(np.full((8, 8, 1), 9, np.uint8))
-    >>> pyramid.nodes(side=4, stride=2).shape  # channels, shifts, shifts, rows, columns
-    (1, 2, 2, 3, 3)
-    """
+    """Means over blocks at every pixel of a sample (H, W, C), sorted by shift."""
 
     def __init__(self, pixels: NDArray[np.uint8]) -> None:
         self.pixels = pixels
         self._nodes: dict[tuple[int, int], NDArray[np.uint8]] = {}
 
     def nodes(self, side: int, stride: int) -> NDArray[np.uint8]:
-        """Return (channel, shift y, shift x, row, column): means of side x side blocks, rounded.
+        """Return (channel, shift y, shift x, row, column): rounded means of side x side blocks.
 
         `side` is a power of two; the paper's level 3 is 4. Windows are `stride` pixels apart.
         """
@@ -57,9 +44,9 @@ class QuadtreePyramid:
     def windows(
         self, blocks: NDArray[np.int32], side: int, stride: int, rows: int, columns: int
     ) -> NDArray[np.uint8]:
-        """Return (blocks * channels, rows * columns): every window's blocks, as the kernel orders.
+        """Return (blocks * channels, rows * columns): every window's blocks in the kernel's order.
 
-        `rows` and `columns` count windows at the stride.
+        `rows` and `columns` count windows, `stride` pixels apart.
         """
         nodes = self.nodes(side, stride)
         found = np.empty((len(blocks), nodes.shape[0], rows, columns), np.uint8)

@@ -32,24 +32,10 @@ def similar_places(
     count: int,
     coarser: tuple[Windows, NDArray[np.int32]] | None = None,
 ) -> NDArray[np.int32]:
-    """Return for each pixel of `windows` the places most like it.
+    """Return (H' * W', count) flat indices of the pixels most similar to each, -1 for none.
 
-    Parameters
-    ----------
-    windows : Windows
-        The sample.
-    reach : int
-        Windows of (2 * reach + 1) squared pixels are compared.
-    count : int
-        How many places to find for each.
-    coarser : (Windows, int32 array), optional
-        The next coarser level and what this function found there.
-
-    Returns
-    -------
-    int32 array (H' * W', count)
-        Flat indices into `windows.pixels`, nearest first, -1 where there are fewer. A pixel that
-        no window is centered on has those of the nearest pixel that has one.
+    The nearest is first. Windows reach `reach` pixels. `coarser` has the next coarser level and its
+    result. A pixel that is no center takes the result of the nearest center.
     """
     centers = windows.centers
     if not count:
@@ -78,10 +64,9 @@ def similar_places(
 
 
 def nearest_center(usable: NDArray[np.uint8]) -> NDArray[np.int32]:
-    """Return for each pixel of `windows` a flat index where a window is centered: its own, or near.
+    """Return for each pixel the flat index of a nearby window center, or its own.
 
-    Where the sample has a mask the nearest along the row is taken, and the row nearest to one
-    that has any.
+    The nearest one along the row, or in the nearest row that has any.
     """
     height, width = usable.shape
     columns = np.arange(width)

@@ -22,11 +22,10 @@ def nearest_windows(
     best: cython.longlong[::1],
     out: cython.int[:, ::1],
 ):
-    """Fill each row of `out` with the windows most like a query's, nearest first, -1 for none.
+    """Fill rows of `out` with the windows most similar to each query's, nearest first, -1 for none.
 
-    A row of candidates belongs to each query, or one row to all. None lies within `apart` of the
-    query, and of candidates that near to each other the best stands for all. `best` has room for
-    the distances of one row.
+    `candidates` has one row for each query, or one for all. None lies within `apart` of the query
+    or of a better one. `best` is scratch for one row's distances.
     """
     cython.declare(i=cython.Py_ssize_t, j=cython.Py_ssize_t, k=cython.Py_ssize_t)
     cython.declare(y=cython.Py_ssize_t, x=cython.Py_ssize_t, v=cython.Py_ssize_t)

@@ -17,21 +17,10 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, eq=False)
 class Layout:
-    """Lays the phases of a level out, one below the other.
+    """Lays the phases of level `number` out, one below the other; level 0 is the finest.
 
-    Around each phase is a margin, so that the windows at all of its pixels are whole: its other
-    side if the sample tiles, else its mirror image.
-
-    Parameters
-    ----------
-    shape : (int, int)
-        Of the sample.
-    number : int
-        Of the level; 0 is the finest.
-    reach : int
-        From the middle of a window to its side.
-    tileable : bool
-        Whether the sample tiles.
+    Each phase has a margin of `reach` pixels that makes all windows whole: its other side if the
+    sample tiles, else its mirror image.
     """
 
     shape: tuple[int, int]

@@ -28,24 +28,12 @@ _LLOYD_ROUNDS = 8  # at each split
 
 @dataclass(frozen=True, eq=False)
 class TSVQ:
-    """A tree over vectors; from `build_tsvq`.
+    """A tree over vectors; from `build_tsvq`."""
 
-    Attributes
-    ----------
-    rows : uint8 array (n, D)
-        The vectors, leaf after leaf.
-    places : int32 array (n,)
-        The pixel of the sample that each vector is the window of, or any other number.
-    nodes : int32 array (m, 3)
-        Number of the first of two children, or -1 for a leaf; first and last row + 1 to look at.
-    centroids : uint8 array (m, D)
-        Of the nodes; the root's is not used.
-    """
-
-    rows: NDArray[np.uint8]
-    places: NDArray[np.int32]
-    nodes: NDArray[np.int32]
-    centroids: NDArray[np.uint8]
+    rows: NDArray[np.uint8]  # (n, D): the vectors, leaf after leaf
+    places: NDArray[np.int32]  # (n,): the pixel or other number of each vector
+    nodes: NDArray[np.int32]  # (m, 3): first child or -1 for a leaf; first and last row + 1
+    centroids: NDArray[np.uint8]  # (m, D): the root's is not used
 
     @cached_property
     def depth(self) -> int:
@@ -67,16 +55,9 @@ class TSVQ:
         leaves: int = 1,
         spans: NDArray[np.int32] | None = None,
     ) -> NDArray[np.int32]:
-        """Return for each query the row of the nearest vector that is found.
+        """Return (q,) rows of the nearest vectors found for queries (q, D) in `leaves` leaves.
 
-        Parameters
-        ----------
-        queries : uint8 array (q, D)
-            One query is one row.
-        leaves : int
-            How many leaves to look into.
-        spans : int32 array (s, 2), optional
-            First byte and number of bytes of each part that is compared; all by default.
+        `spans` (s, 2) are first byte and length of the compared parts; all by default.
         """
         if spans is None:
             spans = np.array([[0, queries.shape[1]]], np.int32)
@@ -86,24 +67,10 @@ class TSVQ:
 
 
 def build_tsvq(vectors: NDArray[np.uint8], places: NDArray[np.int32], tree_size: int = 0) -> TSVQ:
-    """Split vectors into a tree, always that node next that its centroid describes worst.
+    """Return a tree over vectors (n, D), split at the node that its centroid describes worst.
 
-    Parameters
-    ----------
-    vectors : uint8 array (n, D)
-        Not empty in either axis.
-    places : int32 array (n,)
-        A number for each vector; of equally near ones the one with the lowest is found.
-    tree_size : int
-        The most leaves; with 0, nodes are split until they hold at most `LEAF_VECTORS` vectors.
-
-    Examples
-    --------
-    >>> import numpy as np
-    >>> vectors = np.array([[0, 9], [200, 7], [1, 9], [201, 7]], np.uint8)
-    >>> tree = build_tsvq(vectors, np.arange(4, dtype=np.int32), tree_size=2)
-    >>> tree.places[tree.nearest(np.array([[190, 0]], np.uint8))].tolist()
-    [1]
+    It has at most `tree_size` leaves; with 0, leaves hold at most `LEAF_VECTORS`. `places` number
+    the vectors; of equally near ones the lowest number is found.
     """
     count, size = vectors.shape
     order = np.argsort(places, kind="stable").astype(np.int32)

@@ -12,10 +12,10 @@ class Sample:
 
 
 class Picture:
-    """The picture in the making.
+    """The picture while it is made.
 
-    `done` is 1 where a pixel is known or made, `source` its flat index into the sample's pixels, or
-    -1, and `wrap` says whether the vertical and the horizontal axis go around.
+    `done` is 1 where a pixel is known or made, `source` its flat index into the sample's pixels or
+    -1, `wrap` whether the vertical and the horizontal axis wrap.
     """
 
     def __init__(self, pixels, done, source, wrap):

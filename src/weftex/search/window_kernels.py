@@ -12,10 +12,10 @@ from cython.cimports.weftex.search.zone_kernels import squared
 
 
 def causal_runs(y, x, height, width, wrap_x, up, left, right, runs):
-    """Write the L-shaped window of a pixel in scan order, as far as it lies on the canvas.
+    """Write the L-shaped window of a pixel on the canvas in scan order; return the number of runs.
 
-    Where the canvas wraps along x the window goes around: rows above are whole, and the end of a
-    row sees its beginning. No pixel is in it twice. Returns the number of runs.
+    Where the canvas wraps along x the rows above are whole, and the end of a row includes its
+    beginning. No pixel occurs twice.
     """
     cython.declare(n=cython.Py_ssize_t, dy=cython.Py_ssize_t)
     cython.declare(first=cython.Py_ssize_t, last=cython.Py_ssize_t)
@@ -61,10 +61,10 @@ def turn_runs(runs, n):
 
 
 def known_runs(done, y, x, wrap_y, wrap_x, reach, runs):
-    """Write the known part of the square window around a pixel, without the pixel itself.
+    """Write the known part of the square window around a pixel; return the number of runs.
 
-    On a wrapped axis that is shorter than the window no pixel is in it twice. Returns the number
-    of runs.
+    The pixel itself is left out, and no pixel occurs twice on a wrapped axis shorter than the
+    window.
     """
     cython.declare(height=cython.Py_ssize_t, width=cython.Py_ssize_t, n=cython.Py_ssize_t)
     cython.declare(dy=cython.Py_ssize_t, dx=cython.Py_ssize_t)
@@ -131,10 +131,10 @@ def gather_runs(levels, y, x, runs, n, query):
 
 
 def run_distance(pixels, y, x, runs, n, query, bound):
-    """Sum of squared differences to the window of the sample at (y, x).
+    """Return the sum of squared differences to the window of the sample at (y, x).
 
-    Stops as soon as it is past `bound`, if that is not negative. The rows nearest to the pixel
-    come last in a causal window and differ most, so they are compared first.
+    Stops past `bound` unless that is negative. Rows nearest to the pixel differ most in a causal
+    window, so they are compared first.
     """
     cython.declare(channels=cython.Py_ssize_t, r=cython.Py_ssize_t, length=cython.Py_ssize_t)
     cython.declare(at=cython.Py_ssize_t, total=cython.longlong)
@@ -157,9 +157,9 @@ def run_distance(pixels, y, x, runs, n, query, bound):
 
 
 def usable_place(usable, period, y, x):
-    """Return the flat index of the window centered at (y, x), or -1 if none may be there.
+    """Return the flat index of the window centered at (y, x), or -1 if none is usable there.
 
-    A place beside a sample that tiles goes around to the other side.
+    A place outside of a tileable sample wraps around.
     """
     if period[2]:
         y = (y - period[0]) % period[2]
@@ -200,9 +200,9 @@ def compare(levels, y, x, pixels, places, runs, n, query, bound=-1):
 
 
 def distances(levels, y, x, pixels, centers, runs, n, query, out):
-    """Distances of the window at (y, x) to those at the flat indices `centers`, without a bound.
+    """Fill `out` with the distances of the window at (y, x) to those at `centers`, without a bound.
 
-    This is the least that an exhaustive search costs; searches are measured against it.
+    This is the minimum cost of an exhaustive search, against which searches are measured.
     """
     a: cython.const[cython.uchar][:, :, ::1] = levels
     b: cython.const[cython.uchar][:, :, ::1] = pixels

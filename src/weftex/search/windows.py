@@ -64,21 +64,9 @@ class Windows:
 def windows_of(
     exemplar: Exemplar, reach: Reach, pixels: NDArray[np.uint8] | None = None
 ) -> Windows:
-    """Find the whole windows of a sample, which reach (up, down, left, right) from their centers.
+    """Return the whole windows of a sample, with a reach (up, down, left, right) in pixels.
 
-    Distances are taken on `pixels`, by default on those of `exemplar.matching`.
-
-    Raises
-    ------
-    InvalidInputError
-        If no whole window lies on usable pixels.
-
-    Examples
-    --------
-    >>> import numpy as np
-    >>> from weftex.exemplar import Exemplar
-    >>> windows_of(Exemplar(np.zeros((9, 8), np.uint8)), (2, 2, 2, 2)).centers.size
-    20
+    Distances are taken on `pixels`, by default those of `exemplar.matching`.
     """
     pixels = exemplar.matching() if pixels is None else pixels
     up, down, left, right = reach

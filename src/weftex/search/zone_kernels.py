@@ -77,10 +77,10 @@ def squared(a, b, n):
 
 
 def distance(pixels, turned, y, x, runs, query, bound):
-    """A d**2 of eq. (2) for the window at (y, x); stops early past `bound` (negative: never).
+    """Return A d**2 of eq. (2) for the window at (y, x), or stop past `bound` (negative: never).
 
-    `turned` is `pixels` with its axes exchanged, so that upright runs are contiguous too: rows of
-    a few bytes cost their overhead and not their bytes.
+    `turned` is `pixels` transposed, so that upright runs are contiguous too: short rows cost their
+    overhead and not their bytes.
     """
     channels: cython.Py_ssize_t = pixels.shape[2]
     at: cython.Py_ssize_t = 0
@@ -166,8 +166,8 @@ def offer(
 def nearest_by_blocks(nodes, blocks, query, usable, shortlist):
     """Find the windows whose blocks are nearest to the query's, over one node of the pyramid each.
 
-    `nodes` is (channel, shift y, shift x, row, column): with a stride of s, the window at
-    (s * i, s * j) reads the block at (v, u) in node (v % s, u % s) at (i + v // s, j + u // s).
+    `nodes` is (channel, shift y, shift x, row, column): with a stride of s, the window at (s * i, s
+    * j) reads the block at (v, u) in node (v % s, u % s) at (i + v // s, j + u // s).
     """
     channels: cython.Py_ssize_t = nodes.shape[0]
     stride: cython.Py_ssize_t = nodes.shape[1]

@@ -28,24 +28,8 @@ _NO_PCA = ZonePCA(np.zeros((1, 1), np.int16), np.zeros(1, np.int32), 0, np.zeros
 class ZoneSearch:
     """The windows of a sample, arranged to be searched by one boundary zone.
 
-    Parameters
-    ----------
-    zone : BoundaryZone
-        By which windows are searched.
-    pyramid : QuadtreePyramid
-        Of the sample.
-    usable : uint8 array (rows, columns)
-        1 at the upper left corners of usable windows.
-    positions : int32 array (n,)
-        Their numbers, row by row.
-    search : str
-        One of `SEARCHES`.
-    candidates : int
-        m of section 3.2.
-    variance : float
-        Share that the principal components keep (section 3.3).
-    often : bool
-        Many patches have this zone, which repays an analysis.
+    `usable` (rows, columns) is 1 at the upper left corners of usable windows, `positions` (n,)
+    their numbers row by row. `candidates` is m of section 3.2; `often` repays an analysis.
     """
 
     def __init__(
@@ -117,10 +101,9 @@ class ZoneSearch:
 
 
 class KDTree:
-    """The approximate kd-tree of section 3.1, over integer points (n, K).
+    """The approximate kd-tree of section 3.1, over integer points (n, K), named by `places`.
 
-    Of a point its number in `places` is found; a neighbor may be `error` times farther, relatively,
-    than the true one.
+    A neighbor may be farther than the true one by the relative `error`.
     """
 
     def __init__(

@@ -31,8 +31,8 @@ _ONE = 256  # a weight of 1 in distances, which are integers
 class Choice:
     """Chooses the pixels of one output.
 
-    `guide` is the sample's own for the pixels of the windows; it counts where `guide_weight` is
-    above 0. `rows_to_close` rows are made twice where the canvas wraps along y: at least 2, or 0.
+    `guide` is the sample's, laid out as the windows' pixels, and used if `guide_weight` is above 0.
+    `rows_to_close` rows, at least 2 or 0, are made twice where the canvas wraps along y.
     """
 
     progress: Progress
@@ -68,10 +68,10 @@ class Choice:
         return passes * pixels + self.rows_to_close * canvas.width
 
     def choose(self, line: NDArray[np.int32], number: int, *, around: bool = False) -> None:
-        """Choose pixels one after the other; `line` has their flat indices.
+        """Choose the pixels of `line`, flat indices, in turn.
 
-        `number` is that of the pass: from 1 on, the pixel's own source is a candidate too. `around`
-        lets windows go around the canvas along y, even if it does not wrap.
+        From pass `number` 1 on, a pixel's own source is a candidate too. `around` wraps windows
+        along y even if the canvas does not wrap.
         """
         growth, tries = self._growth, np.arange(self._tries)
         strangers = random_places(

@@ -48,10 +48,10 @@ def choose(
     around: cython.bint,
     again: cython.bint,
 ):
-    """Choose the pixels of a line in its order, each by the window that is most like its own.
+    """Choose the pixels of a line in turn, each by the candidate with the most similar window.
 
-    `random_places` has a row for each pixel. `around` lets windows go around the canvas along y;
-    `again` is for the passes after the first.
+    `random_places` has a row for each pixel. `around` wraps windows along y, and `again` is for the
+    passes after the first.
     """
     cython.declare(i=cython.Py_ssize_t, count=cython.Py_ssize_t, width=cython.Py_ssize_t)
     cython.declare(place=cython.Py_ssize_t)
@@ -80,10 +80,10 @@ def gather_candidates(
     random_places: cython.const[cython.int][:, ::1],
     row: cython.Py_ssize_t,
 ) -> cython.Py_ssize_t:
-    """List the candidates: the own source, the neighbors' shifted ones and random ones.
+    """List the own source, the neighbors' shifted ones and random ones; return the number listed.
 
-    The random ones are `jumps`, or all of the row where a neighbor's source cannot go on and where
-    there is no neighbor. Returns the number of candidates.
+    There are `jumps` random ones, or a whole row where a neighbor is missing or its source cannot
+    continue.
     """
     cython.declare(count=cython.Py_ssize_t, found=cython.Py_ssize_t, k=cython.Py_ssize_t)
     cython.declare(tried=cython.Py_ssize_t)
@@ -153,10 +153,10 @@ def best_candidate(
 def guide_distance(
     sample: Sample, picture: Picture, choice: PixelChoice, place: cython.Py_ssize_t
 ) -> cython.longlong:
-    """Sum of squared differences of the sample's guide around a place to the canvas's guide.
+    """Return the sum of squared differences between the guides around `place` and the pixel.
 
-    In the first pass over the pixel itself and the part of its window that is not made yet; in
-    later ones over the whole window.
+    The first pass compares the pixel and the unmade part of its window, later ones the whole
+    window.
     """
     cython.declare(height=cython.Py_ssize_t, width=cython.Py_ssize_t, half=cython.Py_ssize_t)
     cython.declare(sy=cython.Py_ssize_t, sx=cython.Py_ssize_t)

@@ -24,23 +24,9 @@ _SHARE = 8  # pixels; fewer are not worth another thread
 def seed_piece(
     windows: Windows, side: int, shape: tuple[int, int], seed: int
 ) -> tuple[NDArray[np.int32], NDArray[np.int32]]:
-    """Take a random piece of the sample for the middle of a canvas.
+    """Return flat indices into the canvas and the windows' pixels: a random piece for the middle.
 
-    Parameters
-    ----------
-    windows : Windows
-        Of the sample; the piece is around the center of one.
-    side : int
-        Of the piece in pixels; less where the canvas is smaller.
-    shape : (int, int)
-        Height and width of the canvas.
-    seed : int
-        For `weftex.random.draw`.
-
-    Returns
-    -------
-    places, source : int32 arrays
-        Flat indices into the canvas, and into the windows' pixels.
+    The piece is `side` pixels wide, or as the canvas if that is smaller.
     """
     centers = windows.centers
     bits = draw(seed, "efros-leung seed")
@@ -57,14 +43,7 @@ def seed_piece(
 def unfilled_with_filled_neighbors(
     done: NDArray[np.uint8], wrap: tuple[bool, bool]
 ) -> NDArray[np.int32]:
-    """Return a layer: flat indices of all unfilled pixels that touch a filled one, corners too.
-
-    Examples
-    --------
-    >>> done = np.array([[1, 0, 0, 0]], np.uint8)
-    >>> unfilled_with_filled_neighbors(done, (False, True)).tolist()
-    [1, 3]
-    """
+    """Return a layer: flat indices of unfilled pixels with a filled pixel beside or diagonal."""
     filled = done > 0
     return np.flatnonzero(grown(filled, 1, wrap) & ~filled).astype(np.int32)
 
@@ -72,19 +51,8 @@ def unfilled_with_filled_neighbors(
 class Waves:
     """Splits a layer into waves: pixels that can be made at the same time.
 
-    Pixels are made one after the other, and each depends on the earlier ones in its window. Those
-    of one wave do not see each other, so threads may share them and the picture stays the same.
-
-    Parameters
-    ----------
-    shape : (int, int)
-        Height and width of the canvas.
-    wrap : (bool, bool)
-        Axes that go around.
-    width : int
-        Side of the window in pixels.
-    seed : int
-        For `weftex.random.draw`.
+    No window of a wave's pixels contains another of them, so the result is thread-independent.
+    `width` is the side of the window in pixels.
     """
 
     def __init__(
@@ -98,9 +66,9 @@ class Waves:
     def of(
         self, layer: NDArray[np.int32], done: NDArray[np.uint8]
     ) -> Iterator[tuple[NDArray[np.int32], NDArray[np.uint64]]]:
-        """Give the pixels of each wave, and random bits for each.
+        """Yield the flat indices of each wave's pixels, and random bits for each.
 
-        In order are those with the most known pixels in their windows, ties at random.
+        Pixels with the most known pixels in their windows come first, ties at random.
         """
         known, waves = (np.empty(len(layer), np.int32) for _ in range(2))
         kernels.count_known(*self._window, done, layer, known)

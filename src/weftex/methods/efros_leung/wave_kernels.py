@@ -16,7 +16,7 @@ def count_known(
 ):
     """Fill `counts` with the number of known pixels in the window around each place.
 
-    `runs` is scratch, here and below.
+    `runs` is scratch.
     """
     cython.declare(i=cython.Py_ssize_t, r=cython.Py_ssize_t, width=cython.Py_ssize_t)
     cython.declare(y=cython.Py_ssize_t, x=cython.Py_ssize_t)
@@ -40,10 +40,9 @@ def wave_numbers(
     numbers: cython.int[:, ::1],
     waves: cython.int[::1],
 ):
-    """Number the waves of a list: one more than the earlier places in a place's window have.
+    """Fill `waves`: one more than the largest wave of earlier places in each place's window.
 
-    Places of one wave do not see each other. `listed`, all 0 before and after, and `numbers` are
-    scratch of the canvas's size.
+    `listed`, all 0 before and after, and `numbers` are scratch of the canvas's size.
     """
     cython.declare(i=cython.Py_ssize_t, j=cython.Py_ssize_t, r=cython.Py_ssize_t)
     cython.declare(y=cython.Py_ssize_t, x=cython.Py_ssize_t, wave=cython.int)

@@ -31,13 +31,7 @@ _REACH_OVER_COARSER = 4
 
 
 def resolved_values(method: Any, exemplar: Exemplar) -> dict[str, Any]:
-    """Return the values left open, from the sample's scale, regularity and colors (section 7).
-
-    Raises
-    ------
-    InvalidInputError
-        If the sample has no room for `window_width`.
-    """
+    """Return values of open parameters by the sample's scale, regularity, colors (section 7)."""
     init, repeat_distance, tolerance = _init(method, exemplar), method.repeat_distance, None
     width, levels = _width_and_levels(method, exemplar, init)
     if repeat_distance is None:
@@ -60,10 +54,10 @@ def window_width(method: Any, exemplar: Exemplar) -> int:
 
 
 def reach_of(width: int, sample: Exemplar, *, causal: bool, guided: bool) -> tuple[Reach, int]:
-    """Return how far windows of a level reach, and how far over the next coarser level, or 0.
+    """Return the reach of a level's windows, and in pixels that on the next coarser level, or 0.
 
-    The coarser levels of a pyramid have room for smaller windows only. Windows that are not
-    `causal` (figure 2) look to all sides, not as far.
+    Coarser levels have room for smaller windows only. Windows that are not `causal` (figure 2)
+    reach to all sides, but not as far.
     """
     reach = (min(width, *sample.shape) - 1) // 2
     if not causal:
@@ -114,10 +108,9 @@ def _width_and_levels(method: Any, exemplar: Exemplar, init: str) -> tuple[int, 
 
 
 def _proposed_tolerance(exemplar: Exemplar) -> float:
-    """The distance of the few nearest colors, if most pixels have a color of their own.
+    """Return the distance of the few nearest colors if most colors are unique, else 0.
 
-    Each of the four lists then has some places, and a pixel 10 to 30 candidates. Where colors
-    occur twice or more, a tolerance costs time and mends nothing.
+    Each of the four lists then has some entries, and a pixel has 10 to 30 candidates.
     """
     windows = windows_of(exemplar, (0, 0, 0, 0))
     index = ColorIndex(windows.pixels, windows.usable)

@@ -10,10 +10,7 @@ from cython.cimports.weftex.search.window_kernels import gather_runs, run_distan
 
 
 class Lists:
-    """The sample and its lists for the kernels, and room for the lists that were looked up last.
-
-    There is room for at least as many as a pixel has neighbors.
-    """
+    """The sample and its lists, and a cache of the last lookups, at least one for each neighbor."""
 
     def __init__(self, lists, kept, intervals):
         windows, index = lists.windows, lists.index
@@ -26,9 +23,9 @@ class Lists:
 
 
 def near_lists(lists, colors, stamp, slots):
-    """Find the lists of the colors near to each neighbor's; return the sum of their lengths.
+    """Return the summed length of the lists of the colors near to each neighbor's.
 
-    `slots` are filled with the rows of `intervals` that the near colors stand in; -1 for none.
+    Writes to `slots` the rows of `intervals` that hold the near colors, -1 for none.
     """
     cython.declare(d=cython.Py_ssize_t, j=cython.Py_ssize_t, listed=cython.longlong)
     listed = 0
@@ -44,10 +41,10 @@ def near_lists(lists, colors, stamp, slots):
 @cython.nogil
 @cython.exceptval(check=False)
 def slot_of(lists: Lists, color: cython.int, stamp: cython.int) -> cython.int:
-    """Find the colors near to one; return the slot of `intervals` that they stand in.
+    """Return the row of `intervals` that holds the colors near to `color`.
 
-    A scan meets two of the four neighbors of a pixel again at the next one, so the results looked
-    up last are kept (section 4.4, figure 5). The one that was used longest ago makes room.
+    The last lookups are cached, as two of a pixel's four neighbors are also the next pixel's
+    (section 4.4, figure 5); the least recently used is replaced.
     """
     cython.declare(slot=cython.int, oldest=cython.int)
     oldest = 0
@@ -94,10 +91,10 @@ def group_places(
     limit: cython.longlong,
     leader: cython.int[::1],
 ):
-    """Find for each place of each list the first one whose window is alike and leads a group.
+    """Fill `leader` with the first entry of each list whose window is within `limit` of an entry's.
 
-    Alike is a squared difference of at most `limit`. Lists are sorted by the windows' sums, so a
-    leader whose sum is too far off, by the inequality of Cauchy and Schwarz, ends the search.
+    `limit` is a squared difference. Lists are sorted by the windows' sums, so the inequality of
+    Cauchy and Schwarz ends the search early.
     """
     cython.declare(c=cython.Py_ssize_t, i=cython.Py_ssize_t, count=cython.Py_ssize_t)
     with cython.nogil:

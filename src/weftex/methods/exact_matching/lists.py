@@ -28,44 +28,23 @@ _KEPT_LISTS = 8  # of colors looked up last: at least as many as there are direc
 
 @dataclass(frozen=True, eq=False)
 class ColorLists:
-    """Lists of windows by color: the slices of the search space (section 3, figure 3).
+    """Lists of windows by color: the slices of the search space (section 3, figure 3)."""
 
-    Attributes
-    ----------
-    causal : bool
-        Windows are L-shaped, as in figure 2; otherwise they look to all sides, not as far.
-    reach : int
-        How far a window reaches from its center, in pixels.
-    coarse_reach : int
-        How far it reaches over the next coarser level; 0 without one.
-    windows : Windows
-        The whole windows. A neighbor's source may go on up to the last of them.
-    index : ColorIndex
-        The kd-tree of figure 4.
-    radius : int64 array (C,)
-        For each color, the squared distance up to which another counts as it (section 5).
-    offsets : int32 array (d, 2)
-        The direct neighbors: dy and dx.
-    starts : int32 array (d, C + 1)
-        The groups of color c beside the center at offset d are starts[d, c] to starts[d, c + 1].
-    groups : int32 array (n + 1,)
-        The places of group g are places[groups[g] : groups[g + 1]]; the first stands for all.
-    places : int32 array
-        Flat indices into the pixels of the windows.
-    coarse : uint8 array (H, W, K)
-        The next coarser level for each pixel of the windows; (0, 0, K) without one.
-    """
-
+    # L-shaped windows, as in figure 2; otherwise windows reach to all sides, not as far
     causal: bool
-    reach: int
-    coarse_reach: int
-    windows: Windows
-    index: ColorIndex
+    reach: int  # pixels from the center of a window to its side
+    coarse_reach: int  # the same on the next coarser level; 0 without one
+    windows: Windows  # the whole windows; sources may continue up to the last of them
+    index: ColorIndex  # the kd-tree of figure 4
+    # (C,): for each color, the squared distance of colors that match it (section 5)
     radius: NDArray[np.int64]
-    offsets: NDArray[np.int32]
+    offsets: NDArray[np.int32]  # (d, 2): dy and dx of the direct neighbors
+    # (d, C + 1): groups of color c at offset d are starts[d, c] to starts[d, c + 1]
     starts: NDArray[np.int32]
+    # (n + 1,): group g is places[groups[g] : groups[g + 1]]; the first leads it
     groups: NDArray[np.int32]
-    places: NDArray[np.int32]
+    places: NDArray[np.int32]  # flat indices into the pixels of the windows
+    # (H, W, K): the next coarser level at each pixel; (0, 0, K) without one
     coarse: NDArray[np.uint8]
 
     def for_kernels(self) -> kernels.Lists:
@@ -78,16 +57,9 @@ class ColorLists:
 def color_lists(
     method: Any, sample: Exemplar, *, causal: bool, coarser: Exemplar | None = None
 ) -> ColorLists:
-    """List the windows of a sample by the colors of the direct neighbors.
+    """Return the windows of a level of the sample, listed by the colors of the direct neighbors.
 
-    Parameters
-    ----------
-    sample : Exemplar
-        The sample, or a coarser version of it.
-    causal : bool
-        L-shaped windows, or such that look to all sides.
-    coarser : Exemplar, optional
-        The next coarser level; its windows are compared too.
+    With `coarser`, the next coarser level, its windows are compared too.
     """
     width, guided = method.window_width, coarser is not None
     reaches, coarse_reach = reach_of(width, sample, causal=causal, guided=guided)
@@ -118,10 +90,9 @@ def color_lists(
 
 
 def _with_room_below(windows: Windows, reach: int) -> NDArray[np.uint8]:
-    """Centers that can be gone on with downwards for half a window.
+    """Return (H, W) centers, 1 where the sample continues downward for half a window.
 
-    A jump to the last rows of a sample ends there at once, and the next jump lands in the same
-    rows: they would be repeated over and over.
+    A jump to the last rows would end there at once, and the next would repeat the same rows.
     """
     usable = windows.usable
     if windows.period[2] or not reach:
@@ -165,10 +136,7 @@ def _grouped(
     places: NDArray[np.int32],
     grouping: float,
 ) -> tuple[NDArray[np.int32], NDArray[np.int32], NDArray[np.int32]]:
-    """Group places of a list whose windows are alike into one entry (section 4.4).
-
-    Returns `starts`, `groups` and `places` of `ColorLists`.
-    """
+    """Return `starts`, `groups`, `places` with similar windows grouped (section 4.4)."""
     size = int(runs[:, 2].sum()) * windows.pixels.shape[2]
     sums = _window_sums(windows, runs)[places]
     for row in starts:

@@ -79,9 +79,9 @@ def match_pixels(
     order: cython.const[cython.int][::1],
     bits: cython.const[cython.ulonglong][::1],
 ):
-    """Synthesize the pixels of `order`, in this order (section 4.2).
+    """Synthesize the pixels of `order`; return the number of compared windows (section 4.2).
 
-    `bits` are random ones for each pixel. Returns how many windows were compared.
+    `bits` has random bits for each pixel.
     """
     cython.declare(p=cython.Py_ssize_t, width=cython.Py_ssize_t)
     width = picture.source.shape[1]
@@ -193,7 +193,7 @@ def gather_windows(picture: Picture, search: Search) -> cython.void:
 def find_best(lists: Lists, picture: Picture, search: Search) -> cython.void:
     """Choose the best match of the reduced search space (section 4.2).
 
-    Places that were copied to a pixel nearby are left out, unless there are no others.
+    Sources of nearby pixels are left out, unless there are no others.
     """
     search.best, search.best_key, search.coherent = -1, 0, False
     search.apart = search.repeat_distance
@@ -231,11 +231,10 @@ def compare_coherent(lists: Lists, picture: Picture, search: Search) -> cython.v
 @cython.nogil
 @cython.exceptval(check=False)
 def compare_listed(lists: Lists, picture: Picture, search: Search) -> cython.void:
-    """Compare the union of the lists of the neighbors' colors, or about `most` windows of it.
+    """Compare the union of the lists of the neighbors' colors, or a sample of about `most` windows.
 
-    Each window has one key, whichever lists it is in, and those with keys in a share of all numbers
-    are compared. The sum of the lists' lengths counts a window once for each list that it is in; so
-    what the first share meets says how large the union is, and the second one is made of that.
+    Each window has one random key, and those with keys below a bound are compared. A first share
+    estimates the size of the union; the second is chosen by it.
     """
     cython.declare(listed=cython.longlong, share=cython.longlong, met=cython.longlong)
     listed = near_lists(lists, search.color, search.stamp, search.slots)
@@ -254,9 +253,9 @@ def compare_listed(lists: Lists, picture: Picture, search: Search) -> cython.voi
 def compare_share(
     lists: Lists, picture: Picture, search: Search, share: cython.longlong
 ) -> cython.longlong:
-    """Compare the listed windows with keys below `share`, but none twice for a pixel (section 4.4).
+    """Compare the listed windows with keys below `share`, each once; return how many were new.
 
-    Returns how many were met for the first time.
+    See section 4.4.
     """
     cython.declare(d=cython.Py_ssize_t, j=cython.Py_ssize_t, slot=cython.Py_ssize_t)
     cython.declare(i=cython.Py_ssize_t, place=cython.Py_ssize_t, stamp=cython.int)
@@ -290,10 +289,9 @@ def compare_share(
 def compare_group(
     lists: Lists, picture: Picture, search: Search, group: cython.Py_ssize_t, key: cython.uint
 ) -> cython.void:
-    """Compare one entry of a list.
+    """Compare one entry of a list; a random member stands for a group.
 
-    Among windows at the same distance a coherent place wins; among the others the smallest key
-    does, and keys are random. An entry that stands for a group is compared by a random member.
+    Of windows at the same distance a coherent one wins, then the one with the smallest random key.
     """
     cython.declare(first=cython.Py_ssize_t, member=cython.Py_ssize_t, distance=cython.longlong)
     first = lists.groups[group]

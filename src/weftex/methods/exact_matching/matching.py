@@ -24,17 +24,10 @@ _MOST_NEIGHBORS = 8
 
 
 class Parents(NamedTuple):
-    """The next coarser level, for each pixel of a sheet.
+    """The next coarser level, for each pixel of a sheet."""
 
-    Attributes
-    ----------
-    pixels : uint8 array (H, W, K)
-        Bytes of the pixel's parent.
-    suggested : int32 array (H, W)
-        Flat index into the sample that the parent's source leads to, or -1.
-    """
-
-    pixels: NDArray[np.uint8]
+    pixels: NDArray[np.uint8]  # (H, W, K): bytes of the pixel's parent
+    # (H, W): flat index into the sample that continues the parent's source, or -1
     suggested: NDArray[np.int32]
 
     def below(self, row: int) -> Parents:
@@ -43,32 +36,7 @@ class Parents(NamedTuple):
 
 
 class Sheet:
-    """A picture in the making, below the band that it begins with.
-
-    Parameters
-    ----------
-    lists : ColorLists
-        The windows to choose from.
-    shape : (int, int)
-        Height, with the band, and width.
-    wrap : (bool, bool)
-        Whether the vertical and the horizontal axis go around.
-    top : int
-        Rows of the band.
-    level : int, optional
-        The level of the output that lies below the band, if it is one.
-
-    Attributes
-    ----------
-    pixels : uint8 array (H, W, K)
-        The bytes that distances are taken on.
-    done : uint8 array (H, W)
-        1 where a pixel is known or made.
-    source : int32 array (H, W)
-        Flat index into the pixels of the lists' windows, or -1.
-    color : int32 array (H, W)
-        Number of the color, or -1.
-    """
+    """A level of the output, below the `top` rows of the band that it begins with."""
 
     def __init__(
         self,
@@ -79,10 +47,12 @@ class Sheet:
         level: int | None = None,
     ) -> None:
         self.lists, self.wrap, self.top, self.level = lists, wrap, top, level
+        # (H, W, K): the bytes that are compared
         self.pixels = np.zeros((*shape, lists.windows.pixels.shape[2]), np.uint8)
-        self.done = np.zeros(shape, np.uint8)
+        self.done = np.zeros(shape, np.uint8)  # (H, W): 1 where a pixel is known or made
+        # (H, W): flat index into the pixels of the lists' windows, or -1
         self.source = np.full(shape, -1, np.int32)
-        self.color = np.full(shape, -1, np.int32)
+        self.color = np.full(shape, -1, np.int32)  # (H, W): number of the color, or -1
 
     @property
     def places(self) -> NDArray[np.int32]:
@@ -98,9 +68,9 @@ class Sheet:
         self.name_colors()
 
     def name_colors(self) -> None:
-        """Find the color numbers of known pixels; of a color that is not listed, the nearest one's.
+        """Find the color numbers of known pixels that touch an unknown one.
 
-        Only known pixels that touch an unknown one are looked up.
+        A color that is not listed takes the number of the nearest one.
         """
         wanted = (self.color < 0) & (self.done > 0) & grown(self.done == 0, 1, self.wrap)
         source = self.source[wanted]
@@ -112,24 +82,10 @@ class Sheet:
     def parents(
         self, top: int, shape: tuple[int, int], sample_shape: tuple[int, int]
     ) -> tuple[NDArray[np.int32], Parents]:
-        """Lead to the next finer level.
+        """Return the band (top, W) and the `Parents` of the next finer level.
 
-        Parameters
-        ----------
-        top : int
-            Rows of the finer level's band.
-        shape : (int, int)
-            Of the finer level without it.
-        sample_shape : (int, int)
-            Of the finer level's sample.
-
-        Returns
-        -------
-        band : int32 array (top, W)
-            Flat indices into the finer sample. Places beyond it are moved to its last row or
-            column.
-        parents : Parents
-            For the band and the level.
+        `shape` is the finer level's without its band of `top` rows. The band has flat indices into
+        the finer sample, clamped to its last row and column.
         """
         rows, columns = np.arange(-top, shape[0])[:, None], np.arange(shape[1])
         above = np.maximum(rows // 2 + self.top, 0), columns // 2
@@ -142,10 +98,7 @@ class Sheet:
 
 
 def random_band(lists: ColorLists, width: int, seed: int) -> NDArray[np.int32]:
-    """Choose random pixels of the sample for a band as high as a window reaches.
-
-    Returns flat indices into the sample, (reach, width).
-    """
+    """Return (reach, width) flat indices of random pixels of the sample: a band one reach high."""
     centers = lists.windows.to_sample(lists.windows.centers)
     bits = draw(seed, "exact band", *np.indices((lists.reach, width)))
     band: NDArray[np.int32] = centers[bits % np.uint64(len(centers))]
@@ -155,12 +108,10 @@ def random_band(lists: ColorLists, width: int, seed: int) -> NDArray[np.int32]:
 def structured_band(
     turned: ColorLists, width: int, method: Any, growth: Growth
 ) -> NDArray[np.int32]:
-    """Make a band as a picture of its own, from its left to its right end.
+    """Return (reach, width) flat indices into the sample: a band synthesized from left to right.
 
-    Sample and band are turned by exchanging their axes: the scan then runs along the band, and
-    nearly all of each window is known. A block of the sample covers the beginning.
-
-    Returns flat indices into the sample as it was before it was turned, (reach, width).
+    Sample and band are transposed, so nearly all of each window is known. A block of the sample
+    covers the beginning.
     """
     windows, high = turned.windows, turned.reach
     sheet = Sheet(turned, (width, high), (False, False))
@@ -176,17 +127,7 @@ def structured_band(
 
 
 class Matching:
-    """Makes pixels of a sheet.
-
-    Parameters
-    ----------
-    sheet : Sheet
-        The picture to fill.
-    growth : Growth
-        Its seed breaks ties; it reports on progress, and takes down what was compared.
-    parents : Parents, optional
-        The next coarser level.
-    """
+    """Synthesizes pixels of a sheet; `parents` are its next coarser level."""
 
     def __init__(
         self, sheet: Sheet, method: Any, growth: Growth, parents: Parents | None = None
@@ -218,18 +159,10 @@ class Matching:
     def scan(
         self, rows: range, purpose: str, stage: str, shown: NDArray[np.uint8] | None = None
     ) -> None:
-        """Make rows of the sheet in scanline order.
+        """Synthesize rows of the sheet in scan order.
 
-        Parameters
-        ----------
-        rows : range
-            Of the sheet.
-        purpose : str
-            Of the random bits.
-        stage : str
-            For the progress.
-        shown : uint8 array (len(rows), W, K), optional
-            Takes each row when it is made.
+        Random bits are drawn for `purpose`, progress is reported as `stage`, and finished rows are
+        copied to `shown` (len(rows), W, K).
         """
         width = self.sheet.done.shape[1]
         progress = self._growth.progress(len(rows), stage)
@@ -240,9 +173,9 @@ class Matching:
             progress.advance(1)
 
     def fill(self, purpose: str) -> None:
-        """Make all unknown pixels from the known ones inwards; then again, with whole windows.
+        """Synthesize all unknown pixels inward from the known ones, then again with whole windows.
 
-        Beyond the paper. Windows look to all sides, and all eight neighbors are direct ones.
+        Beyond the paper: windows reach to all sides, and all eight neighbors are direct ones.
         """
         unknown = self.sheet.done == 0
         passes = self._method.passes

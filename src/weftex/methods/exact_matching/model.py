@@ -22,15 +22,7 @@ _SMALLEST_SIDE = 5  # of the coarsest level, in pixels
 
 @dataclass(frozen=True, eq=False)
 class LevelSample:
-    """A level of the sample's pyramid; its lists are made when they are first needed.
-
-    Attributes
-    ----------
-    sample : Exemplar
-        The level's bytes.
-    coarser : Exemplar or None
-        The next coarser level.
-    """
+    """A level of the sample's pyramid; its lists are built at first use."""
 
     method: Any
     sample: Exemplar
@@ -56,12 +48,7 @@ class LevelSample:
 class Prepared:
     """A sample prepared for exact neighborhood matching.
 
-    Attributes
-    ----------
-    windows : Windows
-        Single pixels, so that indices are the sample's own.
-    levels : tuple of LevelSample
-        Finest first.
+    `windows` are of one pixel, so indices are the sample's own. `levels` are finest first.
     """
 
     method: Any
@@ -70,13 +57,7 @@ class Prepared:
 
 
 def prepare(method: Any, exemplar: Exemplar) -> Prepared:
-    """Analyze a sample (section 4.1), at each of its levels.
-
-    Raises
-    ------
-    InvalidInputError
-        If there are more levels than the sample is large enough for.
-    """
+    """Return the analysis of a sample (section 4.1) at each of its levels."""
     windows = windows_of(exemplar, (0, 0, 0, 0))
     samples = sample_pyramid(exemplar, method.levels)
     enough = len(samples)

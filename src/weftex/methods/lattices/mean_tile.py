@@ -14,12 +14,7 @@ if TYPE_CHECKING:
 
 
 class MeanTile:
-    """The mean of all usable pixels at the same place of the tile, to about a pixel.
-
-    >>> tile = np.arange(6, dtype=np.uint8).reshape(2, 3, 1)
-    >>> MeanTile(np.tile(tile, (3, 3, 1)), (3, 0, 0, 2)).at(3, 7)
-    array([4], dtype=uint8)
-    """
+    """The mean of all usable pixels at the same place of the tile, to about a pixel."""
 
     def __init__(
         self,

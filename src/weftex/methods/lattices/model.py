@@ -22,23 +22,10 @@ if TYPE_CHECKING:
 
 
 class LatticeModel(Model):
-    """Base of the models of methods over a lattice: a sample prepared for repeating it.
+    """Base of the models of methods over a lattice; a subclass defines `make`.
 
-    A subclass defines `make`.
-
-    Parameters
-    ----------
-    method : Method
-        With every parameter chosen.
-    exemplar : Exemplar
-        The sample.
-    vectors : tuple of float
-        x1, y1, x2, y2 of the lattice, or nothing where any window is similar to any other.
-
-    Raises
-    ------
-    UnsupportedError
-        If there is a lattice, which the pieces of several samples do not share.
+    `vectors` are x1, y1, x2, y2 of the lattice in pixels, or empty where any window is similar to
+    any other.
     """
 
     def __init__(self, method: Method, exemplar: Exemplar, vectors: tuple[float, ...]) -> None:
@@ -59,7 +46,7 @@ class LatticeModel(Model):
         progress: ProgressCallback | None,
         period: tuple[int, int] | None = None,
     ) -> Synthesis:
-        """Make an output whose corner is at `origin` in the plane of the sample's lattice.
+        """Return an output whose corner is at `origin` in the plane of the sample's lattice.
 
         With a `period` that plane wraps.
         """
@@ -73,16 +60,10 @@ class LatticeModel(Model):
         threads: int | None = None,
         progress: ProgressCallback | None = None,
     ) -> Synthesis:
-        """See `Model.sample`.
+        """See `Model.sample`; errors name a good size if the lattice would be strained too much.
 
         Where the canvas wraps, the lattice is stretched until whole tiles fit;
         `provenance["strain"]` says how much. In a hole, the lattice around it continues.
-
-        Raises
-        ------
-        InvalidInputError
-            If the lattice would have to be stretched too much; a good size is named. If a hole
-            leaves no whole window of a block.
         """
         canvas = as_canvas(size, tileable)
         self.require(canvas)

@@ -24,13 +24,8 @@ _MOST_NUMBERS = 288  # of the low resolution that describe one zone
 class PatchAnalysis:
     """The windows of a sample and the search structures for boundary zones.
 
-    `method` is resolved for the sample. With `ahead`, the boundary zones of the paper's three
-    configurations (Fig. 3 b to d) are put into search structures at once.
-
-    Raises
-    ------
-    InvalidInputError
-        If no window lies in the usable part of the sample.
+    `method` is resolved. With `ahead`, the zones of the paper's three configurations (Fig. 3 b to
+    d) are analyzed at once.
     """
 
     def __init__(self, method: PatchMethod, exemplar: Exemplar, *, ahead: bool = True) -> None:
@@ -127,10 +122,10 @@ class PatchAnalysis:
         width: int,
         often: bool = False,
     ) -> ZoneSearch:
-        """Return the sample's windows, arranged to be searched by the zone of one configuration.
+        """Return the sample's windows, arranged for the search by one boundary zone.
 
-        `known` are the window's pixels that are on the canvas already, `frozen` those of them that
-        must stay. Around a hole each zone is met once: it is not `often` and not kept.
+        `known` are the window's pixels that are pasted already, `frozen` those that must stay.
+        Around a hole each zone is met once: it is not `often` and not kept.
         """
         of_hole = frozen is not None and not often
         stays = b"" if frozen is None else frozen.tobytes()

@@ -42,10 +42,10 @@ class Frame:
 
 
 def frame_of(method: PatchMethod, canvas: Canvas) -> Frame:
-    """Fit the windows of a resolved method to a canvas.
+    """Return the frame that fits the windows of a resolved method to a canvas.
 
-    In a wrapped row the last patch has a zone at either end, and room must be left between them, so
-    the boundary may be narrower than the method's.
+    The boundary may be narrower than the method's, as the last patch of a wrapped row has a zone at
+    either end.
     """
     assert method.boundary_width
     (height, width), (wraps_y, wraps_x) = canvas.shape, canvas.wrap

@@ -34,9 +34,9 @@ if TYPE_CHECKING:
 
 
 class PatchModel(Model):
-    """A sample prepared for a method that pastes patches; `sample` makes outputs from it.
+    """A sample prepared for a method that pastes patches.
 
-    `cover` is the algorithm, a function of a module, so that models can be pickled.
+    `cover`, a function of a module, covers a canvas with them.
     """
 
     method: PatchMethod

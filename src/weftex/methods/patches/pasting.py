@@ -27,31 +27,9 @@ if TYPE_CHECKING:
 
 
 class Output:
-    """A canvas as far as it is covered with patches.
+    """A canvas while it is covered with patches.
 
-    Parameters
-    ----------
-    analysis : PatchAnalysis
-        Of the sample.
-    canvas : Canvas
-        What to make.
-    seed : int
-        For `weftex.random.draw`.
-    threads : int
-        Their maximum number.
-    callback : callable or None
-        See `weftex.progress.ProgressCallback`.
-    plane : callable, optional
-        Makes the order of the patches, where it does not depend on the canvas alone.
-
-    Attributes
-    ----------
-    placements : int32 array (n, 5)
-        y and x of each patch, y and x of its source, and the number of its zone.
-    cuts : uint16 array (n, 2 * (rows + columns)) or (0, 0)
-        Minimum-error paths, see `PatchSynthesis`.
-    pixels : uint8 array (H, W, K)
-        The frame as it is matched; 0 where nothing was pasted.
+    `plane` makes the order of the patches of a plane's window; by default the canvas determines it.
     """
 
     def __init__(
@@ -67,12 +45,15 @@ class Output:
         self.frame = frame_of(self.method, canvas)
         self._threads, self._callback = threads, callback
         self._zones = Zones(analysis, self.frame.boundary_width)
+        # (H, W, K): the frame as it is matched; 0 where nothing was pasted
         self.pixels = np.zeros((*self.frame.shape, analysis.pixels.shape[2]), np.uint8)
         if self.frame.known is not None and plane is None:
             self.pixels[self.frame.inside] = self._known_pixels()
         self.order = plane(self._zones) if plane else self._order(seed)
+        # (n, 5): y, x of each patch, y, x of its source, number of its zone
         self.placements = np.zeros((len(self.order.corners), 5), np.int32)
         self.placements[:, :2] = self.order.corners
+        # (n, 2 * (rows + columns)) or (0, 0): minimum-error paths, see `PatchSynthesis`
         self.cuts = np.zeros((0, 0), np.uint16)
         if self.method.blend == "cut" and not self.method.pixelwise:
             self.cuts = np.zeros((len(self.placements), 2 * sum(self.frame.window)), np.uint16)

@@ -25,9 +25,8 @@ CONTINUES = cython.declare(cython.int, 2)
 class Tolerance:
     """Which candidates may be taken, and how one of them is drawn.
 
-    A distance is at most `value` times the root mean square of the zone on the canvas, which is
-    epsilon of section 2.4; with `of_best`, 1 + `value` times the distance of the best candidate.
-    One is drawn by the similarity factors alpha_i of section 2.1, or each is as likely.
+    The limit is `value` times the zone's root mean square (epsilon of section 2.4), or with
+    `of_best` 1 + `value` times the best distance. Draws are uniform or by alpha_i of section 2.1.
     """
 
     value: cython.double
@@ -66,7 +65,7 @@ class Patches:
 @cython.nogil
 @cython.exceptval(check=False)
 def limit_of(energy: cython.longlong, best: cython.double, tolerance: Tolerance) -> cython.double:
-    """The largest squared distance of the set: by the canvas's energy or by the best candidate.
+    """Return the set's largest squared distance, from the canvas's energy or the best candidate.
 
     Both are A d**2: `energy` is the sum of squares whose mean is in d_max of section 2.4.
     """
@@ -139,10 +138,10 @@ def bar_repeats(
     width: cython.Py_ssize_t,
     found: Shortlist,
 ) -> cython.void:
-    """Mark candidates that would repeat the source of a patch around patch `p`.
+    """Mark candidates that would repeat the source of a patch near patch `p`.
 
-    A candidate that continues a patch around as in the sample repeats nothing, but half of the
-    patches must not continue one, or large pieces of the sample are copied.
+    A candidate that continues a neighboring patch repeats nothing, but half of the patches must not
+    continue one, or large pieces of the sample are copied.
     """
     y: cython.Py_ssize_t = patches.placements[p, 0]
     x: cython.Py_ssize_t = patches.placements[p, 1]
@@ -178,9 +177,9 @@ def bar_repeats(
 @cython.nogil
 @cython.exceptval(check=False)
 def best_unrepeated(count: cython.Py_ssize_t, found: Shortlist) -> cython.Py_ssize_t:
-    """Return the best candidate that repeats nothing, unless it is much worse than one that does.
+    """Return the best candidate without a repeat, unless it is much worse than the best of all.
 
-    If it is, all are free that continue no patch; if none is, all are.
+    If it is, candidates that continue no patch are freed; if there are none, all are.
     """
     best: cython.Py_ssize_t = -1
     near: cython.Py_ssize_t = -1
@@ -287,9 +286,9 @@ def lay_patches(
     tolerance: Tolerance,
     found: Shortlist,
 ):
-    """Choose the source of patches `first` to `last` - 1, cut each and paste it on the canvas.
+    """Choose sources for patches `first` to `last` - 1, cut each and paste it on the canvas.
 
-    Their zone is that of `windows`; `layout` has its weights alone.
+    All have the zone of `windows`; `layout` has its weights alone.
     """
     whole: View = View(0, 0, 1, 0)
     width: cython.Py_ssize_t = windows.usable.shape[1]

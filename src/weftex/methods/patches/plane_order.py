@@ -62,21 +62,11 @@ _TURN = 1 << 20  # more than any place within a block
 
 @dataclass(frozen=True)
 class PatchAxis:
-    """The patches of a plane along an axis.
+    """The patches of a plane along an axis."""
 
-    Parameters
-    ----------
-    window : int
-        Side of a patch.
-    patches : Axis
-        Where patches begin, in pixels.
-    nodes : Axis
-        Which of them are nodes.
-    """
-
-    window: int
-    patches: Axis
-    nodes: Axis
+    window: int  # side of a patch in pixels
+    patches: Axis  # where patches begin, in pixels
+    nodes: Axis  # which patches are nodes
 
     @classmethod
     def of(cls, window: int, overlap: int, period: int | None) -> PatchAxis:
@@ -104,24 +94,7 @@ def least_period(window: int, overlap: int) -> int:
 
 
 class PlaneOrder:
-    """The patches that a window of a plane depends on.
-
-    Parameters
-    ----------
-    axes : (PatchAxis, PatchAxis)
-        The patches down and across.
-    box : Box
-        The window.
-
-    Attributes
-    ----------
-    numbers : (int array, int array)
-        Of the rows and the columns of patches that are looked at.
-    starts : (int array, int array)
-        Where they begin on the plane, in pixels.
-    needed : bool array (rows, columns)
-        Patches that show in the window, or that one of those depends on.
-    """
+    """The patches that a window of a plane depends on."""
 
     def __init__(self, axes: tuple[PatchAxis, PatchAxis], box: Box) -> None:
         self.axes = rows, columns = axes
@@ -129,7 +102,8 @@ class PlaneOrder:
             rows.around(box.rows),
             columns.around(box.columns),
         )
-        self.numbers = down, across
+        self.numbers = down, across  # numbers of the rows and of the columns of patches
+        # where they begin on the plane, in pixels
         self.starts = tuple(
             np.array([axis.patches.node(n) for n in line.tolist()], np.int64)
             for axis, line in zip(self.axes, self.numbers, strict=True)
@@ -150,10 +124,10 @@ class PlaneOrder:
 
     @cached_property
     def depends_on(self) -> NDArray[np.bool_]:
-        """For each of `_AROUND`, whether each patch may depend on it: (n, rows, columns).
+        """Return (n, rows, columns): for each of `_AROUND`, whether each patch may depend on it.
 
-        On earlier ones of its own block and on nodes; inside, on edges too. Farther ones, which
-        it should not repeat, are those that it depends on by one between.
+        Patches depend on earlier ones of their block and on nodes; inside, on edges too. Patches
+        two steps away, which must not be repeated, are dependencies of dependencies.
         """
         result = np.zeros((len(_AROUND), *self.shape), bool)
         for k in _TOUCHING:
@@ -172,7 +146,7 @@ class PlaneOrder:
 
     @cached_property
     def needed(self) -> NDArray[np.bool_]:
-        """See the class."""
+        """(rows, columns): patches that show in the window or that one of those depends on."""
         needed = np.zeros(self.shape, bool)
         needed[self.shown] = True
         flat, width = needed.ravel(), self.shape[1]
@@ -187,16 +161,10 @@ class PlaneOrder:
         return needed
 
     def order(self, zones: Zones, seed: int, pieces: Pieces) -> Order:
-        """The patches in their order, on a frame that begins with the first of them.
+        """Return the patches in their order, on a frame that begins with the first of them.
 
-        Parameters
-        ----------
-        zones : Zones
-            Numbers the boundary zones.
-        seed : int
-            Of the plane.
-        pieces : Pieces
-            Places of the sample for patches at nodes.
+        `zones` numbers the boundary zones, `seed` is the plane's, and `pieces` are sources for
+        nodes.
         """
         y, x = np.nonzero(self.needed)
         zone = self._zones(zones, y, x)
@@ -291,18 +259,10 @@ class PlaneOrder:
 def known_of(
     window: tuple[int, int], bits: int, above: int, below: int, left: int, right: int
 ) -> tuple[NDArray[np.bool_], NDArray[np.bool_] | None]:
-    """What of a patch is there already, and what of it must stay.
+    """Return masks (height, width) of a patch's pixels that are pasted already and that must stay.
 
-    Parameters
-    ----------
-    window : (int, int)
-        Height and width of patches.
-    bits : int
-        Which of those around it depends on, and which are edges that cross it.
-    above, left : int
-        How far the patches before reach into it.
-    below, right : int
-        Where the next ones begin.
+    `bits` are the neighbors that it depends on and the edges that cross it. `above` and `left` are
+    how far the patches before reach into it, `below` and `right` where the next ones begin.
     """
     known, stays = np.zeros((2, *window), bool)
     rows = {-1: slice(0, above), 0: slice(None), 1: slice(below, None)}

@@ -53,13 +53,7 @@ class Order:
 
 
 def runs_of(zones: list[int], first: int) -> list[Run]:
-    """Part patches, numbered from `first`, where their zone changes.
-
-    Examples
-    --------
-    >>> [tuple(run) for run in runs_of([0, 1, 1, 2], 10)]
-    [(0, 10, 11), (1, 11, 13), (2, 13, 14)]
-    """
+    """Return runs of patches with the same zone, the first patch numbered `first`."""
     changes = [k for k in range(1, len(zones)) if zones[k] != zones[k - 1]]
     ends = pairwise([0, *changes, len(zones)])
     return [Run(zones[start], first + start, first + stop) for start, stop in ends]
@@ -110,15 +104,7 @@ def scan_patches(frame: Frame, zones: Zones, seed: int, threads: int) -> Order:
 
 
 def patch_starts(length: int, size: int, overlap: int, wrap: bool) -> list[int]:
-    """First pixels of patches that cover an axis, evenly spread, overlapping by `overlap` or more.
-
-    Examples
-    --------
-    >>> patch_starts(100, 40, 10, wrap=False)
-    [0, 30, 60]
-    >>> patch_starts(100, 40, 10, wrap=True)
-    [0, 25, 50, 75]
-    """
+    """Return first pixels of evenly spread patches that overlap by `overlap` pixels or more."""
     step = size - overlap
     if wrap:
         count = max(-(-length // step), 2)
@@ -162,11 +148,10 @@ def patches_around(rows: int, columns: int) -> NDArray[np.int32]:
 def wavefronts(
     rows: int, columns: int, length: int, reach: int = 1
 ) -> Iterator[list[tuple[int, int, int]]]:
-    """Cut the grid of patches into pieces of rows, (row, first, last + 1), in independent groups.
+    """Yield independent groups of pieces of rows, (row, first, last + 1).
 
-    A patch needs the patches to its left, and in the row above up to `reach` columns to its right,
-    which it overlaps. So pieces start `reach` patches further left from row to row, and piece c of
-    row i needs piece c - 1 of its own row and pieces up to c of the row above.
+    A patch depends on those to its left and, in the row above, up to `reach` columns to its right.
+    So piece c of row i depends on piece c - 1 of its row and on pieces up to c of the row above.
     """
     pieces = -(-(columns + rows * reach) // length)
     for front in range(rows + pieces):

@@ -28,23 +28,9 @@ _LEAP = 2.5
 
 
 def patch_size_of(exemplar: Exemplar, share: float) -> int:
-    """Return the side of patches for a sample, in pixels.
+    """Return the side of patches for a sample in pixels: a `share` of its shorter side.
 
-    Parameters
-    ----------
-    exemplar : Exemplar
-        The sample.
-    share : float
-        Of its shorter side, or of 36 times the scale of its structure where that is less; samples
-        of up to 512 pixels a side are taken as they are.
-
-    Examples
-    --------
-    >>> from weftex.exemplar import Exemplar
-    >>> y, x = np.indices((600, 600))
-    >>> grid = Exemplar((100 * (x % 16 < 8) + 100 * (y % 16 < 8)).astype(np.uint8))
-    >>> patch_size_of(grid, 0.3)
-    173
+    Of more than 512 pixels, at most 36 times the scale of the structure counts, but at least 512.
     """
     side = min(exemplar.shape)
     if side > _SMALL:
@@ -55,44 +41,17 @@ def patch_size_of(exemplar: Exemplar, share: float) -> int:
 
 
 def patch_size_on(canvas: Canvas, share: float) -> int:
-    """Return the largest side of patches for an output, in pixels.
+    """Return the largest side of patches for an output in pixels: a `share` of its shorter side.
 
-    Patches that suit a large sample would make a smaller picture out of a few whole pieces of it.
-
-    Parameters
-    ----------
-    canvas : Canvas
-        The output.
-    share : float
-        Of its shorter side, as in `patch_size_of`; of 512 pixels where that is less.
-
-    Examples
-    --------
-    >>> from weftex.canvas import Canvas
-    >>> patch_size_on(Canvas(1000, 2000), 0.3), patch_size_on(Canvas(100, 100), 0.3)
-    (300, 154)
+    The side counts as at least 512 pixels. Larger patches would make it out of a few whole pieces.
     """
     return round(share * max(_SMALL, min(canvas.shape)))
 
 
 def patch_size_for(hole: NDArray[np.bool_], usable: NDArray[np.bool_], least: int) -> int:
-    """Return the side of patches for a hole, in pixels.
+    """Return the side of patches for a hole (H, W) in pixels, at least `least`.
 
-    Parameters
-    ----------
-    hole : bool array (H, W)
-        What is to be filled.
-    usable : bool array (H', W')
-        The pixels that patches are taken from.
-    least : int
-        The smallest side; single pixels are taken only where no 2x2 pixels are usable.
-
-    Examples
-    --------
-    >>> hole = np.zeros((200, 200), bool)
-    >>> hole[60:120, 60:120] = True
-    >>> patch_size_for(hole, ~hole, 2)
-    40
+    It is 1 only where no 2x2 pixels of the sample are `usable`.
     """
     fits = (s for s in _SIZES if s == _SIZES[-1] or _windows(hole, round(_LEAP * s)))
     size: int = max(min(next(fits), min(*hole.shape, *usable.shape) // 5), 2, least)

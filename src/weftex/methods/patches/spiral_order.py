@@ -114,14 +114,7 @@ def _useful(
 
 
 def spiral(cells: NDArray[np.bool_]) -> Iterator[tuple[int, int]]:
-    """Walk each connected group of cells from its border inwards, clockwise.
-
-    Examples
-    --------
-    >>> import numpy as np
-    >>> list(spiral(np.ones((2, 3), bool)))
-    [(0, 0), (0, 1), (0, 2), (1, 2), (1, 1), (1, 0)]
-    """
+    """Yield (row, column) of each connected group of cells, from its border inward, clockwise."""
     for group in _groups(cells):
         rows, columns = np.nonzero(group)
         top, bottom, left, right = rows.min(), rows.max(), columns.min(), columns.max()

@@ -25,33 +25,7 @@ if TYPE_CHECKING:
 
 
 class Growth:
-    """One output in the making.
-
-    Attributes
-    ----------
-    canvas : Canvas
-        The picture to make.
-    exemplar : Exemplar
-        The sample.
-    seed : int
-        For `weftex.random.draw`.
-    threads : int
-        Use at most so many.
-    pixels : uint8 array (H, W, K)
-        The bytes that distances are taken on; those of known pixels are there from the start, the
-        others are 0 until they are made.
-    done : uint8 array (H, W)
-        1 where a pixel is known or made.
-    source : int32 array (H, W)
-        Flat index into the pixels of the model's windows. -1 where nothing is made, and for a
-        known pixel that is not in the sample.
-    hole : bool array (H, W) or None
-        The pixels to make; None if that is all of them.
-    tone_reach : float
-        See `weftex.results.Synthesis`; 0 unless the method sets it.
-    about : dict
-        Facts about this output for its provenance; the method adds to them.
-    """
+    """One output of a method that chooses pixels, while it is made."""
 
     def __init__(
         self,
@@ -64,13 +38,16 @@ class Growth:
     ) -> None:
         self.canvas, self.exemplar, self.seed = canvas, exemplar, seed
         self.threads, self._callback = threads, callback
+        # (H, W, K): the bytes that distances are taken on; 0 where unknown
         self.pixels = np.zeros((*canvas.shape, windows.pixels.shape[2]), np.uint8)
-        self.done = np.zeros(canvas.shape, np.uint8)
+        self.done = np.zeros(canvas.shape, np.uint8)  # (H, W): 1 where a pixel is known or made
+        # (H, W): flat index into the pixels of the model's windows, or -1
         self.source = np.full(canvas.shape, -1, np.int32)
-        self.hole: NDArray[np.bool_] | None = None
+        self.hole: NDArray[np.bool_] | None = None  # (H, W): the pixels to make; None for all
         self.windows = windows
+        # facts about this output for its provenance; the method adds to them
         self.about: dict[str, Any] = {}
-        self.tone_reach = 0.0
+        self.tone_reach = 0.0  # see `weftex.results.Synthesis`; 0 unless the method sets it
         self.coarse: tuple[NDArray[np.uint8], int] | None = None  # for previews, and its step
         if canvas.known is None or canvas.hole is None or canvas.hole.all():
             return
@@ -127,19 +104,8 @@ _P = TypeVar("_P", bound=Prepared)
 class PixelModel(Model):
     """The model of a method that chooses pixels: a prepared sample and the algorithm.
 
-    A method's `fit` returns ``PixelModel(settled, exemplar, prepared, grow)``.
-
-    Parameters
-    ----------
-    method : Method
-        The method with every parameter settled.
-    exemplar : Exemplar
-        The sample.
-    prepared : Prepared
-        The result of the method's analysis; its `windows` are what `Growth.source` indexes.
-    grow : callable
-        The algorithm, a function of a module: ``grow(prepared, growth)`` makes `pixels` and
-        `source` of every pixel that is not known. It is not called if all are.
+    ``grow(prepared, growth)``, a function of a module, makes `pixels` and `source` of every unknown
+    pixel. `prepared.windows` are indexed by `Growth.source`.
     """
 
     def __init__(
@@ -206,28 +172,7 @@ class WindowedMethod(Method):
 
 
 def width_for(given: int | None, exemplar: Exemplar, proposed: int) -> int:
-    """Return a width of window, odd, that fits the sample.
-
-    Parameters
-    ----------
-    given : int or None
-        `window_width` of a method; None takes the proposed one, shrunk to fit.
-    exemplar : Exemplar
-        The sample; one that tiles has room for any window up to its own size.
-    proposed : int
-        A width in pixels.
-
-    Raises
-    ------
-    InvalidInputError
-        If a width was given that does not fit; the largest that fits is named.
-
-    Examples
-    --------
-    >>> import weftex
-    >>> width_for(None, weftex.load_exemplar("sample:bricks"), 30)
-    29
-    """
+    """Return an odd window width in pixels that fits the sample: `given`, or `proposed` shrunk."""
     largest = min(exemplar.shape)
     largest -= 1 - largest % 2
     if given is not None and given > largest:
@@ -239,25 +184,7 @@ def width_for(given: int | None, exemplar: Exemplar, proposed: int) -> int:
 
 
 def narrowed(width: int, find: Callable[[int], object]) -> int:
-    """Return the widest odd width, from a proposed one down to 1, for which windows are found.
-
-    Parameters
-    ----------
-    width : int
-        The proposed one, odd.
-    find : callable
-        Looks for whole windows of a width; raises `InvalidInputError` where the usable pixels have
-        no room for any.
-
-    Examples
-    --------
-    >>> import numpy as np
-    >>> from weftex.exemplar import Exemplar
-    >>> from weftex.search.windows import square_windows
-    >>> ring = Exemplar(np.zeros((20, 20), np.uint8), mask=np.pad(np.zeros((10, 10), bool), 5) < 1)
-    >>> narrowed(9, lambda width: square_windows(ring, width))
-    9
-    """
+    """Return the widest odd width, from `width` down to 1, for which `find` raises no error."""
     while width > 1:
         try:
             find(width)

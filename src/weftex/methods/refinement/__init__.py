@@ -265,10 +265,10 @@ class RefinementModel(PixelModel):
 
 
 def texture_synthesis(prepared: Prepared, growth: Growth) -> None:
-    """Make an output: steps 3 to 10 of TextureSynthesis (section 3), from coarse to fine.
+    """Make an output: steps 3 to 10 of TextureSynthesis (section 3), coarse to fine.
 
-    The paper refines seed points, at one resolution. Here the result of another method may be
-    refined too, and all but the paper's own search ("nearest") go through coarse levels first.
+    The paper refines seed points at one resolution. Beyond it, the result of another method may be
+    refined, and the coherent search goes through coarser levels first.
     """
     settings, levels, windows = prepared.settings, prepared.levels, prepared.windows
     start, made = result_of(settings, prepared.starts, growth)

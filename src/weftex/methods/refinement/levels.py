@@ -30,37 +30,22 @@ _FINE_REACH = 1  # pixels from the middle of a window to its side, on the finest
 class Level:
     """The sample at one resolution.
 
-    Every place is one of the sample at full resolution, on coarse levels too: pieces that are put
-    together so that they fit to the pixel still fit on finer levels.
-
-    Attributes
-    ----------
-    pyramid : Windows
-        The level as a pyramid has it, with windows of one pixel.
-    tileable : bool
-        Whether the sample tiles.
-    pixels : uint8 array (H', W', K)
-        The bytes that are compared, laid out so that all windows are whole.
-    usable : uint8 array (H', W')
-        1 where a window may be centered.
-    places : int32 array (H', W')
-        Flat index of the place of the sample that each pixel shows, -1 for none.
-    index : int32 array (H * W)
-        For each place of the sample, flat index into `pixels` where it lies within its borders.
-    nearest : int32 array (H, W)
-        For each place of the sample, flat index into `pixels` of the nearest usable one.
-    reach : int
-        In pixels, from the middle of a window to its side.
+    Sources are pixels of the sample at full resolution, on coarser levels too, so pieces that fit
+    to the pixel still fit on finer levels.
     """
 
-    pyramid: Windows
-    tileable: bool
+    pyramid: Windows  # the level of the pyramid, with windows of one pixel
+    tileable: bool  # whether the sample tiles
+    # (H', W', K): bytes that are compared, with margins that make all windows whole
     pixels: NDArray[np.uint8]
-    usable: NDArray[np.uint8]
+    usable: NDArray[np.uint8]  # (H', W'): 1 where a window may be centered
+    # (H', W'): flat index of each pixel's source in the sample, -1 for none
     places: NDArray[np.int32]
+    # (H * W,): flat index into `pixels` of each pixel of the sample, within its borders
     index: NDArray[np.int32]
+    # (H, W): flat index into `pixels` of the usable pixel nearest to each
     nearest: NDArray[np.int32]
-    reach: int
+    reach: int  # pixels from the center of a window to its side
 
     @cached_property
     def centers(self) -> NDArray[np.int32]:
@@ -82,20 +67,12 @@ class Level:
 
 @dataclass(frozen=True, eq=False)
 class CoherentLevel(Level):
-    """A level of the Gaussian stack, for the search along the neighbors' sources.
+    """A level of the Gaussian stack, for the coherent search."""
 
-    Attributes
-    ----------
-    layout : Layout
-        Where its phases lie in `pixels`.
-    similar : int32 array (H * W, k)
-        The places of the sample most like each, -1 for none; the same on all levels.
-    cells : int32 array (H * W)
-        The sample is cut into squares as large as its scale, to see how evenly it is used.
-    """
-
-    layout: Layout
+    layout: Layout  # where the phases lie in `pixels`
+    # (H * W, k): the pixels of the sample most similar to each, -1 for none
     similar: NDArray[np.int32]
+    # (H * W,): number of each pixel's cell; cells measure how evenly the sample is used
     cells: NDArray[np.int32]
 
     @cached_property
@@ -107,13 +84,7 @@ class CoherentLevel(Level):
 
 @dataclass(frozen=True, eq=False)
 class NearestLevel(Level):
-    """The only level of the paper's search (section 3, Search Tree Construction).
-
-    Attributes
-    ----------
-    search : NearestSearch
-        Among windows as large as they are.
-    """
+    """The only level of the paper's search (section 3, Search Tree Construction)."""
 
     search: NearestSearch
 
@@ -122,16 +93,8 @@ class NearestLevel(Level):
 class Prepared:
     """A sample prepared for iterative refinement.
 
-    Attributes
-    ----------
-    settings : Settings
-    windows : Windows
-        The sample with windows of one pixel.
-    levels : list of Level
-        From the finest to the coarsest; one where search is "nearest", or only belts are refined.
-    starts : dict of str to Model
-        What makes the pictures to refine, by its name as in `Settings.init`; the next ones are for
-        canvases that do not suit the first. None at all: seed points are planted.
+    `levels` are finest first: one for the paper's search and for belts. `starts` are the models
+    that make the start, by slug, each used where the one before refuses; empty for seed points.
     """
 
     settings: Settings

@@ -26,22 +26,7 @@ _KIND_BITS = 6  # lower bits of a guide's bytes that do not make another kind of
 
 
 class Output:
-    """The output at one level while it is refined.
-
-    Attributes
-    ----------
-    number : int
-        Of the level; 0 is the finest.
-    pixels : uint8 array (H, W, K)
-    source : int32 array (H, W)
-        Flat indices into `Level.pixels`, -1 for none.
-    done : uint8 array (H, W)
-        1 where a pixel is known or made.
-    known : bool array (H, W)
-        Pixels that stay as they are.
-    wrap : (bool, bool)
-        Whether the vertical and the horizontal axis go around.
-    """
+    """The output at one level while it is refined; level 0 is the finest."""
 
     def __init__(
         self,
@@ -51,7 +36,10 @@ class Output:
         known: NDArray[np.bool_],
         wrap: tuple[bool, bool],
     ) -> None:
+        # pixels (H, W, K); source (H, W): flat indices into `Level.pixels`, -1 for none
         self.number, self.pixels, self.source = number, pixels, source
+        # done (H, W): 1 where a pixel is known or made; known (H, W): pixels that do not change;
+        # wrap: whether the vertical and the horizontal axis wrap
         self.done, self.known, self.wrap = known.astype(np.uint8), known, wrap
         self.wanted = ~known
         self.count = int(self.wanted.sum())
@@ -77,31 +65,19 @@ class Output:
 
 @dataclass(frozen=True, eq=False)
 class Guide:
-    """The output's guide and the sample's at one level.
+    """The guides of the output and the sample at one level."""
 
-    Attributes
-    ----------
-    output : uint8 array (H, W, G)
-    sample : uint8 array (H', W', G)
-        Laid out as `Level.pixels`.
-    pyramid : uint8 array (H'', W'', G)
-        The sample's as a pyramid has it.
-    weight : int
-        Of a squared difference, in 1/256; 0 without a guide.
-    """
-
-    output: NDArray[np.uint8]
-    sample: NDArray[np.uint8]
-    pyramid: NDArray[np.uint8]
-    weight: int
+    output: NDArray[np.uint8]  # (H, W, G)
+    sample: NDArray[np.uint8]  # (H', W', G), laid out as `Level.pixels`
+    pyramid: NDArray[np.uint8]  # (H'', W'', G): the sample's guide at this level of its pyramid
+    weight: int  # of a squared difference, in 1/256; 0 without a guide
 
     def demand(
         self, wanted: NDArray[np.bool_], centers: NDArray[np.int32], least: int
     ) -> NDArray[np.int64]:
-        """How often each center is to be used, in 1/256: `least`, or more as the guide asks.
+        """Return how often to use each center, in 1/256: `least`, or more if the guide asks for it.
 
-        A kind of place that the output's guide shows twice as often as the sample's has to be used
-        twice as often.
+        A label twice as frequent in the output's guide as in the sample's is used twice as often.
         """
         own = self.sample.reshape(-1, self.sample.shape[2])[centers]
         both = np.concatenate([own, self.output[wanted]]) >> _KIND_BITS
@@ -165,9 +141,9 @@ def sources_of_children(
     level: Level,
     corners: tuple[tuple[int, int], tuple[int, int]] = ((0, 0), (0, 0)),
 ) -> NDArray[np.int32]:
-    """Return a source for each pixel of a level: where its parent's goes on.
+    """Return (H, W) source of each pixel of a level: the one that continues its parent's.
 
-    `corners` say where the level's first pixel lies, and the coarser one's, each in its pixels.
+    `corners` are the first pixels of the level and of the coarser one, each in pixels of its level.
     """
     step = 2 ** (coarser.number - 1)
     y, x = (np.arange(n) + at for n, at in zip(shape, corners[0], strict=True))

@@ -43,46 +43,10 @@ def plant_seeds(
     seed: int,
     guide: Guide = NO_GUIDE,
 ) -> tuple[NDArray[np.int32], NDArray[np.intp], NDArray[np.intp]]:
-    """Sample a grid of seed points by stochastic tiling with unit tiles (section 3, Fig. 5).
+    """Sample seed points by stochastic tiling with unit tiles (section 3, Fig. 5).
 
-    The sample is divided into unit tiles, squares between grid points. Slots of the output are
-    tiled in scan order: each takes, among the tiles whose corners best match the colors of the
-    corners that are there, one at random, and from it the corners that are not. So the first
-    slot gives four points, the rest of the first row and column two each, all others one.
-
-    Parameters
-    ----------
-    pyramid : Windows
-        The sample, with windows of one pixel.
-    shape : (int, int)
-        Of the output.
-    wrap : (bool, bool)
-        Axes that go around: their last slots end at the first points, and their points are spread
-        evenly.
-    spacing : int
-        Distance of the grid points in pixels: the dominant scale.
-    matches : int
-        k: one of so many best tiles is taken.
-    seed : int
-        For `weftex.random.draw`.
-    guide : Guide, optional
-        Its pictures are compared at the corners too.
-
-    Returns
-    -------
-    places : int32 array (rows, columns)
-        Flat indices into `pyramid.pixels`. Where the sample has no whole tile, drawn from all.
-    y, x : int arrays (rows,) and (columns,)
-        Where the points lie in the output.
-
-    Examples
-    --------
-    >>> import numpy as np
-    >>> from weftex.exemplar import Exemplar
-    >>> from weftex.search.windows import windows_of
-    >>> sample = windows_of(Exemplar(np.zeros((8, 8), np.uint8)), (0, 0, 0, 0))
-    >>> plant_seeds(sample, (10, 6), (False, True), 4, 5, seed=1)[1:]
-    (array([0, 4, 8]), array([0, 3]))
+    Returns places (rows, columns), flat indices into `pyramid.pixels`, and the y and x of points
+    `spacing` pixels apart. Each slot takes one of the `matches` tiles with the best corners.
     """
     y, x = (_grid(*axis, spacing) for axis in zip(shape, wrap, strict=True))
     bits = draw(seed, "seed point", *np.indices((len(y), len(x))))

@@ -29,10 +29,9 @@ _FARTHEST = 2.0**30  # pixels between seed points; past the width of any output 
 
 
 class Starts(Sequence[str]):
-    """The values of `init`: its own names, then the slugs of all other methods, with parameters.
+    """The values of `init`: its own names, then all other methods with parameters.
 
-    The registry is asked each time, so that methods of other packages count whenever they are
-    registered.
+    The registry is read at each access, so methods registered later count.
     """
 
     def __init__(self, *own: str) -> None:
@@ -59,13 +58,7 @@ class Starts(Sequence[str]):
 
 
 def start_text(init: object) -> object:
-    """Write a method with its parameters as a text; leave all else as it is.
-
-    Raises
-    ------
-    InvalidInputError
-        If the text names an unknown method, parameter or value.
-    """
+    """Return a method with its parameters as text, and anything else unchanged."""
     try:
         if isinstance(init, str) and " " in init:
             init = method_of(init)
@@ -76,27 +69,7 @@ def start_text(init: object) -> object:
 
 @dataclass(frozen=True)
 class Settings:
-    """Every parameter of `Refinement` that counts here, settled; each is described there.
-
-    Attributes
-    ----------
-    reach : int
-        In pixels of a level, from the middle of a window to its side.
-    levels : int
-        Resolutions that the windows are looked at; 1 where search is "nearest".
-    rounds : tuple of int
-        For each level that is refined, the finest first: at most so many iterations.
-    by_canvas : bool
-        `init` was left open: a canvas with a guide is planted with seeds all the same, and one
-        that a lattice does not suit is quilted.
-    belt : int
-        In pixels, the width of the belts along the start's seams that are refined; 0 for all of
-        the picture.
-    seed_spacing : float
-        In pixels of the sample.
-    margin : int
-        In 1/256, the factor of a distance to a place that is like a coherent one.
-    """
+    """The parameters of `Refinement` that are used here, resolved, and values derived from them."""
 
     search: str
     window_width: int
@@ -106,13 +79,13 @@ class Settings:
     similar: int
     evenness: float
     guide_weight: float
-    reach: int
-    levels: int
-    rounds: tuple[int, ...]
-    by_canvas: bool
-    belt: int
-    seed_spacing: float
-    margin: int
+    reach: int  # pixels of a level from the center of a window to its side
+    levels: int  # number of pyramid levels; 1 with the search "nearest"
+    rounds: tuple[int, ...]  # maximum number of iterations of each level, finest first
+    by_canvas: bool  # `init` was not given: the start may depend on the canvas
+    belt: int  # pixels, width of the refined belts along the start's seams; 0 refines everything
+    seed_spacing: float  # pixels of the sample
+    margin: int  # in 1/256, factor on the distance to a candidate that is similar to a coherent one
 
     @property
     def scale(self) -> int:
@@ -121,13 +94,7 @@ class Settings:
 
 
 def settled_method(method: Any, exemplar: Exemplar, init: str) -> Any:
-    """Return the method with its `window_width`, `init` and `seed_scale` settled.
-
-    Raises
-    ------
-    InvalidInputError
-        If the sample is too small for the window.
-    """
+    """Return the method with `window_width`, `init` and `seed_scale` resolved for a sample."""
     width, scale = window_width(method, exemplar), method.seed_scale
     if init == "seeds" and scale is None:
         scale = dominant_scale(exemplar).scale
@@ -135,9 +102,9 @@ def settled_method(method: Any, exemplar: Exemplar, init: str) -> Any:
 
 
 def window_width(method: Any, exemplar: Exemplar) -> int:
-    """Return the width of the windows: the one given, or by the scale of the sample.
+    """Return the width of windows in pixels: as given, or from the sample's scale.
 
-    Where a mask leaves no room for windows so wide on any level, the widest that there are.
+    Where a mask leaves no room for it at any level, the widest width that fits.
     """
     if method.window_width:
         return width_for(method.window_width, exemplar, 1)

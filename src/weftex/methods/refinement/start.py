@@ -29,16 +29,10 @@ if TYPE_CHECKING:
 
 
 def fitted_starts(method: Any, exemplar: Exemplar) -> dict[str, Model]:
-    """Return the models of the methods to start from; none where seed points are planted.
+    """Return the models that make the start, by slug; none for seed points.
 
-    Where `init` is left open these are near-regular synthesis, if the sample's lattice is sure,
-    then quilting; the first that fits the sample makes the start, and the next one those of
-    canvases that do not suit the first.
-
-    Raises
-    ------
-    InvalidInputError
-        If the sample is too small for the start.
+    If `init` was not given: near-regular synthesis for a confident lattice, then quilting. A later
+    model makes the canvases that an earlier one refuses.
     """
     names, may_fail = [method.init], False
     if method.init == "auto":
@@ -80,11 +74,10 @@ def starts_for(settings: Settings, starts: dict[str, Model], canvas: Canvas) -> 
 def result_of(
     settings: Settings, starts: dict[str, Model], growth: Growth
 ) -> tuple[str, NDArray[np.int32] | None]:
-    """Return the name of the start, and the sources (H, W, 2) that it makes of the canvas.
+    """Return the start's name and its source map (H, W, 2); no map for seed points.
 
-    Seed points have none. The next start makes a canvas that one refuses, as near-regular
-    synthesis does with a hole that leaves no whole piece; where `init` is left open and none
-    makes it, seed points are planted.
+    A start that refuses the canvas is replaced by the next one. If `init` was not given and all
+    refuse, seed points are planted.
     """
     canvas, failure = growth.canvas, None
     if canvas.shown is not None and starts:
@@ -106,12 +99,10 @@ def result_of(
 def start_window(
     starts: dict[str, Model], box: Box, asked: Asked, step: int = 1
 ) -> NDArray[np.int32] | None:
-    """Return flat indices of what the first start's plane shows in a box; None without a start.
+    """Return flat indices of the sources of a box of the start's plane, None without a start.
 
-    Of every `step`-th row and column: where patches are mixed, to say what each pixel shows takes
-    longer than to lay them.
-
-    The next start is that of planes whose period would strain the first one's lattice visibly.
+    `step` takes every `step`-th row and column. The next start serves planes whose period would
+    strain the first one's lattice visibly.
     """
     if not starts:
         return None

@@ -171,13 +171,10 @@ def refine_coherently(
     places: cython.int[::1], order: cython.const[cython.int][::1],
     tried: cython.const[cython.int][::1],
 ):  # fmt: skip
-    """Give each pixel in `order` the best of its candidates; return how many changed.
+    """Give each pixel in `order` its best candidate; return how many pixels changed.
 
-    Candidates are its own place, where the sources of its eight neighbors go on, the places
-    similar to these, and those `tried`; of equals the first is best. The distance to one of
-    the latter two counts `sources.margin` / 256 times, that to a place in a cell used too often
-    counts `excess` / 256 times. To this comes the distance between the two guides, over the whole
-    window. A pixel takes the same place within the borders.
+    Candidates: its own source, the neighbors' continued sources, pixels similar to these, and
+    `tried`. The last two cost a factor `sources.margin` / 256, overused cells `excess` / 256.
     """
     cython.declare(p=cython.Py_ssize_t, y=cython.Py_ssize_t, x=cython.Py_ssize_t)
     cython.declare(v=cython.Py_ssize_t, u=cython.Py_ssize_t, i=cython.Py_ssize_t)

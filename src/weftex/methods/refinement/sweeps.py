@@ -48,15 +48,7 @@ def sweep_of(
 ) -> Sweep:
     """Return the sweep of the search that the level was prepared for.
 
-    Parameters
-    ----------
-    settings : Settings
-    level, output, guide
-        The sample, the output and the guides at one resolution.
-    seed : int
-        For `weftex.random.draw`.
-    cyclic : bool
-        A hole is filled, from all four sides.
+    `cyclic` sweeps from all four sides, for a hole. `seed` is for `weftex.random.draw`.
     """
     if isinstance(level, NearestLevel):
         return NearestSweep(level, output, cyclic)
@@ -75,7 +67,7 @@ def refine_texture(sweep: Sweep, iteration: int, progress: Progress) -> int:
 
 
 class CoherentSweep:
-    """Gives a pixel the best of the places its neighbors' sources lead to, or of similar ones.
+    """Gives each pixel the best of its neighbors' continued sources and of pixels similar to them.
 
     See `sweep_kernels.refine_coherently`. The paper proposes spatial coherency in section 7.
     """
@@ -168,16 +160,8 @@ class NearestSweep:
 class BlockSweep:
     """Refines blocks of a plane at one level, each with all its sweeps.
 
-    Parameters
-    ----------
-    settings : Settings
-    level : CoherentLevel
-    number : int
-        Of the level.
-    begun : int32 array (H, W)
-        The sources that the level begins with.
-    near : int
-        Pixels around a block, where it is looked at how evenly the sample is used.
+    `begun` (H, W) are the level's first sources. `near` is the distance in pixels around a block
+    within which the use of the sample is counted.
     """
 
     def __init__(
@@ -227,17 +211,10 @@ class BlockSweep:
 
 
 class Convergence:
-    """The differences between iterations (eq. 1), and whether they are small enough.
+    """The differences between iterations (eq. 1), and whether they are below the threshold.
 
-    As printed (1) grows with the picture and divides by 0 on black; this is its mean over the
-    pixels that are made, none counts as darker than a gray level, and those that were not there
-    before count 1.
-
-    Attributes
-    ----------
-    curve : list of dict
-        The points of Fig. 7: level, iteration, and the share of pixels changed, the difference of
-        eq. (1) and the mean square error to the iteration before.
+    Equation (1) is taken as a mean over the made pixels, with at least one gray level as divisor;
+    new pixels count 1. `curve` has the points of Fig. 7.
     """
 
     def __init__(self, threshold: float, cyclic: bool) -> None:

@@ -61,10 +61,10 @@ def replace_pixels(
     tree: Tree,
     query: Vector,
 ):
-    """Replace the pixels of a level at `places` one after the other.
+    """Replace the pixels at `places` in turn, each by the sample's pixel with the nearest window.
 
-    Each becomes a copy of the sample's pixel whose window is nearest: the window around its parent,
-    at the offsets `parents`, and its own as far as it is done. Where nothing is, the pixel stays.
+    A window has the parent's pixels at the offsets `parents` and its own that are done. A pixel
+    without any stays.
     """
     cython.declare(i=cython.Py_ssize_t, first=cython.Py_ssize_t, place=cython.Py_ssize_t)
     cython.declare(y=cython.Py_ssize_t, x=cython.Py_ssize_t)

@@ -18,33 +18,15 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, eq=False)
 class Level:
-    """A level of the output's pyramid in the making.
-
-    Attributes
-    ----------
-    number : int
-        0 is the finest.
-    sample : Exemplar
-        The same level of the sample's pyramid.
-    pixels : uint8 array (H, W, K)
-        The bytes that windows are compared on.
-    source : int32 array (H, W)
-        Where pixels come from, flat indices into the sample's level; or -1.
-    unknown : bool array (H, W)
-        The pixels to make.
-    done : uint8 array (H, W)
-        1 where a window sees the pixel: known, made, or noise.
-    coarser : Level or None
-        The level of the parents.
-    """
+    """A level of the output's pyramid; level 0 is the finest."""
 
     number: int
-    sample: Exemplar
-    pixels: NDArray[np.uint8]
-    source: NDArray[np.int32]
-    unknown: NDArray[np.bool_]
-    done: NDArray[np.uint8]
-    coarser: Level | None
+    sample: Exemplar  # the same level of the sample's pyramid
+    pixels: NDArray[np.uint8]  # (H, W, K): the bytes that windows are compared on
+    source: NDArray[np.int32]  # (H, W): flat indices into the sample's level, or -1
+    unknown: NDArray[np.bool_]  # (H, W): the pixels to make
+    done: NDArray[np.uint8]  # (H, W): 1 where windows include the pixel: known, made, or noise
+    coarser: Level | None  # the level of the parents
 
     def start_from(self, source: NDArray[np.int32]) -> None:
         """Copy the unknown pixels from the sample's level."""
@@ -60,18 +42,10 @@ def output_pyramid(
     samples: list[Exemplar],
     wrap: tuple[bool, bool],
 ) -> list[Level]:
-    """Make the pyramid of an output, the coarsest level first.
+    """Return the pyramid of an output, coarsest level first.
 
-    Parameters
-    ----------
-    pixels, source : arrays (H, W, K) and (H, W)
-        The finest level's, which stay as they are; unknown pixels are noise.
-    done : uint8 array (H, W)
-        1 where a pixel is known. If any is, windows do not see the noise.
-    samples : list of Exemplar
-        The sample's pyramid, finest level first.
-    wrap : (bool, bool)
-        Axes that go around.
+    `pixels` (H, W, K), `source` and `done` (H, W) are the finest level's; unknown pixels are noise,
+    which windows include only if no pixel is known.
     """
     pictures = gaussian_pyramid(pixels, len(samples), wrap)
     masks = mask_pyramid(done > 0, len(samples), wrap)
@@ -88,9 +62,9 @@ def output_pyramid(
 
 
 def noise(sample: Exemplar, seed: int, number: int, shape: tuple[int, ...]) -> NDArray[np.int32]:
-    """Shuffle the usable pixels of a level of the sample, each equally often as far as possible.
+    """Return flat indices of shuffled usable pixels of a level of the sample, each equally often.
 
-    So the noise has the histogram of the sample. Returned are flat indices into the level.
+    The noise has the histogram of the sample.
     """
     usable = np.flatnonzero(np.ones(sample.shape, bool) if sample.mask is None else sample.mask)
     order = np.argsort(draw(seed, "wei-levoy share", number, usable), kind="stable")
@@ -101,9 +75,9 @@ def noise(sample: Exemplar, seed: int, number: int, shape: tuple[int, ...]) -> N
 
 
 def parents_or_noise(level: Level, seed: int) -> NDArray[np.int32]:
-    """Give each pixel the child of its parent's source; at the coarsest level, noise.
+    """Return flat indices into the sample's level: the child of each parent's source, or noise.
 
-    Returned are flat indices into the sample's level.
+    The coarsest level has noise.
     """
     if level.coarser is None:
         return noise(level.sample, seed, level.number, level.source.shape)

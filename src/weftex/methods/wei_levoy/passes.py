@@ -30,10 +30,10 @@ class Pass:
 def scan_passes(
     shape: tuple[int, ...], wrap: tuple[bool, bool], reach: int, leaves: int, further: int
 ) -> list[Pass]:
-    """Return the passes over a level of which nothing is known; `wrap` is the canvas's.
+    """Return the passes over a level without known pixels; `wrap` is the canvas's.
 
-    The first is that of the paper, in scan order with causal windows. It does not show the first
-    rows to the last ones, so where the canvas wraps its border is gone over again.
+    The first is the paper's, in scan order with causal windows. Where the canvas wraps, a second
+    one replaces the border, as the first rows did not depend on the last.
     """
     every = np.arange(shape[0] * shape[1], dtype=np.int32)
     found = [Pass(every, True, leaves)] + [Pass(every, False, leaves)] * further
@@ -58,9 +58,10 @@ def hole_passes(
 
 
 def inwards(unknown: NDArray[np.bool_], wrap: tuple[bool, bool], seed: int) -> NDArray[np.int32]:
-    """Unknown pixels in layers from the border inwards, each by lines from a random corner.
+    """Return flat indices of unknown pixels in layers from the border inward.
 
-    Neighbors of a layer follow each other, as on a spiral, so that they go on coherently.
+    Neighbors of a layer follow each other in lines from a random corner, so that they continue
+    coherently.
     """
     layers = [np.empty(0, np.int32)]
     for number, places in enumerate(peeled(unknown, wrap), 1):

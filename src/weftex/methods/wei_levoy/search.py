@@ -23,11 +23,7 @@ _LEAST_PIXELS = 64  # in one call of the kernel, where lines are shorter
 
 
 class Trees:
-    """The trees of a sample's levels.
-
-    Those of causal windows are built at once, those of windows that look to all sides when a pass
-    needs them.
-    """
+    """The trees of a sample's levels; those of windows to all sides are built at first use."""
 
     def __init__(
         self,
@@ -62,10 +58,7 @@ class Trees:
 def replace_by_nearest(
     level: Level, step: Pass, trees: Trees, wrap: tuple[bool, bool], progress: Progress
 ) -> None:
-    """Replace the pixels of a pass, one after the other, by the sample's with the nearest windows.
-
-    Parents are in the coarser level of `level`.
-    """
+    """Replace the pixels of a pass in turn, each by the sample's pixel with the nearest window."""
     if trees.window_width == 1:  # such a window sees nothing, and the noise stays
         progress.advance(len(step.places))
         return

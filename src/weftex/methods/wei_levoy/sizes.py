@@ -18,13 +18,7 @@ _PROPOSED_LEVELS = 4
 def levels_and_widths(
     exemplar: Exemplar, given: int | None, given_width: int | None, given_parent_width: int | None
 ) -> tuple[int, int, int]:
-    """Return the number of levels, S and N for a sample, from what was given of the three.
-
-    Raises
-    ------
-    InvalidInputError
-        If the sample has no room for the given levels and windows, or N is not below S.
-    """
+    """Return the number of levels, S and N for a sample, from those that were given."""
     width = window_width(exemplar, given_width)
     parent_width = max(1, width - 2) if given_parent_width is None else given_parent_width
     if parent_width >= max(width, 2):
