@@ -86,10 +86,7 @@ _PATCH: dict[str, Any] = {
     "window": "patch_size",
     "least": 3,
     "largest": 200,
-    "real": (
-        {"patch_size": 32, "boundary_width": 5},
-        {"patch_size": 24, "boundary_width": 12},
-    ),
+    "real": ({"patch_size": 32, "boundary_width": 5}, {"patch_size": 24, "boundary_width": 12}),
 }
 TRIALS = {
     "patch-sampling": Trial(**_PATCH, wide={"epsilon": 2.0}),
@@ -107,12 +104,7 @@ TRIALS = {
         largest=120,
         plain={"tone_reach": 0.0},
     ),
-    "efros-leung": Trial(
-        "pixel",
-        {"window_width": 5},
-        largest=40,
-        real=({"window_width": 9},),
-    ),
+    "efros-leung": Trial("pixel", {"window_width": 5}, largest=40, real=({"window_width": 9},)),
     "wei-levoy": Trial(
         "pixel",
         {"window_width": 5, "levels": 1},

@@ -23,12 +23,7 @@ def test_sizes():
 
 @pytest.mark.parametrize(
     "tileable, wrap",
-    [
-        (False, (False, False)),
-        (True, (True, True)),
-        ("x", (False, True)),
-        ("y", (True, False)),
-    ],
+    [(False, (False, False)), (True, (True, True)), ("x", (False, True)), ("y", (True, False))],
 )
 def test_wrapping(tileable, wrap):
     assert as_canvas((4, 6), tileable).wrap == wrap

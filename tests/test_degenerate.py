@@ -120,9 +120,7 @@ def test_borders_wider_than_a_masked_sample_are_refused():
 @every("method", family="patch")
 @pytest.mark.parametrize("tileable", [False, True])
 @pytest.mark.parametrize(
-    "parameters",
-    [{"boundary_width": 10**9}, {"patch_size": 1, "boundary_width": 10**9}],
-    ids=str,
+    "parameters", [{"boundary_width": 10**9}, {"patch_size": 1, "boundary_width": 10**9}], ids=str
 )
 def test_absurd_boundaries_are_refused_before_work_starts(method, tileable, parameters):
     exemplar = weftex.Exemplar(noise((24, 24)), tileable=tileable)

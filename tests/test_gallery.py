@@ -111,24 +111,6 @@ def test_what_may_have_changed_is_made_again(made, monkeypatch):
     assert job.kept() is None
 
 
-def test_what_a_method_hangs_on():
-    names = {
-        slug: {
-            p.relative_to(sources.HOME).as_posix()
-            for p in sources.files_of(gallery.method_class(slug).__module__)
-        }
-        for slug in ("quilting", "near-regular", "auto")
-    }
-    own = {"methods/quilting.py", "methods/patches/patch_kernels.py", "random.py"}
-    assert own <= names["quilting"]
-    kernels = sources.HOME / "search" / "zone_kernels.pxd"  # wheels have none
-    assert ("search/zone_kernels.pxd" in names["quilting"]) == kernels.exists()
-    for name in ("methods/near_regular/__init__.py", "quality/assess.py", "cli/__init__.py"):
-        assert name not in names["quilting"]
-    assert "analysis/lattice.py" in names["near-regular"]
-    assert names["quilting"] | names["near-regular"] < names["auto"]
-
-
 def test_a_part_is_no_page_of_the_repository(capsys):
     with pytest.raises(SystemExit):
         gallery.main(["--methods", "quilting"])
@@ -150,15 +132,6 @@ def test_scores_are_shown_for_the_same_picture_only(made, tmp_path, monkeypatch)
     assert lines[0].startswith("1 of 2 judged pictures")
     assert lines[4] == "| mean (good, of) | 1.25 (0, 1) |  | 0.37 (1, 1) |"
     assert lines[5] == "| grass_gray | 1.25 | picture changed | **0.37** |"
-
-
-def test_slow_methods_get_a_part():
-    file = str(ROOT / "benchmarks/data/surfaces/bark.webp")
-    whole, part = (
-        gallery.Job("bark", file, method, 512, "").sample().shape
-        for method in ("quilting", "efros-leung")
-    )
-    assert whole == (256, 256) and part == (128, 128)
 
 
 def test_surfaces_are_listed_and_free():

@@ -33,31 +33,12 @@ FOLDERS = {
         "rock_wall_arm_4k.jpg": "orm",
         "rock_wall_disp_4k.png": "height",
     },
-    "Substance": {
-        "rock_BaseColor.png": "color",
-        "rock_Normal.png": "normal",
-        "rock_Metallic.png": "metallic",
-        "rock_Emissive.png": "emission",
-        "rock_OcclusionRoughnessMetallic.png": "orm",
-    },
     "Megascans": {
         "tlrkcbjn_4K_Albedo.jpg": "color",
         "tlrkcbjn_4K_Normal.jpg": "normal",
         "tlrkcbjn_4K_Gloss.jpg": "gloss",
         "tlrkcbjn_Preview.png": None,
         "tlrkcbjn.json": None,
-    },
-    "Materialize": {
-        "rock_diffuse.png": "color",
-        "rock_smoothness.png": "gloss",
-        "rock_edge.png": "edge",
-        "rock_height.png": "height",
-    },
-    "glTF": {
-        "rock_baseColor.png": "color",
-        "rock_metallicRoughness.png": "metallic_roughness",
-        "rock_normal.png": "normal",
-        "rock_emissive.png": "emission",
     },
     "plain": {"albedo.png": "color", "roughness.png": "roughness", "readme.txt": None},
 }

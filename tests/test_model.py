@@ -141,6 +141,7 @@ if __name__ == "__main__":
 """
 
 
+@pytest.mark.pages
 def test_the_data_set_of_the_page_in_processes_of_a_loader(tmp_path):
     """What PyTorch's DataLoader does with it, which is not needed for that."""
     page = (Path(__file__).parents[1] / "docs" / "batch.md").read_text("utf-8")

@@ -79,15 +79,6 @@ def test_parts_and_check(here, capsys):
     assert "missing or damaged; --repair makes it again" in fails(capsys, here, "check", target)
 
 
-def test_parts_that_start_together(here):
-    parts = [f"{k}/5" for k in range(1, 6)]
-    runs = [weftex_process(*SYNTH, "p.tif", "--size", 300, "--part", part) for part in parts]
-    assert [(run.communicate(timeout=120)[1], run.returncode) for run in runs] == [("", 0)] * 5
-    assert weft_run(*SYNTH, "p.tif", "--size", 300) == weft_run("check", "p.tif", "--read") == 0
-    assert weft_run(*SYNTH, "whole.tif", "--size", 300) == 0
-    assert files(here) == files(here, "whole")
-
-
 def test_replay_and_report(here, capsys):
     assert weft_run(*SYNTH, "p.tif", "--size", 200, "--save-source", "p.npz") == 0
     for source in ("p.tif", "p.npz"):
@@ -110,30 +101,6 @@ def test_large_tiffs_are_planes(here, capsys):
     assert "may take 4.19 TB more" in fails(capsys, here, *words, "1000kx1000k", "--quiet")
     err = fails(capsys, here, *words[:-2], "a.png", "--size", "100000")
     assert "OUT.tif, OUT.zarr and OUT.dzi take any size" in err
-
-
-@pytest.mark.parametrize(
-    ("words", "why"),
-    [
-        (["-o", "p.png", "--part", "1/2"], "--part has no effect"),
-        (["-o", "p.png", "--workers", 2], "--workers has no effect"),
-        (["-o", "p.tif", "--part", "1/2", "--workers", 2], "exclude each other"),
-        (["-o", "p.tif", "--part", "3/2"], "--part is '3/2'"),
-        (["-o", "p.tif", "--workers", 0], "it must be 1 or more"),
-        (["-o", "p.tif", "--workers", 2, "--threads", 2], "--threads has no effect"),
-        (["-o", "p.tif", "--restart", "--part", "1/2"], "--restart has no effect"),
-        (["-o", "p.dzi", "--guide", "photo.png"], "--guide has no effect on p.dzi"),
-        (["-o", "p.dzi", "--best-of", 3], "--best-of makes whole pictures"),
-        (["-o", "p.dzi", "--debug", "d"], "--debug has no effect on p.dzi"),
-        (["-o", "p.dzi", "--names", "gltf"], "sample.png is no folder"),
-        (["-o", "no/p.dzi"], "does not exist"),
-        (["-o", "p.dzi", "--block", 100], "a power of two"),
-        (["-o", "p.dzi", "--tileable"], "144x125 would do"),
-    ],
-)
-def test_bad_input(here, capsys, words, why):
-    block = [] if "--block" in words else ["--block", 64]
-    assert why in fails(capsys, here, "synth", "sample.png", *HOW[:-2], *block, "--quiet", *words)
 
 
 def test_bad_input_of_others(here, capsys):

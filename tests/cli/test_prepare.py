@@ -54,19 +54,3 @@ def test_maps_are_straightened_and_keep_their_light(here):
 @pytest.mark.parametrize("option", ["--straighten", "--even-light"])
 def test_bare_options_leave_the_file_alone(photo, option):
     assert weft_run("prepare", option, "tiles.png", "-o", "p.png") == 0
-
-
-@pytest.mark.parametrize(
-    "words, said",
-    [
-        ([], "nothing to do"),
-        (["--straighten", "1,2,3"], "four numbers"),
-        (["--straighten", "0,0,500,0,50,50,0,50"], "outside"),
-        (["--even-light", "9"], "degree is 9"),
-    ],
-)
-def test_what_makes_no_sense_is_refused(photo, capsys, words, said):
-    assert weft_run("prepare", "tiles.png", "-o", "p.png", *words) == 2
-    error = capsys.readouterr().err
-    assert said in error and error.count("\n") == 1
-    assert not (photo / "p.png").exists()

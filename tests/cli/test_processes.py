@@ -16,16 +16,6 @@ from processes import ENVIRONMENT, hear_interrupts, wait_until_it_listens, wefte
 from weftex.io.pictures import write_image
 
 
-def test_a_process_of_its_own(here):
-    run = weftex_process("synth", "sample.png", "-o", "a.png", "--seed", 1)
-    assert "made 144x128 a.png" in run.communicate()[1]
-    assert run.returncode == 0
-    run = weftex_process("synth", "nowhere.png", "-o", "b.png")
-    assert run.communicate()[1].count("\n") == 1
-    assert run.returncode == 2
-    assert not (here / "b.png").exists()
-
-
 @pytest.mark.skipif(sys.platform == "win32", reason="no limits there")
 @pytest.mark.parametrize("output", ["old.png", "x.png", "x.tif", "x.jpg", "x.webp"])
 def test_a_full_disk(here, output):

@@ -307,16 +307,6 @@ def test_report_of_a_set(sets, capsys):
     assert set(found.as_dict()["of_maps"]["ao"]) >= {"seams"}
 
 
-def test_maps_in_formats_that_are_only_read_get_another(sets):
-    oiio = pytest.importorskip("OpenImageIO")
-    (sets / "hdr").mkdir()
-    write_image("hdr/a_color.png", noise((40, 40, 3)))
-    buffer = oiio.ImageBuf(np.random.default_rng(1).random((40, 40, 3)).astype(np.float32))
-    assert buffer.write("hdr/a_emission.hdr")
-    assert weft_run("synth", "hdr", "-o", "new", "--size", 40, "--method", "quilting") == 0
-    assert read_image("new/a_emission.exr").pixels.dtype == np.float32
-
-
 def test_weights_of_maps(here, capsys):
     words = ["--method", "quilting", "--patch-size", "24", "--size", "120", "--seed", "1"]
     assert weft_run("synth", "sample:stone_wall", "-o", "a", *words) == 0

@@ -1,7 +1,6 @@
 """synth of several samples of one material, and of a part of a sample."""
 
 import numpy as np
-import pytest
 
 import weftex
 from commands import fails, weft_run
@@ -32,14 +31,6 @@ def test_several_sets_of_maps(here):
     assert sorted(p.name for p in (here / "out").iterdir()) == ["x_ao.png", "x_color.png"]
 
 
-@pytest.mark.parametrize(
-    "words", [["--tileable-sample"], ["--sample-mask", "m.png"], ["--sample-guide", "m.png"]]
-)
-def test_what_needs_one_sample(here, capsys, words):
-    text = fails(capsys, here, "synth", "sample.png", "sample.png", "-o", "a.png", *words)
-    assert f"{words[0]} needs one sample, not several" in text
-
-
 def test_a_part_of_a_sample(here):
     shape = read_image("sample.png").pixels.shape[:2]
     mask = np.zeros(shape, bool)
@@ -63,11 +54,3 @@ def test_the_alpha_of_a_sample_as_its_mask(here, capsys):
     assert (read_image("a.png").pixels[..., 3] == 255).all()
     capsys.readouterr()
     assert "no clear pixels" in fails(capsys, here, "synth", "sample.png", "-o", "b.png", *words)
-
-
-def test_a_mask_of_another_size(here, capsys):
-    write_image("m.png", noise((9, 9)))
-    text = fails(
-        capsys, here, "synth", "sample.png", "-o", "b.png", *WORDS, "--sample-mask", "m.png"
-    )
-    assert "mask is 9x9" in text

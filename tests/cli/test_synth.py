@@ -177,23 +177,3 @@ def test_a_window_of_an_endless_plane(tmp_path, capsys):
     around[1] = "-90,1070,40,50"
     assert weft_run(*words, "-o", str(tmp_path / "b.png"), *around) == 0
     assert (tmp_path / "a.png").read_bytes() == (tmp_path / "b.png").read_bytes()
-
-
-@pytest.mark.parametrize(
-    "options, said",
-    [
-        (["--window", "1,2"], "--window is '1,2'; it must be TOP,LEFT,HEIGHT,WIDTH"),
-        (["--window", "1,2,3,4", "--size", "50"], "--size and --window exclude each other"),
-        (["--window", "1,2,3,4", "--tileable"], "--tileable and --window exclude each other"),
-        (["--window", "1,2,3,4", "--best-of", "3"], "--best-of and --window exclude each other"),
-        (["--window", "1,2,3,4", "--workers", "2"], "--workers"),
-        (["--period", "50"], "--period has no effect without --window"),
-        (["--window", "1,2,3,4", "--period", "5x"], "--period is '5x'"),
-        (["--window", "1,2,3,4", "--period", "20"], "period has the height 20; it must be"),
-    ],
-)
-def test_windows_that_are_none(options, said, tmp_path, capsys):
-    words = ["synth", "sample:pebbles", "-o", str(tmp_path / "o.png"), "--method", "quilting"]
-    assert weft_run(*words, *options) == 2
-    error = capsys.readouterr().err
-    assert said in error and error.count("\n") == 1

@@ -7,7 +7,7 @@ import weftex
 from twins import boundary_zone as zones
 from weftex.explanation import RECORDERS
 from weftex.methods import METHODS
-from weftex.notes import note, pixel_asked
+from weftex.notes import pixel_asked
 
 SMALL = {
     "patch-sampling": {"patch_size": 12, "boundary_width": 3},
@@ -158,8 +158,3 @@ def test_it_shows_and_saves_itself(shown, tmp_path):
 def test_bad_input_is_one_line(words, said, sample):
     with pytest.raises(weftex.WeftexError, match=said.replace("(", r"\(").replace(")", r"\)")):
         weftex.explain(sample, (40, 44), **words)
-
-
-def test_nobody_hears_a_note_outside():
-    note("cut", cost=1)
-    assert pixel_asked() is None

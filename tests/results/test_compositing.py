@@ -124,17 +124,6 @@ def test_layers_are_the_slow_twin(cut, count, seed):
         assert got == [(p, float(s)) for p, s in entries]
 
 
-def test_whole_numbers_round_halves_up():
-    out, source = np.zeros((1, 1, 1), np.uint8), np.ones((1, 1, 1), np.uint8)
-    one = np.array([[0, 0, 0, 0, 0]], np.int32)
-    for weight, expected in ((127, 0), (128, 1)):
-        out[:] = 0
-        weights = np.full((1, 1, 1), weight, np.uint16)
-        layout = Layout(one, weights, np.zeros((0, 0), np.uint16), 1, 1)
-        paste_kernels.paste_all(out, source, layout, View(0, 0, 1, False))
-        assert out[0, 0, 0] == expected
-
-
 @pytest.mark.parametrize("dtype", DTYPES)
 def test_clear_pixels_bleed_no_color(dtype):
     """Straight alpha: a clear pixel changes the alpha of what it is mixed with, not its color."""
@@ -149,17 +138,6 @@ def test_clear_pixels_bleed_no_color(dtype):
         paste_kernels.paste_all(out, new.reshape(1, 1, 4), layout, View(0, 0, 1, True))
         assert out[0, 0, :3].tolist() == red[:3].tolist()
         assert abs(float(out[0, 0, 3]) - full / 2) <= 0.5
-
-
-def test_more_patches_than_layers_keep_the_heaviest():
-    """Five patches in one place: the lightest gives way, the rest stay in order of weight."""
-    weights = np.full((1, 1, 1), 100, np.uint16)
-    placements = np.zeros((6, 5), np.int32)
-    patch, share = np.full((1, 1, 4), -1, np.int32), np.zeros((1, 1, 4), np.float32)
-    none = np.zeros((0, 0), np.uint16)
-    paste_kernels.layer_all(patch, share, 0, 0, Layout(placements, weights, none, 1, 1))
-    assert patch[0, 0].tolist() == [5, 4, 3, 2]
-    assert (np.diff(share[0, 0]) < 0).all()
 
 
 @pytest.mark.parametrize("alpha", [False, True])

@@ -57,14 +57,6 @@ def test_every_labelling_is_no_cheaper(grid):
     assert np.array_equal(side, expected)
 
 
-@given(grids(8))
-def test_it_is_scipys_cut(grid):
-    side, value = minimum_cut(*grid)
-    expected, flow = scipy_cut(*grid)
-    assert value == flow == reference.cut_value(side, *grid)
-    assert np.array_equal(side, expected)
-
-
 @pytest.mark.parametrize("shape", [(40, 40), (1, 200), (200, 1), (97, 33)])
 @pytest.mark.parametrize("top", [1, 9, 1000])
 @pytest.mark.parametrize("terminals", ["borders", "everywhere", "few"])

@@ -111,36 +111,6 @@ def test_paths_keep_to_where_the_patch_shows():
     assert all(zone.weight[v, cut[v]] > 0 for v in range(9))
 
 
-def test_the_path_finds_the_place_where_patches_agree():
-    """A zigzag of equal pixels in otherwise different ones is followed exactly."""
-    known = np.zeros((6, 8), bool)
-    known[:, :4] = True
-    zone = boundary_zone(known, 4)
-    canvas = np.full((6, 8, 1), 200, np.uint8)
-    pixels = np.zeros((6, 8, 1), np.uint8)
-    path = [1, 2, 3, 2, 1, 0]
-    for v, u in enumerate(path):
-        pixels[v, u] = 200
-    # Only the left side has a band that is longer than it is deep.
-    bands = zone.bands.copy()
-    bands[5:] = 1, 0, 0, 0
-    cuts = np.zeros((1, 2 * (6 + 8)), np.uint16)
-    cost = np.empty((8, 4), np.int64)
-    find_cuts(canvas, pixels, (0, 0, 0, 0), zone.weight, bands, 0, cost, cuts)
-    assert cuts[0, :6].tolist() == path
-
-
-@pytest.mark.parametrize("level", [0, 7])
-def test_equal_patches_are_cut_at_the_border(level):
-    """Every path costs nothing: ties go to the pixel nearest to the window's border."""
-    known = np.zeros((9, 9), bool)
-    known[:3] = known[:, :3] = True
-    zone = boundary_zone(known, 3)
-    flat = np.full((9, 9, 1), level, np.uint8)
-    cut = kernel_cuts(flat, flat, (0, 0), (0, 0), zone)
-    assert cut[:9].tolist() == [0] * 9 and cut[18:27].tolist() == [0] * 9
-
-
 def test_costs_of_long_bands_do_not_overflow():
     length = 40000
     known = np.zeros((length, 2), bool)

@@ -5,9 +5,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-import weftex
 from weftex.errors import UnsupportedError
-from weftex.results.patches import PatchSynthesis
 from weftex.search.zone_search import KDTree
 
 
@@ -52,44 +50,3 @@ def test_without_scipy_the_error_says_what_to_install(monkeypatch):
     monkeypatch.setitem(sys.modules, "scipy.spatial", None)
     with pytest.raises(UnsupportedError, match=r"pip install 'weftex\[kdtree\]'"):
         KDTree(np.zeros((1, 1), np.int16), np.zeros(1, np.int32), 0.5)
-
-
-@pytest.mark.parametrize("search", ["kdtree", "kdtree-pca"])
-def test_pictures_from_a_tree_match_about_as_well(search):
-    """The paper's own accelerations lose little: boundaries fit nearly as in the full search."""
-    exemplar = weftex.Exemplar(weftex.load_exemplar("sample:grass").pixels[:72, :72])
-
-    def mismatch(search):
-        method = weftex.PatchSampling(
-            patch_size=20, boundary_width=4, epsilon=0, search=search, repeat_distance=0,
-            blend="none",
-        )  # fmt: skip
-        return _seam_error(method.fit(exemplar).sample((120, 120), seed=4))
-
-    worst = mismatch_of_pasting(exemplar)
-    full, tree = mismatch("exhaustive"), mismatch(search)
-    assert tree - full < 0.25 * (worst - full)
-
-
-def mismatch_of_pasting(exemplar):
-    method = weftex.PatchSampling(
-        patch_size=20, boundary_width=4, epsilon=float("inf"), repeat_distance=0, blend="none"
-    )
-    return _seam_error(method.fit(exemplar).sample((120, 120), seed=4))
-
-
-def _seam_error(result):
-    """Mean squared difference between what a patch lays over and what it lays."""
-    layered = PatchSynthesis(
-        result.canvas,
-        result.placements,
-        np.full_like(result.weights, 128),
-        result.cuts[:0],
-        sample_shape=result.sample_shape,
-        exemplar=result.exemplar,
-    )
-    coordinates, shares = layered.layers()
-    both = (shares[..., :2] > 0).all(axis=-1)
-    pixels = result.exemplar.pixels.reshape(*result.sample_shape, -1).astype(float)
-    values = pixels[coordinates[..., 0], coordinates[..., 1]]
-    return float(((values[..., 0, :] - values[..., 1, :]) ** 2)[both].mean())

@@ -101,10 +101,3 @@ def test_block_shortlist_is_the_m_smallest(side, stride, channels, wanted, seed)
     assert sorted(keys) == sorted(expected.values())[:wanted]
     assert len(set(places)) == len(places)
     assert [expected[p] for p in places] == keys
-
-
-def test_rounding_of_means_is_halves_up():
-    pixels = np.array([[[0], [1]], [[1], [0]]], np.uint8)  # mean 0.5
-    assert QuadtreePyramid(pixels).nodes(2, 1)[0, 0, 0, 0, 0] == 1
-    pixels[0, 1] = 0  # mean 0.25
-    assert QuadtreePyramid(pixels).nodes(2, 1)[0, 0, 0, 0, 0] == 0

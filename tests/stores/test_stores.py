@@ -4,8 +4,6 @@ from __future__ import annotations
 
 import json
 import sys
-import threading
-import time
 from fractions import Fraction
 from pathlib import Path
 
@@ -18,7 +16,7 @@ from weftex.errors import FileError, InvalidInputError
 from weftex.io.pictures import read_image
 from weftex.raster.mixing import Kind, Mixing
 from weftex.stores.archive import is_archive, read_archive
-from weftex.stores.files import check_target, open_stores
+from weftex.stores.files import open_stores
 from weftex.stores.layout import Layout, check_block, halved, part_of, places
 from weftex.stores.locks import locked
 from weftex.stores.owned import remove, sweep
@@ -88,11 +86,8 @@ def test_other_readers_of_zarr(tmp_path, monkeypatch):
     group = zarr.open_group(tmp_path / "a.zarr", mode="r")
     about = group.attrs["ome"]
     (pyramid,) = about["multiscales"]
-    assert about["version"] == "0.5" and [axis["name"] for axis in pyramid["axes"]] == [
-        "c",
-        "y",
-        "x",
-    ]
+    assert about["version"] == "0.5"
+    assert [axis["name"] for axis in pyramid["axes"]] == ["c", "y", "x"]
     assert [level["path"] for level in pyramid["datasets"]] == ["0", "1", "2"]
     assert len(about["omero"]["channels"]) == 3
     for level, pixels in whole.items():
@@ -161,12 +156,6 @@ def test_blocks_that_are_none(block):
         check_block(block)
 
 
-def test_targets_that_are_none(tmp_path):
-    for path, why in [("a.png", "are written to .zarr"), ("no/a.tif", "does not exist")]:
-        with pytest.raises(FileError, match=why):
-            check_target(str(tmp_path / path))
-
-
 def test_a_full_disk_is_said_in_one_line(tmp_path):
     store, _ = written(tmp_path / "a.tif", (64, 64), "uint8", 3, False)
     (tmp_path / "a.tif").unlink()
@@ -193,34 +182,6 @@ def begun(folder, run):
     with record.held(), record.beginning():
         record.begin(Run(run, True, ["a.tif"]))
     return record
-
-
-def test_what_an_older_run_writes_does_not_count(tmp_path):
-    first = begun(tmp_path, "a" * 32)
-    first.add((0, 0, 0), (1,))
-    journal = tmp_path / "a.tif.run" / "done.txt"
-    second, line = begun(tmp_path, "b" * 32), journal.read_bytes()
-    with pytest.raises(FileError, match="it was begun again"), first.writing():
-        raise AssertionError
-    with pytest.raises(FileError, match="it was begun again"):
-        first.add((0, 0, 1), (2,))
-    assert journal.read_bytes() == line and second.done() == {}
-
-
-def test_who_begins_waits_for_those_that_write(tmp_path):
-    record, order = begun(tmp_path, "a" * 32), []
-
-    def begin():
-        with record.alone():
-            order.append("alone")
-
-    other = threading.Thread(target=begin)
-    with record.writing(), record.writing():
-        other.start()
-        time.sleep(0.1)
-        order.append("written")
-    other.join()
-    assert order == ["written", "alone"]
 
 
 @pytest.mark.parametrize(

@@ -251,16 +251,6 @@ def test_a_damaged_plane_is_not_continued(tmp_path, target):
     assert is_whole(target)
 
 
-def test_temporary_files_are_swept(tmp_path, target):
-    weftex.stream(SAMPLE, target, SIZE, **HOW)
-    folders = [path for path in tmp_path.rglob("*") if path.is_dir()]
-    stale = [folder / f".weftex-123-00000000-0123abcd{target.suffix}" for folder in folders]
-    for path in stale:
-        path.touch()
-    weftex.stream(SAMPLE, target, SIZE, **HOW)
-    assert not any(path.exists() for path in stale)
-
-
 @pytest.mark.parametrize("target", [".zarr"], indirect=True)
 def test_a_size_of_which_no_memory_holds_the_blocks(target):
     side = 10**9
