@@ -19,7 +19,7 @@ _OTHERS = ("size", "guide", "sample_guide", "tileable")
 def add_window(parser: Parser) -> None:
     """Add --window and --period."""
     add = parser.under["tiling"].add_argument
-    text = "compute only this window of an endless plane; overlapping windows have the same pixels"
+    text = "compute only these pixels of an endless plane; windows agree where they overlap"
     add("--window", metavar="TOP,LEFT,HEIGHT,WIDTH", help=text)
     text = "with --window: number of pixels after which the plane wraps around"
     add("--period", metavar="WxH|N", help=text)
