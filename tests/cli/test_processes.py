@@ -71,8 +71,8 @@ def test_a_bar_on_a_terminal(here):
     import struct
     import termios
 
-    write_image("large.png", noise((200, 200, 3)))
-    words = ["--method", "patch-sampling", "--search", "exhaustive", "--size", "300"]
+    write_image("large.png", noise((400, 400, 3)))
+    words = ["--method", "patch-sampling", "--search", "exhaustive", "--size", "600"]
     words += ["--patch-size", "64"]
     loaded = "import tqdm; from weftex.cli import entry; entry()"  # so that short work has a bar
     command = [sys.executable, "-c", loaded, "synth", "large.png", "-o", "x.png", *words]
@@ -91,4 +91,4 @@ def test_a_bar_on_a_terminal(here):
         shown += part
     os.close(ours)
     assert run.wait() == 0
-    assert b"patches" in shown and b"made 300x300 x.png" in shown
+    assert b"patches" in shown and b"made 600x600 x.png" in shown
