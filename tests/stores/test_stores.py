@@ -17,10 +17,11 @@ from weftex.io.pictures import read_image
 from weftex.raster.mixing import Kind, Mixing
 from weftex.stores.archive import is_archive, read_archive
 from weftex.stores.files import open_stores
-from weftex.stores.layout import Layout, check_block, halved, part_of, places
+from weftex.stores.layout import Layout, blocks_below, check_block, halved, part_of, places
 from weftex.stores.locks import locked
 from weftex.stores.owned import remove, sweep
 from weftex.stores.record import Record, Run, parse_part
+from weftex.stores.store import check_sum
 
 KINDS = [("uint8", 3, False), ("uint16", 4, True), ("float32", 0, False), ("uint8", 0, False)]
 
@@ -40,7 +41,9 @@ def written(path, shape, dtype, channels, alpha, block=64):
         store.write(place, pixels[top : top + height, left : left + width])
     for place in places(layout, store.levels):
         if place[0]:
-            store.write(place, store.reduced(place))
+            windows = {one: layout.window(one) for one in blocks_below(layout, place)}
+            sums = {one: check_sum(store.read(one[0], window)) for one, window in windows.items()}
+            store.write(place, store.reduced(place, sums))
     return store, whole
 
 

@@ -171,6 +171,17 @@ def children(layout: Layout, place: Place) -> Window:
     return top, left, min(height, below[0] - top), min(width, below[1] - left)
 
 
+def blocks_below(layout: Layout, place: Place) -> list[Place]:
+    """Return the blocks of the level below that become a block."""
+    level, row, column = place
+    rows, columns = layout.grid(level - 1)
+    return [
+        (level - 1, y, x)
+        for y in range(2 * row, min(2 * row + 2, rows))
+        for x in range(2 * column, min(2 * column + 2, columns))
+    ]
+
+
 def halved(pixels: NDArray[Any], mixing: Mixing) -> NDArray[Any]:
     """Return pixels (H, W) or (H, W, C) at half their size, rounded up; an odd border is repeated.
 

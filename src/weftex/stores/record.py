@@ -92,6 +92,7 @@ class Record:
         self.target, self.folder, self.part, self.run = target, target + SUFFIX, part, run
         name = writer or ("done" if part is None else f"part-{part[0]}-of-{part[1]}")
         self._journal = self._path(f"{name}.txt")
+        self._level: dict[Place, tuple[int, ...]] = {}  # the blocks of a level that are done
 
     @property
     def recipe(self) -> str:
@@ -208,6 +209,23 @@ class Record:
                             found[level, row, column] = tuple(sums)
         return found
 
+    def sums(self, place: Place) -> tuple[int, ...]:
+        """Return the check sums of a block; journals are read once for each level.
+
+        Raises
+        ------
+        FileError
+            If it is not done.
+        """
+        if place not in self._level:
+            self._level = {one: sums for one, sums in self.done().items() if one[0] == place[0]}
+        if place not in self._level:
+            what = f"level {place[0]}, row {place[1]}, column {place[2]}"
+            raise FileError(
+                f"{show(self.target)}: the block {what} is not done; the same command continues"
+            )
+        return self._level[place]
+
     def parts(self) -> list[int]:
         """Return into how many parts the plane was divided, by whoever made some."""
         matches = map(_JOURNAL.fullmatch, self._journals())
@@ -255,7 +273,7 @@ class Record:
 
     def _journals(self) -> list[str]:
         names = os.listdir(self.folder) if os.path.isdir(self.folder) else []
-        return sorted(filter(_JOURNAL.fullmatch, names))
+        return sorted(filter(_JOURNAL.fullmatch, names), reverse=True)  # "done", of repairs, last
 
     def _check_run(self) -> None:
         current = self.current()

@@ -3,14 +3,17 @@
 from __future__ import annotations
 
 import os
+import zlib
 from abc import ABC, abstractmethod
 from contextlib import suppress
 from typing import TYPE_CHECKING, Any, ClassVar, NamedTuple
 
+import numpy as np
+
 from weftex.errors import FileError
 from weftex.io.formats import show
 from weftex.io.temporary import write_through
-from weftex.stores.layout import children, halved
+from weftex.stores.layout import blocks_below, children, halved
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator, Mapping
@@ -155,10 +158,28 @@ class Store(ABC):
                 f"{show(self.path)}: level {level} is damaged: {why}; {REPAIR}"
             ) from None
 
-    def reduced(self, place: Place) -> NDArray[Any]:
-        """Return a block of a level above 0, made from the level below."""
+    def reduced(self, place: Place, sums: Mapping[Place, int]) -> NDArray[Any]:
+        """Return a block of a level above 0, made from blocks that have these check sums.
+
+        Raises
+        ------
+        FileError
+            If a block of the level below is missing or damaged.
+        """
         window = children(self.layout, place)
-        return halved(self.read(place[0] - 1, window), self.layout.mixing)
+        pixels = self.read(place[0] - 1, window)
+        for below in blocks_below(self.layout, place):
+            top, left, height, width = self.layout.window(below)
+            y, x = top - window[0], left - window[1]
+            if check_sum(pixels[y : y + height, x : x + width]) != sums[below]:
+                what = f"level {below[0]}, row {below[1]}, column {below[2]}"
+                raise FileError(f"{show(self.path)}: the block {what} is damaged; {REPAIR}")
+        return halved(pixels, self.layout.mixing)
+
+
+def check_sum(pixels: NDArray[Any]) -> int:
+    """Return the check sum of pixels that journals have."""
+    return zlib.crc32(np.ascontiguousarray(pixels).data)
 
 
 def synced(path: str) -> None:

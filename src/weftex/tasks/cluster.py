@@ -209,4 +209,10 @@ def make_block(packed: bytes, run: str, place: Place, wanted: dict[str, str]) ->
                 f"worker {get_worker().address} does not see {store.path}; all machines need the "
                 "same folder under the same path"
             )
-    job.make(Record(job.target, writer=writer_name(), run=run), place, threads=1)
+    job.make(_record(job.target, run), place, threads=1)
+
+
+@lru_cache(maxsize=2)
+def _record(target: str, run: str) -> Record:
+    """The record of a run, which reads the journals once a level."""
+    return Record(target, writer=writer_name(), run=run)

@@ -5,25 +5,20 @@ from __future__ import annotations
 import os
 import secrets
 import shutil
-import zlib
 from contextlib import contextmanager, suppress
 from dataclasses import dataclass
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
-import numpy as np
-
 from weftex.errors import FileError
 from weftex.io.formats import show, suffix_of
-from weftex.stores.layout import blocks_in, part_of, part_range, places_of
+from weftex.stores.layout import blocks_below, blocks_in, part_of, part_range, places_of
 from weftex.stores.owned import remove, sweep
 from weftex.stores.record import Record, Run, refuse_other
-from weftex.stores.store import REPAIR, synced
+from weftex.stores.store import REPAIR, check_sum, synced
 
 if TYPE_CHECKING:
     from collections.abc import Collection, Iterator, Mapping
-
-    from numpy.typing import NDArray
 
     from weftex.stores.layout import Place
     from weftex.stores.store import Store
@@ -95,11 +90,19 @@ class Job:
     def make(self, record: Record, place: Place, **how: Any) -> None:
         """Make a block of every picture, write it, and then that it is done."""
         level = place[0]
-        stores = {name: store for name, store in self.stores.items() if level < store.levels}
+        stores = self._stores(level)
         if level == 0:
             pixels = self.recipe.render(self.recipe.base.window(place), **how)
         else:
-            pixels = {name: store.reduced(place) for name, store in stores.items()}
+            names = [*self._stores(level - 1)]
+            below = {
+                one: dict(zip(names, record.sums(one), strict=False))
+                for one in blocks_below(self.recipe.base, place)
+            }
+            pixels = {
+                name: store.reduced(place, {one: sums.get(name, -1) for one, sums in below.items()})
+                for name, store in stores.items()
+            }
         sums = tuple(check_sum(pixels[name]) for name in stores)
         with record.writing():
             for name, store in stores.items():
@@ -110,25 +113,33 @@ class Job:
         """Give the blocks whose pixels are not those that were written; reads all of them."""
         for place, sums in done.items():
             if self._has(place):
-                stores = [store for store in self.stores.values() if place[0] < store.levels]
+                stores = self._stores(place[0]).values()
                 if sums != tuple(_sum_of(store, place) for store in stores):
                     yield place
+
+    def sound(self, done: Sums) -> Sums:
+        """Return the blocks that are as they were written, and made of such; reads all of them."""
+        damaged = {*self.damaged(done)}
+        found: dict[Place, tuple[int, ...]] = {}
+        for place in sorted(filter(self._has, done)):  # level by level
+            below = blocks_below(self.recipe.base, place) if place[0] and not self.part else ()
+            if place not in damaged and all(one in found for one in below):
+                found[place] = done[place]
+        return found
+
+    def _stores(self, level: int) -> dict[str, Store]:
+        """The stores that have a level."""
+        return {name: store for name, store in self.stores.items() if level < store.levels}
 
     def lost(self, done: Collection[Place]) -> Iterator[Place]:
         """Give the blocks that were written, and of which a file is missing."""
         for place in filter(self._has, done):
-            stores = (store for store in self.stores.values() if place[0] < store.levels)
-            if any(store.lacks(place) for store in stores):
+            if any(store.lacks(place) for store in self._stores(place[0]).values()):
                 yield place
 
     def flaws(self) -> list[str]:
         """Return the files that are missing, or damaged beside their pixels."""
         return [path for store in self.stores.values() for path in store.flaws()]
-
-
-def check_sum(pixels: NDArray[Any]) -> int:
-    """Return the check sum of pixels that journals have."""
-    return zlib.crc32(np.ascontiguousarray(pixels).data)
 
 
 def _sum_of(store: Store, place: Place) -> int:

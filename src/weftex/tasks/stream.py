@@ -186,9 +186,7 @@ def write_plane(
     if check_disk:
         check_room(job, job.left(found))
     with at_work(job, restart=restart, repair=repair) as record:
-        done = record.done()
-        for place in [*job.damaged(done)] if repair else ():
-            done.pop(place)
+        done = job.sound(record.done()) if repair else record.done()
         left = job.left(done)
         steps = Progress(progress, left, "blocks", lambda: None)
         run = runner or partial(_here, job, threads)

@@ -57,10 +57,14 @@ class WorkerProcesses:
 
 def block_maker(job: Job) -> Callable[[tuple[str, Place]], None]:
     """Return the function that makes a block of a run in a worker process."""
+    records: dict[str, Record] = {}
 
     def make(work: tuple[str, Place]) -> None:
         run, place = work
-        job.make(Record(job.target, writer=writer_name(), run=run), place, threads=1)
+        if run not in records:  # one that is kept reads the journals once a level
+            records.clear()
+            records[run] = Record(job.target, writer=writer_name(), run=run)
+        job.make(records[run], place, threads=1)
 
     return make
 
