@@ -23,7 +23,7 @@ def check_twin(method, exemplar, canvas, seed):
     model = method.fit(exemplar)
     result = model.sample(canvas, seed=seed)
     start, prepared = None, model.prepared
-    for name in starts_for(prepared.settings, prepared.starts, canvas)[:1]:
+    for name in starts_for(prepared, canvas)[:1]:
         other = prepared.starts[name]
         bare = "guide" not in other.method.supports
         follow = dataclasses.replace(canvas, guide=None) if bare else canvas
@@ -148,12 +148,12 @@ def test_what_it_starts_from():
         weftex.Refinement(init="quilting").fit(weftex.Exemplar(noise((2, 40))))
 
 
-def test_settings_are_settled_and_said():
+def test_parameters_are_resolved_and_reported():
     """Also where a guide makes it plant seeds."""
     exemplar = weftex.Exemplar(noise((60, 60)))
     for method in (weftex.Refinement(), weftex.Refinement(search="nearest", window_width=5)):
         model = method.fit(exemplar)
-        assert None not in dataclasses.astuple(model.prepared.settings)
+        assert model.prepared.method is model.method
         about = model.sample(20, seed=1).provenance
         assert about["init"] == model.method.init and about["levels"] == len(model.prepared.levels)
         assert about["window_width"] == model.method.window_width > 0
@@ -391,8 +391,8 @@ def test_seed_points_lie_a_scale_apart():
                 window_width=width, init="seeds", seed_density=density, search=search
             )
             model = method.fit(exemplar)
-            assert model.prepared.settings.seed_spacing == scale / density
+            assert model.prepared.seed_spacing == scale / density
             assert model.method.seed_scale == scale
     assert weftex.Refinement().fit(exemplar).method.seed_scale is None
     given = weftex.Refinement(init="seeds", seed_scale=20.0).fit(exemplar)
-    assert given.prepared.settings.seed_spacing == 20
+    assert given.prepared.seed_spacing == 20

@@ -138,7 +138,7 @@ def refined_plane(model, window, seed):
         pixels = level.pixels.reshape(-1, level.pixels.shape[2])[begun]
         output = Output(number, pixels, begun.copy(), np.ones(begun.shape, bool), (False, False))
         near = 16 if number == 3 else 0
-        sweep = BlockSweep(prepared.settings, level, number, begun, near)
+        sweep = BlockSweep(prepared, number, begun, near)
         pitch = (64, 48, 32, 24)[number]
         at_node, between = (-pitch // 4, pitch // 4), (pitch // 4, pitch - pitch // 4)
         corners = None

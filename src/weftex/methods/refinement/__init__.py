@@ -8,6 +8,12 @@ from typing import TYPE_CHECKING, Any, ClassVar, Self
 from weftex.errors import InvalidInputError
 from weftex.method import Method
 from weftex.methods.pixels.growth import PixelModel, WindowedMethod
+from weftex.methods.refinement.defaults import (
+    Starts,
+    resolved_method,
+    start_text,
+    window_width,
+)
 from weftex.methods.refinement.levels import Prepared, prepare
 from weftex.methods.refinement.output import (
     finish,
@@ -19,13 +25,6 @@ from weftex.methods.refinement.output import (
 )
 from weftex.methods.refinement.plane import goes_around, refined_window
 from weftex.methods.refinement.seeds import seed_sources
-from weftex.methods.refinement.settings import (
-    Starts,
-    settings_of,
-    settled_method,
-    start_text,
-    window_width,
-)
 from weftex.methods.refinement.start import (
     fitted_starts,
     keep_patches,
@@ -195,10 +194,10 @@ class Refinement(WindowedMethod):
         """Analyze a sample: its dominant scale, and how to find windows like one."""
         starts = fitted_starts(self, exemplar)
         # Step 1: WindowSize.
-        settled = settled_method(self, exemplar, next(iter(starts), "seeds"))
-        settings = settings_of(settled, exemplar, by_canvas=self.init == "auto")
-        prepared = prepare(exemplar, settings, starts)  # step 2: SearchTree
-        return RefinementModel(settled, exemplar, prepared, texture_synthesis)
+        method = resolved_method(self, exemplar, next(iter(starts), "seeds"))
+        # Step 2: SearchTree.
+        prepared = prepare(method, exemplar, starts, by_canvas=self.init == "auto")
+        return RefinementModel(method, exemplar, prepared, texture_synthesis)
 
     def takes(self, name: str, canvas: Canvas | None = None) -> bool:
         """See `Method.takes`: the margin is for places like coherent ones, and for seeds' first."""
@@ -226,7 +225,7 @@ class Refinement(WindowedMethod):
     def resolved(self, exemplar: Exemplar) -> Self:
         """See `Method.resolved`."""
         init = next(iter(fitted_starts(self, exemplar)), "seeds")
-        resolved: Self = settled_method(self, exemplar, init)
+        resolved: Self = resolved_method(self, exemplar, init)
         return resolved
 
 
@@ -238,8 +237,7 @@ class RefinementModel(PixelModel):
     ) -> Synthesis:
         """See `Model.make_window`: a plane of the start is refined level by level, where it may."""
         prepared: Prepared = self.prepared
-        settings = prepared.settings
-        coherent = settings.search == "coherent" and not settings.belt and prepared.starts
+        coherent = prepared.method.search == "coherent" and not prepared.belt and prepared.starts
         if not coherent or not goes_around(prepared.levels, asked.period):
             return super().make_window(box, asked, progress)
         self.require(A_BLOCK)
@@ -255,7 +253,7 @@ class RefinementModel(PixelModel):
 
     def block_sizes(self) -> Sizes:
         """See `Model.block_sizes`; blocks begin with a plane of the start."""
-        width = min(self.prepared.settings.window_width, 64)
+        width = min(self.prepared.method.window_width, 64)
         belt = 2 * max(width, 16)
         return Sizes(pitch=max(4 * belt, _PITCH), belt=belt, around=width)
 
@@ -270,20 +268,20 @@ def texture_synthesis(prepared: Prepared, growth: Growth) -> None:
     The paper refines seed points at one resolution. Beyond it, the result of another method may be
     refined, and the coherent search goes through coarser levels first.
     """
-    settings, levels, windows = prepared.settings, prepared.levels, prepared.windows
-    start, made = result_of(settings, prepared.starts, growth)
+    levels, windows, rounds = prepared.levels, prepared.windows, prepared.rounds
+    start, made = result_of(prepared, growth)
     growth.about |= {"init": start, "levels": len(levels)}
-    if made is not None and settings.belt:
+    if made is not None and prepared.belt:
         # Section 5, Fig. 13: patches stay, belts along their seams are a hole.
-        keep_patches(made, settings.belt, windows, growth)
+        keep_patches(made, prepared.belt, windows, growth)
         if growth.done.all():
             return
     # Section 5, Fig. 12; a block of a plane goes on with what was started all over it.
     cyclic = growth.hole is not None and (made is None or growth.canvas.shown is None)
     outputs = output_pyramid(windows, levels, growth)
-    guides = guides_of(settings, levels, growth)
-    convergence = Convergence(settings.threshold, cyclic)
-    steps = [output.count * n for output, n in zip(outputs, settings.rounds, strict=True)]
+    guides = guides_of(prepared, growth)
+    convergence = Convergence(prepared.method.threshold, cyclic)
+    steps = [output.count * n for output, n in zip(outputs, rounds, strict=True)]
     progress = growth.progress(sum(steps), "pixels")
     coarsest = len(levels) - 1
     for number in range(coarsest, -1, -1):
@@ -294,19 +292,19 @@ def texture_synthesis(prepared: Prepared, growth: Growth) -> None:
         elif made is not None:
             source = sources_shown(made, number, level)
         else:  # step 3: PlantSeed, Fig. 5
-            source = seed_sources(settings, level, output, guide, growth.seed)
+            source = seed_sources(prepared, output, guide, growth.seed)
         output.begin(level, source)
         show_coarse(output, growth)
         note("start", output=output, level=level)
         # Search Tree Construction (section 3): `sweep_kernels.refine_to_nearest` is the paper's,
         # among all windows; `refine_coherently` is ours, among coherent and similar places.
-        sweep = sweep_of(settings, level, output, guide, growth.seed, cyclic)
-        for iteration in range(settings.rounds[number]):  # step 5: while (ContinueFlag)
+        sweep = sweep_of(prepared, output, guide, growth.seed, cyclic)
+        for iteration in range(rounds[number]):  # step 5: while (ContinueFlag)
             convergence.remember(output)
             changed = refine_texture(sweep, iteration, progress)  # step 6: RefineTexture
             note("sweep", output=output, level=level, iteration=iteration)
             if convergence.reached(output, iteration, changed):  # steps 7 and 8: eq. (1)
-                left = settings.rounds[number] - 1 - iteration
+                left = rounds[number] - 1 - iteration
                 progress.advance(left * output.count)
                 break
     finish(outputs[0], levels[0], windows, growth)  # step 10

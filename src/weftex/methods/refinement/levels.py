@@ -4,11 +4,12 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cached_property
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from weftex.exemplar import Exemplar
+from weftex.methods.refinement.defaults import reach_and_level_count, seed_spacing
 from weftex.raster.pyramids import gaussian_stack, mask_stack
 from weftex.search.nearest import nearest_search
 from weftex.search.similar import nearest_center, similar_places
@@ -19,10 +20,10 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from weftex.method import Model
-    from weftex.methods.refinement.settings import Settings
     from weftex.search.nearest import NearestSearch
     from weftex.search.windows import Windows
 
+ONE = 256  # distances are multiplied with integers; this is a factor of 1
 _FINE_REACH = 1  # pixels from the middle of a window to its side, on the finest of several levels
 
 
@@ -97,28 +98,51 @@ class Prepared:
     that make the start, by slug, each used where the one before refuses; empty for seed points.
     """
 
-    settings: Settings
-    windows: Windows
+    method: Any  # the `Refinement`, resolved
+    windows: Windows  # of one pixel
     levels: list[Level]
     starts: dict[str, Model]
+    rounds: tuple[int, ...]  # maximum number of iterations of each level, finest first
+    seed_spacing: float  # pixels of the sample
+    by_canvas: bool  # `init` was not given: the start may depend on the canvas
+
+    @property
+    def belt(self) -> int:
+        """Width in pixels of the refined belts along the start's seams; 0 refines everything."""
+        width: int | None = self.method.joints
+        return width or 0
+
+    @property
+    def margin(self) -> int:
+        """In 1/256, factor on the distance to a candidate that is similar to a coherent one."""
+        margin: int = round(ONE * self.method.coherence)
+        return margin
 
 
-def prepare(exemplar: Exemplar, settings: Settings, starts: dict[str, Model]) -> Prepared:
-    """Build the levels of a sample."""
-    levels = sample_levels(exemplar, settings)
-    return Prepared(settings, windows_of(exemplar, (0,) * 4), levels, starts)
+def prepare(
+    method: Any, exemplar: Exemplar, starts: dict[str, Model], *, by_canvas: bool
+) -> Prepared:
+    """Return a sample prepared for a resolved method (steps 1 and 2)."""
+    reach, count = reach_and_level_count(method, exemplar)
+    # A coarse level would move what lies between patches that stay where they are.
+    finer = 0 if method.joints else count - 1
+    last = method.iterations
+    if method.search == "coherent":
+        last *= 2  # structure is determined on the coarsest level, where it costs least
+    rounds = (*[max(1, method.iterations // 2)] * finer, last)
+    levels: list[Level]
+    if method.search == "nearest":
+        levels = [_nearest_level(exemplar, reach)]
+    else:
+        levels = [*_pyramid_levels(method, exemplar, reach, count)]
+    spacing = seed_spacing(method, exemplar, by_canvas=by_canvas)
+    windows = windows_of(exemplar, (0,) * 4)
+    return Prepared(method, windows, levels, starts, rounds, spacing, by_canvas)
 
 
-def sample_levels(exemplar: Exemplar, settings: Settings) -> list[Level]:
-    """Return the levels of a sample that are refined on, from the finest to the coarsest."""
-    if settings.search == "nearest":
-        return [_nearest_level(exemplar, settings)]
-    return [*_pyramid_levels(exemplar, settings)]
-
-
-def _nearest_level(exemplar: Exemplar, settings: Settings) -> NearestLevel:
+def _nearest_level(exemplar: Exemplar, reach: int) -> NearestLevel:
     """One resolution, and windows as large as they are."""
-    windows = windows_of(exemplar, (settings.reach,) * 4)
+    windows = windows_of(exemplar, (reach,) * 4)
     every = np.arange(windows.usable.size, dtype=np.int32)
     places = windows.to_sample(every).reshape(windows.usable.shape)
     index = windows.from_sample(every[: exemplar.shape[0] * exemplar.shape[1]])
@@ -130,17 +154,17 @@ def _nearest_level(exemplar: Exemplar, settings: Settings) -> NearestLevel:
         places=places,
         index=index,
         nearest=_nearest(windows.usable, index, exemplar.shape),
-        reach=settings.reach,
-        search=nearest_search(windows, settings.reach),
+        reach=reach,
+        search=nearest_search(windows, reach),
     )
 
 
-def _pyramid_levels(exemplar: Exemplar, settings: Settings) -> list[CoherentLevel]:
-    """The levels of the Gaussian stack, with the places most like each."""
-    reach, tiles = settings.reach, (exemplar.tileable,) * 2
+def _pyramid_levels(method: Any, exemplar: Exemplar, reach: int, count: int) -> list[CoherentLevel]:
+    """Return the refined levels of a Gaussian stack of `count` levels; for belts, the finest."""
+    tiles = (exemplar.tileable,) * 2
     mask = np.ones(exemplar.shape, bool) if exemplar.mask is None else exemplar.mask
-    pictures = gaussian_stack(exemplar.matching(), settings.levels, tiles)
-    masks = mask_stack(mask, settings.levels, tiles)
+    pictures = gaussian_stack(exemplar.matching(), count, tiles)
+    masks = mask_stack(mask, count, tiles)
     samples = [
         Exemplar(p[0], mask=m[0], tileable=tiles[0], alpha=False, name=exemplar.name)
         for p, m in zip(pictures, masks, strict=True)
@@ -149,15 +173,15 @@ def _pyramid_levels(exemplar: Exemplar, settings: Settings) -> list[CoherentLeve
     like, coarser = np.zeros((0, 0), np.int32), None
     for sample, phases in list(zip(samples, pictures, strict=True))[::-1]:
         windows = windows_of(sample, (reach,) * 4, phases[0])
-        like = similar_places(windows, reach, settings.similar, coarser)
+        like = similar_places(windows, reach, method.similar, coarser)
         coarser = windows, like
     like = windows.to_sample(like[windows.from_sample(every)])
-    cells = _cells(exemplar.shape, settings.scale)
+    cells = _cells(exemplar.shape, max(1, method.window_width // 2))  # the scale (section 3)
     levels = []
-    for number in range(len(settings.rounds)):
-        # Coarser levels have settled what goes where. Now the picture has to go on across seams,
+    for number in range(1 if method.joints else count):
+        # Coarser levels have determined what goes where. Now the picture has to go on across seams,
         # and wide windows would draw these straight instead. A belt is refined on one level only.
-        fine = number == 0 and settings.levels > 1 and not settings.belt
+        fine = number == 0 and count > 1 and not method.joints
         own_reach = min(reach, _FINE_REACH) if fine else reach
         layout = Layout(exemplar.shape, number, own_reach, exemplar.tileable)
         usable = layout.usable(masks[number])

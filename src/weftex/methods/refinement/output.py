@@ -7,8 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from weftex.methods.refinement.levels import CoherentLevel
-from weftex.methods.refinement.settings import ONE
+from weftex.methods.refinement.levels import ONE, CoherentLevel
 from weftex.raster.pyramids import gaussian_pyramid, gaussian_stack, mask_pyramid
 
 if TYPE_CHECKING:
@@ -17,8 +16,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from weftex.methods.pixels.growth import Growth
-    from weftex.methods.refinement.levels import Level
-    from weftex.methods.refinement.settings import Settings
+    from weftex.methods.refinement.levels import Level, Prepared
     from weftex.search.windows import Windows
 
 
@@ -109,9 +107,9 @@ def output_pyramid(windows: Windows, levels: Sequence[Level], growth: Growth) ->
     return outputs
 
 
-def guides_of(settings: Settings, levels: Sequence[Level], growth: Growth) -> list[Guide]:
-    """One for each level; all of its channels together weigh as much as all of the picture's."""
-    exemplar, canvas = growth.exemplar, growth.canvas
+def guides_of(prepared: Prepared, growth: Growth) -> list[Guide]:
+    """Return the guide of each level; its weight does not depend on its number of channels."""
+    levels, exemplar, canvas = prepared.levels, growth.exemplar, growth.canvas
     if canvas.guide is None:
         return [NO_GUIDE] * len(levels)
     coherent = [level for level in levels if isinstance(level, CoherentLevel)]
@@ -120,7 +118,7 @@ def guides_of(settings: Settings, levels: Sequence[Level], growth: Growth) -> li
     pictures = gaussian_pyramid(given, len(coherent), canvas.wrap)
     samples = gaussian_stack(own, len(coherent), (exemplar.tileable,) * 2)
     share = growth.pixels.shape[2] / given.shape[2]
-    weight = max(1, round(ONE * settings.guide_weight * share))
+    weight = max(1, round(ONE * prepared.method.guide_weight * share))
     return [
         Guide(picture, level.layout.lay(phases), phases[0], weight)
         for picture, phases, level in zip(pictures, samples, coherent, strict=True)

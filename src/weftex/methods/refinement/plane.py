@@ -13,7 +13,6 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
-from weftex.methods.refinement.levels import CoherentLevel
 from weftex.methods.refinement.output import Output, sources_of_children
 from weftex.methods.refinement.start import start_window
 from weftex.methods.refinement.sweeps import BlockSweep
@@ -78,9 +77,8 @@ def refined_window(
                     output, levels[number + 1], part.box.shape, level, corners
                 )
                 output = _begun(level, number, source)
-            assert isinstance(level, CoherentLevel)
             near = _AROUND if number == coarsest else 0
-            sweep = BlockSweep(prepared.settings, level, number, source, near)
+            sweep = BlockSweep(prepared, number, source, near)
             before = output
             for kind in (CORNER, ACROSS, DOWN, INSIDE):
                 own = [part.grid.own(b).within(part.box) for b in part.blocks if b.kind == kind]

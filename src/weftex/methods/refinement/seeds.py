@@ -6,27 +6,25 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from weftex.methods.refinement.levels import ONE
 from weftex.methods.refinement.output import NO_GUIDE
-from weftex.methods.refinement.settings import ONE
 from weftex.random import draw
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-    from weftex.methods.refinement.levels import Level
+    from weftex.methods.refinement.levels import Prepared
     from weftex.methods.refinement.output import Guide, Output
-    from weftex.methods.refinement.settings import Settings
     from weftex.search.windows import Windows
 
 
-def seed_sources(
-    settings: Settings, level: Level, output: Output, guide: Guide, seed: int
-) -> NDArray[np.int32]:
+def seed_sources(prepared: Prepared, output: Output, guide: Guide, seed: int) -> NDArray[np.int32]:
     """Return sources for a grid of seed points of an output, -1 elsewhere."""
-    step, pyramid = 2**output.number, level.pyramid
-    spacing = max(1, round(settings.seed_spacing / step))
+    level, step = prepared.levels[output.number], 2**output.number
+    pyramid, matches = level.pyramid, prepared.method.matches
+    spacing = max(1, round(prepared.seed_spacing / step))
     places, y, x = plant_seeds(
-        pyramid, output.known.shape, output.wrap, spacing, settings.matches, seed, guide
+        pyramid, output.known.shape, output.wrap, spacing, matches, seed, guide
     )
     source = np.full(output.known.shape, -1, np.int32)
     v, u = np.divmod(pyramid.to_sample(places), pyramid.shape[1])

@@ -23,7 +23,7 @@ if TYPE_CHECKING:
     from weftex.exemplar import Exemplar
     from weftex.method import Model
     from weftex.methods.pixels.growth import Growth
-    from weftex.methods.refinement.settings import Settings
+    from weftex.methods.refinement.levels import Prepared
     from weftex.planes.boxes import Asked, Box
     from weftex.search.windows import Windows
 
@@ -61,29 +61,27 @@ def _by_lattice(exemplar: Exemplar) -> list[str]:
     return [text_of(METHODS["near-regular"](lattice=four_numbers(lattice)))]
 
 
-def starts_for(settings: Settings, starts: dict[str, Model], canvas: Canvas) -> list[str]:
+def starts_for(prepared: Prepared, canvas: Canvas) -> list[str]:
     """Name the starts for a canvas, the one that suits it best first; none plants seed points."""
-    names = list(starts)
-    if settings.by_canvas and canvas.guide is not None:
+    starts, names = prepared.starts, list(prepared.starts)
+    if prepared.by_canvas and canvas.guide is not None:
         return []
-    if settings.by_canvas and names and is_strained(starts[names[0]], canvas):
+    if prepared.by_canvas and names and is_strained(starts[names[0]], canvas):
         names.reverse()
     return names
 
 
-def result_of(
-    settings: Settings, starts: dict[str, Model], growth: Growth
-) -> tuple[str, NDArray[np.int32] | None]:
+def result_of(prepared: Prepared, growth: Growth) -> tuple[str, NDArray[np.int32] | None]:
     """Return the start's name and its source map (H, W, 2); no map for seed points.
 
     A start that refuses the canvas is replaced by the next one. If `init` was not given and all
     refuse, seed points are planted.
     """
-    canvas, failure = growth.canvas, None
+    starts, canvas, failure = prepared.starts, growth.canvas, None
     if canvas.shown is not None and starts:
         place = np.divmod(canvas.shown, growth.exemplar.shape[1])
         return next(iter(starts)), np.stack(place, axis=-1)
-    for name in starts_for(settings, starts, canvas):
+    for name in starts_for(prepared, canvas):
         start = starts[name]
         if "guide" not in start.method.supports:
             canvas = dataclasses.replace(canvas, guide=None)
@@ -91,7 +89,7 @@ def result_of(
             return name, start.sample(canvas, seed=growth.seed, threads=growth.threads).source
         except InvalidInputError as error:
             failure = failure or error
-    if failure is None or (settings.by_canvas and not settings.belt):
+    if failure is None or (prepared.by_canvas and not prepared.belt):
         return "seeds", None
     raise InvalidInputError(f"init: {failure}")
 

@@ -7,9 +7,8 @@ from typing import TYPE_CHECKING, Any, Protocol
 import numpy as np
 
 from weftex.methods.refinement import sweep_kernels as kernels
-from weftex.methods.refinement.levels import CoherentLevel, NearestLevel
+from weftex.methods.refinement.levels import ONE, CoherentLevel, NearestLevel
 from weftex.methods.refinement.output import NO_GUIDE
-from weftex.methods.refinement.settings import ONE
 from weftex.random import draw
 from weftex.search.vocabulary_kernels import Picture, Sample
 from weftex.search.windows import query_room
@@ -17,9 +16,8 @@ from weftex.search.windows import query_room
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-    from weftex.methods.refinement.levels import Level
+    from weftex.methods.refinement.levels import Level, Prepared
     from weftex.methods.refinement.output import Guide, Output
-    from weftex.methods.refinement.settings import Settings
     from weftex.progress import Progress
 
     Floats = NDArray[np.float64]
@@ -43,17 +41,16 @@ class Sweep(Protocol):
         """Refine the pixels of a line; return how many changed."""
 
 
-def sweep_of(
-    settings: Settings, level: Level, output: Output, guide: Guide, seed: int, cyclic: bool
-) -> Sweep:
+def sweep_of(prepared: Prepared, output: Output, guide: Guide, seed: int, cyclic: bool) -> Sweep:
     """Return the sweep of the search that the level was prepared for.
 
     `cyclic` sweeps from all four sides, for a hole. `seed` is for `weftex.random.draw`.
     """
+    level = prepared.levels[output.number]
     if isinstance(level, NearestLevel):
         return NearestSweep(level, output, cyclic)
     if isinstance(level, CoherentLevel):
-        return CoherentSweep(settings, level, output, guide, seed, cyclic)
+        return CoherentSweep(prepared, level, output, guide, seed, cyclic)
     raise TypeError(f"no sweep for {type(level).__name__}")
 
 
@@ -74,7 +71,7 @@ class CoherentSweep:
 
     def __init__(
         self,
-        settings: Settings,
+        prepared: Prepared,
         level: CoherentLevel,
         output: Output,
         guide: Guide,
@@ -83,19 +80,19 @@ class CoherentSweep:
     ) -> None:
         self._rows, self._output_shape = rows_of(output.wanted), output.known.shape
         self._seed, self._cyclic, self._centers = seed, cyclic, level.centers
-        coarser = len(settings.rounds) - 1 - output.number
+        coarser = len(prepared.rounds) - 1 - output.number
         # Places from all over the sample tear apart a start that is whole. But the surroundings of
         # a hole must decide, and a guide.
-        free = (cyclic and not settings.belt) or guide.weight > 0
+        free = (cyclic and not prepared.belt) or guide.weight > 0
         whole = bool(output.done.all()) and (coarser > 0 or not free)
         tried = max(_TRIED_IN_ALL // output.count, _TRIED_AT_LEAST)
         self._tried_count = 0 if whole else min(tried, len(level.centers))
-        evenness = round(_EVENNESS * settings.evenness / 2**coarser)
+        evenness = round(_EVENNESS * prepared.method.evenness / 2**coarser)
         channels, candidates = output.pixels.shape[2], _BESIDE * (1 + level.similar.shape[1])
         self._bundles = (
             _picture(output, output.wrap),
             _sample(level),
-            kernels.Sources(level, settings.margin, _usage_on(level, output, guide, evenness)),
+            kernels.Sources(level, prepared.margin, _usage_on(level, output, guide, evenness)),
             kernels.GuidePair(
                 guide,
                 np.ones(guide.output.shape[:2], np.uint8),
@@ -166,17 +163,18 @@ class BlockSweep:
 
     def __init__(
         self,
-        settings: Settings,
-        level: CoherentLevel,
+        prepared: Prepared,
         number: int,
         begun: NDArray[np.int32],
         near: int,
     ) -> None:
-        coarser = len(settings.rounds) - 1 - number
+        coarser = len(prepared.rounds) - 1 - number
+        level = prepared.levels[number]
+        assert isinstance(level, CoherentLevel)
         self._level, self._number, self._begun, self._near = level, number, begun, near
-        self._rounds, self._threshold = settings.rounds[number], settings.threshold
-        self._weight = round(_EVENNESS * settings.evenness / 2**coarser)
-        self._margin = settings.margin
+        self._rounds, self._threshold = prepared.rounds[number], prepared.method.threshold
+        self._weight = round(_EVENNESS * prepared.method.evenness / 2**coarser)
+        self._margin = prepared.margin
         self._guide = kernels.GuidePair(NO_GUIDE, np.ones((1, 1), np.uint8), query_room(0, 1))
 
     def refine(self, output: Output, place: tuple[slice, slice]) -> None:

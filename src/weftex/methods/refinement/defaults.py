@@ -1,10 +1,9 @@
-"""The settings of iterative refinement, all of them settled for one sample."""
+"""The values of the parameters of iterative refinement that depend on the sample."""
 
 from __future__ import annotations
 
 import dataclasses
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -21,7 +20,6 @@ from weftex.search.windows import square_windows, whole_windows
 if TYPE_CHECKING:
     from weftex.exemplar import Exemplar
 
-ONE = 256  # distances are multiplied with integers; this is a factor of 1
 _NARROWEST_PYRAMID = 29  # pixels; with less than its four levels the picture falls apart
 _LARGEST_REACH = 3  # pixels from the middle of a window of the pyramid to its side
 _SMALLEST_LEVEL = 24  # pixels; a coarser sample has too few windows left
@@ -67,33 +65,7 @@ def start_text(init: object) -> object:
     return text_of(init) if isinstance(init, Method) else init
 
 
-@dataclass(frozen=True)
-class Settings:
-    """The parameters of `Refinement` that are used here, resolved, and values derived from them."""
-
-    search: str
-    window_width: int
-    threshold: float
-    init: str
-    matches: int
-    similar: int
-    evenness: float
-    guide_weight: float
-    reach: int  # pixels of a level from the center of a window to its side
-    levels: int  # number of pyramid levels; 1 with the search "nearest"
-    rounds: tuple[int, ...]  # maximum number of iterations of each level, finest first
-    by_canvas: bool  # `init` was not given: the start may depend on the canvas
-    belt: int  # pixels, width of the refined belts along the start's seams; 0 refines everything
-    seed_spacing: float  # pixels of the sample
-    margin: int  # in 1/256, factor on the distance to a candidate that is similar to a coherent one
-
-    @property
-    def scale(self) -> int:
-        """In pixels, half of the window (section 3); 1 or more."""
-        return max(1, self.window_width // 2)
-
-
-def settled_method(method: Any, exemplar: Exemplar, init: str) -> Any:
+def resolved_method(method: Any, exemplar: Exemplar, init: str) -> Any:
     """Return the method with `window_width`, `init` and `seed_scale` resolved for a sample."""
     width, scale = window_width(method, exemplar), method.seed_scale
     if init == "seeds" and scale is None:
@@ -118,31 +90,27 @@ def window_width(method: Any, exemplar: Exemplar) -> int:
     return width if whole == min(width, widest) else whole
 
 
-def settings_of(method: Any, exemplar: Exemplar, *, by_canvas: bool) -> Settings:
-    """Return the settings of a method that `settled_method` returned."""
-    width: int = method.window_width
-    reach, levels, last = width // 2, 1, method.iterations
-    if method.search == "coherent":
-        reach = min(_LARGEST_REACH, reach)
-        levels = _level_count(exemplar, width, reach)
-        last = 2 * method.iterations  # structure is settled on the coarsest, where it costs least
-    # A coarse level would move what lies between patches that stay where they are.
-    finer = 0 if method.joints else levels - 1
+def reach_and_level_count(method: Any, exemplar: Exemplar) -> tuple[int, int]:
+    """Return the reach in pixels of the windows of a level, and the number of pyramid levels.
+
+    `method` is resolved for the sample. The search "nearest" has one level.
+    """
+    reach: int = method.window_width // 2
+    if method.search == "nearest":
+        return reach, 1
+    reach = min(_LARGEST_REACH, reach)
+    return reach, _level_count(exemplar, method.window_width, reach)
+
+
+def seed_spacing(method: Any, exemplar: Exemplar, *, by_canvas: bool) -> float:
+    """Return the distance of seed points in pixels of the sample.
+
+    `method` is resolved. With `by_canvas`, seeds may be planted although its `init` is a method.
+    """
     scale = method.seed_scale
     if scale is None:
         scale = dominant_scale(exemplar).scale if by_canvas else 1.0
-    names = {field.name for field in dataclasses.fields(Settings)}
-    given = {name: value for name, value in vars(method).items() if name in names}
-    return Settings(
-        **given,
-        reach=reach,
-        levels=levels,
-        rounds=(*[max(1, method.iterations // 2)] * finer, last),
-        by_canvas=by_canvas,
-        belt=method.joints or 0,
-        seed_spacing=min(scale / method.seed_density, _FARTHEST),
-        margin=round(ONE * method.coherence),
-    )
+    return min(float(scale / method.seed_density), _FARTHEST)
 
 
 def _level_count(exemplar: Exemplar, width: int, reach: int) -> int:
