@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import os
 import shutil
 import sys
@@ -256,6 +257,29 @@ def test_smaller_versions_are_made_of_whole_blocks_only(tmp_path, target):
     assert is_whole(target) and pixels_of(tmp_path) == whole
     store.put((0, 2, 3), 255 - store.get(0, store.layout.window((0, 2, 3))))
     assert repair(target) == store.levels  # the block and all that is made of it
+
+
+@pytest.mark.parametrize("begun", [False, True])
+def test_files_that_are_not_of_the_plane_are_never_removed(tmp_path, target, begun):
+    weftex.stream(SAMPLE, target, 70, **HOW)
+    path = tmp_path / f"{target.name}.run" / "run.json"
+    said = json.loads(path.read_text())
+    mine = tmp_path / "mine"
+    (mine / "0").mkdir(parents=True)
+    near = [
+        tmp_path / name for name in ("notes.txt", "mine.tif", "mine/zarr.json", "mine/0/zarr.json")
+    ]
+    for file in near:
+        file.write_bytes(b"mine")
+    for name in ("notes.txt", "mine.tif", "mine", "mine/zarr.json", "mine/0"):
+        path.write_text(json.dumps(said | {"begun": begun, "files": [*said["files"], name]}))
+        try:
+            weftex.stream(SAMPLE, target, 70, restart=begun, **HOW)
+        except FileError as error:
+            assert f"lists {name}, which no plane" in str(error)
+        else:
+            assert target.suffix == ".tif" == Path(name).suffix  # left where it is
+        assert all(file.read_bytes() == b"mine" for file in near)
 
 
 def test_a_damaged_plane_is_not_continued(tmp_path, target):

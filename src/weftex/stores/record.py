@@ -23,14 +23,14 @@ from dataclasses import asdict, dataclass, field
 from typing import TYPE_CHECKING, Any
 
 from weftex.errors import FileError, InvalidInputError
-from weftex.io.formats import show
+from weftex.io.formats import show, suffix_of
 from weftex.io.pictures import write_text
 from weftex.stores.locks import all_from, locked, shared
 from weftex.stores.owned import is_stale, sweep
 from weftex.stores.store import synced
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator, Mapping
+    from collections.abc import Iterable, Iterator, Mapping
 
     from weftex.stores.layout import Place
 
@@ -109,7 +109,7 @@ class Record:
         """
         try:
             with open(self._path(_RUN), encoding="utf-8") as file:
-                return Run.of(file.read())
+                run = Run.of(file.read())
         except (FileNotFoundError, NotADirectoryError):
             return None
         except (OSError, ValueError, LookupError, TypeError, AttributeError, RecursionError):
@@ -117,6 +117,26 @@ class Record:
                 f"{show(self._path(_RUN))} is damaged; remove {show(self.folder)} and the plane, "
                 "and make it again"
             ) from None
+        for name in run.files:
+            if not self._can_have(name):
+                raise FileError(
+                    f"{show(self._path(_RUN))} lists {show(name)}, which no plane "
+                    f"{show(self.target)} has; remove the folder and the plane, and make it again"
+                )
+        return run
+
+    def _can_have(self, name: str) -> bool:
+        """Whether a file may be of a store of this target, by its name."""
+        suffix = suffix_of(self.target)
+        first, *inner = name.split("/")
+        if suffix == ".zarr" or inner:
+            return suffix == ".zarr" and first == os.path.basename(self.target)
+        return suffix_of(first) == suffix or (suffix == ".dzi" and first.endswith("_files"))
+
+    def of_target(self, names: Iterable[str]) -> list[str]:
+        """Return the names that begin with the target's own."""
+        own = os.path.basename(self.target)
+        return [name for name in names if name.startswith((own, os.path.splitext(own)[0] + "_"))]
 
     def exists(self) -> bool:
         """Whether a run has begun."""

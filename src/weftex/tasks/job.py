@@ -223,7 +223,9 @@ def _begin(job: Job, record: Record, restart: bool, repair: bool) -> None:
         return
     old = record.current()
     name, roots = secrets.token_hex(16), [_name(job, path) for path in _roots(job)]
-    owned = sorted({*roots, *(old.files if old else ())}, reverse=True)  # groups, then their Zarr
+    # A list of files may be a stranger's: nothing is removed that is not named as this plane is.
+    past = record.of_target(old.files) if old else []
+    owned = sorted({*roots, *past}, reverse=True)  # groups, then their Zarr
     record.begin(Run(name, False, owned))
     with record.alone():
         for root in owned:
