@@ -106,6 +106,8 @@ WRONG = [
     ("P p.dzi --names gltf", "sample.png is no folder"),
     ("P no/p.dzi", "does not exist"),
     ("P p.dzi --block 100", "a power of two"),
+    ("P p.tif --block 0", "block is 0; it must be a power of two"),
+    ("S --block 0", "--block has no effect"),
     ("P p.dzi --tileable", "144x125 would do"),
     ("prepare sample.png -o x.png", "nothing to do"),
     ("prepare sample.png -o x.png --straighten 1,2,3", "four numbers"),

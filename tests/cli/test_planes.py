@@ -89,6 +89,18 @@ def test_replay_and_report(here, capsys):
     assert "the worst, at row 0, column 0" in capsys.readouterr().out and (here / "r.html").exists()
 
 
+def test_a_text_from_a_file_is_printed_with_escapes(here, capsys):
+    from dataclasses import replace
+
+    from weftex.tasks.recipe import Recipe
+
+    weft_run(*SYNTH, "p.tif", "--size", 200, "--save-source", "p.npz")
+    replace(Recipe.load("p.npz"), reason="\x1b[31mred\x07\u202e").save("p.npz")
+    capsys.readouterr()
+    assert weft_run("replay", "p.npz", "sample.png", "-o", "q.tif") == 0
+    assert "weftex: auto: \\x1b[31mred\\x07\\u202e\n" in capsys.readouterr().err
+
+
 def test_small_tiffs_are_as_ever(here):
     weft_run("synth", "sample.png", "-o", "a.tif", "--size", 100, *HOW[:-2])
     weft_run("synth", "sample.png", "-o", "b.png", "--size", 100, *HOW[:-2])

@@ -17,7 +17,9 @@ SECONDS = 1.5
 
 @pytest.fixture(scope="module")
 def client(tmp_path_factory):
-    limits = replace(SMALL, header_seconds=SECONDS, strangers=16, requests=20)
+    limits = replace(
+        SMALL, header_seconds=SECONDS, body_seconds=2 * SECONDS, strangers=16, requests=20
+    )
     studio = Studio(tmp_path_factory.mktemp("data") / "studio", limits)
     with serving(studio) as server:
         yield Client(server.listener.getsockname()[1], studio)
@@ -27,6 +29,14 @@ def connect(client, text=b""):
     line = socket.create_connection(("127.0.0.1", client.port), timeout=20)
     line.sendall(text)
     return line
+
+
+def head_of(client, page, request, length):
+    """Headers with the token."""
+    known = page.headers | {"host": client.host, "origin": f"http://{client.host}"}
+    known["content-length"] = length
+    lines = [f"{request} HTTP/1.1", *(f"{name}: {value}" for name, value in known.items())]
+    return "\r\n".join([*lines, "", ""]).encode()
 
 
 def closed_after(line):
@@ -57,6 +67,32 @@ def test_headers_that_come_slowly_are_not_waited_for(client, before):
         assert 0.5 * SECONDS < time.monotonic() - start < 3 * SECONDS
 
 
+@pytest.mark.parametrize(("piece", "pause"), [(b"", 0), (b"1", 0.1)])
+def test_a_body_that_does_not_come_is_not_waited_for(client, piece, pause):
+    """Nor one that comes byte by byte, though it has the token."""
+    page = Page(client, client.studio.token)
+    start = time.monotonic()
+    with connect(client, head_of(client, page, "POST /api/jobs", 10000) + b"{") as line:
+        line.settimeout(0.01)
+        with suppress(ConnectionError):
+            while time.monotonic() < start + 6 * SECONDS:
+                line.sendall(piece)
+                time.sleep(pause)
+                with suppress(TimeoutError):
+                    if not line.recv(2**16):
+                        break
+        least = 2 * SECONDS if piece else SECONDS
+        assert 0.9 * least < time.monotonic() - start < least + SECONDS
+
+
+def test_an_upload_that_is_too_large_is_refused_before_it_comes(client):
+    page = Page(client, client.studio.token)
+    with connect(client, head_of(client, page, "POST /api/uploads", 10**11)) as line:
+        assert line.recv(2**16).startswith(b"HTTP/1.1 413 ")
+        line.sendall(b"x" * 2**20)  # as a browser does, which reads the answer after that
+        assert closed_after(line) < 3 * SECONDS
+
+
 @pytest.mark.parametrize("sent", [b"", b"GET /static/app.js HTTP/1.1\r\nhost: HOST\r\n\r\n"])
 def test_strangers_cannot_shut_out_the_owner(client, sent):
     """By 220 connections that stay open, and open again as often as they like."""
@@ -73,8 +109,7 @@ def test_strangers_cannot_shut_out_the_owner(client, sent):
 
 def test_a_connection_with_the_token_stays(client):
     page = Page(client, client.studio.token)
-    head = "".join(f"{name}: {value}\r\n" for name, value in page.headers.items())
-    request = f"GET /api/jobs HTTP/1.1\r\nhost: {client.host}\r\n{head}\r\n".encode()
+    request = head_of(client, page, "GET /api/jobs", 0)
     with connect(client, request) as own, own.makefile("rb") as answers:
         first = list(iter(answers.readline, b"\r\n")), answers.read(2)
         lines = [connect(client) for _ in range(60)]

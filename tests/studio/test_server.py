@@ -124,6 +124,22 @@ def test_permissions_of_a_data_folder(tmp_path, capsys):
         opened.close()
 
 
+@pytest.mark.skipif(sys.platform == "win32", reason="permissions are other there")
+def test_a_folder_that_others_can_replace_is_refused(tmp_path, capsys):
+    """New folders above it are the owner's alone, whatever the umask."""
+    tmp_path.chmod(0o777)
+    assert main(["studio", "--no-browser", "--port", "0", "--data", str(tmp_path / "a")]) == 2
+    assert "other users can replace this folder, since they can" in capsys.readouterr().err
+    tmp_path.chmod(0o1777)
+    before = os.umask(0)
+    try:
+        Studio(tmp_path / "b" / "c" / "d", Limits()).close()
+    finally:
+        os.umask(before)
+    modes = [stat.S_IMODE((tmp_path / name).stat().st_mode) for name in ("b", "b/c", "b/c/d")]
+    assert modes == [0o700] * 3
+
+
 @pytest.mark.skipif(sys.platform == "win32", reason="the browser here is a shell script")
 def test_the_token_is_in_no_command_line(tmp_path, monkeypatch):
     """A browser reads it in a file that its owner alone can read, and that is removed then."""

@@ -72,20 +72,24 @@ def wants_plane(args: argparse.Namespace, size: tuple[int, int] | None) -> bool:
         return True
     if suffix in SUFFIXES:
         pixels = size[0] * size[1] if size else 0
-        asked = any(getattr(args, name) for name in _OPTIONS)
-        return asked or pixels > (MAX_PIXELS if args.allow_huge else _HUGE)
+        return bool(_given(args)) or pixels > (MAX_PIXELS if args.allow_huge else _HUGE)
     refuse_options(args)
     return False
 
 
 def refuse_options(args: argparse.Namespace) -> None:
     """Raise `InvalidInputError` if an option asks for blocks where nothing is written so."""
-    for name in _OPTIONS:
-        if getattr(args, name):
-            raise InvalidInputError(
-                f"--{name} has no effect: only planes are written block by block, to "
-                f"{', '.join(SUFFIXES)}"
-            )
+    for name in _given(args):
+        raise InvalidInputError(
+            f"--{name} has no effect: only planes are written block by block, to "
+            f"{', '.join(SUFFIXES)}"
+        )
+
+
+def _given(args: argparse.Namespace) -> list[str]:
+    """Return the names of the options that ask for blocks; a 0 is given, and refused later."""
+    values = {name: getattr(args, name) for name in _OPTIONS}
+    return [name for name, value in values.items() if value is not None and value is not False]
 
 
 def check_options(args: argparse.Namespace) -> None:
@@ -153,7 +157,7 @@ def recipe_for(
     if seed is None and (args.restart or not Record(args.output).exists()):
         seed = int.from_bytes(os.urandom(4), "little")  # short enough to be typed again
     about: dict[str, Any] = {"seed": seed, "tileable": axes_of(args)}
-    about |= {"block": args.block or BLOCK, "stems": stems}
+    about |= {"block": BLOCK if args.block is None else args.block, "stems": stems}
     return recipe_of(exemplar, method, size, args.output, **about)
 
 

@@ -12,6 +12,7 @@ from time import perf_counter
 from typing import Any, TypeVar
 
 from weftex import progress
+from weftex.errors import printable
 
 Result = TypeVar("Result")
 
@@ -279,8 +280,11 @@ def finish(
 
 
 def say(text: str) -> None:
-    """Print one line about this program on standard error, if that can be written."""
+    """Print one line about this program on standard error, with escapes for what is not printable.
+
+    Reasons, names of maps and paths may come from files of strangers.
+    """
     streams = sys.modules.get("weftex.io.streams")
     text = streams.unhidden(text) if streams is not None else text
     with suppress(OSError):
-        print("weftex: " + " ".join(text.split()), file=sys.stderr, flush=True)
+        print("weftex: " + printable(" ".join(text.split())), file=sys.stderr, flush=True)

@@ -28,7 +28,9 @@ class Limits:
     sessions: int = 64
     requests: int = 200  # with the token, that are answered at a time
     strangers: int = 64  # connections that have not sent the token
-    header_seconds: float = 10.0  # from a connection, or the answer before, to a whole request
+    # From a connection, or the answer before, to headers, and between two pieces of a body.
+    header_seconds: float = 10.0
+    body_seconds: float = 600.0  # from headers to a whole body
     body_bytes: int = 2**20  # of a request that is no upload
     away_seconds: float = 10.0  # until a job is cancelled whose page has gone
 

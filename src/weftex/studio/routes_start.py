@@ -5,13 +5,14 @@ from __future__ import annotations
 from importlib.metadata import version
 from typing import TYPE_CHECKING, Any
 
-from starlette.responses import FileResponse, Response
+from starlette.responses import FileResponse, JSONResponse, Response
 
 from weftex.errors import InvalidInputError, shown
 from weftex.io.pictures import sample_names
 from weftex.material import read_material
 from weftex.studio import looks, materials
 from weftex.studio.about import about
+from weftex.studio.answers import answer_of
 from weftex.studio.pictures import Part, packed
 from weftex.studio.refusals import Refusal
 from weftex.studio.uploads import label_of, receive
@@ -73,10 +74,12 @@ async def upload(call: Call) -> Any:
     name = label_of(call.request.headers.get("x-weftex-name"))
     length = call.request.headers.get("content-length", "0")
     most = call.studio.limits.upload_bytes
+    if not length.isdigit() or int(length) > most:
+        line = f"{name} has more than {most / 2**20:g} MiB, the most for one file"
+        # Not raised, which closes: browsers show no answer from a line that closes while they send.
+        return JSONResponse(answer_of(Refusal(413, line))[1], 413)
     body = call.body()
     try:
-        if not length.isdigit() or int(length) > most:  # it need not come at all
-            raise Refusal(413, f"{name} has more than {most / 2**20:g} MiB, the most for one file")
         found = await receive(body, name, call.session, call.studio.limits, call.decode)
         return _told(found)
     except Refusal:

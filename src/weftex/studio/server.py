@@ -51,13 +51,15 @@ class Server(uvicorn.Server):
 def connection_class(limits: Limits) -> type[H11Protocol]:
     """Return the class of a server's connections, which know each other.
 
-    A connection is closed `header_seconds` after it began, or after its last answer, if no whole
-    request has come. A new one closes the oldest that has not sent the token, if they are too many.
+    A connection is closed `header_seconds` after it began, or after its last answer, if no headers
+    have come; while a body comes, `header_seconds` after its last bytes, and `body_seconds` after
+    its headers. A new one closes the oldest that has not sent the token, if they are too many.
     """
     strangers: dict[Connection, None] = {}  # the oldest first
 
     class Connection(H11Protocol):
         _deadline: asyncio.TimerHandle | None = None
+        _body_ends = 0.0  # when a body must have come
 
         def connection_made(self, transport: asyncio.Transport) -> None:  # type: ignore[override]
             super().connection_made(transport)
@@ -76,7 +78,13 @@ def connection_class(limits: Limits) -> type[H11Protocol]:
         def handle_events(self) -> None:
             before = self.cycle
             super().handle_events()
-            if self.cycle is not before and not self.cycle.response_complete:
+            if self.cycle is None or self.cycle.response_complete:
+                return  # waits for the next request already
+            if self.cycle is not before:
+                self._body_ends = self.loop.time() + limits.body_seconds
+            if self.cycle.more_body:
+                self._wait(self._body_ends - self.loop.time())
+            else:
                 self._stop_waiting()
 
         def on_response_complete(self) -> None:
@@ -88,9 +96,10 @@ def connection_class(limits: Limits) -> type[H11Protocol]:
             if OWNER in (self.scope or {}):
                 strangers.pop(self, None)
 
-        def _wait(self) -> None:
+        def _wait(self, most: float = limits.header_seconds) -> None:
             self._stop_waiting()
-            self._deadline = self.loop.call_later(limits.header_seconds, self._end)
+            seconds = min(limits.header_seconds, most)
+            self._deadline = self.loop.call_later(seconds, self._end)
 
         def _stop_waiting(self) -> None:
             if self._deadline is not None:

@@ -9,6 +9,7 @@ import json
 import os
 import re
 import shutil
+import stat
 import sys
 import threading
 import time
@@ -45,8 +46,8 @@ def default_folder() -> Path:
 class Store:
     """The folder of all sessions, and the number of bytes that their uploads take.
 
-    A new folder is readable by its owner alone. An existing one keeps its permissions, and is
-    refused with `FileError` if another user owns it or can write to it.
+    New folders are readable by their owner alone. An existing one keeps its permissions, and is
+    refused with `FileError` if another user owns it, or can write to it or replace it.
     """
 
     def __init__(self, folder: Path, most_bytes: int) -> None:
@@ -55,7 +56,8 @@ class Store:
         #: Held while a picture is decoded: the largest one takes 1.4 GiB for a moment.
         self.decoding = threading.Lock()
         try:
-            folder.mkdir(mode=0o700, parents=True, exist_ok=True)
+            for path in reversed([folder, *folder.parents]):
+                path.mkdir(mode=0o700, exist_ok=True)
             _check_private(folder)
             self._sweep()
         except FileError:
@@ -99,7 +101,7 @@ class Store:
 
 
 def _check_private(folder: Path) -> None:
-    """Raise `FileError` if another user owns the folder or can write to it."""
+    """Raise `FileError` if another user owns the folder, can write to it or can replace it."""
     about = folder.stat()
     if not hasattr(os, "getuid"):
         return
@@ -108,6 +110,14 @@ def _check_private(folder: Path) -> None:
     if about.st_mode & 0o022:
         line = f"{folder}: other users can write to this folder (mode {about.st_mode & 0o777:o})"
         raise FileError(f"{line}; name another with --data, or chmod go-w it")
+    parent = folder.resolve().parent
+    above = parent.stat()
+    own_group = above.st_gid == os.getuid()  # a group of this user alone, as Linux makes them
+    others = above.st_mode & (0o002 if own_group else 0o022)
+    if others and not above.st_mode & stat.S_ISVTX:
+        line = f"{folder}: other users can replace this folder, since they can write to {parent}"
+        line += f" (mode {above.st_mode & 0o777:o})"
+        raise FileError(f"{line}; name another with --data, or chmod go-w {parent}")
 
 
 class Shelf:
