@@ -5,8 +5,10 @@ from __future__ import annotations
 import json
 import os
 import shutil
+import signal
 import sys
 import threading
+from contextlib import contextmanager, suppress
 from pathlib import Path
 
 import numpy as np
@@ -16,6 +18,7 @@ import weftex
 from commands import listing
 from families import noise
 from processes import run
+from weftex.cli.commands import check
 from weftex.errors import CancelledError, FileError, InvalidInputError
 from weftex.io.pictures import write_image
 from weftex.stores.record import Record
@@ -280,6 +283,57 @@ def test_files_that_are_not_of_the_plane_are_never_removed(tmp_path, target, beg
         else:
             assert target.suffix == ".tif" == Path(name).suffix  # left where it is
         assert all(file.read_bytes() == b"mine" for file in near)
+
+
+@contextmanager
+def _limited():
+    """Raise after 20 s, and where 1 GiB more of memory is asked for than there was."""
+    resource = pytest.importorskip("resource")
+
+    def late(*_):
+        raise TimeoutError
+
+    before = resource.getrlimit(resource.RLIMIT_AS)
+    used = int(Path("/proc/self/statm").read_text().split()[0]) * resource.getpagesize()
+    handler = signal.signal(signal.SIGALRM, late)
+    resource.setrlimit(resource.RLIMIT_AS, (used + 2**30, before[1]))
+    signal.alarm(20)
+    try:
+        yield
+    finally:
+        signal.alarm(0)
+        signal.signal(signal.SIGALRM, handler)
+        resource.setrlimit(resource.RLIMIT_AS, before)
+
+
+def _read_all(target):
+    plane = open_plane(target)
+    with suppress(FileError):
+        plane.read((0, 0, 70, 70))
+    check.run([str(target), "--read"])
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="memory is counted there")
+def test_pipes_devices_and_files_without_an_end_are_refused(tmp_path, target):
+    weftex.stream(SAMPLE, target, 70, **HOW)
+    folder = tmp_path / f"{target.name}.run"
+    files = [*pixels_of(tmp_path), *(folder / n for n in ("run.json", "recipe.npz", "done.txt"))]
+    for path in files:
+        data = path.read_bytes()
+        makers = {
+            "pipe": lambda path=path: os.mkfifo(path),
+            "device": lambda path=path: path.symlink_to("/dev/zero"),
+            "long": lambda path=path: (path.touch(), os.truncate(path, 2**33)),
+        }
+        for kind, make in makers.items():
+            path.unlink()
+            make()
+            with _limited(), pytest.raises(FileError) as caught:
+                _read_all(target)
+            assert "\n" not in str(caught.value), (path, kind)
+        path.unlink()
+        path.write_bytes(data)
+    _read_all(target)
 
 
 def test_a_damaged_plane_is_not_continued(tmp_path, target):

@@ -9,6 +9,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from weftex.io.regular import open_regular
+
 if TYPE_CHECKING:
     import os
     from collections.abc import Iterator
@@ -64,7 +66,7 @@ class Arrays:
 @contextmanager
 def opened(path: str | os.PathLike[str]) -> Iterator[Arrays]:
     """Open a file; no pickles are read. What is wrong with it raises errors of many kinds."""
-    with open(path, "rb") as raw, np.load(raw, allow_pickle=False) as file:
+    with open_regular(path) as raw, np.load(raw, allow_pickle=False) as file:
         if isinstance(file, np.ndarray):
             raise DamageError("it is one array")
         yield Arrays(file)

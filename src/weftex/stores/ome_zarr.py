@@ -13,8 +13,9 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from weftex.errors import InvalidInputError
-from weftex.stores.store import Piece, Store, synced
+from weftex.errors import FileError, InvalidInputError
+from weftex.io.formats import show
+from weftex.stores.store import REPAIR, Piece, Store, synced
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator
@@ -49,8 +50,7 @@ class ZarrStore(Store):
     def frame(self) -> Iterator[Piece]:
         """Give the metadata of the arrays and of their group."""
         for level in range(self.levels):
-            yield self._file({"shape": self._of(*self.layout.shape(level)), **self._array_facts},
-                             str(level))  # fmt: skip
+            yield self._metadata(level)
         about = {"ome": self._pyramid(), "weftex": self.about}
         yield self._file({"attributes": about, "zarr_format": 3, "node_type": "group"})
 
@@ -142,16 +142,22 @@ class ZarrStore(Store):
             ]}  # fmt: skip
         return found
 
+    def _metadata(self, level: int) -> Piece:
+        shape = self._of(*self.layout.shape(level))
+        return self._file({"shape": shape, **self._array_facts}, str(level))
+
     def _file(self, facts: dict[str, Any], folder: str = "") -> Piece:
         data = json.dumps(facts, indent=2).encode()
         return Piece(os.path.join(self.path, folder, "zarr.json"), 0, data, len(data))
 
     def _array(self, level: int) -> Any:
         if level not in self._arrays:
-            zarr = zarr_library()
+            zarr, facts = zarr_library(), self._metadata(level)
+            if not facts.is_there():
+                raise FileError(f"{show(facts.path)} is missing or damaged; {REPAIR}")
             # A shard of zeros must be written, too: what is not there was not made.
             with zarr.config.set({"array.write_empty_chunks": True}):
                 self._arrays[level] = zarr.open_array(
-                    os.path.join(self.path, str(level)), mode="r+"
+                    os.path.join(self.path, str(level)), mode="r+", zarr_format=3
                 )
         return self._arrays[level]

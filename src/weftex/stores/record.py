@@ -25,6 +25,7 @@ from typing import TYPE_CHECKING, Any
 from weftex.errors import FileError, InvalidInputError
 from weftex.io.formats import show, suffix_of
 from weftex.io.pictures import write_text
+from weftex.io.regular import open_regular
 from weftex.stores.locks import all_from, locked, shared
 from weftex.stores.owned import is_stale, sweep
 from weftex.stores.store import synced
@@ -38,6 +39,7 @@ SUFFIX = ".run"
 RECIPE, _RUN = "recipe.npz", "run.json"
 _LOCKS = ("lock", "begin", "writing")
 _JOURNAL = re.compile(r"(done|worker-.+|part-\d+-of-(\d{1,5}))\.txt")
+_MOST_OF_RUN, _MOST_OF_LINE = 2**24, 2**16  # bytes: far more than any
 #: Of parts, which take numbers of a lock that a run alone takes all of.
 MOST_PARTS = 2**16
 
@@ -108,8 +110,8 @@ class Record:
             If that cannot be read.
         """
         try:
-            with open(self._path(_RUN), encoding="utf-8") as file:
-                run = Run.of(file.read())
+            with open_regular(self._path(_RUN), _MOST_OF_RUN) as file:
+                run = Run.of(file.read().decode())
         except (FileNotFoundError, NotADirectoryError):
             return None
         except (OSError, ValueError, LookupError, TypeError, AttributeError, RecursionError):
@@ -219,8 +221,10 @@ class Record:
             run = current.name
         found: dict[Place, tuple[int, ...]] = {}
         for name in self._journals():
-            with self._our_errors("read"), open(self._path(name), "rb") as file:
-                for line in file:
+            with self._our_errors("read"), open_regular(self._path(name)) as file:
+                while line := file.readline(_MOST_OF_LINE):
+                    if len(line) == _MOST_OF_LINE:
+                        raise FileError(f"{show(self._path(name))} is damaged: a line has no end")
                     text, _, check = line.strip().rpartition(b" ")
                     owner, *rest = text.split() or [b""]
                     if owner == run.encode() and check == _check(text):

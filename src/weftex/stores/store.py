@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import stat
 import zlib
 from abc import ABC, abstractmethod
 from contextlib import suppress
@@ -12,6 +13,7 @@ import numpy as np
 
 from weftex.errors import FileError
 from weftex.io.formats import show
+from weftex.io.regular import open_regular
 from weftex.io.temporary import write_through
 from weftex.stores.layout import blocks_below, children, halved
 
@@ -22,6 +24,7 @@ if TYPE_CHECKING:
 
     from weftex.stores.layout import Layout, Place, Window
 
+_MARGIN = 2**16
 REPAIR = "'weftex check --repair' makes it again"
 
 
@@ -32,6 +35,16 @@ class Piece(NamedTuple):
     start: int
     data: bytes
     size: int
+
+    def is_there(self) -> bool:
+        """Whether the file has the bytes, and the size."""
+        try:
+            with open_regular(self.path) as file:
+                file.seek(self.start)
+                good = file.read(len(self.data)) == self.data
+                return good and os.fstat(file.fileno()).st_size == self.size
+        except OSError:
+            return False
 
 
 class Store(ABC):
@@ -88,6 +101,12 @@ class Store(ABC):
         sizes = [self.layout.shape(level) for level in range(self.levels)]
         return sum(height * width for height, width in sizes) * self.layout.bytes
 
+    @property
+    def most_of_file(self) -> int:
+        """Number of bytes that a file of a block may have: all pixels as they are, and a margin."""
+        pixels = self.layout.block**2 * self.layout.bytes
+        return pixels + pixels // 64 + len(self.layout.icc or b"") + _MARGIN
+
     def create(self) -> None:
         """Write everything but the pixels, also where it is damaged; blocks stay as they are."""
         for path, start, data, size in self.frame():
@@ -101,25 +120,16 @@ class Store(ABC):
 
     def flaws(self) -> list[str]:
         """Return the files that are missing, or damaged beside their pixels."""
-        found = []
-        for path, start, data, size in self.frame():
-            try:
-                with open(path, "rb") as file:
-                    file.seek(start)
-                    good = file.read(len(data)) == data
-                    good = good and os.fstat(file.fileno()).st_size == size
-            except OSError:
-                good = False
-            if not good:
-                found.append(path)
-        return list(dict.fromkeys(found))
+        return list(dict.fromkeys(piece.path for piece in self.frame() if not piece.is_there()))
 
     def lacks(self, place: Place) -> bool:
-        """Whether a file of a block is missing, or empty, which Zarr reads as zeros."""
+        """Whether a file of a block is missing, too long, or empty, which Zarr reads as zeros."""
         try:
-            return any(os.path.getsize(path) == 0 for path in self.files(place))
+            found = [*map(os.stat, self.files(place))]
         except OSError:
             return True
+        most = self.most_of_file
+        return not all(stat.S_ISREG(one.st_mode) and 0 < one.st_size <= most for one in found)
 
     def write(self, place: Place, pixels: NDArray[Any]) -> None:
         """`put`, with errors of ours."""
@@ -147,7 +157,8 @@ class Store(ABC):
             for column in range(left // side, -(-(left + width) // side)):
                 if self.lacks((level, row, column)):
                     what = f"level {level}, row {row}, column {column}"
-                    raise FileError(f"{show(self.path)}: the block {what} is missing; {REPAIR}")
+                    why = "is missing, or its file is too long"
+                    raise FileError(f"{show(self.path)}: the block {what} {why}; {REPAIR}")
         try:
             return self.get(level, window)
         except (FileError, MemoryError):

@@ -102,6 +102,11 @@ class TiffStore(Store):
         return self._ends[-1]
 
     @property
+    def most_of_file(self) -> int:
+        """The size of the file, which has all blocks."""
+        return self.most_bytes
+
+    @property
     def _dtype(self) -> np.dtype[Any]:
         return np.dtype(self.layout.dtype).newbyteorder("<")
 

@@ -71,7 +71,7 @@ def _refuse(plane: PlaneFile, *, read: bool) -> None:
             what = "only smaller versions are missing; the same command without --part makes them"
         raise FileError(f"{path} is not whole: {what}")
     for places, what in (
-        (job.lost(plane.done), "have no file"),
+        (job.lost(plane.done), "have no file, or one that is too long"),
         (job.damaged(plane.done) if read else (), "are not what was written"),
     ):
         if wrong := [*places]:
