@@ -62,7 +62,7 @@ def test_what_was_written_is_read(tmp_path, suffix, kind):
         assert (store.read(level, (0, 0, *pixels.shape[:2])) == pixels).all()
     assert (store.read(0, (63, 100, 70, 101)) == whole[0][63:133, 100:201]).all()
     for root in store.roots:
-        remove(root)
+        remove(root, store.grid)
     assert list(tmp_path.iterdir()) == []
 
 
@@ -190,7 +190,14 @@ def begun(folder, run):
 @pytest.mark.parametrize(
     "change",
     [{"files": ["../a"]}, {"files": ["/etc/a"]}, {"files": "a"}, {"files": ["a/b/c"]}, {"more": 1}]
-    + [{"files": [7]}, {"files": [".."]}, {"name": 7}, {"about": 7}, {"begun": "no"}],
+    + [
+        {"files": [7]},
+        {"files": [".."]},
+        {"name": 7},
+        {"about": 7},
+        {"begun": "no"},
+        {"grids": {"a.tif": [1, 2, 3]}},
+    ],
 )
 def test_runs_that_are_none(tmp_path, change):
     record = begun(tmp_path, "a" * 32)
@@ -202,7 +209,8 @@ def test_runs_that_are_none(tmp_path, change):
 
 def test_only_what_is_of_a_store_is_removed(tmp_path):
     store, _ = written(tmp_path / "a.dzi", (201, 330), "uint8", 3, False)
-    mine = [tmp_path / "a_files" / name for name in ("notes.txt", "9/notes.txt", "more/0_0.png")]
+    names = ("notes.txt", "9/notes.txt", "more/0_0.png", "8/0_99.png", "20/0_0.png")
+    mine = [tmp_path / "a_files" / name for name in names]
     for path in mine:
         path.parent.mkdir(exist_ok=True)
         path.write_bytes(b"mine")
@@ -212,7 +220,7 @@ def test_only_what_is_of_a_store_is_removed(tmp_path):
     sweep(str(tmp_path / "a_files"))
     assert not stale.exists() and (tmp_path / "a_files" / "9" / "0_0.png").exists()
     for root in store.roots:
-        remove(root)
+        remove(root, store.grid)
     left = {path for path in tmp_path.rglob("*") if path.is_file()}
     assert left == {*mine} and (tmp_path / "a_files" / "empty").exists()
 

@@ -155,6 +155,43 @@ def test_folders_of_others_are_kept(tmp_path, monkeypatch):
     assert [p.name for p in tmp_path.rglob("*")] == ["p_files", "mine"]
 
 
+@pytest.mark.skipif(sys.platform == "win32", reason="links need a privilege there")
+def test_nothing_is_written_through_a_link(tmp_path):
+    """Whether a record says that the plane is weftex's, and whether the link leads anywhere."""
+    target, other = tmp_path / "p.tif", tmp_path / "other"
+    for there in (False, True):
+        target.symlink_to(other)
+        if there:
+            other.write_bytes(b"precious")
+        for restart in (False, True):
+            with pytest.raises(FileError, match="p.tif is a link; remove it"):
+                weftex.stream(SAMPLE, target, SIZE, restart=restart, **HOW)
+        assert (other.read_bytes() if there else other.exists()) == (b"precious" if there else 0)
+        target.unlink()
+    weftex.stream(SAMPLE, target, SIZE, **HOW)
+    target.unlink()
+    target.symlink_to(other)
+    with pytest.raises(FileError, match="is a link"):
+        weftex.stream(SAMPLE, target, SIZE, restart=True, **HOW)
+    with pytest.raises(FileError, match="is a link"):
+        repair(target)
+    assert other.read_bytes() == b"precious"
+
+
+@pytest.mark.parametrize("target", [".dzi", ".zarr"], indirect=True)
+def test_files_outside_the_grid_are_kept(tmp_path, target):
+    """Though they are called as files of a larger plane would be."""
+    weftex.stream(SAMPLE, target, SIZE, **HOW)
+    folder = target if target.suffix == ".zarr" else tmp_path / "p_files"
+    mine = {folder / name for name in ("5/c/0/0/0", "0/c/0/0/99", "12/0_0.png", "8/0_99.png")}
+    for path in mine:
+        path.parent.mkdir(parents=True, exist_ok=True)
+        path.write_bytes(b"mine")
+    weftex.stream(SAMPLE, target, (70, 60), restart=True, **HOW)
+    left = {path for path, data in listing(tmp_path).items() if data == b"mine"}
+    assert left == mine and is_whole(target)
+
+
 @pytest.mark.skipif(sys.platform == "win32", reason="forks")
 @pytest.mark.parametrize(("suffix", "restart"), [(".tif", False), (".dzi", True)])
 def test_killed_at_any_call_of_the_start(tmp_path, suffix, restart):

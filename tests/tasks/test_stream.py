@@ -112,10 +112,11 @@ def test_other_files_are_kept(sample, tmp_path):
     (tmp_path / "p.zarr" / "mine").write_bytes(b"mine")
     before = listing(tmp_path)
     one = weftex.Exemplar(sample.pixels)
-    for name, restart in [("p.tif", False), ("p.zarr", True)]:
+    for name, restart in [("p.tif", False), ("p.tif", True), ("p.zarr", True)]:
         with pytest.raises(FileError, match="is there already"):
             weftex.stream(one, tmp_path / name, 100, restart=restart, **HOW)
     assert listing(tmp_path) == before
+    (tmp_path / "p.tif").unlink()
     weftex.stream(one, tmp_path / "p.tif", 100, restart=True, **HOW)
     (tmp_path / "p.tif").unlink()  # what is recorded as done is not believed then
     assert weftex.stream(one, tmp_path / "p.tif", 100, **HOW).made == 4

@@ -90,6 +90,11 @@ class DeepZoomStore(Store):
         """The file and the folder of tiles."""
         return (self.path, self._tiles)
 
+    @property
+    def grid(self) -> tuple[int, int, int, int]:
+        """A file holds a tile."""
+        return (*super().grid[:3], self.layout.tile)
+
     def _corners(self, place: Place) -> Iterator[tuple[int, int]]:
         """Row and column of each tile of a block."""
         tile = self.layout.tile

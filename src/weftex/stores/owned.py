@@ -5,29 +5,40 @@ from __future__ import annotations
 import os
 import re
 from contextlib import suppress
+from typing import TYPE_CHECKING
+
+from weftex.stores.layout import Layout
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
 
 #: Files below the folder of a Zarr group, or below the folder of Deep Zoom's tiles.
-_FILES = re.compile(r"zarr\.json|\d+/zarr\.json|\d+/c/(\d+/)?\d+/\d+|\d+/\d+_\d+\.png")
+_N = r"(0|[1-9]\d{0,12})"
+_FILES = re.compile(rf"{_N}/(?:zarr\.json|c/(?:0/)?{_N}/{_N})")
+_TILES = re.compile(rf"{_N}/{_N}_{_N}\.png")
 _FOLDERS = re.compile(r"\.|\d+|\d+/c(/\d+){0,2}")
 #: What a killed process leaves: of `weftex.io.temporary`, and of Zarr.
 _STALE = re.compile(r"\.weftex-\d+(-[0-9a-f]{8}){2}(\.\w+)?|.*\.[0-9a-f]{32}\.partial")
 
 
-def remove(root: str) -> None:
-    """Remove a file, or a folder of a store as far as it has nothing else in it."""
-    if os.path.islink(root) and not os.path.isdir(root):
-        open(root, "wb").close()  # the link is somebody's
-    elif not os.path.isdir(root):
+def remove(root: str, grid: Sequence[int] | None = None) -> None:
+    """Remove a file, or a folder of a store as far as it has nothing else in it.
+
+    Files of blocks are removed if they lie in the `grid` of `Store.grid`. Links are kept.
+    """
+    if os.path.islink(root):
+        return
+    if not os.path.isdir(root):
         with suppress(FileNotFoundError):
             os.unlink(root)
     else:
-        _walk(root, of_store=True)
+        _walk(root, grid, of_store=True)
 
 
 def sweep(root: str) -> None:
     """Remove temporary files that nobody writes any more."""
     if os.path.isdir(root):
-        _walk(root, of_store=False)
+        _walk(root, None, of_store=False)
 
 
 def is_stale(name: str) -> bool:
@@ -35,13 +46,27 @@ def is_stale(name: str) -> bool:
     return bool(_STALE.fullmatch(name))
 
 
-def _walk(root: str, *, of_store: bool) -> None:
+def _is_of(grid: Sequence[int] | None, path: str, tiles: bool) -> bool:
+    """Whether a file below the folder of a store is one of its grid, or says what the folder is."""
+    file = (_TILES if tiles else _FILES).fullmatch(path)
+    if file is None or grid is None:
+        return path == "zarr.json" and not tiles
+    levels, height, width, side = grid
+    level, row, column = (int(one or 0) for one in file.groups())
+    if tiles:
+        level, row, column = levels - 1 - level, column, row
+    rows, columns = Layout(height, width, side, "uint8").grid(max(level, 0))
+    return 0 <= level < levels and row < rows and column < columns
+
+
+def _walk(root: str, grid: Sequence[int] | None, *, of_store: bool) -> None:
+    tiles = root.endswith("_files")  # as Deep Zoom calls the folder
     for folder, _, names in os.walk(root, topdown=False):
         where = os.path.relpath(folder, root).replace(os.sep, "/")
         inside = _FOLDERS.fullmatch(where)
         for name in names:
             path = name if where == "." else f"{where}/{name}"
-            if inside and (is_stale(name) or (of_store and _FILES.fullmatch(path))):
+            if inside and (is_stale(name) or (of_store and _is_of(grid, path, tiles))):
                 with suppress(FileNotFoundError):
                     os.unlink(os.path.join(folder, name))
         if inside and of_store:

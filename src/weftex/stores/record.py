@@ -49,13 +49,14 @@ class Run:
     """Who a plane belongs to; the name of a run is new at every start that makes new files.
 
     `files` are the files and folders that weftex made, or is about to make, relative to the folder
-    of the plane. `about` is what the recipe says of itself.
+    of the plane. `about` is what the recipe says of itself. `grids` are those of `Store.grid`.
     """
 
     name: str
     begun: bool
     files: list[str]
     about: dict[str, Any] = field(default_factory=dict)
+    grids: dict[str, list[int]] = field(default_factory=dict)
 
     @classmethod
     def of(cls, text: str) -> Run:
@@ -70,6 +71,9 @@ class Run:
             raise ValueError("it names no run")
         if not isinstance(run.about, dict) or not isinstance(run.files, list):
             raise ValueError("it says nothing of its recipe")
+        for grid in run.grids.values():
+            if [*map(type, grid)] != [int] * 4 or min(grid) < 1:
+                raise ValueError("a grid is none")
         return run
 
 

@@ -96,6 +96,11 @@ class Store(ABC):
         return (self.path,)
 
     @property
+    def grid(self) -> tuple[int, int, int, int]:
+        """Number of levels, height and width of level 0, and side of what a file holds."""
+        return self.levels, self.layout.height, self.layout.width, self.layout.block
+
+    @property
     def most_bytes(self) -> int:
         """That it may take on the disk."""
         sizes = [self.layout.shape(level) for level in range(self.levels)]

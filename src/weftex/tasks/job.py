@@ -189,7 +189,9 @@ def at_work(job: Job, *, restart: bool = False, repair: bool = False) -> Iterato
 def _continued(job: Job, record: Record, restart: bool, repair: bool) -> Run | None:
     """The run that is continued; None if one begins."""
     # Looked for before the run is read: a file that a run has made since is known to be its own.
-    there = [path for path in dict.fromkeys((job.target, *_roots(job))) if os.path.exists(path)]
+    there = [path for path in dict.fromkeys((job.target, *_roots(job))) if os.path.lexists(path)]
+    for path in filter(os.path.islink, there):
+        raise FileError(f"{show(path)} is a link; remove it, or name another file")
     record.check_folder()
     run = record.current()
     if run is not None and run.begun and not restart:
@@ -202,10 +204,10 @@ def _continued(job: Job, record: Record, restart: bool, repair: bool) -> Run | N
         raise FileError(f"{show(job.target)} was not begun")
     own = [os.path.abspath(_path(job, name)) for name in run.files] if run else []
     for path in there:
-        if os.path.abspath(path) not in own and not (restart and os.path.isfile(path)):
+        if os.path.abspath(path) not in own:
             raise FileError(
-                f"{show(path)} is there already; --restart replaces a plane that has its folder "
-                f"{show(record.folder)}, or a picture; or name another file"
+                f"{show(path)} is there already, and {show(record.folder)} does not say that it is "
+                "of this plane; remove it, or name another file"
             )
     return None
 
@@ -226,15 +228,17 @@ def _begin(job: Job, record: Record, restart: bool, repair: bool) -> None:
     # A list of files may be a stranger's: nothing is removed that is not named as this plane is.
     past = record.of_target(old.files) if old else []
     owned = sorted({*roots, *past}, reverse=True)  # groups, then their Zarr
-    record.begin(Run(name, False, owned))
+    run, grids = Run(name, False, owned, grids=old.grids if old else {}), _grids(job)
+    record.begin(run)
     with record.alone():
         for root in owned:
-            remove(_path(job, root))
+            remove(_path(job, root), run.grids.get(root))
         record.clear()
+        record.begin(Run(name, False, roots, grids=grids))  # what was there before is gone
         _create(job)
         job.recipe.save(record.recipe, name)
         synced(record.recipe)
-        record.begin(Run(name, True, roots, job.recipe.about))
+        record.begin(Run(name, True, roots, job.recipe.about, grids))
 
 
 def _create(job: Job) -> None:
@@ -250,11 +254,11 @@ def _forget(job: Job, record: Record) -> None:
     with record.beginning():
         if (run := record.current()) is None or run.name != record.run:
             return  # somebody removed the plane, and another run may have begun it since
-        roots = [_name(job, path) for path in _roots(job)]
-        record.begin(Run(secrets.token_hex(16), False, roots))
+        roots, grids = [_name(job, path) for path in _roots(job)], _grids(job)
+        record.begin(Run(secrets.token_hex(16), False, roots, grids=grids))
         with record.alone():
             for root in sorted(roots, reverse=True):
-                remove(_path(job, root))
+                remove(_path(job, root), grids.get(root))
         record.remove()
 
 
@@ -264,6 +268,12 @@ def _roots(job: Job) -> list[str]:
     return (
         [*roots, job.target] if suffix_of(job.target) == ".zarr" and len(job.stores) > 1 else roots
     )
+
+
+def _grids(job: Job) -> dict[str, list[int]]:
+    """Return the grid of each store's files, by the names of its roots."""
+    stores = job.stores.values()
+    return {_name(job, root): [*store.grid] for store in stores for root in store.roots}
 
 
 def _name(job: Job, path: str) -> str:
