@@ -121,7 +121,7 @@ def test_auto_settles_on_one_method_for_all_windows():
     assert around.provenance["method"] == "near-regular"
     strained = model.window(0, 0, 30, 40, seed=1, period=250)
     assert strained.provenance["method"] == "quilting"
-    assert "repeats" in strained.provenance["reason"]
+    assert "wraps around" in strained.provenance["reason"]
 
 
 def test_a_masked_sample_is_used_where_it_may_be():
