@@ -10,9 +10,6 @@ from families import noise, with_guides
 from twins import ashikhmin as reference
 from weftex.canvas import Canvas
 from weftex.raster.masks import peeled
-from weftex.search import coherence_kernels as _coherence_kernels
-from weftex.search.vocabulary_kernels import Picture, Query
-from weftex.search.windows import windows_of
 
 WRAPS = [(False, False), (False, True), (True, False), (True, True)]
 
@@ -92,47 +89,6 @@ def test_a_guide_beside_maps_is_the_slow_twin():
     exemplar = weftex.Exemplar(pixels, maps={"height": noise((24, 24))})
     canvas = Canvas(14, 15, (True, False), guide=pixels[5:19, 8:23].copy())
     check_twin(weftex.Ashikhmin(), exemplar, canvas, 5)
-
-
-# Candidates
-
-
-@given(st.data())
-def test_coherent_places_are_each_there_once(data):
-    draw = data.draw
-    rng = np.random.default_rng(draw(st.integers(0, 10**6)))
-    tileable, half = draw(st.booleans()), draw(st.integers(0, 2))
-    exemplar = weftex.Exemplar(few_colors(rng, (7, 8), 3), tileable=tileable)
-    windows = windows_of(exemplar, (half,) * 4)
-    centers = set(reference.window_centers(np.ones((7, 8), bool), [half] * 4, tileable))
-    source = rng.integers(-1, 56, (6, 6)).astype(np.int32)  # anywhere, usable or not
-    y, x = draw(st.integers(0, 5)), draw(st.integers(0, 5))
-    steps = reference.known_window(rng.random((6, 6)) < 0.7, y, x, (True, True), [half] * 4)
-    runs = np.array([(dy, dx, 1) for dy, dx in steps], np.int32).reshape(-1, 3)
-    places = np.empty(40, np.int32)
-    nothing = np.zeros((1, 1, 1), np.uint8), np.zeros((1, 1), np.uint8)
-    picture = Picture(*nothing, windows.from_sample(source), (True, True))
-    query = Query(runs, np.empty(0, np.uint8))
-    n = _coherence_kernels.places_at(picture, windows.kernel, y, x, query, len(runs), places)
-    found = [None if k < 0 else divmod(int(k), 8) for k in windows.to_sample(places[:n])]
-    own = [[None if k < 0 else divmod(int(k), 8) for k in row] for row in source]
-    assert found == reference.coherent_places(own, y, x, steps, exemplar, centers)
-
-
-def test_pieces_of_the_sample_grow():
-    """Most pixels go on from their left neighbor's source, unlike in a random order."""
-    result = weftex.synthesize("sample:pebbles", 150, method="ashikhmin", seed=1)
-    steps = np.diff(result.source, axis=1)
-    assert 0.7 < (steps == (0, 1)).all(axis=2).mean() < 0.99
-
-
-def test_a_regular_pattern_is_continued():
-    """Stripes that a window can see stay whole, whatever the start."""
-    y, x = np.indices((40, 40))
-    stripes = (((x + y) % 6) * 40).astype(np.uint8)
-    image = weftex.synthesize(stripes, 60, method="ashikhmin", seed=1, passes=4).image
-    inside = image[8:].astype(int)
-    assert (inside[1:, :-1] == inside[:-1, 1:]).mean() > 0.9
 
 
 # Holes in layers

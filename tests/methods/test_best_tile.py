@@ -13,29 +13,6 @@ def model_of(pixels, **parameters):
     return weftex.BestTile(**parameters).fit(weftex.Exemplar(pixels))
 
 
-def test_the_only_seamless_tile_is_found():
-    """One tile's opposite borders fit, those of all others are noise."""
-    pixels = noise((60, 70, 3))
-    pixels[20:26, 10:50] = pixels[40:46, 10:50]  # around rows 23 and 43
-    pixels[10:60, 15:21] = pixels[10:60, 39:45]  # around columns 18 and 42
-    pixels[20:26, 10:50] = pixels[40:46, 10:50]
-    model = model_of(pixels, lattice=(24, 0, 0, 20), border_width=4)
-    y, x = model.anchors[0]
-    assert abs(y - 23) <= 1 and abs(x - 18) <= 1
-
-
-@pytest.mark.parametrize("vectors", [(10, 0, 0, 12), (10, 3, -4, 12), (-10, 12, 10, 12)])
-def test_one_tile_is_all_there_is(vectors):
-    pixels = noise((60, 60, 3))
-    model = model_of(pixels, lattice=vectors)
-    image = model.sample((100, 110), seed=1).image
-    x1, y1, x2, y2 = vectors
-    assert np.array_equal(image[20:80, 20:80], image[20 + y1 : 80 + y1, 20 + x1 : 80 + x1])
-    assert np.array_equal(image[20:80, 20:80], image[20 + y2 : 80 + y2, 20 + x2 : 80 + x2])
-    source = model.sample((100, 110)).source.reshape(-1, 2)
-    assert len(np.unique(source, axis=0)) == abs(x1 * y2 - x2 * y1)
-
-
 def test_fractions_do_not_add_up():
     y, x = np.indices((80, 90))
     waves = np.rint(127 + 60 * np.sin(x * 2 * np.pi / 12.3) + 60 * np.sin(y * 2 * np.pi / 9.7))

@@ -110,38 +110,6 @@ def test_waiting_ends_after_some_tries(monkeypatch):
     assert 8 * 300 < bounded < 13 * 300 < sum(tries)
 
 
-def test_the_threshold_matters(rng):
-    exemplar = weftex.Exemplar(noise((12, 12, 1), values=256, rng=rng))
-    images = [
-        weftex.EfrosLeung(window_width=5, threshold=t).fit(exemplar).sample(16, seed=2).image
-        for t in (0.001, 0.3)
-    ]
-    assert not np.array_equal(*images)
-
-
-def test_a_tolerance_of_nothing_copies_the_seeds_surroundings():
-    """Where only one window matches, growth goes on from the seed until the sample ends."""
-    sample = weftex.load_exemplar("sample:pebbles").pixels[:60, :60]
-    model = weftex.EfrosLeung(window_width=9, tolerance=0.0, seed_size=9).fit(
-        weftex.Exemplar(sample)
-    )
-    for seed in range(3):
-        source = model.sample(13, seed=seed).source
-        shift = source - np.indices((13, 13)).transpose(1, 2, 0)
-        ends = ((source < 4) | (source >= 56)).any()
-        assert ends or (shift == shift[6, 6]).all()
-
-
-def test_the_seed_is_a_piece_of_the_sample():
-    sample = weftex.load_exemplar("sample:grass").pixels[:50, :50]
-    for size in (1, 4, 7):
-        model = weftex.EfrosLeung(window_width=7, seed_size=size).fit(weftex.Exemplar(sample))
-        source = model.sample(15, seed=1).source
-        top = (15 - size) // 2
-        piece = source[top : top + size, top : top + size]
-        assert np.array_equal(piece - piece[0, 0], np.indices((size, size)).transpose(1, 2, 0))
-
-
 def test_the_window_shrinks_to_what_is_there(rng):
     for shape, width in (((1, 1), 1), ((2, 9), 1), ((8, 30), 7), ((40, 40), 15)):
         model = weftex.EfrosLeung().fit(weftex.Exemplar(noise((*shape, 1), values=9, rng=rng)))

@@ -122,26 +122,6 @@ def test_anything_small_is_the_slow_twins(data):
     same(exemplar, canvas, seed=data.draw(st.integers(0, 2**64 - 1)), **parameters)
 
 
-def test_each_pixel_has_the_color_of_a_neighbor_beside_its_source():
-    """Section 3: at tolerance 0 one direct neighbor or more matches exactly."""
-    pixels = weftex.load_exemplar("sample:pebbles").pixels[:64, :64]
-    model = weftex.ExactMatching(window_width=9, tolerance=0.0).fit(weftex.Exemplar(pixels))
-    result = model.sample((40, 50), seed=3)
-    image, source = result.image, result.source
-    # Colors that no whole window with room below touches are looked up as the nearest one.
-    listed = {tuple(c) for c in pixels[3:57, 3:61].reshape(-1, 3).tolist()}
-    inexact = 0
-    for y, x in np.ndindex(39, 50):
-        y += 1  # the row above the first one is cropped
-        around = [(v, u) for v, u in reference.DIRECT[:4] if 0 <= x + u < 50]
-        wanted = [image[y + v, x + u] for v, u in around]
-        found = [pixels[tuple(source[y, x] + step)] for step in around]
-        if not any(np.array_equal(a, b) for a, b in zip(wanted, found, strict=True)):
-            assert any(tuple(color.tolist()) not in listed for color in wanted)
-            inexact += 1
-    assert inexact < 40 * 50 / 20
-
-
 def test_a_larger_tolerance_tests_more():
     """Figure 9; everything is a candidate at 100 %."""
     exemplar = weftex.Exemplar(weftex.load_exemplar("sample:pebbles").pixels[:48, :48])
@@ -198,16 +178,6 @@ def test_a_tolerance_is_proposed_where_colors_hardly_occur_twice():
     many = weftex.Exemplar(noise((40, 40, 3)))
     assert 0 < weftex.ExactMatching().resolved(many).tolerance < 0.1
     assert weftex.ExactMatching(nearest_colors=4).resolved(many).tolerance is None
-
-
-def test_a_tile_is_gone_on_with():
-    """A structured beginning and a whole window make a checkerboard's exact continuation."""
-    y, x = np.indices((48, 48))
-    board = ((y // 6 + x // 6) % 2 * 200).astype(np.uint8)
-    model = weftex.ExactMatching(window_width=15, init="structured").fit(weftex.Exemplar(board))
-    image = model.sample((60, 70), seed=2).image.astype(int)
-    assert np.array_equal(image[6:], 200 - image[:-6])
-    assert np.array_equal(image[:, 6:], 200 - image[:, :-6])
 
 
 @pytest.mark.parametrize(

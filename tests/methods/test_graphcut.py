@@ -124,83 +124,6 @@ def test_anything_small_is_the_slow_twin(job, seed):
 # Seams
 
 
-def kwatra_cut(twin, box, patch):
-    """The graph of the paper: a node for each old seam, joined to both pixels and to the patch."""
-    number = {cell: i for i, cell in enumerate(box)}
-    new = dict(zip(box, patch, strict=True))
-    count = len(box)
-    unary = [0] * count
-    arc = {}
-    constant = 0
-
-    def edge(i, j, weight):
-        arc[i, j] = arc.get((i, j), 0) + weight
-        arc[j, i] = arc.get((j, i), 0) + weight
-
-    for p in box:
-        for step in reference.ARCS:
-            q = twin.step(p, *step)
-            if q is None:
-                continue
-            cost = [
-                twin.seam(p, q, step, *labels)
-                for labels in (
-                    (twin.label[p], twin.label[q]),
-                    (twin.label[p], new.get(q)),
-                    (new[p], twin.label[q]),
-                )
-                if None not in labels
-            ]
-            if q not in new:
-                unary[number[p]] += cost[1] - cost[0]
-                constant += cost[0]
-            elif step in reference.ARCS[:2]:
-                both_old, p_old, q_old = cost
-                if both_old == 0:
-                    assert p_old == q_old
-                    edge(number[p], number[q], p_old)
-                else:
-                    seam = len(unary)
-                    unary.append(-both_old)  # cut from the new patch while the old seam is there
-                    constant += both_old
-                    edge(number[p], seam, p_old)
-                    edge(seam, number[q], q_old)
-    labels, value = reference.least_labelling(unary, arc)
-    return labels[:count], value + constant
-
-
-@pytest.mark.parametrize("name", ["pebbles", "bricks", "weave"])
-def test_old_seams_need_no_nodes(name):
-    """The cut has the cost and the pixels that the paper's seam nodes give.
-
-    Where all patches go on, which they do in a sample that tiles, costs are a metric.
-    """
-    exemplar = weftex.Exemplar(material(name, 15, 16), tileable=True)
-    canvas = weftex.Canvas(20, 20)
-    method = (
-        GraphCut(patch_size=8, candidates=3, tolerance=0.1, seam_cost="difference", variety=0)
-        .fit(exemplar)
-        .method
-    )
-    twin = reference.GraphCutTwin(exemplar, method, canvas, 1)
-    rng = np.random.default_rng(3)
-    for y, x in twin.cells:  # blocks from anywhere, so that a patch improves on them
-        corner = rng.integers(0, 15, 2) if y % 5 == x % 5 == 0 else None
-        corner = twin.label[y - y % 5, x - x % 5] if corner is None else corner
-        twin.label[y, x] = (int(corner[0] + y % 5) % 15, int(corner[1] + x % 5) % 16)
-    replaced = seams = 0
-    for pixel in [(6, 6), (10, 6), (8, 12), (14, 13)]:
-        for box, patch, columns, _ in twin.patches(pixel, mend=True):
-            twin.columns = columns
-            ours, theirs = twin.cut(box, patch), kwatra_cut(twin, box, patch)
-            assert ours[1] == theirs[1]
-            assert ours[0] == theirs[0]
-            replaced += sum(ours[0])
-            costs = twin.seams()
-            seams += sum(costs[cell] > 0 for cell in box)
-    assert replaced > 0 and seams > 0
-
-
 @pytest.mark.parametrize("seam_cost", ["difference", "gradient"])
 @pytest.mark.parametrize("kind", KINDS)
 def test_refinement_never_makes_seams_worse(seam_cost, kind, monkeypatch):
@@ -226,29 +149,6 @@ def test_refinement_never_makes_seams_worse(seam_cost, kind, monkeypatch):
     assert len(totals) > 5
     assert all(later <= before for before, later in itertools.pairwise(totals))
     assert totals[-1] < totals[0]
-
-
-def test_refinement_improves_the_picture():
-    """What is beside a pixel in the sample differs less from what is beside it in the output."""
-    exemplar = weftex.Exemplar(material("pebbles", 60, 60))
-    means = []
-    for refinements in (0.0, 4.0):
-        method = GraphCut(
-            placement="random", candidates=1, seam_cost="difference", refinements=refinements
-        )
-        results = [method.fit(exemplar).sample(120, seed=seed) for seed in range(3)]
-        means.append(np.mean([result.draw("error").mean() for result in results]))
-    assert means[1] < 0.85 * means[0]
-
-
-def test_a_continued_patch_has_no_seam():
-    """Of a sample that repeats, entire placement at tolerance 0 finds the exact fit."""
-    y, x = np.indices((32, 32))
-    pixels = ((y * 7 + x * 3) % 32 * 8).astype(np.uint8)
-    model = GraphCut(placement="entire", tolerance=0.0).fit(weftex.Exemplar(pixels))
-    image = model.sample((40, 44), seed=3).image.astype(int)
-    assert ((np.diff(image, axis=1) - 24) % 256 == 0).all()
-    assert ((np.diff(image, axis=0) - 56) % 256 == 0).all()
 
 
 # Placement

@@ -232,19 +232,6 @@ def test_provenance_has_the_narrow_borders_of_small_canvases():
     assert told["border_narrowed_to"] == 10  # blocks of 12 wrap
 
 
-def test_blending_is_linear():
-    """Equations 4.6 to 4.10: over a corner the shares are products, over an edge they fall."""
-    model = model_of(noise((60, 60)), lattice=(1, 0, 0, 1), block_size=12, border_width=6,
-                     blend="feather", blend_width=4)  # fmt: skip
-    result = model.sample(48, seed=1)
-    coordinates, share = result.layers((8, 8, 8, 8))
-    alpha = np.array([1, 1, 0.8, 0.6, 0.4, 0.2, 0, 0])  # the corner is at (12, 12)
-    parts = [np.outer(a, b) for a in (alpha, 1 - alpha) for b in (alpha, 1 - alpha)]
-    expected = np.sort(np.stack(parts), axis=0)[::-1].transpose(1, 2, 0)
-    assert np.abs(np.sort(share, axis=2)[..., ::-1] - expected).max() < 0.02
-    assert (coordinates[..., 0, 0] >= 0).all()
-
-
 def test_blocks_that_would_show_are_blended_widely():
     light = wall(128, 128).astype(int) + np.linspace(-60, 60, 128).astype(int)[:, None]
     light = np.clip(light, 0, 255).astype(np.uint8)

@@ -68,28 +68,6 @@ def test_large_holes_keep_sources_apart(rng, wrap, repeat_distance, blend, kind)
     assert len(result.placements) > 40
 
 
-def test_a_holes_sources_keep_their_distance():
-    exemplar = weftex.load_exemplar("sample:pebbles")
-    y, x = np.indices((260, 260))
-    hole = np.maximum(abs(y - 130), abs(x - 130)) < 110
-    known = np.resize(exemplar.pixels, (260, 260, 3)).copy()
-
-    def repeats(distance):
-        method = weftex.PatchSampling(patch_size=24, repeat_distance=distance)
-        canvas = weftex.Canvas(260, 260, known=known, hole=hole)
-        placements = method.fit(exemplar).sample(canvas, seed=2).placements
-        at, source = placements[:, :2], placements[:, 2:4]
-        count = 0
-        for k in range(1, len(at)):
-            near = np.flatnonzero((np.abs(at[:k] - at[k]) < 40).all(axis=1))[-11:]
-            offset = source[near] - source[k]
-            goes_on = (offset == at[near] - at[k]).all(axis=1)
-            count += int(((np.abs(offset) < 12).all(axis=1) & ~goes_on).sum())
-        return count
-
-    assert repeats(0.5) < 0.3 * repeats(0.0)
-
-
 @pytest.mark.parametrize("wrap", WRAPS)
 @pytest.mark.parametrize("size", [(1, 1), (1, 6), (2, 2), (3, 9), (6, 6)])
 def test_holes_in_canvases_smaller_than_a_patch(rng, size, wrap):

@@ -4,14 +4,11 @@ import itertools
 
 import numpy as np
 import pytest
-from hypothesis import given
-from hypothesis import strategies as st
 
 import weftex
 from families import noise
 from twins import patch_sampling as reference
 from twins.patch_sampling import compare
-from weftex.random import draw
 
 BLENDS = ("feather", "feather-at-end", "cut", "none")
 WRAPS = list(itertools.product([False, True], repeat=2))
@@ -146,54 +143,6 @@ def test_windows_larger_than_a_wrapped_canvas(rng, canvas):
 
 
 # Step by step
-
-
-def test_the_first_patch_is_any_window(rng):
-    """Step 1, over many seeds: every window about equally often (chi-squared, 5 sigma)."""
-    exemplar = weftex.Exemplar(noise((11, 12), rng=rng))
-    model = sampling().fit(exemplar)
-    counts = np.zeros((5, 6))
-    for seed in range(1500):
-        y, x = model.sample((7, 7), seed=seed).placements[0, 2:4]
-        counts[y, x] += 1
-    expected = 1500 / 30
-    chi = ((counts - expected) ** 2 / expected).sum()
-    assert abs(chi - 29) < 5 * (2 * 29) ** 0.5
-
-
-@given(st.lists(st.floats(0, 10), min_size=1, max_size=20), st.floats(0, 3))
-def test_the_set_psi_b(distances, d_max):
-    """The twin's own choice among whole numbers agrees with equation (1) in its own terms."""
-    area = 7
-    keys = [round(area * (10 * d) ** 2) for d in distances]
-    energy = area * 100**2
-    epsilon = d_max / 10
-    exact = [(k / area) ** 0.5 for k in keys]
-    limit = epsilon * (energy / area) ** 0.5
-    if any(abs(d - limit) < 1e-9 * (1 + limit) for d in exact):
-        return
-    allowed = set(reference.psi_b(exact, limit))
-    marks = [""] * len(keys)
-    chosen = {
-        reference.choose(keys, marks, energy, draw(n, "x", 0), epsilon=epsilon) for n in range(200)
-    }
-    assert chosen <= allowed
-    if len(allowed) <= 8:
-        assert chosen == allowed
-
-
-@pytest.mark.pictures
-def test_similar_patches_are_drawn_more_often():
-    """Frequencies of the similarity rule are the alpha_i of section 2.1 (5 sigma)."""
-    keys, energy, epsilon = [0, 100, 400, 899, 901, 2500], 900, 1.0
-    alpha = reference.similarity_weights([k**0.5 for k in keys[:4]], 30.0)
-    count = np.zeros(6)
-    for n in range(20000):
-        bits = draw(3, "patch", n)
-        count[reference.choose(keys, [""] * 6, energy, bits, epsilon=epsilon, similarity=True)] += 1
-    assert count[4:].sum() == 0
-    spread = np.sqrt(20000 * alpha * (1 - alpha)) + 1e-9
-    assert (np.abs(count[:4] - 20000 * alpha) < 5 * spread + 1).all()
 
 
 @pytest.mark.parametrize("search", ["quadtree", "pca", "kdtree", "kdtree-pca"])

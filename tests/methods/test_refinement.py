@@ -318,18 +318,6 @@ def test_a_hole_of_a_texture_that_repeats_is_filled_with_it():
         assert np.array_equal(filled.image, photo)
 
 
-def test_the_papers_search_makes_the_canvas_a_torus():
-    """From the second iteration neighborhoods go around the borders (section 3)."""
-    tile = noise((8, 8), seed=4)
-    exemplar = weftex.Exemplar(np.tile(tile, (5, 5)))
-    image = (
-        weftex.Refinement(search="nearest", window_width=9).fit(exemplar).sample(32, seed=2).image
-    )
-    y, x = np.argwhere([[(np.roll(image, (-v, -u), (0, 1))[:8, :8] == tile).all() for u in range(8)]
-                        for v in range(8)])[0]  # fmt: skip
-    assert np.array_equal(np.roll(image, (-y, -x), (0, 1)), np.tile(tile, (4, 4)))
-
-
 def test_progress_counts_every_pixel_and_shows_coarse_levels():
     seen, previews = [], []
 

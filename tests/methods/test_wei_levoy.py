@@ -11,7 +11,6 @@ from families import noise
 from twins import wei_levoy as reference
 from weftex.methods.wei_levoy.passes import inwards
 from weftex.search import pyramid_windows
-from weftex.search.tsvq import build_tsvq
 
 
 def pebbles(height, width):
@@ -103,45 +102,6 @@ def test_samples_that_tile_and_masks(settings, shape):
             assert exemplar.tileable or mask.reshape(-1)[index[made]].all()
 
 
-def test_the_noise_has_the_samples_histogram():
-    """One-pixel windows see nothing, so the noise is the picture."""
-    pixels = noise((6, 7), values=5)
-    image = (
-        weftex.WeiLevoy(window_width=1).fit(weftex.Exemplar(pixels)).sample((12, 14), seed=3).image
-    )
-    assert np.array_equal(np.bincount(image.ravel()), 4 * np.bincount(pixels.ravel()))
-    model = weftex.WeiLevoy(window_width=1).fit(weftex.Exemplar(pixels))
-    index = model.sample((5, 10), seed=3).index
-    assert set(np.unique(index, return_counts=True)[1]) == {1, 2}  # 50 from 42
-    assert not np.array_equal(index, model.sample((5, 10), seed=4).index)
-
-
-def test_the_tree_with_all_leaves_is_the_full_search():
-    exemplar = weftex.Exemplar(pebbles(40, 40))
-    full = weftex.WeiLevoy(search="full", levels=2, window_width=5).fit(exemplar)
-    tree = weftex.WeiLevoy(leaves=10_000, levels=2, window_width=5).fit(exemplar)
-    some = weftex.WeiLevoy(leaves=1, levels=2, window_width=5).fit(exemplar)
-    for canvas in (weftex.Canvas(30, 31, (True, False)), holed(exemplar.pixels, (30, 31))):
-        expected = full.sample(canvas, seed=1).index
-        assert np.array_equal(tree.sample(canvas, seed=1).index, expected)
-        assert not np.array_equal(some.sample(canvas, seed=1).index, expected)
-
-
-def test_vectors_are_the_parents_window_and_then_the_own():
-    levels = pyramid_windows.sample_pyramid(weftex.Exemplar(noise((20, 22, 3))), 2)
-    causal, places = pyramid_windows.window_vectors(*levels, 5, 3, causal=True)
-    whole, others = pyramid_windows.window_vectors(*levels, 5, 3, causal=False)
-    assert causal.shape[1] == 3 * (9 + 12) and whole.shape[1] == 3 * (9 + 24)
-    both, a, b = np.intersect1d(places, others, return_indices=True)
-    assert np.array_equal(both, others)  # looking down too leaves fewer
-    assert np.array_equal(causal[a], whole[b, : causal.shape[1]])
-    y, x = divmod(int(places[5]), 22)
-    own, parent = levels[0].pixels, levels[1].pixels
-    expected = [parent[y // 2 - 1 : y // 2 + 2, x // 2 - 1 : x // 2 + 2].reshape(-1)]
-    expected += [own[y - 2 : y, x - 2 : x + 3].reshape(-1), own[y, x - 2 : x].reshape(-1)]
-    assert np.array_equal(causal[5], np.concatenate(expected))
-
-
 def test_large_samples_are_thinned_out():
     exemplar = weftex.Exemplar(noise((40, 40)))
     every = pyramid_windows.window_vectors(exemplar, None, 3, 0, causal=False)[1]
@@ -164,16 +124,6 @@ def test_the_full_search_looks_at_all_windows_of_large_samples():
     assert len(tree.fit(large).prepared.trees.of(0, causal=True).rows) == 131072
 
 
-def test_a_sample_that_tiles_comes_back():
-    """With enough context every pixel goes on as in the sample, once the noise is behind."""
-    exemplar = weftex.Exemplar(noise((16, 16, 3)), tileable=True)
-    result = (
-        weftex.WeiLevoy(levels=1, window_width=7, search="full").fit(exemplar).sample(48, seed=1)
-    )
-    step = np.diff(result.source[24:, 12:36, 1], axis=1) % 16
-    assert (step == 1).mean() > 0.8  # a sixteenth by chance
-
-
 def border_difference(image, axis):
     """Mean difference across the border over that between neighboring lines inside."""
     lines = np.moveaxis(image.astype(float), axis, 0)
@@ -194,15 +144,6 @@ def test_a_further_pass_closes_the_seam(levels, name):
         plain.append(border_difference(model.sample((70, 61), seed=seed).image, 0))
     assert np.mean(closed) < 1.3
     assert np.mean(closed) - 1 < 0.6 * (np.mean(plain) - 1)
-
-
-def test_only_the_border_is_looked_at_again():
-    """Away from a wrapped border the finest level of one resolution stays as it was."""
-    model = weftex.WeiLevoy(levels=1).fit(weftex.Exemplar(pebbles(60, 60)))
-    plain = model.sample((50, 40), seed=1).index
-    wrapped = model.sample((50, 40), seed=1, tileable=True).index
-    assert np.array_equal(plain[4:-4, 4:-4], wrapped[4:-4, 4:-4])
-    assert not np.array_equal(plain, wrapped)
 
 
 def test_a_hole_in_a_pattern_is_filled_with_it():
@@ -297,12 +238,3 @@ def test_few_colors_stay_fast():
         constant.prepared.trees.of(level, causal=True).nodes.tolist() == [[-1, 0, 1]]
         for level in (0, 1)
     )
-
-
-def test_the_tree_is_over_the_windows_of_its_level():
-    exemplar = weftex.Exemplar(pebbles(50, 50))
-    model = weftex.WeiLevoy(levels=2, window_width=5).fit(exemplar)
-    samples = pyramid_windows.sample_pyramid(exemplar, 2)
-    expected = build_tsvq(*pyramid_windows.window_vectors(*samples, 5, 3, causal=True))
-    assert np.array_equal(model.prepared.trees.of(0, causal=True).rows, expected.rows)
-    assert np.array_equal(model.prepared.trees.of(0, causal=True).nodes, expected.nodes)

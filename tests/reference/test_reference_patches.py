@@ -35,12 +35,14 @@ def test_a_feathered_pixel_comes_from_the_larger_share():
 
 
 @pytest.mark.parametrize(
-    ("size", "seed"), [((40, 16), 0), ((40, 16), 3), ((16, 28), 1), ((16, 28), 2)]
+    ("size", "tolerance", "seed"),
+    [((40, 16), 0.1, 0), ((40, 16), 0.0, 3), ((16, 28), 0.1, 1), ((16, 28), 1.0, 2)],
 )
-def test_image_quilting(size, seed):
+def test_image_quilting(size, tolerance, seed):
     """On canvases of one row or column, where further cuts of the method change nothing."""
-    expected = reference.image_quilting(SAMPLE, size, 16, 4, seed=seed)
-    result = weftex.Quilting(**PAPERS).fit(weftex.Exemplar(SAMPLE)).sample(Canvas(*size), seed=seed)
+    expected = reference.image_quilting(SAMPLE, size, 16, 4, tolerance, seed)
+    model = weftex.Quilting(tolerance=tolerance, **PAPERS).fit(weftex.Exemplar(SAMPLE))
+    result = model.sample(Canvas(*size), seed=seed)
     assert np.array_equal(result.image, expected.image)
 
 

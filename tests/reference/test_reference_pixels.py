@@ -22,11 +22,14 @@ def check(method, sample, size, expected, seed):
 
 
 @pytest.mark.parametrize("seed", SEEDS)
-@pytest.mark.parametrize("name", ["pebbles", "grass"])
-def test_efros_leung(name, seed):
+@pytest.mark.parametrize(
+    ("name", "parameters"),
+    [("pebbles", {}), ("grass", {"seed_size": 4}), ("pebbles", {"tolerance": 0.0, "seed_size": 1})],
+)
+def test_efros_leung(name, parameters, seed):
     sample, size = crop(name, 24, 26), (13, 15)
-    expected = reference.efros_leung(sample, size, window=7, seed=seed)
-    check(weftex.EfrosLeung(window_width=7), sample, size, expected, seed)
+    expected = reference.efros_leung(sample, size, window=7, seed=seed, **parameters)
+    check(weftex.EfrosLeung(window_width=7, **parameters), sample, size, expected, seed)
 
 
 @pytest.mark.parametrize("seed", SEEDS)

@@ -101,15 +101,6 @@ def test_large_levels_take_the_children_themselves(tileable, monkeypatch):
         assert places == [place for place in children if place in found]
 
 
-def test_windows_of_a_pattern_are_like_those_a_period_away():
-    pixels = np.tile(noise((7, 6)), (4, 4))
-    windows = windows_of(Exemplar(pixels), (2, 2, 2, 2))
-    found = by_place(windows, similar_places(windows, 2, 3))
-    for (y, x), places in found.items():
-        assert len(places) == 3
-        assert all((v - y) % 7 == 0 and (u - x) % 6 == 0 for v, u in places)
-
-
 def test_where_no_window_is_the_nearest_stands_for_it():
     mask = np.ones((9, 10), bool)
     mask[4, 5] = False

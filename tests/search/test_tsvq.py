@@ -1,7 +1,5 @@
 """Trees of vectors."""
 
-import itertools
-
 import numpy as np
 import pytest
 from hypothesis import given
@@ -84,17 +82,6 @@ def test_all_leaves_are_exhaustive_search(tree_size):
     found = tree.places[tree.nearest(queries, len(leaves_of(tree)))]
     distance = ((vectors[None].astype(int) - queries[:, None]) ** 2).sum(axis=2)
     assert np.array_equal(found, distance.argmin(axis=1))  # the first of equals
-
-
-def test_more_leaves_are_never_worse():
-    vectors, queries = vectors_of(3000, 20, 255, 2), vectors_of(200, 20, 255, 3)
-    tree = build_tsvq(vectors, np.arange(3000, dtype=np.int32))
-    errors = []
-    for leaves in (1, 2, 4, 8, 16, 1000):
-        near = tree.rows[tree.nearest(queries, leaves)].astype(int)
-        errors.append(((near - queries) ** 2).sum(axis=1))
-    assert all((more <= less).all() for less, more in itertools.pairwise(errors))
-    assert errors[0].sum() > errors[3].sum() > errors[-1].sum()
 
 
 def test_long_vectors_and_far_values():

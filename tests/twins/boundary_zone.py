@@ -35,15 +35,3 @@ def zone_weights(known, width, frozen=None, paste=False):
         if frozen is not None and frozen[v, u]:
             weights[v, u] = 0
     return weights
-
-
-def zone_distance(a, b):
-    """Equation (2): a and b are (A, channels), the zone's pixels on either side."""
-    a, b = np.asarray(a, float), np.asarray(b, float)
-    return math.sqrt(((a - b) ** 2).sum() / len(a))
-
-
-def largest_distance(canvas, epsilon):
-    """d_max of section 2.4 for the zone's pixels on the canvas, (A, channels)."""
-    canvas = np.asarray(canvas, float)
-    return epsilon * math.sqrt((canvas**2).sum() / len(canvas))

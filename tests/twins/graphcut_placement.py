@@ -10,6 +10,7 @@ from twins.graphcut_copies import copies, mismatch
 from twins.graphcut_repeats import Repeating
 from twins.randomness import random_bits
 from weftex.analysis.canvas_lattice import CanvasLattice
+from weftex.reference.graphcut import chances_of
 
 
 class Placing(Repeating):
@@ -43,17 +44,7 @@ class Placing(Repeating):
 
     def chances(self, costs, spread):
         """Whole numbers in proportion to exp(-cost / spread), of a dict of costs."""
-        best = min(costs.values())
-        result = {}
-        for place, cost in costs.items():
-            if spread > 0:
-                power = 1 + min((cost - best) / spread, 64.0) / 1024
-                for _ in range(10):
-                    power = power * power
-                result[place] = int(2.0**32 / power)
-            else:
-                result[place] = int(cost == best)
-        return result
+        return dict(zip(costs, chances_of(np.array([*costs.values()]), spread), strict=True))
 
     def drawn(self, costs, size, copy):
         """Candidates in the order drawn; near one that was drawn there is no other."""

@@ -33,6 +33,18 @@ def cut_by_exhaustion(arcs, source, sink):
     return least, best
 
 
+def cut_by_scipy(arcs, source, sink):
+    """The source's side of the minimum cut of a grid, the smallest one, and its value."""
+    height, width = source.shape
+    arc = {}
+    for y, x, d in np.argwhere(arcs).tolist():
+        v, u = y + ARCS[d][0], x + ARCS[d][1]
+        if 0 <= v < height and 0 <= u < width:
+            arc[y * width + x, v * width + u] = int(arcs[y, x, d])
+    side, value = least_labelling((sink - source).ravel().tolist(), arc)
+    return np.reshape(side, source.shape), value + int(source.sum())
+
+
 def least_labelling(unary, arc):
     """Labels 0 and 1 that minimize sum of unary[i] x_i + sum of arc[i, j] x_i (1 - x_j).
 

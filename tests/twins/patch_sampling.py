@@ -29,31 +29,10 @@ NEARBY = 11
 AROUND = [(0, -2), (0, -1), *((-1, k) for k in range(-2, 2)), *((-2, k) for k in range(-2, 3))]
 
 
-def psi_b(distances, d_max):
-    """Equation (1), and step 3: the nearest where it is empty. Indices, in order."""
-    matching = [i for i, d in enumerate(distances) if d < d_max]
-    return matching or [int(np.argmin(distances))]
-
-
-def similarity_weights(distances, d_max):
-    """The normalized similarity factors alpha_i of section 2.1."""
-    alpha = np.array([1 - d / d_max for d in distances])
-    return alpha / alpha.sum()
-
-
 def choose(keys, marks, energy, bits, *, epsilon=None, tolerance=None, similarity=False):
-    """Index of the candidate drawn.
+    """Index of the candidate drawn, by one of `epsilon` and `tolerance`.
 
-    Parameters
-    ----------
-    keys : list of int
-        A d**2 of each candidate: whole numbers, so that nothing hangs on rounding.
-    marks : list of str
-        "" for a candidate as any other, "repeats" and "continues" as `mark_repeats` says.
-    energy : int
-        A d_max**2 / epsilon**2.
-    epsilon, tolerance : float
-        One of the two: the rule of patch-based sampling or that of image quilting.
+    `keys` are A d**2, `energy` A d_max**2 / epsilon**2, `marks` those of `mark_repeats`.
     """
 
     def limit(best):
@@ -107,21 +86,9 @@ def patch_starts(length, size, overlap, wrap):
 
 
 def sample_exhaustive(exemplar, method, canvas, seed, *, corners=None, finish=True):
-    """Steps 1 to 6 of section 2.2, by looking at every window of the sample for every patch.
+    """Steps 1 to 6 of section 2.2: placements (y, x, source y, source x), and the picture.
 
-    Parameters
-    ----------
-    method : PatchSampling or Quilting
-        With patch_size and boundary_width given.
-    corners : list of (int, int), optional
-        Where windows go, in order; needed for a canvas with holes.
-    finish : bool
-        Also make the picture (step 6).
-
-    Returns
-    -------
-    placements : list of (y, x, source y, source x)
-    picture : array or None
+    `corners` say where windows go, in order; a canvas with holes needs them.
     """
     size, width = method.patch_size, method.boundary_width
     pixelwise = size == 1

@@ -4,34 +4,13 @@ from __future__ import annotations
 
 import numpy as np
 
-
-def _centroid(vectors):
-    return (vectors.sum(axis=0) + len(vectors) // 2) // len(vectors)
-
-
-def _spread(vectors):
-    return int(((vectors - _centroid(vectors)) ** 2).sum())
-
-
-def halves(vectors, rounds=8):
-    """Which vectors are in the second of two clusters, by Lloyd's algorithm."""
-    mean = vectors.sum(axis=0) // len(vectors)
-    byte = int(np.argmax(((vectors - mean) ** 2).sum(axis=0)))
-    second = vectors[:, byte] > mean[byte]
-    for _ in range(rounds):
-        centroids = [_centroid(vectors[second == k]) for k in (False, True)]
-        first, other = (((vectors - c) ** 2).sum(axis=1) for c in centroids)
-        now = other < first
-        if (now == second).all() or now.all() or not now.any():
-            break
-        second = now
-    return second
+from weftex.reference.wei_levoy import centroid, distortion, halves
 
 
 def vector_tree(vectors, tree_size=None, leaf=32):
     """Nodes as dicts: members, centroid and, if split, children; always the worst leaf is split."""
     vectors = vectors.astype(np.int64)
-    nodes = [{"members": np.arange(len(vectors)), "spread": _spread(vectors)}]
+    nodes = [{"members": np.arange(len(vectors)), "spread": distortion(vectors)}]
     while True:
         open_leaves = [
             (-node["spread"] if number else 0, number)
@@ -48,7 +27,7 @@ def vector_tree(vectors, tree_size=None, leaf=32):
         node["children"] = (len(nodes), len(nodes) + 1)
         for members in (node["members"][~second], node["members"][second]):
             own = vectors[members]
-            nodes.append({"members": members, "centroid": _centroid(own), "spread": _spread(own)})
+            nodes.append({"members": members, "centroid": centroid(own), "spread": distortion(own)})
 
 
 def nearest_in_tree(nodes, vectors, query, counts, leaves):

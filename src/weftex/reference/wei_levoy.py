@@ -142,34 +142,38 @@ def interior(at: Any, reach: int, length: int) -> Any:
     return (at >= reach) & (at < length - reach)
 
 
+def centroid(vectors: Any) -> Any:
+    """The mean of some vectors, rounded."""
+    return (vectors.sum(axis=0) + len(vectors) // 2) // len(vectors)
+
+
+def distortion(vectors: Any) -> int:
+    """The sum of squared distances to the centroid."""
+    return int(((vectors - centroid(vectors)) ** 2).sum())
+
+
+def halves(vectors: Any) -> Any:
+    """Which vectors are in the second of two clusters, by the generalized Lloyd algorithm."""
+    mean = vectors.sum(axis=0) // len(vectors)
+    widest = np.argmax(((vectors - mean) ** 2).sum(axis=0))
+    second = vectors[:, widest] > mean[widest]
+    for _ in range(8):
+        left, right = centroid(vectors[~second]), centroid(vectors[second])
+        nearer = ((vectors - right) ** 2).sum(axis=1) < ((vectors - left) ** 2).sum(axis=1)
+        if (nearer == second).all() or nearer.all() or not nearer.any():
+            break
+        second = nearer
+    return second
+
+
 def tsvq(vectors: Any, codewords: int) -> Any:
     """The tree of section 4: a node is its children, each after its centroid; a leaf, its members.
 
     The leaf with the largest distortion is split by the generalized Lloyd algorithm, which begins
     at the mean of the dimension that varies most, until the tree has as many leaves as codewords.
     """
-
-    def centroid(members: Any) -> Any:
-        return (vectors[members].sum(axis=0) + len(members) // 2) // len(members)
-
-    def distortion(members: Any) -> int:
-        return int(((vectors[members] - centroid(members)) ** 2).sum())
-
-    def halves(members: Any) -> Any:
-        own = vectors[members]
-        mean = own.sum(axis=0) // len(own)
-        widest = np.argmax(((own - mean) ** 2).sum(axis=0))
-        second = own[:, widest] > mean[widest]
-        for _ in range(8):
-            left, right = centroid(members[~second]), centroid(members[second])
-            nearer = ((own - right) ** 2).sum(axis=1) < ((own - left) ** 2).sum(axis=1)
-            if (nearer == second).all() or nearer.all() or not nearer.any():
-                break
-            second = nearer
-        return members[~second], members[second]
-
     leaves = [np.arange(len(vectors))]
-    spread = [distortion(leaves[0])]
+    spread = [distortion(vectors)]
     children: list[Any] = [None]
     while sum(c is None for c in children) < codewords:
         open_leaves = [k for k, c in enumerate(children) if c is None and spread[k]]
@@ -177,16 +181,18 @@ def tsvq(vectors: Any, codewords: int) -> Any:
             break
         worst = max(open_leaves, key=lambda k: (spread[k], -k))
         children[worst] = len(leaves), len(leaves) + 1
-        for members in halves(leaves[worst]):
+        second = halves(vectors[leaves[worst]])
+        for members in (leaves[worst][~second], leaves[worst][second]):
             leaves.append(members)
-            spread.append(distortion(members))
+            spread.append(distortion(vectors[members]))
             children.append(None)
 
     def node(k: int) -> Any:
         if children[k] is None:
             return leaves[k]
         left, right = children[k]
-        return centroid(leaves[left]), node(left), centroid(leaves[right]), node(right)
+        centroids = [centroid(vectors[leaves[child]]) for child in (left, right)]
+        return centroids[0], node(left), centroids[1], node(right)
 
     return node(0)
 
