@@ -24,17 +24,3 @@ def test_levels_follow_the_definition(height, width, channels, wrap, seed):
         assert np.array_equal(pyramid[k + 1], reference.coarser(pyramid[k], wrap))
         assert np.array_equal(masks[k + 1], reference.coarser_mask(masks[k], wrap))
         assert pyramid[k + 1].dtype == np.uint8 and pyramid[k + 1].flags.c_contiguous
-
-
-def test_a_mask_holds_what_nothing_else_changes():
-    """Pixels outside the mask have no say in those inside the coarser one."""
-    rng = np.random.default_rng(1)
-    levels = rng.integers(0, 256, (24, 25, 1)).astype(np.uint8)
-    mask = np.ones((24, 25), bool)
-    mask[8:13, 9:15] = False
-    other = np.where(mask[..., None], levels, 255 - levels)
-    for k in (1, 2):
-        inside = mask_pyramid(mask, 3)[k]
-        one, two = gaussian_pyramid(levels, 3)[k], gaussian_pyramid(other, 3)[k]
-        assert inside.any() and np.array_equal(one[inside], two[inside])
-        assert (one[~inside] != two[~inside]).any()

@@ -130,33 +130,6 @@ def test_blocks_cover_most_of_the_zones_of_the_paper():
             assert len(zone.blocks) == 31
 
 
-@pytest.mark.parametrize(
-    "left, top, bands",
-    [(1, 0, [1, 0, 0, 0]), (0, 1, [0, 1, 0, 0]), (1, 1, [1, 1, 0, 0])],
-    ids=["b", "c", "d"],
-)
-def test_configurations_of_figure_3(left, top, bands):
-    known = np.zeros((12, 12), bool)
-    known[:, : 3 * left] = True
-    known[: 3 * top] = True
-    zone = boundary_zone(known, 3)
-    # A band's sides are those that its pixels reach: the left band also ends at top and bottom.
-    assert zone.bands[:5].tolist() == [3, 0, 0, 12, 12]
-    touches = reference.zone_of(known, 3)
-    sides = touches[:, :3], touches[:3], touches[:, 9:], touches[9:]
-    assert zone.bands[5:].tolist() == [int(s.any()) for s in sides]
-    assert [a for a, b in zip(zone.bands[5:], bands, strict=True) if b] == [1] * sum(bands)
-    assert zone.area == known.sum()
-    assert zone.weight[known].max() < 256
-    assert zone.weight[~known].min() == 256
-
-
-def test_weights_fall_evenly_through_the_zone():
-    known = np.zeros((1, 8), bool)
-    known[:, :3] = True
-    assert boundary_zone(known, 3).weight.tolist() == [[64, 128, 192, 256, 256, 256, 256, 256]]
-
-
 @pytest.mark.parametrize("width", [255, 256, 300, 700])
 def test_a_very_wide_zone_is_blended_everywhere(width):
     known = np.zeros((1, 2 * width), bool)
