@@ -20,7 +20,7 @@ CEILINGS = {
     "modules": 362,
     "kernel classes": 36,
     "names that several kernel classes have": 0,
-    "lines of tests": 28_687,
+    "lines of tests": 28_663,
     "quilting: files to read": 21,
     "quilting: lines to read": 3_400,
     "graphcut: files to read": 28,
