@@ -306,12 +306,11 @@ def test_files_that_are_not_of_the_plane_are_never_removed(tmp_path, target, beg
     said = json.loads(path.read_text())
     mine = tmp_path / "mine"
     (mine / "0").mkdir(parents=True)
-    near = [
-        tmp_path / name for name in ("notes.txt", "mine.tif", "mine/zarr.json", "mine/0/zarr.json")
-    ]
+    own = f"{target.stem}_mine.tif"
+    near = [tmp_path / name for name in ("notes.txt", own, "mine/zarr.json", "mine/0/zarr.json")]
     for file in near:
         file.write_bytes(b"mine")
-    for name in ("notes.txt", "mine.tif", "mine", "mine/zarr.json", "mine/0"):
+    for name in ("notes.txt", own, "mine", "mine/zarr.json", "mine/0"):
         path.write_text(json.dumps(said | {"begun": begun, "files": [*said["files"], name]}))
         try:
             weftex.stream(SAMPLE, target, 70, restart=begun, **HOW)

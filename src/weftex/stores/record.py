@@ -140,9 +140,9 @@ class Record:
         return suffix_of(first) == suffix or (suffix == ".dzi" and first.endswith("_files"))
 
     def of_target(self, names: Iterable[str]) -> list[str]:
-        """Return the names that begin with the target's own."""
+        """Return the names that are the target's own, or lie in its folder."""
         own = os.path.basename(self.target)
-        return [name for name in names if name.startswith((own, os.path.splitext(own)[0] + "_"))]
+        return [name for name in names if name == own or name.startswith(f"{own}/")]
 
     def exists(self) -> bool:
         """Whether a run has begun."""

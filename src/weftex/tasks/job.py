@@ -225,7 +225,7 @@ def _begin(job: Job, record: Record, restart: bool, repair: bool) -> None:
         return
     old = record.current()
     name, roots = secrets.token_hex(16), [_name(job, path) for path in _roots(job)]
-    # A list of files may be a stranger's: nothing is removed that is not named as this plane is.
+    # The list of files may be a stranger's: only what this run writes, or its folder, is removed.
     past = record.of_target(old.files) if old else []
     owned = sorted({*roots, *past}, reverse=True)  # groups, then their Zarr
     run, grids = Run(name, False, owned, grids=old.grids if old else {}), _grids(job)
