@@ -12,11 +12,7 @@ import weftex
 import weftex.methods.patches.scan_order
 from families import noise
 from twins import patch_sampling as reference
-from weftex.methods.patches.scan_order import (
-    patch_starts,
-    patches_around,
-    wavefronts,
-)
+from weftex.methods.patches.scan_order import patch_starts, patches_around, wavefronts
 from weftex.methods.patches.spiral_order import spiral
 
 

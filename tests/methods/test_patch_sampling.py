@@ -9,6 +9,7 @@ import weftex
 from families import noise
 from twins import patch_sampling as reference
 from twins.patch_sampling import compare
+from weftex.random import draw
 
 BLENDS = ("feather", "feather-at-end", "cut", "none")
 WRAPS = list(itertools.product([False, True], repeat=2))
@@ -143,6 +144,17 @@ def test_windows_larger_than_a_wrapped_canvas(rng, canvas):
 
 
 # Step by step
+
+
+def test_similar_patches_are_drawn_more_often():
+    """Frequencies of the similarity rule are the alpha_i of section 2.1 (5 sigma)."""
+    keys, alpha = [0, 100, 400, 899, 901, 2500], 1 - np.sqrt([0, 100, 400, 899]) / 30
+    alpha /= alpha.sum()
+    how = {"marks": [""] * 6, "energy": 900, "epsilon": 1.0, "similarity": True}
+    drawn = [reference.choose(keys, bits=draw(3, "patch", n), **how) for n in range(20000)]
+    count = np.bincount(drawn, minlength=6)
+    assert count[4:].sum() == 0
+    assert (np.abs(count[:4] - 20000 * alpha) < 5 * np.sqrt(20000 * alpha * (1 - alpha)) + 1).all()
 
 
 @pytest.mark.parametrize("search", ["quadtree", "pca", "kdtree", "kdtree-pca"])

@@ -294,12 +294,7 @@ def test_holes_are_swept_from_four_sides():
     hole = np.zeros((3, 4), bool)
     hole[0, 1:], hole[2, 2] = True, True
     lines = rows_of(hole)
-    expected = [
-        [[1, 2, 3], [10]],
-        [[1], [2, 10], [3]],
-        [[10], [3, 2, 1]],
-        [[3], [10, 2], [1]],
-    ]
+    expected = [[[1, 2, 3], [10]], [[1], [2, 10], [3]], [[10], [3, 2, 1]], [[3], [10, 2], [1]]]
     for turn in range(8):
         assert [k.tolist() for k in cyclic_lines(lines, turn, hole.shape)] == expected[turn % 4]
 

@@ -30,12 +30,7 @@ def with_(**changes):
 
 RULE = [
     (GRASS, Canvas(1024, 1024), "graphcut", r"structure is fine \(12.5 px of 256\)"),
-    (
-        with_(scale=9.5),
-        Canvas(1024, 1025),
-        "patch-sampling",
-        r"fine \(9.5 px of 256\)",
-    ),
+    (with_(scale=9.5), Canvas(1024, 1025), "patch-sampling", r"fine \(9.5 px of 256\)"),
     (with_(scale=9.5, colors=2), Canvas(512, 512), "quilting", r"few colors \(2\)"),
     (with_(scale=21.3), Canvas(1100, 1100), "patch-sampling", "fine"),
     (with_(scale=21.4), Canvas(512, 512), "graphcut", "irregular .features of 21.4 px"),
@@ -51,12 +46,7 @@ RULE = [
     (with_(lattice=Lattice(((0.0, 46.0),), 0.5)), Canvas(512, 512), "graphcut", "fine"),
     (with_(lattice=TILES), Canvas(512, 512), "graphcut", "lattice of 31.1 x 102.2 px.* 0.87"),
     (with_(lattice=TILES), Canvas(9999, 9999), "near-regular", "lattice of 31.1 x 102.2 px.* 0.87"),
-    (
-        with_(lattice=TILES),
-        Canvas(512, 512, (True, True)),
-        "near-regular",
-        "confidence 0.87",
-    ),
+    (with_(lattice=TILES), Canvas(512, 512, (True, True)), "near-regular", "confidence 0.87"),
     (with_(lattice=TILES, shape=(100, 120)), Canvas(150, 150), "graphcut", "irregular"),
     (with_(shape=(300, 31)), Canvas(512, 512), "graphcut", "too small to analyze .31x300"),
     (with_(shape=(300, 31)), Canvas(2048, 2048), "graphcut", "too small"),
@@ -157,16 +147,8 @@ def test_where_refinement_breaks_lines_joints_alone_are_refined():
     choices = [Choice("near-regular", {}, "tiles"), Choice("refinement")]
     for before, after, kept in (
         (laid, laid, "refinement, because tiles"),
-        (
-            laid,
-            broken,
-            r"refinement, because tiles; only its seams are refined, as 0\.\d\d of .*",
-        ),
-        (
-            broken,
-            laid,
-            "near-regular, because tiles",
-        ),  # faint lines are not judged
+        (laid, broken, r"refinement, because tiles; only its seams are refined, as 0\.\d\d of .*"),
+        (broken, laid, "near-regular, because tiles"),  # faint lines are not judged
     ):
         made = {"near-regular": before, "refinement": after}
         choice = refined_if_whole(choices, TILES, exemplar, lambda one, all_=made: all_[one.method])

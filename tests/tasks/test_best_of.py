@@ -72,11 +72,7 @@ def test_the_best_of_several_methods():
     exemplar = weftex.Exemplar(SAMPLE)
     small = weftex.Quilting(patch_size=8)
     best = weftex.synthesize(exemplar, 90, seed=3, best_of=["quilting", "best-tile", small])
-    each = {
-        "quilting": weftex.Quilting(),
-        "best-tile": weftex.BestTile(),
-        "quilting 2": small,
-    }
+    each = {"quilting": weftex.Quilting(), "best-tile": weftex.BestTile(), "quilting 2": small}
     made = {name: weftex.synthesize(exemplar, 90, seed=3, method=m) for name, m in each.items()}
     scores = {name: weftex.assess(exemplar, result).score for name, result in made.items()}
     about = best.provenance["best_of"]

@@ -139,11 +139,7 @@ def sample_exhaustive(exemplar, method, canvas, seed, *, corners=None, finish=Tr
                     asked = [(step[0] + a, step[1] + b) for a, b in AROUND]
                     nearby = [grid[k] for k in asked if k in grid]
                 marks = mark_repeats(
-                    corner,
-                    places,
-                    nearby,
-                    round(method.repeat_distance * size),
-                    int(bits) & 1,
+                    corner, places, nearby, round(method.repeat_distance * size), int(bits) & 1
                 )
             energy = int((wanted**2).sum())
             chosen = choose(keys, marks, energy, bits, **rule)
