@@ -15,20 +15,20 @@ TESTS = Path(__file__).parent
 READ = ("methods", "repeats", "search", "seams")
 #: Lower a ceiling when the code has become smaller; a feature that needs room removes something.
 CEILINGS = {
-    "lines of Python in src": 54_990,
-    "of these code": 35_400,
-    "modules": 362,
-    "kernel classes": 36,
+    "lines of Python in src": 49_650,
+    "of these code": 34_540,
+    "modules": 356,
+    "kernel classes": 31,
     "names that several kernel classes have": 0,
-    "lines of tests": 28_663,
+    "lines of tests": 28_640,
     "quilting: files to read": 21,
-    "quilting: lines to read": 3_400,
+    "quilting: lines to read": 3_225,
     "graphcut: files to read": 28,
-    "graphcut: lines to read": 5_030,
+    "graphcut: lines to read": 4_845,
     "efros-leung: files to read": 11,
-    "efros-leung: lines to read": 2_070,
+    "efros-leung: lines to read": 1_945,
     "near-regular: files to read": 23,
-    "near-regular: lines to read": 3_940,
+    "near-regular: lines to read": 3_785,
 }
 
 
