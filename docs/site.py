@@ -19,7 +19,7 @@ DOCS = ROOT / "docs"
 LINK = re.compile(r"(\]\(|(?:src|href)=\")([^)#\s\"]+)([^)\"]*)")
 CODE = re.compile(r"^```.*?^```$|``.*?``|`[^`\n]+`", re.M | re.S)
 #: A line that is a link to a reference.
-REFERENCE = re.compile(r"^\[`\w+`\]\(\.\./(src/weftex/reference/\w+\.py)\)$", re.M)
+REFERENCE = re.compile(r"^\[`\w+`\]\((?:\.\./)+(src/weftex/reference/\w+\.py)\)$", re.M)
 #: Pages about the project that are always there.
 PROJECT = ("CHANGELOG.md", "CONTRIBUTING.md", "SECURITY.md")
 

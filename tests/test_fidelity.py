@@ -14,7 +14,7 @@ from test_readme import EXAMPLES, experiments
 
 ROOT = Path(__file__).parent.parent
 SOURCE = ROOT / "src" / "weftex"
-PAGES = {page.stem: page for page in ROOT.glob("docs/fidelity/*.md")}
+PAGES = {page.stem: page for page in ROOT.glob("docs/background/fidelity/*.md")}
 PROMISE = "](../fidelity.md)"  # a link to what the columns mean
 
 
@@ -135,7 +135,7 @@ def test_every_application_and_future_work_has_a_row(name):
 
 
 def test_pages_are_found_and_lead_back():
-    index = ROOT.joinpath("docs", "fidelity.md").read_text("utf-8")
+    index = ROOT.joinpath("docs", "background", "fidelity.md").read_text("utf-8")
     assert set(FIGURES) < set(PAGES)
     for name, page in PAGES.items():
         assert f"](fidelity/{name}.md)" in index and PROMISE in page.read_text("utf-8")

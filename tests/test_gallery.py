@@ -1,4 +1,4 @@
-"""The command that makes docs/measured/quality.md, on a tiny part; surfaces and charts."""
+"""The command that makes docs/lab/measured/quality.md, on a tiny part; surfaces and charts."""
 
 import csv
 import dataclasses
@@ -67,7 +67,7 @@ def test_every_picture_and_figure_is_there(made):
     assert '<h2 id="grass_gray">' in pictures
     assert "[grass_gray](quality-figures.md#grass_gray)" in scores
     for method in METHODS:
-        assert figures.count(f"| [{method}](../{method}.md) |") == 1
+        assert len(re.findall(rf"\| \[{method}\]\(\S+/{method}\.md\) \|", figures)) == 1
 
 
 def test_pictures_and_figures_are_what_the_library_makes(made):

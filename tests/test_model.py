@@ -144,7 +144,7 @@ if __name__ == "__main__":
 @pytest.mark.pages
 def test_the_data_set_of_the_page_in_processes_of_a_loader(tmp_path):
     """What PyTorch's DataLoader does with it, which is not needed for that."""
-    page = (Path(__file__).parents[1] / "docs" / "batch.md").read_text("utf-8")
+    page = (Path(__file__).parents[1] / "docs" / "how-to" / "batch.md").read_text("utf-8")
     blocks = re.findall(r"^```python\n(.*?)^```", page, re.M | re.S)
     (tmp_path / "page.py").write_text(next(b for b in blocks if "class Variations" in b))
     (tmp_path / "loader.py").write_text(LOADER)

@@ -52,7 +52,7 @@ def test_what_is_said_about_the_project_agrees():
     assert f'version: "{weftex.__version__}"' in recipe
     citation = (ROOT / "CITATION.cff").read_text("utf-8")
     assert f"version: {weftex.__version__}\n" in citation
-    papers = (ROOT / "docs" / "papers.md").read_text("utf-8")
+    papers = (ROOT / "docs" / "background" / "papers.md").read_text("utf-8")
     assert re.findall(r"doi.org/(\S+?)\)", papers) == re.findall(r" doi: (\S+)", citation) != []
     cited = re.findall(r'- type: \w.*\n    title: "(.*)"', citation)
     assert len(cited) >= 10 and all(title in papers for title in cited)

@@ -193,7 +193,7 @@ def test_links_lead_to_headings(page):
 
 
 def test_the_page_of_measures_lists_every_figure_as_it_is():
-    page = ROOT.joinpath("docs", "measures.md").read_text("utf-8")
+    page = ROOT.joinpath("docs", "reference", "measures.md").read_text("utf-8")
     for figure in FIGURES.values():
         limit = figure.within() or "describes only"
         row = f"| {figure.title} | {figure.unit} | {limit} | {figure.meaning} | {figure.blind} |"
@@ -201,7 +201,7 @@ def test_the_page_of_measures_lists_every_figure_as_it_is():
 
 
 def test_the_page_of_python_lists_every_public_name():
-    page = (ROOT / "docs" / "api.md").read_text("utf-8")
+    page = (ROOT / "docs" / "reference" / "python.md").read_text("utf-8")
     listed = re.findall(r"^::: (\S+)\.(\w+)$", page, re.M)
     top = {name for module, name in listed if not module.startswith("weftex.reference.")}
     assert top == {*weftex.__all__} - {"METHODS", "reference"} | {"Model"}

@@ -1,4 +1,4 @@
-"""Draw the pictures of docs/at-work.md: run its commands, which write a strip for each method.
+"""Draw the pictures of docs/tutorials/research-tour.md: run its commands, which write a strip for each method.
 
 python benchmarks/pages/at_work.py
 """
@@ -19,7 +19,7 @@ _ACROSS, _QUALITY = 900, 70
 
 def main() -> None:
     with tempfile.TemporaryDirectory() as folder:
-        for words in commands((DOCS / "at-work.md").read_text("utf-8")):
+        for words in commands((DOCS / "tutorials" / "research-tour.md").read_text("utf-8")):
             subprocess.run([sys.executable, "-m", "weftex", *words], cwd=folder, check=True)
             strip = Image.open(Path(folder) / words[2]).convert("RGB")
             strip.thumbnail((_ACROSS, strip.height), Image.Resampling.LANCZOS)

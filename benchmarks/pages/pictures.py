@@ -1,6 +1,6 @@
 """The first picture of every page of docs: the input and output of the page's first commands.
 
-    python benchmarks/pages/pictures.py                  # every page that shows img/PAGE.webp first
+    python benchmarks/pages/pictures.py                  # every page whose first picture is img/PAGE.webp
     python benchmarks/pages/pictures.py quilting fuse    # some of them
 
 The weftex commands of a page's first block of shell are run in an empty folder. Their samples,
@@ -102,14 +102,14 @@ def side_by_side(pictures: list[Image.Image]) -> Image.Image:
 def shows_own(page: Path) -> bool:
     """Whether a page's first picture is the one that is named after it."""
     first = re.search(r"!\[[^]]*\]\((\S+)\)", page.read_text("utf-8"))
-    return bool(first) and first[1] == f"img/{page.stem}.webp"
+    return bool(first) and first[1].endswith(f"/img/{page.stem}.webp")
 
 
-def draw(name: str) -> Path | None:
+def draw(source: Path) -> Path | None:
     """Run a page's first commands and write its picture, if they show any."""
     shown: dict[bytes, Image.Image] = {}
     with tempfile.TemporaryDirectory() as folder:
-        page = (DOCS / f"{name}.md").read_text("utf-8")
+        page = source.read_text("utf-8")
         for made in re.findall(r"^mkdir (\w+)$", page, re.M):
             (Path(folder) / made).mkdir()
         for words in commands(page):
@@ -118,19 +118,19 @@ def draw(name: str) -> Path | None:
                 shown |= {picture.tobytes(): picture for picture in pictures_of(file)}
     if not shown:
         return None
-    path = DOCS / "img" / f"{name}.webp"
+    path = DOCS / "img" / f"{source.stem}.webp"
     side_by_side(list(shown.values())).save(path, quality=_QUALITY, method=6)
     return path
 
 
 def main() -> None:
-    known = [page.stem for page in sorted(DOCS.glob("*.md")) if shows_own(page)]
+    known = {page.stem: page for page in sorted(DOCS.rglob("*.md")) if shows_own(page)}
     parser = argparse.ArgumentParser(
         description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
     )
     parser.add_argument("pages", nargs="*", metavar="PAGE", help=", ".join(known))
     for name in parser.parse_args().pages or known:
-        path = draw(name)
+        path = draw(known[name])
         told = (
             f"{path}: {path.stat().st_size} bytes" if path else f"{name}: drawn by another script"
         )

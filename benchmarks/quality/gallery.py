@@ -1,4 +1,4 @@
-"""Every test surface with every method: pictures, measures and the pages of docs/measured.
+"""Every test surface with every method: pictures, measures and the pages of docs/lab/measured.
 
     python benchmarks/quality/gallery.py --jobs 2             # everything; 15 minutes with one
     python benchmarks/quality/gallery.py --surfaces bark --methods quilting auto --docs FOLDER
@@ -6,7 +6,7 @@
 From each surface of benchmarks/data/surfaces, 256x256, each method makes 512x512 with seed 1 at its
 defaults, with one thread; efros-leung, which is slow, 256x256 from the upper left 128x128. Each
 also makes a tileable output half as large, of which only the seam at the wrap is measured. The
-tables go to --docs (docs/measured/quality.md and quality-figures.md, written whole). A part of the
+tables go to --docs (docs/lab/measured/quality.md and quality-figures.md, written whole). A part of the
 surfaces or methods needs another folder there.
 
 --keep (build/gallery, which git ignores) gets a page of all pictures, index.html, and the full-size
@@ -43,7 +43,7 @@ from weftex.tasks.method_names import AUTO, make_method, method_class
 
 ROOT = Path(__file__).resolve().parents[2]
 SURFACES = ROOT / "benchmarks" / "data" / "surfaces" / "MANIFEST.csv"
-PAGES = ROOT / "docs" / "measured"
+PAGES = ROOT / "docs" / "lab" / "measured"
 METHODS = (AUTO, *weftex.METHODS)
 SEED = 1
 SIZE = 512

@@ -96,7 +96,7 @@ QUALITY = """\
 # Quality: scores
 
 `python benchmarks/quality/gallery.py --jobs 2` writes this page; edits are lost.
-[How to read it, and what the eye sees](../quality.md).
+[How to read it, and what the eye sees](../../background/quality.md).
 
 ## Summary
 
@@ -108,7 +108,7 @@ Bold: no figure is beyond its limit. [All figures](quality-figures.md).
 {scores}
 ## An independent measure
 
-[Whose it is](../quality.md#an-independent-measure). Bold: good by its own rule.
+[Whose it is](../../background/quality.md#an-independent-measure). Bold: good by its own rule.
 
 {judged}"""
 
@@ -118,7 +118,7 @@ FIGURES_PAGE = """\
 `python benchmarks/quality/gallery.py --jobs 2` writes this page; edits are lost.
 
 Every figure of every output of [quality.md](quality.md). Bold figures are beyond their limits;
-[measures.md](../measures.md) has their meanings, units and limits. Below each table stand the
+[measures.md](../../reference/measures.md) has their meanings, units and limits. Below each table stand the
 verdict in words and, in brackets, the parameters that differ from the defaults.
 
 {figures}"""
@@ -128,7 +128,8 @@ verdict in words and, in brackets, the parameters that differ from the defaults.
 
 
 def page_of(method: str) -> str:
-    return f"[{method}](../{method}.md)"
+    folder = "background" if method == AUTO else "reference/methods"
+    return f"[{method}](../../{folder}/{method}.md)"
 
 
 def good(made: Mapping[str, Any]) -> bool:

@@ -188,7 +188,7 @@ def quality_against_time(
         )
     notes = f"""
 Fit and sample with one thread, {side} to {size}, means over four samples; score of
-[weftex's measures](../measures.md#the-score), less is better. Means of
+[weftex's measures](../../reference/measures.md#the-score), less is better. Means of
 {len(_SEEDS)} seeds up to {_FAST:g} s, one seed above. Best: no faster setting has a better mean
 score.
 """

@@ -3,7 +3,7 @@
     python benchmarks/speed/planes_on_disk.py speed --side 16384 --methods near-regular
     python benchmarks/speed/planes_on_disk.py growth | kills | cluster | disk | null
 
-Each prints its lines; docs/endless.md has those of one run.
+Each prints its lines; docs/how-to/huge-images.md has those of one run.
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""Speed, memory, start-up, growth: docs/measured/benchmarks.md; run by hand, never a test.
+"""Speed, memory, start-up, growth: docs/lab/measured/benchmarks.md; run by hand, never a test.
 
     python benchmarks/speed/run.py [all | TABLE ...] [--json FILE] [--update [PAGE]] [--small]
 
@@ -30,13 +30,13 @@ import pixel
 import process
 from shared import ROOT, Table, in_child, machine, papers
 
-PAGE = ROOT / "docs" / "measured" / "benchmarks.md"
+PAGE = ROOT / "docs" / "lab" / "measured" / "benchmarks.md"
 _HEAD = """\
 # Benchmarks: tables
 
 `python benchmarks/speed/run.py all --update` writes this page, and
 `python benchmarks/speed/run.py TABLE --update` one table of it; edits are lost.
-[How to read them](../benchmarks.md).
+[How to read them](../../background/benchmarks.md).
 """
 
 TABLES: dict[str, Callable[[], Table]] = {

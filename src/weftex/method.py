@@ -159,7 +159,7 @@ class Model(ABC):
     ) -> Synthesis:
         """Make a window of an endless plane.
 
-        Every pixel hangs on the sample, parameters, seed and place alone (docs/endless.md).
+        Every pixel hangs on the sample, parameters, seed and place alone (docs/how-to/windows.md).
 
         Parameters
         ----------

@@ -11,14 +11,15 @@ ROOT = Path(__file__).parents[2]
 
 
 def test_the_page_shows_every_reference():
-    page = (ROOT / "docs" / "reference-algorithms.md").read_text("utf-8")
-    shown = re.findall(r"^\[`(\w+)`\]\(\.\./src/weftex/reference/(\w+)\.py\)$", page, re.M)
+    page = (ROOT / "docs" / "background" / "reference-algorithms.md").read_text("utf-8")
+    shown = re.findall(r"^\[`(\w+)`\]\(\.\./\.\./src/weftex/reference/(\w+)\.py\)$", page, re.M)
     assert sorted(shown) == [(name, name) for name in reference.__all__ if name.islower()]
-    pictures = re.findall(r"\(img/reference_(\w+)\.webp\)", page)
+    pictures = re.findall(r"\(\.\./img/reference_(\w+)\.webp\)", page)
     assert sorted(pictures) == [name for name, _ in sorted(shown)]
     for name, _ in shown:
         assert callable(getattr(reference, name))
-        assert f"weftex.reference.{name}.{name}" in (ROOT / "docs" / "api.md").read_text("utf-8")
+        python = (ROOT / "docs" / "reference" / "python.md").read_text("utf-8")
+        assert f"weftex.reference.{name}.{name}" in python
 
 
 def test_pictures_are_drawn(tmp_path, monkeypatch):

@@ -26,7 +26,7 @@ if TYPE_CHECKING:
     Floats = NDArray[np.float64]
 
 #: What each measure is to be multiplied by, so that it is the size that a person reads: medians
-#: over 14 surfaces; docs/analyze.md has the errors on 12 others.
+#: over 14 surfaces; docs/lab/scale-of-features.md has the errors on 12 others.
 _LENGTHS, _WIDTHS = 6.07, 1.04
 _CONTRAST = 40.0  # levels of 255 to a standard deviation
 #: The distance at which the correlation is 1/2, over that at which it is 1/4: where it falls

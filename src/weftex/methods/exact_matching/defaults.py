@@ -21,7 +21,7 @@ _NEAR_REGULAR = 0.4  # regularity from which on a sample is near-regular
 _SMALLEST_PROPOSED = 31  # width of a window at a single resolution, unless there is no room
 _SMALLEST_WITH_ROOM = 11
 _WIDTH_WITH_LEVELS = 17
-_LEVELS = 3  # docs/exact-matching.md says why
+_LEVELS = 3  # docs/lab/exact-matching-windows.md says why
 _SIDE_FOR_LEVELS = 128  # shorter side from which on a sample is seen at several levels
 _COLORS_IN_REACH = 5  # of a color that occurs once, itself among them
 #: How far windows between known pixels reach at most: a layer is decided by what is near to it.

@@ -1,6 +1,6 @@
 """`auto`: analyze the sample, choose a method for it, and say why.
 
-`docs/auto.md` has the rule as a table, with what it was measured against.
+`docs/background/auto.md` has the rule as a table, with what it was measured against.
 """
 
 from __future__ import annotations
@@ -56,7 +56,7 @@ class Auto(Method):
 
     slug: ClassVar[str] = "auto"
     title: ClassVar[str] = "Chosen by the sample"
-    paper: ClassVar[str] = "A choice among the other methods; docs/auto.md has the rule"
+    paper: ClassVar[str] = "A choice among the other methods; docs/background/auto.md has the rule"
     supports: ClassVar[frozenset[str]] = frozenset({"wrap", "known", "guide"})
 
     effort: str = parameter(
