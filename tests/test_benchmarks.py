@@ -1,7 +1,6 @@
 """The scripts of benchmarks that pages cite do run, small; test_gallery.py has the gallery's."""
 
 import json
-import shutil
 import sys
 from pathlib import Path
 

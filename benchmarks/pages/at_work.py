@@ -1,4 +1,6 @@
-"""Draw the pictures of docs/tutorials/research-tour.md: run its commands, which write a strip for each method.
+"""Draw the pictures of docs/tutorials/research-tour.md by running its commands.
+
+Each command writes a strip of pictures for one method.
 
 python benchmarks/pages/at_work.py
 """

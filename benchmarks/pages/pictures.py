@@ -1,7 +1,7 @@
 """The first picture of every page of docs: the input and output of the page's first commands.
 
-    python benchmarks/pages/pictures.py                  # every page whose first picture is img/PAGE.webp
-    python benchmarks/pages/pictures.py quilting fuse    # some of them
+    python benchmarks/pages/pictures.py                # pages whose first picture is img/PAGE.webp
+    python benchmarks/pages/pictures.py quilting fuse  # some of them
 
 The weftex commands of a page's first block of shell are run in an empty folder. Their samples,
 masks and guides, their outputs and, of --debug, the false colors of places are laid side by side,

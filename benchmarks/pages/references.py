@@ -1,4 +1,4 @@
-"""The pictures of docs/background/reference-algorithms.md: samples, and what the references make of them.
+"""The pictures of docs/background/reference-algorithms.md: samples and results.
 
     python benchmarks/pages/references.py              # all of them, in about ten minutes
     python benchmarks/pages/references.py lattice      # some of them

@@ -6,8 +6,8 @@
 From each surface of benchmarks/data/surfaces, 256x256, each method makes 512x512 with seed 1 at its
 defaults, with one thread; efros-leung, which is slow, 256x256 from the upper left 128x128. Each
 also makes a tileable output half as large, of which only the seam at the wrap is measured. The
-tables go to --docs (docs/lab/measured/quality.md and quality-figures.md, written whole). A part of the
-surfaces or methods needs another folder there.
+tables go to --docs (quality.md and quality-figures.md of docs/lab/measured, written whole). A part
+of the surfaces or methods needs another folder there.
 
 --keep (build/gallery, which git ignores) gets a page of all pictures, index.html, and the full-size
 pictures, sources (.npz) and figures (.json). A run that was interrupted goes on from there, and

@@ -118,8 +118,8 @@ FIGURES_PAGE = """\
 `python benchmarks/quality/gallery.py --jobs 2` writes this page; edits are lost.
 
 Every figure of every output of [quality.md](quality.md). Bold figures are beyond their limits;
-[measures.md](../../reference/measures.md) has their meanings, units and limits. Below each table stand the
-verdict in words and, in brackets, the parameters that differ from the defaults.
+[measures.md](../../reference/measures.md) has their meanings, units and limits. Below each table
+stand the verdict in words and, in brackets, the parameters that differ from the defaults.
 
 {figures}"""
 

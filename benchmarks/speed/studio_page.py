@@ -1,7 +1,7 @@
 """How fast the studio's page is in headless Chromium, without a graphics card.
 
     python benchmarks/speed/studio_page.py
-    python benchmarks/speed/studio_page.py --shots    # only draws the pictures of docs/how-to/studio.md
+    python benchmarks/speed/studio_page.py --shots    # only draw the pictures of the docs
 
 Prints the time from the command to the sample on the screen, that from a change of a number to the
 picture that follows, the frames a second while the endless plane is panned, and the weight of the
