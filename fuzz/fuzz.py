@@ -76,15 +76,15 @@ def saved(data: bytes, folder: Path) -> None:
 
 def plane(data: bytes, folder: Path) -> None:
     """The recipe of a plane on disk."""
-    from weftex.tasks.recipe import Recipe
+    from weftex.planes.definition import Definition
 
-    recipe = Recipe.load(str(_packed(data, folder)))
+    recipe = Definition.load(str(_packed(data, folder)))
     assert recipe.about and recipe.layouts
 
 
 def journal(data: bytes, folder: Path) -> None:
     """What a plane's journal and its record of a run say."""
-    from weftex.stores.record import Record
+    from weftex.planes.record import Record
 
     run = folder / "plane.tif.run"
     run.mkdir(exist_ok=True)
@@ -207,7 +207,7 @@ def seeds() -> dict[str, dict[str, bytes]]:
 
     import weftex
     from weftex.io.pictures import write_image
-    from weftex.tasks.stream import recipe_of
+    from weftex.planes.writing import recipe_of
 
     pixels = np.arange(8 * 9 * 3, dtype=np.uint8).reshape(8, 9, 3)
     found: dict[str, dict[str, bytes]] = {name: {} for name in TARGETS}
@@ -267,8 +267,8 @@ def fuzz(name: str, seconds: int) -> None:
     import atheris
 
     with atheris.instrument_imports(include=["weftex"], enable_loader_override=False):
-        for one in ("weftex", "weftex.tasks.label_map", "weftex.tasks.recipe", "weftex.naming",
-                    "weftex.io.manifest", "weftex.stores.record",
+        for one in ("weftex", "weftex.tasks.label_map", "weftex.planes.definition", "weftex.naming",
+                    "weftex.io.manifest", "weftex.planes.record",
                     "weftex.studio.recipes", "weftex.studio.store"):  # fmt: skip
             import_module(one)
     left = LEFT / name

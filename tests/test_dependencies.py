@@ -21,12 +21,13 @@ LEVELS = [
     ["__main__"],
     ["cli"],
     ["studio"],
+    ["planes", "pages"],
     ["tasks"],
-    ["pages", "explanation"],
+    ["explanation"],
     ["methods"],
     ["naming"],
     ["method"],
-    ["planes"],
+    ["endless"],
     ["quality"],
     ["analysis"],
     ["repeats"],
@@ -36,7 +37,6 @@ LEVELS = [
     ["loading"],
     ["material"],
     ["exemplar"],
-    ["stores"],
     ["io"],
     ["raster", "reference"],
     ["registry", "choice", "threads", "processes", "progress", "notes", "random", "roles"],
@@ -238,11 +238,11 @@ def test_the_graph_sees_every_kind_of_arrow():
 
 
 #: Where files are opened, and where OpenImageIO is.
-FILE_MODULES = ("io.", "results.files", "stores.")
+FILE_MODULES = ("io.", "results.files", "planes.")
 FILE_MODULES += ("studio.store", "studio.uploads", "studio.exports")
 
 
-def test_only_io_results_and_stores_touch_files():
+def test_only_io_results_and_planes_touch_files():
     """`open`, OpenImageIO and os.replace elsewhere would be a second place for files."""
     offences = []
     for module, path in FILES.items():
@@ -304,7 +304,7 @@ def test_a_command_with_a_method_neither_chooses_nor_measures(tmp_path):
     words = ["synth", "sample:grass", "-o", f"{tmp_path}/o.png", "--size", "64", "--quiet"]
     code = f"from weftex.cli import main\nassert main({[*words, '--method', 'quilting']}) == 0"
     needless = ("weftex.quality", "weftex.analysis.lattice")
-    needless += ("weftex.tasks.auto", "weftex.tasks.report")
+    needless += ("weftex.tasks.auto", "weftex.pages.reports")
     assert [m for m in modules_after(code) if m.startswith(needless)] == []
 
 

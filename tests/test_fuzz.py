@@ -15,8 +15,8 @@ import weftex
 from weftex.errors import FileError, WeftexError
 from weftex.io.manifest import MANIFEST, Manifest
 from weftex.naming import method_of
+from weftex.planes.definition import Definition
 from weftex.studio.store import Shelf, Store
-from weftex.tasks.recipe import Recipe
 
 FUZZ = Path(__file__).parent.parent / "fuzz"
 DEEP = "[" * 10**5
@@ -82,8 +82,8 @@ def test_arrays_are_what_they_say(tmp_path, what):
     facts, *_ = (FUZZ / "corpus/plane/plane").read_bytes().partition(fuzz.BETWEEN)
     np.savez(plane, about=np.array(facts.decode()), pixels0=np.zeros((8, 9, 3), np.uint8))
     weftex.Synthesis.load(saved)
-    Recipe.load(str(plane))
-    for file, load in ((saved, weftex.Synthesis.load), (plane, Recipe.load)):
+    Definition.load(str(plane))
+    for file, load in ((saved, weftex.Synthesis.load), (plane, Definition.load)):
         with zipfile.ZipFile(file, "a") as packed:
             for name, body in HOSTILE[what].items():
                 packed.writestr(name, body)
@@ -111,7 +111,7 @@ def test_recipes_of_planes_are_checked(tmp_path, change):
     header["facts"]["samples"] *= 1 + len(header["facts"]["maps"])
     np.savez(tmp_path / "a.npz", about=np.array(json.dumps(header)), **arrays)
     with pytest.raises(FileError, match="is damaged"):
-        Recipe.load(str(tmp_path / "a.npz"))
+        Definition.load(str(tmp_path / "a.npz"))
 
 
 @pytest.mark.parametrize("field", ["name", "kind", "channels"])
@@ -123,10 +123,10 @@ def test_a_role_whose_name_is_no_text(tmp_path, field):
         header["facts"]["samples"][0]["role"][field] = value
         np.savez(tmp_path / "a.npz", about=np.array(json.dumps(header)), pixels0=pixels)
         if right:
-            Recipe.load(str(tmp_path / "a.npz"))
+            Definition.load(str(tmp_path / "a.npz"))
         else:
             with pytest.raises(FileError, match="is damaged"):
-                Recipe.load(str(tmp_path / "a.npz"))
+                Definition.load(str(tmp_path / "a.npz"))
 
 
 def test_json_that_is_too_deep_or_something_else(tmp_path):

@@ -24,7 +24,7 @@ from pathlib import Path
 from PIL import Image
 
 import weftex
-from weftex.tasks.opened import open_plane
+from weftex.planes.opened import open_plane
 
 DOCS = Path(__file__).resolve().parents[2] / "docs"
 _ACROSS = 1100  # pixels of a row, in which the next picture finds no place

@@ -208,11 +208,11 @@ def null(args: argparse.Namespace, folder: Path) -> None:
     import planes_on_disk as planes
 
     import weftex
+    from weftex.planes import cluster as module
+    from weftex.planes.job import Job
+    from weftex.planes.record import Record
+    from weftex.planes.writing import recipe_of
     from weftex.progress import Progress
-    from weftex.stores.record import Record
-    from weftex.tasks import cluster as module
-    from weftex.tasks.job import Job
-    from weftex.tasks.stream import recipe_of
 
     module.make_block = planes.no_block
     method = weftex.BestTile(lattice=(20, 0, 0, 20))

@@ -38,7 +38,11 @@ if TYPE_CHECKING:
     from weftex.methods.quilting import Quilting as Quilting
     from weftex.methods.refinement import Refinement as Refinement
     from weftex.methods.wei_levoy import WeiLevoy as WeiLevoy
-    from weftex.pages.report import Report as Report
+    from weftex.pages import Report as Report
+    from weftex.pages import compare as compare
+    from weftex.pages import report as report
+    from weftex.planes import plane as plane
+    from weftex.planes import stream as stream
     from weftex.quality.assess import Assessment as Assessment
     from weftex.quality.assess import assess as assess
     from weftex.results.synthesis import Synthesis as Synthesis
@@ -46,16 +50,12 @@ if TYPE_CHECKING:
     from weftex.tasks.analyze import analyze as analyze
     from weftex.tasks.auto import Auto as Auto
     from weftex.tasks.combined import together as together
-    from weftex.tasks.compare import compare as compare
     from weftex.tasks.estimate_maps import estimate_maps as estimate_maps
     from weftex.tasks.even_light import even_light as even_light
     from weftex.tasks.fill import fill as fill
     from weftex.tasks.fuse import fuse as fuse
     from weftex.tasks.gradient import Gradient as Gradient
-    from weftex.tasks.plane import plane as plane
-    from weftex.tasks.report import report as report
     from weftex.tasks.straighten import straighten as straighten
-    from weftex.tasks.stream import stream as stream
     from weftex.tasks.synthesize import synthesize as synthesize
     from weftex.tasks.tile import tile as tile
     from weftex.turns import turned as turned
@@ -90,23 +90,20 @@ _PUBLIC = {
     "methods.quilting": ["Quilting"],
     "methods.refinement": ["Refinement"],
     "methods.wei_levoy": ["WeiLevoy"],
+    "pages": ["Report", "compare", "report"],
+    "planes": ["plane", "stream"],
     "quality.assess": ["Assessment", "assess"],
     "results.synthesis": ["Synthesis"],
     "studio.notebook": ["view"],
     "tasks.analyze": ["analyze"],
     "tasks.auto": ["Auto"],
     "tasks.combined": ["together"],
-    "tasks.compare": ["compare"],
     "tasks.estimate_maps": ["estimate_maps"],
     "tasks.even_light": ["even_light"],
     "tasks.fill": ["fill"],
     "tasks.fuse": ["fuse"],
     "tasks.gradient": ["Gradient"],
-    "pages.report": ["Report"],
-    "tasks.plane": ["plane"],
-    "tasks.report": ["report"],
     "tasks.straighten": ["straighten"],
-    "tasks.stream": ["stream"],
     "tasks.synthesize": ["synthesize"],
     "tasks.tile": ["tile"],
     "turns": ["turned"],

@@ -11,11 +11,11 @@ from typing import TYPE_CHECKING, Any, ClassVar, Self
 import numpy as np
 
 from weftex.canvas import Canvas, as_canvas
+from weftex.endless.boxes import A_BLOCK, Asked, as_period, box_of
+from weftex.endless.grid import Sizes
 from weftex.errors import InvalidInputError, UnsupportedError, did_you_mean, shown
 from weftex.loading import load_exemplar
 from weftex.parameters import check_value, numbers_of
-from weftex.planes.boxes import A_BLOCK, Asked, as_period, box_of
-from weftex.planes.grid import Sizes
 from weftex.random import seed_number
 from weftex.registry import supporting
 from weftex.threads import in_turn, thread_count
@@ -25,9 +25,9 @@ if TYPE_CHECKING:
 
     from numpy.typing import NDArray
 
+    from weftex.endless.boxes import Box
     from weftex.exemplar import Exemplar
     from weftex.loading import Sample
-    from weftex.planes.boxes import Box
     from weftex.progress import ProgressCallback
     from weftex.results.synthesis import Synthesis
 
@@ -194,7 +194,7 @@ class Model(ABC):
         if "known" not in self.method.supports:
             self.method.require_kind("random_access")
         self.require(A_BLOCK)
-        from weftex.planes.plane import make_window  # threads and futures: only when needed
+        from weftex.endless.plane import make_window  # threads and futures: only when needed
 
         return make_window(self, box, asked, self.method.describe(), progress)
 

@@ -92,10 +92,10 @@ def test_replay_and_report(here, capsys):
 def test_a_text_from_a_file_is_printed_with_escapes(here, capsys):
     from dataclasses import replace
 
-    from weftex.tasks.recipe import Recipe
+    from weftex.planes.definition import Definition
 
     weft_run(*SYNTH, "p.tif", "--size", 200, "--save-source", "p.npz")
-    replace(Recipe.load("p.npz"), reason="\x1b[31mred\x07\u202e").save("p.npz")
+    replace(Definition.load("p.npz"), reason="\x1b[31mred\x07\u202e").save("p.npz")
     capsys.readouterr()
     assert weft_run("replay", "p.npz", "sample.png", "-o", "q.tif") == 0
     assert "weftex: auto: \\x1b[31mred\\x07\\u202e\n" in capsys.readouterr().err

@@ -8,11 +8,11 @@ out at the border, so only the middle of the area is that of the plane.
 import numpy as np
 
 import weftex
+from weftex.endless.boxes import Asked, Box, Span
+from weftex.endless.plane import kept_of
 from weftex.methods.refinement.output import Output
 from weftex.methods.refinement.start import start_window
 from weftex.methods.refinement.sweeps import BlockSweep
-from weftex.planes.boxes import Asked, Box, Span
-from weftex.planes.plane import kept_of
 from weftex.random import draw
 
 

@@ -34,8 +34,8 @@ def read(path: str, args: argparse.Namespace, maps: dict[str, str] | None = None
 
 def refuse_plane(path: str) -> None:
     """Raise `InvalidInputError` where a picture is read whole, and a plane is given."""
-    from weftex.stores.files import ALWAYS
-    from weftex.stores.record import is_plane
+    from weftex.planes.files import ALWAYS
+    from weftex.planes.record import is_plane
 
     if is_plane(path) or path.endswith(ALWAYS):
         raise InvalidInputError(

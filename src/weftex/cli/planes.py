@@ -12,7 +12,7 @@ from weftex.cli.files import axes_of
 from weftex.cli.terminal import say
 from weftex.errors import InvalidInputError
 from weftex.io.formats import suffix_of
-from weftex.stores.files import ALWAYS, SUFFIXES
+from weftex.planes.files import ALWAYS, SUFFIXES
 
 if TYPE_CHECKING:
     import argparse
@@ -22,7 +22,7 @@ if TYPE_CHECKING:
     from weftex.exemplar import Exemplar
     from weftex.material import Material
     from weftex.method import Method
-    from weftex.tasks.recipe import Recipe
+    from weftex.planes.definition import Definition
 
 _HUGE = 2**28  # pixels, from which on a TIFF is written block by block
 _OPTIONS = ("part", "workers", "cluster", "restart", "block")
@@ -99,9 +99,9 @@ def check_options(args: argparse.Namespace) -> None:
     ------
     InvalidInputError
     """
-    from weftex.stores.files import check_target
-    from weftex.stores.layout import check_block
-    from weftex.stores.record import parse_part
+    from weftex.planes.files import check_target
+    from weftex.planes.layout import check_block
+    from weftex.planes.record import parse_part
 
     for name, why in _WHOLE.items():
         if getattr(args, name, None):
@@ -147,11 +147,11 @@ def recipe_for(
     stems: dict[str, str],
     method: Method,
     size: tuple[int, int],
-) -> Recipe:
+) -> Definition:
     """What `weftex synth` makes a plane of."""
-    from weftex.stores.record import Record
-    from weftex.tasks.recipe import BLOCK
-    from weftex.tasks.stream import recipe_of
+    from weftex.planes.definition import BLOCK
+    from weftex.planes.record import Record
+    from weftex.planes.writing import recipe_of
 
     seed = args.seed
     if seed is None and (args.restart or not Record(args.output).exists()):
@@ -162,11 +162,11 @@ def recipe_for(
 
 
 def write(
-    args: argparse.Namespace, recipe: Recipe, bar: Bar, outputs: Outputs, start: float
+    args: argparse.Namespace, recipe: Definition, bar: Bar, outputs: Outputs, start: float
 ) -> str:
     """Write a plane, and return the line about it."""
-    from weftex.tasks.job import Job, done_before, in_words, most_bytes
-    from weftex.tasks.stream import write_plane
+    from weftex.planes.job import Job, done_before, in_words, most_bytes
+    from weftex.planes.writing import write_plane
 
     job = Job(recipe, args.output, args.part)
     left = job.left(done_before(job, restart=args.restart))
@@ -181,12 +181,12 @@ def write(
     how |= {"threads": getattr(args, "threads", None), "check_disk": not args.allow_huge}
     with ExitStack() as stack:
         if args.workers is not None:
-            from weftex.tasks.worker_processes import WorkerProcesses
+            from weftex.planes.worker_processes import WorkerProcesses
 
             how["runner"] = workers = stack.enter_context(WorkerProcesses(job, args.workers))
             bar.at_stop(workers.end)
         elif args.cluster is not None:
-            from weftex.tasks.cluster import Workers, connected
+            from weftex.planes.cluster import Workers, connected
 
             how["runner"] = Workers(stack.enter_context(connected(args.cluster)), job)
         written = write_plane(job, **how)
@@ -204,10 +204,10 @@ def write(
     return (f"auto: {recipe.reason}\n" if recipe.reason else "") + line
 
 
-def recipe_of_replay(args: argparse.Namespace, materials: list[Material]) -> Recipe:
+def recipe_of_replay(args: argparse.Namespace, materials: list[Material]) -> Definition:
     """What `weftex replay` makes of a plane, or of what --save-source kept of one."""
-    from weftex.stores.record import Record
-    from weftex.tasks.recipe import Recipe
+    from weftex.planes.definition import Definition
+    from weftex.planes.record import Record
 
     if len(materials) > 1:
         raise InvalidInputError(f"{args.source} is a plane of one sample; give one map, or folder")
@@ -220,13 +220,13 @@ def recipe_of_replay(args: argparse.Namespace, materials: list[Material]) -> Rec
     check_options(args)
     record = Record(args.source)
     run = record.current()
-    found = Recipe.load(record.recipe, run.name) if run else Recipe.load(args.source)
+    found = Definition.load(record.recipe, run.name) if run else Definition.load(args.source)
     return found.replayed(materials[0].maps, stems_of(args, materials[0]), args.block)
 
 
 def is_source(path: str) -> bool:
     """Whether a path is that of a plane, or of what --save-source kept of one."""
-    from weftex.stores.archive import is_archive
-    from weftex.stores.record import is_plane
+    from weftex.planes.archive import is_archive
+    from weftex.planes.record import is_plane
 
     return is_plane(path) or is_archive(path)

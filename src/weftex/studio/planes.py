@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 from weftex.canvas import FAR
-from weftex.planes.boxes import A_BLOCK
+from weftex.endless.boxes import A_BLOCK
 from weftex.studio.about import is_endless
 from weftex.studio.materials import id_of, maps_of
 from weftex.studio.pictures import shown, whole_number

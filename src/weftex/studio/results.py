@@ -130,8 +130,8 @@ def figures_of(made: Made, bench: Bench) -> dict[str, Any]:
 
 def faults_of(made: Made, bench: Bench) -> dict[str, Bytes]:
     """Return maps of where a result fails, those of its report."""
+    from weftex.pages.reports import fault_maps
     from weftex.quality.assess import made_from
-    from weftex.tasks.report import fault_maps
 
     def look() -> tuple[dict[str, Bytes], int]:
         found = fault_maps(made.result.sample, made.result.image, made_from(made.result))

@@ -9,7 +9,7 @@ from weftex.errors import FileError
 from weftex.io.formats import show
 
 if TYPE_CHECKING:
-    from weftex.tasks.opened import PlaneFile
+    from weftex.planes.opened import PlaneFile
 
 _MEND = "--repair makes it again"
 _SHOWN = 8  # parts
@@ -38,12 +38,12 @@ def run(argv: list[str]) -> None:
     text = "read all pixels, and make damaged or missing blocks and files again"
     parser.add_argument("--repair", action="store_true", help=text)
     args = parser.parse(argv)
-    from weftex.tasks.opened import open_plane
+    from weftex.planes.opened import open_plane
 
     plane = open_plane(args.plane)
     made = 0
     if args.repair:
-        from weftex.tasks.stream import write_plane
+        from weftex.planes.writing import write_plane
 
         made = write_plane(plane.job, repair=True).made
         plane = open_plane(args.plane)

@@ -68,7 +68,7 @@ def run(argv: list[str]) -> None:
 
     def work(bar: Bar, outputs: Outputs) -> str:
         from weftex.io.pictures import check_output
-        from weftex.tasks.compare import compare
+        from weftex.pages.comparisons import compare
 
         if args.output is not None:
             check_output(args.output, suffixes=(".html",))

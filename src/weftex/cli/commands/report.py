@@ -45,8 +45,8 @@ def run(argv: list[str]) -> None:
     if args.output is None and not args.json:
         raise InvalidInputError("nothing to do; give -o report.html, --json, or both")
     from weftex.io.pictures import check_output
-    from weftex.stores.record import is_plane
-    from weftex.tasks.report import report as measure
+    from weftex.pages.reports import report as measure
+    from weftex.planes.record import is_plane
 
     if args.output is not None:
         check_output(args.output, suffixes=(".html",))
@@ -68,8 +68,8 @@ def run(argv: list[str]) -> None:
 
 def _report_plane(args: argparse.Namespace) -> None:
     """Windows here and there, and the page of the worst of them."""
-    from weftex.tasks.opened import open_plane
-    from weftex.tasks.report import report as measure
+    from weftex.pages.reports import report as measure
+    from weftex.planes.opened import open_plane
 
     for name in ("source", "tileable"):
         if getattr(args, name) is not None:

@@ -7,6 +7,7 @@ from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any, ClassVar, Self
 
 from weftex.analysis.canvas_lattice import check_lattice
+from weftex.endless.grid import Sizes
 from weftex.errors import InvalidInputError
 from weftex.method import Method
 from weftex.methods.graphcut.cutting import Picture
@@ -19,7 +20,6 @@ from weftex.methods.graphcut.subpatch import SubPatchMatching
 from weftex.methods.patches.sizes import patch_size_for, patch_size_on
 from weftex.methods.pixels.growth import PixelModel
 from weftex.parameters import parameter
-from weftex.planes.grid import Sizes
 from weftex.repeats import Repetition
 from weftex.repeats.orientations import OrientedPenalty
 from weftex.repeats.patches import PatchPenalty

@@ -7,15 +7,15 @@ from typing import TYPE_CHECKING
 
 from weftex.analysis.canvas_lattice import VISIBLE_STRAIN, Around, CanvasLattice
 from weftex.canvas import Canvas, as_canvas
+from weftex.endless.boxes import canvas_of
 from weftex.errors import UnsupportedError
 from weftex.method import Method, Model
 from weftex.methods.lattices.mean_tile import MeanTile
-from weftex.planes.boxes import canvas_of
 from weftex.random import seed_number
 
 if TYPE_CHECKING:
+    from weftex.endless.boxes import Asked, Box
     from weftex.exemplar import Exemplar
-    from weftex.planes.boxes import Asked, Box
     from weftex.progress import ProgressCallback
     from weftex.random import Seed
     from weftex.results.synthesis import Synthesis

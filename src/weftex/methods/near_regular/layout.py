@@ -9,8 +9,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from weftex.analysis.canvas_lattice import VISIBLE_STRAIN, Around, CanvasLattice
+from weftex.endless.boxes import check_period
 from weftex.methods.near_regular.rows import ANY, Courses, choose_rows
-from weftex.planes.boxes import check_period
 from weftex.random import draw
 
 if TYPE_CHECKING:

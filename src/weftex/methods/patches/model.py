@@ -10,22 +10,22 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from weftex.canvas import Canvas, as_canvas
+from weftex.endless.boxes import canvas_of, check_period
+from weftex.endless.grid import Sizes
 from weftex.exemplar import Exemplar
 from weftex.method import Model
 from weftex.methods.patches.analysis import PatchAnalysis
 from weftex.methods.patches.method import PatchMethod
 from weftex.methods.patches.pasting import Output
 from weftex.methods.patches.plane_order import PatchAxis, PlaneOrder, least_period
-from weftex.planes.boxes import canvas_of, check_period
-from weftex.planes.grid import Sizes
 from weftex.progress import ProgressCallback
 from weftex.random import seed_number
 from weftex.results.patches import PatchSynthesis, PatchWindow
 from weftex.threads import thread_count
 
 if TYPE_CHECKING:
-    from weftex.planes.boxes import Asked, Box
-    from weftex.planes.corners import Pieces
+    from weftex.endless.boxes import Asked, Box
+    from weftex.endless.corners import Pieces
     from weftex.random import Seed
     from weftex.results.synthesis import Synthesis
 
@@ -112,7 +112,7 @@ class PatchModel(Model):
         axes = PatchAxis.of(side, width, down), PatchAxis.of(side, width, across)
         plan = PlaneOrder(axes, box)
         if self._pieces is None:
-            from weftex.planes.corners import Pieces  # looks for lattices: only when needed
+            from weftex.endless.corners import Pieces  # looks for lattices: only when needed
 
             self._pieces = Pieces(self.exemplar, analysis.windows(side, side)[0])
         order = partial(plan.order, seed=asked.seed, pieces=self._pieces)

@@ -25,16 +25,16 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from weftex.endless.grid import Axis
 from weftex.methods.patches.scan_order import Order, Run, Step
-from weftex.planes.grid import Axis
 from weftex.random import draw
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
+    from weftex.endless.boxes import Box, Span
+    from weftex.endless.corners import Pieces
     from weftex.methods.patches.analysis import Zones
-    from weftex.planes.boxes import Box, Span
-    from weftex.planes.corners import Pieces
 
     Ints = NDArray[np.int64]
 

@@ -5,6 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, ClassVar, Self
 
+from weftex.endless.boxes import A_BLOCK, canvas_of
+from weftex.endless.grid import Sizes
 from weftex.errors import InvalidInputError
 from weftex.method import Method
 from weftex.methods.pixels.growth import PixelModel, WindowedMethod
@@ -34,8 +36,6 @@ from weftex.methods.refinement.start import (
 from weftex.methods.refinement.sweeps import Convergence, refine_texture, sweep_of
 from weftex.notes import note
 from weftex.parameters import parameter
-from weftex.planes.boxes import A_BLOCK, canvas_of
-from weftex.planes.grid import Sizes
 from weftex.results.pixels import PixelSynthesis
 
 if TYPE_CHECKING:
@@ -43,9 +43,9 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from weftex.canvas import Canvas
+    from weftex.endless.boxes import Asked, Box
     from weftex.exemplar import Exemplar
     from weftex.methods.pixels.growth import Growth
-    from weftex.planes.boxes import Asked, Box
     from weftex.progress import ProgressCallback
     from weftex.results.synthesis import Synthesis
 

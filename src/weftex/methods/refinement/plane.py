@@ -1,7 +1,7 @@
 """Windows of a plane that is refined: level by level, and on each level block by block.
 
 A plane of the start is there, of any size. On the coarsest level its blocks are refined in the
-order of `weftex.planes.grid`, corners first, each with all its sweeps; then those of the next
+order of `weftex.endless.grid`, corners first, each with all its sweeps; then those of the next
 level, which are smaller. So a block sees all around it what the coarser level made, and where
 pixels are many a window hangs on little more than itself.
 """
@@ -13,11 +13,11 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
+from weftex.endless.boxes import Box, Span, around
+from weftex.endless.grid import ACROSS, CORNER, DOWN, INSIDE, Axis, Grid, Sizes
 from weftex.methods.refinement.output import Output, sources_of_children
 from weftex.methods.refinement.start import start_window
 from weftex.methods.refinement.sweeps import BlockSweep
-from weftex.planes.boxes import Box, Span, around
-from weftex.planes.grid import ACROSS, CORNER, DOWN, INSIDE, Axis, Grid, Sizes
 from weftex.progress import Progress
 from weftex.threads import thread_map
 
@@ -26,10 +26,10 @@ if TYPE_CHECKING:
 
     from numpy.typing import NDArray
 
+    from weftex.endless.boxes import Asked
+    from weftex.endless.grid import Block
     from weftex.exemplar import Exemplar
     from weftex.methods.refinement.levels import Level, Prepared
-    from weftex.planes.boxes import Asked
-    from weftex.planes.grid import Block
     from weftex.progress import ProgressCallback
 
 _PITCHES = 64, 48, 32, 24  # pixels of each level from node to node, the finest level first

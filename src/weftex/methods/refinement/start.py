@@ -20,11 +20,11 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from weftex.canvas import Canvas
+    from weftex.endless.boxes import Asked, Box
     from weftex.exemplar import Exemplar
     from weftex.method import Model
     from weftex.methods.pixels.growth import Growth
     from weftex.methods.refinement.levels import Prepared
-    from weftex.planes.boxes import Asked, Box
     from weftex.search.windows import Windows
 
 

@@ -30,7 +30,7 @@ from weftex.tasks.auto.trial import (
 )
 
 if TYPE_CHECKING:
-    from weftex.planes.boxes import Asked, Box
+    from weftex.endless.boxes import Asked, Box
     from weftex.progress import ProgressCallback
     from weftex.random import Seed
     from weftex.results.synthesis import Synthesis

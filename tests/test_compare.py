@@ -13,7 +13,7 @@ from html_page import Page
 from weftex.cli import main
 from weftex.errors import CancelledError, FileError, InvalidInputError
 from weftex.io.pictures import read_image, write_image
-from weftex.tasks.compare import compare
+from weftex.pages.comparisons import compare
 
 WEAVE = weftex.load_exemplar("sample:weave").pixels[:64, :70]
 

@@ -11,8 +11,8 @@ from weftex.io.formats import show, suffix_of
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
-    from weftex.stores.layout import Layout
-    from weftex.stores.store import Store
+    from weftex.planes.layout import Layout
+    from weftex.planes.store import Store
 
 #: Suffixes of files that are always written block by block.
 ALWAYS = (".zarr", ".dzi")
@@ -47,14 +47,14 @@ def open_stores(
 def _kind(suffix: str) -> type[Store]:
     """The format, of which no other is loaded."""
     if suffix == ".zarr":
-        from weftex.stores.ome_zarr import ZarrStore
+        from weftex.planes.ome_zarr import ZarrStore
 
         return ZarrStore
     if suffix == ".dzi":
-        from weftex.stores.deep_zoom import DeepZoomStore
+        from weftex.planes.deep_zoom import DeepZoomStore
 
         return DeepZoomStore
-    from weftex.stores.tiff import TiffStore
+    from weftex.planes.tiff import TiffStore
 
     return TiffStore
 

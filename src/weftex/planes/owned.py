@@ -7,7 +7,7 @@ import re
 from contextlib import suppress
 from typing import TYPE_CHECKING
 
-from weftex.stores.layout import Layout
+from weftex.planes.layout import Layout
 
 if TYPE_CHECKING:
     from collections.abc import Sequence

@@ -6,16 +6,16 @@ from typing import TYPE_CHECKING, Any
 
 from weftex.errors import InvalidInputError, did_you_mean, shown
 from weftex.loading import load_exemplar
+from weftex.planes.writing import recipe_of
 from weftex.tasks.method_names import AUTO, make_method
-from weftex.tasks.stream import recipe_of
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from weftex.loading import Sample
     from weftex.method import Method
+    from weftex.planes.definition import Definition
     from weftex.random import Seed
-    from weftex.tasks.recipe import Recipe
 
 _BLOCK = 1024
 _MOST_BLOCKS = 10**6  # along a side
@@ -103,7 +103,7 @@ def plane(
     )
 
 
-def _block(recipe: Recipe, show: str, block_id: tuple[int, ...] = ()) -> NDArray[Any]:
+def _block(recipe: Definition, show: str, block_id: tuple[int, ...] = ()) -> NDArray[Any]:
     """Make a chunk."""
     window = recipe.base.window((0, block_id[0], block_id[1]))
     return recipe.render(window, threads=1, only=show)[show]

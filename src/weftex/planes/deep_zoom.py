@@ -13,14 +13,14 @@ import numpy as np
 from weftex.errors import InvalidInputError
 from weftex.io.formats import FORMATS, show
 from weftex.io.pictures import read_image, write_image
-from weftex.stores.store import Piece, Store, synced
+from weftex.planes.store import Piece, Store, synced
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator
 
     from numpy.typing import NDArray
 
-    from weftex.stores.layout import Place, Window
+    from weftex.planes.layout import Place, Window
 
 _TEXT = """\
 <?xml version="1.0" encoding="UTF-8"?>

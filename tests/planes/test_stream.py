@@ -12,12 +12,12 @@ import weftex
 from commands import listing
 from families import noise
 from weftex.errors import CancelledError, FileError, InvalidInputError
-from weftex.stores.record import Record
-from weftex.stores.tiff import TiffStore
-from weftex.tasks.job import Job, in_words
-from weftex.tasks.opened import open_plane
-from weftex.tasks.recipe import Recipe
-from weftex.tasks.stream import recipe_of, write_plane
+from weftex.planes.definition import Definition
+from weftex.planes.job import Job, in_words
+from weftex.planes.opened import open_plane
+from weftex.planes.record import Record
+from weftex.planes.tiff import TiffStore
+from weftex.planes.writing import recipe_of, write_plane
 
 SIZE = (300, 333)
 TILE = weftex.BestTile(lattice=(20, 0, 0, 20))
@@ -155,13 +155,13 @@ def test_recipes_on_disk(sample, tmp_path):
             weights, method, SIZE, seed=4, tileable="x" if method is not TILE else False
         )
         recipe.save(str(tmp_path / "r.npz"))
-        found = Recipe.load(str(tmp_path / "r.npz"))
+        found = Definition.load(str(tmp_path / "r.npz"))
         assert found.about == recipe.about and found.method == method
         assert found.exemplar.weights == weights.weights and found.exemplar.icc == b"i"
         assert found.exemplar.copy_shape == weights.copy_shape
     np.savez(tmp_path / "r.npz", about=np.array('{"format": "weftex plane 1"}'))
     with pytest.raises(FileError, match="is damaged"):
-        Recipe.load(str(tmp_path / "r.npz"))
+        Definition.load(str(tmp_path / "r.npz"))
 
 
 def test_auto_is_the_method_that_it_names(tmp_path):

@@ -12,15 +12,15 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from weftex.canvas import FAR
+from weftex.endless.boxes import A_BLOCK
 from weftex.errors import FileError, InvalidInputError
 from weftex.exemplar import Exemplar
 from weftex.io.formats import show
-from weftex.planes.boxes import A_BLOCK
+from weftex.planes.archive import read_archive, write_archive
+from weftex.planes.files import open_stores
+from weftex.planes.layout import Layout, check_block
 from weftex.raster.levels import scale_between
 from weftex.roles import Role
-from weftex.stores.archive import read_archive, write_archive
-from weftex.stores.files import open_stores
-from weftex.stores.layout import Layout, check_block
 from weftex.tasks.method_names import is_auto, make_method
 
 if TYPE_CHECKING:
@@ -29,17 +29,17 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from weftex.method import Method, Model
+    from weftex.planes.layout import Window
+    from weftex.planes.store import Store
     from weftex.progress import ProgressCallback
     from weftex.results.synthesis import Synthesis
-    from weftex.stores.layout import Window
-    from weftex.stores.store import Store
 
 BLOCK = 2048
 _FLAGS = ("tileable", "alpha", "name", "turn", "pieces")
 
 
 @dataclass(frozen=True, eq=False)
-class Recipe:
+class Definition:
     """Everything that says what a plane's pixels are.
 
     Attributes
@@ -55,7 +55,7 @@ class Recipe:
     others : mapping of str to Exemplar
         Maps that are rendered instead of the sample and its own, see `replayed`.
     stems : mapping of str to str
-        What files of maps are called, see `weftex.stores.files.open_stores`.
+        What files of maps are called, see `weftex.planes.files.open_stores`.
     reason : str
         Why the method was chosen; empty if somebody named it.
     """
@@ -149,7 +149,7 @@ class Recipe:
 
     def replayed(
         self, maps: Mapping[str, Exemplar], stems: Mapping[str, str], block: int | None = None
-    ) -> Recipe:
+    ) -> Definition:
         """Return the same plane of other maps of its sample."""
         block = self.block if block is None else block
         return replace(self, others=dict(maps), stems=dict(stems), block=block)
@@ -190,7 +190,7 @@ class Recipe:
         write_archive(path, about, arrays)
 
     @classmethod
-    def load(cls, path: str, run: str | None = None) -> Recipe:
+    def load(cls, path: str, run: str | None = None) -> Definition:
         """Read what `save` wrote.
 
         Raises
@@ -207,7 +207,7 @@ class Recipe:
             raise FileError(f"{show(path)} is damaged: {error}") from None
 
     @classmethod
-    def _unpacked(cls, header: dict[str, Any], arrays: Mapping[str, NDArray[Any]]) -> Recipe:
+    def _unpacked(cls, header: dict[str, Any], arrays: Mapping[str, NDArray[Any]]) -> Definition:
         about, facts = header["about"], header["facts"]
         _check_plain(about, [*facts["maps"], *facts["others"], *about["stems"].values()])
         samples = [_unpacked(k, one, arrays) for k, one in enumerate(facts["samples"])]
@@ -284,7 +284,7 @@ def _stored(pixels: NDArray[Any]) -> NDArray[Any]:
     return pixels.astype(np.float32) if pixels.dtype == np.float64 else pixels
 
 
-def _packed(recipe: Recipe) -> tuple[dict[str, Any], dict[str, NDArray[Any]]]:
+def _packed(recipe: Definition) -> tuple[dict[str, Any], dict[str, NDArray[Any]]]:
     """Plain values and arrays of everything."""
     own = recipe.exemplar
     samples = [own, *(own.map(name) for name in own.maps), *recipe.others.values()]

@@ -17,8 +17,8 @@ from families import noise
 from processes import ENVIRONMENT, weftex_process
 from weftex.errors import FileError, InvalidInputError
 from weftex.io.pictures import write_image
-from weftex.tasks import cluster
-from weftex.tasks.plane import plane
+from weftex.planes import cluster
+from weftex.planes.lazy import plane
 
 pytest.importorskip("distributed")
 TILE = weftex.BestTile(lattice=(20, 0, 0, 20))

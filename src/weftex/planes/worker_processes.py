@@ -10,16 +10,16 @@ import socket
 from typing import TYPE_CHECKING
 
 from weftex.errors import FileError
+from weftex.planes.record import Record
 from weftex.processes import LostError, Workers
-from weftex.stores.record import Record
 from weftex.threads import in_turn
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Iterator
 
+    from weftex.planes.job import Job
+    from weftex.planes.layout import Place
     from weftex.progress import Progress
-    from weftex.stores.layout import Place
-    from weftex.tasks.job import Job
 
 
 class WorkerProcesses:

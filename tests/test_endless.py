@@ -11,9 +11,9 @@ import pytest
 import weftex
 from families import METHODS, method_of, noise
 from twins.planes import refined_plane, whole_plane
+from weftex.endless.cache import BlockCache
+from weftex.endless.grid import Sizes
 from weftex.method import Model
-from weftex.planes.cache import BlockCache
-from weftex.planes.grid import Sizes
 
 FAR = 2**40
 

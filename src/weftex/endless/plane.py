@@ -2,7 +2,7 @@
 
 Every block is the method's own answer to a hole: the pixels around it that are there already are
 known, with their places in the sample. Random numbers are those of a seed that is hashed from the
-plane's seed and the block, so no block knows when it was made, or by whom; `weftex.planes.grid`
+plane's seed and the block, so no block knows when it was made, or by whom; `weftex.endless.grid`
 says which blocks there are.
 """
 
@@ -14,10 +14,10 @@ from weakref import WeakKeyDictionary
 import numpy as np
 
 from weftex.canvas import Canvas
-from weftex.planes.boxes import Box, around, canvas_of, check_period
-from weftex.planes.cache import BlockCache
-from weftex.planes.corners import Pieces
-from weftex.planes.grid import ACROSS, CORNER, DOWN, Axis, Block, Grid, Sizes
+from weftex.endless.boxes import Box, around, canvas_of, check_period
+from weftex.endless.cache import BlockCache
+from weftex.endless.corners import Pieces
+from weftex.endless.grid import ACROSS, CORNER, DOWN, Axis, Block, Grid, Sizes
 from weftex.progress import Progress
 from weftex.random import draw
 from weftex.results.pixels import PixelSynthesis
@@ -27,8 +27,8 @@ from weftex.threads import thread_map
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
+    from weftex.endless.boxes import Asked
     from weftex.exemplar import Exemplar
-    from weftex.planes.boxes import Asked
     from weftex.progress import ProgressCallback
     from weftex.results.synthesis import Synthesis
 

@@ -11,7 +11,7 @@ from weftex.errors import InvalidInputError, shown
 from weftex.exemplar import Exemplar, check_pixels
 from weftex.loading import load_exemplar
 from weftex.pages.html import as_shown
-from weftex.pages.report import MapReport, Report
+from weftex.pages.report_page import MapReport, Report
 from weftex.quality.assess import LARGEST_MEASURED, assess, made_from, measured, real_crops
 from weftex.quality.copying import check_source
 from weftex.quality.seams import StepModel, seam_map

@@ -26,14 +26,14 @@ from weftex.errors import FileError, InvalidInputError
 from weftex.io.formats import show, suffix_of
 from weftex.io.pictures import write_text
 from weftex.io.regular import open_regular
-from weftex.stores.locks import all_from, locked, shared
-from weftex.stores.owned import is_stale, sweep
-from weftex.stores.store import synced
+from weftex.planes.locks import all_from, locked, shared
+from weftex.planes.owned import is_stale, sweep
+from weftex.planes.store import synced
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator, Mapping
 
-    from weftex.stores.layout import Place
+    from weftex.planes.layout import Place
 
 SUFFIX = ".run"
 RECIPE, _RUN = "recipe.npz", "run.json"

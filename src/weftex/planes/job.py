@@ -12,17 +12,17 @@ from typing import TYPE_CHECKING, Any
 
 from weftex.errors import FileError
 from weftex.io.formats import show, suffix_of
-from weftex.stores.layout import blocks_below, blocks_in, part_of, part_range, places_of
-from weftex.stores.owned import remove, sweep
-from weftex.stores.record import Record, Run, refuse_other
-from weftex.stores.store import REPAIR, check_sum, synced
+from weftex.planes.layout import blocks_below, blocks_in, part_of, part_range, places_of
+from weftex.planes.owned import remove, sweep
+from weftex.planes.record import Record, Run, refuse_other
+from weftex.planes.store import REPAIR, check_sum, synced
 
 if TYPE_CHECKING:
     from collections.abc import Collection, Iterator, Mapping
 
-    from weftex.stores.layout import Place
-    from weftex.stores.store import Store
-    from weftex.tasks.recipe import Recipe
+    from weftex.planes.definition import Definition
+    from weftex.planes.layout import Place
+    from weftex.planes.store import Store
 
     Sums = Mapping[Place, tuple[int, ...]]
 
@@ -33,13 +33,13 @@ class Job:
 
     Attributes
     ----------
-    recipe : Recipe
+    recipe : Definition
     target : str
     part : (int, int), optional
         Make this part of so many, of level 0 only.
     """
 
-    recipe: Recipe
+    recipe: Definition
     target: str
     part: tuple[int, int] | None = None
 

@@ -21,12 +21,12 @@ from processes import run
 from weftex.cli.commands import check
 from weftex.errors import CancelledError, FileError, InvalidInputError
 from weftex.io.pictures import write_image
-from weftex.stores.record import Record
-from weftex.stores.tiff import TiffStore
-from weftex.tasks.job import Job, at_work
-from weftex.tasks.opened import open_plane
-from weftex.tasks.stream import recipe_of, write_plane
-from weftex.tasks.worker_processes import block_maker
+from weftex.planes.job import Job, at_work
+from weftex.planes.opened import open_plane
+from weftex.planes.record import Record
+from weftex.planes.tiff import TiffStore
+from weftex.planes.worker_processes import block_maker
+from weftex.planes.writing import recipe_of, write_plane
 
 SIZE = (200, 333)
 TILE = weftex.BestTile(lattice=(20, 0, 0, 20))
@@ -147,7 +147,7 @@ def test_folders_of_others_are_kept(tmp_path, monkeypatch):
     weftex.stream(SAMPLE, tmp_path / "p.dzi", 100, restart=True, **HOW)
     assert (tmp_path / "p_files" / "mine").exists() and is_whole(tmp_path / "p.dzi")
     monkeypatch.setattr(
-        "weftex.stores.deep_zoom.DeepZoomStore.put",
+        "weftex.planes.deep_zoom.DeepZoomStore.put",
         lambda *_: (_ for _ in ()).throw(OSError(5, "broken")),
     )
     with pytest.raises(FileError, match="broken"):

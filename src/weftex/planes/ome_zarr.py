@@ -15,14 +15,14 @@ import numpy as np
 
 from weftex.errors import FileError, InvalidInputError
 from weftex.io.formats import show
-from weftex.stores.store import REPAIR, Piece, Store, synced
+from weftex.planes.store import REPAIR, Piece, Store, synced
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator
 
     from numpy.typing import NDArray
 
-    from weftex.stores.layout import Place, Window
+    from weftex.planes.layout import Place, Window
 
 _COLORS = {"red": "FF0000", "green": "00FF00", "blue": "0000FF"}
 _SPEED = 1  # of Zstandard: 3 takes half as long again for 1 % less of a photo

@@ -23,7 +23,7 @@ from dataclasses import dataclass
 from itertools import product
 from typing import NamedTuple
 
-from weftex.planes.boxes import Box, Span
+from weftex.endless.boxes import Box, Span
 
 #: Kinds of blocks in the order in which they are made: corners, edges across and down, interiors.
 CORNER, ACROSS, DOWN, INSIDE = range(4)

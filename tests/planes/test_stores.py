@@ -14,14 +14,14 @@ import tifffile
 from families import noise
 from weftex.errors import FileError, InvalidInputError
 from weftex.io.pictures import read_image
+from weftex.planes.archive import is_archive, read_archive
+from weftex.planes.files import open_stores
+from weftex.planes.layout import Layout, blocks_below, check_block, halved, part_of, places
+from weftex.planes.locks import locked
+from weftex.planes.owned import remove, sweep
+from weftex.planes.record import Record, Run, parse_part
+from weftex.planes.store import check_sum
 from weftex.raster.mixing import Kind, Mixing
-from weftex.stores.archive import is_archive, read_archive
-from weftex.stores.files import open_stores
-from weftex.stores.layout import Layout, blocks_below, check_block, halved, part_of, places
-from weftex.stores.locks import locked
-from weftex.stores.owned import remove, sweep
-from weftex.stores.record import Record, Run, parse_part
-from weftex.stores.store import check_sum
 
 KINDS = [("uint8", 3, False), ("uint16", 4, True), ("float32", 0, False), ("uint8", 0, False)]
 
@@ -70,7 +70,7 @@ def test_what_was_written_is_read(tmp_path, suffix, kind):
     "kind", [*KINDS, ("uint16", 5, False)], ids=lambda kind: f"{kind[0]}-{kind[1]}"
 )
 def test_other_readers_of_tiff(tmp_path, kind, monkeypatch):
-    monkeypatch.setattr("weftex.stores.store.Store.smallest", 100)
+    monkeypatch.setattr("weftex.planes.store.Store.smallest", 100)
     store, whole = written(tmp_path / "a.tif", (201, 330), *kind)
     with tifffile.TiffFile(tmp_path / "a.tif") as file:
         assert file.is_bigtiff and len(file.pages) == len(whole) == store.levels == 3
@@ -84,7 +84,7 @@ def test_other_readers_of_tiff(tmp_path, kind, monkeypatch):
 
 def test_other_readers_of_zarr(tmp_path, monkeypatch):
     zarr = pytest.importorskip("zarr")
-    monkeypatch.setattr("weftex.stores.store.Store.smallest", 100)
+    monkeypatch.setattr("weftex.planes.store.Store.smallest", 100)
     _, whole = written(tmp_path / "a.zarr", (201, 330), "uint8", 3, False)
     group = zarr.open_group(tmp_path / "a.zarr", mode="r")
     about = group.attrs["ome"]

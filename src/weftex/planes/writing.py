@@ -13,13 +13,13 @@ import numpy as np
 
 from weftex.errors import InvalidInputError, shown
 from weftex.loading import load_exemplar
+from weftex.planes.definition import BLOCK, Definition, period_of, settled
+from weftex.planes.files import check_target
+from weftex.planes.job import Job, at_work, check_room, done_before
+from weftex.planes.record import Record
 from weftex.progress import Progress
 from weftex.random import seed_number
-from weftex.stores.files import check_target
-from weftex.stores.record import Record
-from weftex.tasks.job import Job, at_work, check_room, done_before
 from weftex.tasks.method_names import AUTO, make_method
-from weftex.tasks.recipe import BLOCK, Recipe, period_of, settled
 from weftex.threads import in_turn, thread_count
 
 if TYPE_CHECKING:
@@ -27,9 +27,9 @@ if TYPE_CHECKING:
 
     from weftex.loading import Sample
     from weftex.method import Method
+    from weftex.planes.layout import Place
     from weftex.progress import ProgressCallback
     from weftex.random import Seed
-    from weftex.stores.layout import Place
 
     #: Makes blocks of one level for the run of a record, which are done when it gives them.
     Runner = Callable[[Record, Iterable[Place], Progress], Iterator[Place]]
@@ -129,7 +129,7 @@ def recipe_of(
     tileable: bool | str = False,
     block: int = BLOCK,
     stems: Mapping[str, str] | None = None,
-) -> Recipe:
+) -> Definition:
     """Return what a plane is made of; a seed that is not given is that of a run that is there."""
     axes = {False: (False, False), True: (True, True), "x": (False, True), "y": (True, False)}
     if tileable not in axes:
@@ -137,14 +137,14 @@ def recipe_of(
     height, width = _sides(size)
     record = Record(target)
     if seed is None and target and record.exists():
-        seed = Recipe.load(record.recipe).seed
+        seed = Definition.load(record.recipe).seed
     number = seed_number(seed)
     period = period_of((height, width), axes[tileable])
     model = method.fit(exemplar)
     chosen = settled(model, number, period)
     about: dict[str, Any] = {"height": height, "width": width, "wrap": axes[tileable]}
     about |= {"seed": number, "block": block, "stems": dict(stems or {})}
-    recipe = Recipe(exemplar, **chosen, **about)
+    recipe = Definition(exemplar, **chosen, **about)
     if recipe.method is model.asked:
         vars(recipe)["model"] = model  # not fitted again
     return recipe

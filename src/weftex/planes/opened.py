@@ -12,17 +12,17 @@ import numpy as np
 from weftex.errors import FileError
 from weftex.exemplar import Exemplar
 from weftex.io.formats import path_text, show
+from weftex.planes.definition import Definition
+from weftex.planes.job import Job
+from weftex.planes.layout import part_range
+from weftex.planes.record import Record
 from weftex.random import draw
-from weftex.stores.layout import part_range
-from weftex.stores.record import Record
-from weftex.tasks.job import Job
-from weftex.tasks.recipe import Recipe
 
 if TYPE_CHECKING:
     import os
 
-    from weftex.stores.layout import Window
-    from weftex.tasks.job import Sums
+    from weftex.planes.job import Sums
+    from weftex.planes.layout import Window
 
 _SEEN, _SIDE = 5, 512  # windows of a plane that are looked at, and their sides
 
@@ -48,7 +48,7 @@ class PlaneFile:
         return self.job.target
 
     @property
-    def recipe(self) -> Recipe:
+    def recipe(self) -> Definition:
         """What it is made of."""
         return self.job.recipe
 
@@ -119,5 +119,5 @@ def open_plane(path: str | os.PathLike[str]) -> PlaneFile:
     run = record.current()
     if run is None or not run.begun:
         raise FileError(f"{show(target)}: there is no plane in {show(record.folder)} beside it")
-    job = Job(Recipe.load(record.recipe, run.name), target)
+    job = Job(Definition.load(record.recipe, run.name), target)
     return PlaneFile(job, record.done())

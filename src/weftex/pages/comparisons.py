@@ -10,7 +10,7 @@ from weftex.canvas import as_canvas
 from weftex.errors import InvalidInputError, UnsupportedError, shown
 from weftex.loading import load_exemplar
 from weftex.methods import METHODS
-from weftex.pages.compare import Comparison, Entry
+from weftex.pages.comparison_page import Comparison, Entry
 from weftex.progress import Progress
 from weftex.quality.assess import assess
 from weftex.random import seed_number

@@ -14,7 +14,7 @@ from weftex import cli
 from weftex.errors import FileError, InvalidInputError
 from weftex.io.pictures import write_image, write_text
 from weftex.io.png import png_bytes
-from weftex.tasks.report import report
+from weftex.pages.reports import report
 
 
 @pytest.fixture(scope="module")

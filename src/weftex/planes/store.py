@@ -15,14 +15,14 @@ from weftex.errors import FileError
 from weftex.io.formats import show
 from weftex.io.regular import open_regular
 from weftex.io.temporary import write_through
-from weftex.stores.layout import blocks_below, children, halved
+from weftex.planes.layout import blocks_below, children, halved
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator, Mapping
 
     from numpy.typing import NDArray
 
-    from weftex.stores.layout import Layout, Place, Window
+    from weftex.planes.layout import Layout, Place, Window
 
 _MARGIN = 2**16
 REPAIR = "'weftex check --repair' makes it again"

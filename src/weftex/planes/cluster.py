@@ -19,15 +19,15 @@ from time import monotonic, sleep
 from typing import TYPE_CHECKING, Any
 
 from weftex.errors import FileError, InvalidInputError, WeftexError
-from weftex.stores.record import Record
-from weftex.tasks.job import Job
-from weftex.tasks.worker_processes import writer_name
+from weftex.planes.job import Job
+from weftex.planes.record import Record
+from weftex.planes.worker_processes import writer_name
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator
 
+    from weftex.planes.layout import Place
     from weftex.progress import Progress
-    from weftex.stores.layout import Place
 
 _AHEAD = 4  # tasks a thread of the workers that the scheduler knows
 _LEAST_AHEAD = 16

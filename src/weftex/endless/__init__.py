@@ -1,0 +1,1 @@
+"""Windows of an endless plane, for methods that fill holes: see `weftex.endless.plane`."""
