@@ -3,6 +3,8 @@
 A `Repetition` is the policy; a penalty applies it to one output. For each patch, the method says
 where the next one comes to lie (`Penalty.next_patch`), and multiplies the cost of each candidate
 offset by a factor of 1 or more (`Penalty.of`). Clearly better matches are never given up.
+
+Kernels that compare one box with its neighbors count with `overlap_kernels.repeated_pixels`.
 """
 
 from __future__ import annotations

@@ -13,6 +13,7 @@ Phases (eq. 3.29) and offsets, sums of multiples of the lattice vectors, are in 
 
 import cython
 from cython.cimports.libc.math import sqrt
+from cython.cimports.weftex.repeats.overlap_kernels import repeated_pixels
 from cython.cimports.weftex.search.zone_kernels import Shortlist, distance, gather, offer
 from cython.cimports.weftex.search.zone_search_kernels import ZoneWindows, list_candidates
 
@@ -98,27 +99,19 @@ def similar(
 
 
 @cython.cfunc
+@cython.inline
 @cython.nogil
 @cython.exceptval(check=False)
-def repeated_pixels(
+def common_pixels(
     here: cython.int, other: cython.int, dy: cython.longlong, dx: cython.longlong,
     height: cython.longlong, width: cython.longlong, columns: cython.Py_ssize_t,
 ) -> cython.longlong:  # fmt: skip
-    """The number of the sample's pixels that two blocks, (dy, dx) apart, both contain.
-
-    Blocks that continue each other in the sample repeat nothing, nor does a block without source.
-    """
+    """The number of pixels that a block from `here` repeats of one (dy, dx) away."""
     if other < 0:
         return 0
     y: cython.longlong = here // columns - other // columns
     x: cython.longlong = here % columns - other % columns
-    if y == dy and x == dx:
-        return 0
-    y = y if y >= 0 else -y
-    x = x if x >= 0 else -x
-    if y >= height or x >= width:
-        return 0
-    return (height - y) * (width - x)
+    return max(0, repeated_pixels(y, x, dy, dx, height, width))  # continuing repeats nothing
 
 
 def draw_blocks(
@@ -156,7 +149,7 @@ def draw_blocks(
                 repeated = 0
                 for m in range(near.shape[1]):
                     if near[n, m, 0] >= 0:
-                        repeated += repeated_pixels(
+                        repeated += common_pixels(
                             here, sources[near[n, m, 0]], near[n, m, 1], near[n, m, 2],
                             height, width, usable.shape[1],
                         )  # fmt: skip
@@ -225,7 +218,7 @@ def mismatch(gap: GapSearch, here: cython.int, bound: cython.longlong) -> cython
     area: cython.longlong = max(gap.height * gap.width, 1)
     factor: cython.longlong = 256
     for n in range(4):
-        repeated = repeated_pixels(
+        repeated = common_pixels(
             here, gap.other[n], gap.dy[n], gap.dx[n], gap.height, gap.width, columns
         )
         factor += gap.variety * repeated // area
