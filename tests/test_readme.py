@@ -21,8 +21,8 @@ from weftex.quality.figures import FIGURES
 
 ROOT = Path(__file__).parent.parent
 PAGES = sorted(p for p in [ROOT / "README.md", *ROOT.glob("docs/**/*.md")] if p.exists())
-EXAMPLES = sorted(p for p in ROOT.glob("examples/*.py") if not p.name.startswith(("paper_", "_")))
-PAPERS = sorted(ROOT.glob("examples/paper_*.py"))
+EXAMPLES = sorted(ROOT.glob("examples/*.py"))
+PAPERS = sorted(p for p in ROOT.glob("examples/papers/*.py") if p.name[0] != "_")
 #: A line that a page says a command prints: of weftex synth, or of weftex analyze.
 SAID = r"^    (weftex: .+|map: .+|(?:scale|lattice|auto|runner-up 1|tiles) {3}.+| {14}\S.+)$"
 #: Parameters of all methods, as options.
@@ -137,9 +137,11 @@ def test_named_scripts_are_run_by_a_test(page):
         for name in names
     }
     for code in code_of(page):
-        named = re.match(r"(?:python )?((?:examples|benchmarks/\w+)/\w+\.py)\b(.*)", code.strip())
+        named = re.match(
+            r"(?:python )?((?:examples(?:/papers)?|benchmarks/\w+)/\w+\.py)\b(.*)", code.strip()
+        )
         if not named:
-            assert not re.search(r"\b(examples|benchmarks/\w+)/\w+\.py", code), code
+            assert not re.search(r"\b(examples|benchmarks)/[\w/]+\.py", code), code
             continue
         script, words = ROOT / named[1], shlex.split(named[2], comments=True)
         if script in PAPERS:

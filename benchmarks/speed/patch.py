@@ -90,17 +90,17 @@ cores. "x" is the time of the exhaustive search for the same over this one; the 
 
 
 def table1() -> Table:
-    """Table I of the paper; see examples/paper_patch_sampling.py."""
+    """Table I of the paper; see examples/papers/patch_sampling.py."""
     return paper.table1(20)
 
 
 def copying() -> Table:
-    """Verbatim copying; see examples/paper_patch_sampling.py."""
+    """Verbatim copying; see examples/papers/patch_sampling.py."""
     return paper.copying()
 
 
 def edges() -> Table:
-    """The edge metric; see examples/paper_patch_sampling.py."""
+    """The edge metric; see examples/papers/patch_sampling.py."""
     return paper.edges()
 
 

@@ -21,10 +21,10 @@ import weftex
 HERE = Path(__file__).resolve().parent
 ROOT = HERE.parents[1]
 SURFACES = ROOT / "benchmarks" / "data" / "surfaces"
-sys.path.append(str(ROOT / "examples"))
-import _papers as papers  # noqa: E402
-import paper_patch_sampling as paper  # noqa: E402, F401
-from _papers import sized, some  # noqa: E402
+sys.path.append(str(ROOT / "examples" / "papers"))
+import _common as papers  # noqa: E402
+import patch_sampling as paper  # noqa: E402, F401
+from _common import sized, some  # noqa: E402
 
 PATCH_METHODS = ("patch-sampling", "quilting")
 Work = Callable[[], Any]

@@ -1,6 +1,6 @@
 """The experiments of the patch-based sampling paper, run again with weftex.
 
-python examples/paper_patch_sampling.py EXPERIMENT -o FOLDER
+python examples/papers/patch_sampling.py EXPERIMENT -o FOLDER
 
 Experiments that draw a picture: fig1 fig4 fig6 fig7 fig8 fig10 fig11 fig12 fig13 fig14 fig15 fig16
 fig17; that print a table and write it as Markdown: copying edges table1; `all` runs every one.
@@ -16,8 +16,8 @@ from time import perf_counter
 from typing import Any
 
 import numpy as np
+from _common import Table, clouds, load, pieces, run, sheet, shrunk, sized, some
 from _outlines import continuity, own_continuity
-from _papers import Table, clouds, load, pieces, run, sheet, shrunk, sized, some
 from PIL import Image, ImageDraw, ImageFont
 
 import weftex

@@ -1,4 +1,4 @@
-"""What the scripts `paper_*.py` share: samples, sheets of pictures, tables and the command line.
+"""What the scripts of this folder share: samples, sheets of pictures, tables and the command line.
 
 Needs Pillow beside weftex: pip install 'weftex[test]'.
 """
@@ -46,7 +46,7 @@ def some(items: Iterable[Item], least: int = 1) -> list[Item]:
 
 def load(name: str, side: int | None = None) -> np.ndarray:
     """Pixels of a sample that ships with weftex or lies in examples/samples, or a crop of them."""
-    own = HERE / "samples" / f"{name}.png"
+    own = HERE.parent / "samples" / f"{name}.png"
     pixels = weftex.load_exemplar(own if own.exists() else f"sample:{name}").pixels
     return np.ascontiguousarray(pixels[:side, :side])
 

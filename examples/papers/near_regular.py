@@ -1,6 +1,6 @@
 """The experiments of the thesis on near-regular textures, run again with weftex.
 
-python examples/paper_near_regular.py EXPERIMENT -o FOLDER [--small]
+python examples/papers/near_regular.py EXPERIMENT -o FOLDER [--small]
 
 Experiments: fig31 (from the correlation to the vectors), fig34 (peaks that mislead), fig35 (pairs
 of vectors rated), fig46 (the best and the worst tile), fig410 (both ways of matching), fig411
@@ -19,7 +19,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from _papers import Table, load, run, sheet, shrunk, sized, some
+from _common import Table, load, run, sheet, shrunk, sized, some
 from PIL import Image, ImageDraw
 
 import weftex

@@ -1,6 +1,6 @@
 """The experiments of the paper on texture refinement, run again with weftex.
 
-python examples/paper_refinement.py EXPERIMENT -o FOLDER [--small]
+python examples/papers/refinement.py EXPERIMENT -o FOLDER [--small]
 
 Experiments that draw a picture: fig4 fig5 fig6 fig7 fig8 recipe fig9 fig10 fig11 fig12 fig13
 density evenness coherence init; that print a table and write it as Markdown: table1 (takes
@@ -17,7 +17,7 @@ from time import process_time
 from typing import Any
 
 import numpy as np
-from _papers import HERE, Table, clouds, load, run, sheet, sized, some
+from _common import HERE, Table, clouds, load, run, sheet, sized, some
 from PIL import Image, ImageDraw
 
 import weftex

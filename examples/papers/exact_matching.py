@@ -1,6 +1,6 @@
 """The figures and the table of exact neighborhood matching, made again with weftex.
 
-python examples/paper_exact_matching.py EXPERIMENT -o FOLDER [--small]
+python examples/papers/exact_matching.py EXPERIMENT -o FOLDER [--small]
 
 Experiments that draw a picture: fig6 fig7 fig8 fig10 fig11 fig12 fig13 levels; that print a table
 and write it as Markdown: table1 fig9 grouping; `all` runs every one. M. Sabha, P. Peers and P.
@@ -16,7 +16,7 @@ from time import perf_counter
 from typing import Any
 
 import numpy as np
-from _papers import Table, load, run, sheet, shrunk, sized, some
+from _common import Table, load, run, sheet, shrunk, sized, some
 from PIL import Image
 
 import weftex

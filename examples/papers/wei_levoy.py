@@ -1,6 +1,6 @@
 """The experiments of Wei and Levoy's paper, run again with weftex.
 
-python examples/paper_wei_levoy.py EXPERIMENT -o FOLDER [--small]
+python examples/papers/wei_levoy.py EXPERIMENT -o FOLDER [--small]
 
 Experiments that draw a picture: surfaces levels windows search constrained tileable comparison;
 that print a table and write it as Markdown: times; `all` runs every one. Seconds are of processor
@@ -17,7 +17,7 @@ from time import process_time
 from typing import Any
 
 import numpy as np
-from _papers import Table, load, run, sheet, sized, some
+from _common import Table, load, run, sheet, sized, some
 
 import weftex
 

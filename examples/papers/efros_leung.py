@@ -1,6 +1,6 @@
 """The figures of non-parametric sampling, made again with weftex.
 
-python examples/paper_efros_leung.py FIGURE -o FOLDER [--small]
+python examples/papers/efros_leung.py FIGURE -o FOLDER [--small]
 
 Figures: fig1 fig2 fig3, which are those of the comparison of non-parametric sampling and TSVQ
 (section III.A), and surfaces; `all` makes every one. The method is that of A. A. Efros and
@@ -13,7 +13,7 @@ from __future__ import annotations
 from pathlib import Path
 
 import numpy as np
-from _papers import load, pieces, run, sheet, shrunk, sized, some
+from _common import load, pieces, run, sheet, shrunk, sized, some
 
 import weftex
 
