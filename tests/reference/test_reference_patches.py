@@ -34,16 +34,22 @@ def test_a_feathered_pixel_comes_from_the_larger_share():
     assert exact[np.ix_(inside[:40], inside)].all()
 
 
-@pytest.mark.parametrize(
-    ("size", "tolerance", "seed"),
-    [((40, 16), 0.1, 0), ((40, 16), 0.0, 3), ((16, 28), 0.1, 1), ((16, 28), 1.0, 2)],
-)
-def test_image_quilting(size, tolerance, seed):
-    """On canvases of one row or column, where further cuts of the method change nothing."""
-    expected = reference.image_quilting(SAMPLE, size, 16, 4, tolerance, seed)
-    model = weftex.Quilting(tolerance=tolerance, **PAPERS).fit(weftex.Exemplar(SAMPLE))
-    result = model.sample(Canvas(*size), seed=seed)
+@pytest.mark.parametrize("seed", range(12))
+def test_image_quilting(seed):
+    """On plain canvases that whole blocks cover, of random crops, sizes and tolerances."""
+    rng = np.random.default_rng(seed)
+    name = rng.choice(["bricks", "grass", "pebbles", "weave", "wood"])
+    y, x = rng.integers(0, 100, 2)
+    sample = weftex.load_exemplar(f"sample:{name}").pixels[y : y + 40, x : x + 44]
+    block = int(rng.integers(6, 20))
+    overlap = int(rng.integers(1, block // 2 + 1))
+    tolerance = float(rng.choice([0.0, 0.1, 1.0]))
+    size = [int(n) * (block - overlap) + overlap for n in rng.integers(1, 5, 2)]
+    expected = reference.image_quilting(sample, size, block, overlap, tolerance, seed)
+    parameters = PAPERS | {"patch_size": block, "boundary_width": overlap, "tolerance": tolerance}
+    result = weftex.Quilting(**parameters).fit(weftex.Exemplar(sample)).sample(size, seed=seed)
     assert np.array_equal(result.image, expected.image)
+    assert np.array_equal(result.source, expected.sources)
 
 
 @pytest.mark.parametrize("seed", [0, 5])

@@ -111,8 +111,18 @@ def test_bands_lie_along_the_box_that_the_patch_shows_in(known, width, hole, pas
     if hole:
         assert depth >= min(bottom - top, right - left) // 2
     there = reference.zone_of(known, width)[top:bottom, left:right]
-    sides = there[:, :depth], there[:depth], there[:, -depth:], there[-depth:]
-    assert zone.bands[5:].tolist() == [int(s.any()) for s in sides]
+    sides = there[:, :depth], there[:depth].T, there[:, -depth:], there[-depth:].T
+    lines = [s.any(axis=1) for s in sides]
+    assert zone.bands[5:].tolist() == [int(s.any() if hole else s.all()) for s in lines]
+
+
+@pytest.mark.parametrize("top", [False, True])
+@pytest.mark.parametrize("left", [False, True])
+def test_a_plain_canvas_is_cut_at_the_left_and_the_top_alone(left, top):
+    known = np.zeros((9, 12), bool)
+    known[:, :3] |= left
+    known[:3] |= top
+    assert boundary_zone(known, 3).bands[5:].tolist() == [left, top, False, False]
 
 
 def test_blocks_cover_most_of_the_zones_of_the_paper():

@@ -83,13 +83,16 @@ def boundary_zone(
     if outlines:
         depth = max(depth, min(bottom - top, right - left) // 2)
     shown = zone[top:bottom, left:right]
-    sides = (shown[:, :depth], shown[:depth], shown[:, -depth:], shown[-depth:])
+    # A band for each side, line by line from its start to its end.
+    sides = (shown[:, :depth], shown[:depth].T, shown[:, -depth:], shown[-depth:].T)
+    # The corner of a zone is no side of it; the outline of a hole need not follow any.
+    cut = [side.any() if outlines else side.any(axis=1).all() for side in sides]
     return BoundaryZone(
         weight=weight.astype(np.uint16),
         runs=runs_over(zone),
         blocks=np.ascontiguousarray(blocks, np.int32),
         side=side,
-        bands=np.array([depth, top, left, bottom, right, *(s.any() for s in sides)], np.int32),
+        bands=np.array([depth, top, left, bottom, right, *cut], np.int32),
         area=int(zone.sum()),
     )
 
