@@ -108,15 +108,17 @@ def manifest(data: bytes, folder: Path) -> None:
 def studio(data: bytes, folder: Path) -> None:
     """A recipe that a page sends, and what a session has on disk."""
     from weftex.errors import InvalidInputError
+    from weftex.studio.limits import Limits, Memory
     from weftex.studio.recipes import Recipe
-    from weftex.studio.store import Shelf, Store
+    from weftex.studio.sessions import Session, key_of
+    from weftex.studio.store import Store
 
-    shelf = folder / ("0" * 64)
-    shelf.mkdir(exist_ok=True)
+    own = folder / key_of("")
+    own.mkdir(exist_ok=True)
     for name in ("kept.json", "0" * 64 + ".json"):
-        (shelf / name).write_bytes(data)
-    (shelf / ("0" * 64 + ".png")).touch()
-    Shelf(Store(folder, 2**20), shelf.name)
+        (own / name).write_bytes(data)
+    (own / ("0" * 64 + ".png")).touch()
+    Session(Store(folder, Limits()), Memory(1), "")
     try:
         given = json.loads(data)
     except (ValueError, RecursionError):  # which the server refuses before, as it does what is deep
@@ -269,7 +271,7 @@ def fuzz(name: str, seconds: int) -> None:
     with atheris.instrument_imports(include=["weftex"], enable_loader_override=False):
         for one in ("weftex", "weftex.tasks.label_map", "weftex.planes.definition", "weftex.naming",
                     "weftex.io.manifest", "weftex.planes.record",
-                    "weftex.studio.recipes", "weftex.studio.store"):  # fmt: skip
+                    "weftex.studio.recipes", "weftex.studio.sessions"):  # fmt: skip
             import_module(one)
     left = LEFT / name
     left.mkdir(parents=True, exist_ok=True)

@@ -16,7 +16,9 @@ from weftex.errors import FileError, WeftexError
 from weftex.io.manifest import MANIFEST, Manifest
 from weftex.naming import method_of
 from weftex.planes.definition import Definition
-from weftex.studio.store import Shelf, Store
+from weftex.studio.limits import Limits, Memory
+from weftex.studio.sessions import Session, key_of
+from weftex.studio.store import Store
 
 FUZZ = Path(__file__).parent.parent / "fuzz"
 DEEP = "[" * 10**5
@@ -131,15 +133,15 @@ def test_a_role_whose_name_is_no_text(tmp_path, field):
 
 def test_json_that_is_too_deep_or_something_else(tmp_path):
     name = "0" * 64
-    shelf = tmp_path / name
-    shelf.mkdir()
-    (shelf / f"{name}.png").touch()
+    folder = tmp_path / key_of("")
+    folder.mkdir()
+    (folder / f"{name}.png").touch()
     upload = {"id": name, "suffix": ".png", "bytes": 1}
     for text in (DEEP, "7", "[7]", '{"id": 7}', json.dumps([{"recipe": 7}]), json.dumps(upload)):
         for file in (f"{name}.json", "kept.json"):
-            (shelf / file).write_text(text)
+            (folder / file).write_text(text)
         (tmp_path / MANIFEST).write_text(text)
-        kept = Shelf(Store(tmp_path, 2**20), name)
+        kept = Session(Store(tmp_path, Limits()), Memory(1), "")
         assert kept.kept == [] and kept.uploads == {}
         Manifest(str(tmp_path)).sweep()
 

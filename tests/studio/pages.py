@@ -72,6 +72,11 @@ class Page:
         self.start = self.post("session", {"session": session})
         self.headers["x-weftex-session"] = self.start["session"]
 
+    @property
+    def session(self):
+        """The session as the server has it."""
+        return self.client.studio.sessions.get(self.start["session"])
+
     def ask(self, method, path, **more):
         headers = self.headers | {"origin": self.client.origin} | more.pop("headers", {})
         headers = {name: value for name, value in headers.items() if value is not None}

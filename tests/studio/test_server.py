@@ -117,7 +117,7 @@ def test_permissions_of_a_data_folder(tmp_path, capsys):
     for folder, mode in ((new, 0o700), (old, 0o755)):
         opened = Studio(folder, Limits())
         session, _ = opened.sessions.open(None)
-        session.shelf.keep({"result": "a", "recipe": {}})
+        session.keep({"result": "a", "recipe": {}})
         assert stat.S_IMODE(folder.stat().st_mode) == mode
         for inner in folder.iterdir():
             assert stat.S_IMODE(inner.stat().st_mode) == 0o700
@@ -183,7 +183,7 @@ def test_what_is_left_over_is_swept(tmp_path):
             old = time.time() - (store.DAY * 3 if k < 2 else 0)
             os.utime(path, (old, old))
     (tmp_path / "others").mkdir()
-    found = store.Store(tmp_path, limits.stored_bytes)
+    found = store.Store(tmp_path, limits)
     assert {one.name for one in tmp_path.iterdir()} == {*names[1:], "others"}
     left = {one.parent.name for one in tmp_path.rglob(".new-*")}
     assert left == set(names[2:])  # those of yesterday are not of a server that runs
@@ -192,7 +192,7 @@ def test_what_is_left_over_is_swept(tmp_path):
 
 def test_pages_that_are_open_are_bounded(tmp_path):
     limits = Limits(sessions=2)
-    sessions = Sessions(store.Store(tmp_path, limits.stored_bytes), limits, ended := [].append)
+    sessions = Sessions(store.Store(tmp_path, limits), Memory(1), ended := [].append)
     one, two = (sessions.open(None)[0] for _ in range(2))
     with pytest.raises(Refusal, match="2 pages are open; close one of them"):
         sessions.open(None)
@@ -208,11 +208,11 @@ def test_pages_that_are_open_are_bounded(tmp_path):
 def test_what_is_remembered_is_bounded():
     memory = Memory(100)
     for k in range(50):
-        memory.find(("tab", k), lambda: (object(), 30))
+        memory.put(("tab" if k < 49 else "other", k), object(), 30)
         assert memory.bytes <= 100
-    assert [k for k in range(50) if memory.get(("tab", k)) is not None] == [47, 48, 49]
-    memory.forget(lambda key: key[1] == 48)
-    assert (memory.get(("tab", 48)), memory.bytes) == (None, 60)
+    assert [k for k in range(50) if memory.get(("tab", k)) is not None] == [47, 48]
+    memory.forget("tab")
+    assert (memory.get(("tab", 48)), memory.bytes) == (None, 30)
 
 
 @pytest.mark.pages

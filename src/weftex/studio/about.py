@@ -4,10 +4,9 @@ from __future__ import annotations
 
 import dataclasses
 from functools import cache
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from weftex import METHODS
-from weftex.io.formats import FORMATS
 from weftex.io.map_names import SCHEMES
 from weftex.io.pictures import sample_names
 from weftex.material import read_material
@@ -15,9 +14,6 @@ from weftex.naming import kind_of
 from weftex.quality.figures import FIGURES
 from weftex.results.drawing import DRAWINGS
 from weftex.tasks.method_names import AUTO, method_class
-
-if TYPE_CHECKING:
-    from weftex import Method
 
 _KINDS = {int: "int", float: "float", str: "text"}
 
@@ -27,17 +23,10 @@ def about() -> dict[str, Any]:
     return {
         "methods": [method_of(slug) for slug in (AUTO, *METHODS)],
         "samples": _samples(),
-        "formats": [suffix for suffix in FORMATS if suffix not in (".jpeg", ".tiff")],
         "names": list(SCHEMES),
         "drawings": list(DRAWINGS),
         "figures": [
-            {
-                "name": name,
-                "title": one.title,
-                "unit": one.unit,
-                "limit": one.limit,
-                "meaning": one.meaning,
-            }
+            {"name": name, "title": one.title, "limit": one.limit, "meaning": one.meaning}
             for name, one in FIGURES.items()
         ],
         "tasks": _TASKS,
@@ -51,7 +40,6 @@ def method_of(slug: str) -> dict[str, Any]:
         "slug": slug,
         "title": method.title,
         "paper": method.paper,
-        "supports": sorted({*method.supports, *(["random_access"] if is_endless(method) else [])}),
         "fast": "many" not in method.supports,  # that is what copying single pixels allows
         "parameters": [_parameter(field) for field in dataclasses.fields(method)],
     }
@@ -109,8 +97,3 @@ def _samples() -> list[dict[str, Any]]:
         title = name.replace("_", " ")
         found.append({"name": name, "title": title, "maps": maps, "width": width, "height": height})
     return [one for one in found if one["name"] != "hole"]
-
-
-def is_endless(method: Method | type[Method]) -> bool:
-    """Whether a method makes windows of an endless plane."""
-    return bool(method.supports & {"random_access", "known"})  # blocks of planes are holes

@@ -25,10 +25,8 @@ if TYPE_CHECKING:
     from starlette.requests import Request
     from starlette.types import ASGIApp, Receive, Scope, Send
 
-    from weftex.studio.requests import Call
+    from weftex.studio.requests import Handler
     from weftex.studio.studio import Studio
-
-    Handler = Callable[[Call], Awaitable[Any]]
 
 _SWEEP = 1.0  # seconds
 _MARK = 60  # sweeps between two marks of the folders in use
@@ -90,9 +88,8 @@ async def _routes(studio: Studio) -> Router:
     for step in _STEPS:
         await asyncio.sleep(_BREATH)
         import_module(step)
-    from weftex.studio import routes_results, routes_start
     from weftex.studio.answers import answer_of
-    from weftex.studio.requests import Call, as_plain
+    from weftex.studio.requests import ROUTES, Call, as_plain
 
     def endpoint(handler: Handler) -> Callable[[Request], Awaitable[Response]]:
         async def answer(request: Request) -> Response:
@@ -112,10 +109,7 @@ async def _routes(studio: Studio) -> Router:
         return answer
 
     return Router(
-        [
-            Route(path, endpoint(handler), methods=[method])
-            for method, path, handler in (*routes_start.ROUTES, *routes_results.ROUTES)
-        ]
+        [Route(path, endpoint(handler), methods=[method]) for method, path, handler in ROUTES]
     )
 
 

@@ -24,7 +24,7 @@ if TYPE_CHECKING:
     from weftex.studio.making import Made
 
 #: What may stand beside the pictures.
-BESIDE = ("mtlx", "source", "report", "debug", "recipe")
+BESIDE = ("mtlx", "source", "report", "recipe")
 FIELDS = ("maps", "format", "names", "name", *BESIDE)
 _NAME = 60  # characters
 #: Of all files in a zip, as they have none of their own.
@@ -35,9 +35,8 @@ DATE = (1980, 1, 1, 0, 0, 0)
 class Wanted:
     """What is to be taken of a result."""
 
-    maps: tuple[str, ...] | None  # all of them if None
-    # Suffixes by maps, or of all of them; as their material's files have it if None.
-    format: dict[str, str] | str | None
+    maps: tuple[str, ...]  # all of them if empty
+    format: str | None  # a suffix; as the files of each map have it if None
     names: str | None  # a scheme of `weftex.io.map_names`
     name: str  # what files are called after
     beside: frozenset[str]  # of `BESIDE`
@@ -46,20 +45,15 @@ class Wanted:
     def of(cls, given: Mapping[str, Any], usual_name: str) -> Wanted:
         """Read what the page sent."""
         maps, form, names = (given.get(key) for key in ("maps", "format", "names"))
-        if maps is not None and not (
-            isinstance(maps, list) and all(isinstance(m, str) for m in maps)
-        ):
+        if not isinstance(maps or [], list) or not all(isinstance(m, str) for m in maps or ()):
             raise InvalidInputError(f"maps is {shown(maps)}; it must be a list of names")
-        good = form is None or isinstance(form, str)
-        if not good and not (
-            isinstance(form, dict) and all(isinstance(f, str) for f in form.values())
-        ):
-            raise InvalidInputError(f"format is {shown(form)}; it must be a suffix, or one by map")
+        if not isinstance(form, (str, type(None))):
+            raise InvalidInputError(f"format is {shown(form)}; it must be a suffix")
         if names is not None and names not in SCHEMES:
             raise InvalidInputError(f"names is {shown(names)}{did_you_mean(str(names), SCHEMES)}")
         beside = frozenset(name for name in BESIDE if given.get(name))
         name = str(given.get("name") or usual_name)
-        return cls(None if maps is None else tuple(maps), form, names, "", beside).named(name)
+        return cls(tuple(maps or ()), form, names, "", beside).named(name)
 
     def named(self, name: str) -> Wanted:
         """Return the same for files that are called after this."""
@@ -97,10 +91,6 @@ def write(made: Made, wanted: Wanted, folder: Path) -> list[Path]:
     if "report" in wanted.beside:
         files.append(folder / f"{wanted.name}.html")
         weftex.report(made.result.sample, made.result).save(files[-1])
-    if "debug" in wanted.beside:
-        for what in ("sources", "patches", "seams", "uncertainty"):
-            files.append(folder / f"{wanted.name}_{what}.png")
-            weftex.write_image(files[-1], made.result.draw(what))
     if "recipe" in wanted.beside:
         files.append(folder / f"{wanted.name}.weftex.json")
         write_text(files[-1], json.dumps(made.recipe.as_json(), indent=1) + "\n")
@@ -130,7 +120,7 @@ def _files(made: Made, wanted: Wanted) -> dict[str, str]:
 
 def _suffix(made: Made, wanted: Wanted, name: str) -> str:
     able = formats_of(made.pictures[name])
-    asked = wanted.format.get(name) if isinstance(wanted.format, dict) else wanted.format
+    asked = wanted.format
     if asked is None:
         own = suffix_of(made.pictures[name].path).replace(".jpeg", ".jpg").replace(".tiff", ".tif")
         floats = made.pictures[name].pixels.dtype.kind == "f"

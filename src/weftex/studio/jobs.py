@@ -156,7 +156,7 @@ class Jobs:
         """Queue a job."""
         with self._change:
             for other in self.of(job.session):
-                if job.lane is not None and other.lane == job.lane and other.state not in ENDED:
+                if job.lane is not None and other.lane == job.lane:
                     other.cancel()
             busy = [one for one in self._jobs.values() if one.state not in ENDED]
             own = sum(one.session is job.session for one in busy)
@@ -184,25 +184,17 @@ class Jobs:
         waiting = [one.id for one in list(self._jobs.values()) if one.state == "waiting"]
         return waiting.index(job.id) if job.id in waiting else 0
 
-    def remove(self, job: Job) -> None:
-        """Cancel a job, or forget one that has ended."""
-        with self._change:
-            if job.state in ENDED:
-                self._jobs.pop(job.id, None)
-            job.cancel()
-
-    def leave(self, session: Session) -> None:
-        """A page goes, and takes with it what it said so of."""
+    def end(self, session: Session, *, kept: bool = True) -> None:
+        """Cancel the jobs of a session; if not `kept`, those alone that end with their page."""
         for job in self.of(session):
-            if job.leave == "cancel":
+            if kept or job.leave == "cancel":
                 job.cancel()
 
     def sweep(self) -> None:
         """Cancel jobs that nobody has asked about for a while."""
         now = time.monotonic()
         for job in list(self._jobs.values()):
-            away = now - job.asked > self.limits.away_seconds
-            if away and job.leave == "cancel" and job.state not in ENDED:
+            if now - job.asked > self.limits.away_seconds and job.leave == "cancel":
                 job.cancel()
 
     def close(self) -> None:

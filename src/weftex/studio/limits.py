@@ -5,7 +5,6 @@ from __future__ import annotations
 import os
 import threading
 from collections import OrderedDict
-from collections.abc import Callable, Hashable
 from dataclasses import dataclass
 from typing import Any
 
@@ -45,15 +44,18 @@ def usual_limits() -> Limits:
 
 
 class Memory:
-    """What was made, as long as there is room: the longest unused goes first."""
+    """What was made, as long as there is room: the longest unused goes first.
+
+    Keys are tuples that begin with the key of a session.
+    """
 
     def __init__(self, most_bytes: int) -> None:
         self.most_bytes, self.bytes = most_bytes, 0
         self._lock = threading.Lock()
-        self._kept: OrderedDict[Hashable, tuple[Any, int]] = OrderedDict()
+        self._kept: OrderedDict[tuple[Any, ...], tuple[Any, int]] = OrderedDict()
 
-    def put(self, key: Hashable, value: Any, size: int) -> None:
-        """Remember something that takes so many bytes; the last is always remembered."""
+    def put(self, key: tuple[Any, ...], value: Any, size: int) -> None:
+        """Remember a value of so many bytes; the last is always remembered."""
         with self._lock:
             self._drop(key)
             self._kept[key] = value, size
@@ -61,7 +63,7 @@ class Memory:
             while self.bytes > self.most_bytes and len(self._kept) > 1:
                 self._drop(next(iter(self._kept)))
 
-    def get(self, key: Hashable) -> Any:
+    def get(self, key: tuple[Any, ...]) -> Any:
         """Return what is remembered, or None."""
         with self._lock:
             if key not in self._kept:
@@ -69,20 +71,12 @@ class Memory:
             self._kept.move_to_end(key)
             return self._kept[key][0]
 
-    def find(self, key: Hashable, make: Callable[[], tuple[Any, int]]) -> Any:
-        """Return what is remembered, or make it: the value and its bytes."""
-        found = self.get(key)
-        if found is None:
-            found, size = make()
-            self.put(key, found, size)
-        return found
-
-    def forget(self, wanted: Callable[[Any], bool]) -> None:
-        """Forget the keys of which this is true."""
+    def forget(self, session: str) -> None:
+        """Forget what a session has."""
         with self._lock:
-            for key in [key for key in self._kept if wanted(key)]:
+            for key in [key for key in self._kept if key[0] == session]:
                 self._drop(key)
 
-    def _drop(self, key: Hashable) -> None:
+    def _drop(self, key: tuple[Any, ...]) -> None:
         if key in self._kept:
             self.bytes -= self._kept.pop(key)[1]

@@ -10,7 +10,6 @@ from weftex.analysis.courses import courses
 from weftex.analysis.lattice import Lattice
 from weftex.analysis.overlay import lattice_lines
 from weftex.analysis.relief import smaller_copy
-from weftex.canvas import as_canvas
 from weftex.errors import InvalidInputError
 from weftex.studio.refusals import Refusal
 from weftex.tasks.auto import AutoModel
@@ -20,21 +19,21 @@ if TYPE_CHECKING:
     from weftex.analysis.autocorrelations import Autocorrelations
     from weftex.analysis.ratings import Rated
     from weftex.choice import Choice
-    from weftex.studio.making import Bench
     from weftex.studio.materials import Loaded
+    from weftex.studio.sessions import Session
 
 _LARGEST = 2**21  # pixels of a sample that is analyzed as a whole; a drag must be quick
 _RUNNERS_UP = 4
 _DEGREE = 2  # of the light that the button takes off
 
 
-def look(loaded: Loaded, bench: Bench) -> dict[str, Any]:
+def look(loaded: Loaded, session: Session) -> dict[str, Any]:
     """Return what a material is like; larger ones are analyzed by a smaller copy."""
 
     def find() -> tuple[dict[str, Any], int]:
         return _look(loaded), 2**14
 
-    found: dict[str, Any] = bench.memory.find((bench.session.key, "look", loaded.id), find)
+    found: dict[str, Any] = session.find(find, "look", loaded.id)
     return found
 
 
@@ -45,7 +44,6 @@ def _look(loaded: Loaded) -> dict[str, Any]:
     found = weftex.analyze(exemplar, runners_up=_RUNNERS_UP)
     rated = found.ratings
     own = found.lattice
-    light = found.evenness
     return {
         "scale": found.scale,
         "confidence": found.confidence,
@@ -56,9 +54,6 @@ def _look(loaded: Loaded) -> dict[str, Any]:
         "runners_up": [_lattice(exemplar, Lattice(one.vectors), one) for one in rated.runners_up],
         "colors": found.colors,
         "tiles": list(found.tiles),
-        "border_steps": list(found.border_steps),
-        "light": {"value": light.light, "range": light.light_range},
-        "slant": _slant(light.perspective),
         "auto": _choice(found.choice),
         "mending": _mending(loaded.spec, found.choice, own),
         "text": str(found),
@@ -80,16 +75,13 @@ def _quick_look(exemplar: Exemplar) -> dict[str, Any]:
         "runners_up": [],
         "colors": seen.colors,
         "tiles": None,
-        "border_steps": None,
-        "light": {"value": seen.evenness.light, "range": seen.evenness.light_range},
-        "slant": _slant(seen.evenness.perspective),
         "auto": _choice(choice),
         "mending": _mending({}, choice, seen.lattice),
         "text": f"{exemplar.shape[1]}x{exemplar.shape[0]}, looked at by a smaller copy\n{choice}",
     }
 
 
-def rate(loaded: Loaded, vectors: str, bench: Bench) -> dict[str, Any]:
+def rate(loaded: Loaded, vectors: str, session: Session) -> dict[str, Any]:
     """Return how good a lattice is that somebody drew, or raise `InvalidInputError`."""
     from weftex.analysis.autocorrelations import autocorrelations
     from weftex.analysis.goodness import ALPHA, SIGNIFICANT
@@ -108,28 +100,13 @@ def rate(loaded: Loaded, vectors: str, bench: Bench) -> dict[str, Any]:
         size = 64 * exemplar.shape[0] * exemplar.shape[1]
         return autocorrelations(exemplar, ALPHA, SIGNIFICANT), size
 
-    seen = bench.memory.find((bench.session.key, "views", loaded.id), see)
+    seen = session.find(see, "views", loaded.id)
     rated = rate_lattices(exemplar, given, **rule, runners_up=0, fields=seen)[0]
     return _lattice(exemplar, given, rated)
 
 
-def choose(loaded: Loaded, query: dict[str, Any], bench: Bench) -> dict[str, Any]:
-    """Return what `auto` would do for a size, and why."""
-    sample = loaded.sample
-    model = bench.memory.find(
-        (bench.session.key, "auto", loaded.id), lambda: (AutoModel(weftex.Auto(), sample), 2**14)
-    )
-    height, width = query["size"] or (2 * sample.shape[0], 2 * sample.shape[1])
-    return _choice(model.choose(as_canvas((height, width), query["tileable"])))
-
-
 def _choice(choice: Choice) -> dict[str, Any]:
-    return {
-        "method": choice.method,
-        "parameters": dict(choice.parameters),
-        "reason": choice.reason,
-        "warnings": list(choice.warnings),
-    }
+    return {"reason": choice.reason, "warnings": list(choice.warnings)}
 
 
 def _found(exemplar: Exemplar, lattice: Lattice, rated: Rated | None) -> dict[str, Any]:
@@ -153,11 +130,6 @@ def _lattice(exemplar: Exemplar, lattice: Lattice, rated: Rated | None) -> dict[
             for across, phase in lines
         ],
     }
-
-
-def _slant(perspective: tuple[float, float]) -> float:
-    """How many times larger things are at one side than at the other."""
-    return max(max(growth, 1 / growth) for growth in perspective)
 
 
 def _mending(spec: dict[str, Any], choice: Choice, lattice: Lattice | None) -> list[dict[str, Any]]:

@@ -15,11 +15,11 @@ from weftex.errors import InvalidInputError, shown
 from weftex.io.pictures import mask_of, sample_names
 from weftex.material import Material, read_material, role_of_picture
 from weftex.roles import COLOR, Role, is_preview, role_of, words_of
+from weftex.studio.refusals import Refusal
 from weftex.studio.uploads import picture_of
 
 if TYPE_CHECKING:
     from weftex import Exemplar
-    from weftex.studio.limits import Limits, Memory
     from weftex.studio.sessions import Session
 
 #: What is done to a material before anything is made from it.
@@ -93,18 +93,18 @@ def checked(given: Any) -> dict[str, Any]:
     return spec
 
 
-def load(given: Any, session: Session, memory: Memory, limits: Limits) -> Loaded:
+def load(given: Any, session: Session) -> Loaded:
     """Read a material, or remember it."""
     spec = checked(given)
 
     def read() -> tuple[Loaded, int]:
-        material = _read(spec, session, limits)
-        loaded = Loaded(spec, material, _changed(spec, material, session, limits))
+        material = _read(spec, session)
+        loaded = Loaded(spec, material, _changed(spec, material, session))
         return loaded, 2 * size_of(loaded.exemplar)
 
     for upload in uploads_of(spec):
         session.upload(upload)
-    found: Loaded = memory.find((session.key, "material", id_of(spec)), read)
+    found: Loaded = session.find(read, "material", id_of(spec))
     return found
 
 
@@ -120,7 +120,7 @@ def size_of(exemplar: Exemplar) -> int:
     return whole + exemplar.shape[0] * exemplar.shape[1] * 4 * (1 + len(exemplar.maps))
 
 
-def _read(spec: Mapping[str, Any], session: Session, limits: Limits) -> Material:
+def _read(spec: Mapping[str, Any], session: Session) -> Material:
     """The material as its files have it, its maps by their roles."""
     if "sample" in spec:
         found = read_material(f"sample:{spec['sample']}")
@@ -128,7 +128,7 @@ def _read(spec: Mapping[str, Any], session: Session, limits: Limits) -> Material
             return found
         (picture,), (role,) = found.pictures.values(), found.roles.values()
         return Material(str(spec["sample"]), {role.name: picture}, {role.name: role})
-    pictures = {name: picture_of(id_, session, limits) for name, id_ in spec["maps"].items()}
+    pictures = {name: picture_of(id_, session) for name, id_ in spec["maps"].items()}
     if len(pictures) == 1:
         ((name, picture),) = pictures.items()
         role = role_of_picture(picture.path) if name == COLOR.name else _role(name)
@@ -147,9 +147,7 @@ def _stem(name: str) -> str:
     return os.path.splitext(name)[0]
 
 
-def _changed(
-    spec: Mapping[str, Any], material: Material, session: Session, limits: Limits
-) -> Exemplar:
+def _changed(spec: Mapping[str, Any], material: Material, session: Session) -> Exemplar:
     """The sample as it is used, all that was asked for done to it, in the command's order."""
     exemplar = material.exemplar(tileable=spec.get("repeats", False))
     if "map_weights" in spec:
@@ -160,7 +158,7 @@ def _changed(
 
             usable = ~hole_of(None, exemplar)
         else:
-            picture = picture_of(spec["mask"], session, limits)
+            picture = picture_of(spec["mask"], session)
             usable = mask_of(picture.pixels, alpha=picture.alpha)
         exemplar = exemplar.changed(mask=usable)
     if "straighten" in spec:
@@ -222,7 +220,6 @@ def described(loaded: Loaded) -> dict[str, Any]:
     exemplar, material = loaded.exemplar, loaded.material
     return {
         "id": loaded.id,
-        "spec": loaded.spec,
         "name": material.name,
         "main": material.main,
         "width": exemplar.shape[1],
@@ -232,18 +229,19 @@ def described(loaded: Loaded) -> dict[str, Any]:
     }
 
 
+def map_of(exemplar: Exemplar, main: str, name: str | None) -> Exemplar:
+    """Return a map of a sample whose own picture is called `main`, or raise `Refusal`."""
+    if name in (None, "", main):
+        return exemplar
+    if name not in exemplar.maps:
+        raise Refusal(404, "there is no such map", "map")
+    return exemplar.map(name)
+
+
 def maps_of(exemplar: Exemplar, main: str) -> list[dict[str, Any]]:
     """Return what the page is told of each map of a sample."""
+    named = {name: map_of(exemplar, main, name) for name in (main, *exemplar.maps)}
     return [
-        {
-            "name": name,
-            "role": one.role.name,
-            "kind": one.role.kind,
-            "width": one.shape[1],
-            "height": one.shape[0],
-            "channels": one.channels,
-            "dtype": one.pixels.dtype.name,
-            "alpha": one.alpha,
-        }
-        for name, one in {main: exemplar, **{k: exemplar.map(k) for k in exemplar.maps}}.items()
+        {"name": name, "role": one.role.name, "dtype": one.pixels.dtype.name, "alpha": one.alpha}
+        for name, one in named.items()
     ]

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import os
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -37,13 +36,11 @@ class Opened:
         files = {name: Path(one.path) for name, one in material.pictures.items()}
         return cls(material.name, None, files)
 
-    def give(self, session: Session, limits: Limits) -> dict[str, Any]:
+    def give(self, session: Session) -> dict[str, Any]:
         """Put the files among a session's uploads; the material's description."""
         if self.sample is not None:
             return {"sample": self.sample}
-        from weftex.studio.uploads import file_in, label_of
+        from weftex.studio.uploads import file_in
 
-        maps = {}
-        for name, path in self.files.items():
-            maps[name] = file_in(path, label_of(os.path.basename(path)), session, limits)["id"]
+        maps = {name: file_in(path, session)["id"] for name, path in self.files.items()}
         return {"maps": maps} | ({"name": self.name} if len(maps) > 1 else {})

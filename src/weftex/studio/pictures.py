@@ -3,24 +3,21 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from weftex.io.png import png_bytes
-from weftex.raster.levels import scale_to_bytes, to_bytes
 from weftex.raster.srgb import to_stored
 from weftex.studio.refusals import Refusal
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-    from weftex import Exemplar
+    from weftex import Exemplar, Synthesis
 
     Bytes = NDArray[np.uint8]
 
-_MOST_REDUCED = 64
 _MOST_RAW = 2**20  # pixels
 _BAND = 2**22  # pixels, about, that are converted together: a large sample would take gigabytes
 _QUICK = 1  # zlib's level: on one machine sending costs less than packing
@@ -40,42 +37,21 @@ def whole_number(query: Mapping[str, str], name: str, default: int, low: int, hi
     return value
 
 
-@dataclass(frozen=True)
-class Part:
-    """Which part of a picture is asked for, and with how many fewer pixels."""
+def times_smaller(query: Mapping[str, str], shape: tuple[int, ...]) -> int:
+    """Return by which power of two sides become at most the `most` of a query."""
+    most, times = whole_number(query, "most", 0, 0, 2**20), 1
+    while most and -(-max(shape[:2]) // times) > most:
+        times *= 2
+    return times
 
-    top: int  # in its pixels
-    left: int  # in its pixels
-    height: int  # in its pixels
-    width: int  # in its pixels
-    reduce: int  # means of so many times so many pixels
 
-    @classmethod
-    def of(cls, query: Mapping[str, str], shape: tuple[int, int]) -> Part:
-        """Read it from a query; all of the picture by default."""
-        top = whole_number(query, "top", 0, 0, shape[0] - 1)
-        left = whole_number(query, "left", 0, 0, shape[1] - 1)
-        height = whole_number(query, "height", shape[0] - top, 1, shape[0] - top)
-        width = whole_number(query, "width", shape[1] - left, 1, shape[1] - left)
-        reduce = whole_number(query, "reduce", 1, 1, _MOST_REDUCED)
-        most = whole_number(query, "most", 0, 0, 2**20)
-        while most and -(-max(height, width) // reduce) > most:
-            reduce *= 2
-        return cls(top, left, height, width, reduce)
-
-    def cut(self, picture: Bytes) -> Bytes:
-        """Return the part of a picture (H, W, C)."""
-        part = picture[self.top : self.top + self.height, self.left : self.left + self.width]
-        return smaller(part, self.reduce)
-
-    def shown(self, like: Exemplar) -> Bytes:
-        """Return the part of a sample as a screen shows it, a band of rows at a time."""
-        part = like.pixels[self.top : self.top + self.height, self.left : self.left + self.width]
-        rows = -(-_BAND // max(1, self.width) // self.reduce) * self.reduce
-        bands = range(0, self.height, rows)
-        return np.concatenate(
-            [smaller(shown(like, part[top : top + rows]), self.reduce) for top in bands]
-        )
+def shown_smaller(like: Exemplar, times: int) -> Bytes:
+    """Return a sample as a screen shows it, with fewer pixels, a band of rows at a time."""
+    rows = -(-_BAND // like.shape[1] // times) * times
+    bands = range(0, like.shape[0], rows)
+    return np.concatenate(
+        [smaller(shown(like, like.pixels[top : top + rows]), times) for top in bands]
+    )
 
 
 def smaller(picture: Bytes, times: int) -> Bytes:
@@ -100,16 +76,14 @@ def shown(like: Exemplar, pixels: NDArray[Any]) -> Bytes:
     alpha = like.alpha and planes.shape[2] > 1
     colors = planes[..., :-1] if alpha else planes
     colors = colors[..., :3] if colors.shape[2] >= 3 else colors[..., :1]
-    if colors.dtype == np.uint16 and like.role.kind != "labels":
+    if colors.dtype == np.uint8:
+        levels = colors
+    elif colors.dtype == np.uint16 and like.role.kind != "labels":
         levels = ((colors.astype(np.uint32) + 128) // 257).astype(np.uint8)
     elif colors.dtype.kind == "f" and like.role.kind == "color":
         levels = np.rint(255 * to_stored(np.clip(colors.astype(np.float64), 0, 1))).astype(np.uint8)
-    elif colors.dtype != np.uint8:
-        own = like.pixels.reshape(*like.shape, -1)
-        own = own[..., :-1] if alpha else own
-        levels = np.rint(to_bytes(colors, scale_to_bytes(own))).astype(np.uint8)
     else:
-        levels = colors
+        levels = like.as_matching(pixels)[..., : colors.shape[2]]
     if not alpha:
         return np.ascontiguousarray(levels)
     clear = planes[..., -1:].astype(np.float64) / (
@@ -118,6 +92,15 @@ def shown(like: Exemplar, pixels: NDArray[Any]) -> Bytes:
     cover = np.rint(255 * np.clip(clear, 0, 1)).astype(np.uint8)
     levels = levels if levels.shape[2] == 3 else np.repeat(levels, 3, axis=2)
     return np.concatenate([levels, cover], axis=2)
+
+
+def source_of(result: Synthesis, query: Mapping[str, str]) -> tuple[int, int]:
+    """Return the row and column in the sample of a pixel of a result, -1 for no source."""
+    height, width = result.shape
+    x = whole_number(query, "x", 0, 0, width - 1)
+    y = whole_number(query, "y", 0, 0, height - 1)
+    row, column = result.layers((y, x, 1, 1))[0][0, 0, 0].tolist()
+    return row, column
 
 
 def packed(picture: Bytes, query: Mapping[str, str]) -> tuple[bytes, dict[str, str]]:

@@ -8,23 +8,38 @@ from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any, TypeVar
 
 from anyio import to_thread
+from starlette.responses import Response
 
-from weftex.studio.making import Bench
-from weftex.studio.pictures import whole_number
+from weftex.studio.pictures import packed
 from weftex.studio.refusals import Refusal
 
 if TYPE_CHECKING:
-    from collections.abc import AsyncIterator, Callable
+    from collections.abc import Awaitable, Callable
 
+    import numpy as np
+    from numpy.typing import NDArray
     from starlette.requests import Request
 
     from weftex.studio.sessions import Session
     from weftex.studio.studio import Studio
 
     Result = TypeVar("Result")
+    Handler = Callable[["Call"], Awaitable[Any]]
 
 SESSION = "x-weftex-session"
 _MOST_DEEP = 32  # levels of JSON
+#: All routes under /api: method, path, and what answers.
+ROUTES: list[tuple[str, str, Handler]] = []
+
+
+def route(method: str, path: str) -> Callable[[Handler], Handler]:
+    """Add a function of a `Call` to the routes; it returns a `Response` or what JSON can say."""
+
+    def add(handler: Handler) -> Handler:
+        ROUTES.append((method, path, handler))
+        return handler
+
+    return add
 
 
 class Call:
@@ -40,29 +55,17 @@ class Call:
         return self.studio.sessions.get(self.request.headers.get(SESSION))
 
     @property
-    def bench(self) -> Bench:
-        """Where the session works."""
-        return Bench(self.session, self.studio.memory, self.studio.limits)
-
-    def part(self, name: str) -> str:
-        """Return a part of the address."""
-        return str(self.request.path_params[name])
-
-    async def body(self) -> AsyncIterator[bytes]:
-        """Yield the body as it comes."""
-        async for chunk in self.request.stream():
-            if chunk:
-                yield chunk
+    def id(self) -> str:
+        """The part of the address that names something."""
+        return str(self.request.path_params["id"])
 
     async def json(self) -> Any:
         """Return the body's JSON, of which no more is read than is allowed, or raise `Refusal`."""
-        text = bytearray()
-        async for chunk in self.body():
+        text, most = bytearray(), self.studio.limits.body_bytes
+        async for chunk in self.request.stream():
             text += chunk
-            if len(text) > self.studio.limits.body_bytes:
-                raise Refusal(
-                    413, f"the request has more than {self.studio.limits.body_bytes} bytes"
-                )
+            if len(text) > most:
+                raise Refusal(413, f"the request has more than {most} bytes")
         try:
             found = json.loads(bytes(text) or b"{}", parse_constant=_no_number)
             json.dumps(found, ensure_ascii=False).encode()  # no surrogate stands by itself
@@ -90,11 +93,13 @@ class Call:
         """Call something that decodes an upload in a thread; one runs at a time."""
         return await to_thread.run_sync(function, limiter=self.studio.decoding)
 
-    def size(self) -> tuple[int, int] | None:
-        """Return the height and width of the query, if it has them."""
-        height = whole_number(self.query, "height", 0, 1, 2**20)
-        width = whole_number(self.query, "width", 0, 1, 2**20)
-        return (height, width) if height and width else None
+    async def picture(
+        self, make: Callable[[], NDArray[np.uint8]], shape: tuple[int, ...]
+    ) -> Response:
+        """Answer with a picture for the screen, which may be smaller than what it stands for."""
+        pixels, kind = await self.work(lambda: packed(make(), self.query))
+        headers = {"x-weftex-width": str(shape[1]), "x-weftex-height": str(shape[0])}
+        return Response(pixels, headers=headers | kind)
 
 
 def as_plain(value: Any) -> Any:

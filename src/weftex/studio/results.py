@@ -8,74 +8,50 @@ import numpy as np
 
 import weftex
 from weftex.io.formats import FORMATS
+from weftex.pages.reports import fault_maps
+from weftex.quality.assess import made_from
+from weftex.quality.figures import FIGURES
 from weftex.results.drawing import DRAWINGS
-from weftex.studio.about import is_endless
+from weftex.studio.materials import maps_of
 from weftex.studio.pictures import shown
 from weftex.studio.refusals import Refusal
 from weftex.studio.words import command_of, python_of
 
 if TYPE_CHECKING:
-    from weftex import Exemplar
+    from weftex import Assessment, Exemplar
     from weftex.io.pictures import Picture
-    from weftex.studio.making import Bench, Made
+    from weftex.studio.making import Made
+    from weftex.studio.sessions import Session
 
     Bytes = np.ndarray[Any, np.dtype[np.uint8]]
 
-_ABOUT = ("method", "seed", "reason", "warnings", "best_of")
 
-
-def result_of(name: str, bench: Bench) -> Made:
+def result_of(name: str, session: Session) -> Made:
     """Return a result of a session, or raise `Refusal`."""
-    made: Made | None = bench.memory.get((bench.session.key, "result", name))
+    made: Made | None = session.recall("result", name)
     if made is None:
         raise Refusal(410, "this result is not in memory any more; it is made again by its recipe")
     return made
 
 
-def remember(made: Made, bench: Bench) -> None:
-    """Keep a result as long as there is room."""
-    key = (bench.session.key, "result", made.recipe.id)
-    bench.memory.put(key, made, 2 * made.bytes)
-
-
-def described(made: Made, bench: Bench) -> dict[str, Any]:
+def described(made: Made, session: Session) -> dict[str, Any]:
     """Return what the page is told of a result."""
     result, used = made.result, made.result.provenance
-    height, width = result.shape
-    sample = result.sample
-    maps = []
-    for name, picture in made.pictures.items():
-        one = made.map(name)
-        times = 1 if name == made.main else sample.scale_of(name)
-        maps.append({
-            "name": name,
-            "role": one.role.name,
-            "kind": one.role.kind,
-            "width": int(width * times),
-            "height": int(height * times),
-            "channels": one.channels,
-            "dtype": picture.pixels.dtype.name,
-            "alpha": one.alpha,
-        })  # fmt: skip
-    names = {id_: bench.session.upload(id_)["name"] for id_ in made.recipe.uploads}
+    names = {id_: session.upload(id_)["name"] for id_ in made.recipe.uploads}
     return {
         "id": made.recipe.id,
         "recipe": made.recipe.as_json(),
-        "width": width,
-        "height": height,
+        "width": result.shape[1],
+        "height": result.shape[0],
         "main": made.main,
-        "maps": maps,
+        "maps": maps_of(result.sample, made.main),
         "seconds": round(made.seconds, 3),
         "method": used.get("method", made.recipe.method.slug),
-        "parameters": {k: v for k, v in used.items() if k not in _ABOUT},
         "reason": used.get("reason"),
         "warnings": list(used.get("warnings", ())),
-        "best_of": used.get("best_of"),
         "formats": {name: formats_of(picture) for name, picture in made.pictures.items()},
         "command": command_of(made, names),
         "python": python_of(made, names),
-        "plane": is_endless(made.recipe.method),
-        "bytes": made.bytes,
     }
 
 
@@ -91,61 +67,51 @@ def formats_of(picture: Picture) -> list[str]:
     ]
 
 
-def picture_of(made: Made, map_name: str | None, drawing: str | None, bench: Bench) -> Bytes:
+def picture_of(made: Made, map_name: str | None, drawing: str | None, session: Session) -> Bytes:
     """Return a map of a result, or a drawing of it, as a screen shows it."""
-    name = made.main if map_name is None else map_name
-    if name not in made.pictures:
-        raise Refusal(404, "there is no such map", "map")
+    like = made.map(map_name)
     if drawing is not None and drawing not in DRAWINGS:
         raise Refusal(404, f"there is no such drawing; known: {', '.join(DRAWINGS)}", "draw")
-    key = (bench.session.key, "picture", made.recipe.id, name, drawing)
 
     def draw() -> tuple[Bytes, int]:
         if drawing is not None:
-            found = made.result.draw(drawing)
-            found = found if found.ndim == 3 else found[..., None]
+            found = np.atleast_3d(made.result.draw(drawing))
         else:
-            found = shown(made.map(name), made.pixels(name))
+            found = shown(like, made.pixels(map_name))
         return found, found.nbytes
 
-    picture: Bytes = bench.memory.find(key, draw)
+    picture: Bytes = session.find(draw, "picture", made.recipe.id, map_name, drawing)
     return picture
 
 
-def figures_of(made: Made, bench: Bench) -> dict[str, Any]:
+def assessed(made: Made, session: Session) -> Assessment:
     """Return how good a result is."""
-    from weftex.quality.figures import FIGURES
 
-    def measure() -> tuple[dict[str, Any], int]:
-        found = weftex.assess(made.result.sample, made.result)
-        plain = found.as_dict()
-        figures = {name: plain.get(name) for name in FIGURES}
-        about = {"score": found.score, "flags": list(found.flags), "verdict": found.verdict()}
-        return {**about, "figures": figures}, 4096
+    def measure() -> tuple[Assessment, int]:
+        return weftex.assess(made.result.sample, made.result), 4096
 
-    key = (bench.session.key, "figures", made.recipe.id)
-    found: dict[str, Any] = bench.memory.find(key, measure)
+    found: Assessment = session.find(measure, "figures", made.recipe.id)
     return found
 
 
-def faults_of(made: Made, bench: Bench) -> dict[str, Bytes]:
+def figures_of(made: Made, session: Session) -> dict[str, Any]:
+    """Return what the page is told of how good a result is."""
+    found = assessed(made, session)
+    plain = found.as_dict()
+    figures = {name: plain.get(name) for name in FIGURES}
+    about = {"score": found.score, "flags": list(found.flags), "verdict": found.verdict()}
+    return {**about, "figures": figures}
+
+
+def faults_of(made: Made, session: Session) -> dict[str, Bytes]:
     """Return maps of where a result fails, those of its report."""
-    from weftex.pages.reports import fault_maps
-    from weftex.quality.assess import made_from
 
     def look() -> tuple[dict[str, Bytes], int]:
         found = fault_maps(made.result.sample, made.result.image, made_from(made.result))
         return found, sum(one.nbytes for one in found.values())
 
-    key = (bench.session.key, "faults", made.recipe.id)
-    found: dict[str, Bytes] = bench.memory.find(key, look)
+    found: dict[str, Bytes] = session.find(look, "faults", made.recipe.id)
     return found
-
-
-def coordinates_of(made: Made, window: tuple[int, int, int, int]) -> bytes:
-    """Return rows and columns in the sample of the pixels of a window, int32, little endian."""
-    found = made.result.layers(window)[0][:, :, 0]
-    return np.ascontiguousarray(found, "<i4").tobytes()
 
 
 def preview_of(sample: Exemplar) -> Any:

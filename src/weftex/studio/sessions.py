@@ -3,41 +3,141 @@
 from __future__ import annotations
 
 import hashlib
+import json
+import os
 import re
 import secrets
 import threading
 import time
+from contextlib import suppress
 from typing import TYPE_CHECKING, Any
 
+from weftex.io.pictures import write_text
 from weftex.studio.refusals import Refusal
-from weftex.studio.store import Shelf, Store
+from weftex.studio.store import KEPT, KEY
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
+    from collections.abc import Callable, Mapping
+    from pathlib import Path
 
-    from weftex.studio.limits import Limits
+    from weftex.studio.limits import Memory
+    from weftex.studio.store import Store
 
-_ID = re.compile(r"[A-Za-z0-9_-]{43}")
+_SECRET = re.compile(r"[A-Za-z0-9_-]{43}")
+_MOST_KEPT = 200
+# Fields that files on disk must have; another version may have written them.
+_OF_UPLOAD = {"id": str, "suffix": str, "name": str, "bytes": int}
+_OF_KEPT = {"recipe": dict, "result": str}
 
 
 class Session:
-    """One tab: its secret `id`, the `key` that names its folder, its `shelf`, the time `seen`."""
+    """One tab: its uploads and kept recipes, which are on disk, and what it has in memory.
 
-    def __init__(self, store: Store, secret: str) -> None:
+    `id` is its secret and `key` names its folder. Uploads are named after their content, and
+    nothing that a client says becomes a part of a path. A lock makes each change on disk whole.
+    """
+
+    def __init__(self, store: Store, memory: Memory, secret: str) -> None:
+        self.store, self.memory, self.limits = store, memory, store.limits
         self.id, self.key = secret, key_of(secret)
-        self.shelf = Shelf(store, self.key)
+        self.folder = store.folder / self.key
         self.seen = time.monotonic()
+        self.uploads: dict[str, dict[str, Any]] = {}
+        self.kept: list[dict[str, Any]] = []
+        self._lock = threading.Lock()
+        self.existed = self.folder.is_dir()
+        for one in sorted(self.folder.glob("*.json")) if self.existed else ():
+            with suppress(OSError, ValueError, RecursionError):
+                about = json.loads(one.read_text("utf-8"))
+                if one.name == KEPT:
+                    entries = about if isinstance(about, list) else []
+                    self.kept = [entry for entry in entries if _has(entry, _OF_KEPT)]
+                elif _has(about, _OF_UPLOAD) and about["id"] == one.stem:
+                    if self.path(about).is_file():
+                        self.uploads[one.stem] = about
+        self.mark_used()
+
+    def mark_used(self) -> None:
+        """Set the folder's time to now, so that no other server removes it as unused."""
+        with suppress(OSError):  # a session without files has no folder
+            os.utime(self.folder)
+
+    def recall(self, *key: Any) -> Any:
+        """Return what is in memory under this key, or None."""
+        return self.memory.get((self.key, *key))
+
+    def remember(self, value: Any, size: int, *key: Any) -> None:
+        """Keep a value of so many bytes in memory as long as there is room."""
+        self.memory.put((self.key, *key), value, size)
+
+    def find(self, make: Callable[[], tuple[Any, int]], *key: Any) -> Any:
+        """Return what is in memory, or make and remember it: a value and its bytes."""
+        found = self.recall(*key)
+        if found is None:
+            found, size = make()
+            self.remember(found, size, *key)
+        return found
+
+    def path(self, about: Mapping[str, Any]) -> Path:
+        """Return where the bytes of an upload are."""
+        if not (KEY.fullmatch(about["id"]) and re.fullmatch(r"\.[a-z]{3,4}", about["suffix"])):
+            raise ValueError
+        return self.folder / f"{about['id']}{about['suffix']}"
+
+    def new_file(self) -> Path:
+        """Return a path to which an upload is written while it comes in."""
+        self.folder.mkdir(mode=0o700, exist_ok=True)
+        return self.folder / f".new-{os.urandom(8).hex()}"
 
     def upload(self, name: Any) -> dict[str, Any]:
-        """Return the description of an upload of this session, or raise `Refusal`."""
-        return self.shelf.upload(name)
+        """Return the description of an upload, or raise `Refusal` if its file is not there."""
+        about = self.uploads.get(name) if isinstance(name, str) else None
+        if about is None or not self.path(about).is_file():
+            raise Refusal(404, "a picture of this is not here; drop it again")
+        return about
+
+    def check_room(self) -> None:
+        """Raise `Refusal` if the session has as many uploads as it may."""
+        if len(self.uploads) >= self.limits.uploads:
+            line = f"this tab has {self.limits.uploads} pictures, the most; go on in a new tab"
+            raise Refusal(413, line)
+
+    def take(self, file: Path, about: dict[str, Any]) -> bool:
+        """Move a file among the uploads; return False if the same bytes are there already.
+
+        The line about it is written last, so an upload is listed only if all of it is there.
+        """
+        with self._lock:
+            if about["id"] in self.uploads:
+                return False
+            self.check_room()
+            path = self.path(about)
+            file.replace(path)
+            try:
+                write_text(path.with_suffix(".json"), json.dumps(about))
+            except BaseException:
+                path.unlink(missing_ok=True)
+                raise
+            self.uploads[about["id"]] = about
+            return True
+
+    def keep(self, entry: dict[str, Any]) -> None:
+        """Keep a recipe, in place of an older entry of the same result; it is on disk then."""
+        with self._lock:
+            kept = [*(one for one in self.kept if one["result"] != entry["result"]), entry]
+            if len(kept) > _MOST_KEPT:
+                line = f"this tab keeps {_MOST_KEPT} results, the most; go on in a new tab"
+                raise Refusal(413, line)
+            self.folder.mkdir(mode=0o700, exist_ok=True)
+            write_text(self.folder / KEPT, json.dumps(kept))
+            self.kept = kept
 
 
 class Sessions:
     """All sessions of a server; `ended` is called with a session that is closed for another."""
 
-    def __init__(self, store: Store, limits: Limits, ended: Callable[[Session], None]) -> None:
-        self._store, self._most, self._ended = store, limits.sessions, ended
+    def __init__(self, store: Store, memory: Memory, ended: Callable[[Session], None]) -> None:
+        self._store, self._memory, self._ended = store, memory, ended
         self._lock = threading.Lock()
         self._known: dict[str, Session] = {}
         self.began = threading.Event()  # once there has been a session
@@ -47,17 +147,20 @@ class Sessions:
 
         That may be a session of a server that was killed.
         """
-        known = isinstance(old, str) and _ID.fullmatch(old) is not None
+        known = isinstance(old, str) and _SECRET.fullmatch(old) is not None
         with self._lock:
             if known and old in self._known:
                 return self._known[old], True
-            session = Session(self._store, old if known else secrets.token_urlsafe(32))
-            if known and not session.shelf.existed:  # nothing of it is left
-                session = Session(self._store, secrets.token_urlsafe(32))
+            session = self._session(old) if known else None
+            if session is None or not session.existed:  # nothing of it is left
+                session = self._session(secrets.token_urlsafe(32))
             self._make_room()
             self._known[session.id] = session
             self.began.set()
-            return session, session.shelf.existed
+            return session, session.existed
+
+    def _session(self, secret: str) -> Session:
+        return Session(self._store, self._memory, secret)
 
     def get(self, name: str | None) -> Session:
         """Return the session of a request, or raise `Refusal`."""
@@ -70,13 +173,14 @@ class Sessions:
     def mark_used(self) -> None:
         """Mark the folders of all open sessions as used, for servers that share the folder."""
         for session in list(self._known.values()):
-            session.shelf.mark_used()
+            session.mark_used()
 
     def _make_room(self) -> None:
-        if len(self._known) >= self._most:
+        most = self._store.limits.sessions
+        if len(self._known) >= most:
             oldest = min(self._known.values(), key=lambda session: session.seen)
             if time.monotonic() - oldest.seen < 60:
-                raise Refusal(429, f"{self._most} pages are open; close one of them")
+                raise Refusal(429, f"{most} pages are open; close one of them")
             del self._known[oldest.id]
             self._ended(oldest)
 
@@ -84,3 +188,10 @@ class Sessions:
 def key_of(secret: str) -> str:
     """Return the name of a session's folder, from which its secret cannot be told."""
     return hashlib.sha256(secret.encode()).hexdigest()
+
+
+def _has(found: Any, fields: Mapping[str, type]) -> bool:
+    """Return whether JSON is an object with these fields."""
+    return isinstance(found, dict) and all(
+        isinstance(found.get(name), kind) for name, kind in fields.items()
+    )

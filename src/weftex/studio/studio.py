@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import secrets
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from anyio import CapacityLimiter
 
@@ -27,22 +27,18 @@ class Studio:
     def __init__(self, folder: Path, limits: Limits, opened: Opened | None = None) -> None:
         self.limits, self.opened = limits, opened
         self.token = secrets.token_urlsafe(32)
-        self.store = Store(folder, limits.stored_bytes)
+        self.store = Store(folder, limits)
         self.memory = Memory(limits.memory_bytes)
         self.jobs = Jobs(limits)
         self.downloads = Downloads(self.store.folder)
-        self.sessions = Sessions(self.store, limits, self._ended)
-        self.limiter, self.decoding = CapacityLimiter(_AT_A_TIME), CapacityLimiter(1)
+        self.sessions = Sessions(self.store, self.memory, self._ended)
+        self.limiter = CapacityLimiter(_AT_A_TIME)
+        self.decoding = CapacityLimiter(1)  # uploads wait here, and leave the other threads free
 
     def _ended(self, session: Session) -> None:
         """A session gives way: its work stops, and what it made is forgotten."""
-        for job in self.jobs.of(session):
-            job.cancel()
-
-        def is_its_own(key: Any) -> bool:
-            return isinstance(key, tuple) and key[0] == session.key
-
-        self.memory.forget(is_its_own)
+        self.jobs.end(session)
+        self.memory.forget(session.key)
         self.downloads.forget(session.key)
 
     def mark_used(self) -> None:

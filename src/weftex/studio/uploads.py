@@ -3,21 +3,19 @@
 from __future__ import annotations
 
 import hashlib
+from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 from urllib.parse import unquote
 
 from weftex.errors import FileError, InvalidInputError
 from weftex.io.formats import kind_of
-from weftex.io.pictures import Picture, read_image
-from weftex.roles import role_of
+from weftex.io.pictures import read_image
 from weftex.studio.refusals import Refusal
 
 if TYPE_CHECKING:
-    from collections.abc import AsyncIterator, Awaitable, Callable
     from pathlib import Path
-    from threading import Lock
 
-    from weftex.studio.limits import Limits
+    from weftex.io.pictures import Picture
     from weftex.studio.sessions import Session
 
 #: By what the first bytes say; readers go by suffixes.
@@ -35,115 +33,78 @@ def label_of(given: str | None) -> str:
     return kept[-_LONGEST_NAME:] or "picture"
 
 
-async def receive(
-    chunks: AsyncIterator[bytes],
-    name: str,
-    session: Session,
-    limits: Limits,
-    finish: Callable[[Callable[[], dict[str, Any]]], Awaitable[dict[str, Any]]],
-) -> dict[str, Any]:
-    """Return the description of an upload that comes in; `finish` decodes it in a thread."""
-    coming = _Coming(name, session, limits)
-    try:
-        async for chunk in chunks:
-            coming.write(chunk)
-        return await finish(coming.finish)
-    finally:
-        coming.close()
-
-
-def file_in(path: Path, name: str, session: Session, limits: Limits) -> dict[str, Any]:
+def file_in(path: Path, session: Session) -> dict[str, Any]:
     """Return the description of a file of this machine, which the command named."""
-    coming = _Coming(name, session, limits)
-    try:
-        with path.open("rb") as file:
-            while chunk := file.read(2**20):
-                coming.write(chunk)
+    with Coming(label_of(path.name), session) as coming, path.open("rb") as file:
+        while chunk := file.read(2**20):
+            coming.write(chunk)
         return coming.finish()
-    finally:
-        coming.close()
 
 
-class _Coming:
-    """A file that is coming in; nothing of it is left unless it is finished."""
+class Coming:
+    """An upload that is coming in; nothing of it is left unless it is finished."""
 
-    def __init__(self, name: str, session: Session, limits: Limits) -> None:
-        self.name, self.shelf, self.limits = name, session.shelf, limits
-        self.shelf.check_room(limits.uploads)
-        self.path, self.digest = self.shelf.new_file(), hashlib.sha256()
-        self.count = self.counted = 0
+    def __init__(self, name: str, session: Session) -> None:
+        self.name, self.session = name, session
+        session.check_room()
+        self.path, self.digest = session.new_file(), hashlib.sha256()
+        self.count, self.taken = 0, False
         self.out = self.path.open("wb", buffering=0)  # closing it must not write
+
+    def __enter__(self) -> Coming:
+        return self
 
     def write(self, chunk: bytes) -> None:
         """Append a piece, or raise `Refusal` if there is no room."""
-        if self.count + len(chunk) > self.limits.upload_bytes:
-            most = self.limits.upload_bytes / 2**20
-            raise Refusal(413, f"{self.name} has more than {most:g} MiB, the most for one file")
-        self.shelf.store.reserve(len(chunk))
+        most = self.session.limits.upload_bytes
+        if self.count + len(chunk) > most:
+            line = f"{self.name} has more than {most / 2**20:g} MiB, the most for one file"
+            raise Refusal(413, line)
+        self.session.store.reserve(len(chunk))
         self.count += len(chunk)
-        self.counted += len(chunk)
         self.digest.update(chunk)
         self.out.write(chunk)
 
     def finish(self) -> dict[str, Any]:
-        """Decode the file and name it after its content; return its description."""
+        """Decode the file, to know that it can be, and name it after its content."""
         self.out.close()
         about = {"id": self.digest.hexdigest(), "name": self.name, "bytes": self.count}
-        found = self.shelf.uploads.get(str(about["id"]))
+        found = self.session.uploads.get(str(about["id"]))
         if found is None:
-            store = self.shelf.store
-            found = _looked_at(self.path, about, self.limits.upload_pixels, store.decoding)
-            if self.shelf.take(self.path, found, self.limits.uploads):
-                self.counted = 0
+            suffix = _SUFFIXES[kind_of(str(self.path), self.name)]
+            named = self.path.with_suffix(suffix)
+            self.path.rename(named)
+            try:
+                _read(named, self.name, self.session)
+            finally:
+                named.rename(self.path)
+            found = about | {"suffix": suffix}
+            self.taken = self.session.take(self.path, found)
         return found | {"name": self.name}
 
-    def close(self) -> None:
-        """Forget what was not finished."""
+    def __exit__(self, *error: object) -> None:
         self.out.close()
-        self.shelf.store.reserve(-self.counted)
+        if not self.taken:
+            self.session.store.reserve(-self.count)
         self.path.unlink(missing_ok=True)
 
 
-def _looked_at(
-    file: Path, about: dict[str, Any], most_pixels: int, decoding: Lock
-) -> dict[str, Any]:
-    """Return the description of a file, which is decoded once, to know that it can be."""
-    name = str(about["name"])
-    suffix = _SUFFIXES[kind_of(str(file), name)]
-    named = file.with_suffix(suffix)
-    file.rename(named)
-    try:
-        pixels = _read(named, name, most_pixels, decoding)
-    finally:
-        named.rename(file)
-    role = role_of(name.rpartition(".")[0])
-    return about | {
-        "suffix": suffix,
-        "width": pixels.pixels.shape[1],
-        "height": pixels.pixels.shape[0],
-        "channels": pixels.pixels.shape[2] if pixels.pixels.ndim == 3 else 1,
-        "dtype": pixels.pixels.dtype.name,
-        "alpha": pixels.alpha,
-        "role": None if role is None else role.name,
-    }
-
-
-def picture_of(upload: str, session: Session, limits: Limits) -> Picture:
+def picture_of(upload: str, session: Session) -> Picture:
     """Return the picture of an upload, under the name that its owner gave it."""
     about = session.upload(upload)
-    path, decoding = session.shelf.path(about), session.shelf.store.decoding
-    found = _read(path, about["name"], limits.upload_pixels, decoding)
-    return Picture(found.pixels, found.alpha, found.icc, about["name"], found.half)
+    found = _read(session.path(about), about["name"], session)
+    return replace(found, path=about["name"])
 
 
-def _read(path: Path, name: str, most_pixels: int, decoding: Lock) -> Picture:
+def _read(path: Path, name: str, session: Session) -> Picture:
     """Return a picture, of all threads one at a time; errors have its owner's name for it."""
+    most = session.limits.upload_pixels
     try:
-        with decoding:
-            return read_image(path, max_pixels=most_pixels)
+        with session.store.decoding:
+            return read_image(path, max_pixels=most)
     except (FileError, InvalidInputError) as error:
         line = str(error).replace(str(path), name).replace(path.name, name)
         if "max_pixels" in line:
-            line = f"{name} has more than {most_pixels / 2**20:g} megapixels, the most for one file"
+            line = f"{name} has more than {most / 2**20:g} megapixels, the most for one file"
             raise Refusal(413, line) from None
         raise FileError(line) from None

@@ -5,17 +5,17 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any
 
 import anywidget
+import numpy as np
 import traitlets
 
-from weftex.errors import InvalidInputError, WeftexError
+from weftex.errors import WeftexError
 from weftex.results.drawing import DRAWINGS
 from weftex.studio.bundled import module, styles, words
-from weftex.studio.materials import maps_of
-from weftex.studio.pictures import Part, packed, whole_number
+from weftex.studio.materials import map_of, maps_of
+from weftex.studio.pictures import packed, smaller, source_of, times_smaller
 from weftex.studio.pictures import shown as as_shown
 
 if TYPE_CHECKING:
-    import numpy as np
     from numpy.typing import NDArray
 
     from weftex import Exemplar, Synthesis
@@ -62,7 +62,8 @@ class View(anywidget.AnyWidget):  # type: ignore[misc]
             else:
                 picture = self._picture(wanted)
                 query = {"most": str(wanted.get("most") or ""), "raw": "1"}
-                pixels, kind = packed(Part.of(query, picture.shape[:2]).cut(picture), query)
+                times = times_smaller(query, picture.shape)
+                pixels, kind = packed(smaller(picture, times), query)
                 height, width = picture.shape[:2]
                 shape = kind.get("x-weftex-pixels")
                 told |= {"width": width, "height": height, "pixels": shape}
@@ -76,22 +77,16 @@ class View(anywidget.AnyWidget):  # type: ignore[misc]
         sample, result = self._sample, self._result
         drawing, name = wanted.get("draw"), wanted.get("map") or self._main
         if drawing is not None and result is not None:
-            found = result.draw(str(drawing))
-            return found if found.ndim == 3 else found[..., None]
-        if name != self._main and name not in sample.maps:
-            raise InvalidInputError("there is no such map")
-        like = sample if name == self._main else sample.map(name)
+            return np.atleast_3d(result.draw(str(drawing)))
+        like = map_of(sample, self._main, name)
         if wanted.get("of") == "materials" or result is None:
             return as_shown(like, like.pixels)
-        return as_shown(like, result.image if name == self._main else result.render(like))
+        return as_shown(like, result.image if like is sample else result.render(like))
 
     def _source(self, wanted: dict[str, Any]) -> list[int] | None:
         """Column and row in the sample of a pixel of the result."""
         if self._result is None:
             return None
-        height, width = self._result.shape
         place = {name: str(wanted.get(name)) for name in "xy"}
-        x = whole_number(place, "x", 0, 0, width - 1)
-        y = whole_number(place, "y", 0, 0, height - 1)
-        row, column = self._result.layers((y, x, 1, 1))[0][0, 0, 0].tolist()
+        row, column = source_of(self._result, place)
         return [column, row] if row >= 0 else None

@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 import os
 import zipfile
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from time import perf_counter
 from typing import TYPE_CHECKING, Any
 
@@ -16,6 +16,8 @@ from weftex.progress import Progress
 from weftex.studio import results
 from weftex.studio.answers import answer_of
 from weftex.studio.exports import DATE, Wanted, pack, write
+from weftex.studio.making import make, sized
+from weftex.studio.materials import load
 from weftex.studio.uploads import label_of
 
 if TYPE_CHECKING:
@@ -24,35 +26,34 @@ if TYPE_CHECKING:
 
     from weftex.studio.downloads import Downloads
     from weftex.studio.jobs import Job
-    from weftex.studio.making import Bench, Made
+    from weftex.studio.making import Made
     from weftex.studio.recipes import Recipe
 
 MOST_SEEDS = 16
 _MOST_IN_BATCH = 1000
 
 
-def plain(recipes: list[Recipe], bench: Bench) -> Callable[[Job], None]:
+def plain(recipes: list[Recipe]) -> Callable[[Job], None]:
     """Make one recipe after the other; the first that fails ends it."""
 
     def work(job: Job) -> None:
         for recipe in recipes:
             job.check()
-            job.add(results.described(made_of(recipe, bench, job), bench))
+            job.add(results.described(made_of(recipe, job), job.session))
 
     return work
 
 
-def compared(recipes: list[Recipe], bench: Bench) -> Callable[[Job], None]:
+def compared(recipes: list[Recipe]) -> Callable[[Job], None]:
     """Make what several methods make, each with its figures; one that cannot says why."""
 
     def work(job: Job) -> None:
         for recipe in recipes:
             start = perf_counter()
             try:
-                made = made_of(recipe, bench, job)
-                job.add(
-                    results.described(made, bench) | {"figures": results.figures_of(made, bench)}
-                )
+                made = made_of(recipe, job)
+                figures = results.figures_of(made, job.session)
+                job.add(results.described(made, job.session) | {"figures": figures})
             except CancelledError:
                 raise
             except WeftexError as error:
@@ -63,17 +64,17 @@ def compared(recipes: list[Recipe], bench: Bench) -> Callable[[Job], None]:
     return work
 
 
-def made_of(recipe: Recipe, bench: Bench, job: Job) -> Made:
+def made_of(recipe: Recipe, job: Job) -> Made:
     """Make a recipe, or remember it; progress goes to the job."""
-    recipe = bench.sized(recipe)
-    known: Made | None = bench.memory.get((bench.session.key, "result", recipe.id))
-    if known is not None:
-        return known
-    first = bench.load(recipe.materials[0])
-    job.to_show = results.preview_of(first.exemplar)
-    start = perf_counter()
-    made = bench.make(recipe, job).timed(perf_counter() - start)
-    results.remember(made, bench)
+    session, recipe = job.session, sized(recipe, job.session)
+    job.to_show = results.preview_of(load(recipe.materials[0], session).exemplar)
+
+    def make_it() -> tuple[Made, int]:
+        start = perf_counter()
+        made = make(recipe, session, job)
+        return replace(made, seconds=perf_counter() - start), 2 * made.bytes
+
+    made: Made = session.find(make_it, "result", recipe.id)
     return made
 
 
@@ -118,29 +119,29 @@ class Batch:
         recipes = [
             [recipe.changed(materials=whole, seed=seed) for seed in seeds] for whole in wholes
         ]
-        files = {name: given.get(name) for name in ("format", "names", "name", "mtlx")}
+        files = {name: given.get(name) for name in ("format", "names", "mtlx")}
         return cls(recipes, keep, Wanted.of(files, "batch"))
 
-    def work(self, bench: Bench, downloads: Downloads) -> Callable[[Job], None]:
+    def work(self, downloads: Downloads) -> Callable[[Job], None]:
         """Return what makes it; the page is told of one file."""
 
         def run(job: Job) -> None:
             with downloads.new_folder() as folder:
                 with zipfile.ZipFile(folder / "batch.zip", "w") as packed:
-                    self._write(packed, folder, job, bench)
-                name = f"{self.wanted.name}.zip"
-                job.more = downloads.add(folder / "batch.zip", name, bench.session.key)
+                    self._write(packed, folder, job)
+                file = downloads.add(folder / "batch.zip", "batch.zip", job.session.key)
+                job.more.update(file)
 
         return run
 
-    def _write(self, packed: zipfile.ZipFile, folder: Path, job: Job, bench: Bench) -> None:
+    def _write(self, packed: zipfile.ZipFile, folder: Path, job: Job) -> None:
         """Make all outputs, and put them into the zip."""
         total, lines = sum(map(len, self.recipes)), list[str]()
         count = Progress(job, total, "outputs", lambda: None)
         for number, recipes in enumerate(self.recipes, 1):
             best: list[tuple[float, Made]] = []
             for recipe in recipes:
-                made = bench.make(bench.sized(recipe), count.within() or job)
+                made = make(sized(recipe, job.session), job.session, count.within() or job)
                 count.advance(1)
                 if self.keep is None:
                     lines += self._pack(packed, made, number, folder)

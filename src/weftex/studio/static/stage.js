@@ -200,8 +200,8 @@ export class Stage {
     try {
       const { id, maps } = await app.api.post("planes", recipe);
       const side = 256;
-      const get = async ({ top, left, side: length, reduce }, signal) =>
-        (await app.api.picture(`planes/${id}/window`, { top, left, height: length, width: length, reduce, map: maps[0]?.name ?? maps[0] }, signal)).bitmap;
+      const get = async ({ top, left, side: length }, signal) =>
+        (await app.api.picture(`planes/${id}/window`, { top, left, height: length, width: length, most: side, map: maps[0].name }, signal)).bitmap;
       if (this.plane !== plane) return;
       plane.view = new Plane(get, { side, onchange: (one) => one.failed && this.say(one.failed.message) });
       main.show({ background: (context, view) => plane.view.draw(context, view), repeat: 1 });

@@ -2,8 +2,8 @@ const COARSEST = 2; // squares of at most 4 times the side
 
 /**
  * The endless plane: windows of one picture without borders, fetched as they come into view and kept
- * while there is room. `fetchWindow({top, left, side, reduce}, signal)` resolves to an ImageBitmap of a square;
- * seen from afar squares are larger, and reduced to as many pixels.
+ * while there is room. `fetchWindow({top, left, side}, signal)` resolves to an ImageBitmap of a square; seen
+ * from afar squares are larger.
  */
 
 export class Plane {
@@ -37,7 +37,7 @@ export class Plane {
           this.windows.set(key, kept);
           view.paintAt(kept.picture, column * side, row * side, side, side);
         } else {
-          missing.push({ level, column, row, side, key });
+          missing.push({ column, row, side, key });
         }
       }
     }
@@ -61,11 +61,11 @@ export class Plane {
     }
   }
 
-  async fetch({ level, column, row, side, key }, view) {
+  async fetch({ column, row, side, key }, view) {
     const control = new AbortController();
     this.running.set(key, control);
     try {
-      const picture = await this.fetchWindow({ top: row * side, left: column * side, side, reduce: 1 << level }, control.signal);
+      const picture = await this.fetchWindow({ top: row * side, left: column * side, side }, control.signal);
       this.windows.set(key, { picture, column, row, side });
       this.drawn += 1;
       while (this.windows.size > this.most) {
