@@ -1,7 +1,8 @@
 """For mkdocs: links that leave docs/ work on the site as they do in the repository.
 
 Every file outside that a page leads to becomes a page under repository/, as it is or as code. A
-reference that a line of a page leads to is printed below the line.
+reference that a line of a page leads to is printed below the line. The pages of methods list their
+parameters, and the page of commands their help.
 """
 
 from __future__ import annotations
@@ -9,6 +10,8 @@ from __future__ import annotations
 import ast
 import os
 import re
+import subprocess
+import sys
 from pathlib import Path
 from typing import Any
 
@@ -94,11 +97,39 @@ def source_of(text: str) -> str:
     return "\n".join(lines[imports[-1].end_lineno :]).strip("\n")
 
 
+def parameters(slug: str) -> str:
+    """The heading and the list of a method's parameters."""
+    from weftex.cli.options import parameters_of
+    from weftex.tasks.method_names import method_class
+
+    lines = [
+        f"* **`{field.name}`**: {field.metadata['help']}. *{values}*\n"
+        for field, values in parameters_of(method_class(slug))
+    ]
+    return f"## Parameters\n\n{''.join(lines)}\n"
+
+
+def help_of(*words: str) -> str:
+    """What `weftex WORDS --help` prints."""
+    command = [sys.executable, "-m", "weftex", *words, "--help"]
+    wide = os.environ | {"COLUMNS": "100"}
+    return subprocess.run(command, env=wide, capture_output=True, text=True, check=True).stdout
+
+
+def commands() -> str:
+    """A section for each command, with its help."""
+    names = re.findall(r"^  (\w+) {2,}", help_of(), re.M)
+    return "".join(f"\n## {name}\n\n```text\n{help_of(name)}```\n" for name in names)
+
+
 def on_page_markdown(markdown: str, page: Any, config: Any, files: Any) -> str:
     """Turn links to files into links to the pages that they became."""
     here = page.file.src_uri
-    if here == "index.md":
-        page.meta["hide"] = ["navigation", "toc"]
+    if here == "reference/commands.md":
+        markdown += commands()
+    if here.startswith("reference/methods/") and not here.endswith("index.md"):
+        slug = Path(here).stem
+        markdown = re.sub(r"^## Parameters\n\n", lambda _: parameters(slug), markdown, flags=re.M)
     origin = made.get(here, DOCS / here)
     markdown = REFERENCE.sub(
         lambda found: (

@@ -19,6 +19,7 @@ ROOT = Path(__file__).parent.parent
 sys.path[:0] = [str(ROOT / "benchmarks" / name) for name in ("speed", "quality")]
 import gallery  # noqa: E402
 import gallery_page  # noqa: E402
+import gallery_sheets  # noqa: E402
 import judging  # noqa: E402
 import sources  # noqa: E402
 
@@ -132,6 +133,19 @@ def test_scores_are_shown_for_the_same_picture_only(made, tmp_path, monkeypatch)
     assert lines[0].startswith("1 of 2 judged pictures")
     assert lines[4] == "| mean (good, of) | 1.25 (0, 1) |  | 0.37 (1, 1) |"
     assert lines[5] == "| grass_gray | 1.25 | picture changed | **0.37** |"
+
+
+def test_the_gallery_shows_every_surface(made, monkeypatch):
+    """The page in docs, whose commands test_readme runs, is what the command writes."""
+    monkeypatch.setattr(gallery_sheets, "PAGE", "")
+    run(made, "--sheets", f"{made}/sheets")
+    page = (made / "sheets" / "gallery.md").read_text("utf-8")
+    assert "-o grass_gray.png --size 64 --seed 1" in page
+    with Image.open(made / "sheets" / "img" / "gallery_1.webp") as sheet:
+        assert sheet.size == (128 + 6 + 32, 128)
+    kept = (ROOT / "docs" / "gallery.md").read_text("utf-8")
+    for about in gallery.surfaces().values():
+        assert gallery_sheets.command(about, gallery.SIZE, gallery.SEED) in kept
 
 
 def test_surfaces_are_listed_and_free():

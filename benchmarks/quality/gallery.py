@@ -2,6 +2,7 @@
 
     python benchmarks/quality/gallery.py --jobs 2             # everything; 15 minutes with one
     python benchmarks/quality/gallery.py --surfaces bark --methods quilting auto --docs FOLDER
+    python benchmarks/quality/gallery.py --methods auto --sheets docs    # docs/gallery.md
 
 From each surface of benchmarks/data/surfaces, 256x256, each method makes 512x512 with seed 1 at its
 defaults, with one thread; efros-leung, which is slow, 256x256 from the upper left 128x128. Each
@@ -190,6 +191,7 @@ def results(todo: Sequence[Job], jobs: int) -> Iterator[dict[str, Any]]:
 
 def main(words: Sequence[str] | None = None) -> None:
     import gallery_page
+    import gallery_sheets
 
     listed = surfaces()
     parser = argparse.ArgumentParser(
@@ -204,11 +206,14 @@ def main(words: Sequence[str] | None = None) -> None:
         "--keep", type=Path, default=ROOT / "build" / "gallery", metavar="DIR", help="for pictures"
     )
     parser.add_argument("--docs", type=Path, default=PAGES, metavar="DIR", help="for the tables")
+    parser.add_argument(
+        "--sheets", type=Path, metavar="DIR", help="write only gallery.md and its sheets there"
+    )
     args = parser.parse_args(words)
     names = [name for name in listed if name in args.surfaces]
     methods = [name for name in METHODS if name in args.methods]
     whole = len(names) == len(listed) and len(methods) == len(METHODS) and args.size == SIZE
-    if not whole and args.docs.resolve() == PAGES:
+    if not whole and not args.sheets and args.docs.resolve() == PAGES:
         parser.error("the pages show all surfaces and methods; for a part name another --docs")
 
     start = perf_counter()
@@ -232,6 +237,9 @@ def main(words: Sequence[str] | None = None) -> None:
         seconds = f"{perf_counter() - start:5.0f} s"
         print(f"{seconds} {count}/{len(todo)} {method} {name} {score} {flags}", flush=True)
     shown = {name: listed[name] for name in names}
+    if args.sheets:
+        gallery_sheets.write(args.sheets, shown, args.keep, args.size, SEED)
+        return
     gallery_page.write(args.docs, shown, methods, done, args.keep)
     minutes = (perf_counter() - start) / 60
     print(f"{args.docs / 'quality.md'}, {args.keep / 'index.html'}: {minutes:.1f} minutes")
