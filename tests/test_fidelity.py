@@ -156,10 +156,10 @@ def test_rows_are_whole(row):
     assert row.different or row.proof or row.weftex == "not drawn yet", row
     for name, test in re.findall(r"`(test_\w+\.py)::(test_\w+)`", row.proof):
         assert test in functions(TESTS[name]), test
-    for script, experiment in re.findall(r"`examples/(\w+\.py)(?: (\w+))?`", row.proof):
+    for script, experiment in re.findall(r"`examples/((?:papers/)?\w+\.py)(?: (\w+))?`", row.proof):
         path = ROOT / "examples" / script
         assert experiment in experiments(path) if experiment else path in EXAMPLES
-    rest = re.sub(r"`(test_\w+\.py::test_\w+|examples/\w+\.py( \w+)?|weftex [^`]+)`", "", row.proof)
+    rest = re.sub(r"`(test_\w+\.py::test_\w+|examples/[\w/]+\.py( \w+)?|weftex [^`]+)`", "", row.proof)
     assert "`" not in rest and not re.search(r"\w\.py", rest), f"not a proof: {rest}"
     for file in re.findall(r"`([\w/]+\.py)`", row.weftex + row.different):
         assert (SOURCE / file).exists(), file
