@@ -11,7 +11,7 @@ from weftex.exemplar import Exemplar
 from weftex.search import nearest_kernels as kernels
 from weftex.search import window_kernels
 from weftex.search.nearest import nearest_search
-from weftex.search.vocabulary_kernels import Query
+from weftex.search.window_kernels import Query
 from weftex.search.windows import windows_of
 
 

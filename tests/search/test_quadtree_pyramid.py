@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 from twins import quadtree_pyramid as reference
 from weftex.search import zone_kernels as _kernels
 from weftex.search.boundary_zone import boundary_zone
-from weftex.search.quadtree_pyramid import QuadtreePyramid
+from weftex.search.zone_search import QuadtreePyramid
 
 
 @pytest.mark.parametrize("level, side", [(1, 1), (2, 2), (3, 4)])

@@ -57,7 +57,8 @@ def band_depth(weights, width, hole=False):
 def cut_sides(canvas_window, new_window, weights, zone, width, hole=False):
     """{side: {line: position}}: for each row or column of the box where the older pixels end.
 
-    A side of the box has a band if the zone is all along it; of a hole, if any of it is there. A step of its path costs the squared
+    A side of the box has a band if the zone is all along it; of a hole, if any of it is there. A
+    step of its path costs the squared
     difference where pixels are blended, nothing where none was known, and as good as never goes
     where the canvas stays.
     """

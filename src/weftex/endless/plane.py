@@ -20,8 +20,8 @@ from weftex.endless.corners import Pieces
 from weftex.endless.grid import ACROSS, CORNER, DOWN, Axis, Block, Grid, Sizes
 from weftex.progress import Progress
 from weftex.random import draw
+from weftex.raster.boxes import whole_windows
 from weftex.results.pixels import PixelSynthesis
-from weftex.search.windows import whole_windows
 from weftex.threads import thread_map
 
 if TYPE_CHECKING:

@@ -93,7 +93,7 @@ def quilt(output: Output, method: Quilting) -> None:
         blocks = output.windows_for(run)
         # Pick one within the tolerance. Compute the error surface between it and the old blocks
         # at the overlap, and make the minimum cost path along it the block's boundary
-        # (section 2.1, `band_kernels.cut_bands`). Paste the block.
+        # (section 2.1, `patch_kernels.cut_bands`). Paste the block.
         output.choose_and_paste(run, blocks, tolerance)
 
     # "In raster scan order in steps of one block (minus the overlap)."

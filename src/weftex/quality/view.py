@@ -12,9 +12,8 @@ from weftex.analysis.correlation import correlate
 from weftex.errors import InvalidInputError
 from weftex.exemplar import Exemplar, check_pixels
 from weftex.random import draw
-from weftex.raster.boxes import centered_sums
+from weftex.raster.boxes import centered_sums, whole_windows
 from weftex.raster.pyramids import gaussian_pyramid, mask_pyramid
-from weftex.search.windows import whole_windows
 
 if TYPE_CHECKING:
     from collections.abc import Callable

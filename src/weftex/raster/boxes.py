@@ -23,6 +23,19 @@ def box_sums(values: NDArray[Any], height: int, width: int) -> NDArray[np.int64]
     return result
 
 
+def whole_windows(mask: NDArray[np.bool_], reach: tuple[int, int, int, int]) -> NDArray[np.uint8]:
+    """Return 1 where the window of a pixel lies on the mask: `reach` up, down, left and right."""
+    up, down, left, right = reach
+    height, width = mask.shape
+    usable = np.zeros((height, width), np.uint8)
+    inside = (max(height - up - down, 0), max(width - left - right, 0))
+    if 0 not in inside:
+        v, u = up + down + 1, left + right + 1
+        whole = True if mask.all() else box_sums(mask, v, u) == v * u  # sums cost most
+        usable[up : up + inside[0], left : left + inside[1]] = whole
+    return usable
+
+
 def centered_sums(values: NDArray[Any], radius: int, axes: tuple[int, ...] = (0, 1)) -> Floats:
     """Sums (H, W) over (2 * radius + 1)^2 squares, clipped to the picture, or along some axes."""
     result = np.asarray(values, np.float64)

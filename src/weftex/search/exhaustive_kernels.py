@@ -8,9 +8,13 @@ Compiled by Cython, see setup.py.
 
 import cython
 from cython.cimports.libc.string import memset
-from cython.cimports.weftex.search.coherence_kernels import coherent_places
-from cython.cimports.weftex.search.vocabulary_kernels import Picture, Query, Sample
-from cython.cimports.weftex.search.window_kernels import known_runs
+from cython.cimports.weftex.search.window_kernels import (
+    Picture,
+    Query,
+    Sample,
+    coherent_places,
+    known_runs,
+)
 
 #: For Python, the constants of the .pxd.
 block_windows = int(BLOCK_WINDOWS)

@@ -1,4 +1,4 @@
-from weftex.search.vocabulary_kernels cimport Query
+from weftex.search.window_kernels cimport Query
 
 cdef class Bound:
     cdef const short[:, ::1] basis

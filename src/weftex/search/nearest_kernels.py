@@ -3,8 +3,7 @@
 
 import cython
 from cython.cimports.libc.math import sqrt
-from cython.cimports.weftex.search.vocabulary_kernels import Query
-from cython.cimports.weftex.search.window_kernels import run_distance
+from cython.cimports.weftex.search.window_kernels import Query, run_distance
 from cython.cimports.weftex.search.zone_kernels import distances_by_features, project
 
 

@@ -2,7 +2,7 @@
 """Kernel that finds the windows of a sample that look alike; compiled by Cython, see setup.py."""
 
 import cython
-from cython.cimports.weftex.search.zone_kernels import squared
+from cython.cimports.weftex.raster.difference_kernels import squared
 
 
 @cython.cfunc

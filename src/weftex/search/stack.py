@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from weftex.raster.boxes import whole_windows
 from weftex.raster.pyramids import phase_starts
-from weftex.search.windows import whole_windows
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray

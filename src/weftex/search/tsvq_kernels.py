@@ -2,7 +2,7 @@
 """Kernels of tree-structured vector quantization; compiled by Cython, see setup.py."""
 
 import cython
-from cython.cimports.weftex.search.zone_kernels import squared
+from cython.cimports.weftex.raster.difference_kernels import squared
 
 
 class Tree:

@@ -8,7 +8,33 @@ Types are declared in window_kernels.pxd.
 
 import cython
 from cython.cimports.libc.string import memcpy
-from cython.cimports.weftex.search.zone_kernels import squared
+from cython.cimports.weftex.raster.difference_kernels import squared
+
+
+class Sample:
+    """The windows of a sample, see `weftex.search.windows.Windows`."""
+
+    def __init__(self, pixels, usable, period):
+        self.pixels, self.usable, self.period = pixels, usable, period
+
+
+class Picture:
+    """The picture while it is made.
+
+    `done` is 1 where a pixel is known or made, `source` its flat index into the sample's pixels or
+    -1, `wrap` whether the vertical and the horizontal axis wrap.
+    """
+
+    def __init__(self, pixels, done, source, wrap):
+        self.pixels, self.done, self.source = pixels, done, source
+        self.wrap_y, self.wrap_x = wrap
+
+
+class Query:
+    """Room for the known part of the window around a pixel."""
+
+    def __init__(self, runs, values):
+        self.runs, self.values, self.count = runs, values, 0
 
 
 def causal_runs(y, x, height, width, wrap_x, up, left, right, runs):
@@ -180,6 +206,58 @@ def copy_pixel(sample, place, pixels, source, y, x):
         pixels[y, x, k] = sample[v, u, k]
 
 
+def coherent_places(picture, sample, y, x, query, places, count):
+    """List the continued sources of (y, x)'s neighbors after `count` places; return the length.
+
+    Neighbors are the pixels of the query's runs, last run first; each place is listed once, and -1
+    once for all unusable ones. Runs reach no further along x than windows, so no row is left.
+    """
+    cython.declare(height=cython.Py_ssize_t, width=cython.Py_ssize_t, across=cython.Py_ssize_t)
+    cython.declare(size=cython.Py_ssize_t, may=cython.p_const_uchar, before=cython.Py_ssize_t)
+    cython.declare(r=cython.Py_ssize_t, i=cython.Py_ssize_t, k=cython.Py_ssize_t)
+    cython.declare(cy=cython.Py_ssize_t, cx=cython.Py_ssize_t, dx=cython.Py_ssize_t)
+    cython.declare(own=cython.Py_ssize_t, at=cython.Py_ssize_t)
+    height, width = picture.source.shape[0], picture.source.shape[1]
+    across = sample.usable.shape[1]
+    size = sample.usable.shape[0] * across
+    may = cython.address(sample.usable[0, 0])
+    before = -1 - size
+    for r in range(query.count - 1, -1, -1):
+        cy = y + query.runs[r, 0]
+        if cy < 0:
+            cy += height
+        elif cy >= height:
+            cy -= height
+        for i in range(query.runs[r, 2] - 1, -1, -1):
+            dx = query.runs[r, 1] + i
+            cx = x + dx
+            if cx < 0:
+                cx += width
+            elif cx >= width:
+                cx -= width
+            own = picture.source[cy, cx]
+            at = own - query.runs[r, 0] * across - dx
+            if own < 0 or at == before:
+                continue
+            before = at
+            if at < 0 or at >= size or not may[at]:
+                at = -1
+                if sample.period[2]:
+                    at = usable_place(
+                        sample.usable,
+                        sample.period,
+                        own // across - query.runs[r, 0],
+                        own % across - dx,
+                    )
+            k = 0
+            while k < count and places[k] != at:
+                k += 1
+            if k == count:
+                places[count] = cython.cast(cython.int, at)
+                count += 1
+    return count
+
+
 def runs_of(done, y, x, wrap, reach, runs, causal=False):
     """`causal_runs` or `known_runs`; returns their number."""
     d: cython.const[cython.uchar][:, ::1] = done
@@ -223,3 +301,10 @@ def place_at(usable, period, y, x):
     u: cython.const[cython.uchar][:, ::1] = usable
     p: cython.const[cython.int][::1] = period
     return usable_place(u, p, y, x)
+
+
+def places_at(picture: Picture, sample: Sample, y, x, query: Query, n, places):
+    """`coherent_places` for the first `n` runs of a query; returns their number."""
+    out: cython.int[::1] = places
+    query.count = n
+    return coherent_places(picture, sample, y, x, query, out, 0)

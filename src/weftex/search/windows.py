@@ -9,8 +9,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from weftex.errors import InvalidInputError
-from weftex.raster.boxes import box_sums
-from weftex.search.vocabulary_kernels import Query, Sample
+from weftex.raster.boxes import whole_windows
+from weftex.search.window_kernels import Query, Sample
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -99,16 +99,3 @@ def square_windows(
 ) -> Windows:
     """Return the square windows of a sample, of an odd width; see `windows_of`."""
     return windows_of(exemplar, (width // 2,) * 4, pixels)
-
-
-def whole_windows(mask: NDArray[np.bool_], reach: Reach) -> NDArray[np.uint8]:
-    """Return 1 where the whole window around a pixel lies on the mask."""
-    up, down, left, right = reach
-    height, width = mask.shape
-    usable = np.zeros((height, width), np.uint8)
-    inside = (max(height - up - down, 0), max(width - left - right, 0))
-    if 0 not in inside:
-        v, u = up + down + 1, left + right + 1
-        whole = True if mask.all() else box_sums(mask, v, u) == v * u  # sums cost most
-        usable[up : up + inside[0], left : left + inside[1]] = whole
-    return usable

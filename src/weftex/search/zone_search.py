@@ -11,8 +11,7 @@ from weftex.errors import UnsupportedError
 from weftex.search import zone_kernels
 from weftex.search.boundary_zone import BoundaryZone
 from weftex.search.pca import ZonePCA, fit_pca
-from weftex.search.quadtree_pyramid import QuadtreePyramid
-from weftex.search.zone_search_kernels import SOURCES, ZoneWindows
+from weftex.search.zone_kernels import SOURCES, ZoneWindows
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -23,6 +22,50 @@ _ALL, _BLOCKS, _COMPONENTS, _TREE = SOURCES
 _TREE_ERROR = 0.5  # of the approximate kd-tree search
 _MOST_POSITIONS = 16384  # windows that the default search compares; more are thinned out first
 _NO_PCA = ZonePCA(np.zeros((1, 1), np.int16), np.zeros(1, np.int32), 0, np.zeros((1, 1), np.int16))
+
+
+class QuadtreePyramid:
+    """The quadtree pyramid of section 3.2: means over blocks at every pixel of a sample (H, W, C).
+
+    The paper keeps all four shifts of each halving, so level 3 is 16 small pictures: the pixels of
+    one picture of means, sorted by shift. Rows of a shift are contiguous, as the kernel wants them.
+    """
+
+    def __init__(self, pixels: NDArray[np.uint8]) -> None:
+        self.pixels = pixels
+        self._nodes: dict[tuple[int, int], NDArray[np.uint8]] = {}
+
+    def nodes(self, side: int, stride: int) -> NDArray[np.uint8]:
+        """Return (channel, shift y, shift x, row, column): rounded means of side x side blocks.
+
+        `side` is a power of two; the paper's level 3 is 4. Windows are `stride` pixels apart.
+        """
+        if (side, stride) not in self._nodes:
+            rows, columns = (max(0, n - side + 1) for n in self.pixels.shape[:2])
+            down, across = -(-rows // stride), -(-columns // stride)
+            channels = self.pixels.shape[2]
+            found = np.zeros((channels, stride, stride, down, across), np.uint8)
+            means = np.zeros((down * stride, across * stride), np.uint8)
+            for channel in range(channels):  # one at a time: samples may be of 12 megapixels
+                means[:rows, :columns] = _block_means(self.pixels[..., channel], side)
+                blocks = means.reshape(down, stride, across, stride)
+                found[channel] = blocks.transpose(1, 3, 0, 2)
+            self._nodes[side, stride] = found
+        return self._nodes[side, stride]
+
+    def windows(
+        self, blocks: NDArray[np.int32], side: int, stride: int, rows: int, columns: int
+    ) -> NDArray[np.uint8]:
+        """Return (blocks * channels, rows * columns): every window's blocks in the kernel's order.
+
+        `rows` and `columns` count windows, `stride` pixels apart.
+        """
+        nodes = self.nodes(side, stride)
+        found = np.empty((len(blocks), nodes.shape[0], rows, columns), np.uint8)
+        for k, (v, u) in enumerate(blocks.tolist()):
+            i, j = v // stride, u // stride
+            found[k] = nodes[:, v % stride, u % stride, i : i + rows, j : j + columns]
+        return found.reshape(-1, rows * columns)
 
 
 class ZoneSearch:
@@ -133,3 +176,16 @@ def _stride(side: int, count: int) -> int:
     while stride * 2 <= side and count > _MOST_POSITIONS * stride**2:
         stride *= 2
     return stride
+
+
+def _block_means(level: NDArray[np.uint8], side: int) -> NDArray[Any]:
+    """Means over blocks, rounded, in numbers that hold their sums."""
+    total: NDArray[Any] = level.astype(np.uint16 if side <= 16 else np.uint32)
+    step = 1
+    while step < side:
+        total = total[:-step] + total[step:]
+        total = total[:, :-step] + total[:, step:]
+        step *= 2
+    total += total.dtype.type(side * side // 2)
+    total >>= total.dtype.type(2 * (side.bit_length() - 1))
+    return total

@@ -5,15 +5,17 @@ Places are flat indices into the pixels of the sample's windows.
 """
 
 import cython
-from cython.cimports.weftex.search.coherence_kernels import coherent_places
-from cython.cimports.weftex.search.vocabulary_kernels import Picture, Query, Sample
+from cython.cimports.weftex.raster.difference_kernels import squared
 from cython.cimports.weftex.search.window_kernels import (
+    Picture,
+    Query,
+    Sample,
+    coherent_places,
     copy_pixel,
     gather_runs,
     known_runs,
     run_distance,
 )
-from cython.cimports.weftex.search.zone_kernels import squared
 
 ONE = cython.declare(cython.longlong, 256)  # a weight of 1; distances are integers
 

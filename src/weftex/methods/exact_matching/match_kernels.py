@@ -7,8 +7,9 @@ indices into the pixels of the sample's windows.
 
 import cython
 from cython.cimports.weftex.methods.exact_matching.list_kernels import Lists, near_lists
-from cython.cimports.weftex.search.vocabulary_kernels import Picture, Query
 from cython.cimports.weftex.search.window_kernels import (
+    Picture,
+    Query,
     causal_runs,
     copy_pixel,
     gather_runs,

@@ -7,6 +7,7 @@ from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any, ClassVar, Self
 
 from weftex.analysis.canvas_lattice import check_lattice
+from weftex.analysis.patch_sizes import patch_size_for, patch_size_on
 from weftex.endless.grid import Sizes
 from weftex.errors import InvalidInputError
 from weftex.method import Method
@@ -17,7 +18,6 @@ from weftex.methods.graphcut.placement import draw_offsets
 from weftex.methods.graphcut.sample import PATCH_SHARE, Sample, check_boundary, patch_shape_for
 from weftex.methods.graphcut.seams import CanvasSeams
 from weftex.methods.graphcut.subpatch import SubPatchMatching
-from weftex.methods.patches.sizes import patch_size_for, patch_size_on
 from weftex.methods.pixels.growth import PixelModel
 from weftex.parameters import parameter
 from weftex.repeats import Repetition

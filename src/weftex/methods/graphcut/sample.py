@@ -8,10 +8,10 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from weftex.analysis.patch_sizes import patch_size_of
 from weftex.errors import InvalidInputError
 from weftex.methods.graphcut import seam_kernels
 from weftex.methods.graphcut.pyramid import Level, levels_of
-from weftex.methods.patches.sizes import patch_size_of
 from weftex.search.windows import Windows, windows_of
 from weftex.turns import copies_in
 

@@ -14,8 +14,14 @@ Phases (eq. 3.29) and offsets, sums of multiples of the lattice vectors, are in 
 import cython
 from cython.cimports.libc.math import sqrt
 from cython.cimports.weftex.repeats.overlap_kernels import repeated_pixels
-from cython.cimports.weftex.search.zone_kernels import Shortlist, distance, gather, offer
-from cython.cimports.weftex.search.zone_search_kernels import ZoneWindows, list_candidates
+from cython.cimports.weftex.search.zone_kernels import (
+    Shortlist,
+    ZoneWindows,
+    distance,
+    gather,
+    list_candidates,
+    offer,
+)
 
 NEVER = cython.declare(cython.longlong, 1 << 60)  # more than any mismatch
 HALF = cython.declare(cython.longlong, 1 << 15)  # a pixel, in 1/65536

@@ -15,9 +15,8 @@ from weftex.methods.near_regular.rectification import rectified
 from weftex.methods.near_regular.rows import Courses, axis_of_rows, courses_of
 from weftex.random import draw
 from weftex.search.boundary_zone import boundary_zone, runs_over
-from weftex.search.quadtree_pyramid import QuadtreePyramid
 from weftex.search.windows import Windows, windows_of
-from weftex.search.zone_search import ZoneSearch
+from weftex.search.zone_search import QuadtreePyramid, ZoneSearch
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray

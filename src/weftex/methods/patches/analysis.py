@@ -12,8 +12,7 @@ from weftex.exemplar import Exemplar
 from weftex.methods.patches.method import PatchMethod
 from weftex.raster.boxes import box_sums
 from weftex.search.boundary_zone import boundary_zone
-from weftex.search.quadtree_pyramid import QuadtreePyramid
-from weftex.search.zone_search import ZoneSearch
+from weftex.search.zone_search import QuadtreePyramid, ZoneSearch
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray

@@ -5,9 +5,9 @@ from __future__ import annotations
 from dataclasses import dataclass, fields, replace
 from typing import TYPE_CHECKING, Any, ClassVar, Self
 
+from weftex.analysis.patch_sizes import patch_size_for, patch_size_of, patch_size_on
 from weftex.errors import InvalidInputError
 from weftex.method import Method
-from weftex.methods.patches.sizes import patch_size_for, patch_size_of, patch_size_on
 from weftex.parameters import parameter
 from weftex.search.zone_search import SEARCHES
 

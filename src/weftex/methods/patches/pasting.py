@@ -12,9 +12,8 @@ import numpy as np
 from weftex.canvas import Canvas
 from weftex.errors import InvalidInputError
 from weftex.methods.patches.analysis import PatchAnalysis, Zones
-from weftex.methods.patches.frame import frame_of
 from weftex.methods.patches.patch_kernels import Patches, Tolerance, lay_patches
-from weftex.methods.patches.scan_order import Order, Run, scan_patches, scan_pixels
+from weftex.methods.patches.scan_order import Order, Run, frame_of, scan_patches, scan_pixels
 from weftex.methods.patches.spiral_order import spiral_patches
 from weftex.notes import is_asked, note, pixel_asked
 from weftex.progress import Progress, ProgressCallback

@@ -7,8 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from weftex.methods.patches.frame import Frame
-from weftex.methods.patches.scan_order import Order, Run, Step, patch_starts
+from weftex.methods.patches.scan_order import Frame, Order, Run, Step, patch_starts
 from weftex.random import draw
 
 if TYPE_CHECKING:

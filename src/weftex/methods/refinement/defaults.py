@@ -13,9 +13,10 @@ from weftex.errors import InvalidInputError
 from weftex.method import Method
 from weftex.methods.pixels.growth import narrowed, width_for
 from weftex.naming import method_of, text_of
+from weftex.raster.boxes import whole_windows
 from weftex.raster.pyramids import mask_pyramid
 from weftex.registry import METHODS
-from weftex.search.windows import square_windows, whole_windows
+from weftex.search.windows import square_windows
 
 if TYPE_CHECKING:
     from weftex.exemplar import Exemplar

@@ -2,11 +2,17 @@
 """The kernels of iterative refinement; compiled by Cython, see setup.py."""
 
 import cython
-from cython.cimports.weftex.search.coherence_kernels import coherent_places
+from cython.cimports.weftex.raster.difference_kernels import squared
 from cython.cimports.weftex.search.nearest_kernels import NearestWindows, nearest_window
-from cython.cimports.weftex.search.vocabulary_kernels import Picture, Query, Sample
-from cython.cimports.weftex.search.window_kernels import gather_runs, known_runs, run_distance
-from cython.cimports.weftex.search.zone_kernels import squared
+from cython.cimports.weftex.search.window_kernels import (
+    Picture,
+    Query,
+    Sample,
+    coherent_places,
+    gather_runs,
+    known_runs,
+    run_distance,
+)
 
 _MOST_EXCESS = cython.declare(cython.longlong, 16384)  # in 1/256
 

@@ -10,7 +10,7 @@ from weftex.methods.refinement import sweep_kernels as kernels
 from weftex.methods.refinement.levels import ONE, CoherentLevel, NearestLevel
 from weftex.methods.refinement.output import NO_GUIDE
 from weftex.random import draw
-from weftex.search.vocabulary_kernels import Picture, Sample
+from weftex.search.window_kernels import Picture, Sample
 from weftex.search.windows import query_room
 
 if TYPE_CHECKING:

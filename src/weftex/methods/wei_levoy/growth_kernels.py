@@ -3,8 +3,7 @@
 
 import cython
 from cython.cimports.weftex.search.tsvq_kernels import Tree, Vector, nearest
-from cython.cimports.weftex.search.vocabulary_kernels import Picture
-from cython.cimports.weftex.search.window_kernels import copy_pixel
+from cython.cimports.weftex.search.window_kernels import Picture, copy_pixel
 
 
 @cython.cfunc

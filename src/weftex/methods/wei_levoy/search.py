@@ -11,7 +11,7 @@ from weftex.notes import note, parts
 from weftex.search.pyramid_windows import parent_offsets, window_offsets, window_vectors
 from weftex.search.tsvq import TSVQ, build_tsvq
 from weftex.search.tsvq_kernels import Vector
-from weftex.search.vocabulary_kernels import Picture
+from weftex.search.window_kernels import Picture
 
 if TYPE_CHECKING:
     from weftex.exemplar import Exemplar
