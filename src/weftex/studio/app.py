@@ -88,7 +88,7 @@ async def _routes(studio: Studio) -> Router:
     for step in _STEPS:
         await asyncio.sleep(_BREATH)
         import_module(step)
-    from weftex.studio.answers import answer_of
+    from weftex.studio.refusals import answer_of
     from weftex.studio.requests import ROUTES, Call, as_plain
 
     def endpoint(handler: Handler) -> Callable[[Request], Awaitable[Response]]:

@@ -11,9 +11,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from weftex.errors import CancelledError
-from weftex.studio.answers import answer_of
 from weftex.studio.pictures import smaller
-from weftex.studio.refusals import Refusal
+from weftex.studio.refusals import Refusal, answer_of
 
 if TYPE_CHECKING:
     from weftex.studio.limits import Limits

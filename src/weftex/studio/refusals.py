@@ -1,8 +1,17 @@
-"""What the server does not do, as one line and a status."""
+"""What the server does not do, and all errors as the page gets them: a line, a status, a field."""
 
 from __future__ import annotations
 
+import errno
+import re
+
 from weftex.errors import WeftexError
+
+#: Fields of requests beside recipes, and of `auto`.
+_OWN = {"height", "width", "effort", "recipe", "count", "methods", "lane", "leave", "seeds", "keep"}
+_OWN |= {"format", "names"}
+#: What the library calls what a recipe calls otherwise.
+_ALIASES = {"degree": "even_light"}
 
 
 class Refusal(WeftexError):
@@ -11,3 +20,46 @@ class Refusal(WeftexError):
     def __init__(self, status: int, message: str, parameter: str | None = None) -> None:
         super().__init__(message)
         self.status, self.parameter = status, parameter
+
+
+def answer_of(error: Exception) -> tuple[int, dict[str, str | None]]:
+    """Return the status and the JSON of an error."""
+    status, parameter = 422, None
+    if isinstance(error, Refusal):
+        status, parameter = error.status, error.parameter
+    elif isinstance(error, MemoryError):
+        status, error = 413, Refusal(413, "not enough memory; make it smaller")
+    elif _disk_is_full(error):
+        status, error = 507, Refusal(507, "the disk is full; make room on it, and try again")
+    elif not isinstance(error, WeftexError):
+        status, error = 500, Refusal(500, f"a fault of the studio: {type(error).__name__}")
+    line = " ".join(str(error).split())
+    return status, {"error": line, "parameter": parameter or parameter_of(line)}
+
+
+def _disk_is_full(error: BaseException | None) -> bool:
+    """Return whether an error, or one that it was raised from or after, says so."""
+    while error is not None:
+        if isinstance(error, OSError) and error.errno in (errno.ENOSPC, errno.EDQUOT):
+            return True
+        error = error.__cause__ or error.__context__
+    return False
+
+
+def parameter_of(line: str) -> str | None:
+    """Return the field of a recipe, or of a method, that a message names first."""
+    words = re.findall(r"[a-z]\w+", line)[:4]
+    known, words = _names(), [_ALIASES.get(word, word) for word in words]
+    return next((word for word in words if word in known), None)
+
+
+def _names() -> frozenset[str]:
+    """All fields, of methods, recipes, materials and requests."""
+    from dataclasses import fields
+
+    from weftex.methods import METHODS
+    from weftex.studio.materials import FIELDS as SPEC_FIELDS
+    from weftex.studio.recipes import FIELDS, GRADIENT
+
+    own = {field.name for slug in METHODS for field in fields(METHODS[slug])}
+    return frozenset(own | _OWN | SPEC_FIELDS | FIELDS | set(GRADIENT))

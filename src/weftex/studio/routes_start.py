@@ -12,10 +12,9 @@ from weftex.io.pictures import sample_names
 from weftex.material import read_material
 from weftex.studio import looks, materials, planes
 from weftex.studio.about import about
-from weftex.studio.answers import answer_of
 from weftex.studio.materials import map_of
 from weftex.studio.pictures import shown_smaller, smaller, times_smaller
-from weftex.studio.refusals import Refusal
+from weftex.studio.refusals import Refusal, answer_of
 from weftex.studio.requests import route
 from weftex.studio.uploads import Coming, label_of
 

@@ -14,7 +14,7 @@ from weftex.errors import CancelledError, InvalidInputError, WeftexError, shown
 from weftex.io.manifest import MANIFEST
 from weftex.progress import Progress
 from weftex.studio import results
-from weftex.studio.answers import answer_of
+from weftex.studio.refusals import answer_of
 from weftex.studio.exports import DATE, Wanted, pack, write
 from weftex.studio.making import make, sized
 from weftex.studio.materials import load
