@@ -14,7 +14,7 @@ import pytest
 pytest.importorskip("starlette")
 sys.path.insert(0, str(Path(__file__).parent))
 
-from pages import Client, Page
+from pages import Client
 
 import weftex
 from weftex.method import Model
@@ -32,12 +32,13 @@ SMALL = Limits(
 
 
 @contextmanager
-def serving(studio):
-    """A server that answers on the loopback, in a thread."""
+def serving(folder, **limits):
+    """Whoever asks a studio that answers on the loopback, in a thread."""
+    studio = Studio(folder / "studio", replace(SMALL, **limits))
     server = Server(listen("127.0.0.1", 0), "127.0.0.1", studio)
     thread = threading.Thread(target=server.run)
     thread.start()
-    yield server
+    yield Client(server.listener.getsockname()[1], studio)
     server.should_exit = True
     thread.join(20)
     assert not thread.is_alive()
@@ -73,22 +74,16 @@ def sleepy():
 
 
 @pytest.fixture(scope="module")
-def limits():
-    return replace(SMALL)
-
-
-@pytest.fixture(scope="module")
-def client(tmp_path_factory, limits):
-    studio = Studio(tmp_path_factory.mktemp("data") / "studio", limits)
-    with serving(studio) as server:
-        yield Client(server.listener.getsockname()[1], studio)
+def client(tmp_path_factory):
+    with serving(tmp_path_factory.mktemp("data")) as found:
+        yield found
 
 
 @pytest.fixture
 def page(client):
-    return Page(client, client.studio.token)
+    return client.page()
 
 
 @pytest.fixture
 def other(client):
-    return Page(client, client.studio.token)
+    return client.page()

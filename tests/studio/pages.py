@@ -33,6 +33,10 @@ class Client:
         self.host = f"127.0.0.1:{port}"
         self.origin = f"http://{self.host}"
 
+    def page(self):
+        """A new tab."""
+        return Page(self, self.studio.token)
+
     def request(self, method, path, headers=(), content=None):
         """One request; headers may be pairs, of which some are there twice."""
         pairs = list(headers.items() if isinstance(headers, dict) else headers)

@@ -3,26 +3,20 @@
 import socket
 import time
 from contextlib import suppress
-from dataclasses import replace
 
 import pytest
-from pages import Client, Page
 from test_jobs import QUICK
 
-from conftest import SMALL, serving
-from weftex.studio.studio import Studio
+from conftest import serving
 
 SECONDS = 1.5
 
 
 @pytest.fixture(scope="module")
 def client(tmp_path_factory):
-    limits = replace(
-        SMALL, header_seconds=SECONDS, body_seconds=2 * SECONDS, strangers=16, requests=20
-    )
-    studio = Studio(tmp_path_factory.mktemp("data") / "studio", limits)
-    with serving(studio) as server:
-        yield Client(server.listener.getsockname()[1], studio)
+    limits = {"header_seconds": SECONDS, "body_seconds": 2 * SECONDS, "strangers": 16}
+    with serving(tmp_path_factory.mktemp("data"), requests=20, **limits) as found:
+        yield found
 
 
 def connect(client, text=b""):
@@ -68,9 +62,8 @@ def test_headers_that_come_slowly_are_not_waited_for(client, before):
 
 
 @pytest.mark.parametrize(("piece", "pause"), [(b"", 0), (b"1", 0.1)])
-def test_a_body_that_does_not_come_is_not_waited_for(client, piece, pause):
+def test_a_body_that_does_not_come_is_not_waited_for(client, page, piece, pause):
     """Nor one that comes byte by byte, though it has the token."""
-    page = Page(client, client.studio.token)
     start = time.monotonic()
     with connect(client, head_of(client, page, "POST /api/jobs", 10000) + b"{") as line:
         line.settimeout(0.01)
@@ -85,8 +78,7 @@ def test_a_body_that_does_not_come_is_not_waited_for(client, piece, pause):
         assert 0.9 * least < time.monotonic() - start < least + SECONDS
 
 
-def test_an_upload_that_is_too_large_is_refused_before_it_comes(client):
-    page = Page(client, client.studio.token)
+def test_an_upload_that_is_too_large_is_refused_before_it_comes(client, page):
     with connect(client, head_of(client, page, "POST /api/uploads", 10**11)) as line:
         assert line.recv(2**16).startswith(b"HTTP/1.1 413 ")
         line.sendall(b"x" * 2**20)  # as a browser does, which reads the answer after that
@@ -94,10 +86,9 @@ def test_an_upload_that_is_too_large_is_refused_before_it_comes(client):
 
 
 @pytest.mark.parametrize("sent", [b"", b"GET /static/app.js HTTP/1.1\r\nhost: HOST\r\n\r\n"])
-def test_strangers_cannot_shut_out_the_owner(client, sent):
+def test_strangers_cannot_shut_out_the_owner(client, page, sent):
     """By 220 connections that stay open, and open again as often as they like."""
     sent = sent.replace(b"HOST", client.host.encode())
-    page = Page(client, client.studio.token)
     lines = []
     for _ in range(4):
         lines += [connect(client, sent) for _ in range(55)]
@@ -107,8 +98,7 @@ def test_strangers_cannot_shut_out_the_owner(client, sent):
         line.close()
 
 
-def test_a_connection_with_the_token_stays(client):
-    page = Page(client, client.studio.token)
+def test_a_connection_with_the_token_stays(client, page):
     request = head_of(client, page, "GET /api/jobs", 0)
     with connect(client, request) as own, own.makefile("rb") as answers:
         first = list(iter(answers.readline, b"\r\n")), answers.read(2)
@@ -120,9 +110,8 @@ def test_a_connection_with_the_token_stays(client):
             line.close()
 
 
-def test_a_long_answer_is_not_cut(client):
+def test_a_long_answer_is_not_cut(client, page):
     """The time for headers is not that of an answer that somebody waits for."""
-    page = Page(client, client.studio.token)
     job = page.job(QUICK)
     start = time.monotonic()
     page.get(f"jobs/{job['id']}?seen={job['version']}&wait=3")

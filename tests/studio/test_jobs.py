@@ -2,15 +2,13 @@
 
 import socket
 import time
-from dataclasses import replace
 
 import pytest
-from pages import ENDED, Client, Page
+from pages import ENDED
 
 from conftest import serving
 from weftex.io.pictures import read_image
 from weftex.io.png import SIGNATURE, png_bytes
-from weftex.studio.studio import Studio
 
 BRICKS = {"sample": "bricks"}
 QUICK = {"materials": [BRICKS], "size": [64, 64], "seed": 1, "method": "quilting"}
@@ -115,15 +113,14 @@ def test_errors_are_told_beside_their_field(page):
 
 
 @pytest.fixture(scope="module")
-def short(tmp_path_factory, limits):
+def short(tmp_path_factory):
     """A server that does not wait long for a page that has gone."""
-    studio = Studio(tmp_path_factory.mktemp("short"), replace(limits, away_seconds=0.5))
-    with serving(studio) as server:
-        yield Client(server.listener.getsockname()[1], studio)
+    with serving(tmp_path_factory.mktemp("short"), away_seconds=0.5) as found:
+        yield found
 
 
 def test_a_page_that_goes_takes_its_work_with_it_or_not(short):
-    page, other = Page(short, short.studio.token), Page(short, short.studio.token)
+    page, other = short.page(), short.page()
     gone = page.post("jobs", {"recipe": LONG})["id"]
     stays = other.post("jobs", {"recipe": {**LONG, "seed": 2}, "leave": "keep"})["id"]
     time.sleep(2)
@@ -136,7 +133,7 @@ def test_a_page_that_goes_takes_its_work_with_it_or_not(short):
 
 def test_a_line_that_is_cut_in_the_middle_of_a_job(short):
     """A browser that was killed: its long poll ends without a word."""
-    page = Page(short, short.studio.token)
+    page = short.page()
     job = page.post("jobs", {"recipe": LONG})
     head = "".join(f"{name}: {value}\r\n" for name, value in page.headers.items())
     for _ in range(5):

@@ -13,7 +13,6 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from pages import Client
 from test_jobs import LONG, QUICK, idle
 
 from conftest import SMALL, serving
@@ -154,9 +153,8 @@ CASES = {
 
 @pytest.fixture
 def client(tmp_path):
-    studio = Studio(tmp_path / "studio", replace(SMALL))
-    with serving(studio) as server:
-        yield Client(server.listener.getsockname()[1], studio)
+    with serving(tmp_path) as found:
+        yield found
 
 
 @pytest.mark.parametrize("route", CHANGING)

@@ -9,7 +9,6 @@ from typing import ClassVar
 
 import numpy as np
 import pytest
-from pages import Page
 
 import weftex
 from weftex.io.pictures import read_image, write_image
@@ -28,7 +27,7 @@ QUICK = {"size": [72, 64], "seed": 1, "method": "quilting"}
 @pytest.fixture(scope="module")
 def wall(client, tmp_path_factory):
     """A result with maps of all depths, and its tab."""
-    page, folder = Page(client, client.studio.token), tmp_path_factory.mktemp("wall")
+    page, folder = client.page(), tmp_path_factory.mktemp("wall")
     maps = weftex.load_exemplar("sample:stone_wall").maps
     maps = maps | {"color": read_image("sample:stone_wall/albedo").pixels}
     small = {name: pixels[:80, :80] for name, pixels in maps.items()}
