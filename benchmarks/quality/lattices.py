@@ -34,13 +34,15 @@ from numpy.typing import NDArray
 import weftex
 from weftex.analysis.autocorrelations import autocorrelations
 from weftex.analysis.candidates import (
+    SUREST,
+    WEIGHTS,
+    Evidence,
     better_pair,
     course_candidate,
     pair_candidates,
     row_candidate,
     with_alternation,
 )
-from weftex.analysis.evidence import JOINTS, PAIRS, ROWS, SUREST, Evidence
 from weftex.analysis.lattice import Lattice, lattice_in
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -54,6 +56,7 @@ FOLDERS = (DATA / "surfaces", ROOT / "examples" / "samples")
 SAMPLES = ("bricks", "tiles", "weave", "pebbles", "grass", "wood", "leaves", "stone_wall")
 _TOLERANCE = {1: 0.06, 2: 0.04}
 _SIDES = (256, 384)
+FITTED = ("pairs", "rows", "joints")
 _PRIOR = 0.05  # as if a twentieth of a crop said that a weight is 0
 _BINS = (0.5, 0.6, 0.7, 0.8, 0.9, 1.001)
 
@@ -114,7 +117,9 @@ def look(kind: str, real: bool, fitted: bool, pixels: NDArray, truth: Vectors) -
         pair, rows = better_pair(fields, pair_candidates(fields)), row_candidate(fields)
         pair = pair and with_alternation(fields, pair)
         one_of = (pair, rows, course_candidate(fields, rows))
-        if pair is not None and pair.kind:  # has other figures, and nothing else is asked
+        if (
+            pair is not None and pair.kind != "pairs"
+        ):  # has other figures, and nothing else is asked
             one_of = (None, None, None)
         figures = [
             one and (one.figures, is_right(_plain(one, fields.flat.step), truth)) for one in one_of
@@ -165,7 +170,7 @@ def fit(cases: Sequence[Case]) -> list[NDArray]:
     crops_of: dict[tuple[bool, str], int] = defaultdict(int)
     for case in cases:
         crops_of[case.real, case.kind] += 1
-    weights = [np.array(PAIRS), np.array(ROWS), np.array(JOINTS)]
+    weights = [np.array(WEIGHTS[kind]) for kind in FITTED]
     for step in [0] * 8 + [1] * 4 + [2]:
         chosen = []
         for case in cases:
@@ -263,9 +268,7 @@ def main(words: Sequence[str] | None = None) -> None:
         for made in (*run(drawn_case, names), *run(real_case, real)):
             cases += made
     if args.fit:
-        for name, weights in zip(
-            ("PAIRS", "ROWS", "JOINTS"), fit([case for case in cases if case.fitted]), strict=True
-        ):
+        for name, weights in zip(FITTED, fit([case for case in cases if case.fitted]), strict=True):
             print(name, "=", ", ".join(f"{weight:.2f}" for weight in weights))
         print()
     head = ["pixels", "with a lattice", "with rows", "with neither", "processor time"]

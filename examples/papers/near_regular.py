@@ -25,9 +25,8 @@ from PIL import Image, ImageDraw
 import weftex
 from weftex.analysis.canvas_lattice import CanvasLattice
 from weftex.analysis.goodness import SIGNIFICANT, tile_shares
-from weftex.analysis.lattice import Lattice, find_lattice
+from weftex.analysis.lattice import Lattice, find_lattice, gncc, rate_lattices
 from weftex.analysis.overlay import draw_correlation, draw_lattice
-from weftex.analysis.ratings import gncc, rate_lattices
 from weftex.methods.best_tile.repetition import repeated as repeated_tiles
 from weftex.methods.best_tile.tiles import tile_errors
 

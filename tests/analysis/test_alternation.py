@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 
 from analysis.test_lattice import smooth
-from weftex.analysis.alternation import alternating, halves_agree
 from weftex.analysis.lattice import Lattice, find_lattice
 from weftex.analysis.relief import relief
+from weftex.analysis.tiles import alternating, halves_agree
 from weftex.exemplar import Exemplar
 
 CELLS = {

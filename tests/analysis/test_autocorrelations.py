@@ -9,10 +9,9 @@ import numpy as np
 import pytest
 
 from analysis.test_lattice import smooth
-from weftex.analysis.autocorrelations import autocorrelations, whitened
-from weftex.analysis.candidates import better_pair, pair_candidates
-from weftex.analysis.correlation import correlate
-from weftex.analysis.evidence import PAIRS, SUREST, Evidence
+from weftex.analysis.autocorrelations import autocorrelations
+from weftex.analysis.candidates import SUREST, Evidence, better_pair
+from weftex.analysis.correlation import correlate, whitened
 from weftex.analysis.lattice import Lattice, find_lattice
 from weftex.analysis.relief import Relief, relief
 from weftex.analysis.rows import find_rows, ridges
@@ -50,7 +49,7 @@ def test_a_mesh_is_narrow_before_stones(rng):
     assert found is not None and found.same_as(Lattice(((27, 0), (0, 32))), 0.03)
     fields = relief(sample)
     white, chance = whitened(fields)
-    own = correlate(fields.levels[0])
+    own = correlate(fields.levels)
 
     def stands_out(correlation):
         around = correlation[159 + 32 - 6 : 159 + 32 + 7, 159 + 27 - 6 : 159 + 27 + 7]
@@ -97,9 +96,9 @@ def test_ridges_leave_out_the_highest():
 
 def test_confidence_grows_with_either_figure():
     def of(contrast, clear, number=30):
-        return Evidence(np.eye(2), contrast, clear, number).confidence
+        return Evidence(np.eye(2), contrast, clear, number, "pairs").confidence
 
-    assert of(-0.1, -2) == of(0, 0) < 0.1 and PAIRS[0] < 0
+    assert of(-0.1, -2) == of(0, 0) < 0.1
     for low, high in ((of(0, 1), of(0, 3)), (of(0.02, 1), of(0.1, 1)), (of(0, 2, 4), of(0, 2, 40))):
         assert low < high
     assert of(1, 1e9) == pytest.approx(SUREST) and of(0, -1e300) > 0
@@ -108,7 +107,7 @@ def test_confidence_grows_with_either_figure():
 def test_the_clearer_pair_is_taken_if_it_has_half_of_the_contrast(rng):
     fields = autocorrelations(Exemplar(rng.integers(0, 256, (64, 64), np.uint8)))
     strong, clear = (
-        Evidence(np.array(vectors, np.float64), contrast, sure, 9)
+        Evidence(np.array(vectors, np.float64), contrast, sure, 9, "pairs")
         for vectors, contrast, sure in (
             (((20, 0), (0, 17)), 0.3, 1.0),
             (((7, 1), (0, 9)), 0.1, 5.0),
@@ -116,8 +115,7 @@ def test_the_clearer_pair_is_taken_if_it_has_half_of_the_contrast(rng):
     )
     assert better_pair(fields, []) is None and better_pair(fields, [clear]) is clear
     assert better_pair(fields, [strong, clear]) is strong
-    half = Evidence(clear.vectors, 0.15, 5.0, 9)
+    half = Evidence(clear.vectors, 0.15, 5.0, 9, "pairs")
     assert better_pair(fields, [strong, half]) is half
-    same = Evidence(strong.vectors + 0.01, 0.3, 5.0, 9)
+    same = Evidence(strong.vectors + 0.01, 0.3, 5.0, 9, "pairs")
     assert better_pair(fields, [strong, same]) is strong
-    assert len(pair_candidates(fields, "height")) <= 1

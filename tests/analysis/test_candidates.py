@@ -3,13 +3,10 @@
 import numpy as np
 import pytest
 
-from weftex.analysis.alternation import halves_agree
-from weftex.analysis.autocorrelations import autocorrelations
-from weftex.analysis.candidates import crossing_candidate, row_candidate
-from weftex.analysis.evidence import Evidence
+from weftex.analysis.autocorrelations import autocorrelations, fit_vectors
+from weftex.analysis.candidates import Evidence, crossing_candidate
 from weftex.analysis.lattice import Lattice, find_lattice
-from weftex.analysis.pairs import made_of
-from weftex.analysis.peaks import fit_vectors
+from weftex.analysis.tiles import halves_agree, made_of
 from weftex.exemplar import Exemplar
 
 
@@ -45,7 +42,10 @@ def test_what_crosses_rows_says_how_they_are_shifted(rng, shift):
             pixels[row * high : (row + 1) * high, max(left, 0) : end] += rng.normal(0, 15)
             pixels[row * high : (row + 1) * high, max(left, 0) : max(left + 2, 0)] = 200
         pixels[row * high : row * high + 2] = 200
-    fields, rows = autocorrelations(sample(pixels)), Evidence(np.array([[0.0, 24.0]]), 0.5, 0.5, 5)
+    fields, rows = (
+        autocorrelations(sample(pixels)),
+        Evidence(np.array([[0.0, 24.0]]), 0.5, 0.5, 5, "rows"),
+    )
     vectors = crossing_candidate(fields, rows).vectors
     truth = Lattice(((wide, 0), (shift * wide, high)))
     assert Lattice(tuple(map(tuple, vectors))).same_as(truth, 0.03)
@@ -82,7 +82,7 @@ def test_lines_that_come_at_any_distance_are_no_rows():
     for high in np.rint(rng.uniform(14, 44, 12)).astype(int):
         pixels[top : top + high] = 120 + rng.normal(0, 12)
         pixels[top : top + 2], top = 80, top + high
-    assert row_candidate(autocorrelations(sample(pixels + rng.normal(0, 10, pixels.shape)))) is None
+    assert find_lattice(sample(pixels + rng.normal(0, 10, pixels.shape))) is None
 
 
 def test_vectors_longer_than_what_is_compared_stay_as_they_are(rng):

@@ -4,8 +4,8 @@ import math
 
 import pytest
 
-from weftex.analysis.courses import courses
 from weftex.analysis.lattice import Lattice
+from weftex.analysis.overlay import courses
 
 
 @pytest.mark.parametrize(

@@ -7,12 +7,13 @@ from weftex.analysis import candidates
 from weftex.analysis.autocorrelations import autocorrelations
 from weftex.analysis.bonds import Bonds
 from weftex.analysis.candidates import (
+    SUREST,
+    Evidence,
     bond_candidate,
     checked_by_rows,
     course_candidate,
     lattice_of_rows,
 )
-from weftex.analysis.evidence import SUREST, Evidence
 from weftex.analysis.joints import Joints, checked, contrast, find_courses
 from weftex.analysis.lattice import Lattice, find_lattice
 from weftex.analysis.relief import Relief, relief
@@ -89,7 +90,7 @@ def test_confidence_of_joints_grows_with_each_figure():
 def test_a_pair_by_chance_is_rows(rng):
     """Two vectors that each lead some rows on, and stones of any width: nothing else tells them."""
     rows = autocorrelations(Exemplar(courses(rng, [34, 39, 36, 41, 35, 38])))
-    chance = Evidence(np.array([[92.0, -37.0], [76.0, 74.0]]), 0.1, 5.0, 9)
+    chance = Evidence(np.array([[92.0, -37.0], [76.0, 74.0]]), 0.1, 5.0, 9, "pairs")
     assert checked_by_rows(rows, chance).vectors.shape == (1, 2)
 
 
@@ -98,7 +99,7 @@ def test_a_mesh_is_no_rows(rng):
     pixels = rng.normal(120, 30, (192, 192))
     pixels[::32], pixels[:, ::24] = 220, 220
     pixels[1::32], pixels[:, 1::24] = 220, 220
-    mesh = Evidence(np.array([[24.0, 0.0], [0.0, 32.0]]), 0.1, 5.0, 9)
+    mesh = Evidence(np.array([[24.0, 0.0], [0.0, 32.0]]), 0.1, 5.0, 9, "pairs")
     fields = autocorrelations(Exemplar(np.clip(np.rint(pixels), 0, 255).astype(np.uint8)))
     assert checked_by_rows(fields, mesh) is mesh
 
@@ -144,7 +145,9 @@ def test_stripes_of_any_width_are_no_checks(rng):
 
 def test_a_copy_in_the_whitened_sample_alone_is_no_pair(rng):
     fields = autocorrelations(Exemplar(rng.integers(0, 256, (128, 128), np.uint8)))
-    copy, faint = (Evidence(np.array([[60.0, 0], [0, 50]]), c, 14.0, 6) for c in (-0.03, 0.01))
+    copy, faint = (
+        Evidence(np.array([[60.0, 0], [0, 50]]), c, 14.0, 6, "pairs") for c in (-0.03, 0.01)
+    )
     assert checked_by_rows(fields, copy) is None and checked_by_rows(fields, faint) is faint
 
 
@@ -162,6 +165,6 @@ def test_a_bond_is_sure_where_joints_across_rows_and_within_them_tell_it(
     monkeypatch.setattr(candidates, "_LEAST_CROSSINGS", 0.95)
     monkeypatch.setattr(candidates, "crossing_candidate", lambda *_: crossing)
     monkeypatch.setattr(candidates, "bond_candidate", lambda *_: bond)
-    rows = Evidence(vectors[1:] * [0, 1], 0.3, 5.0, 4)
+    rows = Evidence(vectors[1:] * [0, 1], 0.3, 5.0, 4, "rows")
     assert bond.confidence < 0.92
     assert len(lattice_of_rows(fields, rows).vectors) == sure

@@ -13,12 +13,12 @@ from hypothesis import strategies as st
 
 import weftex
 from weftex import cli
+from weftex.analysis.autocorrelations import Field, find_peaks, fit_vectors
 from weftex.analysis.correlation import correlate
-from weftex.analysis.goodness import GOODNESS, Field, rate, tile_shares
+from weftex.analysis.goodness import GOODNESS, rate, tile_shares
 from weftex.analysis.lattice import Lattice, find_lattice
 from weftex.analysis.overlay import draw_lattice
 from weftex.analysis.pairs import reduced
-from weftex.analysis.peaks import find_peaks, fit_vectors
 from weftex.errors import InvalidInputError
 from weftex.exemplar import Exemplar
 from weftex.reference.lattice import goodness, identifiers
@@ -209,10 +209,9 @@ def test_shares_of_tiles_are_wrapped_positions(first, second, width, height):
 @pytest.mark.parametrize("vectors", [((6, 0), (0, 5)), ((8, 1), (-3, 7)), ((4, 6), (4, -6))])
 def test_height_is_equation_3_22(vectors, rng):
     """Vectors shorter than 10 pixels are looked at where they are, not around."""
-    pixels = rng.integers(0, 256, (24, 30))
-    correlation = correlate(pixels)
+    correlation = correlate(rng.integers(0, 256, (1, 24, 30)).astype(float))
     expected, number = goodness(correlation, *vectors)
-    field = Field(correlation, find_peaks(correlation))
+    field = Field(correlation)
     rated = rate(field, np.array([vectors], np.float64), 24, "height", exact=True)
     assert rated.count[0] == number
     assert rated.goodness[0] == pytest.approx(expected, rel=1e-9)
@@ -222,7 +221,7 @@ def test_the_best_of_all_pairs_is_found(rng):
     """Looking at peaks that dominate loses nothing: every pair of maxima, by definition."""
     tile = smooth(rng.standard_normal((7, 8, 1)), 1.0)[..., 0]
     pixels = np.tile(tile, (4, 4))[:24, :28] + 0.1 * tile.std() * rng.standard_normal((24, 28))
-    correlation = correlate(pixels)
+    correlation = correlate(pixels[None])
     peaks = find_peaks(correlation)
     pairs = [
         pair
@@ -237,7 +236,7 @@ def test_the_best_of_all_pairs_is_found(rng):
 
 
 def test_peaks_are_maxima_and_what_they_dominate(rng):
-    correlation = correlate(smooth(rng.standard_normal((30, 34, 1)), 1.0))
+    correlation = correlate(smooth(rng.standard_normal((30, 34, 1)), 1.0)[None, ..., 0])
     peaks = find_peaks(correlation)
     expected = set()
     for y, x in itertools.product(range(-29, 30), range(34)):
@@ -256,7 +255,9 @@ def test_peaks_are_maxima_and_what_they_dominate(rng):
 def test_vectors_are_fitted_below_a_pixel(rng):
     exact = np.array(SHAPES["oblique"])
     levels = draw(SHAPES["oblique"], rng, noise=0.5)
-    fitted, agreed = fit_vectors(correlate(levels), np.rint(exact), 24)
+    fitted, agreed = fit_vectors(
+        correlate(np.moveaxis(levels, 2, 0).astype(float)), np.rint(exact), 24
+    )
     assert agreed > 20 and abs(fitted - exact).max() < 0.05
 
 

@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from weftex.analysis.autocorrelations import _tops
 from weftex.analysis.joints import Joints, contrast
-from weftex.analysis.peaks import _tops
 from weftex.analysis.relief import Relief
 from weftex.analysis.rows import _profiles
 

@@ -5,9 +5,8 @@ import pytest
 
 import weftex
 from materials import wall
-from weftex.analysis.lattice import Lattice, find_lattice
-from weftex.analysis.overlay import draw_correlation
-from weftex.analysis.ratings import gncc, rate_lattices
+from weftex.analysis.lattice import Lattice, find_lattice, rate_lattices
+from weftex.analysis.overlay import draw_correlation, gncc
 
 BOND = Lattice(((16, 0), (8, 12)))
 

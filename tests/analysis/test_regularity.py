@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import weftex
-from weftex.analysis.regularity import autocorrelation, regularity
+from weftex.analysis.properties import autocorrelation, regularity
 from weftex.analysis.relief import relief
 from weftex.exemplar import Exemplar
 

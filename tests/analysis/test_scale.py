@@ -10,8 +10,7 @@ import pytest
 
 import weftex
 from weftex.analysis.relief import relief
-from weftex.analysis.scale import THICKNESS, _ring_power, dominant_scale
-from weftex.analysis.things import _over_squares
+from weftex.analysis.scale import THICKNESS, _over_squares, _ring_power, dominant_scale
 from weftex.exemplar import Exemplar
 
 #: What the estimate is for the samples that ship with weftex: pixels, confidence and source.

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 import weftex
-from weftex.analysis.sidedness import sidedness
+from weftex.analysis.properties import sidedness
 
 
 def discs(rng, lit):

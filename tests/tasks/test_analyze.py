@@ -10,11 +10,9 @@ import pytest
 import weftex
 from weftex import cli
 from weftex.analysis.lattice import Lattice
-from weftex.analysis.overlay import draw_correlation, draw_lattice
-from weftex.analysis.ratings import gncc
-from weftex.analysis.regularity import regularity
+from weftex.analysis.overlay import draw_correlation, draw_lattice, gncc
+from weftex.analysis.properties import SEAMLESS, border_steps, regularity
 from weftex.analysis.scale import dominant_scale
-from weftex.analysis.tiling import SEAMLESS, border_steps
 from weftex.exemplar import Exemplar
 from weftex.io.pictures import write_image
 from weftex.tasks.analyze import analyze

@@ -9,8 +9,8 @@ import pytest
 
 import weftex
 from families import canvas_of, kinds_of, noise
-from weftex.analysis.evenness import Evenness
 from weftex.analysis.lattice import Lattice
+from weftex.analysis.properties import Evenness
 from weftex.canvas import Canvas
 from weftex.choice import Choice
 from weftex.errors import InvalidInputError

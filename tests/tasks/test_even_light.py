@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 import weftex
-from weftex.analysis.evenness import evenness
+from weftex.analysis.properties import evenness
 from weftex.tasks.even_light import _linear, _stored
 
 NAMES = ("pebbles", "bricks", "weave", "grass", "leaves")

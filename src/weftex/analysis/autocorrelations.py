@@ -1,23 +1,16 @@
-"""The autocorrelations in which a sample's lattice is searched: as it is, and whitened.
-
-Stones behind a wire mesh, and courses over the joints within them, have most of the power of a
-sample, and their broad peaks hide the narrow peaks of a lattice. A lattice has its power in single
-frequencies, far above those around them. So the whitened power spectrum is divided by its own
-smoothed version: anything that does not repeat leaves noise of one strength, which measures chance.
-"""
+"""The autocorrelations in which a sample's lattice is searched, and their peaks."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import lru_cache
 from typing import TYPE_CHECKING
 
 import numpy as np
 
-from weftex.analysis.correlation import correlate, correlation_and_power, power_of, wrapped_length
-from weftex.analysis.goodness import ALPHA, SIGNIFICANT, Field
-from weftex.analysis.peaks import find_peaks
+from weftex.analysis import kernels
+from weftex.analysis.correlation import correlate, correlation_and_power, whitened
 from weftex.analysis.relief import Relief, relief
-from weftex.raster.medians import median
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -26,12 +19,13 @@ if TYPE_CHECKING:
 
     Floats = NDArray[np.float64]
 
+ALPHA = 1.12  # the paper's; above 1 it prefers smaller tiles
+SIGNIFICANT = 0.85  # share of a tile that an overlap must hold (section 3.3.1)
+
 _SIGMAS = 3.0  # standard errors of one multiple that count as chance
-_NEAR = 6.0  # waves to the sample's side: the Gaussian that a spectrum is smoothed by
-_FINEST = 0.25  # waves a pixel, from which on frequencies count less than 1/e
-_LEAST = 0.02  # of the sample, that must overlap
-_ENOUGH = 0.2  # the same, where chance is measured
-_EMPTY = 1e-9  # of the highest power; less is rounding
+_CLOSE = 10.0  # pixels; shorter vectors are rated by single pixels
+_ONE_LINE = 1e-10  # of the square of its trace: what the determinant of multiples on a line has
+_LARGEST_DOMINANCE = 64  # pixels; larger regions count as this
 
 
 @dataclass(frozen=True, eq=False)
@@ -53,46 +47,184 @@ def autocorrelations(
     if usable.all():
         own, power = correlation_and_power(flat.levels)
     else:
-        own = correlate(np.moveaxis(flat.levels, 0, 2), first_mask=usable)
+        own = correlate(flat.levels, usable)
     even, chance = whitened(flat, power)
-    white = Field(even, find_peaks(even), alpha, significant, _SIGMAS * chance)
-    return Autocorrelations(flat, Field(own, find_peaks(own), alpha, significant), white, chance)
+    white = Field(even, alpha, significant, _SIGMAS * chance)
+    return Autocorrelations(flat, Field(own, alpha, significant), white, chance)
 
 
-def whitened(flat: Relief, power: Floats | None = None) -> tuple[Floats, float]:
-    """Correlate a sample with itself, all frequencies being as strong as those around them."""
-    height, width = flat.usable.shape
-    size = wrapped_length(2 * height - 1), wrapped_length(2 * width - 1)
-    if power is None:
-        power = power_of(flat.levels, size)
-    v, u = np.fft.fftfreq(size[0])[:, None], np.fft.rfftfreq(size[1])
-    # A product of the correlation with a Gaussian is the spectrum smoothed by one.
-    down, along = (
-        np.exp(-2 * (np.pi * _NEAR * np.fft.fftfreq(n) * n / side) ** 2)
-        for n, side in zip(size, (height, width), strict=True)
-    )
-    around = np.fft.irfft2(power, size)
-    around *= down[:, None]
-    around *= along
-    smoothed = np.fft.rfft2(around).real
-    power /= np.maximum(smoothed, max(_EMPTY * float(smoothed.max()), 1e-300))
-    power *= np.exp(-((v / _FINEST) ** 2)) * np.exp(-((u / _FINEST) ** 2))
-    if flat.usable.all() and flat.usable.max() == 1:
-        overlap = np.outer(*(side - abs(np.arange(1.0 - side, side)) for side in (height, width)))
-    else:
-        usable = np.fft.rfft2(flat.usable, size)
-        overlap = _unwrapped(np.fft.irfft2(abs(usable) ** 2, size), height, width)
-    found = _unwrapped(np.fft.irfft2(power, size), height, width)
-    shared = overlap / overlap[height - 1, width - 1]
-    found *= (shared >= _LEAST) / np.maximum(shared, _LEAST)
-    found /= max(float(found[height - 1, width - 1]), 1e-12)
-    enough = shared >= _ENOUGH
-    chance = median(abs(found[enough]) * np.sqrt(shared[enough])) / 0.6745
-    return found, chance
+class Field:
+    """An autocorrelation and its peaks, to be read at multiples of vectors.
+
+    `alpha` is that of eq. 3.22, `significant` the share of a tile that an overlap must hold;
+    `unsure` is the contrast of one multiple by chance, if all of the sample overlaps.
+    """
+
+    def __init__(
+        self,
+        correlation: Floats,
+        alpha: float = ALPHA,
+        significant: float = SIGNIFICANT,
+        unsure: float | None = None,
+    ) -> None:
+        self.correlation, self.peaks = correlation, find_peaks(correlation)
+        self.alpha, self.significant, self.unsure = alpha, significant, unsure
+        self.height, self.width = (side // 2 + 1 for side in correlation.shape)
+        # Multiples lie between pixels, and material is not exact: of a place and its neighbors
+        # the highest counts, also at the places between multiples.
+        self.tables = np.stack([correlation, _around(correlation)])
+
+    def values(self, x: Floats, y: Floats, pairs: Floats) -> Floats:
+        """Return the correlation at shifts (n, m) of n pairs, or the highest around them."""
+        # A neighbor of a place between close multiples would itself be a multiple.
+        coarse = (shortest(pairs) >= _CLOSE).astype(np.int64)
+        found: Floats = self.tables[coarse, *self._at(x, y)]
+        return found
+
+    def shares(self, x: Floats, y: Floats) -> Floats:
+        """Return the share of the sample that overlaps at each shift."""
+        found: Floats = (1 - abs(x) / self.width) * (1 - abs(y) / self.height)
+        return found
+
+    def held(self, x: Floats, y: Floats, pairs: Floats) -> Floats:
+        """Return the region that the peak near a shift dominates, over the shorter vector."""
+        place = self.peaks.shifts[:, ::-1] + [self.height - 1, self.width - 1]
+        table = np.zeros(self.correlation.shape)
+        table[tuple(place.T)] = self.peaks.dominance
+        table = _around(np.maximum(table, table[::-1, ::-1]))
+        found: Floats = np.minimum(2 * table[self._at(x, y)] / shortest(pairs), 1)
+        return found
+
+    def _at(self, x: Floats, y: Floats) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
+        found = []
+        for at, side in ((y, self.height), (x, self.width)):
+            place = np.rint(at).astype(np.int64)
+            place += side - 1
+            np.maximum(place, 0, out=place)  # np.clip takes as long again to look at its limits
+            found.append(np.minimum(place, 2 * side - 2, out=place))
+        return found[0], found[1]
 
 
-def _unwrapped(values: Floats, height: int, width: int) -> Floats:
-    """Shifts in rising order, from the wrapped ones of a transform."""
-    rows, columns = np.arange(1 - height, height), np.arange(1 - width, width)
-    found: Floats = values[rows[:, None], columns]
-    return found
+@dataclass(frozen=True, eq=False)
+class Peaks:
+    """Local maxima of the right half of an autocorrelation, the highest first (observation i).
+
+    `dominance` is half the side of the largest square around a peak, 1, 2, 4 ... 64 pixels, in
+    which it is the highest (after Liu, Collins, Tsin: A computational model for periodic pattern
+    perception based on frieze and wallpaper groups).
+    """
+
+    shifts: NDArray[np.int64]  # (n, 2) as (x, y)
+    heights: NDArray[np.float64]  # (n,)
+    dominance: NDArray[np.int64]  # (n,)
+
+
+def find_peaks(correlation: NDArray[np.float64]) -> Peaks:
+    """Find the maxima among the eight neighbors, above 0."""
+    middle, center = (side // 2 for side in correlation.shape)
+    margin = min(_LARGEST_DOMINANCE, center)  # columns of the left half, for squares around peaks
+    # Rounded, so that peaks that differ by rounding alone are equal on every machine.
+    part = np.rint(correlation[:, center - margin :] * 1e9) / 1e9
+    around, radius = _wider(part, 1, first=True), 1
+    high = (part > 0) & (part >= around)
+    high[:, :margin] = False
+    high[: middle + 1, margin] = False  # no shift at all, and mirror images of shifts straight down
+    y, x = high.nonzero()
+    heights = part[y, x]
+    dominance = np.ones(len(y), np.int64)
+    while radius < _LARGEST_DOMINANCE:
+        around, radius = _wider(around, radius), 2 * radius
+        dominance[heights >= around[y, x]] = radius
+    shifts = np.stack([x - margin, y - middle], axis=1)
+    order = np.lexsort((shifts[:, 1], shifts[:, 0], (shifts**2).sum(axis=1), -heights))
+    return Peaks(shifts[order], heights[order], dominance[order])
+
+
+def _wider(values: NDArray[np.float64], by: int, first: bool = False) -> NDArray[np.float64]:
+    """Maxima over squares that reach `by` pixels further than those that `values` has."""
+    for axis in (0, 1):
+        place = np.arange(values.shape[axis])
+        before = values.take(np.maximum(place - by, 0), axis)
+        after = values.take(np.minimum(place + by, len(place) - 1), axis)
+        both = np.maximum(before, after)
+        values = np.maximum(both, values) if first else both
+    return values
+
+
+def fit_vectors(
+    correlation: NDArray[np.float64], vectors: NDArray[np.float64], reach: int
+) -> tuple[NDArray[np.float64], int]:
+    """Fit one or two vectors to the peaks at all multiples that agree with them, below a pixel.
+
+    From the nearest multiples outwards, twice as far each time, a parabola through each peak and
+    its neighbors says where it is; least squares over all multiples say what the vectors are.
+    """
+    height, width = (side // 2 + 1 for side in correlation.shape)
+    window = max(1, min(3, int(np.hypot(*vectors.T).min() // 5)))
+    agreed, limit, before = 0, 1, np.zeros((0, 0))
+    # Far shifts compare a small part of the sample; half of each side is enough.
+    far = 0.6 * np.array([width, height])
+    while True:
+        times = _all_times(min(limit, _most_times(vectors, far)), len(vectors))
+        places = times @ vectors
+        keep = (abs(places) <= far).all(axis=1)
+        times, nearest = times[keep], np.rint(places[keep]).astype(int)
+        looked_at = np.column_stack([times, nearest, np.full(len(times), window)])
+        # None is near where a vector is longer than that; the same say the same vectors again.
+        if len(times) and not np.array_equal(looked_at, before):
+            before = looked_at
+            found, heights = _tops(correlation, nearest, window)
+            good = heights > 0
+            if good.any():
+                share = (1 - abs(found[:, 0]) / width) * (1 - abs(found[:, 1]) / height)
+                # Normal equations: of few small whole numbers they are as good as any other way.
+                weighed = (np.where(good, heights * share, 0)[:, None] * times).T
+                gram, sums = weighed @ times, weighed @ found
+                if np.linalg.det(gram) > _ONE_LINE * np.trace(gram) ** len(vectors):
+                    vectors, agreed = np.linalg.solve(gram, sums), int(good.sum())
+        if limit >= reach:
+            return vectors, agreed
+        limit, window = min(2 * limit, reach), max(1, min(window, 2))
+
+
+def _most_times(vectors: NDArray[np.float64], far: NDArray[np.float64]) -> int:
+    """No multiple of more than so many times a vector is less far off, in x and in y."""
+    if len(vectors) == 1:
+        return int((far / np.maximum(abs(vectors[0]), 1e-9)).min()) + 1
+    (ax, ay), (bx, by) = abs(vectors).tolist()
+    area = abs(float(vectors[0, 0] * vectors[1, 1] - vectors[0, 1] * vectors[1, 0]))
+    most = max(far[0] * by + far[1] * bx, far[0] * ay + far[1] * ax)
+    return int(min(most / max(area, 1e-9), 1e6)) + 1
+
+
+@lru_cache(maxsize=64)
+def _all_times(limit: int, number: int) -> NDArray[np.int64]:
+    """Up to so many times each of one or two vectors, but for none of either."""
+    ranges = [np.arange(-limit, limit + 1)] * number
+    times = np.stack(np.meshgrid(*ranges), axis=-1).reshape(-1, number)
+    times = times[times.any(axis=1)]
+    times.flags.writeable = False
+    return times
+
+
+def _tops(
+    correlation: NDArray[np.float64], places: NDArray[np.int64], window: int
+) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """The peak within a window around each place, below a pixel; height 0 where there is none."""
+    found, heights = np.empty((len(places), 2)), np.empty(len(places))
+    kernels.tops(correlation, places, window, found, heights)
+    return found, heights
+
+
+def _around(table: Floats) -> Floats:
+    """Return the maximum of each place and its eight neighbors."""
+    framed = np.pad(table, 1, mode="edge")
+    tall = np.maximum(np.maximum(framed[:-2], framed[1:-1]), framed[2:])
+    around: Floats = np.maximum(np.maximum(tall[:, :-2], tall[:, 1:-1]), tall[:, 2:])
+    return around
+
+
+def shortest(pairs: Floats) -> Floats:
+    """Return the length of the shorter vector of each pair, (n, 1)."""
+    lengths: Floats = np.hypot(pairs[..., 0], pairs[..., 1]).min(axis=1)[:, None]
+    return lengths

@@ -1,25 +1,31 @@
-"""Candidates for the lattice of a sample or its rows, and the evidence for each.
+"""The evidence for a lattice of a sample, or for its rows: beyond the thesis.
 
 Pairs of vectors come from the correlation, as it is and whitened; rows from its ridges or from
 joints. Where rows are known, a second family of joints or the joints within the rows give the
 vector along them.
+
+`contrast` is how far the correlation at multiples is above that between them; `clear` is the same
+of the whitened sample, less chance and in units of it, which falls with the root of the number of
+multiples. Rows by joints (`weftex.analysis.joints`) have the contrast of edges in different strips
+and how alike these are; the bond of rows has one figure. A logistic regression combines them.
+`python benchmarks/quality/lattices.py --fit` prints weights; docs/lattice.md has their reliability.
 """
 
 from __future__ import annotations
 
-from dataclasses import replace
+import math
+from dataclasses import dataclass, replace
 from functools import partial
 from typing import TYPE_CHECKING
 
 import numpy as np
 
-from weftex.analysis.alternation import alternating
 from weftex.analysis.bonds import Bonds
-from weftex.analysis.evidence import Evidence
-from weftex.analysis.goodness import contrast_of, rate, reach_of, stand_out
+from weftex.analysis.goodness import contrast_of, rate, reach_of
 from weftex.analysis.joints import Courses, checked, find_courses, rated
-from weftex.analysis.pairs import MOST_MULTIPLES, best_pair, fitted, made_of, reduced
+from weftex.analysis.pairs import MOST_MULTIPLES, fitted, highest, rated_pairs, reduced
 from weftex.analysis.rows import find_rows, ridges
+from weftex.analysis.tiles import alternating, made_of, settled, stand_out
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -38,10 +44,8 @@ _LEAST_BOND = 0.92  # confidence of the bond of rows; 150 rows without one had u
 _NOTHING = -0.02  # contrast, less its error, of a pair that is absent from the sample
 _BETTER = 1.5  # times the evidence of a pair, that another bond of its rows must have
 _OF_ROWS = 3.4  # evidence of joints within rows that a pair must have
-_SECOND = 0.2  # confidence of joints along a second family of lines that keeps a pair
 _FAINT = 0.1  # contrast of rows below which joints must be regular
 _REGULAR = 0.35  # of the correlation of strips: the part that regular rows have at multiples
-_ASLANT = 0.9  # cosine below which lines are another family than the rows
 _ERRORS = 4.0  # standard errors by which a larger tile's multiples stand out
 _TWICE = 0.06  # of the distance: the tolerance of rows at twice the distance of joints
 #: Of crossings of two families of joints: all, or of each row every second, third or fourth,
@@ -50,21 +54,78 @@ _SHIFTED = [(1, 0), (2, 1), (3, 1), (3, 2), (4, 1), (4, 3)]
 _CROSSINGS = [np.array([[k, 0], [shift, 1]]) for k, shift in _SHIFTED]
 _CROSSINGS += [whole[::-1, ::-1] for whole in _CROSSINGS[2:]]
 
+#: Weights of `Evidence.figures`, of which the first is 1, by what the figures measure.
+WEIGHTS: dict[str, tuple[float, ...]] = {
+    "pairs": (-4.32, 6.32, 1.54),
+    "rows": (-5.46, 0.0, 3.01),
+    "joints": (-5.93, 13.96),
+    "crossings": (-4.78, 15.82),
+    "stripes": (-2.09, 12.34),
+    "bonds": (-9.02, 3.06),
+    "both": (-10.0, 3.06, 10.0),  # the bonds, and the figure of the crossings
+}
+#: Of the surest: some tiles pass for lattices that are part of one, whatever is fields.
+SUREST = 0.95
 
-def pair_candidates(fields: Autocorrelations, goodness: str = "contrast") -> list[Evidence]:
+_HALF = 0.05  # contrast that counts half as much as any contrast could
+_MOST = 40.0  # exponents beyond this are no numbers
+
+
+@dataclass(frozen=True, eq=False)
+class Evidence:
+    """The evidence for vectors (x, y) in pixels of the relief: two, or one from row to row.
+
+    `kind` says what the figures measure: "pairs" and "rows" the correlations, "joints" of rows,
+    "crossings" of joints across rows, "stripes" along both vectors, "bonds" within rows, or "both"
+    of these.
+    """
+
+    vectors: NDArray[np.float64]
+    contrast: float  # at multiples, less its standard error
+    clear: float  # of the whitened sample, in units of chance; see `kind`
+    number: int  # of multiples
+    kind: str
+
+    @property
+    def figures(self) -> tuple[float, ...]:
+        """The figures that are weighted; each grows more slowly the larger it is."""
+        contrast, clear = max(self.contrast, 0.0), max(self.clear, 0.0)
+        if self.kind in ("joints", "crossings", "stripes"):
+            return 1.0, math.sqrt(contrast * clear)
+        if self.kind == "bonds":
+            return 1.0, clear
+        if self.kind == "both":
+            return 1.0, clear, contrast
+        return 1.0, contrast / (_HALF + contrast), math.asinh(clear * self.number**0.5)
+
+    @property
+    def confidence(self) -> float:
+        """The share of lattices with such evidence that are right, from 0 to `SUREST`.
+
+        >>> Evidence(np.eye(2), 0.4, 20.0, 60, "pairs").confidence > 0.9
+        True
+        """
+        weights = WEIGHTS[self.kind]
+        total = sum(part * weight for part, weight in zip(self.figures, weights, strict=True))
+        return SUREST / (1 + math.exp(-min(max(total, -_MOST), _MOST)))
+
+
+def pair_candidates(fields: Autocorrelations) -> list[Evidence]:
     """Return the best pair of vectors of the correlation, and of the whitened one.
 
     Stones behind a mesh hide it in the first; structure without edges is lost in the second.
     """
     found: list[Evidence] = []
-    for field in (fields.field, fields.white) if goodness == "contrast" else (fields.field,):
-        both = best_pair(field, goodness)
-        if both is None:
+    for field in (fields.field, fields.white):
+        tried = rated_pairs(field, "contrast")
+        best = highest(tried)
+        if best is None:
             continue
-        one = evidence_of(fields, both[1])
-        if goodness == "contrast" and field is fields.field:
-            one = _of_checks(fields, both[0], one)
-        found.append(one)
+        whitened = field is fields.white
+        # In the whitened sample threads are clear, and checks are made of them.
+        larger = [] if whitened else [vectors for vectors, _ in tried]
+        one = evidence_of(fields, settled(field, best, larger))
+        found.append(one if whitened else _of_checks(fields, best, one))
     return found
 
 
@@ -126,11 +187,12 @@ def evidence_of(fields: Autocorrelations, vectors: Floats) -> Evidence:
         contrast_of(fields.field, vectors, reach),
         contrast_of(fields.white, vectors, reach) / max(fields.chance, 1e-12),
         int(rate(fields.field, vectors[None], reach, "contrast").count[0]),
+        "pairs",
     )
 
 
 def row_candidate(fields: Autocorrelations) -> Evidence | None:
-    """Return the best rows and their evidence; None for lines at irregular distances."""
+    """Return the best rows and their evidence; None for faint lines at irregular distances."""
     rows = find_rows(fields.flat)
     if rows is None:
         return None
@@ -139,7 +201,7 @@ def row_candidate(fields: Autocorrelations) -> Evidence | None:
     if rows[1] < _FAINT and all(one.contrast < _REGULAR * one.alike for one in joints):
         return None
     clear, number = ridges(fields.white.correlation, rows[0])
-    return Evidence(rows[0][None], rows[1], clear / max(fields.chance, 1e-12), number)
+    return Evidence(rows[0][None], rows[1], clear / max(fields.chance, 1e-12), number, "rows")
 
 
 def course_candidate(fields: Autocorrelations, rows: Evidence | None) -> Evidence | None:
@@ -189,16 +251,7 @@ def checked_by_rows(fields: Autocorrelations, pair: Evidence) -> Evidence | None
     bond = bond_candidate(fields, rows)
     if bond is not None and bond.confidence >= _LEAST_BOND and bond.clear > _BETTER * sure:
         return bond
-    if sure >= _OF_ROWS:
-        return pair
-    area = abs(float(np.linalg.det(pair.vectors)))
-    first, second = reduced(pair.vectors)
-    for side in (first, second, first + second, first - second):
-        across = np.array([-side[1], side[0]]) * area / (side @ side)
-        aslant = abs(across @ down) < _ASLANT * np.hypot(*across) * np.hypot(*down)
-        if aslant and _by_joints(rated(fields.flat, across)).confidence >= _SECOND:
-            return pair
-    return rows
+    return pair if sure >= _OF_ROWS else rows
 
 
 def lattice_of_rows(fields: Autocorrelations, rows: Evidence) -> Evidence:

@@ -1,86 +1,86 @@
-"""Generalised normalized cross-correlation (GNCC) of two pictures.
+"""The autocorrelation of a sample: as it is (sections 3.1 and 3.2 of the thesis), and whitened.
 
-Sections 3.1 and 3.2 of the paper on near-regular textures: the normalized correlation of what
-overlaps, for every shift at which anything overlaps. The correlation itself is a product of
-spectra, the sums that normalize it come from running sums (with masks, from spectra too).
+The normalized correlation (GNCC) of what overlaps, for every shift at which anything overlaps. The
+correlation itself is a product of spectra, the sums that normalize it come from running sums (with
+masks, from spectra too).
+
+Stones behind a wire mesh, and courses over the joints within them, have most of the power of a
+sample, and their broad peaks hide the narrow peaks of a lattice. A lattice has its power in single
+frequencies, far above those around them. So the whitened power spectrum is divided by its own
+smoothed version: anything that does not repeat leaves noise of one strength, which measures chance.
 """
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
-from weftex.analysis import overlap_kernels as kernels
-from weftex.errors import InvalidInputError
-from weftex.raster.boxes import touching_sums
+from weftex.analysis import kernels
+from weftex.raster.arrays import median
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
+
+    from weftex.analysis.relief import Relief
 
     Floats = NDArray[np.float64]
 
 #: An overlap that varies less than this beside the whole picture passes for constant: its own
 #: correlation is lost in the rounding of the transform.
 _FLAT = 1e-11
+_NEAR = 6.0  # waves to the sample's side: the Gaussian that a spectrum is smoothed by
+_FINEST = 0.25  # waves a pixel, from which on frequencies count less than 1/e
+_LEAST = 0.02  # of the sample, that must overlap
+_ENOUGH = 0.2  # the same, where chance is measured
+_EMPTY = 1e-9  # of the highest power; less is rounding
 
 
 def correlate(
-    first: NDArray[Any],
-    second: NDArray[Any] | None = None,
-    *,
-    first_mask: NDArray[np.bool_] | None = None,
-    second_mask: NDArray[np.bool_] | None = None,
+    levels: Floats,
+    usable: NDArray[np.bool_] | None = None,
     reach: tuple[int, int] | None = None,
 ) -> Floats:
-    """Correlate two pictures of any sizes at every shift, normalized over what overlaps.
+    """Return the correlation of (K, H, W) with itself at every shift, or at those within reach.
 
-    Eqs. 3.2 and 3.10 of the paper: each channel's correlation coefficient counts as much as it
-    varies in both overlaps, so a constant channel does not count at all.
+    Eq. 3.13: each channel counts as much as it varies in both overlaps, a constant one not at all.
+    Shift 0 is in the middle of the result.
     """
-    f, f_mask = _checked(first, first_mask, "first")
-    if second is None:
-        if second_mask is not None:
-            raise InvalidInputError("second_mask has no effect without a second picture")
-        g, g_mask = f, f_mask
-    else:
-        g, g_mask = _checked(second, second_mask, "second")
-    if f.shape[0] != g.shape[0]:
-        raise InvalidInputError(f"first has {f.shape[0]} channels and second {g.shape[0]}")
-    alike = g is f
-    if alike and f_mask is None:
-        f = np.ascontiguousarray(f)
-        return _with_itself(f, power_of(f, _wrapped(f.shape[1:], reach)), reach)
-    sums = _Sums(f.shape[1:], g.shape[1:], f_mask, g_mask, reach)
-    above, below = np.zeros(sums.shape), np.zeros(sums.shape)
-    spectrum = np.zeros((), np.complex128)
-    for k in range(len(f)):
-        at_f = np.fft.rfft2(f[k], sums.padded)
-        at_g = at_f if alike else np.fft.rfft2(g[k], sums.padded)
-        spectrum = spectrum + at_f * at_g.conj()
-        s_f = sums.over_first(f[k])
-        spread_f = _spread(sums.count, s_f, sums.over_first(f[k] ** 2))
-        if alike:  # the other part is what the opposite shift leaves
-            s_g, spread_g = s_f[::-1, ::-1], spread_f[::-1, ::-1]
-        else:
-            s_g = sums.over_second(g[k])
-            spread_g = _spread(sums.count, s_g, sums.over_second(g[k] ** 2))
-        above -= s_f * s_g
-        below += np.sqrt(spread_f * spread_g)
-    above += sums.count * sums.cut(np.fft.irfft2(spectrum, sums.padded))
-    result = np.divide(above, below, out=np.zeros(sums.shape), where=below > 0)
+    if usable is None or usable.all():
+        around = levels - levels.mean(axis=(1, 2), keepdims=True)
+        return _normalized(around, power_of(around, _padded(levels.shape[1:], reach)), reach)
+    mean = (levels * usable).sum(axis=(1, 2), keepdims=True) / max(1, int(usable.sum()))
+    size, far = _padded(usable.shape, reach), _farthest(usable.shape, reach)
+    mask = np.fft.rfft2(usable.astype(np.float64), size)
+
+    def over_overlaps(values: Floats) -> Floats:
+        return _unwrapped(np.fft.irfft2(np.fft.rfft2(values, size) * mask.conj(), size), far)
+
+    count = np.rint(_unwrapped(np.fft.irfft2(mask * mask.conj(), size), far))
+    above, below, spectrum = 0 * count, 0 * count, np.zeros(mask.shape, np.complex128)
+    for level in (levels - mean) * usable:
+        waves = np.fft.rfft2(level, size)
+        spectrum += waves * waves.conj()
+        sums, squares = over_overlaps(level), over_overlaps(level**2)
+        spread = count * squares - sums * sums
+        spread *= spread > _FLAT * float(squares.max()) * count
+        # The other part of the overlap is what the opposite shift leaves.
+        above -= sums * sums[::-1, ::-1]
+        below += np.sqrt(spread * spread[::-1, ::-1])
+    above += count * _unwrapped(np.fft.irfft2(spectrum, size), far)
+    result = np.divide(above, below, out=np.zeros(below.shape), where=below > 0)
     return np.clip(result, -1, 1, out=result)
 
 
 def correlation_and_power(levels: Floats) -> tuple[Floats, Floats]:
-    """Correlate a picture without a mask with itself at every shift."""
+    """Return `correlate(levels)` and the power spectrum of the levels around their mean."""
     around = levels - levels.mean(axis=(1, 2), keepdims=True)
-    power = power_of(around, _wrapped(levels.shape[1:], None))
-    return _with_itself(around, power, None), power
+    power = power_of(around, _padded(levels.shape[1:]))
+    return _normalized(around, power, None), power
 
 
 def power_of(levels: Floats, size: tuple[int, int]) -> Floats:
-    """The power spectrum of a picture of these channels, as `numpy.fft.rfft2` orders it."""
+    """Return the power spectrum of all channels, as `numpy.fft.rfft2` orders it."""
     power = np.zeros((size[0], size[1] // 2 + 1))
     for level in levels:
         waves = np.fft.rfft2(level, size)
@@ -88,138 +88,86 @@ def power_of(levels: Floats, size: tuple[int, int]) -> Floats:
     return power
 
 
-def _wrapped(shape: tuple[int, ...], reach: tuple[int, int] | None) -> tuple[int, int]:
-    """Sides at which nothing wraps around into a shift within reach."""
-    far = (side if reach is None else min(side, reach[k] + 1) for k, side in enumerate(shape))
-    down, along = (wrapped_length(side + most - 1) for side, most in zip(shape, far, strict=True))
-    return down, along
-
-
-def _with_itself(levels: Floats, power: Floats, reach: tuple[int, int] | None) -> Floats:
-    """The correlation of levels around 0, from their power spectrum."""
-    _, height, width = levels.shape
-    (rows, high), (columns, wide) = (
-        _overlaps(side, side - 1 if reach is None else min(side - 1, reach[k]))
-        for k, side in enumerate((height, width))
+def whitened(flat: Relief, power: Floats | None = None) -> tuple[Floats, float]:
+    """Return the correlation with all frequencies as strong as those around them, and chance."""
+    height, width = flat.usable.shape
+    size = _padded((height, width))
+    if power is None:
+        power = power_of(flat.levels, size)
+    v, u = np.fft.fftfreq(size[0])[:, None], np.fft.rfftfreq(size[1])
+    # A product of the correlation with a Gaussian is the spectrum smoothed by one.
+    down, along = (
+        np.exp(-2 * (np.pi * _NEAR * np.fft.fftfreq(n) * n / side) ** 2)
+        for n, side in zip(size, (height, width), strict=True)
     )
+    around = np.fft.irfft2(power, size)
+    around *= down[:, None]
+    around *= along
+    smoothed = np.fft.rfft2(around).real
+    power /= np.maximum(smoothed, max(_EMPTY * float(smoothed.max()), 1e-300))
+    power *= np.exp(-((v / _FINEST) ** 2)) * np.exp(-((u / _FINEST) ** 2))
+    far = height - 1, width - 1
+    if flat.usable.all() and flat.usable.max() == 1:
+        overlap = np.outer(*(side - abs(np.arange(1.0 - side, side)) for side in (height, width)))
+    else:
+        usable = np.fft.rfft2(flat.usable, size)
+        overlap = _unwrapped(np.fft.irfft2(abs(usable) ** 2, size), far)
+    found = _unwrapped(np.fft.irfft2(power, size), far)
+    shared = overlap / overlap[far]
+    found *= (shared >= _LEAST) / np.maximum(shared, _LEAST)
+    found /= max(float(found[far]), 1e-12)
+    enough = shared >= _ENOUGH
+    chance = median(abs(found[enough]) * np.sqrt(shared[enough])) / 0.6745
+    return found, chance
+
+
+def _normalized(levels: Floats, power: Floats, reach: tuple[int, int] | None) -> Floats:
+    """Return the correlation of levels around 0, from their power spectrum."""
+    _, height, width = levels.shape
+    far = _farthest((height, width), reach)
+    (rows, high), (columns, wide) = map(_overlaps, (height, width), far)
     shape = len(high), len(wide)
     above, below = np.zeros(shape), np.zeros(shape)
     sums, squares = np.empty(shape), np.empty(shape)
     down, along = np.empty((2, height + 1, width)), np.empty((2, width + 1))
-    for level in levels:
+    for level in np.ascontiguousarray(levels):
         most = kernels.overlap_sums(level, rows, columns, down, along, sums, squares)
         kernels.add_channel(sums, squares, high, wide, _FLAT * most, above, below)
-    size = power.shape[0], _wrapped((height, width), reach)[1]
-    # Eq. 3.13: the sum of the numerators over the sum of the denominators.
-    kernels.divide(above, below, high, wide, np.fft.irfft2(power, size))
+    products = np.fft.irfft2(power, _padded((height, width), reach))
+    kernels.divide(above, below, high, wide, products)
     return above
 
 
+def _farthest(shape: tuple[int, ...], reach: tuple[int, int] | None) -> tuple[int, int]:
+    """Return the farthest shift, downwards and to the right."""
+    down, along = (
+        shape if reach is None else (min(n, r + 1) for n, r in zip(shape, reach, strict=True))
+    )
+    return down - 1, along - 1
+
+
+def _padded(shape: tuple[int, ...], reach: tuple[int, int] | None = None) -> tuple[int, int]:
+    """Return the sides at which nothing wraps around into a shift within reach."""
+    down, along = map(sum, zip(shape, _farthest(shape, reach), strict=True))
+    return wrapped_length(down), wrapped_length(along)
+
+
 def _overlaps(side: int, most: int) -> tuple[NDArray[np.int64], Floats]:
-    """First and last of what overlaps at shifts of at most so much, and how much that is."""
+    """Return the first and last of what overlaps at shifts of at most so much, and its length."""
     shifts = np.arange(-most, most + 1)
     ends = np.stack([np.maximum(shifts, 0), side + np.minimum(shifts, 0)], axis=1)
     return ends, (side - abs(shifts)).astype(np.float64)
 
 
-def _checked(
-    picture: NDArray[Any], mask: NDArray[np.bool_] | None, name: str
-) -> tuple[Floats, NDArray[np.bool_] | None]:
-    """Channels first, around their mean, which changes no coefficient and keeps sums small."""
-    given = np.asarray(picture)
-    if given.ndim not in (2, 3) or 0 in given.shape or given.dtype.kind not in "biuf":
-        raise InvalidInputError(
-            f"{name} is an array {given.shape} of {given.dtype}; it must be (H, W) or (H, W, K) "
-            "of real numbers, and not empty"
-        )
-    levels = np.moveaxis(given.reshape(*given.shape[:2], -1).astype(np.float64), 2, 0)
-    if not np.isfinite(levels).all():
-        raise InvalidInputError(f"{name} contains NaN or infinity")
-    if mask is None:
-        return levels - levels.mean(axis=(1, 2), keepdims=True), None
-    mask = np.asarray(mask, bool)
-    if mask.shape != given.shape[:2]:
-        raise InvalidInputError(f"the mask of {name} is {mask.shape}, not {given.shape[:2]}")
-    mean = (levels * mask).sum(axis=(1, 2), keepdims=True) / max(1, int(mask.sum()))
-    return (levels - mean) * mask, None if mask.all() else mask
-
-
-def _spread(count: Floats, sums: Floats, squares: Floats) -> Floats:
-    """N S_ff - S_f^2: N^2 times the variance of the overlap, 0 where it is only rounding."""
-    least = _FLAT * float(squares.max()) * count
-    spread = count * squares - sums * sums
-    spread *= spread > least
-    return spread
-
-
-class _Sums:
-    """Sums over the overlap of two pictures at every shift, or at those within reach."""
-
-    def __init__(
-        self,
-        first: tuple[int, ...],
-        second: tuple[int, ...],
-        first_mask: NDArray[np.bool_] | None,
-        second_mask: NDArray[np.bool_] | None,
-        reach: tuple[int, int] | None = None,
-    ) -> None:
-        self.first, self.second, self.reach = first, second, reach or (max(first + second),) * 2
-        sides = list(zip(first, second, self.reach, strict=True))
-        shifts = [np.arange(max(1 - g, -r), min(f - 1, r) + 1) for f, g, r in sides]
-        self.shape = len(shifts[0]), len(shifts[1])
-        self.least = -int(shifts[0][0]), -int(shifts[1][0])
-        self.padded = tuple(  # nothing wraps around into a shift that is asked for
-            wrapped_length(max(f - shift[0], g + shift[-1]))
-            for (f, g, _), shift in zip(sides, shifts, strict=True)
-        )
-        self.masked = first_mask is not None or second_mask is not None
-        if self.masked:
-            masks = (
-                np.ones(size) if mask is None else mask.astype(np.float64)
-                for size, mask in ((first, first_mask), (second, second_mask))
-            )
-            self.f_mask, self.g_mask = (np.fft.rfft2(mask, self.padded) for mask in masks)
-            count = self.cut(np.fft.irfft2(self.f_mask * self.g_mask.conj(), self.padded))
-            self.count = np.rint(count)
-        else:  # eq. 3.9, with the first picture's side inside the minimum
-            overlap = (
-                np.minimum(min(f, g), np.minimum(shift + g, f - shift))
-                for (f, g, _), shift in zip(sides, shifts, strict=True)
-            )
-            self.count = np.outer(*overlap).astype(np.float64)
-
-    def cut(self, wrapped: Floats) -> Floats:
-        """Shifts in rising order, from the wrapped ones of a transform."""
-        top, left = self.least
-        height, width = self.shape[0] - top, self.shape[1] - left
-        result = np.empty(self.shape)
-        result[top:, left:] = wrapped[:height, :width]
-        if top:
-            result[:top, left:] = wrapped[-top:, :width]
-        if left:
-            result[top:, :left] = wrapped[:height, -left:]
-        if top and left:
-            result[:top, :left] = wrapped[-top:, -left:]
-        return result
-
-    def over_first(self, values: Floats) -> Floats:
-        """S_f of eq. 3.6: of the first picture, over what the second covers."""
-        if self.masked:
-            spectrum = np.fft.rfft2(values, self.padded) * self.g_mask.conj()
-            return self.cut(np.fft.irfft2(spectrum, self.padded))
-        return touching_sums(values, self.second, self.reach)
-
-    def over_second(self, values: Floats) -> Floats:
-        """S_g of eq. 3.8: of the second picture, over what the first covers."""
-        if self.masked:
-            spectrum = self.f_mask * np.fft.rfft2(values, self.padded).conj()
-            return self.cut(np.fft.irfft2(spectrum, self.padded))
-        # The second picture turned by 180 degrees (eq. 3.7), as the first one is seen from it.
-        return touching_sums(values, self.first, self.reach)[::-1, ::-1]
+def _unwrapped(values: Floats, far: tuple[int, int]) -> Floats:
+    """Return shifts in rising order, from the wrapped ones of a transform."""
+    rows, columns = (np.arange(-most, most + 1) for most in far)
+    found: Floats = values[rows[:, None], columns]
+    return found
 
 
 def wrapped_length(at_least: int) -> int:
-    """The next length with no prime factor above 5."""
+    """Return the next length with no prime factor above 5."""
     length = at_least
     while True:
         rest = length

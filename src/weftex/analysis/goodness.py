@@ -21,14 +21,12 @@ from weftex.errors import InvalidInputError, did_you_mean, shown
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-    from weftex.analysis.peaks import Peaks
+    from weftex.analysis.autocorrelations import Field
 
     Floats = NDArray[np.float64]
 
-ALPHA = 1.12  # the paper's; above 1 it prefers smaller tiles
 MOST_ALPHA = 4.0  # by far the smallest tile wins
 UNSURE = 0.25  # standard error of the contrast of one multiple, about
-SIGNIFICANT = 0.85  # share of a tile that an overlap must hold (section 3.3.1)
 GOODNESS = ("contrast", "height", "dominance")
 
 #: Multiples themselves, and half and a third of the way between them.
@@ -37,7 +35,6 @@ PHASES = (0.0, 1 / 2, 1 / 3, 2 / 3)
 # times the tile has multiples of the right one at some of these, and so no contrast.
 _BETWEEN = [(0.5, 0.0), (0.0, 0.5), (0.5, 0.5)]
 _BETWEEN += [(1 / 3, 0.0), (0.0, 1 / 3), (1 / 3, 1 / 3), (1 / 3, 2 / 3)]
-_CLOSE = 10.0  # pixels; shorter vectors are rated by single pixels
 
 
 @dataclass(frozen=True, eq=False)
@@ -64,59 +61,6 @@ def check_rule(goodness: str, alpha: float, significant: float) -> None:
         )
 
 
-class Field:
-    """An autocorrelation and its peaks, to be read at multiples of vectors.
-
-    `alpha` is that of eq. 3.22, `significant` the share of a tile that an overlap must hold;
-    `unsure` is the contrast of one multiple by chance, if all of the sample overlaps.
-    """
-
-    def __init__(
-        self,
-        correlation: Floats,
-        peaks: Peaks,
-        alpha: float = ALPHA,
-        significant: float = SIGNIFICANT,
-        unsure: float | None = None,
-    ) -> None:
-        self.correlation, self.peaks = correlation, peaks
-        self.alpha, self.significant, self.unsure = alpha, significant, unsure
-        self.height, self.width = (side // 2 + 1 for side in correlation.shape)
-        # Multiples lie between pixels, and material is not exact: of a place and its neighbors
-        # the highest counts, also at the places between multiples.
-        self.tables = np.stack([correlation, _around(correlation)])
-
-    def values(self, x: Floats, y: Floats, pairs: Floats) -> Floats:
-        """Return the correlation at shifts (n, m) of n pairs, or the highest around them."""
-        # A neighbor of a place between close multiples would itself be a multiple.
-        coarse = (_shortest(pairs) >= _CLOSE).astype(np.int64)
-        found: Floats = self.tables[coarse, *self._at(x, y)]
-        return found
-
-    def shares(self, x: Floats, y: Floats) -> Floats:
-        """Return the share of the sample that overlaps at each shift."""
-        found: Floats = (1 - abs(x) / self.width) * (1 - abs(y) / self.height)
-        return found
-
-    def held(self, x: Floats, y: Floats, pairs: Floats) -> Floats:
-        """Return the region that the peak near a shift dominates, over the shorter vector."""
-        place = self.peaks.shifts[:, ::-1] + [self.height - 1, self.width - 1]
-        table = np.zeros(self.correlation.shape)
-        table[tuple(place.T)] = self.peaks.dominance
-        table = _around(np.maximum(table, table[::-1, ::-1]))
-        found: Floats = np.minimum(2 * table[self._at(x, y)] / _shortest(pairs), 1)
-        return found
-
-    def _at(self, x: Floats, y: Floats) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
-        found = []
-        for at, side in ((y, self.height), (x, self.width)):
-            place = np.rint(at).astype(np.int64)
-            place += side - 1
-            np.maximum(place, 0, out=place)  # np.clip takes as long again to look at its limits
-            found.append(np.minimum(place, 2 * side - 2, out=place))
-        return found[0], found[1]
-
-
 def rate(field: Field, pairs: Floats, reach: int, kind: str, *, exact: bool = False) -> Rating:
     """Rate pairs of vectors (n, 2, 2) by multiples of up to `reach` times each vector.
 
@@ -124,10 +68,10 @@ def rate(field: Field, pairs: Floats, reach: int, kind: str, *, exact: bool = Fa
     area say whether it is significant.
     """
     area = abs(pairs[:, 0, 0] * pairs[:, 1, 1] - pairs[:, 0, 1] * pairs[:, 1, 0])
-    times = _multiples(reach, (0, 0))
-    x, y, counts = _places(field, pairs, times, exact)
+    times = multiples(reach, (0, 0))
+    x, y, counts = places(field, pairs, times, exact)
     ones = np.array([[1.0, 0.0], [0.0, 1.0]])
-    both = _places(field, pairs, ones, exact)[2].all(axis=1)  # each vector itself is significant
+    both = places(field, pairs, ones, exact)[2].all(axis=1)  # each vector itself is significant
     count = counts.sum(axis=1).astype(np.float64)
     heights = field.values(x, y, pairs)
     if kind == "height":
@@ -152,35 +96,6 @@ def contrast_of(field: Field, pair: Floats, reach: int) -> float:
     if field.unsure is not None:
         return float(found.value[0])
     return float(found.value[0] - UNSURE / max(found.count[0], 1) ** 0.5)
-
-
-def stand_out(
-    field: Field, vectors: Floats, whole: Floats, reach: int, near: float = 0.5
-) -> tuple[float, float, int]:
-    """Compare the multiples of a larger tile, `whole @ vectors`, with the smaller tile's others.
-
-    Returns the gap as a share of the larger tile's mean, its size in standard errors, and how many
-    multiples the larger tile has. Only others within `near` pixels of a whole shift are compared.
-    """
-    times = _multiples(reach, (0, 0))
-    x, y, counts = _places(field, vectors[None], times)
-    heights, far = field.values(x, y, vectors[None])[counts], np.hypot(x, y)[counts]
-    parts = times[counts[0]] @ np.linalg.inv(whole)
-    own = (abs(parts - np.rint(parts)) < 1e-6).all(axis=1)
-    if own.all() or not own.any():
-        return 0.0, 0.0, 0
-    # Far correlations are lower in any sample, so each of the others is compared with the larger
-    # tile's multiples that are at least as far.
-    order = np.argsort(-far[own], kind="stable")
-    further = np.cumsum(heights[own][order]) / np.arange(1, own.sum() + 1)
-    number = np.searchsorted(-far[own][order], -far[~own], side="right")
-    off = np.maximum(abs(x - np.rint(x)), abs(y - np.rint(y)))[counts][~own]
-    gaps = (further[number - 1] - heights[~own])[(number > 0) & (off <= near)]
-    if not len(gaps):
-        return 0.0, 0.0, 0
-    error = (gaps.var() / len(gaps) + heights[own].var() / own.sum() + 1e-9) ** 0.5
-    gap = float(gaps.mean())
-    return gap / max(float(heights[own].mean()), 1e-9), gap / error, int(own.sum())
 
 
 def tile_shares(vectors: NDArray[np.int64], wide: Floats, high: Floats) -> Floats:
@@ -226,7 +141,7 @@ def reach_of(field: Field, vectors: Floats, most: int) -> int:
 
 
 @lru_cache(maxsize=256)
-def _multiples(reach: int, phase: tuple[float, float]) -> Floats:
+def multiples(reach: int, phase: tuple[float, float]) -> Floats:
     """Return multiples of each vector: whole ones in the right half, or those off by a phase."""
     b, a = np.mgrid[-reach : reach + 1, -reach : reach + 1].reshape(2, -1)
     times = np.stack([a, b], axis=1).astype(np.float64)
@@ -238,12 +153,12 @@ def _multiples(reach: int, phase: tuple[float, float]) -> Floats:
 @lru_cache(maxsize=64)
 def _multiples_between(reach: int) -> Floats:
     """Return the multiples off by each phase of `_BETWEEN`, one after the other."""
-    chosen = np.concatenate([_multiples(reach, phase) for phase in _BETWEEN])
+    chosen = np.concatenate([multiples(reach, phase) for phase in _BETWEEN])
     chosen.flags.writeable = False
     return chosen
 
 
-def _places(
+def places(
     field: Field, pairs: Floats, times: Floats, exact: bool = False
 ) -> tuple[Floats, Floats, NDArray[np.bool_]]:
     """Return where multiples lie, each (n, m), and whether their overlaps are significant."""
@@ -266,7 +181,7 @@ def _places(
 
 def _between(field: Field, pairs: Floats, reach: int) -> Floats:
     """Return the highest mean correlation half or a third of the way between multiples."""
-    x, y, counts = _places(field, pairs, _multiples_between(reach))
+    x, y, counts = places(field, pairs, _multiples_between(reach))
     weights = counts * field.shares(x, y)
     sums = weights * field.values(x, y, pairs)
     highest = np.full(len(pairs), -1.0)
@@ -296,19 +211,6 @@ def _above_chance(contrasts: Floats, weights: Floats, times: Floats, unsure: flo
         mean = (total - part) / np.maximum(left, 1e-9) - unsure / np.sqrt(np.maximum(left, 1e-9))
         least = np.where(left > 1e-9, np.minimum(least, mean), -1.0)
     return least
-
-
-def _around(table: Floats) -> Floats:
-    """Return the maximum of each place and its eight neighbors."""
-    framed = np.pad(table, 1, mode="edge")
-    tall = np.maximum(np.maximum(framed[:-2], framed[1:-1]), framed[2:])
-    around: Floats = np.maximum(np.maximum(tall[:, :-2], tall[:, 1:-1]), tall[:, 2:])
-    return around
-
-
-def _shortest(pairs: Floats) -> Floats:
-    lengths: Floats = np.hypot(pairs[..., 0], pairs[..., 1]).min(axis=1)[:, None]
-    return lengths
 
 
 def _mean(values: Floats, weights: Floats | NDArray[np.bool_]) -> Floats:

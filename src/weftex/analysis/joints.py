@@ -13,11 +13,11 @@ from weakref import WeakKeyDictionary
 
 import numpy as np
 
-from weftex.analysis import line_kernels as kernels
+from weftex.analysis import kernels
 from weftex.analysis.correlation import wrapped_length
 from weftex.analysis.goodness import PHASES
 from weftex.analysis.relief import means, mixed
-from weftex.raster.medians import median
+from weftex.raster.arrays import median
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray

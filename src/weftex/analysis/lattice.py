@@ -4,27 +4,41 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 from weakref import WeakKeyDictionary
 
 import numpy as np
 
-from weftex.analysis.autocorrelations import Autocorrelations, autocorrelations
+from weftex.analysis.autocorrelations import (
+    ALPHA,
+    SIGNIFICANT,
+    Autocorrelations,
+    Field,
+    autocorrelations,
+)
 from weftex.analysis.candidates import (
     CLEAR,
     LEAST,
     better_pair,
     checked_by_rows,
     course_candidate,
+    evidence_of,
     lattice_of_rows,
     pair_candidates,
     row_candidate,
     with_alternation,
 )
-from weftex.analysis.goodness import ALPHA, SIGNIFICANT, check_rule
-from weftex.analysis.pairs import reduced
+from weftex.analysis.goodness import check_rule, rate, reach_of
+from weftex.analysis.pairs import MOST_MULTIPLES, highest, rated_pairs, reduced
 from weftex.analysis.relief import maps_alone
+from weftex.analysis.rows import ridges
 from weftex.errors import InvalidInputError
 from weftex.exemplar import Exemplar
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    from weftex.analysis.candidates import Evidence
 
 Vector = tuple[float, float]
 
@@ -188,19 +202,115 @@ def find_lattice(
 
 def lattice_in(fields: Autocorrelations, goodness: str = "contrast") -> Lattice | None:
     """Return the better pair of vectors, or else rows; see `find_lattice`."""
-    best = better_pair(fields, pair_candidates(fields, goodness))
-    usual = goodness == "contrast"
-    if usual and best is not None and LEAST <= best.confidence < CLEAR and best.kind != "stripes":
+    best = _by_contrast(fields) if goodness == "contrast" else _as_in_thesis(fields, goodness)
+    if best is None:
+        return None
+    plain = _plain(best.vectors * fields.flat.step)
+    return Lattice(plain, round(best.confidence, 2))
+
+
+def _as_in_thesis(fields: Autocorrelations, goodness: str) -> Evidence | None:
+    """Return the pair with the highest goodness (section 3.3), or rows where it is not sure."""
+    vectors = highest(rated_pairs(fields.field, goodness))
+    best = None if vectors is None else evidence_of(fields, vectors)
+    return best if best is not None and best.confidence >= LEAST else _rows(fields)
+
+
+def _by_contrast(fields: Autocorrelations) -> Evidence | None:
+    """Return the pair or rows with the best evidence."""
+    best = better_pair(fields, pair_candidates(fields))
+    if best is not None and LEAST <= best.confidence < CLEAR and best.kind != "stripes":
         best = checked_by_rows(fields, best)
     if best is not None and best.confidence >= LEAST:
-        best = with_alternation(fields, best) if usual and len(best.vectors) == 2 else best
-    else:
-        best = row_candidate(fields)
-        if best is None or best.confidence < _LEAST_ROWS:
-            best = course_candidate(fields, best)
-            if best is None or best.confidence < _LEAST_ROWS:
-                return None
-        best = lattice_of_rows(fields, best) if usual else best
-    lattice = Lattice(tuple((float(x), float(y)) for x, y in best.vectors * fields.flat.step))
-    plain = [(round(x, 2) + 0.0, round(y, 2) + 0.0) for x, y in lattice.reduced().vectors]
-    return Lattice(tuple(plain), round(best.confidence, 2))
+        return with_alternation(fields, best) if len(best.vectors) == 2 else best
+    rows = _rows(fields)
+    return None if rows is None else lattice_of_rows(fields, rows)
+
+
+def _rows(fields: Autocorrelations) -> Evidence | None:
+    """Return the rows by ridges, or else by joints, that are sure enough."""
+    best = row_candidate(fields)
+    if best is None or best.confidence < _LEAST_ROWS:
+        best = course_candidate(fields, best)
+    return best if best is not None and best.confidence >= _LEAST_ROWS else None
+
+
+def _plain(vectors: NDArray[np.float64]) -> tuple[Vector, ...]:
+    """Return the shortest vectors of a lattice, rounded to hundredths of a pixel."""
+    shortest = Lattice(tuple((float(x), float(y)) for x, y in vectors)).reduced()
+    return tuple((round(x, 2) + 0.0, round(y, 2) + 0.0) for x, y in shortest.vectors)
+
+
+@dataclass(frozen=True)
+class Rated:
+    """A lattice and how good it is by section 3.3 of the paper on near-regular textures.
+
+    Attributes
+    ----------
+    vectors : tuple of (float, float)
+        Its shortest vectors (x, y) in pixels; one of rows.
+    goodness : float
+        Of eq. 3.22; what is compared. 0 if a vector has no significant multiple.
+    mean : float
+        The mean of eq. 3.24: of the correlation for "height", of what stands for it otherwise.
+    multiples : int
+        n of eq. 3.22: those whose overlap is significant.
+
+    Notes
+    -----
+    Of rows the mean is how far the ridges of the correlation are above what is between them,
+    without the highest, and n is the number of ridges.
+    """
+
+    vectors: tuple[tuple[float, float], ...]
+    goodness: float
+    mean: float
+    multiples: int
+
+
+def rate_lattices(
+    exemplar: Exemplar,
+    lattice: Lattice | None = None,
+    *,
+    goodness: str = "contrast",
+    alpha: float = ALPHA,
+    significant: float = SIGNIFICANT,
+    runners_up: int = 3,
+    fields: Autocorrelations | None = None,
+) -> tuple[Rated | None, tuple[Rated, ...]]:
+    """Rate a lattice, and the best others that a sample could have."""
+    check_rule(goodness, alpha, significant)
+    fields = autocorrelations(exemplar, alpha, significant) if fields is None else fields
+    field, step = fields.field, fields.flat.step
+
+    def rated(vectors: NDArray[np.float64]) -> Rated:
+        reach = reach_of(field, vectors, MOST_MULTIPLES)
+        found = rate(field, vectors[None], reach, goodness, exact=True)
+        return Rated(
+            _plain(vectors * step),
+            round(float(found.goodness[0]), 4),
+            round(float(found.value[0]), 4),
+            int(found.count[0]),
+        )
+
+    own = None
+    if lattice is not None:
+        vectors = np.array(lattice.reduced().vectors) / step
+        own = rated(vectors) if len(vectors) == 2 else _rated_rows(lattice, field, vectors[0])
+    if not runners_up:
+        return own, ()
+    others = [rated(vectors) for vectors, _ in rated_pairs(field, goodness)]
+    others.sort(key=lambda other: -other.goodness)
+    shown: list[Rated] = []
+    for other in others:
+        known = [] if lattice is None else [lattice]
+        known += [Lattice(one.vectors) for one in shown]
+        if other.goodness > 0 and not any(Lattice(other.vectors).same_as(one) for one in known):
+            shown.append(other)
+    return own, tuple(shown[:runners_up])
+
+
+def _rated_rows(lattice: Lattice, field: Field, vector: NDArray[np.float64]) -> Rated:
+    mean, number = ridges(field.correlation, vector)
+    goodness = max(mean, 0.0) ** field.alpha * number ** (field.alpha - 1)
+    return Rated(lattice.reduced().vectors, round(goodness, 4), round(mean, 4), number)

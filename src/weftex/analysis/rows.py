@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from weftex.analysis import line_kernels as kernels
+from weftex.analysis import kernels
 from weftex.analysis.correlation import correlate
 from weftex.analysis.goodness import PHASES
 from weftex.analysis.relief import mixed
@@ -42,7 +42,7 @@ def find_rows(flat: Relief) -> tuple[Floats, float] | None:
     reach = int(_REACH * min(height, width))
     if (reach - 1) / _FEWEST <= _CLOSEST:
         return None
-    correlation = correlate(_with_edges(flat.levels), first_mask=flat.usable >= 0.5)
+    correlation = correlate(_with_edges(flat.levels), flat.usable >= 0.5)
     coarse = np.deg2rad(np.arange(0, 180, 3.0))
     angle, _, _ = _highest(correlation, coarse, reach)
     near = angle + np.deg2rad(np.arange(-2.5, 2.51, 0.5))
@@ -106,7 +106,7 @@ def _with_edges(levels: Floats) -> Floats:
     if gray.var() < _COLORED * mixed(levels).var():  # colors of one brightness
         gray = mixed(levels)[None]
     share = levels.var(axis=(1, 2)).mean() / max(edges.var(axis=(1, 2)).sum(), 1e-12)
-    found: Floats = np.moveaxis(np.concatenate([gray, edges * share**0.5]), 0, 2)
+    found: Floats = np.concatenate([gray, edges * share**0.5])
     return found
 
 

@@ -94,8 +94,8 @@ class View:
         Of a large picture that of its center.
         """
         part = self.center(_LARGEST_TRANSFORM)
-        mask, (y, x) = part.usable if part.masked else None, self.sample
-        return correlate(part.flat, first_mask=mask, reach=(y // 2 + _MARGIN, x // 2 + _MARGIN))
+        reach = self.sample[0] // 2 + _MARGIN, self.sample[1] // 2 + _MARGIN
+        return correlate(part.flat[None].astype(np.float64), part.usable, reach)
 
     def part(self, top: int, left: int, height: int, width: int) -> View:
         """Return a part of the picture."""

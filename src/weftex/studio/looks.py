@@ -6,9 +6,8 @@ from typing import TYPE_CHECKING, Any
 
 import weftex
 from weftex.analysis.canvas_lattice import four_numbers
-from weftex.analysis.courses import courses
 from weftex.analysis.lattice import Lattice
-from weftex.analysis.overlay import lattice_lines
+from weftex.analysis.overlay import courses, lattice_lines
 from weftex.analysis.relief import smaller_copy
 from weftex.errors import InvalidInputError
 from weftex.studio.refusals import Refusal
@@ -17,7 +16,7 @@ from weftex.tasks.auto import AutoModel
 if TYPE_CHECKING:
     from weftex import Exemplar
     from weftex.analysis.autocorrelations import Autocorrelations
-    from weftex.analysis.ratings import Rated
+    from weftex.analysis.lattice import Rated
     from weftex.choice import Choice
     from weftex.studio.materials import Loaded
     from weftex.studio.sessions import Session
@@ -83,9 +82,8 @@ def _quick_look(exemplar: Exemplar) -> dict[str, Any]:
 
 def rate(loaded: Loaded, vectors: str, session: Session) -> dict[str, Any]:
     """Return how good a lattice is that somebody drew, or raise `InvalidInputError`."""
-    from weftex.analysis.autocorrelations import autocorrelations
-    from weftex.analysis.goodness import ALPHA, SIGNIFICANT
-    from weftex.analysis.ratings import rate_lattices
+    from weftex.analysis.autocorrelations import ALPHA, SIGNIFICANT, autocorrelations
+    from weftex.analysis.lattice import rate_lattices
     from weftex.tasks.analyze import given_lattice
 
     if not vectors:

@@ -11,15 +11,12 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from weftex.analysis import canvas_lattice
-from weftex.analysis.autocorrelations import autocorrelations
-from weftex.analysis.courses import courses
-from weftex.analysis.evenness import Evenness
-from weftex.analysis.goodness import ALPHA, SIGNIFICANT, check_rule
-from weftex.analysis.lattice import Lattice, lattice_in
-from weftex.analysis.ratings import Rated, rate_lattices
-from weftex.analysis.regularity import regularity
+from weftex.analysis.autocorrelations import ALPHA, SIGNIFICANT, autocorrelations
+from weftex.analysis.goodness import check_rule
+from weftex.analysis.lattice import Lattice, Rated, lattice_in, rate_lattices
+from weftex.analysis.overlay import courses
+from weftex.analysis.properties import SEAMLESS, Evenness, border_steps, regularity
 from weftex.analysis.scale import DominantScale, dominant_scale
-from weftex.analysis.tiling import SEAMLESS, border_steps
 from weftex.choice import Choice
 from weftex.errors import InvalidInputError
 from weftex.loading import load_exemplar
@@ -107,17 +104,17 @@ class Analysis:
     spectrum : tuple of Band
         The curve that the scale is read from, coarse to fine.
     regularity : float
-        See `weftex.analysis.regularity.regularity`.
+        See `weftex.analysis.properties.regularity`.
     lattice : Lattice or None
         See `weftex.analysis.lattice.find_lattice`.
     ratings : Ratings
         How good that lattice is, and which others there are.
     border_steps : (float, float)
-        See `weftex.analysis.tiling.border_steps`.
+        See `weftex.analysis.properties.border_steps`.
     tiles : (bool, bool)
         Whether it tiles without a seam, downwards and to the right.
     evenness : Evenness
-        See `weftex.analysis.evenness`.
+        See `weftex.analysis.properties`.
     choice : Choice
         The method of "auto" for an output of twice the sample's size, and why; see
         `weftex.tasks.auto`.

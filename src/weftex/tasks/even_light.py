@@ -54,7 +54,7 @@ def even_light(sample: Sample, degree: int = 2) -> Exemplar:
 
     Examples
     --------
-    >>> from weftex.analysis.evenness import evenness
+    >>> from weftex.analysis.properties import evenness
     >>> noise = np.random.default_rng(0).integers(60, 90, (64, 64))
     >>> photo = Exemplar((noise * np.linspace(1, 2.5, 64)).astype(np.uint8))
     >>> evenness(photo).light > 0.5, evenness(even_light(photo)).light < 0.1

@@ -82,8 +82,7 @@ def run(argv: list[str]) -> None:
 
         write_image(args.overlay, draw_lattice(exemplar, _drawn(args, exemplar, found)))
     if args.correlation is not None:
-        from weftex.analysis.overlay import draw_correlation
-        from weftex.analysis.ratings import gncc
+        from weftex.analysis.overlay import draw_correlation, gncc
 
         write_image(args.correlation, draw_correlation(gncc(exemplar)))
     if args.json:

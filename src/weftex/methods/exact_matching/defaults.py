@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from weftex.analysis.regularity import regularity
+from weftex.analysis.properties import regularity
 from weftex.analysis.scale import dominant_scale
 from weftex.methods.pixels.growth import narrowed, width_for
 from weftex.search.color_index import ColorIndex

@@ -6,11 +6,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from weftex.analysis.evenness import Evenness, evenness
 from weftex.analysis.lattice import Lattice, find_lattice
+from weftex.analysis.properties import Evenness, evenness, sidedness
 from weftex.analysis.relief import maps_alone, smaller_copy
 from weftex.analysis.scale import dominant_scale
-from weftex.analysis.sidedness import sidedness
 from weftex.exemplar import Exemplar
 
 LOOK = 320  #: pixels a side; of larger samples a smaller copy and a part are analyzed

@@ -7,8 +7,8 @@ from typing import TYPE_CHECKING, Any
 
 from weftex.analysis.canvas_lattice import VISIBLE_STRAIN, CanvasLattice, four_numbers
 from weftex.analysis.canvas_lattice import is_sure as lattice_is_sure
-from weftex.analysis.courses import courses
 from weftex.analysis.lattice import Lattice, find_lattice
+from weftex.analysis.overlay import courses
 from weftex.analysis.relief import smaller_copy
 from weftex.analysis.scale import dominant_scale
 from weftex.choice import Choice

@@ -1,4 +1,4 @@
-"""Whether a sample looks the same everywhere: its light, how much it shows, its perspective.
+"""What a sample is like: whether it repeats, tiles, has an orientation, and looks even.
 
 Synthesis assumes that a sample is a window of an endless, uniform material. Three faults of a photo
 break that, and no method can repair them: uneven light, one object (or a few) instead of many, and
@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from weftex.analysis.relief import relief
+from weftex.raster.arrays import median
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -21,12 +22,128 @@ if TYPE_CHECKING:
 
     Floats = NDArray[np.float64]
 
+#: Up to this many times the steps inside, a border step is no seam.
+SEAMLESS = 1.5
+
+_STRIP = 256  # lines that are read at a time, for little memory
+#: Rows and columns between the two pixels; the other half of all directions has the other sign.
+_SHIFTS = [(0, 2), (1, 2), (2, 2), (2, 1), (2, 0), (2, -1), (2, -2), (1, -2)]
 _CELLS = 8  # along each side; what is larger than one is a large form
 _BINS = 8  # of the spectrum, an octave
 _COARSE, _FINE = 2.0**-5, 0.5  # waves a pixel between which spectra are compared
 _SMALLEST_PART = 32  # pixels of the parts whose spectra are compared
 _REACH = 8  # bins that a spectrum is shifted by at most
 _LIKE, _UNLIKE = 0.6, 0.2  # correlations of spectra: of the same things, and of others
+
+
+def regularity(exemplar: Exemplar) -> float:
+    """Return how well a sample repeats at some shift of up to half its sides, from 0 to 1.
+
+    The correlation at a shift, less the lowest on the straight way to it where that is above 0, so
+    long lines and slow changes do not count. Irregular samples have 0.1 to 0.3, bricks 0.6 to 0.9.
+    """
+    return round(min(highest_return(autocorrelation(exemplar)), 1.0), 2)
+
+
+def highest_return(correlation: NDArray[np.float64]) -> float:
+    """Return the highest correlation at any shift above the lowest on the straight way to it."""
+    middle, center = correlation.shape[0] // 2, correlation.shape[1] // 2
+    half = correlation[middle:]  # the other one is its mirror image
+    around = np.pad(correlation, 1, constant_values=-np.inf)[middle:]
+    peak = np.ones(half.shape, bool)
+    for dy in range(3):
+        for dx in range(3):
+            peak &= half >= around[dy : dy + half.shape[0], dx : dx + half.shape[1]]
+    y, x = peak.nonzero()
+    best = 0.0
+    for k in np.argsort(-half[y, x], kind="stable"):
+        reached = float(half[y[k], x[k]])
+        if reached <= best:
+            break  # no other shift can come back any higher
+        steps = np.linspace(0, 1, 1 + max(int(y[k]), abs(int(x[k]) - center)))
+        way = half[
+            np.rint(steps * y[k]).astype(int), center + np.rint(steps * (x[k] - center)).astype(int)
+        ]
+        best = max(best, reached - max(0.0, float(way.min())))
+    return best
+
+
+def autocorrelation(exemplar: Exemplar) -> NDArray[np.float64]:
+    """Return the correlation of a sample with itself at every shift of up to half its sides.
+
+    Slow lighting is removed first. Products of the overlap are divided by the mean of the two
+    parts' energies, so it is 1 where the parts are equal and never more.
+    """
+    flat = relief(exemplar)
+    height, width = flat.usable.shape
+    reach = height // 2, width // 2
+    size = height + reach[0], width + reach[1]  # so far that no shift wraps around
+    power = np.zeros((size[0], size[1] // 2 + 1))
+    for level in flat.levels:
+        power += np.abs(np.fft.rfft2(level, size)) ** 2
+    products = np.fft.irfft2(power, size)
+    usable = np.fft.rfft2(flat.usable, size)
+    energy = np.fft.rfft2((flat.levels**2).sum(axis=0), size)
+    energies = np.fft.irfft2((energy * usable.conj()).real, size)
+    places = [np.arange(-r, r + 1) for r in reach]
+    products, energies = products[np.ix_(*places)], energies[np.ix_(*places)]
+    # Below this the transforms' own rounding is all there is.
+    floor = 1e-9 * max(1.0, float(energies.max()))
+    result: NDArray[np.float64] = np.where(
+        energies > floor, products / np.maximum(energies, floor), 0
+    )
+    return result
+
+
+def border_steps(exemplar: Exemplar) -> tuple[float, float]:
+    """Return the step across the border over the steps inside, downwards and to the right.
+
+    A step is the mean squared difference of neighboring lines. The step at the border is divided
+    by the median of the others, or by the first or last where larger, as on a joint.
+    """
+    levels = exemplar.matching()
+    usable = np.ones(exemplar.shape, bool) if exemplar.mask is None else exemplar.mask
+    found = []
+    for axis in (0, 1):
+        lines, whole = np.moveaxis(levels, axis, 0), np.moveaxis(usable, axis, 0)
+        total = np.zeros(len(lines), np.int64)
+        for start in range(0, lines.shape[1], _STRIP):
+            strip = lines[:, start : start + _STRIP].astype(np.int32)
+            changes = ((strip - np.roll(strip, 1, 0)) ** 2).sum(axis=2)
+            part = whole[:, start : start + _STRIP]
+            total += (changes * (part & np.roll(part, 1, 0))).sum(axis=1)
+        steps = total / np.maximum((whole & np.roll(whole, 1, 0)).sum(axis=1), 1)
+        inside = steps[1:] if len(steps) > 1 else steps  # one line borders on itself
+        usual = max(median(inside), float(inside[0]), float(inside[-1]), 1.0)
+        found.append(round(float(steps[0]) / usual, 2))
+    return found[0], found[1]
+
+
+def sidedness(exemplar: Exemplar) -> float:
+    """Return how far a sample is from looking the same upside down: the skew of differences."""
+    flat = relief(exemplar)
+    levels, usable = flat.levels.mean(axis=0), flat.usable > 0
+    skews = np.zeros(len(_SHIFTS))
+    for half in (False, True):
+        if half:
+            rows, columns = (n // 2 * 2 for n in levels.shape)
+            corners = [np.s_[y:rows:2, x:columns:2] for y in (0, 1) for x in (0, 1)]
+            levels = sum(levels[c] for c in corners)
+            usable = np.logical_and.reduce([usable[c] for c in corners])
+        skews += [_skew(levels, usable, shift) for shift in _SHIFTS]
+    return round(float(np.abs(skews).max()) / 2, 2)
+
+
+def _skew(levels: Floats, usable: NDArray[np.bool_], shift: tuple[int, int]) -> float:
+    """Return the skew of the differences of usable pixels."""
+    height, width = levels.shape
+    down, along = shift
+    one = np.s_[: height - down, max(0, -along) : width - max(0, along)]
+    other = np.s_[down:, max(0, along) : width + min(0, along)]
+    apart = (levels[other] - levels[one])[usable[one] & usable[other]]
+    cubes = apart * apart * apart
+    size = float(np.abs(cubes).sum())
+    return float(cubes.sum()) / size if size else 0.0
 
 
 @dataclass(frozen=True)
