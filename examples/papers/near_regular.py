@@ -23,10 +23,11 @@ from _common import Table, load, run, sheet, shrunk, sized, some
 from PIL import Image, ImageDraw
 
 import weftex
+from weftex.analysis.autocorrelations import SIGNIFICANT
 from weftex.analysis.canvas_lattice import CanvasLattice
-from weftex.analysis.goodness import SIGNIFICANT, tile_shares
-from weftex.analysis.lattice import Lattice, find_lattice, gncc, rate_lattices
-from weftex.analysis.overlay import draw_correlation, draw_lattice
+from weftex.analysis.goodness import tile_shares
+from weftex.analysis.lattice import Lattice, find_lattice, rate_lattices
+from weftex.analysis.overlay import draw_correlation, draw_lattice, gncc
 from weftex.methods.best_tile.repetition import repeated as repeated_tiles
 from weftex.methods.best_tile.tiles import tile_errors
 
